@@ -1,0 +1,37 @@
+// Meshing in a separate program with a time limit, cached by content. Gmsh itself is never linked here: it is GPL, and it
+// may hang.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace soft_robot_lab {
+
+// A ball in which elements shall be no larger than `size_m`: around a cable's plug, for instance.
+struct MeshRefinement {
+  Eigen::Vector3d center_m;
+  double radius_m;
+  double size_m;
+};
+
+struct MeshRequest {
+  std::string solid_yaml;                  // the `solid` section with absolute file names, or
+  std::string mesh_file;                   // an existing .msh or .vtk file to convert
+  double element_size_m = 0.01;            // > 0
+  bool quadratic = true;                   // 10-node elements that follow curved surfaces
+  std::vector<MeshRefinement> refinements;
+};
+
+struct MesherOptions {
+  std::string program;       // mesh_robot
+  std::string cache_folder;
+  double time_limit_s = 120.0;
+};
+
+// The path of an MSH 2.2 text file for the request, made now or found in the cache. Safe against a second process doing
+// the same. Throws std::invalid_argument with the mesher's own words, or std::runtime_error when the time limit passed.
+std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options);
+
+}  // namespace soft_robot_lab

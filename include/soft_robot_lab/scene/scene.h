@@ -1,0 +1,48 @@
+// Scene and robot files (README, "Scene files"): strict reading, and building a simulation from them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "soft_robot_lab/sim/simulation.h"
+
+namespace soft_robot_lab {
+
+// Makes an actuator from its plugin name, "soft_robot_lab/Cable". Throws std::invalid_argument for unknown ones.
+using ActuatorFactory = std::function<std::unique_ptr<Actuator>(const std::string& plugin)>;
+
+struct TimedCommands {
+  double time_s = 0.0;
+  std::vector<std::pair<std::string, double>> commands;  // actuator, value
+};
+
+enum class RunMode { equilibrium, dynamic };
+
+struct RunSettings {
+  RunMode mode = RunMode::equilibrium;
+  double duration_s = 0.0;        // dynamic: > 0
+  double record_every_s = 0.0;    // dynamic: 0 records every step
+  bool sensitivity = false;       // report d marker / d command
+  std::vector<TimedCommands> commands;  // in order of time
+};
+
+struct Scene {
+  std::string file;
+  std::unique_ptr<Simulation> simulation;
+  RunSettings run;
+};
+
+struct SceneOptions {
+  std::string mesher;             // the mesh_robot executable; empty: beside the running program, then on PATH
+  std::string cache_folder;       // empty: $XDG_CACHE_HOME/soft_robot_lab, or ~/.cache/soft_robot_lab
+  double meshing_limit_s = 120.0;
+  ActuatorFactory actuator_factory;
+};
+
+// Reads the file (and those it includes), meshes or reads the body, binds actuators and markers.
+// Throws SettingsError (file, line, key, value, allowed range) or std::invalid_argument from a part, with the section named.
+Scene load_scene(const std::string& path, const SceneOptions& options);
+
+}  // namespace soft_robot_lab

@@ -31,9 +31,12 @@ namespace {
 
 // A policy on its way, from the first marker message after its start to the last command, and to rest.
 struct Execution {
+  Execution(PolicyPlayer policy_player, bool wait, double limit_s)
+      : player(std::move(policy_player)), wait_until_rest(wait), time_limit_s(limit_s) {}
+
   PolicyPlayer player;
   bool wait_until_rest;
-  double time_limit_s;
+  double time_limit_s;  // of session time
   RestDetector rest;
   std::optional<double> start_s;  // stamp of that first message
   double elapsed_s = 0.0;
@@ -208,11 +211,7 @@ Execution ControllerNode::new_execution(const ExecutePolicy::Request& request) c
     const auto seen = commands_.find(name);
     start_values.push_back(seen != commands_.end() ? seen->second : limits_.at(name).rest);
   }
-  return Execution{PolicyPlayer(request.policy, start_values),
-                   request.wait_until_rest != 0,
-                   execution_time_limit_s(request),
-                   RestDetector(),
-                   {}};
+  return {PolicyPlayer(request.policy, start_values), request.wait_until_rest != 0, execution_time_limit_s(request)};
 }
 
 // Waits while the marker messages drive the policy on, in whatever time the session runs.

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>

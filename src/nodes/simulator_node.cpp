@@ -135,9 +135,10 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
 
   commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
   reset_ = node_.advertiseService(topics::simulator_reset, &SimulatorNode::reset, this);
-  load_ = node_.advertiseService(ros::AdvertiseServiceOptions::create<LoadScene>(
+  auto load_options = ros::AdvertiseServiceOptions::create<LoadScene>(
       topics::simulator_load, [this](auto& request, auto& response) { return load(request, response); },
-      ros::VoidConstPtr(), &loading_queue_));
+      ros::VoidConstPtr(), &loading_queue_);
+  load_ = node_.advertiseService(load_options);
   loading_.start();
   diagnostics_.setHardwareID("simulated");
   diagnostics_.add("simulation", this, &SimulatorNode::diagnose);

@@ -119,8 +119,7 @@ inline PackSums pack_gradient(const Pack* x, const Pack* gradients, const Pack* 
 //   + [e]x with e = sum_q w (mu (J - 2) + p) F (grad a x grad b),   ([e]x)_ik = epsilon_ikm e_m   (d2J/dF2 contracted)
 template <int Nodes, int Points>
 inline void pack_hessian(const Pack* x, const Pack* gradients, const Pack* weights, const Pack* laplacian, double mu,
-                         double lambda, Pack p, bool convex, Pack* blocks, Pack* condensed, Pack* volume_gradient,
-                         Pack* mean_determinant) {
+                         double lambda, Pack p, bool convex, Pack* blocks, Pack* condensed, Pack* volume_gradient) {
   PackMatrix f[Points], c[Points];
   Pack second[Points], extra[Points], cg[Points][3 * Nodes];
   Pack volume = splat(0.0), determinants = splat(0.0);
@@ -153,8 +152,7 @@ inline void pack_hessian(const Pack* x, const Pack* gradients, const Pack* weigh
     }
   }
   const Pack safe_volume = volume > 0.0 ? volume : splat(1.0);
-  *mean_determinant = determinants / safe_volume;
-  const Pack pressure = lambda * (*mean_determinant - 1.0), stiffness = lambda / safe_volume;
+  const Pack pressure = lambda * (determinants / safe_volume - 1.0), stiffness = lambda / safe_volume;
   for (int i = 0; i < 3 * Nodes; ++i) condensed[i] += pressure * volume_gradient[i];
 
   int pair = 0;
@@ -219,13 +217,8 @@ inline void all_gradients(const ElementArrays& e, const double* positions, const
         x, e.gradients + static_cast<std::ptrdiff_t>(pack) * Points * Nodes * 3, weights, e.mu, p, f);
     scatter_add(f, nodes, Nodes, forces);
     for (int lane = 0; lane < lanes; ++lane) {
-      double volume = 0.0;
-      for (int q = 0; q < Points; ++q) volume += weights[q][lane];
-      const double growth = result.mean_determinant[lane] - 1.0, mismatch = growth - p[lane] / e.lambda;
       sums->elastic_energy += result.energy[lane];
-      sums->multiplier_energy += volume * p[lane] * (growth - 0.5 * p[lane] / e.lambda);
-      sums->squared_mismatch += volume * mismatch * mismatch;
-      sums->largest_mismatch = std::max(sums->largest_mismatch, std::abs(mismatch));
+      sums->growth[pack * kLanes + lane] = result.mean_determinant[lane] - 1.0;
       if (!(result.smallest_determinant[lane] > 0.0)) ++sums->inverted;
       if (result.smallest_determinant[lane] < sums->smallest_determinant) {
         sums->smallest_determinant = result.smallest_determinant[lane];
@@ -237,9 +230,9 @@ inline void all_gradients(const ElementArrays& e, const double* positions, const
 
 template <int Nodes, int Points>
 inline void all_hessians(const ElementArrays& e, const double* positions, const double* multipliers, bool convex,
-                         double* values, double* right_hand_side, Pack* volume_gradients, double* mean_determinants) {
+                         double* values, double* right_hand_side, Pack* volume_gradients) {
   constexpr int kPairs = Nodes * (Nodes + 1) / 2;
-  Pack x[3 * Nodes], condensed[3 * Nodes], blocks[9 * kPairs], mean;
+  Pack x[3 * Nodes], condensed[3 * Nodes], blocks[9 * kPairs];
   for (int pack = 0; pack < e.packs; ++pack) {
     const int* nodes = e.nodes + static_cast<std::ptrdiff_t>(pack) * Nodes * kLanes;
     const int* slots = e.slots + static_cast<std::ptrdiff_t>(pack) * kPairs * kLanes;
@@ -250,9 +243,8 @@ inline void all_hessians(const ElementArrays& e, const double* positions, const 
     pack_hessian<Nodes, Points>(x, e.gradients + static_cast<std::ptrdiff_t>(pack) * Points * Nodes * 3,
                                 e.weights + static_cast<std::ptrdiff_t>(pack) * Points,
                                 e.laplacian + static_cast<std::ptrdiff_t>(pack) * kPairs, e.mu, e.lambda, p, convex, blocks,
-                                condensed, volume_gradients + static_cast<std::ptrdiff_t>(pack) * 3 * Nodes, &mean);
+                                condensed, volume_gradients + static_cast<std::ptrdiff_t>(pack) * 3 * Nodes);
     scatter_add(condensed, nodes, Nodes, right_hand_side);
-    for (int lane = 0; lane < lanes; ++lane) mean_determinants[pack * kLanes + lane] = mean[lane];
     for (int pair = 0; pair < kPairs; ++pair) {
       for (int lane = 0; lane < lanes; ++lane) {
         double* target = values + static_cast<std::ptrdiff_t>(9) * slots[pair * kLanes + lane];
@@ -271,14 +263,14 @@ SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const double
   all_gradients<4, 1>(e, x, p, forces, sums);
 }
 SOFT_ROBOT_LAB_CLONES void quadratic_hessians(const ElementArrays& e, const double* x, const double* p, bool convex,
-                                              double* values, double* right_hand_side, Pack* volume_gradients,
-                                              double* means) {
-  all_hessians<10, 4>(e, x, p, convex, values, right_hand_side, volume_gradients, means);
+                                              double* values, double* right_hand_side,
+                                              Pack* volume_gradients) {
+  all_hessians<10, 4>(e, x, p, convex, values, right_hand_side, volume_gradients);
 }
 SOFT_ROBOT_LAB_CLONES void linear_hessians(const ElementArrays& e, const double* x, const double* p, bool convex,
-                                           double* values, double* right_hand_side, Pack* volume_gradients,
-                                           double* means) {
-  all_hessians<4, 1>(e, x, p, convex, values, right_hand_side, volume_gradients, means);
+                                           double* values, double* right_hand_side,
+                                           Pack* volume_gradients) {
+  all_hessians<4, 1>(e, x, p, convex, values, right_hand_side, volume_gradients);
 }
 
 }  // namespace
@@ -307,8 +299,7 @@ Elements::Elements(const Body& body, const BlockMatrix& matrix)
   weights_.assign(static_cast<std::size_t>(packs) * point_count_, splat(0.0));
   laplacian_.assign(static_cast<std::size_t>(packs) * pair_count(), splat(0.0));
   volume_gradients_.assign(static_cast<std::size_t>(packs) * node_count_ * 3, splat(0.0));
-  mean_determinants_.assign(count_, 1.0);
-  rest_volumes_.assign(count_, 0.0);
+  rest_volumes_ = Eigen::VectorXd::Zero(count_);
 
   for (int slot = 0; slot < packs * kLanes; ++slot) {
     const int pack = slot / kLanes, lane = slot % kLanes;
@@ -352,6 +343,7 @@ ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eige
   const ElementArrays arrays{pack_count(), count_, nodes_.data(), slots_.data(), gradients_.data(), weights_.data(),
                              laplacian_.data(), mu_, lambda_};
   ElementSums sums;
+  sums.growth.resize(count_);
   (node_count_ == 10 ? quadratic_gradients : linear_gradients)(arrays, positions.data(), multipliers.data(), forces.data(),
                                                                &sums);
   return sums;
@@ -363,31 +355,22 @@ void Elements::add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::Vecto
                              laplacian_.data(), mu_, lambda_};
   (node_count_ == 10 ? quadratic_hessians : linear_hessians)(arrays, positions.data(), multipliers.data(), convex,
                                                              matrix.block(0), right_hand_side.data(),
-                                                             volume_gradients_.data(), mean_determinants_.data());
+                                                             volume_gradients_.data());
 }
 
-Eigen::VectorXd Elements::updated_multipliers(const Eigen::Matrix3Xd& step) const {
+Eigen::VectorXd Elements::updated_multipliers(const Eigen::VectorXd& growth, const Eigen::Matrix3Xd& step) const {
   Eigen::VectorXd result(count_);
   for (int element = 0; element < count_; ++element) {
     const int pack = element / kLanes, lane = element % kLanes;
-    double growth = 0.0;
+    double change = 0.0;
     for (int a = 0; a < node_count_; ++a) {
-      const int node = nodes_[(static_cast<std::size_t>(pack) * node_count_ + a) * kLanes + lane];
-      for (int i = 0; i < 3; ++i)
-        growth += volume_gradients_[(static_cast<std::size_t>(pack) * node_count_ + a) * 3 + i][lane] * step(i, node);
+      const std::size_t place = static_cast<std::size_t>(pack) * node_count_ + a;
+      const int node = nodes_[place * kLanes + lane];
+      for (int i = 0; i < 3; ++i) change += volume_gradients_[place * 3 + i][lane] * step(i, node);
     }
-    result[element] = lambda_ * (mean_determinants_[element] - 1.0 + growth / rest_volumes_[element]);
+    result[element] = lambda_ * (growth[element] + change / rest_volumes_[element]);
   }
   return result;
-}
-
-double Elements::stiff_mismatch(const Eigen::VectorXd& multipliers) const {
-  double sum = 0.0;
-  for (int element = 0; element < count_; ++element) {
-    const double mismatch = mean_determinants_[element] - 1.0 - multipliers[element] / lambda_;
-    sum += lambda_ * rest_volumes_[element] * mismatch * mismatch;
-  }
-  return sum;
 }
 
 }  // namespace soft_robot_lab

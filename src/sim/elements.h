@@ -18,15 +18,13 @@ namespace soft_robot_lab {
 inline constexpr int kLanes = 4;
 typedef double Pack __attribute__((vector_size(kLanes * sizeof(double))));
 
-// Sums over the body for given positions and multipliers p.
+// What one pass over the elements finds at some positions.
 struct ElementSums {
-  double elastic_energy = 0.0;     // all but the volumetric term [J]
-  double multiplier_energy = 0.0;  // sum V0 p (Jbar - 1 - p / (2 lambda)) [J]
-  double squared_mismatch = 0.0;   // sum V0 c^2 with c = Jbar - 1 - p / lambda [m^3]
-  double largest_mismatch = 0.0;   // max |c|
-  int inverted = 0;                // elements with det F <= 0 at a quadrature point
-  int worst_element = -1;          // the one with the smallest det F
+  double elastic_energy = 0.0;  // all but the volumetric term [J]
+  int inverted = 0;             // elements with det F <= 0 at a quadrature point
+  int worst_element = -1;       // the one with the smallest det F
   double smallest_determinant = 1.0;
+  Eigen::VectorXd growth;       // per element: Jbar - 1
 };
 
 class Elements {
@@ -43,12 +41,16 @@ class Elements {
   void add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
                    BlockMatrix& matrix, Eigen::Matrix3Xd& right_hand_side);
 
-  // After a linear solve at the positions of the last add_hessian: p <- lambda (Jbar - 1 + grad Jbar . dx).
-  Eigen::VectorXd updated_multipliers(const Eigen::Matrix3Xd& step) const;
+  // After a linear solve at the positions of the last add_hessian, where the growth was Jbar - 1:
+  // p <- lambda (Jbar - 1 + grad Jbar . dx).
+  Eigen::VectorXd updated_multipliers(const Eigen::VectorXd& growth, const Eigen::Matrix3Xd& step) const;
 
-  // sum lambda V0 c^2 with c = Jbar - 1 - p / lambda at the positions of the last add_hessian.
-  double stiff_mismatch(const Eigen::VectorXd& multipliers) const;
+  // c = Jbar - 1 - p / lambda, per element: zero where multiplier and volume agree.
+  Eigen::VectorXd mismatch(const Eigen::VectorXd& growth, const Eigen::VectorXd& multipliers) const {
+    return growth - multipliers / lambda_;
+  }
 
+  const Eigen::VectorXd& rest_volumes_m3() const { return rest_volumes_; }
   int count() const { return count_; }
   double lambda_pa() const { return lambda_; }
   double mu_pa() const { return mu_; }
@@ -62,7 +64,7 @@ class Elements {
   std::vector<Pack> weights_;    // per pack: point rest volumes [m^3]; zero in the unused lanes of the last pack
   std::vector<Pack> laplacian_;  // per pack: pair: mu sum_q w (grad a . grad b) [N/m]
   std::vector<Pack> volume_gradients_;  // per pack: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
-  std::vector<double> mean_determinants_, rest_volumes_;  // per element: Jbar of the last add_hessian, V0
+  Eigen::VectorXd rest_volumes_;        // per element: V0 = sum w [m^3]
 
   int pack_count() const { return (count_ + kLanes - 1) / kLanes; }
   int pair_count() const { return node_count_ * (node_count_ + 1) / 2; }

@@ -1,0 +1,230 @@
+#include "block_cholesky.h"
+
+#include <algorithm>
+
+// LAPACK and BLAS by their Fortran names, as every implementation has them.
+extern "C" {
+void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m, const int* n,
+            const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
+void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
+            const int* lda, const double* beta, double* c, const int* ldc);
+void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
+            const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c,
+            const int* ldc);
+}
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kOne = 1.0, kMinusOne = -1.0, kZero = 0.0;
+
+// Rows of each column of the factor below the diagonal, and each column's parent in the elimination tree.
+struct ColumnStructure {
+  std::vector<std::vector<int>> rows;
+  std::vector<int> parent;
+};
+
+ColumnStructure column_structure(const BlockMatrix& matrix) {
+  const int count = matrix.node_count();
+  ColumnStructure columns{std::vector<std::vector<int>>(count), std::vector<int>(count, -1)};
+  std::vector<std::vector<int>> children(count);
+  std::vector<int> mark(count, -1);
+  for (int j = 0; j < count; ++j) {
+    auto& rows = columns.rows[j];
+    const auto take = [&](int row) {
+      if (row <= j || mark[row] == j) return;
+      mark[row] = j;
+      rows.push_back(row);
+    };
+    for (int s = matrix.column_start()[j]; s < matrix.column_start()[j + 1]; ++s) take(matrix.rows()[s]);
+    for (int child : children[j])
+      for (int row : columns.rows[child]) take(row);
+    std::sort(rows.begin(), rows.end());
+    if (rows.empty()) continue;
+    columns.parent[j] = rows.front();
+    children[rows.front()].push_back(j);
+  }
+  return columns;
+}
+
+// Explicit zeros that may be stored for fewer, larger dense blocks.
+bool worth_merging(int columns, double zeros, double entries) {
+  const double share = zeros / entries;
+  if (columns <= 4) return share < 0.7;
+  if (columns <= 16) return share < 0.25;
+  return share < 0.08;
+}
+
+}  // namespace
+
+BlockCholesky::BlockCholesky(const BlockMatrix& matrix) {
+  order_.resize(matrix.node_count());
+  for (int i = 0; i < matrix.node_count(); ++i) order_[i] = matrix.node(i);
+  merge_columns(matrix);
+
+  std::vector<int> supernode_of(matrix.node_count());
+  for (std::size_t s = 0; s < nodes_.size(); ++s)
+    for (int j = 0; j < nodes_[s].columns; ++j) supernode_of[nodes_[s].first + j] = static_cast<int>(s);
+  std::vector<int> depth(nodes_.size(), 0);
+  for (int s = static_cast<int>(nodes_.size()) - 1; s >= 0; --s) {
+    Supernode& node = nodes_[s];
+    if (node.rows.empty()) continue;
+    const int parent = supernode_of[node.rows.front()];
+    depth[s] = depth[parent] + 1;
+    nodes_[parent].children.insert(nodes_[parent].children.begin(), s);
+    const Supernode& above = nodes_[parent];
+    for (int row : node.rows) {
+      const bool pivot = row < above.first + above.columns;
+      node.local_rows.push_back(
+          pivot ? row - above.first
+                : above.columns + static_cast<int>(std::lower_bound(above.rows.begin(), above.rows.end(), row) -
+                                                   above.rows.begin()));
+    }
+  }
+
+  // Updates of even and odd depths live on two stacks, so that a front never overwrites its children.
+  std::ptrdiff_t top[2] = {0, 0}, highest[2] = {0, 0};
+  for (std::size_t s = 0; s < nodes_.size(); ++s) {
+    Supernode& node = nodes_[s];
+    const std::ptrdiff_t k = 3 * node.columns, r = 3 * static_cast<std::ptrdiff_t>(node.rows.size());
+    node.panel = factor_size_;
+    factor_size_ += (k + r) * k;
+    if (!node.children.empty()) top[(depth[s] + 1) % 2] = nodes_[node.children.front()].update;
+    node.update = top[depth[s] % 2];
+    top[depth[s] % 2] += r * r;
+    highest[depth[s] % 2] = std::max(highest[depth[s] % 2], top[depth[s] % 2]);
+    const double kd = static_cast<double>(k), rd = static_cast<double>(r);
+    flops_ += kd * kd * kd / 3.0 + kd * kd * rd + kd * rd * rd;
+  }
+  for (std::size_t s = 0; s < nodes_.size(); ++s)
+    if (depth[s] % 2 == 1) nodes_[s].update += highest[0];
+  factor_.resize(factor_size_);
+  stack_.resize(highest[0] + highest[1]);
+}
+
+void BlockCholesky::merge_columns(const BlockMatrix& matrix) {
+  auto columns = column_structure(matrix);
+  std::vector<double> zeros;  // explicit zeros, per supernode
+  for (int j = 0; j < matrix.node_count(); ++j) {
+    Supernode node;
+    node.first = j;
+    node.columns = 1;
+    node.rows = std::move(columns.rows[j]);
+    double zeros_here = 0.0;
+    // The supernode just before is this one's last child when its first row is this column: try to join them.
+    while (!nodes_.empty() && !nodes_.back().rows.empty() && nodes_.back().rows.front() < node.first + node.columns) {
+      const Supernode& child = nodes_.back();
+      const double extra = child.columns * (node.columns + static_cast<double>(node.rows.size()) - static_cast<double>(child.rows.size()));
+      const int joined = child.columns + node.columns;
+      const double entries = joined * (joined + 1) / 2.0 + joined * static_cast<double>(node.rows.size());
+      if (!worth_merging(joined, zeros.back() + zeros_here + extra, entries)) break;
+      zeros_here += zeros.back() + extra;
+      node.first = child.first;
+      node.columns = joined;
+      nodes_.pop_back();
+      zeros.pop_back();
+    }
+    nodes_.push_back(std::move(node));
+    zeros.push_back(zeros_here);
+  }
+}
+
+void BlockCholesky::assemble_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place) {
+  const int pivots = node.columns, below = static_cast<int>(node.rows.size());
+  const int k = 3 * pivots, r = 3 * below, m = k + r;
+  double* panel = factor_.data() + node.panel;
+  double* update = stack_.data() + node.update;
+  std::fill(panel, panel + static_cast<std::ptrdiff_t>(m) * k, 0.0);
+  std::fill(update, update + static_cast<std::ptrdiff_t>(r) * r, 0.0);
+
+  for (int j = 0; j < pivots; ++j) place[node.first + j] = j;
+  for (int i = 0; i < below; ++i) place[node.rows[i]] = pivots + i;
+  for (int j = 0; j < pivots; ++j) {
+    const int column = node.first + j;
+    for (int s = matrix.column_start()[column]; s < matrix.column_start()[column + 1]; ++s) {
+      const double* block = matrix.block(s);
+      double* target = panel + static_cast<std::ptrdiff_t>(3 * j) * m + 3 * place[matrix.rows()[s]];
+      for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 3; ++i) target[c * m + i] = block[3 * c + i];
+    }
+  }
+
+  for (int child_index : node.children) {
+    const Supernode& child = nodes_[child_index];
+    const int count = static_cast<int>(child.local_rows.size()), rows = 3 * count;
+    const double* source = stack_.data() + child.update;
+    for (int j = 0; j < count; ++j) {
+      const int column = child.local_rows[j];
+      const bool pivot = column < pivots;
+      const std::ptrdiff_t ld = pivot ? m : r;
+      double* target = pivot ? panel + 3 * column * ld : update + 3 * (column - pivots) * ld;
+      const int shift = pivot ? 0 : pivots;
+      for (int c = 0; c < 3; ++c) {
+        const double* from = source + static_cast<std::ptrdiff_t>(3 * j + c) * rows;
+        double* to = target + c * ld;
+        for (int i = j; i < count; ++i) {
+          double* entry = to + 3 * (child.local_rows[i] - shift);
+          entry[0] += from[3 * i];
+          entry[1] += from[3 * i + 1];
+          entry[2] += from[3 * i + 2];
+        }
+      }
+    }
+  }
+}
+
+bool BlockCholesky::factorise(const BlockMatrix& matrix) {
+  std::vector<int> place(matrix.node_count());
+  for (const Supernode& node : nodes_) {
+    assemble_front(matrix, node, place);
+    const int k = 3 * node.columns, r = 3 * static_cast<int>(node.rows.size()), m = k + r;
+    double* panel = factor_.data() + node.panel;
+    int info = 0;
+    dpotrf_("L", &k, panel, &m, &info);
+    // NaN slips through some implementations' pivot test.
+    if (info != 0 || !(panel[static_cast<std::ptrdiff_t>(k - 1) * (m + 1)] > 0.0)) return false;
+    if (r == 0) continue;
+    dtrsm_("R", "L", "T", "N", &r, &k, &kOne, panel, &m, panel + k, &m);
+    dsyrk_("L", "N", &r, &k, &kMinusOne, panel + k, &m, &kOne, stack_.data() + node.update, &r);
+  }
+  return true;
+}
+
+void BlockCholesky::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const {
+  const int columns = static_cast<int>(right_hand_sides.cols());
+  const int size = 3 * static_cast<int>(order_.size());
+  if (columns == 0) return;
+  Eigen::MatrixXd x(size, columns), below;
+  for (std::size_t i = 0; i < order_.size(); ++i)
+    x.middleRows(3 * static_cast<Eigen::Index>(i), 3) = right_hand_sides.middleRows(3 * order_[i], 3);
+
+  for (const Supernode& node : nodes_) {
+    const int k = 3 * node.columns, r = 3 * static_cast<int>(node.rows.size()), m = k + r;
+    const double* panel = factor_.data() + node.panel;
+    double* top = x.data() + 3 * node.first;
+    dtrsm_("L", "L", "N", "N", &k, &columns, &kOne, panel, &m, top, &size);
+    if (r == 0) continue;
+    below.resize(r, columns);
+    dgemm_("N", "N", &r, &columns, &k, &kOne, panel + k, &m, top, &size, &kZero, below.data(), &r);
+    for (std::size_t i = 0; i < node.rows.size(); ++i)
+      x.middleRows(3 * node.rows[i], 3) -= below.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+  }
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
+    const int k = 3 * node->columns, r = 3 * static_cast<int>(node->rows.size()), m = k + r;
+    const double* panel = factor_.data() + node->panel;
+    double* top = x.data() + 3 * node->first;
+    if (r > 0) {
+      below.resize(r, columns);
+      for (std::size_t i = 0; i < node->rows.size(); ++i)
+        below.middleRows(3 * static_cast<Eigen::Index>(i), 3) = x.middleRows(3 * node->rows[i], 3);
+      dgemm_("T", "N", &k, &columns, &r, &kMinusOne, panel + k, &m, below.data(), &r, &kOne, top, &size);
+    }
+    dtrsm_("L", "L", "T", "N", &k, &columns, &kOne, panel, &m, top, &size);
+  }
+
+  for (std::size_t i = 0; i < order_.size(); ++i)
+    right_hand_sides.middleRows(3 * order_[i], 3) = x.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,47 @@
+// Sparse Cholesky factor of a BlockMatrix by the multifrontal method (Duff & Reid 1983; Liu 1992), dense fronts through LAPACK.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "block_matrix.h"
+
+namespace soft_robot_lab {
+
+class BlockCholesky {
+ public:
+  // Symbolic analysis, once per pattern.
+  explicit BlockCholesky(const BlockMatrix& matrix);
+
+  // False when the matrix is not positive definite (or not finite); the factor is then not usable.
+  bool factorise(const BlockMatrix& matrix);
+
+  // Solves in place for right-hand sides given as columns over 3*node + axis.
+  void solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const;
+
+  double flops() const { return flops_; }  // of one factorisation
+  std::ptrdiff_t factor_size() const { return factor_size_; }  // doubles stored
+
+ private:
+  // Consecutive columns that share one row structure.
+  struct Supernode {
+    int first = 0, columns = 0;      // block columns first .. first + columns - 1
+    std::vector<int> rows;           // block rows below them, ascending positions
+    std::vector<int> children;       // supernodes whose update is added to this front
+    std::vector<int> local_rows;     // place of each of `rows` in the parent's front (parent's columns, then its rows)
+    std::ptrdiff_t panel = 0;        // start of its (columns + rows) x columns dense panel in factor_
+    std::ptrdiff_t update = 0;       // start of its rows x rows update matrix on the stack
+  };
+
+  void merge_columns(const BlockMatrix& matrix);
+  void assemble_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place);
+
+  std::vector<Supernode> nodes_;
+  std::vector<int> order_;  // position -> mesh node
+  std::vector<double> factor_, stack_;
+  double flops_ = 0.0;
+  std::ptrdiff_t factor_size_ = 0;
+};
+
+}  // namespace soft_robot_lab

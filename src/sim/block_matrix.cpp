@@ -1,0 +1,143 @@
+#include "block_matrix.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <metis.h>
+
+namespace soft_robot_lab {
+namespace {
+
+std::vector<std::vector<int>> neighbours_of(int node_count, const std::vector<std::vector<int>>& cliques) {
+  std::vector<std::vector<int>> neighbours(node_count);
+  for (const auto& clique : cliques)
+    for (int a : clique) neighbours[a].insert(neighbours[a].end(), clique.begin(), clique.end());
+  for (int a = 0; a < node_count; ++a) {
+    auto& list = neighbours[a];
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    list.erase(std::remove(list.begin(), list.end(), a), list.end());
+  }
+  return neighbours;
+}
+
+// Node numbers in elimination order. METIS is deterministic for a fixed seed.
+std::vector<int> nested_dissection(const std::vector<std::vector<int>>& neighbours) {
+  idx_t count = static_cast<idx_t>(neighbours.size());
+  std::vector<idx_t> start{0}, adjacent;
+  for (const auto& list : neighbours) {
+    adjacent.insert(adjacent.end(), list.begin(), list.end());
+    start.push_back(static_cast<idx_t>(adjacent.size()));
+  }
+  std::vector<idx_t> order(count), inverse(count);
+  if (adjacent.empty()) {
+    for (idx_t i = 0; i < count; ++i) order[i] = i;
+  } else {
+    idx_t options[METIS_NOPTIONS];
+    METIS_SetDefaultOptions(options);
+    options[METIS_OPTION_SEED] = 1;
+    if (METIS_NodeND(&count, start.data(), adjacent.data(), nullptr, options, order.data(), inverse.data()) != METIS_OK)
+      throw std::runtime_error("METIS could not order the nodes");
+  }
+  return {order.begin(), order.end()};
+}
+
+// Renumbers so that every subtree of the elimination tree is contiguous; the fill stays the same.
+std::vector<int> postorder(const std::vector<int>& order, const std::vector<std::vector<int>>& neighbours) {
+  const int count = static_cast<int>(order.size());
+  std::vector<int> position(count), parent(count, -1), ancestor(count, -1);
+  for (int i = 0; i < count; ++i) position[order[i]] = i;
+  for (int i = 0; i < count; ++i) {
+    for (int neighbour : neighbours[order[i]]) {
+      for (int j = position[neighbour]; j != -1 && j < i;) {
+        const int next = ancestor[j];
+        ancestor[j] = i;
+        if (next == -1) parent[j] = i;
+        j = next;
+      }
+    }
+  }
+  std::vector<std::vector<int>> children(count + 1);
+  for (int i = 0; i < count; ++i) children[parent[i] == -1 ? count : parent[i]].push_back(i);
+  std::vector<int> result, stack(children[count].rbegin(), children[count].rend());
+  std::vector<char> open(count, 0);
+  while (!stack.empty()) {
+    const int top = stack.back();
+    if (!open[top]) {
+      open[top] = 1;
+      stack.insert(stack.end(), children[top].rbegin(), children[top].rend());
+    } else {
+      stack.pop_back();
+      result.push_back(order[top]);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+BlockMatrix::BlockMatrix(int node_count, const std::vector<std::vector<int>>& cliques) {
+  const auto neighbours = neighbours_of(node_count, cliques);
+  node_ = postorder(nested_dissection(neighbours), neighbours);
+  position_.resize(node_count);
+  for (int i = 0; i < node_count; ++i) position_[node_[i]] = i;
+  column_start_.push_back(0);
+  for (int i = 0; i < node_count; ++i) {
+    const auto first = static_cast<std::ptrdiff_t>(rows_.size());
+    rows_.push_back(i);
+    for (int neighbour : neighbours[node_[i]])
+      if (position_[neighbour] > i) rows_.push_back(position_[neighbour]);
+    std::sort(rows_.begin() + first, rows_.end());
+    column_start_.push_back(static_cast<int>(rows_.size()));
+  }
+  values_.assign(9 * rows_.size(), 0.0);
+}
+
+int BlockMatrix::slot(int row_position, int column_position) const {
+  const auto begin = rows_.begin() + column_start_[column_position], end = rows_.begin() + column_start_[column_position + 1];
+  const auto found = std::lower_bound(begin, end, row_position);
+  if (found == end || *found != row_position) throw std::logic_error("block outside the matrix's pattern");
+  return static_cast<int>(found - rows_.begin());
+}
+
+void BlockMatrix::add(int row_node, int column_node, const Eigen::Matrix3d& block_values) {
+  if (position_[row_node] < position_[column_node]) return;
+  Eigen::Map<Eigen::Matrix3d>(block(slot(position_[row_node], position_[column_node]))) += block_values;
+}
+
+void BlockMatrix::add_to_diagonal(int node, double value) {
+  double* diagonal = block(column_start_[position_[node]]);
+  diagonal[0] += value;
+  diagonal[4] += value;
+  diagonal[8] += value;
+}
+
+void BlockMatrix::hold(const Eigen::Matrix<bool, 3, Eigen::Dynamic>& fixed) {
+  for (int column = 0; column < node_count(); ++column) {
+    for (int s = column_start_[column]; s < column_start_[column + 1]; ++s) {
+      double* values = block(s);
+      for (int j = 0; j < 3; ++j) {
+        for (int i = 0; i < 3; ++i) {
+          if (!fixed(i, node_[rows_[s]]) && !fixed(j, node_[column])) continue;
+          values[3 * j + i] = rows_[s] == column && i == j ? 1.0 : 0.0;
+        }
+      }
+    }
+  }
+}
+
+Eigen::Matrix3Xd BlockMatrix::multiply(const Eigen::Matrix3Xd& x) const {
+  Eigen::Matrix3Xd y = Eigen::Matrix3Xd::Zero(3, node_count());
+  for (int column = 0; column < node_count(); ++column) {
+    const int b = node_[column];
+    for (int s = column_start_[column]; s < column_start_[column + 1]; ++s) {
+      const int a = node_[rows_[s]];
+      const Eigen::Map<const Eigen::Matrix3d> values(block(s));
+      y.col(a) += values * x.col(b);
+      if (a != b) y.col(b) += values.transpose() * x.col(a);
+    }
+  }
+  return y;
+}
+
+}  // namespace soft_robot_lab

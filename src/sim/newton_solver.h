@@ -1,0 +1,95 @@
+// Newton's method on all constraints at once: positions x, element multipliers p and constraint multipliers y are
+// independent unknowns (so near-incompressible elements and rigid cables cost no extra iterations). p is condensed element
+// by element, y is solved as a border by its Schur complement. One factorisation an iteration.
+//
+//   [ A   B ] [dx]   [ -r ]     A: inertia + elements (condensed) + y d2C/dx2,  B: constraint gradients
+//   [ B' -a ] [ y] = [ -o ]     a: compliance, o: offset (ConstraintLaw), y within its bounds
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "block_cholesky.h"
+#include "block_matrix.h"
+#include "elements.h"
+#include "soft_robot_lab/sim/body.h"
+#include "soft_robot_lab/sim/constraint.h"
+
+namespace soft_robot_lab {
+
+// The unknowns, and what is known at them.
+struct NewtonState {
+  Eigen::Matrix3Xd positions_m;            // 3 x nodes
+  Eigen::VectorXd element_multipliers_pa;  // p
+  Eigen::VectorXd constraint_multipliers;  // y
+};
+
+// minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)
+struct NewtonTask {
+  double inertia_per_s2 = 0.0;             // 1/h^2; zero asks for the equilibrium
+  const Eigen::Matrix3Xd* predicted_m = nullptr;  // needed where there is inertia
+  double tolerance = 1e-6;
+  int max_iterations = 60;
+};
+
+struct NewtonReport {
+  bool converged = false;
+  int iterations = 0;
+  int shortened = 0;      // steps that the line search cut
+  int convexified = 0;    // iterations with a shifted matrix
+  double residual = 0.0;
+  int inverted_elements = 0;
+  int worst_element = -1;
+  std::string reason;     // empty when converged
+};
+
+class NewtonSolver {
+ public:
+  NewtonSolver(const Body& body, std::vector<const Constraint*> constraints);
+
+  // Improves the state in place. Where it did not converge the state is the best it had; NaN never enters it.
+  NewtonReport solve(const NewtonTask& task, NewtonState& state);
+
+  // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint; a constraint's command is that of
+  // its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
+  Eigen::MatrixXd sensitivities(const NewtonState& state);
+
+  int constraint_count() const { return static_cast<int>(constraints_.size()); }
+  double factor_flops() const { return factor_.flops(); }
+
+ private:
+  struct Evaluation {
+    ElementSums elements;
+    Eigen::Matrix3Xd residual_n;             // of the unheld degrees of freedom
+    std::vector<double> values;              // C
+    std::vector<ConstraintLaw> laws;
+    double smooth_energy = 0.0;              // elastic + inertia - loads
+    double relative_residual = 0.0;
+    bool finite = false;
+  };
+  struct Step {
+    Eigen::Matrix3Xd motion_m;
+    Eigen::VectorXd element_multipliers_pa, constraint_multipliers;
+    Eigen::VectorXd penalties;               // per constraint, for the merit function
+    double slope = 0.0;                      // of the merit function along the step
+  };
+
+  Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
+  bool linearise(const NewtonTask& task, const NewtonState& state, bool convex, Eigen::Matrix3Xd& gradient);
+  bool find_step(const NewtonTask& task, const NewtonState& state, const Evaluation& here, bool convex, Step& step);
+  double merit(const Evaluation& at, const Step& step) const;
+  void release(Eigen::Matrix3Xd& forces) const;  // zero on held degrees of freedom
+  Eigen::MatrixXd border(const Eigen::Matrix3Xd& positions) const;
+
+  const Body& body_;
+  std::vector<const Constraint*> constraints_;
+  Eigen::Matrix3Xd loads_n_;
+  double force_floor_n_;  // forces below this count as none
+  BlockMatrix matrix_;
+  BlockCholesky factor_;
+  Elements elements_;
+};
+
+}  // namespace soft_robot_lab

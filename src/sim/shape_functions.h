@@ -1,0 +1,47 @@
+// Shape functions of 4- and 10-node tetrahedra in reference coordinates (r, s, t) = weights of corners 1, 2, 3.
+// Node order as in TetMesh.
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+namespace soft_robot_lab {
+
+// The two corners between which mid-edge node 4 + i lies.
+inline constexpr std::array<std::array<int, 2>, 6> kTetEdges{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {2, 3}, {1, 3}}};
+
+struct ShapeFunctions {
+  Eigen::VectorXd values;                               // per node
+  Eigen::Matrix<double, 3, Eigen::Dynamic> gradients;   // d/d(r, s, t), 3 x nodes
+};
+
+inline ShapeFunctions shape_functions(int node_count, const Eigen::Vector3d& local) {
+  const Eigen::Vector4d l(1.0 - local.sum(), local.x(), local.y(), local.z());
+  Eigen::Matrix<double, 3, 4> dl;
+  dl << -1, 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1;
+  ShapeFunctions shape{Eigen::VectorXd(node_count), Eigen::Matrix<double, 3, Eigen::Dynamic>(3, node_count)};
+  if (node_count == 4) {
+    shape.values = l;
+    shape.gradients = dl;
+    return shape;
+  }
+  for (int i = 0; i < 4; ++i) {
+    shape.values[i] = l[i] * (2.0 * l[i] - 1.0);
+    shape.gradients.col(i) = (4.0 * l[i] - 1.0) * dl.col(i);
+  }
+  for (int e = 0; e < 6; ++e) {
+    const int a = kTetEdges[e][0], b = kTetEdges[e][1];
+    shape.values[4 + e] = 4.0 * l[a] * l[b];
+    shape.gradients.col(4 + e) = 4.0 * (l[a] * dl.col(b) + l[b] * dl.col(a));
+  }
+  return shape;
+}
+
+// Four points, weight 1/24 each, exact for quadratics.
+inline std::array<Eigen::Vector3d, 4> tet_quadrature_points() {
+  constexpr double a = 0.58541019662496845446, b = 0.13819660112501051518;
+  return {Eigen::Vector3d(b, b, b), Eigen::Vector3d(a, b, b), Eigen::Vector3d(b, a, b), Eigen::Vector3d(b, b, a)};
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,359 @@
+#include "soft_robot_lab/sim/simulation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "newton_solver.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kSmallestStage = 64;     // a command change is cut into at most this many continuation stages
+constexpr int kDeepestHalving = 6;     // a time step is cut into at most 2^6 parts
+constexpr int kStageIterations = 25;   // Newton iterations before a stage is cut
+
+void require(bool ok, const char* field, double value, const char* range) {
+  if (ok) return;
+  std::ostringstream message;
+  message << "solver." << field << ": " << value << " is out of range " << range;
+  throw std::invalid_argument(message.str());
+}
+
+template <class Items, class NameOf>
+int index_of(const std::string& kind, const std::string& name, const Items& items, NameOf name_of) {
+  std::string known;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (name_of(items[i]) == name) return static_cast<int>(i);
+    known += (i == 0 ? "" : ", ") + name_of(items[i]);
+  }
+  throw std::invalid_argument("unknown " + kind + " '" + name + "'; known: " + (known.empty() ? "none" : known));
+}
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::vector<const Constraint*> constraints_of(const std::vector<std::unique_ptr<Actuator>>& actuators) {
+  std::vector<const Constraint*> all;
+  for (const auto& actuator : actuators)
+    for (const Constraint* constraint : actuator->constraints()) all.push_back(constraint);
+  return all;
+}
+
+}  // namespace
+
+void SolverOptions::validate() const {
+  require(time_step_s > 0.0 && time_step_s <= 1.0, "time_step_s", time_step_s, "(0, 1]");
+  require(tolerance > 0.0 && tolerance < 1.0, "tolerance", tolerance, "(0, 1)");
+  require(dynamic_tolerance > 0.0 && dynamic_tolerance < 1.0, "dynamic_tolerance", dynamic_tolerance, "(0, 1)");
+  require(max_iterations >= 1 && max_iterations <= 10000, "max_iterations", max_iterations, "[1, 10000]");
+}
+
+struct Simulation::Parts {
+  Body body;
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  std::vector<Marker> markers;
+  SolverOptions options;
+  NewtonSolver solver;
+  SimulationState state;
+
+  Parts(Body body_in, std::vector<std::unique_ptr<Actuator>> actuators_in, std::vector<Marker> markers_in,
+        const SolverOptions& options_in)
+      : body(std::move(body_in)),
+        actuators(std::move(actuators_in)),
+        markers(std::move(markers_in)),
+        options(options_in),
+        solver(body, constraints_of(actuators)) {}
+
+  NewtonState unknowns() const {
+    return {state.positions_m, state.element_multipliers_pa, state.constraint_multipliers};
+  }
+
+  void accept(NewtonState solved) {
+    state.positions_m = std::move(solved.positions_m);
+    state.element_multipliers_pa = std::move(solved.element_multipliers_pa);
+    state.constraint_multipliers = std::move(solved.constraint_multipliers);
+  }
+
+  void remember_commands() {
+    for (std::size_t i = 0; i < actuators.size(); ++i) {
+      state.commands[i] = actuators[i]->command();
+      state.actuated_commands[i] = actuators[i]->actuated_command();
+    }
+  }
+
+  void move_actuators(const std::vector<double>& from, double share) {
+    for (std::size_t i = 0; i < actuators.size(); ++i) {
+      const double target = actuators[i]->command();
+      actuators[i]->restore(target, from[i] + share * (target - from[i]));
+    }
+  }
+
+  // "element 12 at (0.01, 0, 0.02) m"
+  std::string place_of(int element) const {
+    if (element < 0) return "nowhere";
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (int corner = 0; corner < 4; ++corner)
+      centre += 0.25 * body.mesh().nodes_m.col(body.mesh().tets(corner, element));
+    std::ostringstream text;
+    text << "element " << element << " at rest position (" << centre.x() << ", " << centre.y() << ", " << centre.z() << ") m";
+    return text.str();
+  }
+
+  void fill(SolveReport& report, const NewtonReport& newton) const {
+    report.iterations += newton.iterations;
+    report.rejected_steps += newton.shortened + newton.convexified;
+    report.converged = newton.converged;
+    report.residual = newton.residual;
+    report.inverted_elements = newton.inverted_elements;
+    report.message = newton.reason;
+    if (newton.inverted_elements > 0) {
+      if (!report.message.empty()) report.message += "; ";
+      report.message += std::to_string(newton.inverted_elements) + " inverted elements, the worst " + place_of(newton.worst_element);
+    }
+  }
+
+  // One implicit Euler step of length h, or two halves where it does not converge.
+  void advance(double h, int depth, SolveReport& report) {
+    const SimulationState before = state;
+    for (auto& actuator : actuators) actuator->advance(h);
+    const Eigen::Matrix3Xd predicted = state.positions_m + h * state.velocities_m_s;
+    NewtonTask task;
+    task.inertia_per_s2 = 1.0 / (h * h);
+    task.predicted_m = &predicted;
+    task.tolerance = options.dynamic_tolerance;
+    task.max_iterations = depth < kDeepestHalving ? std::min(options.max_iterations, kStageIterations) : options.max_iterations;
+    NewtonState unknown = unknowns();
+    const NewtonReport newton = solver.solve(task, unknown);
+    ++report.steps;
+    if (!newton.converged && depth < kDeepestHalving) {
+      report.iterations += newton.iterations;
+      ++report.rejected_steps;
+      restore(before);
+      advance(0.5 * h, depth + 1, report);
+      const bool first = report.converged;
+      advance(0.5 * h, depth + 1, report);
+      report.converged = report.converged && first;
+      return;
+    }
+    fill(report, newton);
+    state.velocities_m_s = (unknown.positions_m - before.positions_m) / h;
+    accept(std::move(unknown));
+    state.time_s = before.time_s + h;
+    remember_commands();
+  }
+
+  NewtonReport relax(SolveReport& report) {
+    NewtonTask task;
+    task.tolerance = options.tolerance;
+    task.max_iterations = options.max_iterations;
+    NewtonState unknown = unknowns();
+    NewtonReport newton = solver.solve(task, unknown);
+    ++report.steps;
+    if (newton.converged) accept(std::move(unknown));
+    return newton;
+  }
+
+  // Down the energy in steps that inertia keeps short, longer and longer (pseudo-transient continuation, Kelley & Keyes
+  // 1998), until Newton alone converges: finds its way through buckling.
+  NewtonReport descend(SolveReport& report) {
+    double h = 0.02;
+    NewtonReport last;
+    for (int stage = 0; stage < 80; ++stage) {
+      NewtonTask task;
+      task.tolerance = std::max(options.tolerance, 1e-4);
+      task.max_iterations = kStageIterations;
+      task.inertia_per_s2 = 1.0 / (h * h);
+      const Eigen::Matrix3Xd start = state.positions_m;
+      task.predicted_m = &start;
+      NewtonState unknown = unknowns();
+      last = solver.solve(task, unknown);
+      ++report.steps;
+      report.iterations += last.iterations;
+      if (!last.converged) {
+        ++report.rejected_steps;
+        h *= 0.25;
+        if (h < 1e-5) return last;
+        continue;
+      }
+      const double moved = (unknown.positions_m - start).colwise().norm().maxCoeff();
+      accept(std::move(unknown));
+      h *= 2.0;
+      if (moved > 1e-2 * body.size_m() && h < 10.0) continue;
+      last = relax(report);
+      if (last.converged) return last;
+      report.iterations += last.iterations;
+    }
+    return last;
+  }
+
+  void restore(const SimulationState& saved) {
+    state = saved;
+    for (std::size_t i = 0; i < actuators.size(); ++i) actuators[i]->restore(saved.commands[i], saved.actuated_commands[i]);
+  }
+};
+
+Simulation::Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
+                       const SolverOptions& options) {
+  options.validate();
+  if (body.fixed_node_count() == 0) throw std::invalid_argument("body.fixed: no node is held; the robot would fall");
+  std::set<std::string> names;
+  for (const auto& actuator : actuators)
+    if (!names.insert(actuator->name()).second) throw std::invalid_argument("two actuators are named '" + actuator->name() + "'");
+  names.clear();
+  for (const Marker& marker : markers)
+    if (!names.insert(marker.name()).second) throw std::invalid_argument("two markers are named '" + marker.name() + "'");
+  parts_ = std::make_unique<Parts>(std::move(body), std::move(actuators), std::move(markers), options);
+  reset();
+}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+
+void Simulation::set_command(const std::string& actuator, double command) {
+  const int index = actuator_index(actuator);
+  parts_->actuators[index]->set_command(command);
+  parts_->state.commands[index] = command;
+}
+
+SolveReport Simulation::step() {
+  const Stopwatch clock;
+  SolveReport report;
+  parts_->advance(parts_->options.time_step_s, 0, report);
+  report.wall_s = clock.seconds();
+  return report;
+}
+
+SolveReport Simulation::solve_equilibrium() {
+  const Stopwatch clock;
+  SolveReport report;
+  Parts& p = *parts_;
+  const SimulationState before = p.state;
+  p.state.velocities_m_s.setZero();
+  const std::vector<double> from = p.state.actuated_commands;
+  double done = 0.0, stage = 1.0;
+  NewtonReport newton;
+  while (done < 1.0) {
+    const double share = std::min(1.0, done + stage);
+    p.move_actuators(from, share);
+    newton = p.relax(report);
+    if (newton.converged) {
+      p.fill(report, newton);
+      done = share;
+      stage *= 2.0;
+      continue;
+    }
+    report.iterations += newton.iterations;
+    ++report.rejected_steps;
+    stage *= 0.5;
+    if (stage * kSmallestStage >= 1.0) continue;
+    stage = 1.0 / kSmallestStage;
+    newton = p.descend(report);
+    p.fill(report, newton);
+    if (!newton.converged) break;
+    done = share;
+  }
+  if (!newton.converged) {
+    p.move_actuators(from, 1.0);
+    report.message = "no equilibrium found beyond " + std::to_string(done * 100.0) + " % of the command change: " + report.message;
+  }
+  p.state.time_s = before.time_s;
+  p.remember_commands();
+  report.wall_s = clock.seconds();
+  return report;
+}
+
+Eigen::MatrixXd Simulation::marker_sensitivities() {
+  Parts& p = *parts_;
+  const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns());
+  if (motions.rows() == 0 && p.solver.constraint_count() > 0)
+    throw std::runtime_error("no sensitivity: the present state is not a stable equilibrium");
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(p.markers.size()),
+                                                 static_cast<Eigen::Index>(p.actuators.size()));
+  Eigen::Index column = 0;
+  for (std::size_t a = 0; a < p.actuators.size(); ++a) {
+    for (std::size_t i = 0; i < p.actuators[a]->constraints().size(); ++i, ++column) {
+      const Eigen::Map<const Eigen::Matrix3Xd> motion(motions.col(column).data(), 3, p.state.positions_m.cols());
+      for (std::size_t m = 0; m < p.markers.size(); ++m)
+        result.block<3, 1>(3 * static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(a)) +=
+            p.markers[m].velocity(p.state.positions_m, motion);
+    }
+  }
+  return result;
+}
+
+void Simulation::reset() {
+  Parts& p = *parts_;
+  SimulationState& s = p.state;
+  s.time_s = 0.0;
+  s.positions_m = p.body.mesh().nodes_m;
+  s.velocities_m_s = Eigen::Matrix3Xd::Zero(3, p.body.mesh().node_count());
+  s.element_multipliers_pa = Eigen::VectorXd::Zero(p.body.mesh().tet_count());
+  s.constraint_multipliers = Eigen::VectorXd::Zero(p.solver.constraint_count());
+  s.commands.clear();
+  for (auto& actuator : p.actuators) {
+    actuator->restore(actuator->limits().rest, actuator->limits().rest);
+    s.commands.push_back(actuator->limits().rest);
+  }
+  s.actuated_commands = s.commands;
+}
+
+const SimulationState& Simulation::state() const { return parts_->state; }
+
+void Simulation::set_state(const SimulationState& state) {
+  const SimulationState& now = parts_->state;
+  const bool sizes = state.positions_m.cols() == now.positions_m.cols() &&
+                     state.velocities_m_s.cols() == now.velocities_m_s.cols() &&
+                     state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
+                     state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
+                     state.commands.size() == now.commands.size() &&
+                     state.actuated_commands.size() == now.actuated_commands.size();
+  if (!sizes) throw std::invalid_argument("state: its sizes are not those of this simulation");
+  if (!state.positions_m.allFinite() || !state.velocities_m_s.allFinite() || !state.element_multipliers_pa.allFinite() ||
+      !state.constraint_multipliers.allFinite() || !std::isfinite(state.time_s))
+    throw std::invalid_argument("state: not finite");
+  parts_->restore(state);
+}
+
+const Body& Simulation::body() const { return parts_->body; }
+const SolverOptions& Simulation::options() const { return parts_->options; }
+const std::vector<Marker>& Simulation::markers() const { return parts_->markers; }
+const std::vector<std::unique_ptr<Actuator>>& Simulation::actuators() const { return parts_->actuators; }
+
+int Simulation::actuator_index(const std::string& name) const {
+  return index_of("actuator", name, parts_->actuators, [](const auto& actuator) { return actuator->name(); });
+}
+
+int Simulation::marker_index(const std::string& name) const {
+  return index_of("marker", name, parts_->markers, [](const Marker& marker) { return marker.name(); });
+}
+
+Eigen::Vector3d Simulation::marker_position(int marker) const {
+  return parts_->markers.at(marker).position(parts_->state.positions_m);
+}
+
+ActuatorState Simulation::actuator_state(int actuator) const {
+  std::size_t first = 0;
+  for (int i = 0; i < actuator; ++i) first += parts_->actuators[i]->constraints().size();
+  const Actuator& chosen = *parts_->actuators.at(actuator);
+  std::vector<double> multipliers;
+  for (std::size_t i = 0; i < chosen.constraints().size(); ++i)
+    multipliers.push_back(parts_->state.constraint_multipliers[static_cast<Eigen::Index>(first + i)]);
+  ActuatorState state = chosen.observe(parts_->state.positions_m, multipliers);
+  state.name = chosen.name();
+  state.command = chosen.command();
+  state.actuated_command = chosen.actuated_command();
+  return state;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,133 @@
+// Levenberg-Marquardt in a trust region with bounds (Ceres), on the residual target - marker and its exact Jacobian.
+#include "control/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <ceres/ceres.h>
+
+namespace soft_robot_lab {
+namespace {
+
+// Residual (target - marker) / tolerance: dimensionless, so that Ceres' own small constants mean the same for any
+// robot. Each command is a parameter block of its own, so that single ones can be held.
+class ReachCost : public ceres::CostFunction {
+ public:
+  ReachCost(Search& search, double tolerance_m) : search_(search), tolerance_m_(tolerance_m) {
+    set_num_residuals(3);
+    mutable_parameter_block_sizes()->assign(search.problem().start.size(), 1);
+  }
+
+  // False, where there is no equilibrium, makes Ceres take the step back and shrink the trust region.
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    Eigen::VectorXd commands(search_.problem().start.size());
+    for (Eigen::Index i = 0; i < commands.size(); ++i) commands[i] = *parameters[i];
+    const Evaluation* here = search_.evaluate(commands);
+    if (!here) return false;
+    Eigen::Map<Eigen::Vector3d>(residuals, 3) = (search_.problem().target_m - here->marker_m) / tolerance_m_;
+    for (Eigen::Index i = 0; jacobians && i < commands.size(); ++i) {
+      if (jacobians[i]) Eigen::Map<Eigen::Vector3d>(jacobians[i], 3) = -here->jacobian.col(i) / tolerance_m_;
+    }
+    return true;
+  }
+
+ private:
+  Search& search_;
+  double tolerance_m_;
+};
+
+// Tells the progress, and stops once a step changes the distance by less than the tolerance, or the target is reached.
+class Watch : public ceres::IterationCallback {
+ public:
+  Watch(Search& search, const Eigen::VectorXd& commands, double tolerance_m)
+      : search_(search), commands_(commands), tolerance_m_(tolerance_m) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    const double distance_m = std::sqrt(2.0 * summary.cost) * tolerance_m_;
+    const bool settled = summary.step_is_successful && std::abs(distance_m_ - distance_m) < tolerance_m_;
+    const bool first = summary.iteration == 0;
+    distance_m_ = distance_m;
+    if (!first && !search_.finish_iteration(commands_, distance_m)) return ceres::SOLVER_ABORT;
+    if (distance_m < tolerance_m_ || (settled && !first)) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    return ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  Search& search_;
+  const Eigen::VectorXd& commands_;
+  double tolerance_m_;
+  double distance_m_ = 0.0;
+};
+
+ceres::Solver::Options solver_options(int max_iterations) {
+  ceres::Solver::Options options;
+  options.max_num_iterations = max_iterations;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
+  options.update_state_every_iteration = true;  // Watch reads the commands
+  options.function_tolerance = 0.0;             // Watch decides
+  options.parameter_tolerance = 1.0e-10;
+  options.num_threads = 1;
+  return options;
+}
+
+// The commands at a limit beyond which the target lies.
+std::vector<bool> blocked_commands(const ReachProblem& problem, const Evaluation& here) {
+  const Eigen::VectorXd downhill = here.jacobian.transpose() * (problem.target_m - here.marker_m);
+  std::vector<bool> blocked(downhill.size());
+  for (Eigen::Index i = 0; i < downhill.size(); ++i) {
+    blocked[i] = (downhill[i] <= 0.0 && here.commands[i] <= problem.min[i]) ||
+                 (downhill[i] >= 0.0 && here.commands[i] >= problem.max[i]);
+  }
+  return blocked;
+}
+
+// Moves the commands that are not held; returns why it stopped.
+std::string solve_free_commands(Search& search, const std::vector<bool>& held, int max_iterations, double tolerance_m,
+                                Eigen::VectorXd& commands) {
+  std::vector<double*> blocks;
+  for (double& command : commands) blocks.push_back(&command);
+  ceres::Problem problem;
+  problem.AddResidualBlock(new ReachCost(search, tolerance_m), nullptr, blocks);
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    problem.SetParameterLowerBound(blocks[i], 0, search.problem().min[static_cast<Eigen::Index>(i)]);
+    problem.SetParameterUpperBound(blocks[i], 0, search.problem().max[static_cast<Eigen::Index>(i)]);
+    if (held[i]) problem.SetParameterBlockConstant(blocks[i]);
+  }
+  Watch watch(search, commands, tolerance_m);
+  ceres::Solver::Options options = solver_options(max_iterations);
+  options.callbacks.push_back(&watch);
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (summary.termination_type == ceres::USER_FAILURE) return kCancelled;
+  if (summary.termination_type == ceres::NO_CONVERGENCE) return kIterationLimit;
+  if (!search.failure().empty()) return search.failure();
+  return summary.IsSolutionUsable() ? kConverged : summary.message;
+}
+
+}  // namespace
+
+// Ceres projects its steps on the bounds, which creeps where one command is at a limit and another has to make up for
+// it. So the blocked commands are held while the others move, until nothing is to be held or freed any more.
+std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m) {
+  Eigen::VectorXd commands = search.problem().start;
+  std::vector<bool> held;
+  double distance_m = std::numeric_limits<double>::infinity();
+  for (;;) {
+    const Evaluation* here = search.evaluate(commands);
+    if (!here) return search.failure();
+    const std::vector<bool> blocked = blocked_commands(search.problem(), *here);
+    const bool all_blocked = std::find(blocked.begin(), blocked.end(), false) == blocked.end();
+    if (all_blocked || blocked == held || distance_m - here->distance_m < tolerance_m) return kConverged;
+    if (search.iterations() == max_iterations) return kIterationLimit;
+    held = blocked;
+    distance_m = here->distance_m;
+    const std::string reason =
+        solve_free_commands(search, held, max_iterations - search.iterations(), tolerance_m, commands);
+    if (reason != kConverged) return reason;
+  }
+}
+
+}  // namespace soft_robot_lab

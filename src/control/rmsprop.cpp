@@ -1,0 +1,55 @@
+// RMSprop on 1/2 |y - x(alpha)|^2 with the published constants, kept for comparison.
+// The thesis's eq. 7.5 drops the minus sign of this objective's gradient, which would climb: here the step descends.
+// The thesis names no finite-difference step; ours is kDifference. Lengths are in metres, so epsilon damps the steps
+// once the gradient falls below about 1e-3 m^2 per unit of command.
+#include "control/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kGamma = 0.9;          // memory of the mean square
+constexpr double kEpsilon = 1.0e-6;     // [m^4 per command^2]
+constexpr double kEta = 0.001;          // step [command]
+constexpr double kDifference = 1.0e-3;  // [command]; 0.08 mm of pull on an 80 mm cable
+
+// One backward difference per command; forward where a backward one would leave the bounds.
+std::optional<Eigen::VectorXd> gradient(Search& search, const Eigen::VectorXd& commands, double objective_m2) {
+  const ReachProblem& problem = search.problem();
+  Eigen::VectorXd slope(commands.size());
+  for (Eigen::Index i = 0; i < commands.size(); ++i) {
+    Eigen::VectorXd probe = commands;
+    probe[i] -= kDifference;
+    if (probe[i] < problem.min[i]) probe[i] = std::min(commands[i] + kDifference, problem.max[i]);
+    const Evaluation* there = search.evaluate(probe);
+    if (!there) return std::nullopt;
+    slope[i] = (there->objective_m2() - objective_m2) / (probe[i] - commands[i]);
+  }
+  return slope;
+}
+
+}  // namespace
+
+std::string search_rmsprop(Search& search, int max_iterations) {
+  const ReachProblem& problem = search.problem();
+  Eigen::VectorXd commands = problem.start;
+  Eigen::ArrayXd mean_square = Eigen::ArrayXd::Zero(commands.size());
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    const Evaluation* here = search.evaluate(commands);  // known already: the last point of the iteration before
+    if (!here) return search.failure();
+    const std::optional<Eigen::VectorXd> slope = gradient(search, commands, here->objective_m2());
+    if (!slope) return search.failure();
+    mean_square = kGamma * mean_square + (1.0 - kGamma) * slope->array().square();
+    commands.array() -= kEta * slope->array() / (mean_square + kEpsilon).sqrt();
+    commands = commands.cwiseMax(problem.min).cwiseMin(problem.max);
+    const Evaluation* there = search.evaluate(commands);
+    if (!there) return search.failure();
+    if (!search.finish_iteration(commands, there->distance_m)) return kCancelled;
+  }
+  return kIterationLimit;
+}
+
+}  // namespace soft_robot_lab

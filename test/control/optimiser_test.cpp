@@ -1,0 +1,311 @@
+// The methods on closed-form robots: a planar arc that two cables bend, and a linear map.
+#include "soft_robot_lab/control/optimiser.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "soft_robot_lab/control/forward_model.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// The tip of an inextensible arc of 100 mm in x, y whose angle is 2 rad per unit of difference between two
+// contractions, and which sinks 10 mm in z per unit of their mean: every tip is (l sin a / a, l (1 - cos a) / a, z).
+struct Arc {
+  double length_m = 0.1;
+  double rad_per_command = 4.0;
+  double z_m_per_command = 0.02;
+
+  Eigen::Vector3d tip(double angle, double sum) const {
+    const double x = std::abs(angle) < 1e-6 ? 1.0 - angle * angle / 6.0 : std::sin(angle) / angle;
+    const double y = std::abs(angle) < 1e-6 ? angle / 2.0 : (1.0 - std::cos(angle)) / angle;
+    return {length_m * x, length_m * y, z_m_per_command * sum};
+  }
+  Eigen::Vector3d operator()(const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) const {
+    const double a = rad_per_command * (commands[1] - commands[0]);
+    if (jacobian) {
+      const double dx = std::abs(a) < 1e-4 ? -a / 3.0 : (a * std::cos(a) - std::sin(a)) / (a * a);
+      const double dy = std::abs(a) < 1e-4 ? 0.5 - a * a / 8.0 : (a * std::sin(a) - 1.0 + std::cos(a)) / (a * a);
+      jacobian->resize(3, 2);
+      jacobian->col(1) =
+          Eigen::Vector3d(length_m * dx * rad_per_command, length_m * dy * rad_per_command, z_m_per_command);
+      jacobian->col(0) = -jacobian->col(1);
+      (*jacobian)(2, 0) = z_m_per_command;
+    }
+    return tip(a, commands.sum());
+  }
+};
+
+ReachProblem arc_problem(const Eigen::Vector2d& goal_commands) {
+  ReachProblem problem;
+  problem.marker = Arc();
+  problem.target_m = Arc()(goal_commands, nullptr);
+  problem.start = Eigen::Vector2d(1.0, 1.0);
+  problem.min = Eigen::Vector2d(0.7, 0.7);
+  problem.max = Eigen::Vector2d(1.0, 1.0);
+  problem.names = {"left", "right"};
+  return problem;
+}
+
+OptimiserOptions method(const std::string& name) {
+  OptimiserOptions options;
+  options.method = name;
+  return options;
+}
+
+// Records every command that a method asks the model for.
+ReachProblem recording(ReachProblem problem, std::vector<Eigen::VectorXd>& asked) {
+  const auto model = problem.marker;
+  problem.marker = [model, &asked](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
+    asked.push_back(commands);
+    return model(commands, jacobian);
+  };
+  return problem;
+}
+
+TEST(GaussNewton, FindsTheCommandsOfAReachableTarget) {
+  const Eigen::Vector2d goal(0.78, 0.93);
+  const OptimisationSummary summary = optimise(arc_problem(goal), method("gauss_newton"));
+  EXPECT_TRUE(summary.usable);
+  EXPECT_TRUE(summary.target_reached);
+  EXPECT_EQ(summary.stop_reason, "converged");
+  EXPECT_TRUE(summary.active_limits.empty());
+  EXPECT_LT(summary.final_distance_m, 1e-5);
+  EXPECT_LT((summary.commands - goal).norm(), 1e-3);
+  EXPECT_LE(summary.iterations, 10);
+  EXPECT_LE(summary.evaluations, 20);
+}
+
+TEST(GaussNewton, StopsAtTheLimitsThatKeepItFromTheTarget) {
+  // Twice as far round the arc as the bounds allow: the nearest reachable tip has left pulled fully and right slack.
+  ReachProblem problem = arc_problem({0.4, 1.0});
+  problem.target_m.z() = Arc()(Eigen::Vector2d(0.7, 1.0), nullptr).z();
+  const OptimisationSummary summary = optimise(problem, method("gauss_newton"));
+  EXPECT_TRUE(summary.usable);
+  EXPECT_FALSE(summary.target_reached);
+  EXPECT_EQ(summary.stop_reason, "converged");
+  EXPECT_NEAR(summary.commands[0], 0.7, 1e-6);
+  EXPECT_NEAR(summary.commands[1], 1.0, 1e-6);
+  EXPECT_EQ(summary.active_limits, (std::vector<std::string>{"left at its minimum 0.7", "right at its maximum 1"}));
+}
+
+// A bound that stops one command changes what is best for the other, because both pull the marker along x.
+TEST(GaussNewton, FindsTheBestFreeCommandBesideABoundOne) {
+  Eigen::Matrix<double, 3, 2> map;
+  map << 0.1, 0.09, 0.0, 0.02, 0.0, 0.0;
+  ReachProblem problem = arc_problem({1.0, 1.0});
+  problem.marker = [map](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) -> Eigen::Vector3d {
+    if (jacobian) *jacobian = map;
+    return map * commands;
+  };
+  problem.min = Eigen::Vector2d(0.0, 0.0);
+  problem.start = Eigen::Vector2d(0.5, 0.5);
+  problem.target_m = map * Eigen::Vector2d(1.4, 0.3);
+  const OptimisationSummary summary = optimise(problem, method("gauss_newton"));
+  const Eigen::Vector3d left_over = problem.target_m - map.col(0);
+  const double best_right = map.col(1).dot(left_over) / map.col(1).squaredNorm();
+  EXPECT_NEAR(summary.commands[0], 1.0, 1e-6);
+  EXPECT_NEAR(summary.commands[1], best_right, 2e-3);
+  EXPECT_EQ(summary.active_limits, (std::vector<std::string>{"left at its maximum 1"}));
+}
+
+// y = 0.1 p + 2 p^2 for a pull p = 1 - left: the slope at the start promises too little, so the first step goes too
+// far.
+TEST(GaussNewton, GoesOnWhereTheModelFailsBeyondAPoint) {
+  ReachProblem problem = arc_problem({1.0, 1.0});
+  int failures = 0;
+  problem.marker = [&failures](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
+    const double pull = 1.0 - commands[0];
+    if (pull > 0.16) {
+      ++failures;
+      throw ForwardModelError("buckled");
+    }
+    if (jacobian) *jacobian = Eigen::Vector3d(0.0, -0.1 - 4.0 * pull, 0.0) * Eigen::RowVector2d(1.0, 0.0);
+    return Eigen::Vector3d(0.0, 0.1 * pull + 2.0 * pull * pull, 0.0);
+  };
+  problem.target_m = {0.0, 0.06, 0.0};
+  const OptimisationSummary summary = optimise(problem, method("gauss_newton"));
+  EXPECT_GT(failures, 0);
+  EXPECT_TRUE(summary.target_reached) << summary.stop_reason;
+  EXPECT_NEAR(summary.commands[0], 0.85, 1e-4);
+}
+
+TEST(Rmsprop, DescendsAndComesNearTheTarget) {
+  const OptimisationSummary summary = optimise(arc_problem({0.85, 0.95}), method("rmsprop"));
+  EXPECT_TRUE(summary.usable);
+  EXPECT_EQ(summary.stop_reason, "iteration limit");
+  EXPECT_EQ(summary.iterations, 1000);
+  EXPECT_EQ(summary.evaluations, 1 + 1000 * 3);  // the point and a difference for each command
+  EXPECT_LT(summary.final_distance_m, 0.1 * summary.initial_distance_m);
+}
+
+// The first step by hand: g = J^T (x - y) for small differences, E = 0.1 g^2, step 0.001 g / sqrt(E + 1e-6).
+TEST(Rmsprop, TakesThePublishedStep) {
+  ReachProblem problem = arc_problem({1.0, 1.0});
+  problem.names = {"left"};
+  problem.start = Eigen::VectorXd::Constant(1, 0.9);
+  problem.min = Eigen::VectorXd::Constant(1, 0.5);
+  problem.max = Eigen::VectorXd::Constant(1, 1.0);
+  problem.target_m = {0.05, 0.0, 0.0};
+  problem.marker = [](const Eigen::VectorXd& commands, Eigen::Matrix3Xd*) {
+    return Eigen::Vector3d(0.1 * commands[0], 0.0, 0.0);
+  };
+  OptimiserOptions options = method("rmsprop");
+  options.max_iterations = 1;
+  Eigen::VectorXd after;
+  optimise(problem, options, [&](const OptimisationProgress& progress) {
+    after = progress.commands;
+    return true;
+  });
+  const auto objective = [](double command) { return 0.5 * std::pow(0.05 - 0.1 * command, 2); };
+  const double slope = (objective(0.9) - objective(0.899)) / 0.001;
+  ASSERT_EQ(after.size(), 1);
+  EXPECT_NEAR(after[0], 0.9 - 0.001 * slope / std::sqrt(0.1 * slope * slope + 1e-6), 1e-12);
+}
+
+class EveryMethod : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Optimiser, EveryMethod, testing::Values("gauss_newton", "rmsprop"));
+
+TEST_P(EveryMethod, AsksOnlyForCommandsWithinTheBounds) {
+  std::vector<Eigen::VectorXd> asked;
+  for (const Eigen::Vector2d& start :
+       {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(0.7, 0.7), Eigen::Vector2d(0.7, 1.0)}) {
+    ReachProblem problem = recording(arc_problem({0.3, 1.2}), asked);
+    problem.start = start;
+    optimise(problem, method(GetParam()));
+  }
+  ASSERT_GT(asked.size(), 5u);
+  for (const Eigen::VectorXd& commands : asked) {
+    EXPECT_GE(commands.minCoeff(), 0.7);
+    EXPECT_LE(commands.maxCoeff(), 1.0);
+  }
+}
+
+TEST_P(EveryMethod, IsNeverWorseThanItsStart) {
+  for (const double left : {0.7, 0.8, 0.9, 1.0}) {
+    ReachProblem problem = arc_problem({left, 0.9});
+    problem.start = Eigen::Vector2d(left, 0.9001);
+    const OptimisationSummary summary = optimise(problem, method(GetParam()));
+    EXPECT_TRUE(summary.usable);
+    EXPECT_LE(summary.final_distance_m, summary.initial_distance_m);
+    EXPECT_DOUBLE_EQ(summary.final_distance_m, (problem.target_m - summary.marker_m).norm());
+  }
+}
+
+TEST_P(EveryMethod, TellsWhyItCannotStart) {
+  ReachProblem problem = arc_problem({0.8, 1.0});
+  problem.marker = [](const Eigen::VectorXd&, Eigen::Matrix3Xd*) -> Eigen::Vector3d {
+    throw ForwardModelError("residual 0.3 after 60 iterations");
+  };
+  const OptimisationSummary summary = optimise(problem, method(GetParam()));
+  EXPECT_FALSE(summary.usable);
+  EXPECT_FALSE(summary.target_reached);
+  EXPECT_EQ(summary.stop_reason, "no equilibrium at left 1, right 1: residual 0.3 after 60 iterations");
+  EXPECT_EQ(summary.commands, problem.start);
+  EXPECT_EQ(summary.evaluations, 1);
+}
+
+TEST_P(EveryMethod, TakesAnAnswerThatIsNotANumberForAFailure) {
+  ReachProblem problem = arc_problem({0.8, 1.0});
+  problem.marker = [](const Eigen::VectorXd&, Eigen::Matrix3Xd* jacobian) {
+    if (jacobian) *jacobian = Eigen::Matrix3Xd::Zero(3, 2);
+    return Eigen::Vector3d(0.0, kNan, 0.0);
+  };
+  const OptimisationSummary summary = optimise(problem, method(GetParam()));
+  EXPECT_FALSE(summary.usable);
+  EXPECT_NE(summary.stop_reason.find("not finite"), std::string::npos);
+}
+
+TEST_P(EveryMethod, TellsEveryIterationAndStopsWhenAsked) {
+  std::vector<OptimisationProgress> told;
+  const OptimisationSummary summary =
+      optimise(arc_problem({0.72, 0.98}), method(GetParam()), [&](const OptimisationProgress& progress) {
+        told.push_back(progress);
+        return progress.iteration < 2;
+      });
+  EXPECT_EQ(summary.stop_reason, "cancelled");
+  EXPECT_TRUE(summary.usable);
+  EXPECT_EQ(summary.iterations, 2);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0].iteration, 1);
+  for (const OptimisationProgress& progress : told) {
+    const Eigen::Vector3d tip = Arc()(progress.commands, nullptr);
+    EXPECT_NEAR(progress.distance_m, (tip - arc_problem({0.72, 0.98}).target_m).norm(), 1e-12);
+  }
+}
+
+TEST_P(EveryMethod, StopsAtTheIterationLimit) {
+  OptimiserOptions options = method(GetParam());
+  options.max_iterations = 1;
+  options.tolerance_m = 1e-12;
+  const OptimisationSummary summary = optimise(arc_problem({0.72, 0.98}), options);
+  EXPECT_EQ(summary.stop_reason, "iteration limit");
+  EXPECT_EQ(summary.iterations, 1);
+}
+
+TEST(Rmsprop, EndsAtAFailureWithTheBestSoFar) {
+  ReachProblem problem = arc_problem({0.72, 1.0});
+  problem.marker = [arc = Arc()](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
+    if (commands[0] < 0.9) throw ForwardModelError("buckled");
+    return arc(commands, jacobian);
+  };
+  const OptimisationSummary summary = optimise(problem, method("rmsprop"));
+  EXPECT_NE(summary.stop_reason.find("buckled"), std::string::npos);
+  EXPECT_TRUE(summary.usable);
+  EXPECT_LT(summary.final_distance_m, summary.initial_distance_m);
+}
+
+TEST(Optimiser, MeasuresItsTime) {
+  const OptimisationSummary summary = optimise(arc_problem({0.8, 0.9}), method("rmsprop"));
+  EXPECT_GT(summary.cpu_s, 0.0);
+  EXPECT_LT(summary.cpu_s, summary.wall_s + 0.02);
+}
+
+struct Refused {
+  const char* words;  // expected in the message
+  std::function<void(ReachProblem&, OptimiserOptions&)> spoil;
+};
+
+TEST(Optimiser, RefusesWhatItCannotUse) {
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::vector<Refused> table = {
+      {"marker: no model", [](auto& p, auto&) { p.marker = nullptr; }},
+      {"target_m", [](auto& p, auto&) { p.target_m.y() = kNan; }},
+      {"start has no entries", [](auto& p, auto&) { p.start.resize(0); }},
+      {"min has 1 entries, must have 2", [](auto& p, auto&) { p.min = Eigen::VectorXd::Zero(1); }},
+      {"max has 3 entries, must have 2", [](auto& p, auto&) { p.max = Eigen::VectorXd::Ones(3); }},
+      {"names has 1 entries, must have 2", [](auto& p, auto&) { p.names.pop_back(); }},
+      {"min of right: nan must be finite", [](auto& p, auto&) { p.min[1] = kNan; }},
+      {"max of left: inf must be finite", [inf](auto& p, auto&) { p.max[0] = inf; }},
+      {"min of left: 1 must be below its max 1", [](auto& p, auto&) { p.min[0] = 1.0; }},
+      {"start of left: 1.01 is out of range [0.7, 1]", [](auto& p, auto&) { p.start[0] = 1.01; }},
+      {"start of right: nan is out of range [0.7, 1]", [](auto& p, auto&) { p.start[1] = kNan; }},
+      {"method: 'newton' is not one of gauss_newton, rmsprop", [](auto&, auto& o) { o.method = "newton"; }},
+      {"max_iterations: -1 is out of range [0, 1000000]", [](auto&, auto& o) { o.max_iterations = -1; }},
+      {"max_iterations: 1000001 is out of range", [](auto&, auto& o) { o.max_iterations = 1000001; }},
+      {"tolerance_m: 0 is out of range (0, inf)", [](auto&, auto& o) { o.tolerance_m = 0.0; }},
+      {"tolerance_m: inf is out of range (0, inf)", [inf](auto&, auto& o) { o.tolerance_m = inf; }},
+      {"tolerance_m: nan is out of range (0, inf)", [](auto&, auto& o) { o.tolerance_m = kNan; }},
+  };
+  for (const Refused& refused : table) {
+    ReachProblem problem = arc_problem({0.8, 0.9});
+    OptimiserOptions options;
+    refused.spoil(problem, options);
+    try {
+      optimise(problem, options);
+      ADD_FAILURE() << "accepted: " << refused.words;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(refused.words), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,9 +1,12 @@
 // Scene and robot files (README, "Scene files"): strict reading, and building a simulation from them.
+// A robot file is a scene without a run. `include: other.yaml` names settings that the rest of the file overrides: maps
+// merge key by key, lists replace.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "soft_robot_lab/sim/simulation.h"
@@ -24,7 +27,7 @@ struct RunSettings {
   RunMode mode = RunMode::equilibrium;
   double duration_s = 0.0;        // dynamic: > 0
   double record_every_s = 0.0;    // dynamic: 0 records every step
-  bool sensitivity = false;       // report d marker / d command
+  bool sensitivity = false;       // equilibrium: report d marker / d command
   std::vector<TimedCommands> commands;  // in order of time
 };
 

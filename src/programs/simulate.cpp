@@ -1,0 +1,93 @@
+// simulate SCENE.yaml [--result FILE]: runs a scene from the shell, without a ROS master.
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+
+#include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/scene/run_scene.h"
+#include "soft_robot_lab/scene/scene.h"
+
+namespace {
+
+constexpr const char* kUsage =
+    "usage: simulate SCENE.yaml [--result FILE]\n"
+    "Runs the scene and writes the result as JSON to FILE, or to the standard output.\n"
+    "Exit status: 0 converged, 1 ran but did not converge (the result is still written), 2 bad scene or arguments.\n";
+
+enum ExitStatus { kConverged = 0, kNotConverged = 1, kBadScene = 2 };
+
+struct Arguments {
+  std::string scene;
+  std::string result;  // empty: standard output
+  bool help = false;
+};
+
+Arguments parse(int count, char** values) {
+  Arguments arguments;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = values[i];
+    if (word == "-h" || word == "--help") {
+      arguments.help = true;
+    } else if (word == "--result") {
+      if (++i == count) throw std::invalid_argument("--result needs a file name");
+      arguments.result = values[i];
+    } else if (!word.empty() && word[0] == '-') {
+      throw std::invalid_argument("unknown option " + word);
+    } else if (arguments.scene.empty()) {
+      arguments.scene = word;
+    } else {
+      throw std::invalid_argument("more than one scene: " + word);
+    }
+  }
+  if (arguments.scene.empty() && !arguments.help) throw std::invalid_argument("no scene given");
+  return arguments;
+}
+
+void write(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text << std::flush;
+  if (!file) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
+}
+
+int simulate(const Arguments& arguments) {
+  using namespace soft_robot_lab;
+  SceneOptions options;
+  options.actuator_factory = make_actuator;
+  Scene scene = load_scene(arguments.scene, options);
+  const RunReport report = run_scene(scene);
+  if (arguments.result.empty()) {
+    std::cout << result_json(scene, report) << std::flush;
+  } else {
+    write(arguments.result, result_json(scene, report));
+    std::cout << result_summary(scene, report);
+  }
+  if (report.solve.converged) return kConverged;
+  std::cerr << "simulate: did not converge: " << report.solve.message << "\n";
+  return kNotConverged;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  try {
+    arguments = parse(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "simulate: " << error.what() << "\n" << kUsage;
+    return kBadScene;
+  }
+  if (arguments.help) {
+    std::cout << kUsage;
+    return kConverged;
+  }
+  try {
+    return simulate(arguments);
+  } catch (const std::exception& error) {
+    std::cerr << "simulate: " << error.what() << "\n";
+    return kBadScene;
+  }
+}

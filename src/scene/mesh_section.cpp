@@ -1,0 +1,61 @@
+#include "scene/sections.h"
+#include "soft_robot_lab/design/solid.h"
+
+namespace soft_robot_lab {
+namespace {
+
+MeshRefinement read_refinement(const SettingsNode& node) {
+  return {node.vector3("center_m"), node.number("radius_m", AllowedRange::positive()),
+          node.number("size_m", AllowedRange::positive())};
+}
+
+// A cable's end anchor sinks in over its plug's radius; elements there must be no larger to see it.
+std::vector<MeshRefinement> plug_refinements(const SettingsNode& scene) {
+  std::vector<MeshRefinement> refinements;
+  for (const SettingsNode& cable : scene.optional_sequence("cables")) {
+    if (!cable.has("plug_radius_m")) continue;
+    const std::vector<SettingsNode> points = cable.sequence("points_m");
+    if (points.empty()) cable.fail("points_m is empty");
+    const double plug_radius_m = cable.number("plug_radius_m", AllowedRange::positive());
+    refinements.push_back({as_vector3(points.back()), 2.0 * plug_radius_m, plug_radius_m});
+  }
+  return refinements;
+}
+
+// Either a solid to be meshed at some size, or a mesh as it is.
+MeshRequest read_request(const SettingsNode& scene, const SettingsNode& body) {
+  MeshRequest request;
+  request.quadratic = body.choice_or("element", request.quadratic ? "quadratic" : "linear", {"linear", "quadratic"}) ==
+                      "quadratic";
+  if (body.has("solid") == body.has("mesh")) body.fail("must have one of solid, mesh");
+  if (body.has("mesh")) {
+    request.mesh_file = beside(body.child("mesh"), body.text("mesh"));
+    return request;
+  }
+  request.solid_yaml = to_yaml(read_solid(body.child("solid")));
+  request.element_size_m = body.number_or("element_size_m", request.element_size_m, AllowedRange::positive());
+  if (body.boolean_or("refine_plugs", false)) request.refinements = plug_refinements(scene);
+  for (const SettingsNode& node : body.optional_sequence("refinements")) {
+    request.refinements.push_back(read_refinement(node));
+  }
+  return request;
+}
+
+}  // namespace
+
+TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher) {
+  const SettingsNode body = scene.child("body");
+  const MeshRequest request = read_request(scene, body);
+  return in_section(body, [&] {
+    const TetMesh mesh = read_msh(mesh_file_for(request, mesher));
+    return request.quadratic ? make_quadratic(mesh) : make_linear(mesh);
+  });
+}
+
+Eigen::Vector3d as_vector3(const SettingsNode& node) {
+  const Eigen::VectorXd numbers = node.as_numbers();
+  if (numbers.size() != 3) node.fail("has " + std::to_string(numbers.size()) + " numbers, must have 3: [x, y, z]");
+  return numbers;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,122 @@
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "soft_robot_lab/scene/run_scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json list(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Json markers_json(const Simulation& simulation) {
+  Json json = Json::object();
+  for (size_t i = 0; i < simulation.markers().size(); ++i) {
+    const Marker& marker = simulation.markers()[i];
+    const Eigen::Vector3d position_m = simulation.marker_position(static_cast<int>(i));
+    json[marker.name()] = {{"position_m", list(position_m)},
+                           {"displacement_m", list(position_m - marker.rest_position_m())}};
+  }
+  return json;
+}
+
+Json cable_json(const ActuatorState& state) {
+  Json json = {{"length_m", *state.length_m}};
+  if (state.rest_length_m) json["rest_length_m"] = *state.rest_length_m;
+  if (state.tension_n) json["tension_n"] = *state.tension_n;
+  return json;
+}
+
+Json chamber_json(const ActuatorState& state) {
+  Json json = {{"volume_m3", *state.volume_m3}};
+  if (state.initial_volume_m3) json["initial_volume_m3"] = *state.initial_volume_m3;
+  if (state.gauge_pressure_pa) json["gauge_pressure_pa"] = *state.gauge_pressure_pa;
+  return json;
+}
+
+// An actuator counts by what it measures, so that a lab's own plugins show up too.
+void add_actuators(const Simulation& simulation, Json& result) {
+  Json& cables = result["cables"] = Json::object();
+  Json& chambers = result["chambers"] = Json::object();
+  for (size_t i = 0; i < simulation.actuators().size(); ++i) {
+    const ActuatorState state = simulation.actuator_state(static_cast<int>(i));
+    if (state.length_m) cables[state.name] = cable_json(state);
+    if (state.volume_m3) chambers[state.name] = chamber_json(state);
+  }
+}
+
+Json solver_json(const Simulation& simulation, const SolveReport& solve) {
+  const TetMesh& mesh = simulation.body().mesh();
+  return {{"converged", solve.converged}, {"iterations", solve.iterations}, {"residual", solve.residual},
+          {"steps", solve.steps},         {"wall_s", solve.wall_s},         {"nodes", mesh.node_count()},
+          {"elements", mesh.tet_count()}, {"inverted", solve.inverted_elements}};
+}
+
+Json sensitivity_json(const Simulation& simulation, const Eigen::MatrixXd& sensitivity) {
+  Json json = Json::object();
+  for (size_t m = 0; m < simulation.markers().size(); ++m) {
+    Json& row = json[simulation.markers()[m].name()] = Json::object();
+    for (size_t a = 0; a < simulation.actuators().size(); ++a) {
+      row[simulation.actuators()[a]->name()] =
+          list(sensitivity.block<3, 1>(static_cast<Eigen::Index>(3 * m), static_cast<Eigen::Index>(a)));
+    }
+  }
+  return json;
+}
+
+Json trajectory_json(const Simulation& simulation, const Trajectory& trajectory) {
+  Json markers = Json::object();
+  for (size_t m = 0; m < simulation.markers().size(); ++m) {
+    Json& path = markers[simulation.markers()[m].name()] = Json::array();
+    for (const Eigen::Matrix3Xd& at : trajectory.markers_m) path.push_back(list(at.col(static_cast<Eigen::Index>(m))));
+  }
+  return {{"time_s", trajectory.time_s}, {"markers", markers}};
+}
+
+std::string millimetres(const Eigen::Vector3d& v) {
+  std::ostringstream text;
+  text.precision(3);
+  text << std::fixed << "[" << 1e3 * v.x() << ", " << 1e3 * v.y() << ", " << 1e3 * v.z() << "] mm";
+  return text.str();
+}
+
+}  // namespace
+
+std::string result_json(const Scene& scene, const RunReport& report) {
+  const Simulation& simulation = *scene.simulation;
+  Json result;
+  result["markers"] = markers_json(simulation);
+  add_actuators(simulation, result);
+  result["solver"] = solver_json(simulation, report.solve);
+  if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);
+  if (scene.run.mode == RunMode::dynamic) result["trajectory"] = trajectory_json(simulation, report.trajectory);
+  return result.dump(2) + "\n";
+}
+
+std::string result_summary(const Scene& scene, const RunReport& report) {
+  const Simulation& simulation = *scene.simulation;
+  const SolveReport& solve = report.solve;
+  const TetMesh& mesh = simulation.body().mesh();
+  std::ostringstream text;
+  text << (solve.converged ? "converged" : "did not converge") << ": " << solve.iterations << " iterations in "
+       << solve.steps << " steps, residual " << solve.residual << ", " << solve.wall_s << " s; " << mesh.node_count()
+       << " nodes, " << mesh.tet_count() << " elements\n";
+  for (size_t i = 0; i < simulation.markers().size(); ++i) {
+    const Marker& marker = simulation.markers()[i];
+    const Eigen::Vector3d position_m = simulation.marker_position(static_cast<int>(i));
+    text << "marker " << marker.name() << " at " << millimetres(position_m) << ", moved "
+         << millimetres(position_m - marker.rest_position_m()) << "\n";
+  }
+  for (size_t i = 0; i < simulation.actuators().size(); ++i) {
+    const ActuatorState state = simulation.actuator_state(static_cast<int>(i));
+    text << "actuator " << state.name << " at command " << state.actuated_command;
+    if (state.tension_n) text << ", tension " << *state.tension_n << " N";
+    if (state.gauge_pressure_pa) text << ", gauge pressure " << *state.gauge_pressure_pa << " Pa";
+    text << "\n";
+  }
+  return text.str();
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,87 @@
+#include "soft_robot_lab/scene/run_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace soft_robot_lab {
+namespace {
+
+void add(const SolveReport& part, SolveReport& total) {
+  total.converged = total.converged && part.converged;
+  total.iterations += part.iterations;
+  total.steps += part.steps;
+  total.rejected_steps += part.rejected_steps;
+  total.residual = std::max(total.residual, part.residual);
+  total.wall_s += part.wall_s;
+  total.inverted_elements = part.inverted_elements;
+  if (!part.message.empty()) total.message = part.message;
+}
+
+void command(Simulation& simulation, const TimedCommands& timed) {
+  for (const auto& [actuator, value] : timed.commands) simulation.set_command(actuator, value);
+}
+
+SolveReport solve_in_order(Simulation& simulation, const std::vector<TimedCommands>& commands) {
+  SolveReport total;
+  total.converged = true;
+  if (commands.empty()) add(simulation.solve_equilibrium(), total);
+  for (size_t i = 0; i < commands.size() && total.converged; ++i) {
+    command(simulation, commands[i]);
+    add(simulation.solve_equilibrium(), total);
+    if (!total.converged) total.message = "run.commands[" + std::to_string(i) + "]: " + total.message;
+  }
+  return total;
+}
+
+void record(const Simulation& simulation, Trajectory& trajectory) {
+  const int count = static_cast<int>(simulation.markers().size());
+  Eigen::Matrix3Xd markers_m(3, count);
+  for (int i = 0; i < count; ++i) markers_m.col(i) = simulation.marker_position(i);
+  trajectory.time_s.push_back(simulation.state().time_s);
+  trajectory.markers_m.push_back(std::move(markers_m));
+}
+
+SolveReport solve_in_time(Simulation& simulation, const RunSettings& run, Trajectory& trajectory) {
+  SolveReport total;
+  total.converged = true;
+  const double step_s = simulation.options().time_step_s;
+  const double close_s = 1.0e-6 * step_s;  // sums of steps miss round times by rounding
+  const auto step_count = static_cast<long>(std::ceil((run.duration_s - close_s) / step_s));
+  const double record_every_s = std::max(run.record_every_s, step_s);
+  auto next = run.commands.begin();
+  long recorded = 0;
+  record(simulation, trajectory);
+  for (long i = 0; i < step_count; ++i) {
+    const double now_s = static_cast<double>(i) * step_s;
+    for (; next != run.commands.end() && next->time_s <= now_s + close_s; ++next) command(simulation, *next);
+    const SolveReport step = simulation.step();
+    const bool first_failure = total.converged && !step.converged;
+    add(step, total);
+    if (first_failure) {
+      std::ostringstream text;
+      text << "step " << i + 1 << " of " << step_count << ", at " << now_s << " s: " << step.message;
+      total.message = text.str();
+    }
+    if (now_s + step_s < static_cast<double>(recorded + 1) * record_every_s - close_s) continue;
+    record(simulation, trajectory);
+    recorded = static_cast<long>((now_s + step_s + close_s) / record_every_s);
+  }
+  return total;
+}
+
+}  // namespace
+
+RunReport run_scene(Scene& scene) {
+  RunReport report;
+  Simulation& simulation = *scene.simulation;
+  if (scene.run.mode == RunMode::dynamic) {
+    report.solve = solve_in_time(simulation, scene.run, report.trajectory);
+    return report;
+  }
+  report.solve = solve_in_order(simulation, scene.run.commands);
+  if (scene.run.sensitivity && report.solve.converged) report.sensitivity = simulation.marker_sensitivities();
+  return report;
+}
+
+}  // namespace soft_robot_lab

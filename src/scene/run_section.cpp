@@ -1,0 +1,41 @@
+#include "scene/sections.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// `time_s`, and any actuator by its name.
+TimedCommands read_commands(const SettingsNode& node, const Simulation& simulation) {
+  TimedCommands timed;
+  timed.time_s = node.number_or("time_s", timed.time_s, AllowedRange::not_negative());
+  for (const auto& actuator : simulation.actuators()) {
+    const CommandLimits& limits = actuator->limits();
+    if (!node.has(actuator->name())) continue;
+    timed.commands.emplace_back(actuator->name(), node.number(actuator->name(), {limits.min, limits.max}));
+  }
+  return timed;
+}
+
+}  // namespace
+
+RunSettings read_run(const SettingsNode& scene, const Simulation& simulation) {
+  RunSettings run;
+  const std::optional<SettingsNode> node = scene.optional_child("run");
+  if (!node) return run;
+  if (node->choice_or("mode", "equilibrium", {"equilibrium", "dynamic"}) == "dynamic") run.mode = RunMode::dynamic;
+  if (run.mode == RunMode::dynamic) {
+    run.duration_s = node->number("duration_s", AllowedRange::positive());
+    run.record_every_s = node->number_or("record_every_s", run.record_every_s, AllowedRange::not_negative());
+  } else {
+    run.sensitivity = node->boolean_or("sensitivity", run.sensitivity);
+  }
+  for (const SettingsNode& item : node->optional_sequence("commands")) {
+    run.commands.push_back(read_commands(item, simulation));
+    const size_t count = run.commands.size();
+    if (count > 1 && run.commands[count - 1].time_s < run.commands[count - 2].time_s) {
+      item.child("time_s").fail("is earlier than the commands before it; must be in order of time");
+    }
+  }
+  return run;
+}
+
+}  // namespace soft_robot_lab

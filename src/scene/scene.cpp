@@ -1,0 +1,27 @@
+#include "soft_robot_lab/scene/scene.h"
+
+#include "scene/sections.h"
+
+namespace soft_robot_lab {
+
+Scene load_scene(const std::string& path, const SceneOptions& options) {
+  const SettingsNode settings = load_settings_with_includes(path);
+  refuse_contact(settings);
+  const SolverOptions solver = read_solver(settings);
+
+  Body body = read_body(settings, read_mesh(settings, mesher_options(options)));
+  const MeshLocator locator(body.mesh());
+  auto actuators = read_actuators(settings, body, locator, options.actuator_factory);
+  auto markers = read_markers(settings, body, locator);
+
+  Scene scene;
+  scene.file = path;
+  scene.simulation = in_section(settings, [&] {
+    return std::make_unique<Simulation>(std::move(body), std::move(actuators), std::move(markers), solver);
+  });
+  scene.run = read_run(settings, *scene.simulation);
+  settings.require_all_read();
+  return scene;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,49 @@
+// The sections of a scene file, one reader each. All throw SettingsError with file, line and key.
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "soft_robot_lab/design/mesher.h"
+#include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/settings/settings_node.h"
+#include "soft_robot_lab/sim/body.h"
+#include "soft_robot_lab/sim/tet_mesh.h"
+
+namespace soft_robot_lab {
+
+// The file with those it includes merged below it.
+SettingsNode load_settings_with_includes(const std::string& path);
+
+TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher);                // `body`: its shape
+Body read_body(const SettingsNode& scene, TetMesh mesh);                                  // `body`, `loads`, gravity
+std::vector<std::unique_ptr<Actuator>> read_actuators(const SettingsNode& scene, const Body& body,
+                                                      const MeshLocator& locator,
+                                                      const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`
+std::vector<Marker> read_markers(const SettingsNode& scene, const Body& body, const MeshLocator& locator);
+void refuse_contact(const SettingsNode& scene);                                           // `contact`
+SolverOptions read_solver(const SettingsNode& scene);                                     // `solver`
+RunSettings read_run(const SettingsNode& scene, const Simulation& simulation);            // `run`
+
+MesherOptions mesher_options(const SceneOptions& options);  // with the defaults that SceneOptions describes
+
+// A file named in the scene: relative names start at the folder of the file that states them.
+std::string beside(const SettingsNode& node, const std::string& file);
+
+Eigen::Vector3d as_vector3(const SettingsNode& node);  // an item [x, y, z] of a list
+
+// What a part refuses becomes an error at the section's file and line.
+template <typename Build>
+auto in_section(const SettingsNode& node, const Build& build) {
+  try {
+    return build();
+  } catch (const SettingsError&) {
+    throw;
+  } catch (const std::invalid_argument& error) {
+    node.fail(error.what());
+  }
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,31 @@
+#include <limits>
+
+#include "scene/sections.h"
+
+namespace soft_robot_lab {
+
+SolverOptions read_solver(const SettingsNode& scene) {
+  SolverOptions options;
+  const std::optional<SettingsNode> node = scene.optional_child("solver");
+  if (!node) return options;
+  node->choice_or("method", "global", {"global"});
+  node->choice_or("integrator", "implicit_euler", {"implicit_euler"});
+  options.time_step_s = node->number_or("time_step_s", options.time_step_s);
+  options.tolerance = node->number_or("tolerance", options.tolerance);
+  options.dynamic_tolerance = node->number_or("dynamic_tolerance", options.dynamic_tolerance);
+  options.max_iterations = node->integer_or("max_iterations", options.max_iterations, std::numeric_limits<int>::min(),
+                                            std::numeric_limits<int>::max());
+  in_section(*node, [&] { options.validate(); });
+  return options;
+}
+
+void refuse_contact(const SettingsNode& scene) {
+  const std::optional<SettingsNode> node = scene.optional_child("contact");
+  if (!node) return;
+  if (node->boolean_or("self", false)) node->child("self").fail("self-contact is not supported yet; must be false");
+  if (!node->optional_sequence("obstacles").empty()) {
+    node->child("obstacles").fail("obstacles are not supported yet; must be an empty list");
+  }
+}
+
+}  // namespace soft_robot_lab

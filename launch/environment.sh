@@ -2,7 +2,7 @@
 # master that already runs is not disturbed.
 package=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 set +u # not written for it
-. "$package/build/devel/setup.bash"
+. "${SOFT_ROBOT_LAB_SETUP:-$package/devel/setup.bash}"
 set -u
 master_port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
 export ROS_MASTER_URI=http://localhost:$master_port ROS_HOSTNAME=localhost ROSCONSOLE_STDOUT_LINE_BUFFERED=1

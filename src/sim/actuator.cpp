@@ -13,7 +13,7 @@ void Actuator::initialise(const SettingsNode& settings, const Body& body, const 
   name_ = settings.text("name");
   if (name_.empty()) settings.fail("name must not be empty");
   on_initialise(settings, body, locator);
-  command_ = actuated_command_ = limits_.rest;
+  restore(limits_.rest, limits_.rest);
 }
 
 void Actuator::set_command(double command) {
@@ -30,11 +30,13 @@ void Actuator::advance(double time_step_s) {
   const double change = command_ - actuated_command_;
   const double reach = command_speed_ > 0.0 ? command_speed_ * time_step_s : std::abs(change);
   actuated_command_ = std::abs(change) <= reach ? command_ : actuated_command_ + std::copysign(reach, change);
+  actuate(actuated_command_);
 }
 
 void Actuator::restore(double command, double actuated_command) {
   set_command(command);
   actuated_command_ = std::clamp(actuated_command, limits_.min, limits_.max);
+  actuate(actuated_command_);
 }
 
 }  // namespace soft_robot_lab

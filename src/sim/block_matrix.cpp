@@ -100,11 +100,6 @@ int BlockMatrix::slot(int row_position, int column_position) const {
   return static_cast<int>(found - rows_.begin());
 }
 
-void BlockMatrix::add(int row_node, int column_node, const Eigen::Matrix3d& block_values) {
-  if (position_[row_node] < position_[column_node]) return;
-  Eigen::Map<Eigen::Matrix3d>(block(slot(position_[row_node], position_[column_node]))) += block_values;
-}
-
 void BlockMatrix::add_to_diagonal(int node, double value) {
   double* diagonal = block(column_start_[position_[node]]);
   diagonal[0] += value;

@@ -5,11 +5,9 @@
 
 #include <Eigen/Core>
 
-#include "soft_robot_lab/sim/constraint.h"
-
 namespace soft_robot_lab {
 
-class BlockMatrix : public BlockSink {
+class BlockMatrix {
  public:
   // `cliques`: sets of nodes that are all coupled with one another. Orders the nodes by nested dissection (METIS).
   BlockMatrix(int node_count, const std::vector<std::vector<int>>& cliques);
@@ -26,9 +24,6 @@ class BlockMatrix : public BlockSink {
   int slot(int row_position, int column_position) const;
 
   void set_zero() { std::fill(values_.begin(), values_.end(), 0.0); }
-
-  // Keeps the block when its row comes after its column in the elimination order; its twin carries the same values.
-  void add(int row_node, int column_node, const Eigen::Matrix3d& block) override;
 
   void add_to_diagonal(int node, double value);
 

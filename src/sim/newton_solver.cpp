@@ -95,7 +95,9 @@ NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> cons
       force_floor_n_(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
       matrix_(body.mesh().node_count(), cliques_of(body, constraints_)),
       factor_(matrix_),
-      elements_(body, matrix_) {}
+      elements_(body, matrix_) {
+  for (const Constraint* constraint : constraints_) adders_.emplace_back(matrix_, constraint->coupled_nodes());
+}
 
 void NewtonSolver::release(Eigen::Matrix3Xd& forces) const {
   forces = (body_.fixed().array()).select(0.0, forces.array()).matrix();
@@ -160,7 +162,7 @@ bool NewtonSolver::linearise(const NewtonTask& task, const NewtonState& state, b
   }
   for (int i = 0; i < constraint_count(); ++i)
     if (state.constraint_multipliers[i] != 0.0)
-      constraints_[i]->add_hessian(state.positions_m, state.constraint_multipliers[i], matrix_);
+      constraints_[i]->add_hessian(state.positions_m, state.constraint_multipliers[i], adders_[i]);
   matrix_.hold(body_.fixed());
   release(gradient);
   return factor_.factorise(matrix_);
@@ -238,7 +240,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 
   bool convex = false;
   while (report.iterations < task.max_iterations) {
-    if (here.relative_residual <= task.tolerance) return finish("");
+    if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
     Step step;
     ++report.iterations;
     bool found = find_step(task, state, here, convex, step);

@@ -13,6 +13,7 @@
 
 #include "block_cholesky.h"
 #include "block_matrix.h"
+#include "clique_adder.h"
 #include "elements.h"
 #include "soft_robot_lab/sim/body.h"
 #include "soft_robot_lab/sim/constraint.h"
@@ -31,6 +32,7 @@ struct NewtonTask {
   double inertia_per_s2 = 0.0;             // 1/h^2; zero asks for the equilibrium
   const Eigen::Matrix3Xd* predicted_m = nullptr;  // needed where there is inertia
   double tolerance = 1e-6;
+  int min_iterations = 0;
   int max_iterations = 60;
 };
 
@@ -90,6 +92,7 @@ class NewtonSolver {
   BlockMatrix matrix_;
   BlockCholesky factor_;
   Elements elements_;
+  std::vector<CliqueAdder> adders_;  // per constraint
 };
 
 }  // namespace soft_robot_lab

@@ -132,8 +132,10 @@ struct Simulation::Parts {
     task.inertia_per_s2 = 1.0 / (h * h);
     task.predicted_m = &predicted;
     task.tolerance = options.dynamic_tolerance;
+    task.min_iterations = 1;
     task.max_iterations = depth < kDeepestHalving ? std::min(options.max_iterations, kStageIterations) : options.max_iterations;
     NewtonState unknown = unknowns();
+    unknown.positions_m = predicted;
     const NewtonReport newton = solver.solve(task, unknown);
     ++report.steps;
     if (!newton.converged && depth < kDeepestHalving) {

@@ -62,15 +62,19 @@ class Actuator {
   // Puts command and actuated value to `actuated` at once: restores a saved state.
   void restore(double command, double actuated_command);
 
-  // Valid as long as the actuator; the same objects at every call.
+  // Valid as long as the actuator; the same objects at every call. All follow the one command.
   virtual std::vector<const Constraint*> constraints() const = 0;
 
   // `multipliers`: one per constraint, in their order.
   virtual ActuatorState observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const = 0;
 
  protected:
-  // Reads the plugin's keys, binds to the body and fills `limits_` and `command_speed_`; `name` is read already.
+  // Reads the plugin's keys, binds to the rest shape and fills `limits_` and `command_speed_`; `name` is read already. Body
+  // and locator are not kept: they move when the simulation is put together.
   virtual void on_initialise(const SettingsNode& settings, const Body& body, const MeshLocator& locator) = 0;
+
+  // Hands the actuated command, which has just changed, to the constraints.
+  virtual void actuate(double command) = 0;
 
   CommandLimits limits_;
   double command_speed_ = 0.0;  // largest change of the command per second; 0: no limit

@@ -9,11 +9,14 @@
 
 namespace soft_robot_lab {
 
-// Takes 3x3 blocks of a symmetric matrix over the nodes. Both (a, b) and (b, a) must be given when a != b.
-class BlockSink {
+// Takes second derivatives, clique by clique: the sets of nodes that a constraint declared with coupled_nodes().
+class CliqueSink {
  public:
-  virtual ~BlockSink() = default;
-  virtual void add(int row_node, int column_node, const Eigen::Matrix3d& block) = 0;
+  virtual ~CliqueSink() = default;
+  // Adds coefficients[i] coefficients[j] block for every two nodes i, j of the clique; the block is symmetric.
+  virtual void add_outer(int clique, const std::vector<double>& coefficients, const Eigen::Matrix3d& block) = 0;
+  // Adds a symmetric matrix over 3*i + axis of the clique's nodes.
+  virtual void add_dense(int clique, const Eigen::MatrixXd& matrix) = 0;
 };
 
 // The energy U(C) of a constraint near one value, written so that a rigid constraint stays finite (XPBD, Macklin et al. 2016).
@@ -36,7 +39,7 @@ class Constraint {
  public:
   virtual ~Constraint() = default;
 
-  // Sets of nodes; the second derivative of C couples only nodes that share a set.
+  // Sets of distinct nodes (cliques); the second derivative of C couples only nodes that share one.
   virtual std::vector<std::vector<int>> coupled_nodes() const = 0;
 
   virtual double value(const Eigen::Matrix3Xd& positions_m) const = 0;
@@ -45,7 +48,7 @@ class Constraint {
   virtual void add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const = 0;
 
   // Adds scale * d2C/dx2.
-  virtual void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, BlockSink& hessian) const = 0;
+  virtual void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const = 0;
 
   virtual ConstraintLaw law(double value) const = 0;
 };

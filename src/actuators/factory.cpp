@@ -1,0 +1,14 @@
+#include "soft_robot_lab/actuators/factory.h"
+
+#include <stdexcept>
+
+#include "soft_robot_lab/actuators/cable.h"
+
+namespace soft_robot_lab {
+
+std::unique_ptr<Actuator> make_actuator(const std::string& plugin) {
+  if (plugin == "soft_robot_lab/Cable") return std::make_unique<Cable>();
+  throw std::invalid_argument("unknown actuator plugin '" + plugin + "'; known: soft_robot_lab/Cable");
+}
+
+}  // namespace soft_robot_lab

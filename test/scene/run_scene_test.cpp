@@ -1,4 +1,5 @@
-// What a run does and writes, on the bar with two cables. The order of commands matters, so each test loads its own scene.
+// What a run does and writes, on the bar with two cables. The order of commands matters, so each test loads its own
+// scene.
 #include "soft_robot_lab/scene/run_scene.h"
 
 #include <string>
@@ -51,8 +52,8 @@ TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
   EXPECT_EQ(keys(outcome.json["cables"]), (Names{"left", "right"}));
   EXPECT_EQ(keys(outcome.json["cables"]["left"]), (Names{"length_m", "rest_length_m", "tension_n"}));
   EXPECT_TRUE(outcome.json["chambers"].is_object());
-  EXPECT_EQ(keys(outcome.json["solver"]), (Names{"converged", "iterations", "residual", "steps", "wall_s", "nodes",
-                                                 "elements", "inverted"}));
+  EXPECT_EQ(keys(outcome.json["solver"]),
+            (Names{"converged", "iterations", "residual", "steps", "wall_s", "nodes", "elements", "inverted"}));
   EXPECT_EQ(outcome.json["solver"]["converged"], true);
   EXPECT_EQ(outcome.json["solver"]["inverted"], 0);
   EXPECT_LT(outcome.json["solver"]["residual"].get<double>(), 1e-6);
@@ -102,9 +103,9 @@ TEST(RunScene, WritesTheSensitivityOfEveryMarkerOnRequest) {
 }
 
 TEST(RunScene, RecordsATrajectoryInTime) {
-  const Outcome outcome = run(
-      "solver: {time_step_s: 0.01}\n"
-      "run: {mode: dynamic, duration_s: 0.2, record_every_s: 0.05, commands: [{time_s: 0.1, left: 0.95}]}\n");
+  const Outcome outcome =
+      run("solver: {time_step_s: 0.01}\n"
+          "run: {mode: dynamic, duration_s: 0.2, record_every_s: 0.05, commands: [{time_s: 0.1, left: 0.95}]}\n");
   EXPECT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
   EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "solver", "trajectory"}));
   const Json& trajectory = outcome.json["trajectory"];

@@ -127,7 +127,8 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"gravity_m_s2: [0, .nan, 0]", "bad.yaml:2: gravity_m_s2[1]: '.nan' is not a finite number"},
       {"body: {mesh: bar.msh}", "body: must have one of solid, mesh"},
       {"body:\n  fixed:\n  - {box: {min_m: [5, 5, 5], max_m: [6, 6, 6]}}",
-       "bad.yaml:4: body.fixed[0]: no node lies in the box [5, 5, 5] to [6, 6, 6]; the body spans [0, -0.01, -0.01] to"},
+       "bad.yaml:4: body.fixed[0]: no node lies in the box [5, 5, 5] to [6, 6, 6]; the body spans [0, -0.01, -0.01] "
+       "to"},
       {"body: {fixed: [{box: {min_m: [1, 0, 0], max_m: [0, 0, 0]}}]}", "body.fixed[0].box: min_m lies beyond max_m"},
       {"body: {fixed: [{box: {min_m: [-1, -1, -1], max_m: [0, 1, 1]}, axes: [w]}]}", "'w' is not one of x, y, z"},
       {"body: {fixed: [{box: {min_m: [-1, -1, -1], max_m: [0, 1, 1]}, axes: []}]}", "at least one of x, y, z"},

@@ -27,8 +27,6 @@ void refuse_contact(const SettingsNode& scene);                                 
 SolverOptions read_solver(const SettingsNode& scene);                           // `solver`
 RunSettings read_run(const SettingsNode& scene, const Simulation& simulation);  // `run`
 
-MesherOptions mesher_options(const SceneOptions& options);  // with the defaults that SceneOptions describes
-
 // A file named in the scene: relative names start at the folder of the file that states them.
 std::string beside(const SettingsNode& node, const std::string& file);
 

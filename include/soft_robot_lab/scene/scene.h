@@ -38,8 +38,8 @@ struct Scene {
 };
 
 struct SceneOptions {
-  std::string mesher;        // the mesh_robot executable; empty: beside the running program, then on PATH
-  std::string cache_folder;  // empty: $XDG_CACHE_HOME/soft_robot_lab, or ~/.cache/soft_robot_lab
+  std::string mesher;        // empty: the mesher's own defaults (design/mesher.h), also for the folder
+  std::string cache_folder;
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;
 };

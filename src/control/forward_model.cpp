@@ -19,18 +19,26 @@ Eigen::Vector3d ForwardModel::marker(const Eigen::VectorXd& commands, Eigen::Mat
     }
     const SolveReport report = simulation_.solve_equilibrium();
     if (!report.converged) throw ForwardModelError(report.message);
-    if (jacobian) {
-      const Eigen::MatrixXd sensitivities = simulation_.marker_sensitivities();
-      jacobian->resize(3, commands.size());
-      for (size_t i = 0; i < actuators_.size(); ++i) {
-        jacobian->col(static_cast<Eigen::Index>(i)) = sensitivities.block<3, 1>(3 * marker_, actuators_[i]);
-      }
-    }
+    if (jacobian) *jacobian = sensitivities();
   } catch (...) {
     simulation_.set_state(last_good);
     throw;
   }
   return simulation_.marker_position(marker_);
+}
+
+Eigen::Matrix3Xd ForwardModel::sensitivities() const {
+  Eigen::MatrixXd all;
+  try {
+    all = simulation_.marker_sensitivities();
+  } catch (const std::runtime_error& error) {
+    throw ForwardModelError(error.what());
+  }
+  Eigen::Matrix3Xd picked(3, actuators_.size());
+  for (size_t i = 0; i < actuators_.size(); ++i) {
+    picked.col(static_cast<Eigen::Index>(i)) = all.block<3, 1>(3 * marker_, actuators_[i]);
+  }
+  return picked;
 }
 
 }  // namespace soft_robot_lab

@@ -107,12 +107,9 @@ std::string solve_free_commands(Search& search, const std::vector<bool>& held, i
   return summary.IsSolutionUsable() ? kConverged : summary.message;
 }
 
-}  // namespace
-
 // Ceres projects its steps on the bounds, which creeps where one command is at a limit and another has to make up for
 // it. So the blocked commands are held while the others move, until nothing is to be held or freed any more.
-std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m) {
-  Eigen::VectorXd commands = search.problem().start;
+std::string descend(Search& search, int max_iterations, double tolerance_m, Eigen::VectorXd& commands) {
   std::vector<bool> held;
   double distance_m = std::numeric_limits<double>::infinity();
   for (;;) {
@@ -127,6 +124,43 @@ std::string search_gauss_newton(Search& search, int max_iterations, double toler
     const std::string reason =
         solve_free_commands(search, held, max_iterations - search.iterations(), tolerance_m, commands);
     if (reason != kConverged) return reason;
+  }
+}
+
+bool idle(const Evaluation& here, Eigen::Index command) { return here.jacobian.col(command).isZero(0.0); }
+
+// Moves one command, further and further to either side, until the marker answers to it; false where it never does.
+bool wake(Search& search, Eigen::Index command, Eigen::VectorXd& commands) {
+  const double from = commands[command];
+  for (const double share : {1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0, 1.0}) {
+    for (const double limit : {search.problem().min[command], search.problem().max[command]}) {
+      commands[command] = from + share * (limit - from);
+      const Evaluation* here = commands[command] == from ? nullptr : search.evaluate(commands);
+      if (here && !idle(*here, command)) return true;
+    }
+  }
+  commands[command] = from;
+  return false;
+}
+
+}  // namespace
+
+// A slack cable has no derivative, and so has one at its rest length; the way to the target may lead over pulling it.
+// Each descent is therefore followed by another from where all idle commands do something, as long as that comes
+// nearer.
+std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m) {
+  Eigen::VectorXd commands = search.problem().start;
+  double distance_m = std::numeric_limits<double>::infinity();
+  for (;;) {
+    const std::string reason = descend(search, max_iterations, tolerance_m, commands);
+    const Evaluation best = *search.best();
+    const bool nearer = distance_m - best.distance_m >= tolerance_m;
+    if (reason != kConverged || best.distance_m < tolerance_m || !nearer) return reason;
+    distance_m = best.distance_m;
+    commands = best.commands;
+    bool woken = false;
+    for (Eigen::Index i = 0; i < commands.size(); ++i) woken = (idle(best, i) && wake(search, i, commands)) || woken;
+    if (!woken) return reason;
   }
 }
 

@@ -33,8 +33,8 @@ std::vector<std::unique_ptr<Actuator>> read_actuators(const SettingsNode& scene,
 std::vector<Marker> read_markers(const SettingsNode& scene, const Body& body, const MeshLocator& locator) {
   std::vector<Marker> markers;
   for (const SettingsNode& node : scene.optional_sequence("markers")) {
-    markers.push_back(in_section(
-        node, [&] { return Marker(node.text("name"), node.vector3("position_m"), body.mesh(), locator); }));
+    markers.push_back(
+        in_section(node, [&] { return Marker(node.text("name"), node.vector3("position_m"), body.mesh(), locator); }));
   }
   return markers;
 }

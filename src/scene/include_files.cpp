@@ -25,7 +25,9 @@ SettingsNode load(const std::string& path, std::vector<std::string> open_files) 
 SettingsNode load_settings_with_includes(const std::string& path) { return load(path, {}); }
 
 std::string beside(const SettingsNode& node, const std::string& file) {
-  return std::filesystem::absolute(std::filesystem::path(node.source()).parent_path() / file).lexically_normal().string();
+  return std::filesystem::absolute(std::filesystem::path(node.source()).parent_path() / file)
+      .lexically_normal()
+      .string();
 }
 
 }  // namespace soft_robot_lab

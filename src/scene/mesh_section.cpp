@@ -25,8 +25,8 @@ std::vector<MeshRefinement> plug_refinements(const SettingsNode& scene) {
 // Either a solid to be meshed at some size, or a mesh as it is.
 MeshRequest read_request(const SettingsNode& scene, const SettingsNode& body) {
   MeshRequest request;
-  request.quadratic = body.choice_or("element", request.quadratic ? "quadratic" : "linear", {"linear", "quadratic"}) ==
-                      "quadratic";
+  request.quadratic =
+      body.choice_or("element", request.quadratic ? "quadratic" : "linear", {"linear", "quadratic"}) == "quadratic";
   if (body.has("solid") == body.has("mesh")) body.fail("must have one of solid, mesh");
   if (body.has("mesh")) {
     request.mesh_file = beside(body.child("mesh"), body.text("mesh"));

@@ -49,8 +49,9 @@ void add_actuators(const Simulation& simulation, Json& result) {
 
 Json solver_json(const Simulation& simulation, const SolveReport& solve) {
   const TetMesh& mesh = simulation.body().mesh();
-  return {{"converged", solve.converged}, {"iterations", solve.iterations}, {"residual", solve.residual},
-          {"steps", solve.steps},         {"wall_s", solve.wall_s},         {"nodes", mesh.node_count()},
+  return {{"converged", solve.converged}, {"iterations", solve.iterations},
+          {"residual", solve.residual},   {"steps", solve.steps},
+          {"wall_s", solve.wall_s},       {"nodes", mesh.node_count()},
           {"elements", mesh.tet_count()}, {"inverted", solve.inverted_elements}};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <stdexcept>
 
 namespace soft_robot_lab {
 namespace {
@@ -70,6 +71,16 @@ SolveReport solve_in_time(Simulation& simulation, const RunSettings& run, Trajec
   return total;
 }
 
+// A saddle point solves the equations too, but is no rest state, and has no derivative worth reporting.
+void add_sensitivity(Simulation& simulation, RunReport& report) {
+  try {
+    report.sensitivity = simulation.marker_sensitivities();
+  } catch (const std::runtime_error& error) {
+    report.solve.converged = false;
+    report.solve.message = error.what();
+  }
+}
+
 }  // namespace
 
 RunReport run_scene(Scene& scene) {
@@ -80,7 +91,7 @@ RunReport run_scene(Scene& scene) {
     return report;
   }
   report.solve = solve_in_order(simulation, scene.run.commands);
-  if (scene.run.sensitivity && report.solve.converged) report.sensitivity = simulation.marker_sensitivities();
+  if (scene.run.sensitivity && report.solve.converged) add_sensitivity(simulation, report);
   return report;
 }
 

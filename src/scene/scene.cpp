@@ -9,7 +9,7 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
   refuse_contact(settings);
   const SolverOptions solver = read_solver(settings);
 
-  Body body = read_body(settings, read_mesh(settings, mesher_options(options)));
+  Body body = read_body(settings, read_mesh(settings, {options.mesher, options.cache_folder, options.meshing_limit_s}));
   const MeshLocator locator(body.mesh());
   auto actuators = read_actuators(settings, body, locator, options.actuator_factory);
   auto markers = read_markers(settings, body, locator);

@@ -17,17 +17,15 @@ namespace soft_robot_lab {
 // The file with those it includes merged below it.
 SettingsNode load_settings_with_includes(const std::string& path);
 
-TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher);                // `body`: its shape
-Body read_body(const SettingsNode& scene, TetMesh mesh);                                  // `body`, `loads`, gravity
-std::vector<std::unique_ptr<Actuator>> read_actuators(const SettingsNode& scene, const Body& body,
-                                                      const MeshLocator& locator,
-                                                      const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`
+TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher);  // `body`: its shape
+Body read_body(const SettingsNode& scene, TetMesh mesh);                    // `body`, `loads`, gravity
+std::vector<std::unique_ptr<Actuator>> read_actuators(
+    const SettingsNode& scene, const Body& body, const MeshLocator& locator,
+    const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`
 std::vector<Marker> read_markers(const SettingsNode& scene, const Body& body, const MeshLocator& locator);
-void refuse_contact(const SettingsNode& scene);                                           // `contact`
-SolverOptions read_solver(const SettingsNode& scene);                                     // `solver`
-RunSettings read_run(const SettingsNode& scene, const Simulation& simulation);            // `run`
-
-MesherOptions mesher_options(const SceneOptions& options);  // with the defaults that SceneOptions describes
+void refuse_contact(const SettingsNode& scene);                                 // `contact`
+SolverOptions read_solver(const SettingsNode& scene);                           // `solver`
+RunSettings read_run(const SettingsNode& scene, const Simulation& simulation);  // `run`
 
 // A file named in the scene: relative names start at the folder of the file that states them.
 std::string beside(const SettingsNode& node, const std::string& file);

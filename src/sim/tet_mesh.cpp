@@ -15,7 +15,7 @@
 namespace soft_robot_lab {
 namespace {
 
-// det(dx/dr) below this part of the longest edge cubed counts as flat. A regular element has 0.7.
+// Part of the longest edge cubed; a regular element has 0.7.
 constexpr double kFlat = 1e-9;
 
 using Barycentric = Eigen::Vector4d;  // weights of the corners, summing to one
@@ -145,17 +145,19 @@ void check_nodes(const TetMesh& mesh) {
   }
 }
 
+// det(dx/dr) below this counts as flat.
+double flat_jacobian(const Eigen::Matrix3Xd& nodes) { return kFlat * std::pow(longest_edge(nodes), 3); }
+
 void check_elements(const TetMesh& mesh) {
-  for (int tet = 0; tet < mesh.tet_count(); ++tet) {
-    const Eigen::Matrix3Xd nodes = element_nodes(mesh, tet);
-    const double smallest = smallest_jacobian(nodes);
-    const double flat = kFlat * std::pow(longest_edge(nodes), 3);
-    if (smallest > flat) continue;
-    std::ostringstream text;
-    text << element_text(mesh, tet) << " is " << (smallest < -flat ? "inverted" : "degenerate")
-         << ": its smallest Jacobian determinant is " << smallest << " m^3";
-    refuse(text.str());
-  }
+  const std::vector<int> folded = folded_elements(mesh);
+  if (folded.empty()) return;
+  const Eigen::Matrix3Xd nodes = element_nodes(mesh, folded[0]);
+  const double smallest = smallest_jacobian(nodes);
+  std::ostringstream text;
+  text << element_text(mesh, folded[0]) << " is " << (smallest < -flat_jacobian(nodes) ? "inverted" : "degenerate")
+       << ": its smallest Jacobian determinant is " << smallest << " m^3";
+  if (folded.size() > 1) text << "; " << folded.size() - 1 << " more elements are like that";
+  refuse(text.str());
 }
 
 // Elements hang together through whole faces; an edge or a corner would be a hinge.
@@ -284,6 +286,15 @@ void check_mesh(const TetMesh& mesh) {
   const TetSides sides(mesh);
   check_connected(mesh, sides);
   check_faces(mesh, sides);
+}
+
+std::vector<int> folded_elements(const TetMesh& mesh) {
+  std::vector<int> folded;
+  for (int tet = 0; tet < mesh.tet_count(); ++tet) {
+    const Eigen::Matrix3Xd nodes = element_nodes(mesh, tet);
+    if (!(smallest_jacobian(nodes) > flat_jacobian(nodes))) folded.push_back(tet);
+  }
+  return folded;
 }
 
 double volume(const TetMesh& mesh) {

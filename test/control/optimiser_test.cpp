@@ -1,6 +1,7 @@
 // The methods on closed-form robots: a planar arc that two cables bend, and a linear map.
 #include "soft_robot_lab/control/optimiser.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -114,6 +115,37 @@ TEST(GaussNewton, FindsTheBestFreeCommandBesideABoundOne) {
   EXPECT_NEAR(summary.commands[0], 1.0, 1e-6);
   EXPECT_NEAR(summary.commands[1], best_right, 2e-3);
   EXPECT_EQ(summary.active_limits, (std::vector<std::string>{"left at its maximum 1"}));
+}
+
+// Two cables that are slack at first: each does nothing above its own command, where its derivative is zero.
+TEST(GaussNewton, PullsCablesThatAreSlackAtTheStart) {
+  ReachProblem problem = arc_problem({1.0, 1.0});
+  problem.marker = [](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
+    const double left = std::max(0.0, 0.98 - commands[0]), right = std::max(0.0, 0.85 - commands[1]);
+    if (jacobian) {
+      jacobian->setZero(3, 2);
+      if (left > 0.0) jacobian->col(0) = Eigen::Vector3d(0.0, -0.2, 0.05);
+      if (right > 0.0) jacobian->col(1) = Eigen::Vector3d(0.0, 0.1, 0.05);
+    }
+    return Eigen::Vector3d(0.1, 0.2 * left - 0.1 * right, -0.05 * left - 0.05 * right);
+  };
+  problem.target_m = problem.marker(Eigen::Vector2d(0.8, 0.75), nullptr);
+  const OptimisationSummary summary = optimise(problem, method("gauss_newton"));
+  EXPECT_TRUE(summary.target_reached) << summary.stop_reason;
+  EXPECT_LT((summary.commands - Eigen::Vector2d(0.8, 0.75)).norm(), 1e-3);
+}
+
+TEST(GaussNewton, EndsWhereNoCommandDoesAnything) {
+  ReachProblem problem = arc_problem({0.8, 0.9});
+  problem.marker = [](const Eigen::VectorXd&, Eigen::Matrix3Xd* jacobian) {
+    if (jacobian) jacobian->setZero(3, 2);
+    return Eigen::Vector3d(0.1, 0.0, 0.0);
+  };
+  const OptimisationSummary summary = optimise(problem, method("gauss_newton"));
+  EXPECT_EQ(summary.stop_reason, "converged");
+  EXPECT_TRUE(summary.usable);
+  EXPECT_EQ(summary.commands, problem.start);
+  EXPECT_LE(summary.evaluations, 20);
 }
 
 // y = 0.1 p + 2 p^2 for a pull p = 1 - left: the slope at the start promises too little, so the first step goes too

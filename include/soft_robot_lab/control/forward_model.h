@@ -23,10 +23,14 @@ class ForwardModel {
   // `marker` and `actuators` are names in the simulation; throws std::invalid_argument listing the known ones.
   ForwardModel(Simulation& simulation, const std::string& marker, const std::vector<std::string>& actuators);
 
-  // Equilibrium from the last one found (warm start), so neighbouring queries are cheap.
+  // Equilibrium from the last one found (warm start), so neighbouring queries are cheap. Throws ForwardModelError where
+  // none was found, or where it is not stable, and std::invalid_argument for a command beyond an actuator's limits; the
+  // simulation is then as it was before.
   Eigen::Vector3d marker(const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian);
 
  private:
+  Eigen::Matrix3Xd sensitivities() const;  // d marker / d command, 3 x commands
+
   Simulation& simulation_;
   int marker_;
   std::vector<int> actuators_;

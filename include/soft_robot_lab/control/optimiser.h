@@ -9,8 +9,8 @@
 
 namespace soft_robot_lab {
 
-// A bounded reach problem. `marker` returns the marker's equilibrium position [m] for commands, and, where `jacobian` is
-// given, its derivative (3 x commands). It throws ForwardModelError where no equilibrium was found.
+// A bounded reach problem. `marker` returns the marker's equilibrium position [m] for commands, and, where `jacobian`
+// is given, its derivative (3 x commands). It throws ForwardModelError where no equilibrium was found.
 struct ReachProblem {
   std::function<Eigen::Vector3d(const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian)> marker;
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
@@ -38,18 +38,18 @@ struct OptimisationProgress {
 using ProgressCallback = std::function<bool(const OptimisationProgress&)>;
 
 struct OptimisationSummary {
-  bool usable = false;            // commands are within the bounds and no worse than the start
-  std::string stop_reason;        // "converged", "iteration limit", "cancelled", or what failed
-  Eigen::VectorXd commands;       // the best found
+  bool usable = false;       // commands are within the bounds and no worse than the start
+  std::string stop_reason;   // "converged", "iteration limit", "cancelled", or what failed
+  Eigen::VectorXd commands;  // the best found
   Eigen::Vector3d marker_m = Eigen::Vector3d::Zero();
   double initial_distance_m = 0.0;
   double final_distance_m = 0.0;
   int iterations = 0;
-  int evaluations = 0;            // equilibria solved
+  int evaluations = 0;  // equilibria solved
   double cpu_s = 0.0;
   double wall_s = 0.0;
   std::vector<std::string> active_limits;  // "left at its minimum 0.7"
-  bool target_reached = false;    // final distance below the tolerance
+  bool target_reached = false;             // final distance below the tolerance
 };
 
 // Throws std::invalid_argument for a bad problem or option; a failing model ends the search and is told in stop_reason.

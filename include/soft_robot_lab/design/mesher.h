@@ -1,5 +1,5 @@
-// Meshing in a separate program with a time limit, cached by content. Gmsh itself is never linked here: it is GPL, and it
-// may hang.
+// Meshing in a separate program with a time limit, cached by content. Gmsh itself is never linked here: it is GPL, and
+// it may hang.
 #pragma once
 
 #include <string>
@@ -17,16 +17,16 @@ struct MeshRefinement {
 };
 
 struct MeshRequest {
-  std::string solid_yaml;                  // the `solid` section with absolute file names, or
-  std::string mesh_file;                   // an existing .msh or .vtk file to convert
-  double element_size_m = 0.01;            // > 0
-  bool quadratic = true;                   // 10-node elements that follow curved surfaces
+  std::string solid_yaml;        // the `solid` section with absolute file names, or
+  std::string mesh_file;         // an existing .msh or .vtk file to convert; the members below do nothing then
+  double element_size_m = 0.01;  // > 0
+  bool quadratic = true;         // 10-node elements that follow curved surfaces
   std::vector<MeshRefinement> refinements;
 };
 
 struct MesherOptions {
-  std::string program;       // mesh_robot
-  std::string cache_folder;
+  std::string program;       // mesh_robot; empty: beside the running program, in ../lib/soft_robot_lab, then on PATH
+  std::string cache_folder;  // empty: $XDG_CACHE_HOME/soft_robot_lab, or ~/.cache/soft_robot_lab
   double time_limit_s = 120.0;
 };
 

@@ -13,20 +13,26 @@ namespace soft_robot_lab {
 struct Solid {
   enum class Kind { box, sphere, cylinder, cone, extrude, union_of, difference, intersection, step_file, stl_file };
   Kind kind = Kind::box;
-  std::string name;                     // names the surface where this solid bounds the body; may be empty
+  // Names the surface where this solid bounds the body; may be empty. Where several named solids share a surface, the
+  // one nested deepest names it, and of those the one written last.
+  std::string name;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();    // box
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  // box, sphere
   Eigen::Vector3d start_m = Eigen::Vector3d::Zero();   // cylinder, cone
   Eigen::Vector3d end_m = Eigen::Vector3d::Zero();
-  double radius_m = 0.0;                // sphere, cylinder, cone (at the start)
-  double end_radius_m = 0.0;            // cone
-  std::vector<Eigen::Vector2d> polygon_m;  // extrude: corners in x, y
+  double radius_m = 0.0;                          // sphere, cylinder, cone (at the start)
+  double end_radius_m = 0.0;                      // cone
+  std::vector<Eigen::Vector2d> polygon_m;         // extrude: corners in x, y
   Eigen::Vector2d z_m = Eigen::Vector2d::Zero();  // extrude: from, to
-  std::string file;                     // step_file, stl_file: absolute
-  std::vector<Solid> parts;             // union_of, difference (first minus the rest), intersection
+  std::string file;                               // step_file, stl_file: absolute
+  std::vector<Solid> parts;                       // union_of, difference (first minus the rest), intersection
 };
 
-// Reads `solid: {box: ...}` and its kin; relative files are found beside the scene file. Throws SettingsError.
+// Reads `solid: {box: ..., name: ...}` and its kin; relative files are found beside the file that names them.
+// Throws SettingsError.
 Solid read_solid(const SettingsNode& node);
+
+// The same solid as canonical text, numbers with 17 digits: read_solid gives it back bit by bit.
+std::string to_yaml(const Solid& solid);
 
 }  // namespace soft_robot_lab

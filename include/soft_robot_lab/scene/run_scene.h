@@ -16,8 +16,8 @@ struct Trajectory {
 };
 
 struct RunReport {
-  SolveReport solve;           // sums over the run; `converged` where all did, the largest residual, the last message
-  Trajectory trajectory;       // dynamic runs
+  SolveReport solve;            // sums over the run; `converged` where all did, the largest residual, the last message
+  Trajectory trajectory;        // dynamic runs
   Eigen::MatrixXd sensitivity;  // 3*markers x actuators, where the run asked for it and converged; otherwise empty
 };
 

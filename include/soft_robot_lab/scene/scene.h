@@ -25,9 +25,9 @@ enum class RunMode { equilibrium, dynamic };
 
 struct RunSettings {
   RunMode mode = RunMode::equilibrium;
-  double duration_s = 0.0;        // dynamic: > 0
-  double record_every_s = 0.0;    // dynamic: 0 records every step
-  bool sensitivity = false;       // equilibrium: report d marker / d command
+  double duration_s = 0.0;              // dynamic: > 0
+  double record_every_s = 0.0;          // dynamic: 0 records every step
+  bool sensitivity = false;             // equilibrium: report d marker / d command
   std::vector<TimedCommands> commands;  // in order of time
 };
 
@@ -38,14 +38,15 @@ struct Scene {
 };
 
 struct SceneOptions {
-  std::string mesher;             // the mesh_robot executable; empty: beside the running program, then on PATH
-  std::string cache_folder;       // empty: $XDG_CACHE_HOME/soft_robot_lab, or ~/.cache/soft_robot_lab
+  std::string mesher;        // empty: the mesher's own defaults (design/mesher.h), also for the folder
+  std::string cache_folder;
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;
 };
 
 // Reads the file (and those it includes), meshes or reads the body, binds actuators and markers.
-// Throws SettingsError (file, line, key, value, allowed range) or std::invalid_argument from a part, with the section named.
+// Throws SettingsError (file, line, key, value, allowed range) or std::invalid_argument from a part, with the section
+// named.
 Scene load_scene(const std::string& path, const SceneOptions& options);
 
 }  // namespace soft_robot_lab

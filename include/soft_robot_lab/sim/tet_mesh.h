@@ -40,6 +40,9 @@ void complete_boundary(TetMesh& mesh);
 // Jacobian is not positive everywhere (inverted or degenerate), two parts that do not hang together.
 void check_mesh(const TetMesh& mesh);
 
+// Elements whose Jacobian is not positive at one of the places that check_mesh looks at: inverted, flat or folded.
+std::vector<int> folded_elements(const TetMesh& mesh);
+
 // Signed volume inside the elements [m^3].
 double volume(const TetMesh& mesh);
 

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace soft_robot_lab {
+
+struct MeshQuality {
+  double min = 0.0;
+  double mean = 0.0;
+};
+
+// Radius ratio of the elements' corners, 3 * inscribed / circumscribed radius: 1 for a regular tetrahedron, 0 for a
+// flat one, negative for an inverted one. Nodes are 3 x n, elements 4 or 10 x m; curved edges count as straight.
+MeshQuality measure_quality(const Eigen::Matrix3Xd& nodes_m, const Eigen::MatrixXi& tets);
+
+}  // namespace soft_robot_lab

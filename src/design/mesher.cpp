@@ -1,0 +1,187 @@
+#include "soft_robot_lab/design/mesher.h"
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include <unistd.h>
+
+#include "design/content_hash.h"
+#include "design/timed_process.h"
+#include "soft_robot_lab/design/solid.h"
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Part of every cache key: raise it when mesh_robot makes something else of the same request.
+constexpr const char* kMesherVersion = "soft_robot_lab mesh 1";
+
+void check_size(const std::string& key, double value) {
+  if (std::isfinite(value) && value > 0) return;
+  throw std::invalid_argument(key + ": " + std::to_string(value) + " is out of range (0, inf)");
+}
+
+void check_request(const MeshRequest& request) {
+  if (request.solid_yaml.empty() == request.mesh_file.empty()) {
+    throw std::invalid_argument("a mesh request needs either a solid or a mesh file");
+  }
+  check_size("element_size_m", request.element_size_m);
+  for (const MeshRefinement& refinement : request.refinements) {
+    check_size("refinements: radius_m", refinement.radius_m);
+    check_size("refinements: size_m", refinement.size_m);
+    if (!refinement.center_m.allFinite()) throw std::invalid_argument("refinements: center_m is not finite");
+  }
+}
+
+// What mesh_robot reads.
+std::string request_text(const MeshRequest& request) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(17);
+  if (!request.mesh_file.empty()) {
+    std::string quoted;
+    for (const char c : fs::absolute(request.mesh_file).string()) quoted += c == '\'' ? "''" : std::string(1, c);
+    text << "mesh_file: '" << quoted << "'\n";
+    return text.str();
+  }
+  text << "solid: " << request.solid_yaml << "\nelement_size_m: " << request.element_size_m
+       << "\nquadratic: " << (request.quadratic ? "true" : "false")
+       << "\nrefinements:" << (request.refinements.empty() ? " []" : "") << "\n";
+  for (const MeshRefinement& r : request.refinements) {
+    text << "- {center_m: [" << r.center_m.x() << ", " << r.center_m.y() << ", " << r.center_m.z()
+         << "], radius_m: " << r.radius_m << ", size_m: " << r.size_m << "}\n";
+  }
+  return text.str();
+}
+
+void collect_files(const Solid& solid, std::vector<std::string>& files) {
+  if (!solid.file.empty()) files.push_back(solid.file);
+  for (const Solid& part : solid.parts) collect_files(part, files);
+}
+
+std::vector<std::string> referenced_files(const MeshRequest& request, const std::string& text) {
+  std::vector<std::string> files;
+  if (!request.mesh_file.empty()) return {request.mesh_file};
+  collect_files(read_solid(SettingsNode::parse(text, "mesh request").child("solid")), files);
+  return files;
+}
+
+std::string cache_key(const MeshRequest& request, const std::string& text) {
+  ContentHash hash;
+  hash.add(kMesherVersion);
+  hash.add(text);
+  for (const std::string& name : referenced_files(request, text)) {
+    std::ifstream file(name, std::ios::binary);
+    std::ostringstream content;
+    if (file.peek() != std::ifstream::traits_type::eof()) content << file.rdbuf();
+    if (!file) throw std::invalid_argument(name + ": cannot be read, or is empty");
+    hash.add(content.str());
+  }
+  return hash.hex();
+}
+
+fs::path cache_folder(const MesherOptions& options) {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  if (!options.cache_folder.empty()) return options.cache_folder;
+  if (fs::path(variable("XDG_CACHE_HOME")).is_absolute())
+    return fs::path(variable("XDG_CACHE_HOME")) / "soft_robot_lab";
+  if (!variable("HOME").empty()) return fs::path(variable("HOME")) / ".cache" / "soft_robot_lab";
+  return fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(getuid()));
+}
+
+bool is_program(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored) && access(path.c_str(), X_OK) == 0;
+}
+
+std::string find_program(const MesherOptions& options) {
+  if (!options.program.empty()) {
+    if (is_program(options.program)) return fs::absolute(options.program);
+    throw std::runtime_error("mesher: '" + options.program + "' is not a program");
+  }
+  std::error_code ignored;
+  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  std::vector<fs::path> folders = {here, here / ".." / "lib" / "soft_robot_lab"};
+  std::istringstream path(std::getenv("PATH") ? std::getenv("PATH") : "");
+  for (std::string folder; std::getline(path, folder, ':');) folders.push_back(folder);
+  for (const fs::path& folder : folders) {
+    if (is_program(folder / "mesh_robot")) return folder / "mesh_robot";
+  }
+  throw std::runtime_error("mesh_robot was found neither in " + here.string() + " nor on PATH");
+}
+
+// Files with names of their own, removed when they go out of scope.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& path) : path_(path) {}
+  ~TemporaryFile() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+std::string read_text(const std::string& path) {
+  std::ifstream file(path);
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  return text;
+}
+
+void require_success(const ProcessEnd& end, const std::string& words, const MesherOptions& options) {
+  std::ostringstream what;
+  switch (end.kind) {
+    case ProcessEnd::Kind::timed_out:
+      what << "meshing took longer than " << options.time_limit_s
+           << " s and was stopped; a larger element_size_m is faster";
+      throw std::runtime_error(what.str());
+    case ProcessEnd::Kind::signalled:
+      what << "the mesher was ended by signal " << end.value << (words.empty() ? "" : ": ") << words;
+      throw std::runtime_error(what.str());
+    case ProcessEnd::Kind::exited:
+      if (end.value == 0) return;
+      if (end.value == 2) throw std::invalid_argument(words);
+      what << "the mesher failed with status " << end.value << (words.empty() ? "" : ": ") << words;
+      throw std::runtime_error(what.str());
+  }
+}
+
+}  // namespace
+
+std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options) {
+  check_request(request);
+  check_size("time_limit_s", options.time_limit_s);
+  const std::string text = request_text(request);
+  const fs::path folder = cache_folder(options);
+  const std::string key = cache_key(request, text);
+  const fs::path mesh = folder / (key + ".msh");
+  if (fs::exists(mesh)) return mesh;
+
+  fs::create_directories(folder);
+  static std::atomic<int> count{0};
+  const std::string own = (folder / (key + "." + std::to_string(getpid()) + "." + std::to_string(count++))).string();
+  const TemporaryFile request_file(own + ".yaml"), output(own + ".part"), errors(own + ".errors");
+  std::ofstream(request_file.path()) << text;
+  const ProcessEnd end =
+      run_with_limit({find_program(options), request_file.path(), output.path()}, errors.path(), options.time_limit_s);
+  require_success(end, read_text(errors.path()), options);
+  fs::rename(output.path(), mesh);  // whole or not at all, also for a second process
+  return mesh;
+}
+
+}  // namespace soft_robot_lab

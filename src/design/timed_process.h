@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace soft_robot_lab {
+
+struct ProcessEnd {
+  enum class Kind { exited, signalled, timed_out };
+  Kind kind;
+  int value;  // exit status, or signal
+};
+
+// Runs a program with its arguments and waits for its end. Its standard error goes to a file, its standard output
+// nowhere. After the limit the program is killed with all it started. Throws std::runtime_error when it cannot be
+// started.
+ProcessEnd run_with_limit(const std::vector<std::string>& command, const std::string& error_file, double limit_s);
+
+}  // namespace soft_robot_lab

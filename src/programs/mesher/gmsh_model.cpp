@@ -1,0 +1,118 @@
+#include "programs/mesher/gmsh_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <unordered_map>
+
+#include <gmsh.h>
+
+namespace soft_robot_lab {
+namespace {
+
+using Tags = std::vector<std::size_t>;
+
+struct Elements {
+  int nodes_each = 0;
+  Tags nodes;
+};
+
+// The elements of a dimension in an entity (-1: in all), of one type that is among those allowed.
+Elements elements_of(int dimension, int entity, const std::map<int, int>& nodes_of_type) {
+  std::vector<int> types;
+  std::vector<Tags> tags, nodes;
+  gmsh::model::mesh::getElements(types, tags, nodes, dimension, entity);
+  Elements all;
+  for (size_t i = 0; i < types.size(); ++i) {
+    const auto type = nodes_of_type.find(types[i]);
+    if (type == nodes_of_type.end()) {
+      throw std::invalid_argument("the mesh holds elements of Gmsh's type " + std::to_string(types[i]) +
+                                  "; only tetrahedra of 4 or 10 nodes can be used");
+    }
+    if (all.nodes_each != 0 && all.nodes_each != type->second) {
+      throw std::invalid_argument("the mesh mixes elements of " + std::to_string(all.nodes_each) + " and " +
+                                  std::to_string(type->second) + " nodes");
+    }
+    all.nodes_each = type->second;
+    all.nodes.insert(all.nodes.end(), nodes[i].begin(), nodes[i].end());
+  }
+  return all;
+}
+
+// Removes the noise of converting units: multiples of 1e-15 m where doubles are finer than that.
+double snap_m(double value_m) { return std::abs(value_m) < 1 ? std::round(value_m * 1e15) / 1e15 : value_m; }
+
+// Node tags that the elements use, in rising order, to indices.
+std::map<std::size_t, int> number_nodes(const Tags& used) {
+  std::map<std::size_t, int> index;
+  for (const std::size_t tag : used) index[tag] = 0;
+  int next = 0;
+  for (auto& entry : index) entry.second = next++;
+  return index;
+}
+
+Eigen::Matrix3Xd node_positions(const std::map<std::size_t, int>& index, double unit_m) {
+  Tags tags;
+  std::vector<double> coordinates, unused;
+  gmsh::model::mesh::getNodes(tags, coordinates, unused);
+  Eigen::Matrix3Xd nodes_m = Eigen::Matrix3Xd::Constant(3, static_cast<Eigen::Index>(index.size()), std::nan(""));
+  for (size_t i = 0; i < tags.size(); ++i) {
+    const auto found = index.find(tags[i]);
+    if (found == index.end()) continue;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const double value = coordinates[3 * i + axis];
+      nodes_m(static_cast<Eigen::Index>(axis), found->second) = unit_m == 1.0 ? value : snap_m(value * unit_m);
+    }
+  }
+  return nodes_m;
+}
+
+Eigen::MatrixXi cells(const Elements& elements, const std::map<std::size_t, int>& index) {
+  const auto count = static_cast<Eigen::Index>(elements.nodes.size()) / elements.nodes_each;
+  Eigen::MatrixXi result(elements.nodes_each, count);
+  for (Eigen::Index i = 0; i < result.size(); ++i) {
+    const auto found = index.find(elements.nodes[static_cast<size_t>(i)]);
+    if (found == index.end()) throw std::invalid_argument("a triangle of a named surface is no side of an element");
+    result(i) = found->second;
+  }
+  return result;
+}
+
+}  // namespace
+
+GmshSession::GmshSession() {
+  gmsh::initialize(0, nullptr, false);
+  gmsh::option::setNumber("General.Terminal", 0);
+  gmsh::option::setNumber("General.NumThreads", 1);
+  gmsh::option::setNumber("General.AbortOnError", 2);  // throw
+}
+
+GmshSession::~GmshSession() { gmsh::finalize(); }
+
+TetMesh extract_mesh(const std::vector<NamedSurface>& surfaces, double unit_m) {
+  const Elements tets = elements_of(3, -1, {{4, 4}, {11, 10}});
+  if (tets.nodes.empty()) throw std::invalid_argument("the mesh holds no tetrahedra");
+  const std::map<std::size_t, int> index = number_nodes(tets.nodes);
+  TetMesh mesh;
+  mesh.nodes_m = node_positions(index, unit_m);
+  mesh.tets = cells(tets, index);
+  mesh.faces.resize(mesh.quadratic() ? 6 : 3, 0);
+  for (const NamedSurface& surface : surfaces) {
+    for (const int entity : surface.entities) {
+      const Elements triangles = elements_of(2, entity, {{2, 3}, {9, 6}});
+      if (triangles.nodes.empty()) continue;
+      if (triangles.nodes_each != mesh.faces.rows()) {
+        throw std::invalid_argument("triangles of surface '" + surface.name + "' do not fit the elements");
+      }
+      const Eigen::MatrixXi faces = cells(triangles, index);
+      mesh.faces.conservativeResize(Eigen::NoChange, mesh.faces.cols() + faces.cols());
+      mesh.faces.rightCols(faces.cols()) = faces;
+      mesh.face_surface.resize(static_cast<size_t>(mesh.faces.cols()), static_cast<int>(mesh.surface_names.size()));
+    }
+    mesh.surface_names.push_back(surface.name);
+  }
+  return mesh;
+}
+
+}  // namespace soft_robot_lab

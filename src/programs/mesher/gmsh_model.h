@@ -1,0 +1,29 @@
+// What mesh_robot needs of Gmsh. Errors of Gmsh are thrown as std::string.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "soft_robot_lab/sim/tet_mesh.h"
+
+namespace soft_robot_lab {
+
+// Gmsh between construction and destruction: silent, repeatable, without the user's own configuration files.
+class GmshSession {
+ public:
+  GmshSession();
+  ~GmshSession();
+  GmshSession(const GmshSession&) = delete;
+};
+
+// Surface entities of the model that share a name.
+struct NamedSurface {
+  std::string name;
+  std::vector<int> entities;
+};
+
+// The tetrahedra of the current model and the triangles of the named surfaces. Nodes stand in the order of their tags,
+// those of no element are left out. `unit_m` is the length of the model's unit.
+TetMesh extract_mesh(const std::vector<NamedSurface>& surfaces, double unit_m);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,152 @@
+#include "programs/mesher/solid_geometry.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+namespace soft_robot_lab {
+namespace {
+
+namespace occ = gmsh::model::occ;
+using Kind = Solid::Kind;
+using Volumes = gmsh::vectorpair;  // pairs of dimension 3 and tag
+
+Eigen::Vector3d scaled(const Eigen::Vector3d& value_m) { return kKernelUnitsPerMetre * value_m; }
+double scaled(double value_m) { return kKernelUnitsPerMetre * value_m; }
+
+Volumes build(const Solid& solid);
+
+Volumes build_box(const Solid& solid) {
+  const Eigen::Vector3d corner = scaled(solid.center_m - solid.size_m / 2), size = scaled(solid.size_m);
+  return {{3, occ::addBox(corner.x(), corner.y(), corner.z(), size.x(), size.y(), size.z())}};
+}
+
+Volumes build_sphere(const Solid& solid) {
+  const Eigen::Vector3d centre = scaled(solid.center_m);
+  return {{3, occ::addSphere(centre.x(), centre.y(), centre.z(), scaled(solid.radius_m))}};
+}
+
+Volumes build_cone(const Solid& solid) {
+  const Eigen::Vector3d at = scaled(solid.start_m), axis = scaled(solid.end_m - solid.start_m);
+  const double r1 = scaled(solid.radius_m), r2 = scaled(solid.end_radius_m);
+  if (r1 == r2) return {{3, occ::addCylinder(at.x(), at.y(), at.z(), axis.x(), axis.y(), axis.z(), r1)}};
+  return {{3, occ::addCone(at.x(), at.y(), at.z(), axis.x(), axis.y(), axis.z(), r1, r2)}};
+}
+
+Volumes build_extrude(const Solid& solid) {
+  std::vector<int> points, lines;
+  const double z = scaled(solid.z_m[0]);
+  for (const auto& corner : solid.polygon_m) {
+    points.push_back(occ::addPoint(scaled(corner.x()), scaled(corner.y()), z));
+  }
+  for (size_t i = 0; i < points.size(); ++i) lines.push_back(occ::addLine(points[i], points[(i + 1) % points.size()]));
+  const int base = occ::addPlaneSurface({occ::addCurveLoop(lines)});
+  Volumes all, volumes;
+  occ::extrude({{2, base}}, 0, 0, scaled(solid.z_m[1]) - z, all);
+  std::copy_if(all.begin(), all.end(), std::back_inserter(volumes), [](const auto& e) { return e.first == 3; });
+  return volumes;
+}
+
+Volumes fuse(const Volumes& volumes) {
+  if (volumes.size() < 2) return volumes;
+  Volumes result;
+  std::vector<Volumes> origins;
+  occ::fuse({volumes[0]}, Volumes(volumes.begin() + 1, volumes.end()), result, origins);
+  return result;
+}
+
+Volumes build_step(const Solid& solid) {
+  Volumes all, volumes;
+  occ::importShapes(solid.file, all, true, "step");
+  std::copy_if(all.begin(), all.end(), std::back_inserter(volumes), [](const auto& e) { return e.first == 3; });
+  if (volumes.empty()) throw std::invalid_argument(solid.file + ": holds no solid, surfaces or curves at most");
+  return fuse(volumes);
+}
+
+Volumes build_union(const Solid& solid) {
+  Volumes all;
+  for (const Solid& part : solid.parts) {
+    const Volumes volumes = build(part);
+    all.insert(all.end(), volumes.begin(), volumes.end());
+  }
+  return fuse(all);
+}
+
+// Difference and intersection, one part after the other.
+Volumes build_combination(const Solid& solid, bool cut) {
+  Volumes rest = build(solid.parts[0]);
+  for (size_t i = 1; i < solid.parts.size(); ++i) {
+    const Volumes part = build(solid.parts[i]);
+    if (rest.empty() || part.empty()) {
+      if (!cut) return {};
+      continue;
+    }
+    Volumes result;
+    std::vector<Volumes> origins;
+    if (cut) {
+      occ::cut(rest, part, result, origins);
+    } else {
+      occ::intersect(rest, part, result, origins);
+    }
+    rest.clear();
+    std::copy_if(result.begin(), result.end(), std::back_inserter(rest), [](const auto& e) { return e.first == 3; });
+  }
+  return rest;
+}
+
+Volumes build(const Solid& solid) {
+  switch (solid.kind) {
+    case Kind::box:
+      return build_box(solid);
+    case Kind::sphere:
+      return build_sphere(solid);
+    case Kind::cylinder:
+    case Kind::cone:
+      return build_cone(solid);
+    case Kind::extrude:
+      return build_extrude(solid);
+    case Kind::union_of:
+      return build_union(solid);
+    case Kind::difference:
+      return build_combination(solid, true);
+    case Kind::intersection:
+      return build_combination(solid, false);
+    case Kind::step_file:
+      return build_step(solid);
+    case Kind::stl_file:
+      break;
+  }
+  throw std::invalid_argument(solid.file +
+                              ": an STL file must be the whole solid; to combine it with others, use STEP");
+}
+
+}  // namespace
+
+bool has_name(const Solid& solid) {
+  return !solid.name.empty() || std::any_of(solid.parts.begin(), solid.parts.end(), has_name);
+}
+
+gmsh::vectorpair build_solid(const Solid& solid) {
+  gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
+  const Volumes volumes = build(solid);
+  occ::synchronize();
+  return volumes;
+}
+
+int build_body(const Solid& solid) {
+  gmsh::option::setNumber("Geometry.OCCUnionUnify", has_name(solid) ? 0 : 1);
+  const Volumes volumes = build_solid(solid);
+  double volume = 0;
+  for (const auto& [dimension, tag] : volumes) {
+    double mass = 0;
+    occ::getMass(dimension, tag, mass);
+    volume += mass;
+  }
+  if (volumes.empty() || !(volume > 0)) throw std::invalid_argument("empty solid: nothing is left of it");
+  if (volumes.size() > 1) {
+    throw std::invalid_argument("the solid falls into " + std::to_string(volumes.size()) + " parts, must be one");
+  }
+  return volumes[0].second;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,64 @@
+#include "programs/mesher/write_msh.h"
+
+#include <charconv>
+#include <fstream>
+#include <stdexcept>
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kBodyTag = 1;
+int surface_tag(int surface) { return surface + 2; }
+
+std::string shortest(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+void write_names(const TetMesh& mesh, std::ostream& out) {
+  out << "$PhysicalNames\n" << mesh.surface_names.size() + 1 << "\n";
+  for (size_t i = 0; i < mesh.surface_names.size(); ++i) {
+    out << "2 " << surface_tag(static_cast<int>(i)) << " \"" << mesh.surface_names[i] << "\"\n";
+  }
+  out << "3 " << kBodyTag << " \"body\"\n$EndPhysicalNames\n";
+}
+
+void write_nodes(const TetMesh& mesh, std::ostream& out) {
+  out << "$Nodes\n" << mesh.node_count() << "\n";
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    out << node + 1;
+    for (const double coordinate : mesh.nodes_m.col(node)) out << ' ' << shortest(coordinate);
+    out << "\n";
+  }
+  out << "$EndNodes\n";
+}
+
+void write_elements(const TetMesh& mesh, std::ostream& out) {
+  const bool quadratic = mesh.quadratic();
+  out << "$Elements\n" << mesh.faces.cols() + mesh.tets.cols() << "\n";
+  long number = 0;
+  const auto write = [&](int type, int tag, const auto& nodes) {
+    out << ++number << ' ' << type << " 2 " << tag << ' ' << tag;
+    for (const int node : nodes) out << ' ' << node + 1;
+    out << "\n";
+  };
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
+    write(quadratic ? 9 : 2, surface_tag(mesh.face_surface[static_cast<size_t>(face)]), mesh.faces.col(face));
+  }
+  for (int tet = 0; tet < mesh.tet_count(); ++tet) write(quadratic ? 11 : 4, kBodyTag, mesh.tets.col(tet));
+  out << "$EndElements\n";
+}
+
+}  // namespace
+
+void write_msh(const TetMesh& mesh, const std::string& path) {
+  std::ofstream out(path, std::ios::binary);
+  out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+  write_names(mesh, out);
+  write_nodes(mesh, out);
+  write_elements(mesh, out);
+  out.close();
+  if (!out) throw std::runtime_error(path + ": cannot be written");
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "soft_robot_lab/sim/tet_mesh.h"
+
+namespace soft_robot_lab {
+
+// Writes MSH 2.2 text: the volume "body" and the faces of named surfaces. Numbers read back as they were.
+void write_msh(const TetMesh& mesh, const std::string& path);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,140 @@
+// The program `simulate` as a user runs it.
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "scene/scene_files.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::string kCantilever = std::string(SOFT_ROBOT_LAB_SOURCE) + "/config/scenes/cantilever.yaml";
+
+std::string contents(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+struct Outcome {
+  int exit_status;
+  std::string out, err;
+};
+
+Outcome simulate(const SceneFolder& folder, const std::string& arguments) {
+  const std::string out = folder.path("out"), err = folder.path("err");
+  const int status =
+      std::system((std::string(SOFT_ROBOT_LAB_SIMULATE) + " " + arguments + " >" + out + " 2>" + err).c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(out), contents(err)};
+}
+
+// The tip's sag [m] in test/data/reference/r1_cantilever.csv.
+double reference_sag_m(const std::string& poissons_ratio) {
+  std::ifstream file(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/reference/r1_cantilever.csv");
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream fields(line);
+    std::string nu, law, ux, uy;
+    std::getline(fields, nu, ',') && std::getline(fields, law, ',') && std::getline(fields, ux, ',') &&
+        std::getline(fields, uy, ',');
+    if (nu == poissons_ratio && law == "iso") return -std::stod(uy);
+  }
+  ADD_FAILURE() << "no reference for " << poissons_ratio;
+  return std::nan("");
+}
+
+class Cantilever : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(PoissonsRatio, Cantilever, testing::Values("0.45", "0.499", "0.4999"),
+                         [](const auto& param_info) { return "nu_0_" + param_info.param.substr(2); });
+
+TEST_P(Cantilever, SagsAsTheReferenceInFewIterations) {
+  const SceneFolder folder;
+  const std::string scene = folder.write(
+      "scene.yaml", "include: " + kCantilever + "\nbody: {material: {poissons_ratio: " + GetParam() + "}}\n");
+  const Outcome outcome = simulate(folder, scene + " --result " + folder.path("result.json"));
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  const Json result = Json::parse(contents(folder.path("result.json")));
+  const double sag_m = -result["markers"]["tip"]["displacement_m"][1].get<double>();
+  const double reference_m = reference_sag_m(GetParam());
+  EXPECT_NEAR(sag_m, reference_m, 0.03 * reference_m);
+  EXPECT_LE(result["solver"]["iterations"].get<int>(), 8);
+  EXPECT_NE(outcome.out.find("converged: "), std::string::npos);
+}
+
+TEST(Simulate, PrintsTheResultWhereNoFileIsNamed) {
+  const SceneFolder folder;
+  const Outcome outcome = simulate(folder, folder.path("bar.yaml"));
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  EXPECT_TRUE(Json::parse(outcome.out).contains("markers"));
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST(Simulate, WritesTheSameBytesTwiceButForTheTime) {
+  const SceneFolder folder;
+  const auto without_time = [](const std::string& text) {
+    std::istringstream lines(text);
+    std::string rest;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find("\"wall_s\"") == std::string::npos) rest += line + "\n";
+    }
+    return rest;
+  };
+  const std::string once = simulate(folder, kCantilever).out;
+  const std::string again = simulate(folder, kCantilever).out;
+  EXPECT_NE(once.find("wall_s"), std::string::npos);
+  EXPECT_EQ(without_time(once), without_time(again));
+}
+
+TEST(Simulate, WritesTheResultThoughItDidNotConverge) {
+  const SceneFolder folder;
+  const std::string scene =
+      folder.write("hard.yaml", "include: bar.yaml\nsolver: {tolerance: 1.0e-300, max_iterations: 1}\n");
+  const Outcome outcome = simulate(folder, scene + " --result " + folder.path("result.json"));
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.out;
+  EXPECT_NE(outcome.err.find("did not converge: "), std::string::npos);
+  const Json result = Json::parse(contents(folder.path("result.json")));
+  EXPECT_EQ(result["solver"]["converged"], false);
+  EXPECT_TRUE(result["markers"]["tip"]["position_m"][1].is_number());
+  EXPECT_TRUE(result["solver"]["residual"].is_number());
+}
+
+TEST(Simulate, TellsWhatIsWrongWithASceneOrArgument) {
+  const SceneFolder folder;
+  folder.write("bad.yaml", "include: bar.yaml\nbody: {element: cubic}\n");
+  const std::vector<std::pair<std::string, std::string>> table = {
+      {folder.path("bad.yaml"), "bad.yaml:2: body.element: 'cubic' is not one of linear, quadratic"},
+      {folder.path("missing.yaml"), "missing.yaml: cannot be read"},
+      {folder.write("text.yaml", "body: [1, 2\n"), "text.yaml:2: not YAML"},
+      {"", "usage: simulate SCENE.yaml"},
+      {"--resutl x " + kCantilever, "unknown option --resutl"},
+      {kCantilever + " --result", "--result needs a file name"},
+      {kCantilever + " " + kCantilever, "more than one scene"},
+      {kCantilever + " --result /nowhere/result.json", "/nowhere/result.json: cannot be written"},
+  };
+  for (const auto& [arguments, words] : table) {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = simulate(folder, arguments);
+    EXPECT_EQ(outcome.exit_status, 2);
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  }
+}
+
+TEST(Simulate, ExplainsItself) {
+  const SceneFolder folder;
+  for (const std::string flag : {"-h", "--help"}) {
+    const Outcome outcome = simulate(folder, flag);
+    EXPECT_EQ(outcome.exit_status, 0);
+    EXPECT_NE(outcome.out.find("usage: simulate SCENE.yaml"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

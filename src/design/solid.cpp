@@ -96,16 +96,20 @@ void check_polygon(const SettingsNode& node, const std::vector<Eigen::Vector2d>&
   if (n < 3) node.fail("has " + std::to_string(n) + " corners, must have at least 3");
   double area = 0;
   for (size_t i = 0; i < n; ++i) {
+    const size_t next = (i + 1) % n;
+    area += cross(corners[i], corners[next]) / 2;
+    if (corners[i] != corners[next]) continue;
+    node.fail("corners " + std::to_string(i) + " and " + std::to_string(next) + " are the same");
+  }
+  if (area == 0) node.fail("encloses no area");
+  for (size_t i = 0; i < n; ++i) {
     const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % n];
-    area += cross(a, b) / 2;
-    if (a == b) node.fail("corners " + std::to_string(i) + " and " + std::to_string((i + 1) % n) + " are the same");
     for (size_t j = i + 2; j < n; ++j) {
       if (i == 0 && j == n - 1) continue;  // neighbours
       if (!segments_meet(a, b, corners[j], corners[(j + 1) % n])) continue;
       node.fail("the edges after corners " + std::to_string(i) + " and " + std::to_string(j) + " cross");
     }
   }
-  if (area == 0) node.fail("encloses no area");
 }
 
 void read_extrude(const SettingsNode& node, Solid& solid) {

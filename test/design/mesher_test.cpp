@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
 #include <thread>
 
@@ -170,9 +172,9 @@ TEST_F(MeshFileFor, SeveralCallersMayAskForTheSame) {
 // on.
 TEST(ContentHash, TellsPiecesApart) {
   const auto hash = [](const std::vector<std::string>& pieces) {
-    ContentHash hash;
-    for (const std::string& piece : pieces) hash.add(piece);
-    return hash.hex();
+    ContentHash content;
+    for (const std::string& piece : pieces) content.add(piece);
+    return content.hex();
   };
   EXPECT_EQ(hash({"ab", "c"}).size(), 32u);
   EXPECT_EQ(hash({"ab", "c"}), hash({"ab", "c"}));

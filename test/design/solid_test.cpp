@@ -85,7 +85,7 @@ TEST(Solid, NamesThePlaceOfWhatIsWrong) {
        "cone.end_radius_m: -1 is out of"},
       {"extrude: {polygon_m: [[0, 0], [1, 0]], z_m: [0, 1]}", "has 2 corners, must have at least 3"},
       {"extrude: {polygon_m: [[0, 0], [1, 0], [2, 0]], z_m: [0, 1]}", "polygon_m: "},
-      {"extrude: {polygon_m: [[0, 0], [1, 1], [1, 0], [0, 1]], z_m: [0, 1]}", "edges after corners 0 and 2 cross"},
+      {"extrude: {polygon_m: [[0, 0], [1, 1], [1, 0], [0, 3]], z_m: [0, 1]}", "edges after corners 0 and 2 cross"},
       {"extrude: {polygon_m: [[0, 0], [1, 0], [1, 0], [0, 1]], z_m: [0, 1]}", "corners 1 and 2 are the same"},
       {"extrude: {polygon_m: [[0, 0], [1, 0, 0], [0, 1]], z_m: [0, 1]}", "polygon_m[1]: has 3 numbers, must have 2"},
       {"extrude: {polygon_m: [[0, 0], [1, 0], [0, 1]], z_m: [1, 1]}", "must be [min, max] with min < max"},

@@ -10,13 +10,12 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kOnSurface = 1e-4;  // kernel units: 1e-7 m
+constexpr double kOnSurface = 1e-5;  // kernel units: 1e-8 m
 constexpr size_t kSamples = 25;      // per surface
 
 struct NamedSolid {
   const Solid* solid;
   int depth;
-  std::vector<int> boundary = {};  // surface entities in the model of named solids
 };
 
 void collect(const Solid& solid, int depth, std::vector<NamedSolid>& named) {
@@ -33,20 +32,6 @@ std::vector<NamedSolid> named_solids(const Solid& solid) {
   return named;
 }
 
-std::vector<int> boundary_of(const gmsh::vectorpair& volumes) {
-  gmsh::vectorpair entities;
-  gmsh::model::getBoundary(volumes, entities, false, false, false);
-  std::vector<int> tags;
-  for (const auto& entity : entities) tags.push_back(entity.second);
-  return tags;
-}
-
-std::vector<double> closest(int surface, const std::vector<double>& points, std::vector<double>& parameters) {
-  std::vector<double> found;
-  gmsh::model::getClosestPoint(2, surface, points, found, parameters);
-  return found;
-}
-
 // Points of a surface: centres of its triangles, put onto the exact surface.
 std::vector<Eigen::Vector3d> sample_points(int surface) {
   std::vector<std::size_t> tags, nodes;
@@ -61,25 +46,33 @@ std::vector<Eigen::Vector3d> sample_points(int surface) {
       gmsh::model::mesh::getNode(nodes[3 * triangle + corner], at, unused);
       centre += Eigen::Vector3d::Map(at.data()) / 3;
     }
-    std::vector<double> parameters;
-    points.emplace_back(
-        Eigen::Vector3d::Map(closest(surface, {centre.x(), centre.y(), centre.z()}, parameters).data()));
+    std::vector<double> on_surface, unused;
+    gmsh::model::getClosestPoint(2, surface, {centre.x(), centre.y(), centre.z()}, on_surface, unused);
+    points.emplace_back(Eigen::Vector3d::Map(on_surface.data()));
   }
   return points;
 }
 
-bool lies_on(const Eigen::Vector3d& point, int surface) {
-  std::vector<double> parameters;
-  const std::vector<double> found = closest(surface, {point.x(), point.y(), point.z()}, parameters);
-  if ((Eigen::Vector3d::Map(found.data()) - point).norm() > kOnSurface) return false;
-  return gmsh::model::isInside(2, surface, parameters) == 1;
-}
-
-bool mostly_on(const std::vector<Eigen::Vector3d>& points, const NamedSolid& named) {
-  const auto on = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
-    return std::any_of(named.boundary.begin(), named.boundary.end(), [&](int tag) { return lies_on(point, tag); });
-  });
-  return 2 * static_cast<size_t>(on) > points.size();
+// For each surface, given by its points, whether most of them lie on the boundary of the solid. The kernel
+// intersects the points with the trimmed boundary, which Gmsh's getClosestPoint() does not know.
+std::vector<bool> find_on_boundary(const std::vector<std::vector<Eigen::Vector3d>>& surfaces, const Solid& solid) {
+  gmsh::vectorpair boundary, points, found;
+  gmsh::model::getBoundary(build_solid(solid), boundary, false, false, false);
+  for (const auto& surface : surfaces) {
+    for (const auto& p : surface) points.emplace_back(0, gmsh::model::occ::addPoint(p.x(), p.y(), p.z()));
+  }
+  std::vector<gmsh::vectorpair> found_of;
+  gmsh::option::setNumber("Geometry.ToleranceBoolean", kOnSurface);
+  gmsh::model::occ::intersect(points, boundary, found, found_of);
+  gmsh::option::setNumber("Geometry.ToleranceBoolean", 0);
+  std::vector<bool> on_boundary;
+  size_t next = 0;
+  for (const auto& surface : surfaces) {
+    size_t hits = 0;
+    for (size_t i = 0; i < surface.size(); ++i) hits += found_of[next++].empty() ? 0 : 1;
+    on_boundary.push_back(2 * hits > surface.size());
+  }
+  return on_boundary;
 }
 
 void add(std::vector<NamedSurface>& surfaces, const std::string& name, int entity) {
@@ -91,21 +84,26 @@ void add(std::vector<NamedSurface>& surfaces, const std::string& name, int entit
 }  // namespace
 
 std::vector<NamedSurface> name_surfaces(int body, const Solid& solid) {
-  std::vector<NamedSolid> names = named_solids(solid);
+  const std::vector<NamedSolid> names = named_solids(solid);
   if (names.empty()) return {};
-  const std::vector<int> entities = boundary_of({{3, body}});
+  gmsh::vectorpair entities;
+  gmsh::model::getBoundary({{3, body}}, entities, false, false, false);
   std::vector<std::vector<Eigen::Vector3d>> points;
-  for (const int entity : entities) points.push_back(sample_points(entity));
+  for (const auto& entity : entities) points.push_back(sample_points(entity.second));
 
   std::string model;
   gmsh::model::getCurrent(model);
-  gmsh::model::add("named solids");
-  for (NamedSolid& named : names) named.boundary = boundary_of(build_solid(*named.solid));
   std::vector<NamedSurface> surfaces;
-  for (size_t i = 0; i < entities.size(); ++i) {
-    const auto owner =
-        std::find_if(names.begin(), names.end(), [&](const auto& named) { return mostly_on(points[i], named); });
-    if (owner != names.end()) add(surfaces, owner->solid->name, entities[i]);
+  std::vector<bool> is_named(entities.size(), false);
+  for (const NamedSolid& named : names) {
+    gmsh::model::add("named solid");
+    const std::vector<bool> on_boundary = find_on_boundary(points, *named.solid);
+    gmsh::model::remove();
+    for (size_t i = 0; i < entities.size(); ++i) {
+      if (!on_boundary[i] || is_named[i]) continue;
+      is_named[i] = true;
+      add(surfaces, named.solid->name, entities[i].second);
+    }
   }
   gmsh::model::setCurrent(model);
   return surfaces;

@@ -1,0 +1,200 @@
+#include "sim/elements.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "sim/block_cholesky.h"
+#include "sim/box_mesh.h"
+
+namespace soft_robot_lab {
+namespace {
+
+Eigen::MatrixXd dense(const BlockMatrix& matrix) {
+  const Eigen::Index size = 3 * matrix.node_count();
+  Eigen::MatrixXd result(size, size);
+  for (Eigen::Index column = 0; column < size; ++column) {
+    Eigen::Matrix3Xd unit = Eigen::Matrix3Xd::Zero(3, matrix.node_count());
+    unit.data()[column] = 1.0;
+    const Eigen::Matrix3Xd image = matrix.multiply(unit);
+    result.col(column) = Eigen::Map<const Eigen::VectorXd>(image.data(), size);
+  }
+  return result;
+}
+
+Eigen::Matrix3Xd disturbed(const Eigen::Matrix3Xd& positions, double size, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> offset(-size, size);
+  Eigen::Matrix3Xd result = positions;
+  for (Eigen::Index i = 0; i < result.size(); ++i) result.data()[i] += offset(random);
+  return result;
+}
+
+std::vector<std::vector<int>> element_cliques(const TetMesh& mesh) {
+  std::vector<std::vector<int>> cliques;
+  for (Eigen::Index e = 0; e < mesh.tets.cols(); ++e)
+    cliques.emplace_back(mesh.tets.col(e).data(), mesh.tets.col(e).data() + mesh.tets.rows());
+  return cliques;
+}
+
+// Six elements (so that the last pack of four is not full) of a small, strongly disturbed block; both element orders.
+class ElementsTest : public ::testing::TestWithParam<bool> {
+ protected:
+  ElementsTest()
+      : body_(box_mesh({0, 0, 0}, {0.02, 0.01, 0.015}, {1, 1, 1}, GetParam()), {1.0e5, 0.45, 1000.0}),
+        matrix_(body_.mesh().node_count(), element_cliques(body_.mesh())),
+        elements_(body_, matrix_),
+        positions_(disturbed(body_.mesh().nodes_m, 0.0015, 7)),
+        multipliers_(Eigen::VectorXd::LinSpaced(elements_.count(), -4.0e4, 3.0e4)) {}
+
+  // Elastic energy plus p (V0 Jbar - V0): what add_gradient differentiates.
+  double energy(const Eigen::Matrix3Xd& positions) const {
+    Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions.cols());
+    const ElementSums sums = elements_.add_gradient(positions, multipliers_, unused);
+    return sums.elastic_energy + multipliers_.cwiseProduct(sums.growth).dot(elements_.rest_volumes_m3());
+  }
+
+  Eigen::Matrix3Xd gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers) const {
+    Eigen::Matrix3Xd result = Eigen::Matrix3Xd::Zero(3, positions.cols());
+    elements_.add_gradient(positions, multipliers, result);
+    return result;
+  }
+
+  Body body_;
+  BlockMatrix matrix_;
+  Elements elements_;
+  Eigen::Matrix3Xd positions_;
+  Eigen::VectorXd multipliers_;
+};
+
+TEST_P(ElementsTest, GradientAgreesWithCentralDifferences) {
+  const Eigen::Matrix3Xd exact = gradient(positions_, multipliers_);
+  const double h = 1e-7;
+  for (Eigen::Index i = 0; i < positions_.size(); ++i) {
+    Eigen::Matrix3Xd plus = positions_, minus = positions_;
+    plus.data()[i] += h;
+    minus.data()[i] -= h;
+    EXPECT_NEAR(exact.data()[i], (energy(plus) - energy(minus)) / (2.0 * h), 1e-6 * exact.norm());
+  }
+}
+
+TEST_P(ElementsTest, CondensedHessianAgreesWithCentralDifferences) {
+  Eigen::Matrix3Xd condensed = Eigen::Matrix3Xd::Zero(3, positions_.cols());
+  elements_.add_hessian(positions_, multipliers_, false, matrix_, condensed);
+  const Eigen::MatrixXd exact = dense(matrix_);
+
+  // lambda / V0 g g' of every element, with g = d(V0 Jbar)/dx from the multipliers' own gradient.
+  const Eigen::Matrix3Xd base = gradient(positions_, Eigen::VectorXd::Zero(elements_.count()));
+  Eigen::MatrixXd volumetric = Eigen::MatrixXd::Zero(exact.rows(), exact.cols());
+  for (int e = 0; e < elements_.count(); ++e) {
+    const Eigen::Matrix3Xd g = gradient(positions_, Eigen::VectorXd::Unit(elements_.count(), e)) - base;
+    const Eigen::Map<const Eigen::VectorXd> column(g.data(), g.size());
+    volumetric += elements_.lambda_pa() / elements_.rest_volumes_m3()[e] * column * column.transpose();
+  }
+
+  const double h = 1e-7;
+  for (Eigen::Index i = 0; i < positions_.size(); ++i) {
+    Eigen::Matrix3Xd plus = positions_, minus = positions_;
+    plus.data()[i] += h;
+    minus.data()[i] -= h;
+    const Eigen::Matrix3Xd change = (gradient(plus, multipliers_) - gradient(minus, multipliers_)) / (2.0 * h);
+    const Eigen::VectorXd column = Eigen::Map<const Eigen::VectorXd>(change.data(), change.size()) + volumetric.col(i);
+    EXPECT_LT((exact.col(i) - column).norm(), 1e-6 * exact.col(i).norm()) << "column " << i;
+  }
+}
+
+TEST_P(ElementsTest, CondensedGradientHasThePressureOfTheVolume) {
+  Eigen::Matrix3Xd condensed = Eigen::Matrix3Xd::Zero(3, positions_.cols());
+  elements_.add_hessian(positions_, multipliers_, false, matrix_, condensed);
+  Eigen::Matrix3Xd unused = condensed;
+  const ElementSums sums = elements_.add_gradient(positions_, multipliers_, unused);
+  const Eigen::Matrix3Xd expected = gradient(positions_, elements_.lambda_pa() * sums.growth);
+  EXPECT_LT((condensed - expected).norm(), 1e-10 * expected.norm());
+}
+
+TEST_P(ElementsTest, ConvexHessianIsPositiveWhereTheExactOneIsNot) {
+  const Eigen::Matrix3Xd crushed = disturbed(body_.mesh().nodes_m, 0.006, 3);
+  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, crushed.cols());
+  const double lowest[2] = {[&] {
+                              matrix_.set_zero();
+                              elements_.add_hessian(crushed, multipliers_, false, matrix_, unused);
+                              return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(matrix_)).eigenvalues()[0];
+                            }(),
+                            [&] {
+                              matrix_.set_zero();
+                              elements_.add_hessian(crushed, multipliers_, true, matrix_, unused);
+                              return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(matrix_)).eigenvalues()[0];
+                            }()};
+  EXPECT_LT(lowest[0], -1.0);
+  EXPECT_GT(lowest[1], -1e-6);
+}
+
+TEST_P(ElementsTest, RigidMotionCostsNothing) {
+  const Eigen::Affine3d motion = Eigen::Translation3d(0.3, -0.2, 0.1) * Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized());
+  const Eigen::Matrix3Xd moved = motion * body_.mesh().nodes_m;
+  Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, moved.cols());
+  const ElementSums sums = elements_.add_gradient(moved, Eigen::VectorXd::Zero(elements_.count()), forces);
+  EXPECT_NEAR(sums.elastic_energy, 0.0, 1e-14);
+  EXPECT_LT(forces.norm(), 1e-10);
+  EXPECT_LT(sums.growth.norm(), 1e-12);
+}
+
+TEST_P(ElementsTest, ForcesSumToZeroAndTurnNothing) {
+  const Eigen::Matrix3Xd forces = gradient(positions_, multipliers_);
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < forces.cols(); ++i) moment += positions_.col(i).cross(forces.col(i));
+  EXPECT_LT(forces.rowwise().sum().norm(), 1e-12 * forces.norm());
+  EXPECT_LT(moment.norm(), 1e-12 * forces.norm());
+}
+
+TEST_P(ElementsTest, SmallStrainsFollowHooke) {
+  // Uniaxial stretch by a small strain with the lateral contraction of the material: stress E * strain, none across.
+  const double strain = 1e-5;
+  const Eigen::DiagonalMatrix<double, 3> f(1.0 + strain, 1.0 - 0.45 * strain, 1.0 - 0.45 * strain);
+  const Eigen::Matrix3Xd stretched = f * body_.mesh().nodes_m;
+  const Eigen::VectorXd pressures =
+      Eigen::VectorXd::Constant(elements_.count(), elements_.lambda_pa() * (f.diagonal().prod() - 1.0));
+  const Eigen::Matrix3Xd forces = gradient(stretched, pressures);
+  double pull = 0.0;
+  for (Eigen::Index i = 0; i < forces.cols(); ++i)
+    if (body_.mesh().nodes_m(0, i) > 0.02 - 1e-9) pull += forces(0, i);
+  EXPECT_NEAR(pull, 1.0e5 * strain * 0.01 * 0.015, 1e-4 * 1.0e5 * strain * 0.01 * 0.015);
+}
+
+INSTANTIATE_TEST_SUITE_P(Orders, ElementsTest, ::testing::Values(true, false),
+                         [](const auto& order) { return order.param ? "Quadratic" : "Linear"; });
+
+TEST(BlockCholesky, SolvesWhatADenseFactorSolves) {
+  const TetMesh mesh = box_mesh({0, 0, 0}, {0.05, 0.02, 0.02}, {4, 2, 2});
+  const Body body(mesh, {1.0e5, 0.4, 1000.0});
+  BlockMatrix matrix(body.mesh().node_count(), element_cliques(body.mesh()));
+  Elements elements(body, matrix);
+  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
+  elements.add_hessian(body.mesh().nodes_m, Eigen::VectorXd::Zero(elements.count()), false, matrix, unused);
+  FixedAxes fixed = FixedAxes::Constant(3, body.mesh().node_count(), false);
+  for (int node = 0; node < body.mesh().node_count(); ++node)
+    if (body.mesh().nodes_m(0, node) < 1e-9) fixed.col(node).setConstant(true);
+  matrix.hold(fixed);
+  BlockCholesky factor(matrix);
+  ASSERT_TRUE(factor.factorise(matrix));
+  const Eigen::MatrixXd full = dense(matrix);
+  const Eigen::MatrixXd right = disturbed(Eigen::Matrix3Xd::Zero(3, full.rows()), 1.0, 5).transpose();
+  Eigen::MatrixXd solved = right;
+  factor.solve(solved);
+  EXPECT_LT((full * solved - right).norm(), 1e-9 * right.norm());
+  EXPECT_LT((full - full.transpose()).norm(), 1e-12 * full.norm());
+}
+
+TEST(BlockCholesky, RefusesAnIndefiniteMatrix) {
+  BlockMatrix matrix(3, {{0, 1}, {1, 2}});
+  for (int node = 0; node < 3; ++node) matrix.add_to_diagonal(node, node == 1 ? -1.0 : 1.0);
+  BlockCholesky factor(matrix);
+  EXPECT_FALSE(factor.factorise(matrix));
+  matrix.set_zero();
+  for (int node = 0; node < 3; ++node) matrix.add_to_diagonal(node, std::nan(""));
+  EXPECT_FALSE(factor.factorise(matrix));
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

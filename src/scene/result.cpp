@@ -1,4 +1,5 @@
 #include <sstream>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -38,13 +39,14 @@ Json chamber_json(const ActuatorState& state) {
 
 // An actuator counts by what it measures, so that a lab's own plugins show up too.
 void add_actuators(const Simulation& simulation, Json& result) {
-  Json& cables = result["cables"] = Json::object();
-  Json& chambers = result["chambers"] = Json::object();
+  Json cables = Json::object(), chambers = Json::object();
   for (size_t i = 0; i < simulation.actuators().size(); ++i) {
     const ActuatorState state = simulation.actuator_state(static_cast<int>(i));
     if (state.length_m) cables[state.name] = cable_json(state);
     if (state.volume_m3) chambers[state.name] = chamber_json(state);
   }
+  result["cables"] = std::move(cables);
+  result["chambers"] = std::move(chambers);
 }
 
 Json solver_json(const Simulation& simulation, const SolveReport& solve) {

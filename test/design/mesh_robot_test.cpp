@@ -1,5 +1,6 @@
 // The real mesher: every kind of solid against closed forms, named surfaces, refinement, files.
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -50,7 +51,7 @@ class MeshRobot : public testing::Test {
 
   fs::path write(const std::string& name, const std::string& text) {
     const fs::path path = fs::path(testing::TempDir()) / name;
-    std::ofstream(path) << text;
+    std::ofstream(path, std::ios::binary) << text;
     return path;
   }
 
@@ -292,6 +293,61 @@ TEST_F(MeshRobot, ConvertsQuadraticVtkToTheOwnNodeOrder) {
   EXPECT_EQ(node(8), Eigen::Vector3d(0, 0.55, 0.55));              // edge 2 3
   EXPECT_EQ(node(9), Eigen::Vector3d(0.56, 0, 0.56));              // edge 1 3
   EXPECT_EQ(mesh.nodes_m.col(8), Eigen::Vector3d(0.56, 0, 0.56));  // nodes keep the order of the file
+}
+
+// As ParaView and meshio write it, with fields, and points that only a triangle uses.
+TEST_F(MeshRobot, ConvertsVtkOfVersion5) {
+  const fs::path file = write(
+      "five.vtk",
+      "# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\nFIELD FieldData 1\nTIME 1 1 double\n7\n"
+      "POINTS 6 float\n9 9 9 0 0 0 1 0 0\n0 1 0 0 0 1 1 1 1\nMETADATA\nINFORMATION 0\n\nCELLS 4 11\n"
+      "OFFSETS vtktypeint64\n0 3 7 11\nCONNECTIVITY vtktypeint64\n0 1 2 1 2 3 4 2 3 4 5\n"
+      "CELL_TYPES 3\n5\n10\n10\nPOINT_DATA 6\nSCALARS s float\n");
+  const TetMesh mesh = convert(file);
+  EXPECT_EQ(mesh.node_count(), 5);
+  EXPECT_EQ(mesh.tets.col(1), Eigen::Vector4i(1, 2, 3, 4));
+  EXPECT_NEAR(volume(mesh), 0.5, 1e-15);
+}
+
+std::string big_endian(uint64_t bits, int bytes) {
+  std::string text;
+  for (int i = bytes - 1; i >= 0; --i) text += static_cast<char>(bits >> (8 * i) & 0xff);
+  return text;
+}
+
+TEST_F(MeshRobot, ConvertsBinaryVtk) {
+  std::string points, cells = big_endian(4, 4);
+  for (const double value : {0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.1}) {
+    uint64_t bits;
+    std::memcpy(&bits, &value, sizeof bits);
+    points += big_endian(bits, 8);
+  }
+  for (uint64_t node = 0; node < 4; ++node) cells += big_endian(node, 4);
+  const std::string head = "# vtk DataFile Version 2.0\nt\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n";
+  const std::string types = "\nCELL_TYPES 1\n" + big_endian(10, 4) + "\n";
+  const TetMesh mesh = convert(write("binary.vtk", head + points + "\nCELLS 1 5\n" + cells + types));
+  EXPECT_NEAR(volume(mesh), 1e-3 / 6, 1e-18);
+  EXPECT_EQ(mesh.nodes_m(0, 1), 0.1);
+  EXPECT_THROW(convert(write("short.vtk", head + points + "\nCELLS 1 5\n" + cells.substr(0, 9))),
+               std::invalid_argument);
+}
+
+TEST_F(MeshRobot, RefusesDamagedVtk) {
+  const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n";
+  const std::string points = "POINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n";
+  const std::string cells = "CELLS 1 5\n4 0 1 2 3\n";
+  const std::string types = "CELL_TYPES 1\n10\n";
+  EXPECT_NO_THROW(convert(write("damaged.vtk", head + points + cells + types)));
+  for (const std::string& rest :
+       {points + cells, points + types, cells + types, points + "CELLS 1 5\n4 0 1 2 4\n" + types,
+        points + "CELLS 1 5\n5 0 1 2 3\n" + types, points + "CELLS 1 4\n3 0 1 2\n" + types,
+        points + "CELLS 99999999999 5\n4 0 1 2 3\n" + types, points + cells + "CELL_TYPES 1\n13\n",
+        std::string("POINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 nan\n") + cells + types,
+        std::string("POINTS 4 string\n0 0 0 1 0 0 0 1 0 0 0 1\n") + cells + types,
+        points + "CELLS 2 4\nOFFSETS vtktypeint64\n0 -4\nCONNECTIVITY vtktypeint64\n0 1 2 3\n" + types,
+        std::string()}) {
+    EXPECT_THROW(convert(write("damaged.vtk", head + rest)), std::invalid_argument) << rest;
+  }
 }
 
 TEST_F(MeshRobot, ConvertsMsh4WithItsNamedSurfaces) {

@@ -6,6 +6,7 @@
 #include <gmsh.h>
 
 #include "programs/mesher/gmsh_model.h"
+#include "programs/mesher/read_vtk.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -31,6 +32,7 @@ TetMesh convert_mesh(const std::string& file) {
   if (kind != ".msh" && kind != ".vtk")
     throw std::invalid_argument(file + ": only .msh and .vtk files can be converted");
   if (!std::filesystem::is_regular_file(file)) throw std::invalid_argument("there is no file " + file);
+  if (kind == ".vtk") return read_vtk(file);
   const GmshSession session;
   gmsh::open(file);
   return extract_mesh(physical_surfaces(), 1.0);

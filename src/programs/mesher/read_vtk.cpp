@@ -1,0 +1,305 @@
+// "VTK File Formats", https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
+#include "programs/mesher/read_vtk.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+namespace soft_robot_lab {
+namespace {
+
+enum CellType {
+  vertex = 1,
+  poly_vertex,
+  line,
+  poly_line,
+  triangle,
+  tet = 10,
+  quadratic_edge = 21,
+  quadratic_triangle,
+  quadratic_tet = 24
+};
+
+enum class Number { real, whole, text };
+struct NumberType {
+  Number kind;
+  size_t bytes;
+};
+
+const std::map<std::string, NumberType>& number_types() {
+  static const std::map<std::string, NumberType> types = {{"float", {Number::real, 4}},
+                                                          {"double", {Number::real, 8}},
+                                                          {"int", {Number::whole, 4}},
+                                                          {"unsigned_int", {Number::whole, 4}},
+                                                          {"long", {Number::whole, 8}},
+                                                          {"unsigned_long", {Number::whole, 8}},
+                                                          {"vtkidtype", {Number::whole, 4}},
+                                                          {"vtktypeint64", {Number::whole, 8}},
+                                                          {"vtktypeint32", {Number::whole, 4}},
+                                                          {"short", {Number::whole, 2}},
+                                                          {"unsigned_short", {Number::whole, 2}},
+                                                          {"char", {Number::whole, 1}},
+                                                          {"unsigned_char", {Number::whole, 1}}};
+  return types;
+}
+
+// Binary numbers are stored with the highest byte first.
+uint64_t big_endian(const char* bytes, size_t count) {
+  uint64_t value = 0;
+  for (size_t i = 0; i < count; ++i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
+  return value;
+}
+
+double decode(const char* bytes, NumberType type) {
+  const uint64_t bits = big_endian(bytes, type.bytes);
+  if (type.kind == Number::whole) {
+    const int unused = 64 - static_cast<int>(8 * type.bytes);
+    return static_cast<double>(static_cast<int64_t>(bits << unused) >> unused);
+  }
+  if (type.bytes == 8) {
+    double value;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  }
+  float value;
+  const auto word = static_cast<uint32_t>(bits);
+  std::memcpy(&value, &word, sizeof value);
+  return value;
+}
+
+class VtkReader {
+ public:
+  explicit VtkReader(const std::string& path) : path_(path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream content;
+    content << file.rdbuf();
+    content_ = content.str();
+    if (line().rfind("# vtk DataFile", 0) != 0) fail("not a VTK file: it must start with '# vtk DataFile'");
+    line();  // title
+    const std::string format = word();
+    if (format != "ASCII" && format != "BINARY") fail("'" + format + "' is not one of ASCII, BINARY");
+    binary_ = format == "BINARY";
+  }
+
+  std::string line() {
+    const size_t end = std::min(content_.find('\n', at_), content_.size());
+    std::string text = content_.substr(at_, end - at_);
+    at_ = std::min(end + 1, content_.size());
+    return text;
+  }
+
+  // Empty at the end of the file.
+  std::string word() {
+    constexpr const char* blanks = " \t\r\n";
+    const size_t begin = std::min(content_.find_first_not_of(blanks, at_), content_.size());
+    at_ = std::min(content_.find_first_of(blanks, begin), content_.size());
+    return content_.substr(begin, at_ - begin);
+  }
+
+  std::string peek() {
+    const size_t before = at_;
+    const std::string found = word();
+    at_ = before;
+    return found;
+  }
+
+  size_t count() {
+    const std::string text = word();
+    size_t value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    // Each number takes at least a byte, which bounds what a damaged file can ask for.
+    if (error != std::errc() || stop != text.data() + text.size() || value > content_.size()) {
+      fail("'" + text + "' is not a number of entries that this file can hold");
+    }
+    return value;
+  }
+
+  // The numbers that follow the rest of this line.
+  std::vector<double> numbers(size_t count, const std::string& type_name) {
+    std::string lower = type_name;
+    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+    const auto type = number_types().find(lower);
+    if (type == number_types().end()) fail("numbers of type '" + type_name + "' are not read here");
+    if (count > 3 * content_.size()) fail("the file ends too early");
+    std::vector<double> values;
+    values.reserve(count);
+    if (!binary_) {
+      for (size_t i = 0; i < count; ++i) values.push_back(text_number());
+      return values;
+    }
+    line();
+    const size_t bytes = type->second.bytes;
+    if (count > (content_.size() - at_) / bytes) fail("the file ends too early");
+    for (size_t i = 0; i < count; ++i, at_ += bytes) values.push_back(decode(&content_[at_], type->second));
+    return values;
+  }
+
+  [[noreturn]] void fail(const std::string& message) const {
+    const auto lines = std::count(content_.begin(), content_.begin() + static_cast<long>(at_), '\n') + 1;
+    throw std::invalid_argument(path_ + (binary_ ? "" : ":" + std::to_string(lines)) + ": " + message);
+  }
+
+ private:
+  double text_number() {
+    const std::string text = word();
+    double value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) {
+      fail("'" + text + "' is not a finite number");
+    }
+    return value;
+  }
+
+  std::string path_, content_;
+  size_t at_ = 0;
+  bool binary_ = false;
+};
+
+struct Grid {
+  std::vector<double> points;
+  std::vector<double> offsets, connectivity;  // cell i has connectivity[offsets[i]] to connectivity[offsets[i + 1]]
+  std::vector<double> types;
+};
+
+// Before version 5 each cell was its number of points and their indices.
+void read_old_cells(VtkReader& reader, size_t cells, size_t size, Grid& grid) {
+  const std::vector<double> list = reader.numbers(size, "int");
+  grid.offsets = {0};
+  size_t at = 0;
+  for (size_t cell = 0; cell < cells; ++cell) {
+    if (at >= list.size() || list[at] < 0 || list[at] > static_cast<double>(list.size() - at - 1)) {
+      reader.fail("cell " + std::to_string(cell) + " does not fit into CELLS");
+    }
+    const auto nodes = static_cast<size_t>(list[at]);
+    const auto first = list.begin() + static_cast<long>(at) + 1;
+    grid.connectivity.insert(grid.connectivity.end(), first, first + static_cast<long>(nodes));
+    grid.offsets.push_back(static_cast<double>(grid.connectivity.size()));
+    at += nodes + 1;
+  }
+}
+
+void read_cells(VtkReader& reader, Grid& grid) {
+  const size_t first = reader.count(), second = reader.count();
+  if (reader.peek() != "OFFSETS") return read_old_cells(reader, first, second, grid);
+  reader.word();
+  grid.offsets = reader.numbers(first, reader.word());
+  if (reader.word() != "CONNECTIVITY") reader.fail("expected CONNECTIVITY after OFFSETS");
+  grid.connectivity = reader.numbers(second, reader.word());
+}
+
+void skip_fields(VtkReader& reader) {
+  reader.word();
+  for (size_t left = reader.count(); left > 0; --left) {
+    reader.word();
+    const size_t components = reader.count(), tuples = reader.count();
+    reader.numbers(components * tuples, reader.word());
+  }
+}
+
+void skip_metadata(VtkReader& reader) {
+  reader.line();
+  while (reader.line().find_first_not_of(" \t\r") != std::string::npos) {
+  }
+}
+
+Grid read_grid(VtkReader& reader) {
+  Grid grid;
+  if (reader.word() != "DATASET" || reader.word() != "UNSTRUCTURED_GRID") {
+    reader.fail("expected DATASET UNSTRUCTURED_GRID");
+  }
+  for (std::string word = reader.word(); !word.empty(); word = reader.word()) {
+    if (word == "POINTS") {
+      const size_t count = reader.count();
+      grid.points = reader.numbers(3 * count, reader.word());
+    } else if (word == "CELLS") {
+      read_cells(reader, grid);
+    } else if (word == "CELL_TYPES") {
+      grid.types = reader.numbers(reader.count(), "int");
+    } else if (word == "FIELD") {
+      skip_fields(reader);
+    } else if (word == "METADATA") {
+      skip_metadata(reader);
+    } else if (word == "CELL_DATA" || word == "POINT_DATA") {
+      break;  // values on the mesh, after all that describes it
+    } else {
+      reader.fail("'" + word + "' is not expected here");
+    }
+  }
+  return grid;
+}
+
+// The point indices of one cell.
+std::vector<int> cell_points(const VtkReader& reader, const Grid& grid, size_t cell) {
+  const double begin = grid.offsets[cell], end = grid.offsets[cell + 1];
+  const auto size = static_cast<double>(grid.connectivity.size()), points = static_cast<double>(grid.points.size() / 3);
+  if (!(begin >= 0 && begin <= end && end <= size)) reader.fail("OFFSETS are wrong at cell " + std::to_string(cell));
+  std::vector<int> nodes;
+  for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+    const double point = grid.connectivity[i];
+    if (!(point >= 0 && point < points && point == std::floor(point))) {
+      reader.fail("cell " + std::to_string(cell) + " has a point that is out of range");
+    }
+    nodes.push_back(static_cast<int>(point));
+  }
+  return nodes;
+}
+
+std::vector<std::vector<int>> tetrahedra(const VtkReader& reader, const Grid& grid) {
+  if (grid.offsets.size() != grid.types.size() + 1) reader.fail("CELLS and CELL_TYPES do not fit together");
+  std::vector<std::vector<int>> tets;
+  for (size_t cell = 0; cell < grid.types.size(); ++cell) {
+    if (!(grid.types[cell] >= 0 && grid.types[cell] < 256)) reader.fail("a cell type is out of range");
+    const int type = static_cast<int>(grid.types[cell]);
+    const bool side = (type >= vertex && type <= triangle) || type == quadratic_edge || type == quadratic_triangle;
+    if (side) continue;
+    if (type != tet && type != quadratic_tet) {
+      reader.fail("cell type " + std::to_string(type) + " is not a tetrahedron of 4 or 10 nodes (10, 24)");
+    }
+    std::vector<int> nodes = cell_points(reader, grid, cell);
+    if (nodes.size() != (type == tet ? 4u : 10u))
+      reader.fail("cell " + std::to_string(cell) + " has a wrong point count");
+    if (type == quadratic_tet) std::swap(nodes[8], nodes[9]);  // VTK has edge 13 before 23
+    if (!tets.empty() && tets[0].size() != nodes.size()) reader.fail("tetrahedra of 4 and of 10 nodes are mixed");
+    tets.push_back(std::move(nodes));
+  }
+  if (tets.empty()) reader.fail("the file holds no tetrahedra");
+  return tets;
+}
+
+}  // namespace
+
+TetMesh read_vtk(const std::string& path) {
+  VtkReader reader(path);
+  const Grid grid = read_grid(reader);
+  const std::vector<std::vector<int>> tets = tetrahedra(reader, grid);
+  std::vector<int> index(grid.points.size() / 3, -1);
+  for (const auto& nodes : tets) {
+    for (const int node : nodes) index[static_cast<size_t>(node)] = 0;
+  }
+  int count = 0;
+  TetMesh mesh;
+  mesh.nodes_m.resize(3, static_cast<Eigen::Index>(index.size()));
+  for (size_t point = 0; point < index.size(); ++point) {
+    if (index[point] < 0) continue;
+    mesh.nodes_m.col(count) = Eigen::Vector3d::Map(&grid.points[3 * point]);
+    index[point] = count++;
+  }
+  mesh.nodes_m.conservativeResize(Eigen::NoChange, count);
+  mesh.tets.resize(static_cast<Eigen::Index>(tets[0].size()), static_cast<Eigen::Index>(tets.size()));
+  for (Eigen::Index i = 0; i < mesh.tets.cols(); ++i) {
+    for (Eigen::Index j = 0; j < mesh.tets.rows(); ++j) {
+      mesh.tets(j, i) = index[static_cast<size_t>(tets[static_cast<size_t>(i)][static_cast<size_t>(j)])];
+    }
+  }
+  mesh.faces.resize(mesh.quadratic() ? 6 : 3, 0);
+  return mesh;
+}
+
+}  // namespace soft_robot_lab

@@ -5,7 +5,7 @@ output=$1
 view=$(cd "$(dirname "$0")/../config/rviz" && pwd)/session.rviz
 export LIBGL_ALWAYS_SOFTWARE=1 output view
 xvfb-run -a -s "-screen 0 1280x800x24" bash -c '
-  rviz -d "$view" __name:=picture >/dev/null 2>&1 &
+  rviz --fullscreen -d "$view" __name:=picture >/dev/null 2>&1 &
   rviz=$!
   trap "kill $rviz 2>/dev/null; wait $rviz 2>/dev/null" EXIT
   sleep "${PICTURE_DELAY_S:-12}" # until it has drawn

@@ -86,19 +86,11 @@ geometry_msgs::Point beside(geometry_msgs::Point point, double offset_m) {
   return point;
 }
 
-geometry_msgs::Point middle(const geometry_msgs::Point& a, const geometry_msgs::Point& b) {
-  geometry_msgs::Point point;
-  point.x = 0.5 * (a.x + b.x);
-  point.y = 0.5 * (a.y + b.y);
-  point.z = 0.5 * (a.z + b.z);
-  return point;
-}
-
 void draw_markers(const MarkerObservations& markers, const std::string& ns, const std_msgs::ColorRGBA& rgba,
                   const OverlayOptions& options, Drawing& drawing) {
   for (size_t i = 0; i < markers.names.size(); ++i) {
     drawing.sphere(ns, markers.positions[i], options.marker_radius_m, rgba);
-    drawing.text(ns + "_names", beside(markers.positions[i], 3.0 * options.text_height_m), markers.names[i]);
+    drawing.text(ns + "_names", beside(markers.positions[i], -6.0 * options.text_height_m), markers.names[i]);
   }
 }
 
@@ -131,8 +123,8 @@ void draw_error(const MarkerObservations& markers, const Target& target, const O
   const geometry_msgs::Point& to = target.position;
   drawing.line("error", {from, to}, 0.5 * options.cable_width_m, error_colour);
   const double distance_m = std::hypot(to.x - from.x, to.y - from.y, to.z - from.z);
-  geometry_msgs::Point place = middle(from, to);
-  place.z -= 1.5 * options.text_height_m;
+  geometry_msgs::Point place = to;
+  place.z -= options.target_radius_m + options.text_height_m;
   drawing.text("error_text", place, text_of(1000.0 * distance_m, "%.2f mm"));
 }
 

@@ -20,8 +20,8 @@ struct OverlayOptions {
   double marker_radius_m = 0.002;
   double target_radius_m = 0.004;
   double cable_width_m = 0.0012;
-  double text_height_m = 0.005;
-  double full_tension_n = 8.0;  // drawn red; none is drawn green
+  double text_height_m = 0.0045;
+  double full_tension_n = 5.0;  // drawn red; none is drawn green
 };
 
 visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const OverlayOptions& options,

@@ -44,7 +44,7 @@ void validate_step(const Policy& policy, size_t index, const CommandLimitsByName
     const CommandLimits& range = limits.at(policy.names[i]);
     if (!(step.values[i] >= range.min && step.values[i] <= range.max)) {
       refuse("policy.steps[", index, "].values: ", step.values[i], " for '", policy.names[i], "' is not in [",
-             range.min, ", ", range.max, "] ", range.unit);
+             range.min, ", ", range.max, "]");
     }
   }
 }

@@ -1,7 +1,6 @@
 #include "soft_robot_lab/actuators/cable.h"
 
 #include <cmath>
-#include <map>
 #include <sstream>
 
 #include "soft_robot_lab/settings/settings_node.h"
@@ -10,53 +9,47 @@
 namespace soft_robot_lab {
 
 PathLength::PathLength(std::vector<EmbeddedPoint> points, double smoothing_m)
-    : points_(std::move(points)), smoothing_m_(smoothing_m) {
-  for (std::size_t i = 1; i < points_.size(); ++i) {
-    std::map<int, double> sums;
-    for (std::size_t k = 0; k < points_[i].nodes.size(); ++k) sums[points_[i].nodes[k]] += points_[i].weights[k];
-    for (std::size_t k = 0; k < points_[i - 1].nodes.size(); ++k) sums[points_[i - 1].nodes[k]] -= points_[i - 1].weights[k];
-    Segment segment;
-    for (const auto& [node, coefficient] : sums) {
-      if (coefficient == 0.0) continue;
-      segment.nodes.push_back(node);
-      segment.coefficients.push_back(coefficient);
-    }
-    segments_.push_back(std::move(segment));
+    : points_(std::move(points)), smoothing_m_(smoothing_m) {}
+
+std::vector<Clique> PathLength::cliques() const {
+  std::vector<Clique> neighbours;
+  for (int i = 1; i < static_cast<int>(points_.size()); ++i) neighbours.push_back({~(i - 1), ~i});
+  return neighbours;
+}
+
+std::vector<PathLength::Span> PathLength::spans(const Eigen::Matrix3Xd& positions_m) const {
+  std::vector<Span> result;
+  const std::vector<Eigen::Vector3d> points = path(positions_m);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const Eigen::Vector3d vector = points[i] - points[i - 1];
+    const double length = std::sqrt(vector.squaredNorm() + smoothing_m_ * smoothing_m_);
+    result.push_back({vector / length, length});
   }
-}
-
-PathLength::Span PathLength::span(const Segment& segment, const Eigen::Matrix3Xd& positions_m) const {
-  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < segment.nodes.size(); ++k)
-    vector += segment.coefficients[k] * positions_m.col(segment.nodes[k]);
-  const double length = std::sqrt(vector.squaredNorm() + smoothing_m_ * smoothing_m_);
-  return {vector / length, length};
-}
-
-std::vector<std::vector<int>> PathLength::coupled_nodes() const {
-  std::vector<std::vector<int>> cliques;
-  for (const Segment& segment : segments_) cliques.push_back(segment.nodes);
-  return cliques;
+  return result;
 }
 
 double PathLength::value(const Eigen::Matrix3Xd& positions_m) const {
   double sum = 0.0;
-  for (const Segment& segment : segments_) sum += span(segment, positions_m).length_m;
+  for (const Span& span : spans(positions_m)) sum += span.length_m;
   return sum;
 }
 
 void PathLength::add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const {
-  for (const Segment& segment : segments_) {
-    const Eigen::Vector3d pull = scale * span(segment, positions_m).direction;
-    for (std::size_t k = 0; k < segment.nodes.size(); ++k) gradient.col(segment.nodes[k]) += segment.coefficients[k] * pull;
+  const std::vector<Span> all = spans(positions_m);
+  const auto pull = [&](const EmbeddedPoint& point, const Eigen::Vector3d& direction) {
+    for (std::size_t k = 0; k < point.nodes.size(); ++k) gradient.col(point.nodes[k]) += point.weights[k] * direction;
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    pull(points_[i + 1], scale * all[i].direction);
+    pull(points_[i], -scale * all[i].direction);
   }
 }
 
 void PathLength::add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const {
-  for (std::size_t i = 0; i < segments_.size(); ++i) {
-    const Span here = span(segments_[i], positions_m);
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - here.direction * here.direction.transpose();
-    hessian.add_outer(static_cast<int>(i), segments_[i].coefficients, scale / here.length_m * across);
+  const std::vector<Span> all = spans(positions_m);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - all[i].direction * all[i].direction.transpose();
+    hessian.add_outer(static_cast<int>(i), {-1.0, 1.0}, scale / all[i].length_m * across);
   }
 }
 

@@ -1,4 +1,5 @@
 #include <sstream>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 

@@ -62,7 +62,7 @@ TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
 }
 
 TEST(RunScene, PullsTheCableItCommands) {
-  const Outcome outcome = run("gravity_m_s2: [0, 0, 0]\nrun: {commands: [{left: 0.95}]}\n");
+  const Outcome outcome = run("gravity_m_s2: [0, 0, 0]\nrun: {commands: [{left: 0.95, right: 1.2}]}\n");
   const Json& left = outcome.json["cables"]["left"];
   EXPECT_NEAR(left["rest_length_m"].get<double>(), 0.1, 1e-3);
   EXPECT_NEAR(left["length_m"].get<double>(), 0.95 * left["rest_length_m"].get<double>(), 1e-4);
@@ -88,9 +88,9 @@ TEST(RunScene, WritesTheSensitivityOfEveryMarkerOnRequest) {
     return outcome.json["markers"]["tip"]["position_m"][axis].get<double>();
   };
   const std::string tight = "solver: {tolerance: 1.0e-9}\n";
-  const Outcome at = run(tight + "run: {sensitivity: true, commands: [{left: 0.9}]}\n");
-  const Outcome less = run(tight + "run: {commands: [{left: 0.8995}]}\n");
-  const Outcome more = run(tight + "run: {commands: [{left: 0.9005}]}\n");
+  const Outcome at = run(tight + "run: {sensitivity: true, commands: [{left: 0.9, right: 1.2}]}\n");
+  const Outcome less = run(tight + "run: {commands: [{left: 0.8995, right: 1.2}]}\n");
+  const Outcome more = run(tight + "run: {commands: [{left: 0.9005, right: 1.2}]}\n");
   ASSERT_TRUE(at.json.contains("sensitivity"));
   EXPECT_FALSE(less.json.contains("sensitivity"));
   EXPECT_EQ(keys(at.json["sensitivity"]), (Names{"tip", "middle"}));
@@ -137,7 +137,7 @@ TEST(RunScene, GivesCommandsNoSoonerThanTheirTime) {
 }
 
 TEST(RunScene, IsTheSameEveryTime) {
-  const std::string text = "run: {sensitivity: true, commands: [{left: 0.9}, {right: 0.97}]}\n";
+  const std::string text = "run: {sensitivity: true, commands: [{left: 0.95}, {left: 0.9, right: 1.2}]}\n";
   Json once = run(text).json;
   Json again = run(text).json;
   once["solver"].erase("wall_s");

@@ -123,7 +123,7 @@ struct BadScene {
 
 TEST(Scene, RefusesWithPlaceAndReason) {
   const std::vector<BadScene> table = {
-      {"gravity: [0, 0, 0]", "bad.yaml:2: unknown key 'gravity' (did you mean 'gravity_m_s2'?)"},
+      {"gravity_m_s: [0, 0, 0]", "bad.yaml:2: unknown key 'gravity_m_s' (did you mean 'gravity_m_s2'?)"},
       {"gravity_m_s2: [0, .nan, 0]", "bad.yaml:2: gravity_m_s2[1]: '.nan' is not a finite number"},
       {"body: {mesh: bar.msh}", "body: must have one of solid, mesh"},
       {"body:\n  fixed:\n  - {box: {min_m: [5, 5, 5], max_m: [6, 6, 6]}}",

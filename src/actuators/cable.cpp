@@ -1,7 +1,6 @@
 #include "soft_robot_lab/actuators/cable.h"
 
 #include <cmath>
-#include <map>
 #include <sstream>
 
 #include "soft_robot_lab/settings/settings_node.h"
@@ -9,55 +8,55 @@
 
 namespace soft_robot_lab {
 
-PathLength::PathLength(std::vector<EmbeddedPoint> points, double smoothing_m)
-    : points_(std::move(points)), smoothing_m_(smoothing_m) {
-  for (std::size_t i = 1; i < points_.size(); ++i) {
-    std::map<int, double> sums;
-    for (std::size_t k = 0; k < points_[i].nodes.size(); ++k) sums[points_[i].nodes[k]] += points_[i].weights[k];
-    for (std::size_t k = 0; k < points_[i - 1].nodes.size(); ++k) sums[points_[i - 1].nodes[k]] -= points_[i - 1].weights[k];
-    Segment segment;
-    for (const auto& [node, coefficient] : sums) {
-      if (coefficient == 0.0) continue;
-      segment.nodes.push_back(node);
-      segment.coefficients.push_back(coefficient);
+PathLength::PathLength(std::vector<EmbeddedPoint> points, const Eigen::Matrix3Xd& rest_positions_m)
+    : points_(std::move(points)) {
+  const std::vector<Eigen::Vector3d> rest = path(rest_positions_m);
+  for (std::size_t i = 1; i < rest.size(); ++i) closing_lengths_m_.push_back(0.1 * (rest[i] - rest[i - 1]).norm());
+}
+
+std::vector<Clique> PathLength::cliques() const {
+  std::vector<Clique> neighbours;
+  for (int i = 1; i < static_cast<int>(points_.size()); ++i) neighbours.push_back({~(i - 1), ~i});
+  return neighbours;
+}
+
+std::vector<PathLength::Span> PathLength::spans(const Eigen::Matrix3Xd& positions_m) const {
+  std::vector<Span> result;
+  const std::vector<Eigen::Vector3d> points = path(positions_m);
+  for (std::size_t i = 0; i < closing_lengths_m_.size(); ++i) {
+    const Eigen::Vector3d vector = points[i + 1] - points[i];
+    const double length = vector.norm(), closing = closing_lengths_m_[i];
+    if (length > closing) {
+      const Eigen::Vector3d unit = vector / length;
+      result.push_back({length, unit, (Eigen::Matrix3d::Identity() - unit * unit.transpose()) / length});
+    } else {
+      result.push_back({0.5 * (length * length / closing + closing), vector / closing, Eigen::Matrix3d::Identity() / closing});
     }
-    segments_.push_back(std::move(segment));
   }
-}
-
-PathLength::Span PathLength::span(const Segment& segment, const Eigen::Matrix3Xd& positions_m) const {
-  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < segment.nodes.size(); ++k)
-    vector += segment.coefficients[k] * positions_m.col(segment.nodes[k]);
-  const double length = std::sqrt(vector.squaredNorm() + smoothing_m_ * smoothing_m_);
-  return {vector / length, length};
-}
-
-std::vector<std::vector<int>> PathLength::coupled_nodes() const {
-  std::vector<std::vector<int>> cliques;
-  for (const Segment& segment : segments_) cliques.push_back(segment.nodes);
-  return cliques;
+  return result;
 }
 
 double PathLength::value(const Eigen::Matrix3Xd& positions_m) const {
   double sum = 0.0;
-  for (const Segment& segment : segments_) sum += span(segment, positions_m).length_m;
+  for (const Span& span : spans(positions_m)) sum += span.length_m;
   return sum;
 }
 
 void PathLength::add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const {
-  for (const Segment& segment : segments_) {
-    const Eigen::Vector3d pull = scale * span(segment, positions_m).direction;
-    for (std::size_t k = 0; k < segment.nodes.size(); ++k) gradient.col(segment.nodes[k]) += segment.coefficients[k] * pull;
+  const std::vector<Span> all = spans(positions_m);
+  const auto pull = [&](const EmbeddedPoint& point, const Eigen::Vector3d& direction) {
+    for (std::size_t k = 0; k < point.nodes.size(); ++k) gradient.col(point.nodes[k]) += point.weights[k] * direction;
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    pull(points_[i + 1], scale * all[i].direction);
+    pull(points_[i], -scale * all[i].direction);
   }
 }
 
 void PathLength::add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const {
-  for (std::size_t i = 0; i < segments_.size(); ++i) {
-    const Span here = span(segments_[i], positions_m);
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - here.direction * here.direction.transpose();
-    hessian.add_outer(static_cast<int>(i), segments_[i].coefficients, scale / here.length_m * across);
-  }
+  const std::vector<Span> all = spans(positions_m);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    hessian.add_outer(static_cast<int>(i), {-1.0, 1.0}, scale * all[i].curvature);
 }
 
 ConstraintLaw PathLength::law(double value) const {
@@ -147,7 +146,7 @@ void Cable::on_initialise(const SettingsNode& settings, const Body& body, const 
   const std::vector<Eigen::Vector3d> path = read_path(settings);
   std::vector<EmbeddedPoint> points;
   for (std::size_t i = 0; i < path.size(); ++i) points.push_back(embed_point(settings, path, i, spread, body, locator));
-  path_ = std::make_unique<PathLength>(std::move(points), 1e-6 * body.size_m());
+  path_ = std::make_unique<PathLength>(std::move(points), body.mesh().nodes_m);
   rest_length_m_ = path_->value(body.mesh().nodes_m);
 
   const double pull_speed_m_s = settings.number_or("pull_speed_m_s", 0.0, AllowedRange::not_negative());

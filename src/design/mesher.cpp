@@ -5,8 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <optional>
+#include <locale>
 #include <sstream>
 #include <stdexcept>
 

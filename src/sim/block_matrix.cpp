@@ -108,12 +108,16 @@ void BlockMatrix::add_to_diagonal(int node, double value) {
 }
 
 void BlockMatrix::hold(const Eigen::Matrix<bool, 3, Eigen::Dynamic>& fixed) {
+  const auto is_held = [&](int axis, int node) { return node < fixed.cols() && fixed(axis, node); };
+  const auto any_held = [&](int node) { return node < fixed.cols() && fixed.col(node).any(); };
   for (int column = 0; column < node_count(); ++column) {
+    const bool column_held = any_held(node_[column]);
     for (int s = column_start_[column]; s < column_start_[column + 1]; ++s) {
+      if (!column_held && !any_held(node_[rows_[s]])) continue;
       double* values = block(s);
       for (int j = 0; j < 3; ++j) {
         for (int i = 0; i < 3; ++i) {
-          if (!fixed(i, node_[rows_[s]]) && !fixed(j, node_[column])) continue;
+          if (!is_held(i, node_[rows_[s]]) && !is_held(j, node_[column])) continue;
           values[3 * j + i] = rows_[s] == column && i == j ? 1.0 : 0.0;
         }
       }

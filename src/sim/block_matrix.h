@@ -27,7 +27,8 @@ class BlockMatrix {
 
   void add_to_diagonal(int node, double value);
 
-  // Replaces rows and columns of held degrees of freedom by those of the identity.
+  // Replaces rows and columns of held degrees of freedom by those of the identity. Nodes beyond the columns of `fixed` are
+  // free.
   void hold(const Eigen::Matrix<bool, 3, Eigen::Dynamic>& fixed);
 
   Eigen::Matrix3Xd multiply(const Eigen::Matrix3Xd& x) const;

@@ -12,9 +12,10 @@ namespace soft_robot_lab {
 
 class CliqueAdder : public CliqueSink {
  public:
+  // Cliques of the matrix's nodes.
   CliqueAdder(BlockMatrix& matrix, const std::vector<std::vector<int>>& cliques) : matrix_(matrix) {
     for (const auto& nodes : cliques) {
-      Clique clique;
+      Places clique;
       clique.order.resize(nodes.size());
       std::iota(clique.order.begin(), clique.order.end(), 0);
       const auto position = [&](int i) { return matrix.position(nodes[i]); };
@@ -35,14 +36,14 @@ class CliqueAdder : public CliqueSink {
   }
 
  private:
-  struct Clique {
+  struct Places {
     std::vector<int> order;  // places in the clique, sorted by elimination
     std::vector<int> slots;  // per pair a >= b in that order
   };
 
   template <class Block>
   void each_pair(int index, Block block) {
-    const Clique& clique = cliques_[index];
+    const Places& clique = cliques_[index];
     std::size_t pair = 0;
     for (std::size_t a = 0; a < clique.order.size(); ++a)
       for (std::size_t b = 0; b <= a; ++b, ++pair)
@@ -50,7 +51,7 @@ class CliqueAdder : public CliqueSink {
   }
 
   BlockMatrix& matrix_;
-  std::vector<Clique> cliques_;
+  std::vector<Places> cliques_;
 };
 
 }  // namespace soft_robot_lab

@@ -11,17 +11,9 @@ namespace {
 
 constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
 constexpr int kHalvings = 8;
+constexpr double kTieStiffness = 1e3;   // of a carried point, over E * size
 
 Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) { return {columns.data(), columns.size()}; }
-
-std::vector<std::vector<int>> cliques_of(const Body& body, const std::vector<const Constraint*>& constraints) {
-  std::vector<std::vector<int>> cliques;
-  const auto& tets = body.mesh().tets;
-  for (Eigen::Index e = 0; e < tets.cols(); ++e) cliques.emplace_back(tets.col(e).data(), tets.col(e).data() + tets.rows());
-  for (const Constraint* constraint : constraints)
-    for (auto& clique : constraint->coupled_nodes()) cliques.push_back(std::move(clique));
-  return cliques;
-}
 
 // Solves S y = b with y between bounds, S positive definite: an active set that adds one constraint at a time (Nocedal &
 // Wright 2006, 16.5, for the dual of a cable that can only pull).
@@ -88,15 +80,46 @@ double violation(const ConstraintLaw& law, double y) {
 
 }  // namespace
 
+NewtonSolver::Layout NewtonSolver::lay_out(const Body& body, const std::vector<const Constraint*>& constraints) {
+  Layout layout;
+  layout.node_count = body.mesh().node_count();
+  for (const Constraint* constraint : constraints) {
+    const int first_point = layout.node_count + layout.point_count;
+    for (const EmbeddedPoint& point : constraint->carried_points()) {
+      layout.ties.push_back(point.nodes);
+      layout.tie_coefficients.push_back(point.weights);
+      layout.ties.back().push_back(layout.node_count + layout.point_count++);
+      layout.tie_coefficients.back().push_back(-1.0);
+    }
+    layout.cliques.emplace_back();
+    for (Clique clique : constraint->cliques()) {
+      for (int& member : clique)
+        if (member < 0) member = first_point + ~member;
+      layout.cliques.back().push_back(std::move(clique));
+    }
+  }
+  return layout;
+}
+
+std::vector<std::vector<int>> NewtonSolver::Layout::all_cliques(const TetMesh& mesh) const {
+  std::vector<std::vector<int>> all = ties;
+  for (Eigen::Index e = 0; e < mesh.tets.cols(); ++e)
+    all.emplace_back(mesh.tets.col(e).data(), mesh.tets.col(e).data() + mesh.tets.rows());
+  for (const auto& of_constraint : cliques) all.insert(all.end(), of_constraint.begin(), of_constraint.end());
+  return all;
+}
+
 NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> constraints)
     : body_(body),
       constraints_(std::move(constraints)),
+      layout_(lay_out(body, constraints_)),
       loads_n_(body.external_forces_n()),
       force_floor_n_(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
-      matrix_(body.mesh().node_count(), cliques_of(body, constraints_)),
+      matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body.mesh())),
       factor_(matrix_),
-      elements_(body, matrix_) {
-  for (const Constraint* constraint : constraints_) adders_.emplace_back(matrix_, constraint->coupled_nodes());
+      elements_(body, matrix_),
+      ties_(matrix_, layout_.ties) {
+  for (const auto& cliques : layout_.cliques) adders_.emplace_back(matrix_, cliques);
 }
 
 void NewtonSolver::release(Eigen::Matrix3Xd& forces) const {
@@ -163,9 +186,19 @@ bool NewtonSolver::linearise(const NewtonTask& task, const NewtonState& state, b
   for (int i = 0; i < constraint_count(); ++i)
     if (state.constraint_multipliers[i] != 0.0)
       constraints_[i]->add_hessian(state.positions_m, state.constraint_multipliers[i], adders_[i]);
+  const double tie = kTieStiffness * body_.material().youngs_modulus_pa * body_.size_m();
+  for (int point = 0; point < layout_.point_count; ++point)
+    ties_.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
   matrix_.hold(body_.fixed());
   release(gradient);
   return factor_.factorise(matrix_);
+}
+
+Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(3 * matrix_.node_count(), right_hand_sides.cols());
+  x.topRows(right_hand_sides.rows()) = right_hand_sides;
+  factor_.solve(x);
+  return x.topRows(right_hand_sides.rows());
 }
 
 bool NewtonSolver::find_step(const NewtonTask& task, const NewtonState& state, const Evaluation& here, bool convex,
@@ -174,10 +207,10 @@ bool NewtonSolver::find_step(const NewtonTask& task, const NewtonState& state, c
   if (!linearise(task, state, convex, gradient)) return false;
   const int count = constraint_count();
   const Eigen::MatrixXd b = border(state.positions_m);
-  Eigen::MatrixXd solved(gradient.size(), 1 + count);
-  solved.col(0) = -as_vector(gradient);
-  solved.rightCols(count) = b;
-  factor_.solve(solved);
+  Eigen::MatrixXd right_hand_sides(gradient.size(), 1 + count);
+  right_hand_sides.col(0) = -as_vector(gradient);
+  right_hand_sides.rightCols(count) = b;
+  const Eigen::MatrixXd solved = solve(right_hand_sides);
 
   Eigen::VectorXd motion = solved.col(0);
   step.constraint_multipliers.resize(count);
@@ -283,8 +316,7 @@ Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
   if (!linearise(NewtonTask{}, state, false, gradient)) return {};
   const int count = constraint_count();
   const Eigen::MatrixXd b = border(state.positions_m);
-  Eigen::MatrixXd solved = b;
-  factor_.solve(solved);
+  const Eigen::MatrixXd solved = solve(b);
   Eigen::MatrixXd schur = b.transpose() * solved;
   Eigen::MatrixXd drive = Eigen::MatrixXd::Zero(count, count);  // rows: constraints, columns: commands
   for (int i = 0; i < count; ++i) {

@@ -83,15 +83,29 @@ class NewtonSolver {
   bool find_step(const NewtonTask& task, const NewtonState& state, const Evaluation& here, bool convex, Step& step);
   double merit(const Evaluation& at, const Step& step) const;
   void release(Eigen::Matrix3Xd& forces) const;  // zero on held degrees of freedom
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor
   Eigen::MatrixXd border(const Eigen::Matrix3Xd& positions) const;
+
+  // The matrix has the mesh's nodes first, then the constraints' carried points, each tied to its nodes by a spring that is
+  // stiff against everything it carries (so the second derivative is softened by less than 1e-3).
+  struct Layout {
+    int node_count = 0, point_count = 0;
+    std::vector<std::vector<int>> ties;                      // per point: its nodes, then itself
+    std::vector<std::vector<double>> tie_coefficients;       // its weights, then -1
+    std::vector<std::vector<std::vector<int>>> cliques;      // per constraint, in places of the matrix
+    std::vector<std::vector<int>> all_cliques(const TetMesh& mesh) const;
+  };
+  static Layout lay_out(const Body& body, const std::vector<const Constraint*>& constraints);
 
   const Body& body_;
   std::vector<const Constraint*> constraints_;
+  Layout layout_;
   Eigen::Matrix3Xd loads_n_;
   double force_floor_n_;  // forces below this count as none
   BlockMatrix matrix_;
   BlockCholesky factor_;
   Elements elements_;
+  CliqueAdder ties_;
   std::vector<CliqueAdder> adders_;  // per constraint
 };
 

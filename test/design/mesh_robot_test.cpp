@@ -201,6 +201,14 @@ TEST_F(MeshRobot, LetsTheDeepestAndThenTheLastNameWin) {
   EXPECT_EQ(area(mesh, -1), 0.0);
 }
 
+TEST_F(MeshRobot, LeavesOutNamesThatBoundNothing) {
+  const std::string far = "{sphere: {radius_m: 0.005, center_m: [1, 0, 0]}, name: far}";
+  const std::string nothing =
+      "{intersection: [{sphere: {radius_m: 0.005, center_m: [2, 0, 0]}}, " + far + "], name: nothing}";
+  const TetMesh mesh = mesh_of(std::string("{difference: [") + kBeam + ", " + nothing + ", " + far + "]}", 0.01);
+  EXPECT_TRUE(mesh.surface_names.empty());
+}
+
 TEST_F(MeshRobot, RefinesAroundAPointAndGrowsAway) {
   MeshRequest request;
   request.solid_yaml = kBeam;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -155,6 +156,19 @@ TEST_F(MeshFileFor, RefusesBadRequests) {
   request_ = good;
   options_.program = "/no/such/program";
   EXPECT_EQ(refusal<std::runtime_error>(), "mesher: '/no/such/program' is not a program");
+}
+
+TEST_F(MeshFileFor, FindsProgramAndCacheByItself) {
+  use_script("cp \"$1\" \"$2\"");
+  fs::rename(options_.program, folder_ / "mesh_robot");
+  setenv("PATH", (folder_.string() + ":" + std::getenv("PATH")).c_str(), 1);
+  setenv("XDG_CACHE_HOME", (folder_ / "xdg").c_str(), 1);
+  const fs::path file = mesh_file_for(request_, MesherOptions{});
+  EXPECT_EQ(file.parent_path(), folder_ / "xdg" / "soft_robot_lab");
+  EXPECT_TRUE(fs::exists(file));
+  unsetenv("XDG_CACHE_HOME");
+  setenv("HOME", folder_.c_str(), 1);
+  EXPECT_EQ(fs::path(mesh_file_for(request_, MesherOptions{})).parent_path(), folder_ / ".cache" / "soft_robot_lab");
 }
 
 TEST_F(MeshFileFor, SeveralCallersMayAskForTheSame) {

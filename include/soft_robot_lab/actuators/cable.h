@@ -13,10 +13,12 @@ namespace soft_robot_lab {
 // Pulls with y >= 0, C - L = compliance * y; slack when C < L.
 class PathLength : public Constraint {
  public:
-  // Two or more points. A span of length l counts as sqrt(l^2 + smoothing^2), so that its direction stays defined where it closes.
-  PathLength(std::vector<EmbeddedPoint> points, double smoothing_m);
+  // Two or more points; neighbours apart at rest. A span that has shrunk below a tenth of its rest length counts
+  // quadratically (Huber 1964), so that its direction fades out instead of flipping where it closes.
+  PathLength(std::vector<EmbeddedPoint> points, const Eigen::Matrix3Xd& rest_positions_m);
 
-  std::vector<std::vector<int>> coupled_nodes() const override;
+  std::vector<EmbeddedPoint> carried_points() const override { return points_; }
+  std::vector<Clique> cliques() const override;  // neighbouring points
   double value(const Eigen::Matrix3Xd& positions_m) const override;
   void add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const override;
   void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const override;
@@ -30,19 +32,15 @@ class PathLength : public Constraint {
   void command_tension(double tension_n, double tension_per_command);
 
  private:
-  struct Segment {
-    std::vector<int> nodes;            // distinct
-    std::vector<double> coefficients;  // end minus start = sum coefficient * node position
-  };
   struct Span {
-    Eigen::Vector3d direction;  // unit, but for spans near zero length
     double length_m;
+    Eigen::Vector3d direction;  // gradient of the length: a unit vector, shorter for a span about to close
+    Eigen::Matrix3d curvature;  // second derivative of the length [1/m]
   };
-  Span span(const Segment& segment, const Eigen::Matrix3Xd& positions_m) const;
+  std::vector<Span> spans(const Eigen::Matrix3Xd& positions_m) const;
 
   std::vector<EmbeddedPoint> points_;
-  std::vector<Segment> segments_;
-  double smoothing_m_;
+  std::vector<double> closing_lengths_m_;  // per span: below this it counts quadratically
   ConstraintLaw law_;
   double length_m_ = 0.0;
 };

@@ -7,15 +7,20 @@
 
 #include <Eigen/Core>
 
+#include "soft_robot_lab/sim/embedding.h"
+
 namespace soft_robot_lab {
 
-// Takes second derivatives, clique by clique: the sets of nodes that a constraint declared with coupled_nodes().
+// What a second derivative couples: node i as i, carried point k of the constraint as ~k.
+using Clique = std::vector<int>;
+
+// Takes second derivatives, clique by clique.
 class CliqueSink {
  public:
   virtual ~CliqueSink() = default;
-  // Adds coefficients[i] coefficients[j] block for every two nodes i, j of the clique; the block is symmetric.
+  // Adds coefficients[i] coefficients[j] block for every two members i, j of the clique; the block is symmetric.
   virtual void add_outer(int clique, const std::vector<double>& coefficients, const Eigen::Matrix3d& block) = 0;
-  // Adds a symmetric matrix over 3*i + axis of the clique's nodes.
+  // Adds a symmetric matrix over 3*i + axis of the clique's members.
   virtual void add_dense(int clique, const Eigen::MatrixXd& matrix) = 0;
 };
 
@@ -34,20 +39,24 @@ struct ConstraintLaw {
 };
 
 // A scalar function C(x) of the node positions (3 x nodes, [m]) with an energy U(C).
-// A solver reads `coupled_nodes` once, then per iteration: value, law, gradient, Hessian.
+// A solver reads the cliques once, then per iteration: value, law, gradient, Hessian.
 class Constraint {
  public:
   virtual ~Constraint() = default;
 
-  // Sets of distinct nodes (cliques); the second derivative of C couples only nodes that share one.
-  virtual std::vector<std::vector<int>> coupled_nodes() const = 0;
+  // Points through which the constraint acts on many nodes at once, such as a cable's via points. They become unknowns of
+  // their own in the solver's matrix, so that two far points couple without coupling all their nodes.
+  virtual std::vector<EmbeddedPoint> carried_points() const { return {}; }
+
+  // The second derivative of C couples only members that share a clique; the members of one clique are distinct.
+  virtual std::vector<Clique> cliques() const = 0;
 
   virtual double value(const Eigen::Matrix3Xd& positions_m) const = 0;
 
   // Adds scale * dC/dx to a 3 x nodes matrix.
   virtual void add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const = 0;
 
-  // Adds scale * d2C/dx2.
+  // Adds scale * d2C/dx2, with carried points p = W x in place of their nodes.
   virtual void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const = 0;
 
   virtual ConstraintLaw law(double value) const = 0;

@@ -1,7 +1,7 @@
 #include "programs/mesher/solid_geometry.h"
 
 #include <algorithm>
-#include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 namespace soft_robot_lab {
@@ -120,11 +120,11 @@ Volumes build(const Solid& solid) {
                               ": an STL file must be the whole solid; to combine it with others, use STEP");
 }
 
-}  // namespace
-
 bool has_name(const Solid& solid) {
   return !solid.name.empty() || std::any_of(solid.parts.begin(), solid.parts.end(), has_name);
 }
+
+}  // namespace
 
 gmsh::vectorpair build_solid(const Solid& solid) {
   gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
@@ -134,6 +134,7 @@ gmsh::vectorpair build_solid(const Solid& solid) {
 }
 
 int build_body(const Solid& solid) {
+  // Touching faces of one plane become one, which makes better meshes, unless they may have different names.
   gmsh::option::setNumber("Geometry.OCCUnionUnify", has_name(solid) ? 0 : 1);
   const Volumes volumes = build_solid(solid);
   double volume = 0;

@@ -19,7 +19,4 @@ gmsh::vectorpair build_solid(const Solid& solid);
 // The same as one volume. Throws std::invalid_argument when the solid is empty or falls into parts.
 int build_body(const Solid& solid);
 
-// Whether two faces of one plane that touch become one, which makes better meshes; off where parts carry names.
-bool has_name(const Solid& solid);
-
 }  // namespace soft_robot_lab

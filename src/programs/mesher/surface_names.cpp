@@ -57,7 +57,9 @@ std::vector<Eigen::Vector3d> sample_points(int surface) {
 // intersects the points with the trimmed boundary, which Gmsh's getClosestPoint() does not know.
 std::vector<bool> find_on_boundary(const std::vector<std::vector<Eigen::Vector3d>>& surfaces, const Solid& solid) {
   gmsh::vectorpair boundary, points, found;
-  gmsh::model::getBoundary(build_solid(solid), boundary, false, false, false);
+  const gmsh::vectorpair volumes = build_solid(solid);
+  if (volumes.empty()) return std::vector<bool>(surfaces.size(), false);
+  gmsh::model::getBoundary(volumes, boundary, false, false, false);
   for (const auto& surface : surfaces) {
     for (const auto& p : surface) points.emplace_back(0, gmsh::model::occ::addPoint(p.x(), p.y(), p.z()));
   }

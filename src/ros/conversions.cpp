@@ -46,7 +46,7 @@ geometry_msgs::Point to_message(const Eigen::Vector3d& position_m) {
 }
 
 Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field) {
-  const Eigen::Vector3d position_m(position.x, position.y, position.z);
+  Eigen::Vector3d position_m(position.x, position.y, position.z);
   if (!position_m.allFinite()) {
     std::ostringstream message;
     message << field << ": [" << position.x << ", " << position.y << ", " << position.z
@@ -60,10 +60,10 @@ MarkerObservations marker_observations(const Simulation& simulation, const ros::
   MarkerObservations message;
   message.header.stamp = stamp;
   message.header.frame_id = topics::robot_frame;
-  const int count = static_cast<int>(simulation.markers().size());
-  for (int i = 0; i < count; ++i) {
+  const size_t count = simulation.markers().size();
+  for (size_t i = 0; i < count; ++i) {
     message.names.push_back(simulation.markers()[i].name());
-    message.positions.push_back(to_message(simulation.marker_position(i)));
+    message.positions.push_back(to_message(simulation.marker_position(static_cast<int>(i))));
   }
   message.covariances.assign(9 * count, 0.0);
   message.sources.assign(count, MarkerObservations::SIMULATED);

@@ -81,16 +81,13 @@ class Drawing {
   visualization_msgs::MarkerArray array_;
 };
 
-geometry_msgs::Point beside(geometry_msgs::Point point, double offset_m) {
-  point.x += offset_m;
-  return point;
-}
-
 void draw_markers(const MarkerObservations& markers, const std::string& ns, const std_msgs::ColorRGBA& rgba,
                   const OverlayOptions& options, Drawing& drawing) {
   for (size_t i = 0; i < markers.names.size(); ++i) {
     drawing.sphere(ns, markers.positions[i], options.marker_radius_m, rgba);
-    drawing.text(ns + "_names", beside(markers.positions[i], -6.0 * options.text_height_m), markers.names[i]);
+    geometry_msgs::Point above = markers.positions[i];
+    above.z += options.marker_radius_m + 0.6 * options.text_height_m;
+    drawing.text(ns + "_names", above, markers.names[i]);
   }
 }
 
@@ -103,9 +100,8 @@ void draw_cables(const ActuatorStateMessage& actuators, const OverlayOptions& op
   for (const CableState& cable : actuators.cables) {
     if (cable.path.size() < 2) continue;
     drawing.line("cables", cable.path, options.cable_width_m, tension_colour(cable.tension_n, options));
-    const geometry_msgs::Point& start = cable.path.front();
-    geometry_msgs::Point place =
-        beside(start, start.x < 0.0 ? -4.0 * options.text_height_m : 4.0 * options.text_height_m);
+    geometry_msgs::Point place = cable.path.front();
+    place.x += (place.x < 0.0 ? -4.0 : 4.0) * options.text_height_m;
     place.z += 2.0 * options.text_height_m;
     drawing.text("cable_tensions", place, cable.name + text_of(cable.tension_n, " %.1f N"));
   }

@@ -20,7 +20,7 @@ struct OverlayOptions {
   double marker_radius_m = 0.002;
   double target_radius_m = 0.004;
   double cable_width_m = 0.0012;
-  double text_height_m = 0.0045;
+  double text_height_m = 0.004;
   double full_tension_n = 5.0;  // drawn red; none is drawn green
 };
 

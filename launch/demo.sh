@@ -27,7 +27,7 @@ trap 'exit 130' INT TERM
 output=$(cd "$launch/.." && pwd)/build/demo
 mkdir -p "$output"
 echo "Building ..."
-"$launch/build.sh" -DSOFT_ROBOT_LAB_TESTS=OFF >"$output/build.log" 2>&1 || { tail -20 "$output/build.log" >&2; fail "the build failed: $output/build.log"; }
+"$launch/build.sh" session >"$output/build.log" 2>&1 || { tail -20 "$output/build.log" >&2; fail "the build failed: $output/build.log"; }
 . "$launch/environment.sh"
 
 echo "Starting the session ..."

@@ -6,7 +6,7 @@ package=$(cd "$(dirname "$0")/.." && pwd)
 jobs=${JOBS:-2}
 "$package/launch/install_dependencies.sh"
 
-JOBS=$jobs "$package/launch/build.sh" -DSOFT_ROBOT_LAB_TESTS=ON
+JOBS=$jobs "$package/launch/build.sh"
 cmake -S "$package" -B "$package/build-sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON
 cmake --build "$package/build-sanitise" -j"$jobs"
 ctest --test-dir "$package/build-sanitise" --output-on-failure -j"$jobs"

@@ -265,6 +265,7 @@ void ControllerNode::play(Execution& execution) {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "controller");
+  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be told
   try {
     // One thread each for an optimisation, an execution, a scene being loaded, and the topics.
     ros::AsyncSpinner spinner(4);

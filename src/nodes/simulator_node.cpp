@@ -284,6 +284,7 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "simulator");
+  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be told
   try {
     soft_robot_lab::SimulatorNode node(soft_robot_lab::read_options(ros::NodeHandle("~")));
     node.run();

@@ -8,8 +8,11 @@
 
 namespace soft_robot_lab {
 
-PathLength::PathLength(std::vector<EmbeddedPoint> points, double smoothing_m)
-    : points_(std::move(points)), smoothing_m_(smoothing_m) {}
+PathLength::PathLength(std::vector<EmbeddedPoint> points, const Eigen::Matrix3Xd& rest_positions_m)
+    : points_(std::move(points)) {
+  const std::vector<Eigen::Vector3d> rest = path(rest_positions_m);
+  for (std::size_t i = 1; i < rest.size(); ++i) closing_lengths_m_.push_back(0.1 * (rest[i] - rest[i - 1]).norm());
+}
 
 std::vector<Clique> PathLength::cliques() const {
   std::vector<Clique> neighbours;
@@ -20,10 +23,15 @@ std::vector<Clique> PathLength::cliques() const {
 std::vector<PathLength::Span> PathLength::spans(const Eigen::Matrix3Xd& positions_m) const {
   std::vector<Span> result;
   const std::vector<Eigen::Vector3d> points = path(positions_m);
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const Eigen::Vector3d vector = points[i] - points[i - 1];
-    const double length = std::sqrt(vector.squaredNorm() + smoothing_m_ * smoothing_m_);
-    result.push_back({vector / length, length});
+  for (std::size_t i = 0; i < closing_lengths_m_.size(); ++i) {
+    const Eigen::Vector3d vector = points[i + 1] - points[i];
+    const double length = vector.norm(), closing = closing_lengths_m_[i];
+    if (length > closing) {
+      const Eigen::Vector3d unit = vector / length;
+      result.push_back({length, unit, (Eigen::Matrix3d::Identity() - unit * unit.transpose()) / length});
+    } else {
+      result.push_back({0.5 * (length * length / closing + closing), vector / closing, Eigen::Matrix3d::Identity() / closing});
+    }
   }
   return result;
 }
@@ -47,10 +55,8 @@ void PathLength::add_gradient(const Eigen::Matrix3Xd& positions_m, double scale,
 
 void PathLength::add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const {
   const std::vector<Span> all = spans(positions_m);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - all[i].direction * all[i].direction.transpose();
-    hessian.add_outer(static_cast<int>(i), {-1.0, 1.0}, scale / all[i].length_m * across);
-  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+    hessian.add_outer(static_cast<int>(i), {-1.0, 1.0}, scale * all[i].curvature);
 }
 
 ConstraintLaw PathLength::law(double value) const {
@@ -140,7 +146,7 @@ void Cable::on_initialise(const SettingsNode& settings, const Body& body, const 
   const std::vector<Eigen::Vector3d> path = read_path(settings);
   std::vector<EmbeddedPoint> points;
   for (std::size_t i = 0; i < path.size(); ++i) points.push_back(embed_point(settings, path, i, spread, body, locator));
-  path_ = std::make_unique<PathLength>(std::move(points), 1e-6 * body.size_m());
+  path_ = std::make_unique<PathLength>(std::move(points), body.mesh().nodes_m);
   rest_length_m_ = path_->value(body.mesh().nodes_m);
 
   const double pull_speed_m_s = settings.number_or("pull_speed_m_s", 0.0, AllowedRange::not_negative());

@@ -158,9 +158,11 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     result.values.push_back(constraints_[i]->value(state.positions_m));
     result.laws.push_back(constraints_[i]->law(result.values.back()));
     if (y != 0.0) constraints_[i]->add_gradient(state.positions_m, y, result.residual_n);
-    // Relative to the constraint's own value, so that lengths and volumes count alike.
-    constraint_residual = std::max(constraint_residual, std::abs(violation(result.laws.back(), y)) /
-                                                            std::max(std::abs(result.values.back()), 1e-300));
+    const ConstraintLaw& law = result.laws.back();
+    // Relative to the constraint's own value, so that lengths and volumes count alike; a prescribed multiplier is met or not.
+    const double off = law.prescribed() ? (std::abs(y - law.min_multiplier) > 1e-12 * std::abs(y) ? 1.0 : 0.0)
+                                        : std::abs(violation(law, y)) / std::max(std::abs(result.values.back()), 1e-300);
+    constraint_residual = std::max(constraint_residual, off);
   }
   release(result.residual_n);
   const double volume_residual =

@@ -13,8 +13,9 @@ namespace soft_robot_lab {
 // Pulls with y >= 0, C - L = compliance * y; slack when C < L.
 class PathLength : public Constraint {
  public:
-  // Two or more points. A span of length l counts as sqrt(l^2 + smoothing^2), so that its direction stays defined where it closes.
-  PathLength(std::vector<EmbeddedPoint> points, double smoothing_m);
+  // Two or more points; neighbours apart at rest. A span that has shrunk below a tenth of its rest length counts
+  // quadratically (Huber 1964), so that its direction fades out instead of flipping where it closes.
+  PathLength(std::vector<EmbeddedPoint> points, const Eigen::Matrix3Xd& rest_positions_m);
 
   std::vector<EmbeddedPoint> carried_points() const override { return points_; }
   std::vector<Clique> cliques() const override;  // neighbouring points
@@ -32,13 +33,14 @@ class PathLength : public Constraint {
 
  private:
   struct Span {
-    Eigen::Vector3d direction;  // unit, but for spans near zero length
     double length_m;
+    Eigen::Vector3d direction;  // gradient of the length: a unit vector, shorter for a span about to close
+    Eigen::Matrix3d curvature;  // second derivative of the length [1/m]
   };
   std::vector<Span> spans(const Eigen::Matrix3Xd& positions_m) const;
 
   std::vector<EmbeddedPoint> points_;
-  double smoothing_m_;
+  std::vector<double> closing_lengths_m_;  // per span: below this it counts quadratically
   ConstraintLaw law_;
   double length_m_ = 0.0;
 };

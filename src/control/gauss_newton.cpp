@@ -129,14 +129,21 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, Eige
 
 bool idle(const Evaluation& here, Eigen::Index command) { return here.jacobian.col(command).isZero(0.0); }
 
-// Moves one command, further and further to either side, until the marker answers to it; false where it never does.
-bool wake(Search& search, Eigen::Index command, Eigen::VectorXd& commands) {
+// Moves a command that is idle at `rest`, further and further to either side, until the marker answers; true where that
+// way leads nearer, otherwise the command is as it was. The marker stays at rest up to the point where the command
+// begins to act, so that the rest's distance from the target is the one to compare with.
+bool wake(Search& search, const Evaluation& rest, Eigen::Index command, Eigen::VectorXd& commands) {
+  const ReachProblem& problem = search.problem();
   const double from = commands[command];
   for (const double share : {1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0, 1.0}) {
-    for (const double limit : {search.problem().min[command], search.problem().max[command]}) {
+    for (const double limit : {problem.min[command], problem.max[command]}) {
+      if (limit == from) continue;
       commands[command] = from + share * (limit - from);
-      const Evaluation* here = commands[command] == from ? nullptr : search.evaluate(commands);
-      if (here && !idle(*here, command)) return true;
+      const Evaluation* here = search.evaluate(commands);
+      if (!here || idle(*here, command)) continue;
+      const double along = here->jacobian.col(command).dot(problem.target_m - rest.marker_m) * (limit - from);
+      if (along <= 0.0) commands[command] = from;
+      return along > 0.0;
     }
   }
   commands[command] = from;
@@ -145,9 +152,9 @@ bool wake(Search& search, Eigen::Index command, Eigen::VectorXd& commands) {
 
 }  // namespace
 
-// A slack cable has no derivative, and so has one at its rest length; the way to the target may lead over pulling it.
-// Each descent is therefore followed by another from where all idle commands do something, as long as that comes
-// nearer.
+// The command of a slack cable has no derivative, nor has one at its rest length, though the way to the target may lead
+// over pulling it. So a descent is followed by another from where such commands do something, as long as that promises
+// to come nearer, and does.
 std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m) {
   Eigen::VectorXd commands = search.problem().start;
   double distance_m = std::numeric_limits<double>::infinity();
@@ -159,7 +166,8 @@ std::string search_gauss_newton(Search& search, int max_iterations, double toler
     distance_m = best.distance_m;
     commands = best.commands;
     bool woken = false;
-    for (Eigen::Index i = 0; i < commands.size(); ++i) woken = (idle(best, i) && wake(search, i, commands)) || woken;
+    for (Eigen::Index i = 0; i < commands.size(); ++i)
+      woken = (idle(best, i) && wake(search, best, i, commands)) || woken;
     if (!woken) return reason;
   }
 }

@@ -113,17 +113,16 @@ inline PackSums pack_gradient(const Pack* x, const Pack* gradients, const Pack* 
   return sums;
 }
 
-// Condensed Hessian blocks of four elements: pairs a >= b in rows, 9 numbers each (column-major), and the condensed
-// gradient. With g = d(V0 Jbar)/dx the block (a, b) is
+// Condensed Hessian blocks of four elements: pairs a >= b in rows, 9 numbers each (column-major). With g = d(V0 Jbar)/dx the block (a, b) is
 //   [laplacian + extra] I + sum_q w mu (c grad a)(c grad b)^T + lambda/V0 g_a g_b^T
 //   + [e]x with e = sum_q w (mu (J - 2) + p) F (grad a x grad b),   ([e]x)_ik = epsilon_ikm e_m   (d2J/dF2 contracted)
 template <int Nodes, int Points>
 inline void pack_hessian(const Pack* x, const Pack* gradients, const Pack* weights, const Pack* laplacian, double mu,
-                         double lambda, Pack p, bool convex, Pack* blocks, Pack* condensed, Pack* volume_gradient) {
+                         double lambda, Pack p, bool convex, Pack* blocks, Pack* volume_gradient) {
   PackMatrix f[Points], c[Points];
   Pack second[Points], extra[Points], cg[Points][3 * Nodes];
-  Pack volume = splat(0.0), determinants = splat(0.0);
-  for (int i = 0; i < 3 * Nodes; ++i) volume_gradient[i] = condensed[i] = splat(0.0);
+  Pack volume = splat(0.0);
+  for (int i = 0; i < 3 * Nodes; ++i) volume_gradient[i] = splat(0.0);
   for (int q = 0; q < Points; ++q) {
     const Pack* g = gradients + 3 * Nodes * q;
     f[q] = deformation_gradient<Nodes>(x, g);
@@ -139,21 +138,17 @@ inline void pack_hessian(const Pack* x, const Pack* gradients, const Pack* weigh
       for (int lane = 0; lane < kLanes; ++lane) bound[lane] = std::abs(s[lane]) * 1.1547005384 * std::sqrt(norm[lane]);
       extra[q] = bound > mu ? w * (bound - mu) : splat(0.0);
     }
-    determinants += w * j;
     volume += w;
     for (int a = 0; a < Nodes; ++a) {
       const PackVector along = multiply(c[q], g + 3 * a);
-      const PackVector stretch = multiply(f[q], g + 3 * a);
       for (int i = 0; i < 3; ++i) {
         volume_gradient[3 * a + i] += w * along.v[i];
-        condensed[3 * a + i] += w * mu * (stretch.v[i] + (j - 2.0) * along.v[i]);
         cg[q][3 * a + i] = along.v[i];
       }
     }
   }
   const Pack safe_volume = volume > 0.0 ? volume : splat(1.0);
-  const Pack pressure = lambda * (determinants / safe_volume - 1.0), stiffness = lambda / safe_volume;
-  for (int i = 0; i < 3 * Nodes; ++i) condensed[i] += pressure * volume_gradient[i];
+  const Pack stiffness = lambda / safe_volume;
 
   int pair = 0;
   for (int a = 0; a < Nodes; ++a) {
@@ -230,9 +225,9 @@ inline void all_gradients(const ElementArrays& e, const double* positions, const
 
 template <int Nodes, int Points>
 inline void all_hessians(const ElementArrays& e, const double* positions, const double* multipliers, bool convex,
-                         double* values, double* right_hand_side, Pack* volume_gradients) {
+                         double* values, Pack* volume_gradients) {
   constexpr int kPairs = Nodes * (Nodes + 1) / 2;
-  Pack x[3 * Nodes], condensed[3 * Nodes], blocks[9 * kPairs];
+  Pack x[3 * Nodes], blocks[9 * kPairs];
   for (int pack = 0; pack < e.packs; ++pack) {
     const int* nodes = e.nodes + static_cast<std::ptrdiff_t>(pack) * Nodes * kLanes;
     const int* slots = e.slots + static_cast<std::ptrdiff_t>(pack) * kPairs * kLanes;
@@ -243,8 +238,7 @@ inline void all_hessians(const ElementArrays& e, const double* positions, const 
     pack_hessian<Nodes, Points>(x, e.gradients + static_cast<std::ptrdiff_t>(pack) * Points * Nodes * 3,
                                 e.weights + static_cast<std::ptrdiff_t>(pack) * Points,
                                 e.laplacian + static_cast<std::ptrdiff_t>(pack) * kPairs, e.mu, e.lambda, p, convex, blocks,
-                                condensed, volume_gradients + static_cast<std::ptrdiff_t>(pack) * 3 * Nodes);
-    scatter_add(condensed, nodes, Nodes, right_hand_side);
+                                volume_gradients + static_cast<std::ptrdiff_t>(pack) * 3 * Nodes);
     for (int pair = 0; pair < kPairs; ++pair) {
       for (int lane = 0; lane < lanes; ++lane) {
         double* target = values + static_cast<std::ptrdiff_t>(9) * slots[pair * kLanes + lane];
@@ -263,14 +257,12 @@ SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const double
   all_gradients<4, 1>(e, x, p, forces, sums);
 }
 SOFT_ROBOT_LAB_CLONES void quadratic_hessians(const ElementArrays& e, const double* x, const double* p, bool convex,
-                                              double* values, double* right_hand_side,
-                                              Pack* volume_gradients) {
-  all_hessians<10, 4>(e, x, p, convex, values, right_hand_side, volume_gradients);
+                                              double* values, Pack* volume_gradients) {
+  all_hessians<10, 4>(e, x, p, convex, values, volume_gradients);
 }
 SOFT_ROBOT_LAB_CLONES void linear_hessians(const ElementArrays& e, const double* x, const double* p, bool convex,
-                                           double* values, double* right_hand_side,
-                                           Pack* volume_gradients) {
-  all_hessians<4, 1>(e, x, p, convex, values, right_hand_side, volume_gradients);
+                                           double* values, Pack* volume_gradients) {
+  all_hessians<4, 1>(e, x, p, convex, values, volume_gradients);
 }
 
 }  // namespace
@@ -350,12 +342,23 @@ ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eige
 }
 
 void Elements::add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
-                           BlockMatrix& matrix, Eigen::Matrix3Xd& right_hand_side) {
+                           BlockMatrix& matrix) {
   const ElementArrays arrays{pack_count(), count_, nodes_.data(), slots_.data(), gradients_.data(), weights_.data(),
                              laplacian_.data(), mu_, lambda_};
   (node_count_ == 10 ? quadratic_hessians : linear_hessians)(arrays, positions.data(), multipliers.data(), convex,
-                                                             matrix.block(0), right_hand_side.data(),
-                                                             volume_gradients_.data());
+                                                             matrix.block(0), volume_gradients_.data());
+}
+
+void Elements::add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matrix3Xd& forces) const {
+  for (int element = 0; element < count_; ++element) {
+    const int pack = element / kLanes, lane = element % kLanes;
+    const double pressure = lambda_ * mismatch[element];
+    for (int a = 0; a < node_count_; ++a) {
+      const std::size_t place = static_cast<std::size_t>(pack) * node_count_ + a;
+      const int node = nodes_[place * kLanes + lane];
+      for (int i = 0; i < 3; ++i) forces(i, node) += pressure * volume_gradients_[place * 3 + i][lane];
+    }
+  }
 }
 
 Eigen::VectorXd Elements::updated_multipliers(const Eigen::VectorXd& growth, const Eigen::Matrix3Xd& step) const {

@@ -85,7 +85,9 @@ struct Simulation::Parts {
     state.constraint_multipliers = std::move(solved.constraint_multipliers);
   }
 
-  void remember_commands() {
+  // What actuators and solver know, so that a copy of the state has it.
+  void remember() {
+    state.linearisation = solver.linearisation();
     for (std::size_t i = 0; i < actuators.size(); ++i) {
       state.commands[i] = actuators[i]->command();
       state.actuated_commands[i] = actuators[i]->actuated_command();
@@ -112,6 +114,7 @@ struct Simulation::Parts {
 
   void fill(SolveReport& report, const NewtonReport& newton) const {
     report.iterations += newton.iterations;
+    report.factorisations += newton.factorisations;
     report.rejected_steps += newton.shortened + newton.convexified;
     report.converged = newton.converged;
     report.residual = newton.residual;
@@ -133,6 +136,7 @@ struct Simulation::Parts {
     task.predicted_m = &predicted;
     task.tolerance = options.dynamic_tolerance;
     task.min_iterations = 1;
+    task.reuse_factor = true;
     task.max_iterations = depth < kDeepestHalving ? std::min(options.max_iterations, kStageIterations) : options.max_iterations;
     NewtonState unknown = unknowns();
     unknown.positions_m = predicted;
@@ -152,7 +156,7 @@ struct Simulation::Parts {
     state.velocities_m_s = (unknown.positions_m - before.positions_m) / h;
     accept(std::move(unknown));
     state.time_s = before.time_s + h;
-    remember_commands();
+    remember();
   }
 
   NewtonReport relax(SolveReport& report) {
@@ -270,7 +274,7 @@ SolveReport Simulation::solve_equilibrium() {
     report.message = "no equilibrium found beyond " + std::to_string(done * 100.0) + " % of the command change: " + report.message;
   }
   p.state.time_s = before.time_s;
-  p.remember_commands();
+  p.remember();
   report.wall_s = clock.seconds();
   return report;
 }
@@ -278,6 +282,7 @@ SolveReport Simulation::solve_equilibrium() {
 Eigen::MatrixXd Simulation::marker_sensitivities() {
   Parts& p = *parts_;
   const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns());
+  p.remember();
   if (motions.rows() == 0 && p.solver.constraint_count() > 0)
     throw std::runtime_error("no sensitivity: the present state is not a stable equilibrium");
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(p.markers.size()),
@@ -308,6 +313,8 @@ void Simulation::reset() {
     s.commands.push_back(actuator->limits().rest);
   }
   s.actuated_commands = s.commands;
+  s.linearisation = nullptr;
+  p.solver.restore(nullptr);
 }
 
 const SimulationState& Simulation::state() const { return parts_->state; }
@@ -325,6 +332,7 @@ void Simulation::set_state(const SimulationState& state) {
       !state.constraint_multipliers.allFinite() || !std::isfinite(state.time_s))
     throw std::invalid_argument("state: not finite");
   parts_->restore(state);
+  parts_->solver.restore(state.linearisation);
 }
 
 const Body& Simulation::body() const { return parts_->body; }

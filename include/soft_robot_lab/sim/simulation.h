@@ -21,6 +21,8 @@ struct SolverOptions {
   void validate() const;            // throws std::invalid_argument: field, value, allowed range
 };
 
+struct Linearisation;  // of the solver, where its last factor serves further steps
+
 // Everything that changes; copy it to save and restore.
 struct SimulationState {
   double time_s = 0.0;
@@ -30,12 +32,14 @@ struct SimulationState {
   Eigen::VectorXd constraint_multipliers;    // in the order of the actuators' constraints
   std::vector<double> commands;              // per actuator
   std::vector<double> actuated_commands;     // per actuator
+  std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
 };
 
 // What a solve did. A solve that did not converge says so, and leaves the best state it had.
 struct SolveReport {
   bool converged = false;
   int iterations = 0;        // Newton iterations (one linear solve each)
+  int factorisations = 0;    // of them, those that needed a new matrix
   int steps = 0;             // time steps or continuation stages
   int rejected_steps = 0;    // iterations repeated shorter or with a shifted matrix
   double residual = 0.0;     // at the end: force residual over the largest force in the body

@@ -11,6 +11,10 @@
 namespace soft_robot_lab {
 namespace {
 
+// Beside a target out of reach the steps shrink by a constant factor each, about two on a bending robot: stopping at
+// the tolerance itself would leave about as much again to gain.
+constexpr double kSettled = 0.1;
+
 // Residual (target - marker) / tolerance: dimensionless, so that Ceres' own small constants mean the same for any
 // robot. Each command is a parameter block of its own, so that single ones can be held.
 class ReachCost : public ceres::CostFunction {
@@ -38,7 +42,8 @@ class ReachCost : public ceres::CostFunction {
   double tolerance_m_;
 };
 
-// Tells the progress, and stops once a step changes the distance by less than the tolerance, or the target is reached.
+// Tells the progress, and stops once a step changes the distance by far less than the tolerance, or the target is
+// reached.
 class Watch : public ceres::IterationCallback {
  public:
   Watch(Search& search, const Eigen::VectorXd& commands, double tolerance_m)
@@ -46,7 +51,7 @@ class Watch : public ceres::IterationCallback {
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     const double distance_m = std::sqrt(2.0 * summary.cost) * tolerance_m_;
-    const bool settled = summary.step_is_successful && std::abs(distance_m_ - distance_m) < tolerance_m_;
+    const bool settled = summary.step_is_successful && std::abs(distance_m_ - distance_m) < kSettled * tolerance_m_;
     const bool first = summary.iteration == 0;
     distance_m_ = distance_m;
     if (!first && !search_.finish_iteration(commands_, distance_m)) return ceres::SOLVER_ABORT;

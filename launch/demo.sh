@@ -50,6 +50,7 @@ timeout --signal=INT 900 rosrun soft_robot_lab reach_target_node "$package/confi
 if $keep; then
   cat "$output/report.txt"
   echo "The session runs on (ROS_MASTER_URI=$ROS_MASTER_URI); Ctrl-C ends it."
+  trap : INT # ends the waiting, not the script
   wait "$session" || true
 fi
 end_session

@@ -2,7 +2,7 @@
 //
 // Parameters: ~scene (path; absent in simulated sessions, where the simulator tells which scene runs), ~ramp_s (how
 // long an optimised policy takes to reach its commands).
-#include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <map>
 #include <memory>
@@ -57,7 +57,7 @@ class ControllerNode {
   void load(const std::string& path);
   void offer_services();  // once there is a model to answer with
   void on_scene(const std_msgs::String& path);
-  void on_command(const ActuatorCommand& command);
+  void on_actuators(const ActuatorStateMessage& actuators);
   void on_markers(const MarkerObservations& markers);
   void play(Execution& execution);
   bool optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response);
@@ -76,7 +76,7 @@ class ControllerNode {
 
   std::mutex mutex_;  // guards what follows; held briefly
   CommandLimitsByName limits_;
-  std::map<std::string, double> commands_;  // as last seen on the topic, whoever sent them
+  std::map<std::string, double> commands_;  // as the actuators last said, whoever sent them
   std::optional<Execution> execution_;
   std::condition_variable execution_changed_;
 
@@ -101,7 +101,7 @@ ControllerNode::ControllerNode() {
   target_publisher_ = node_.advertise<Target>(topics::controller_target, 1, true);
   subscribers_ = {
       node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
-      node_.subscribe(topics::actuator_command, 100, &ControllerNode::on_command, this),
+      node_.subscribe(topics::simulator_actuators, 1, &ControllerNode::on_actuators, this),
       node_.subscribe(topics::simulator_markers, 100, &ControllerNode::on_markers, this),
   };
   if (model_) offer_services();
@@ -135,11 +135,9 @@ void ControllerNode::on_scene(const std_msgs::String& path) {
   }
 }
 
-void ControllerNode::on_command(const ActuatorCommand& command) {
+void ControllerNode::on_actuators(const ActuatorStateMessage& actuators) {
   const std::lock_guard lock(mutex_);
-  for (size_t i = 0; i < std::min(command.names.size(), command.values.size()); ++i) {
-    if (limits_.count(command.names[i]) > 0) commands_[command.names[i]] = command.values[i];
-  }
+  for (size_t i = 0; i < actuators.names.size(); ++i) commands_[actuators.names[i]] = actuators.commands.at(i);
 }
 
 bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response) {

@@ -2,6 +2,7 @@
 //
 // Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 // gravity before the first step).
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -88,7 +89,7 @@ class SimulatorNode {
  private:
   std::unique_ptr<RunningScene> prepare(const std::string& path) const;
   void start(std::unique_ptr<RunningScene> scene);
-  void step();
+  double step();  // returns the scene's time step [s]
   void publish();
   void serve_until(SteadyClock::time_point deadline);
   void on_command(const ActuatorCommand& command);
@@ -178,13 +179,14 @@ void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
 }
 
 void SimulatorNode::run() {
+  constexpr auto made_up_for = std::chrono::milliseconds(100);  // longer delays are not
   auto due = SteadyClock::now();
   while (ros::ok()) {
-    step();
+    const double time_step_s = step();
     if (options_.real_time_factor > 0.0) {
-      const double period_s = scene_->simulation->options().time_step_s / options_.real_time_factor;
-      due += std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(period_s));
-      due = std::max(due, SteadyClock::now());  // a late step is not made up for
+      const std::chrono::duration<double> period(time_step_s / options_.real_time_factor);
+      due += std::chrono::duration_cast<SteadyClock::duration>(period);
+      due = std::max(due, SteadyClock::now() - made_up_for);
     }
     serve_until(due);
   }
@@ -198,13 +200,15 @@ void SimulatorNode::serve_until(SteadyClock::time_point deadline) {
   }
 }
 
-void SimulatorNode::step() {
+double SimulatorNode::step() {
   const std::lock_guard lock(mutex_);
   last_report_ = scene_->simulation->step();
   if (!last_report_.converged) ++unconverged_steps_;
-  session_s_ += scene_->simulation->options().time_step_s;
+  const double time_step_s = scene_->simulation->options().time_step_s;
+  session_s_ += time_step_s;
   real_time_factor_.update(session_s_);
   publish();
+  return time_step_s;
 }
 
 void SimulatorNode::publish() {

@@ -15,6 +15,11 @@ namespace {
 // the tolerance itself would leave about as much again to gain.
 constexpr double kSettled = 0.1;
 
+// The first step is damped by 1 / radius of each column's own weight. Two cables that pull against each other have
+// almost opposite columns: an undamped step throws both to their limits, where the way back leads along the slack
+// cable's kink.
+constexpr double kFirstRadius = 0.5;
+
 // Residual (target - marker) / tolerance: dimensionless, so that Ceres' own small constants mean the same for any
 // robot. Each command is a parameter block of its own, so that single ones can be held.
 class ReachCost : public ceres::CostFunction {
@@ -74,6 +79,7 @@ ceres::Solver::Options solver_options(int max_iterations) {
   options.update_state_every_iteration = true;  // Watch reads the commands
   options.function_tolerance = 0.0;             // Watch decides
   options.parameter_tolerance = 1.0e-10;
+  options.initial_trust_region_radius = kFirstRadius;
   options.num_threads = 1;
   return options;
 }

@@ -33,7 +33,7 @@ class ReachCost : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     Eigen::VectorXd commands(search_.problem().start.size());
     for (Eigen::Index i = 0; i < commands.size(); ++i) commands[i] = *parameters[i];
-    const Evaluation* here = search_.evaluate(commands);
+    const Evaluation* here = search_.evaluate(commands, jacobians != nullptr);
     if (!here) return false;
     Eigen::Map<Eigen::Vector3d>(residuals, 3) = (search_.problem().target_m - here->marker_m) / tolerance_m_;
     for (Eigen::Index i = 0; jacobians && i < commands.size(); ++i) {
@@ -79,6 +79,7 @@ ceres::Solver::Options solver_options(int max_iterations) {
   options.update_state_every_iteration = true;  // Watch reads the commands
   options.function_tolerance = 0.0;             // Watch decides
   options.parameter_tolerance = 1.0e-10;
+  options.line_search_interpolation_type = ceres::QUADRATIC;  // CUBIC would want the Jacobian of every trial
   options.initial_trust_region_radius = kFirstRadius;
   options.num_threads = 1;
   return options;
@@ -124,7 +125,7 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, Eige
   std::vector<bool> held;
   double distance_m = std::numeric_limits<double>::infinity();
   for (;;) {
-    const Evaluation* here = search.evaluate(commands);
+    const Evaluation* here = search.evaluate(commands, true);
     if (!here) return search.failure();
     const std::vector<bool> blocked = blocked_commands(search.problem(), *here);
     const bool all_blocked = std::find(blocked.begin(), blocked.end(), false) == blocked.end();
@@ -150,7 +151,7 @@ bool wake(Search& search, const Evaluation& rest, Eigen::Index command, Eigen::V
     for (const double limit : {problem.min[command], problem.max[command]}) {
       if (limit == from) continue;
       commands[command] = from + share * (limit - from);
-      const Evaluation* here = search.evaluate(commands);
+      const Evaluation* here = search.evaluate(commands, true);
       if (!here || idle(*here, command)) continue;
       const double along = here->jacobian.col(command).dot(problem.target_m - rest.marker_m) * (limit - from);
       if (along <= 0.0) commands[command] = from;
@@ -171,7 +172,9 @@ std::string search_gauss_newton(Search& search, int max_iterations, double toler
   double distance_m = std::numeric_limits<double>::infinity();
   for (;;) {
     const std::string reason = descend(search, max_iterations, tolerance_m, commands);
-    const Evaluation best = *search.best();
+    const Evaluation* found = search.evaluate(search.best()->commands, true);
+    if (!found) return search.failure();
+    const Evaluation best = *found;
     const bool nearer = distance_m - best.distance_m >= tolerance_m;
     if (reason != kConverged || best.distance_m < tolerance_m || !nearer) return reason;
     distance_m = best.distance_m;

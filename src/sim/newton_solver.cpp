@@ -196,6 +196,13 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2, bo
   return true;
 }
 
+bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2) const {
+  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 &&
+         linearisation_->at.positions_m == state.positions_m &&
+         linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
+         linearisation_->at.constraint_multipliers == state.constraint_multipliers;
+}
+
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
   if (linearisation == linearisation_) return;
   linearisation_.reset();
@@ -321,6 +328,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 
     Step step;
     const auto fresh_step = [&] {
+      if (!convex && linearised_at(state, task.inertia_per_s2)) return find_step(state, here, step);
       ++report.factorisations;
       return linearise(state, task.inertia_per_s2, convex) && find_step(state, here, step);
     };
@@ -343,7 +351,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 }
 
 Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
-  if (!linearise(state, 0.0, false)) return {};
+  if (!linearised_at(state, 0.0) && !linearise(state, 0.0, false)) return {};
   const int count = constraint_count();
   Eigen::MatrixXd schur = border_.transpose() * border_solved_;
   Eigen::MatrixXd drive = Eigen::MatrixXd::Zero(count, count);  // rows: constraints, columns: commands

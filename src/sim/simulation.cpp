@@ -12,9 +12,10 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kSmallestStage = 64;     // a command change is cut into at most this many continuation stages
+constexpr double kSmallestStage = 64;  // a command change is cut into at most this many continuation stages
 constexpr int kDeepestHalving = 6;     // a time step is cut into at most 2^6 parts
 constexpr int kStageIterations = 25;   // Newton iterations before a stage is cut
+constexpr int kBudget = 10;            // an equilibrium may take this many times max_iterations in all
 
 void require(bool ok, const char* field, double value, const char* range) {
   if (ok) return;
@@ -112,10 +113,13 @@ struct Simulation::Parts {
     return text.str();
   }
 
-  void fill(SolveReport& report, const NewtonReport& newton) const {
+  // Solves from the present state, which it leaves alone; the report counts the work and tells how this solve ended.
+  NewtonReport solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
+    const NewtonReport newton = solver.solve(task, unknown);
+    ++report.steps;
     report.iterations += newton.iterations;
     report.factorisations += newton.factorisations;
-    report.rejected_steps += newton.shortened + newton.convexified;
+    report.rejected_steps += newton.shortened + newton.convexified + (newton.converged ? 0 : 1);
     report.converged = newton.converged;
     report.residual = newton.residual;
     report.inverted_elements = newton.inverted_elements;
@@ -124,6 +128,7 @@ struct Simulation::Parts {
       if (!report.message.empty()) report.message += "; ";
       report.message += std::to_string(newton.inverted_elements) + " inverted elements, the worst " + place_of(newton.worst_element);
     }
+    return newton;
   }
 
   // One implicit Euler step of length h, or two halves where it does not converge.
@@ -140,11 +145,7 @@ struct Simulation::Parts {
     task.max_iterations = depth < kDeepestHalving ? std::min(options.max_iterations, kStageIterations) : options.max_iterations;
     NewtonState unknown = unknowns();
     unknown.positions_m = predicted;
-    const NewtonReport newton = solver.solve(task, unknown);
-    ++report.steps;
-    if (!newton.converged && depth < kDeepestHalving) {
-      report.iterations += newton.iterations;
-      ++report.rejected_steps;
+    if (!solve(task, unknown, report).converged && depth < kDeepestHalving) {
       restore(before);
       advance(0.5 * h, depth + 1, report);
       const bool first = report.converged;
@@ -152,30 +153,29 @@ struct Simulation::Parts {
       report.converged = report.converged && first;
       return;
     }
-    fill(report, newton);
     state.velocities_m_s = (unknown.positions_m - before.positions_m) / h;
     accept(std::move(unknown));
     state.time_s = before.time_s + h;
     remember();
   }
 
-  NewtonReport relax(SolveReport& report) {
+  bool within_budget(const SolveReport& report) const { return report.iterations < kBudget * options.max_iterations; }
+
+  bool relax(SolveReport& report) {
     NewtonTask task;
     task.tolerance = options.tolerance;
-    task.max_iterations = options.max_iterations;
+    task.max_iterations = std::min(options.max_iterations, kStageIterations);
     NewtonState unknown = unknowns();
-    NewtonReport newton = solver.solve(task, unknown);
-    ++report.steps;
-    if (newton.converged) accept(std::move(unknown));
-    return newton;
+    if (!solve(task, unknown, report).converged) return false;
+    accept(std::move(unknown));
+    return true;
   }
 
   // Down the energy in steps that inertia keeps short, longer and longer (pseudo-transient continuation, Kelley & Keyes
   // 1998), until Newton alone converges: finds its way through buckling.
-  NewtonReport descend(SolveReport& report) {
+  bool descend(SolveReport& report) {
     double h = 0.02;
-    NewtonReport last;
-    for (int stage = 0; stage < 80; ++stage) {
+    while (within_budget(report)) {
       NewtonTask task;
       task.tolerance = std::max(options.tolerance, 1e-4);
       task.max_iterations = kStageIterations;
@@ -183,24 +183,18 @@ struct Simulation::Parts {
       const Eigen::Matrix3Xd start = state.positions_m;
       task.predicted_m = &start;
       NewtonState unknown = unknowns();
-      last = solver.solve(task, unknown);
-      ++report.steps;
-      report.iterations += last.iterations;
-      if (!last.converged) {
-        ++report.rejected_steps;
+      if (!solve(task, unknown, report).converged) {
         h *= 0.25;
-        if (h < 1e-5) return last;
+        if (h < 1e-5) return false;
         continue;
       }
       const double moved = (unknown.positions_m - start).colwise().norm().maxCoeff();
       accept(std::move(unknown));
       h *= 2.0;
       if (moved > 1e-2 * body.size_m() && h < 10.0) continue;
-      last = relax(report);
-      if (last.converged) return last;
-      report.iterations += last.iterations;
+      if (relax(report)) return true;
     }
-    return last;
+    return false;
   }
 
   void restore(const SimulationState& saved) {
@@ -248,30 +242,24 @@ SolveReport Simulation::solve_equilibrium() {
   p.state.velocities_m_s.setZero();
   const std::vector<double> from = p.state.actuated_commands;
   double done = 0.0, stage = 1.0;
-  NewtonReport newton;
-  while (done < 1.0) {
+  while (done < 1.0 && p.within_budget(report)) {
     const double share = std::min(1.0, done + stage);
     p.move_actuators(from, share);
-    newton = p.relax(report);
-    if (newton.converged) {
-      p.fill(report, newton);
-      done = share;
-      stage *= 2.0;
-      continue;
+    bool found = p.relax(report);
+    if (!found && stage * kSmallestStage <= 1.0) {
+      found = p.descend(report);
+      if (!found) break;
     }
-    report.iterations += newton.iterations;
-    ++report.rejected_steps;
-    stage *= 0.5;
-    if (stage * kSmallestStage >= 1.0) continue;
-    stage = 1.0 / kSmallestStage;
-    newton = p.descend(report);
-    p.fill(report, newton);
-    if (!newton.converged) break;
-    done = share;
+    if (found) done = share;
+    stage *= found ? 2.0 : 0.5;
   }
-  if (!newton.converged) {
+  if (done < 1.0) {
     p.move_actuators(from, 1.0);
-    report.message = "no equilibrium found beyond " + std::to_string(done * 100.0) + " % of the command change: " + report.message;
+    report.converged = false;
+    std::ostringstream reached;
+    reached << "no equilibrium found beyond " << 100.0 * done << " % of the command change, in " << report.iterations
+            << " iterations: " << (report.message.empty() ? "work limit" : report.message);
+    report.message = reached.str();
   }
   p.state.time_s = before.time_s;
   p.remember();

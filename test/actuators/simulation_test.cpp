@@ -174,8 +174,13 @@ TEST(Dynamics, FallsFreelyAtFirst) {
   EXPECT_NEAR(simulation.marker_position(0).y(), -0.5 * 9.81 * 0.005 * 0.0051, 2e-7);
 }
 
-TEST(Dynamics, RepeatsToTheLastBit) {
+class EitherIntegrator : public testing::TestWithParam<Integrator> {};
+INSTANTIATE_TEST_SUITE_P(Dynamics, EitherIntegrator, testing::Values(Integrator::implicit_euler, Integrator::bdf2),
+                         [](const auto& param) { return param.param == Integrator::bdf2 ? "bdf2" : "implicit_euler"; });
+
+TEST_P(EitherIntegrator, RepeatsToTheLastBit) {
   Bar bar;
+  bar.options.integrator = GetParam();
   bar.cables = "compliance_m_n: 1.0e-5, pull_speed_m_s: 0.02";
   Simulation first = make_bar(bar), second = make_bar(bar);
   SimulationState middle;
@@ -190,9 +195,10 @@ TEST(Dynamics, RepeatsToTheLastBit) {
   EXPECT_EQ(first.state().time_s, second.state().time_s);
 }
 
-TEST(Dynamics, SurvivesASuddenStrongPull) {
+TEST_P(EitherIntegrator, SurvivesASuddenStrongPull) {
   Bar bar;
   bar.cables = "compliance_m_n: 0";
+  bar.options.integrator = GetParam();
   Simulation simulation = make_bar(bar);
   simulation.set_command("upper", 0.7);
   for (int i = 0; i < 60; ++i) {

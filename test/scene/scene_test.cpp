@@ -38,6 +38,7 @@ TEST(Scene, KeepsTheStructsDefaults) {
   const SceneFolder folder;
   const Scene scene = load_scene(folder.path("bar.yaml"), options());
   const SolverOptions otherwise;
+  EXPECT_EQ(scene.simulation->options().integrator, otherwise.integrator);
   EXPECT_EQ(scene.simulation->options().time_step_s, otherwise.time_step_s);
   EXPECT_EQ(scene.simulation->options().tolerance, otherwise.tolerance);
   EXPECT_EQ(scene.simulation->options().max_iterations, otherwise.max_iterations);
@@ -149,7 +150,7 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"contact: {self: true, obstacles: []}", "bad.yaml:2: contact.self: self-contact is not supported yet"},
       {"contact: {obstacles: [{plane: 1}]}", "contact.obstacles: obstacles are not supported yet"},
       {"solver: {method: gauss_seidel}", "solver.method: 'gauss_seidel' is not one of global"},
-      {"solver: {integrator: bdf2}", "solver.integrator: 'bdf2' is not one of implicit_euler"},
+      {"solver: {integrator: verlet}", "solver.integrator: 'verlet' is not one of implicit_euler, bdf2"},
       {"solver: {time_step_s: 2}", "time_step_s: 2 is out of range (0, 1]"},
       {"solver: {tolerance: 0}", "tolerance: 0 is out of range (0, 1)"},
       {"solver: {dynamic_tolerance: 1}", "dynamic_tolerance: 1 is out of range (0, 1)"},

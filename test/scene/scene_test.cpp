@@ -53,6 +53,7 @@ TEST(Scene, OverridesWhatItIncludes) {
 body: {element: linear}
 cables: []
 markers: [{name: end, position_m: [0.1, 0, 0]}]
+solver: {integrator: bdf2}
 run: {mode: dynamic, duration_s: 0.5, record_every_s: 0.1, commands: []}
 )");
   const Scene scene = load_scene(path, options());
@@ -60,6 +61,7 @@ run: {mode: dynamic, duration_s: 0.5, record_every_s: 0.1, commands: []}
   EXPECT_EQ(scene.simulation->body().material().density_kg_m3, 1070);
   EXPECT_FALSE(scene.simulation->body().mesh().quadratic());
   EXPECT_TRUE(scene.simulation->actuators().empty());
+  EXPECT_EQ(scene.simulation->options().integrator, Integrator::bdf2);
   ASSERT_EQ(scene.simulation->markers().size(), 1u);  // lists replace
   EXPECT_EQ(scene.run.mode, RunMode::dynamic);
   EXPECT_EQ(scene.run.duration_s, 0.5);

@@ -20,8 +20,7 @@ namespace {
 
 constexpr double kTolerance = 1e-9;  // of a squared frequency, between two iterations
 constexpr int kMaxIterations = 200;
-constexpr int kGuardVectors =
-    8;  // beyond the wanted ones, which converge by (their omega / omega of the first left out)^2
+constexpr int kGuardVectors = 8;  // beyond the wanted ones, which converge by (omega / first omega left out)^2
 
 std::vector<std::vector<int>> element_cliques(const TetMesh& mesh) {
   std::vector<std::vector<int>> cliques;
@@ -91,7 +90,8 @@ ModalResult modal_analysis(const Body& body, int modes) {
 
   ModalResult result;
   while (!result.converged && result.iterations < kMaxIterations) {
-    // Y = K^-1 M X, then the best approximations within span Y. K Y is M X, so K itself is not needed.
+    // Y = K^-1 M X (K with the shift), then the best approximations within span Y. K Y is M X, so K itself is not
+    // needed.
     const Eigen::MatrixXd weighted = masses.asDiagonal() * vectors;
     Eigen::MatrixXd solved = weighted;
     factor.solve(solved);

@@ -148,7 +148,8 @@ struct Simulation::Parts {
     }
   }
 
-  // One step of length h, or two halves where it does not converge.
+  // One step of length h, or two halves where it does not converge. What bdf2 knows of the step before lets their lengths
+  // differ; where they grow too fast, as they may after halved steps, one step is implicit Euler's.
   void advance(double h, int depth, SolveReport& report) {
     SimulationState before = state;
     for (auto& actuator : actuators) actuator->advance(h);
@@ -364,7 +365,8 @@ void Simulation::set_state(const SimulationState& state) {
   const bool previous_sizes =
       state.previous_positions_m.cols() == previous && state.previous_velocities_m_s.cols() == previous;
   if (!sizes || !previous_sizes) throw std::invalid_argument("state: its sizes are not those of this simulation");
-  require(state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0, "state.previous_step_s", state.previous_step_s, "[0, 1]");
+  require(state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0, "state.previous_step_s", state.previous_step_s,
+          "[0, 1]");
   if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() || !state.element_multipliers_pa.allFinite() ||
       !state.constraint_multipliers.allFinite() || !std::isfinite(state.time_s))

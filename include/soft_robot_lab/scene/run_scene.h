@@ -19,7 +19,7 @@ struct RunReport {
   SolveReport solve;            // sums over the run; `converged` where all did, the largest residual, the last message
   Trajectory trajectory;        // dynamic runs
   Eigen::MatrixXd sensitivity;  // 3*markers x actuators, where the run asked for it and converged; otherwise empty
-  Eigen::VectorXd frequencies_hz;  // modal runs, ascending
+  Eigen::VectorXd frequencies_hz;  // modal runs, ascending; their `solve.residual` is ModalResult::change
 };
 
 // Equilibrium: solves for each of the timed commands in their order, from the state before, and stops at the first that

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json list(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+Json list(const Eigen::VectorXd& v) { return std::vector<double>(v.begin(), v.end()); }
 
 Json markers_json(const Simulation& simulation) {
   Json json = Json::object();
@@ -95,6 +95,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   result["solver"] = solver_json(simulation, report.solve);
   if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);
   if (scene.run.mode == RunMode::dynamic) result["trajectory"] = trajectory_json(simulation, report.trajectory);
+  if (scene.run.mode == RunMode::modal) result["frequencies_hz"] = list(report.frequencies_hz);
   return result.dump(2) + "\n";
 }
 
@@ -106,6 +107,10 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
   text << (solve.converged ? "converged" : "did not converge") << ": " << solve.iterations << " iterations in "
        << solve.steps << " steps, residual " << solve.residual << ", " << solve.wall_s << " s; " << mesh.node_count()
        << " nodes, " << mesh.tet_count() << " elements\n";
+  for (Eigen::Index i = 0; i < report.frequencies_hz.size(); ++i) {
+    text << "mode " << i + 1 << " at " << report.frequencies_hz[i] << " Hz\n";
+  }
+  if (scene.run.mode == RunMode::modal) return text.str();  // nothing moved
   for (size_t i = 0; i < simulation.markers().size(); ++i) {
     const Marker& marker = simulation.markers()[i];
     const Eigen::Vector3d position_m = simulation.marker_position(static_cast<int>(i));

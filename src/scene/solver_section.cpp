@@ -9,7 +9,9 @@ SolverOptions read_solver(const SettingsNode& scene) {
   const std::optional<SettingsNode> node = scene.optional_child("solver");
   if (!node) return options;
   node->choice_or("method", "global", {"global"});
-  node->choice_or("integrator", "implicit_euler", {"implicit_euler"});
+  if (node->choice_or("integrator", "implicit_euler", {"implicit_euler", "bdf2"}) == "bdf2") {
+    options.integrator = Integrator::bdf2;
+  }
   options.time_step_s = node->number_or("time_step_s", options.time_step_s);
   options.tolerance = node->number_or("tolerance", options.tolerance);
   options.dynamic_tolerance = node->number_or("dynamic_tolerance", options.dynamic_tolerance);

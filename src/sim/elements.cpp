@@ -272,7 +272,8 @@ Elements::Elements(const Body& body, const BlockMatrix& matrix)
       node_count_(static_cast<int>(body.mesh().tets.rows())),
       point_count_(body.mesh().quadratic() ? 4 : 1),
       mu_(body.material().lame_mu_pa()),
-      lambda_(body.material().lame_lambda_pa()) {
+      // The multiplier needs some bulk to stand for: at a Poisson's ratio of zero this little, which no one can measure.
+      lambda_(std::max(body.material().lame_lambda_pa(), 1e-6 * body.material().lame_mu_pa())) {
   const TetMesh& mesh = body.mesh();
   std::vector<ShapeFunctions> shapes;
   std::vector<double> weights;

@@ -14,13 +14,14 @@ namespace {
 
 constexpr double kSmallestStage = 64;  // a command change is cut into at most this many continuation stages
 constexpr int kDeepestHalving = 6;     // a time step is cut into at most 2^6 parts
+constexpr double kLargestGrowth = 2.0;  // of a time step over the one before; BDF2 is stable up to 1 + sqrt(2)
 constexpr int kStageIterations = 25;   // Newton iterations before a stage is cut
 constexpr int kBudget = 10;            // an equilibrium may take this many times max_iterations in all
 
 void require(bool ok, const char* field, double value, const char* range) {
   if (ok) return;
   std::ostringstream message;
-  message << "solver." << field << ": " << value << " is out of range " << range;
+  message << field << ": " << value << " is out of range " << range;
   throw std::invalid_argument(message.str());
 }
 
@@ -44,6 +45,30 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// Backward differentiation over one step of length h, or over it and the one before:  y' = (y - from) / gamma.
+// With w = h / previous h (Hairer, Norsett & Wanner 1993, III.5):
+//   gamma = h (1 + w) / (1 + 2 w),   from = ((1 + w)^2 y1 - w^2 y2) / (1 + 2 w);   w = 0 is implicit Euler.
+// Applied to x and v it gives  M (x - x~) / gamma^2 = force(x),  x~ = x_from + gamma v_from.
+// For equal steps:  9/4 M (x - x~) / h^2 = force(x),  x~ = (4 x1 - x2) / 3 + 2/9 h (4 v1 - v2).
+struct BackwardDifference {
+  double gamma_s;
+  Eigen::Matrix3Xd positions_from_m, velocities_from_m_s;
+
+  BackwardDifference(const SimulationState& state, double h) {
+    const double w = state.previous_step_s > 0.0 ? h / state.previous_step_s : 0.0;
+    if (w == 0.0 || w > kLargestGrowth) {
+      gamma_s = h;
+      positions_from_m = state.positions_m;
+      velocities_from_m_s = state.velocities_m_s;
+      return;
+    }
+    const double one = (1.0 + w) * (1.0 + w) / (1.0 + 2.0 * w), two = w * w / (1.0 + 2.0 * w);
+    gamma_s = h * (1.0 + w) / (1.0 + 2.0 * w);
+    positions_from_m = one * state.positions_m - two * state.previous_positions_m;
+    velocities_from_m_s = one * state.velocities_m_s - two * state.previous_velocities_m_s;
+  }
+};
+
 std::vector<const Constraint*> constraints_of(const std::vector<std::unique_ptr<Actuator>>& actuators) {
   std::vector<const Constraint*> all;
   for (const auto& actuator : actuators)
@@ -54,10 +79,10 @@ std::vector<const Constraint*> constraints_of(const std::vector<std::unique_ptr<
 }  // namespace
 
 void SolverOptions::validate() const {
-  require(time_step_s > 0.0 && time_step_s <= 1.0, "time_step_s", time_step_s, "(0, 1]");
-  require(tolerance > 0.0 && tolerance < 1.0, "tolerance", tolerance, "(0, 1)");
-  require(dynamic_tolerance > 0.0 && dynamic_tolerance < 1.0, "dynamic_tolerance", dynamic_tolerance, "(0, 1)");
-  require(max_iterations >= 1 && max_iterations <= 10000, "max_iterations", max_iterations, "[1, 10000]");
+  require(time_step_s > 0.0 && time_step_s <= 1.0, "solver.time_step_s", time_step_s, "(0, 1]");
+  require(tolerance > 0.0 && tolerance < 1.0, "solver.tolerance", tolerance, "(0, 1)");
+  require(dynamic_tolerance > 0.0 && dynamic_tolerance < 1.0, "solver.dynamic_tolerance", dynamic_tolerance, "(0, 1)");
+  require(max_iterations >= 1 && max_iterations <= 10000, "solver.max_iterations", max_iterations, "[1, 10000]");
 }
 
 struct Simulation::Parts {
@@ -131,20 +156,22 @@ struct Simulation::Parts {
     return newton;
   }
 
-  // One implicit Euler step of length h, or two halves where it does not converge.
+  // One step of length h, or two halves where it does not converge. What bdf2 knows of the step before lets their lengths
+  // differ; where they grow too fast, as they may after halved steps, one step is implicit Euler's.
   void advance(double h, int depth, SolveReport& report) {
-    const SimulationState before = state;
+    SimulationState before = state;
     for (auto& actuator : actuators) actuator->advance(h);
-    const Eigen::Matrix3Xd predicted = state.positions_m + h * state.velocities_m_s;
+    const BackwardDifference difference(state, h);
+    const Eigen::Matrix3Xd predicted = difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
     NewtonTask task;
-    task.inertia_per_s2 = 1.0 / (h * h);
+    task.inertia_per_s2 = 1.0 / (difference.gamma_s * difference.gamma_s);
     task.predicted_m = &predicted;
     task.tolerance = options.dynamic_tolerance;
     task.min_iterations = 1;
     task.reuse_factor = true;
     task.max_iterations = depth < kDeepestHalving ? std::min(options.max_iterations, kStageIterations) : options.max_iterations;
     NewtonState unknown = unknowns();
-    unknown.positions_m = predicted;
+    unknown.positions_m = state.positions_m + h * state.velocities_m_s;
     if (!solve(task, unknown, report).converged && depth < kDeepestHalving) {
       restore(before);
       advance(0.5 * h, depth + 1, report);
@@ -153,9 +180,14 @@ struct Simulation::Parts {
       report.converged = report.converged && first;
       return;
     }
-    state.velocities_m_s = (unknown.positions_m - before.positions_m) / h;
+    state.velocities_m_s = (unknown.positions_m - difference.positions_from_m) / difference.gamma_s;
     accept(std::move(unknown));
     state.time_s = before.time_s + h;
+    if (options.integrator == Integrator::bdf2) {
+      state.previous_step_s = h;
+      state.previous_positions_m = std::move(before.positions_m);
+      state.previous_velocities_m_s = std::move(before.velocities_m_s);
+    }
     remember();
   }
 
@@ -197,8 +229,15 @@ struct Simulation::Parts {
     return false;
   }
 
+  void forget_previous_step() {
+    state.previous_step_s = 0.0;
+    state.previous_positions_m.resize(3, 0);
+    state.previous_velocities_m_s.resize(3, 0);
+  }
+
   void restore(const SimulationState& saved) {
     state = saved;
+    if (options.integrator != Integrator::bdf2) forget_previous_step();
     for (std::size_t i = 0; i < actuators.size(); ++i) actuators[i]->restore(saved.commands[i], saved.actuated_commands[i]);
   }
 };
@@ -240,6 +279,7 @@ SolveReport Simulation::solve_equilibrium() {
   Parts& p = *parts_;
   const SimulationState before = p.state;
   p.state.velocities_m_s.setZero();
+  p.forget_previous_step();
   const std::vector<double> from = p.state.actuated_commands;
   double done = 0.0, stage = 1.0;
   while (done < 1.0 && p.within_budget(report)) {
@@ -293,6 +333,7 @@ void Simulation::reset() {
   s.time_s = 0.0;
   s.positions_m = p.body.mesh().nodes_m;
   s.velocities_m_s = Eigen::Matrix3Xd::Zero(3, p.body.mesh().node_count());
+  p.forget_previous_step();
   s.element_multipliers_pa = Eigen::VectorXd::Zero(p.body.mesh().tet_count());
   s.constraint_multipliers = Eigen::VectorXd::Zero(p.solver.constraint_count());
   s.commands.clear();
@@ -315,8 +356,14 @@ void Simulation::set_state(const SimulationState& state) {
                      state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
                      state.commands.size() == now.commands.size() &&
                      state.actuated_commands.size() == now.actuated_commands.size();
-  if (!sizes) throw std::invalid_argument("state: its sizes are not those of this simulation");
-  if (!state.positions_m.allFinite() || !state.velocities_m_s.allFinite() || !state.element_multipliers_pa.allFinite() ||
+  const Eigen::Index previous = state.previous_step_s != 0.0 ? now.positions_m.cols() : 0;
+  const bool previous_sizes =
+      state.previous_positions_m.cols() == previous && state.previous_velocities_m_s.cols() == previous;
+  if (!sizes || !previous_sizes) throw std::invalid_argument("state: its sizes are not those of this simulation");
+  require(state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0, "state.previous_step_s", state.previous_step_s,
+          "[0, 1]");
+  if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
+      !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() || !state.element_multipliers_pa.allFinite() ||
       !state.constraint_multipliers.allFinite() || !std::isfinite(state.time_s))
     throw std::invalid_argument("state: not finite");
   parts_->restore(state);

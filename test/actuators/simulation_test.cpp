@@ -49,7 +49,7 @@ Simulation make_bar(const Bar& bar) {
 }
 
 TEST(Equilibrium, NeedsFewIterationsHoweverIncompressible) {
-  for (const double poissons_ratio : {0.45, 0.499, 0.4999, 0.499999}) {
+  for (const double poissons_ratio : {0.0, 0.3, 0.45, 0.499, 0.4999, 0.499999}) {
     Bar bar;
     bar.poissons_ratio = poissons_ratio;
     Simulation simulation = make_bar(bar);
@@ -57,7 +57,8 @@ TEST(Equilibrium, NeedsFewIterationsHoweverIncompressible) {
     EXPECT_TRUE(report.converged) << report.message;
     EXPECT_LE(report.iterations, 8) << poissons_ratio;
     EXPECT_EQ(report.inverted_elements, 0);
-    EXPECT_NEAR(simulation.marker_position(0).y(), -0.01462, 0.03 * 0.01462) << poissons_ratio;
+    // The reference's tip sags 14.62 mm at 0.499 and 0.13 mm more at 0.45; below that the clamp holds the section less.
+    EXPECT_NEAR(simulation.marker_position(0).y(), -0.01462, (poissons_ratio < 0.4 ? 0.06 : 0.03) * 0.01462) << poissons_ratio;
   }
 }
 
@@ -174,8 +175,13 @@ TEST(Dynamics, FallsFreelyAtFirst) {
   EXPECT_NEAR(simulation.marker_position(0).y(), -0.5 * 9.81 * 0.005 * 0.0051, 2e-7);
 }
 
-TEST(Dynamics, RepeatsToTheLastBit) {
+class EitherIntegrator : public testing::TestWithParam<Integrator> {};
+INSTANTIATE_TEST_SUITE_P(Dynamics, EitherIntegrator, testing::Values(Integrator::implicit_euler, Integrator::bdf2),
+                         [](const auto& param) { return param.param == Integrator::bdf2 ? "bdf2" : "implicit_euler"; });
+
+TEST_P(EitherIntegrator, RepeatsToTheLastBit) {
   Bar bar;
+  bar.options.integrator = GetParam();
   bar.cables = "compliance_m_n: 1.0e-5, pull_speed_m_s: 0.02";
   Simulation first = make_bar(bar), second = make_bar(bar);
   SimulationState middle;
@@ -190,9 +196,10 @@ TEST(Dynamics, RepeatsToTheLastBit) {
   EXPECT_EQ(first.state().time_s, second.state().time_s);
 }
 
-TEST(Dynamics, SurvivesASuddenStrongPull) {
+TEST_P(EitherIntegrator, SurvivesASuddenStrongPull) {
   Bar bar;
   bar.cables = "compliance_m_n: 0";
+  bar.options.integrator = GetParam();
   Simulation simulation = make_bar(bar);
   simulation.set_command("upper", 0.7);
   for (int i = 0; i < 60; ++i) {

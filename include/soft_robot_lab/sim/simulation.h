@@ -13,7 +13,13 @@
 
 namespace soft_robot_lab {
 
+enum class Integrator {
+  implicit_euler,  // first order, damps
+  bdf2             // second order, damps little; the first step after a start or an equilibrium is implicit Euler
+};
+
 struct SolverOptions {
+  Integrator integrator = Integrator::implicit_euler;
   double time_step_s = 1.0 / 60.0;  // (0, 1]
   double tolerance = 1.0e-6;        // (0, 1); force residual over the largest force in the body
   int max_iterations = 60;          // [1, 10000] Newton iterations a step, or a continuation stage
@@ -33,6 +39,11 @@ struct SimulationState {
   std::vector<double> commands;              // per actuator
   std::vector<double> actuated_commands;     // per actuator
   std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
+
+  // What bdf2 knows of the step before; zero and empty where there is none, and with implicit_euler.
+  double previous_step_s = 0.0;              // its length
+  Eigen::Matrix3Xd previous_positions_m;     // at its start
+  Eigen::Matrix3Xd previous_velocities_m_s;
 };
 
 // What a solve did. A solve that did not converge says so, and leaves the best state it had.

@@ -100,7 +100,7 @@ std::vector<bool> blocked_commands(const ReachProblem& problem, const Evaluation
 std::string solve_free_commands(Search& search, const std::vector<bool>& held, int max_iterations, double tolerance_m,
                                 Eigen::VectorXd& commands) {
   std::vector<double*> blocks;
-  for (double& command : commands) blocks.push_back(&command);
+  for (Eigen::Index i = 0; i < commands.size(); ++i) blocks.push_back(&commands[i]);
   ceres::Problem problem;
   problem.AddResidualBlock(new ReachCost(search, tolerance_m), nullptr, blocks);
   for (size_t i = 0; i < blocks.size(); ++i) {

@@ -57,7 +57,7 @@ class ControllerNode {
   void load(const std::string& path);
   void offer_services();  // once there is a model to answer with
   void on_scene(const std_msgs::String& path);
-  void on_actuators(const ActuatorStateMessage& actuators);
+  void on_actuators(const ActuatorState& actuators);
   void on_markers(const MarkerObservations& markers);
   void play(Execution& execution);
   bool optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response);
@@ -135,7 +135,7 @@ void ControllerNode::on_scene(const std_msgs::String& path) {
   }
 }
 
-void ControllerNode::on_actuators(const ActuatorStateMessage& actuators) {
+void ControllerNode::on_actuators(const ActuatorState& actuators) {
   const std::lock_guard lock(mutex_);
   for (size_t i = 0; i < actuators.names.size(); ++i) commands_[actuators.names[i]] = actuators.commands.at(i);
 }
@@ -185,7 +185,7 @@ bool ControllerNode::publish_progress(const OptimisePolicy::Request& request, co
   message.iteration = progress.iteration;
   message.distance_m = progress.distance_m;
   message.names = problem.names;
-  message.values.assign(progress.commands.begin(), progress.commands.end());
+  message.values.assign(progress.commands.data(), progress.commands.data() + progress.commands.size());
   progress_publisher_.publish(message);
   return ros::ok();
 }

@@ -29,7 +29,7 @@ class OverlayNode {
     inputs_.measured = markers;
     publish(markers.header.stamp);
   }
-  void on_actuators(const ActuatorStateMessage& actuators) { inputs_.actuators = actuators; }
+  void on_actuators(const ActuatorState& actuators) { inputs_.actuators = actuators; }
   void on_target(const Target& target) { inputs_.target = target; }
 
   void publish(const ros::Time& stamp) {

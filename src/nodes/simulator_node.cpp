@@ -128,7 +128,7 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   scene_options_.actuator_factory = actuators_from_plugins();
   clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
   markers_ = node_.advertise<MarkerObservations>(topics::simulator_markers, 10);
-  actuators_ = node_.advertise<ActuatorStateMessage>(topics::simulator_actuators, 10);
+  actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
   surface_ = node_.advertise<visualization_msgs::Marker>(topics::simulator_surface, 1, true);
   scene_path_ = node_.advertise<std_msgs::String>(topics::simulator_scene, 1, true);
   publish_frames();

@@ -10,7 +10,7 @@
 namespace soft_robot_lab {
 namespace {
 
-CableState cable_state(const ActuatorState& state) {
+CableState cable_state(const ActuatorReading& state) {
   CableState cable;
   cable.name = state.name;
   cable.length_m = *state.length_m;
@@ -20,7 +20,7 @@ CableState cable_state(const ActuatorState& state) {
   return cable;
 }
 
-ChamberState chamber_state(const ActuatorState& state) {
+ChamberState chamber_state(const ActuatorReading& state) {
   ChamberState chamber;
   chamber.name = state.name;
   chamber.volume_m3 = *state.volume_m3;
@@ -70,12 +70,12 @@ MarkerObservations marker_observations(const Simulation& simulation, const ros::
   return message;
 }
 
-ActuatorStateMessage actuator_states(const Simulation& simulation, const ros::Time& stamp) {
-  ActuatorStateMessage message;
+ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp) {
+  ActuatorState message;
   message.header.stamp = stamp;
   message.header.frame_id = topics::robot_frame;
   for (int i = 0; i < static_cast<int>(simulation.actuators().size()); ++i) {
-    const ActuatorState state = simulation.actuator_state(i);
+    const ActuatorReading state = simulation.actuator_state(i);
     message.names.push_back(state.name);
     message.commands.push_back(state.command);
     message.actuated_commands.push_back(state.actuated_command);

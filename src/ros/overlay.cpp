@@ -96,7 +96,7 @@ std_msgs::ColorRGBA tension_colour(double tension_n, const OverlayOptions& optio
   return colour(0.15f + 0.75f * share, 0.60f - 0.50f * share, 0.15f);
 }
 
-void draw_cables(const ActuatorStateMessage& actuators, const OverlayOptions& options, Drawing& drawing) {
+void draw_cables(const ActuatorState& actuators, const OverlayOptions& options, Drawing& drawing) {
   for (const CableState& cable : actuators.cables) {
     if (cable.path.size() < 2) continue;
     drawing.line("cables", cable.path, options.cable_width_m, tension_colour(cable.tension_n, options));

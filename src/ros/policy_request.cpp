@@ -71,7 +71,7 @@ Policy policy_of(const std::vector<std::string>& names, const Eigen::VectorXd& c
   policy.names = names;
   policy.steps.resize(1);
   policy.steps[0].time_s = ramp_s;
-  policy.steps[0].values.assign(commands.begin(), commands.end());
+  policy.steps[0].values.assign(commands.data(), commands.data() + commands.size());
   return policy;
 }
 

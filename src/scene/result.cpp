@@ -23,14 +23,14 @@ Json markers_json(const Simulation& simulation) {
   return json;
 }
 
-Json cable_json(const ActuatorState& state) {
+Json cable_json(const ActuatorReading& state) {
   Json json = {{"length_m", *state.length_m}};
   if (state.rest_length_m) json["rest_length_m"] = *state.rest_length_m;
   if (state.tension_n) json["tension_n"] = *state.tension_n;
   return json;
 }
 
-Json chamber_json(const ActuatorState& state) {
+Json chamber_json(const ActuatorReading& state) {
   Json json = {{"volume_m3", *state.volume_m3}};
   if (state.initial_volume_m3) json["initial_volume_m3"] = *state.initial_volume_m3;
   if (state.gauge_pressure_pa) json["gauge_pressure_pa"] = *state.gauge_pressure_pa;
@@ -41,7 +41,7 @@ Json chamber_json(const ActuatorState& state) {
 void add_actuators(const Simulation& simulation, Json& result) {
   Json cables = Json::object(), chambers = Json::object();
   for (size_t i = 0; i < simulation.actuators().size(); ++i) {
-    const ActuatorState state = simulation.actuator_state(static_cast<int>(i));
+    const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
     if (state.length_m) cables[state.name] = cable_json(state);
     if (state.volume_m3) chambers[state.name] = chamber_json(state);
   }
@@ -118,7 +118,7 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
          << millimetres(position_m - marker.rest_position_m()) << "\n";
   }
   for (size_t i = 0; i < simulation.actuators().size(); ++i) {
-    const ActuatorState state = simulation.actuator_state(static_cast<int>(i));
+    const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
     text << "actuator " << state.name << " at command " << state.actuated_command;
     if (state.tension_n) text << ", tension " << *state.tension_n << " N";
     if (state.gauge_pressure_pa) text << ", gauge pressure " << *state.gauge_pressure_pa << " Pa";

@@ -387,14 +387,14 @@ Eigen::Vector3d Simulation::marker_position(int marker) const {
   return parts_->markers.at(marker).position(parts_->state.positions_m);
 }
 
-ActuatorState Simulation::actuator_state(int actuator) const {
+ActuatorReading Simulation::actuator_state(int actuator) const {
   std::size_t first = 0;
   for (int i = 0; i < actuator; ++i) first += parts_->actuators[i]->constraints().size();
   const Actuator& chosen = *parts_->actuators.at(actuator);
   std::vector<double> multipliers;
   for (std::size_t i = 0; i < chosen.constraints().size(); ++i)
     multipliers.push_back(parts_->state.constraint_multipliers[static_cast<Eigen::Index>(first + i)]);
-  ActuatorState state = chosen.observe(parts_->state.positions_m, multipliers);
+  ActuatorReading state = chosen.observe(parts_->state.positions_m, multipliers);
   state.name = chosen.name();
   state.command = chosen.command();
   state.actuated_command = chosen.actuated_command();

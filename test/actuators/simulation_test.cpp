@@ -94,7 +94,7 @@ TEST(Equilibrium, CableReachesItsLengthAndNeverPushes) {
   simulation.set_command("lower", 1.2);
   const SolveReport report = simulation.solve_equilibrium();
   ASSERT_TRUE(report.converged) << report.message;
-  const ActuatorState upper = simulation.actuator_state(0), lower = simulation.actuator_state(1);
+  const ActuatorReading upper = simulation.actuator_state(0), lower = simulation.actuator_state(1);
   EXPECT_NEAR(*upper.length_m, 0.8 * *upper.rest_length_m, 1e-7);
   EXPECT_GT(*upper.tension_n, 1.0);
   EXPECT_EQ(*lower.tension_n, 0.0);
@@ -107,7 +107,7 @@ TEST(Equilibrium, CompliantCableStretchesByItsTension) {
   Simulation simulation = make_bar(bar);
   simulation.set_command("upper", 0.9);
   ASSERT_TRUE(simulation.solve_equilibrium().converged);
-  const ActuatorState upper = simulation.actuator_state(0);
+  const ActuatorReading upper = simulation.actuator_state(0);
   EXPECT_NEAR(*upper.length_m, 0.9 * *upper.rest_length_m + 1.0e-3 * *upper.tension_n, 1e-7);
 }
 

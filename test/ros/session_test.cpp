@@ -111,7 +111,7 @@ TEST_F(Session, PublishesMarkersThatHangAtRest) {
 }
 
 TEST_F(Session, PublishesCablesSurfaceAndOverlay) {
-  const auto actuators = hear<ActuatorStateMessage>(topics::simulator_actuators);
+  const auto actuators = hear<ActuatorState>(topics::simulator_actuators);
   EXPECT_EQ(actuators->names, (std::vector<std::string>{"left", "right"}));
   ASSERT_EQ(actuators->cables.size(), 2u);
   EXPECT_NEAR(actuators->cables[0].rest_length_m, 0.1, 1e-6);
@@ -217,7 +217,7 @@ TEST_F(Session, BringsTheTipCloserAsTheModelExpects) {
   EXPECT_NEAR((position_of(executed.markers, "tip") - target_m).norm(), optimised.summary.final_distance_m, 2e-4);
   ros::spinOnce();
   EXPECT_GT(iterations, 0);
-  const auto state = hear<ActuatorStateMessage>(topics::simulator_actuators);
+  const auto state = hear<ActuatorState>(topics::simulator_actuators);
   EXPECT_EQ(state->commands, optimised.policy.steps.back().values);
 }
 
@@ -260,12 +260,12 @@ TEST_F(Session, CountsACommandForAnActuatorThatDoesNotExist) {
 }
 
 TEST_F(Session, RefusesAWholeCommandForOneBadValue) {
-  const auto before = hear<ActuatorStateMessage>(topics::simulator_actuators);
+  const auto before = hear<ActuatorState>(topics::simulator_actuators);
   ActuatorCommand command;
   command.names = {"left", "right"};
   command.values = {0.95, NAN};
   expect_counted(command);
-  EXPECT_EQ(hear<ActuatorStateMessage>(topics::simulator_actuators)->commands, before->commands);
+  EXPECT_EQ(hear<ActuatorState>(topics::simulator_actuators)->commands, before->commands);
 }
 
 }  // namespace

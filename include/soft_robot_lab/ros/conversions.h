@@ -18,7 +18,7 @@ geometry_msgs::Point to_message(const Eigen::Vector3d& position_m);
 Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field);
 
 MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp);
-ActuatorStateMessage actuator_states(const Simulation& simulation, const ros::Time& stamp);
+ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp);
 
 // Sets all commands of the message, or none: throws std::invalid_argument naming actuator, value and allowed range.
 void apply_command(const ActuatorCommand& command, Simulation& simulation);

@@ -12,7 +12,7 @@ namespace soft_robot_lab {
 struct OverlayInputs {
   MarkerObservations simulated;
   MarkerObservations measured;  // empty without a tracker
-  ActuatorStateMessage actuators;
+  ActuatorState actuators;
   std::optional<Target> target;
 };
 

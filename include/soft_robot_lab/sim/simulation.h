@@ -91,7 +91,7 @@ class Simulation {
   int marker_index(const std::string& name) const;    // the same
 
   Eigen::Vector3d marker_position(int marker) const;
-  ActuatorState actuator_state(int actuator) const;
+  ActuatorReading actuator_state(int actuator) const;
 
  private:
   struct Parts;

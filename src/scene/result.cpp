@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json list(const Eigen::VectorXd& v) { return std::vector<double>(v.begin(), v.end()); }
+Json list(const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
 
 Json markers_json(const Simulation& simulation) {
   Json json = Json::object();

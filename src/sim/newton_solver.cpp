@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 namespace soft_robot_lab {
@@ -216,6 +217,24 @@ Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) con
   return x.topRows(right_hand_sides.rows());
 }
 
+// Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled body
+// is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A (Haynsworth
+// 1968: the inertia of the bordered matrix).
+bool NewtonSolver::stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
+                                const Eigen::VectorXd& multipliers) const {
+  if (factor_.negative_pivots() == 0) return true;
+  std::vector<int> active;
+  for (int i = 0; i < constraint_count(); ++i)
+    if (multipliers[i] > laws[i].min_multiplier && multipliers[i] < laws[i].max_multiplier) active.push_back(i);
+  const int size = static_cast<int>(active.size());
+  if (size < factor_.negative_pivots()) return false;
+  Eigen::MatrixXd sub(size, size);
+  for (int i = 0; i < size; ++i)
+    for (int j = 0; j < size; ++j) sub(i, j) = schur(active[i], active[j]);
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
+  return (eigenvalues.array() < 0.0).count() == factor_.negative_pivots();
+}
+
 bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, Step& step) const {
   const int count = constraint_count();
   const Eigen::VectorXd mismatch = elements_.mismatch(here.elements.growth, state.element_multipliers_pa);
@@ -232,13 +251,15 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
     Eigen::MatrixXd schur = border_.transpose() * border_solved_;
     Eigen::VectorXd right = border_.transpose() * motion + schur * state.constraint_multipliers;
     for (int i = 0; i < count; ++i) {
-      step.penalties[i] = 1.0 / std::max(schur(i, i) + here.laws[i].compliance, 1e-300);
+      step.penalties[i] = 1.0 / std::max(std::abs(schur(i, i)) + here.laws[i].compliance, 1e-300);
       schur(i, i) += here.laws[i].compliance;
       right[i] += here.laws[i].offset;
     }
     step.constraint_multipliers = solve_bounded(schur, right, here.laws);
+    if (!stable_under(schur, here.laws, step.constraint_multipliers)) return false;
     motion -= border_solved_ * (step.constraint_multipliers - state.constraint_multipliers);
   }
+  if (count == 0 && factor_.negative_pivots() > 0) return false;
   if (!motion.allFinite()) return false;
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
   step.element_multipliers_pa = elements_.updated_multipliers(here.elements.growth, step.motion_m);
@@ -354,9 +375,14 @@ Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
   if (!linearised_at(state, 0.0) && !linearise(state, 0.0, false)) return {};
   const int count = constraint_count();
   Eigen::MatrixXd schur = border_.transpose() * border_solved_;
+  std::vector<ConstraintLaw> laws;
+  for (const Constraint* constraint : constraints_) laws.push_back(constraint->law(constraint->value(state.positions_m)));
+  Eigen::MatrixXd compliant = schur;
+  for (int i = 0; i < count; ++i) compliant(i, i) += laws[i].compliance;
+  if (!stable_under(compliant, laws, state.constraint_multipliers)) return {};
   Eigen::MatrixXd drive = Eigen::MatrixXd::Zero(count, count);  // rows: constraints, columns: commands
   for (int i = 0; i < count; ++i) {
-    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(state.positions_m));
+    const ConstraintLaw& law = laws[i];
     const double y = state.constraint_multipliers[i];
     const bool slack = !law.prescribed() && (y <= law.min_multiplier || y >= law.max_multiplier);
     if (law.prescribed() || slack) {

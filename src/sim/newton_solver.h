@@ -94,6 +94,8 @@ class NewtonSolver {
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
   bool linearise(const NewtonState& state, double inertia_per_s2, bool convex);
   bool linearised_at(const NewtonState& state, double inertia_per_s2) const;
+  bool stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
+                    const Eigen::VectorXd& multipliers) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here) const;
   bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here, double& length) const;

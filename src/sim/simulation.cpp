@@ -204,27 +204,29 @@ struct Simulation::Parts {
   }
 
   // Down the energy in steps that inertia keeps short, longer and longer (pseudo-transient continuation, Kelley & Keyes
-  // 1998), until Newton alone converges: finds its way through buckling.
+  // 1998), until inertia has no say and Newton alone converges: finds its way through buckling, where a rest state that
+  // Newton would run to is a saddle.
   bool descend(SolveReport& report) {
-    double h = 0.02;
-    while (within_budget(report)) {
+    const Material& material = body.material();
+    const double wave_s = body.size_m() * std::sqrt(material.density_kg_m3 / material.youngs_modulus_pa);
+    double h = 3.0 * wave_s;
+    while (within_budget(report) && h > 1e-3 * wave_s) {
       NewtonTask task;
       task.tolerance = std::max(options.tolerance, 1e-4);
+      task.min_iterations = 1;
       task.max_iterations = kStageIterations;
       task.inertia_per_s2 = 1.0 / (h * h);
       const Eigen::Matrix3Xd start = state.positions_m;
       task.predicted_m = &start;
       NewtonState unknown = unknowns();
-      if (!solve(task, unknown, report).converged) {
+      const NewtonReport newton = solve(task, unknown, report);
+      if (!newton.converged) {
         h *= 0.25;
-        if (h < 1e-5) return false;
         continue;
       }
-      const double moved = (unknown.positions_m - start).colwise().norm().maxCoeff();
       accept(std::move(unknown));
-      h *= 2.0;
-      if (moved > 1e-2 * body.size_m() && h < 10.0) continue;
-      if (relax(report)) return true;
+      if (h > 1e3 * wave_s && relax(report)) return true;
+      h *= newton.iterations <= 5 ? 3.0 : 1.5;
     }
     return false;
   }

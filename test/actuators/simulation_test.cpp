@@ -18,6 +18,7 @@ struct Bar {
   Eigen::Vector3i cells = {8, 2, 2};
   bool quadratic = true;
   std::string cables = "";  // settings of two cables' common keys
+  std::vector<double> via_m = {0.0, 0.02, 0.04, 0.06, 0.08, 0.095};  // their points along the bar
   SolverOptions options;
 };
 
@@ -35,7 +36,7 @@ Simulation make_bar(const Bar& bar) {
       std::ostringstream settings;
       settings << "{name: " << (y > 0 ? "upper" : "lower") << ", " << bar.cables << ", sheath_radius_m: " << 0.001 * s
                << ", plug_radius_m: " << 0.003 * s << ", points_m: [";
-      for (const double x : {0.0, 0.02, 0.04, 0.06, 0.08, 0.095})
+      for (const double x : bar.via_m)
         settings << (x > 0 ? ", " : "") << "[" << s * x << ", " << y << ", 0]";
       settings << "]}";
       actuators.push_back(std::make_unique<Cable>());
@@ -141,6 +142,28 @@ TEST(Equilibrium, SensitivitiesAgreeWithDifferences) {
       EXPECT_LT((exact.col(i) - difference).norm(), 2e-3 * difference.norm()) << drive << " " << i;
     }
   }
+}
+
+TEST(Equilibrium, BucklesUnderItsOwnCables) {
+  // Straight from end to end and pulled alike, both cables press the bar until it gives way to the side; there the stiffness of body and tensions alone
+  // is not positive, the cables' lengths hold it.
+  Bar bar;
+  bar.cables = "compliance_m_n: 0";
+  bar.via_m = {0.0, 0.095};
+  bar.options.tolerance = 1e-9;
+  Simulation simulation = make_bar(bar);
+  const auto solve = [&](double upper) {
+    simulation.set_command("upper", upper);
+    simulation.set_command("lower", 0.8);
+    const SolveReport report = simulation.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    return simulation.marker_position(0);
+  };
+  const Eigen::Vector3d tip = solve(0.8);
+  EXPECT_GT(std::abs(tip.z()), 0.005);
+  const Eigen::Vector3d exact = simulation.marker_sensitivities().block<3, 1>(0, 0);
+  const Eigen::Vector3d difference = (solve(0.8 + 1e-5) - solve(0.8 - 1e-5)) / 2e-5;
+  EXPECT_LT((exact - difference).norm(), 2e-3 * difference.norm());
 }
 
 TEST(Equilibrium, SlackCableHasNoSensitivity) {

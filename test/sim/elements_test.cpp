@@ -184,12 +184,28 @@ TEST(BlockCholesky, SolvesWhatADenseFactorSolves) {
   EXPECT_LT((full - full.transpose()).norm(), 1e-12 * full.norm());
 }
 
-TEST(BlockCholesky, RefusesAnIndefiniteMatrix) {
+TEST(BlockCholesky, SolvesAndCountsWhatIsIndefinite) {
+  const TetMesh mesh = box_mesh({0, 0, 0}, {0.05, 0.02, 0.02}, {4, 2, 2});
+  BlockMatrix matrix(mesh.node_count(), element_cliques(mesh));
+  Elements elements(Body(mesh, {1.0e5, 0.4, 1000.0}), matrix);
+  elements.add_hessian(disturbed(mesh.nodes_m, 0.003, 11), Eigen::VectorXd::Zero(elements.count()), false, matrix);
+  for (int node = 0; node < mesh.node_count(); ++node) matrix.add_to_diagonal(node, 3.0);
+  const Eigen::MatrixXd full = dense(matrix);
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(full).eigenvalues();
+  BlockCholesky factor(matrix);
+  ASSERT_TRUE(factor.factorise(matrix));
+  EXPECT_GT(factor.negative_pivots(), 0);
+  EXPECT_EQ(factor.negative_pivots(), (eigenvalues.array() < 0.0).count());
+  const Eigen::MatrixXd right = disturbed(Eigen::Matrix3Xd::Zero(3, full.rows()), 1.0, 5).transpose();
+  Eigen::MatrixXd solved = right;
+  factor.solve(solved);
+  EXPECT_LT((full * solved - right).norm(), 1e-6 * right.norm());
+}
+
+TEST(BlockCholesky, RefusesWhatIsSingularOrNotANumber) {
   BlockMatrix matrix(3, {{0, 1}, {1, 2}});
-  for (int node = 0; node < 3; ++node) matrix.add_to_diagonal(node, node == 1 ? -1.0 : 1.0);
   BlockCholesky factor(matrix);
   EXPECT_FALSE(factor.factorise(matrix));
-  matrix.set_zero();
   for (int node = 0; node < 3; ++node) matrix.add_to_diagonal(node, std::nan(""));
   EXPECT_FALSE(factor.factorise(matrix));
 }

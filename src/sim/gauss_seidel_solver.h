@@ -11,7 +11,7 @@
 // Departure from the paper: with one sweep a substep it starts multipliers at zero, and then the body is softer by
 // terms of h^2 that come from elements which pull against each other: a silicone cantilever sagged 49 % too far with 50
 // substeps at 60 Hz, 14 % with 100. Multipliers kept from the substep before (as contact solvers do) leave a body at
-// rest exactly where its forces balance: 0.6 % with 50. The price is that too long substeps create energy, which the
+// rest exactly where its forces balance, however few the substeps. The price is that too long substeps create energy, which the
 // report tells.
 #pragma once
 
@@ -60,8 +60,9 @@ class GaussSeidelSolver {
   // One time step in place. Where it is not finite the state is of no use afterwards.
   GaussSeidelReport advance(const GaussSeidelTask& task, GaussSeidelState& state);
 
-  // The same, repeated with twice the substeps, up to 16 times as many, while it creates energy. Where that does not help
-  // the finest finite attempt is kept; where none is finite, not even with multipliers from zero, the state stays as it was.
+  // The same, repeated with twice the substeps, up to 16 times as many, while it creates energy. Where that does not
+  // help the finest finite attempt is kept; where none is finite, not even with multipliers from zero, the state stays
+  // as it was.
   GaussSeidelReport advance_stably(GaussSeidelTask task, GaussSeidelState& state);
 
   Eigen::Index force_count() const { return static_cast<Eigen::Index>(multipliers_.size()) * kLanes; }

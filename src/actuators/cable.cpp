@@ -179,8 +179,8 @@ void Cable::actuate(double command) {
   }
 }
 
-ActuatorState Cable::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const {
-  ActuatorState state;
+ActuatorReading Cable::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const {
+  ActuatorReading state;
   state.length_m = path_->value(positions_m);
   state.rest_length_m = rest_length_m_;
   state.tension_n = multipliers.at(0);

@@ -11,6 +11,15 @@
 namespace soft_robot_lab {
 namespace {
 
+// Beside a target out of reach the steps shrink by a constant factor each, about two on a bending robot: stopping at
+// the tolerance itself would leave about as much again to gain.
+constexpr double kSettled = 0.1;
+
+// The first step is damped by 1 / radius of each column's own weight. Two cables that pull against each other have
+// almost opposite columns: an undamped step throws both to their limits, where the way back leads along the slack
+// cable's kink.
+constexpr double kFirstRadius = 0.5;
+
 // Residual (target - marker) / tolerance: dimensionless, so that Ceres' own small constants mean the same for any
 // robot. Each command is a parameter block of its own, so that single ones can be held.
 class ReachCost : public ceres::CostFunction {
@@ -24,7 +33,7 @@ class ReachCost : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     Eigen::VectorXd commands(search_.problem().start.size());
     for (Eigen::Index i = 0; i < commands.size(); ++i) commands[i] = *parameters[i];
-    const Evaluation* here = search_.evaluate(commands);
+    const Evaluation* here = search_.evaluate(commands, jacobians != nullptr);
     if (!here) return false;
     Eigen::Map<Eigen::Vector3d>(residuals, 3) = (search_.problem().target_m - here->marker_m) / tolerance_m_;
     for (Eigen::Index i = 0; jacobians && i < commands.size(); ++i) {
@@ -38,7 +47,8 @@ class ReachCost : public ceres::CostFunction {
   double tolerance_m_;
 };
 
-// Tells the progress, and stops once a step changes the distance by less than the tolerance, or the target is reached.
+// Tells the progress, and stops once a step changes the distance by far less than the tolerance, or the target is
+// reached.
 class Watch : public ceres::IterationCallback {
  public:
   Watch(Search& search, const Eigen::VectorXd& commands, double tolerance_m)
@@ -46,7 +56,7 @@ class Watch : public ceres::IterationCallback {
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     const double distance_m = std::sqrt(2.0 * summary.cost) * tolerance_m_;
-    const bool settled = summary.step_is_successful && std::abs(distance_m_ - distance_m) < tolerance_m_;
+    const bool settled = summary.step_is_successful && std::abs(distance_m_ - distance_m) < kSettled * tolerance_m_;
     const bool first = summary.iteration == 0;
     distance_m_ = distance_m;
     if (!first && !search_.finish_iteration(commands_, distance_m)) return ceres::SOLVER_ABORT;
@@ -69,6 +79,8 @@ ceres::Solver::Options solver_options(int max_iterations) {
   options.update_state_every_iteration = true;  // Watch reads the commands
   options.function_tolerance = 0.0;             // Watch decides
   options.parameter_tolerance = 1.0e-10;
+  options.line_search_interpolation_type = ceres::QUADRATIC;  // CUBIC would want the Jacobian of every trial
+  options.initial_trust_region_radius = kFirstRadius;
   options.num_threads = 1;
   return options;
 }
@@ -88,7 +100,7 @@ std::vector<bool> blocked_commands(const ReachProblem& problem, const Evaluation
 std::string solve_free_commands(Search& search, const std::vector<bool>& held, int max_iterations, double tolerance_m,
                                 Eigen::VectorXd& commands) {
   std::vector<double*> blocks;
-  for (double& command : commands) blocks.push_back(&command);
+  for (Eigen::Index i = 0; i < commands.size(); ++i) blocks.push_back(&commands[i]);
   ceres::Problem problem;
   problem.AddResidualBlock(new ReachCost(search, tolerance_m), nullptr, blocks);
   for (size_t i = 0; i < blocks.size(); ++i) {
@@ -113,7 +125,7 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, Eige
   std::vector<bool> held;
   double distance_m = std::numeric_limits<double>::infinity();
   for (;;) {
-    const Evaluation* here = search.evaluate(commands);
+    const Evaluation* here = search.evaluate(commands, true);
     if (!here) return search.failure();
     const std::vector<bool> blocked = blocked_commands(search.problem(), *here);
     const bool all_blocked = std::find(blocked.begin(), blocked.end(), false) == blocked.end();
@@ -129,14 +141,21 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, Eige
 
 bool idle(const Evaluation& here, Eigen::Index command) { return here.jacobian.col(command).isZero(0.0); }
 
-// Moves one command, further and further to either side, until the marker answers to it; false where it never does.
-bool wake(Search& search, Eigen::Index command, Eigen::VectorXd& commands) {
+// Moves a command that is idle at `rest`, further and further to either side, until the marker answers; true where that
+// way leads nearer, otherwise the command is as it was. The marker stays at rest up to the point where the command
+// begins to act, so that the rest's distance from the target is the one to compare with.
+bool wake(Search& search, const Evaluation& rest, Eigen::Index command, Eigen::VectorXd& commands) {
+  const ReachProblem& problem = search.problem();
   const double from = commands[command];
   for (const double share : {1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0, 1.0}) {
-    for (const double limit : {search.problem().min[command], search.problem().max[command]}) {
+    for (const double limit : {problem.min[command], problem.max[command]}) {
+      if (limit == from) continue;
       commands[command] = from + share * (limit - from);
-      const Evaluation* here = commands[command] == from ? nullptr : search.evaluate(commands);
-      if (here && !idle(*here, command)) return true;
+      const Evaluation* here = search.evaluate(commands, true);
+      if (!here || idle(*here, command)) continue;
+      const double along = here->jacobian.col(command).dot(problem.target_m - rest.marker_m) * (limit - from);
+      if (along <= 0.0) commands[command] = from;
+      return along > 0.0;
     }
   }
   commands[command] = from;
@@ -145,21 +164,24 @@ bool wake(Search& search, Eigen::Index command, Eigen::VectorXd& commands) {
 
 }  // namespace
 
-// A slack cable has no derivative, and so has one at its rest length; the way to the target may lead over pulling it.
-// Each descent is therefore followed by another from where all idle commands do something, as long as that comes
-// nearer.
+// The command of a slack cable has no derivative, nor has one at its rest length, though the way to the target may lead
+// over pulling it. So a descent is followed by another from where such commands do something, as long as that promises
+// to come nearer, and does.
 std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m) {
   Eigen::VectorXd commands = search.problem().start;
   double distance_m = std::numeric_limits<double>::infinity();
   for (;;) {
     const std::string reason = descend(search, max_iterations, tolerance_m, commands);
-    const Evaluation best = *search.best();
+    const Evaluation* found = search.evaluate(search.best()->commands, true);
+    if (!found) return search.failure();
+    const Evaluation best = *found;
     const bool nearer = distance_m - best.distance_m >= tolerance_m;
     if (reason != kConverged || best.distance_m < tolerance_m || !nearer) return reason;
     distance_m = best.distance_m;
     commands = best.commands;
     bool woken = false;
-    for (Eigen::Index i = 0; i < commands.size(); ++i) woken = (idle(best, i) && wake(search, i, commands)) || woken;
+    for (Eigen::Index i = 0; i < commands.size(); ++i)
+      woken = (idle(best, i) && wake(search, best, i, commands)) || woken;
     if (!woken) return reason;
   }
 }

@@ -99,8 +99,8 @@ OptimisationSummary optimise(const ReachProblem& problem, const OptimiserOptions
 
   OptimisationSummary summary;
   summary.commands = problem.start;
-  Search search(problem, progress, options.method == "gauss_newton");
-  if (const Evaluation* start = search.evaluate(problem.start)) {
+  Search search(problem, progress);
+  if (const Evaluation* start = search.evaluate(problem.start, false)) {
     summary.initial_distance_m = start->distance_m;
     summary.stop_reason = run_method(search, options);
     summary.usable = true;

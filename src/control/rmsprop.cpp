@@ -24,7 +24,7 @@ std::optional<Eigen::VectorXd> gradient(Search& search, const Eigen::VectorXd& c
     Eigen::VectorXd probe = commands;
     probe[i] -= kDifference;
     if (probe[i] < problem.min[i]) probe[i] = std::min(commands[i] + kDifference, problem.max[i]);
-    const Evaluation* there = search.evaluate(probe);
+    const Evaluation* there = search.evaluate(probe, false);
     if (!there) return std::nullopt;
     slope[i] = (there->objective_m2() - objective_m2) / (probe[i] - commands[i]);
   }
@@ -38,14 +38,14 @@ std::string search_rmsprop(Search& search, int max_iterations) {
   Eigen::VectorXd commands = problem.start;
   Eigen::ArrayXd mean_square = Eigen::ArrayXd::Zero(commands.size());
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    const Evaluation* here = search.evaluate(commands);  // known already: the last point of the iteration before
+    const Evaluation* here = search.evaluate(commands, false);  // known already: the last point of the iteration before
     if (!here) return search.failure();
     const std::optional<Eigen::VectorXd> slope = gradient(search, commands, here->objective_m2());
     if (!slope) return search.failure();
     mean_square = kGamma * mean_square + (1.0 - kGamma) * slope->array().square();
     commands.array() -= kEta * slope->array() / (mean_square + kEpsilon).sqrt();
     commands = commands.cwiseMax(problem.min).cwiseMin(problem.max);
-    const Evaluation* there = search.evaluate(commands);
+    const Evaluation* there = search.evaluate(commands, false);
     if (!there) return search.failure();
     if (!search.finish_iteration(commands, there->distance_m)) return kCancelled;
   }

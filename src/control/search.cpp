@@ -15,18 +15,23 @@ std::string describe(const ReachProblem& problem, const Eigen::VectorXd& command
 
 }  // namespace
 
-Search::Search(const ReachProblem& problem, const ProgressCallback& progress, bool with_jacobian)
-    : problem_(problem), progress_(progress), with_jacobian_(with_jacobian) {}
+Search::Search(const ReachProblem& problem, const ProgressCallback& progress)
+    : problem_(problem), progress_(progress) {}
 
-const Evaluation* Search::evaluate(const Eigen::VectorXd& commands) {
-  if (last_ && last_->commands == commands) return &*last_;
+const Evaluation* Search::evaluate(const Eigen::VectorXd& commands, bool with_jacobian) {
+  bool known = false;
+  for (const auto* remembered : {&last_, &best_}) {
+    if (!*remembered || (*remembered)->commands != commands) continue;
+    if (!with_jacobian || (*remembered)->jacobian.cols() > 0) return &**remembered;
+    known = true;
+  }
   Evaluation now;
   now.commands = commands;
-  ++evaluations_;
+  if (!known) ++evaluations_;
   failure_.clear();
   try {
-    now.marker_m = problem_.marker(commands, with_jacobian_ ? &now.jacobian : nullptr);
-    const bool sized = !with_jacobian_ || now.jacobian.cols() == commands.size();
+    now.marker_m = problem_.marker(commands, with_jacobian ? &now.jacobian : nullptr);
+    const bool sized = !with_jacobian || now.jacobian.cols() == commands.size();
     if (!sized || !now.marker_m.allFinite() || !now.jacobian.allFinite()) {
       throw ForwardModelError("the model's answer is not finite, or of the wrong size");
     }
@@ -35,7 +40,7 @@ const Evaluation* Search::evaluate(const Eigen::VectorXd& commands) {
     return nullptr;
   }
   now.distance_m = (problem_.target_m - now.marker_m).norm();
-  if (!best_ || now.distance_m < best_->distance_m) best_ = now;
+  if (!best_ || best_->commands == commands || now.distance_m < best_->distance_m) best_ = now;
   last_ = std::move(now);
   return &*last_;
 }

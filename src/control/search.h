@@ -11,20 +11,20 @@ namespace soft_robot_lab {
 struct Evaluation {
   Eigen::VectorXd commands;
   Eigen::Vector3d marker_m;
-  Eigen::Matrix3Xd jacobian;  // 3 x commands [m per command]; empty where the method asks for none
+  Eigen::Matrix3Xd jacobian;  // 3 x commands [m per command]; empty where none was asked for
   double distance_m = 0.0;    // from the target
   double objective_m2() const { return 0.5 * distance_m * distance_m; }
 };
 
 class Search {
  public:
-  Search(const ReachProblem& problem, const ProgressCallback& progress, bool with_jacobian);
+  Search(const ReachProblem& problem, const ProgressCallback& progress);
 
   const ReachProblem& problem() const { return problem_; }
 
-  // Null where the model found no equilibrium; failure() then says why. The last success is remembered, so asking for
-  // the same commands twice solves once.
-  const Evaluation* evaluate(const Eigen::VectorXd& commands);
+  // Null where the model found no equilibrium; failure() then says why. The last and the best success are remembered;
+  // asking for one's Jacobian later starts from a solved equilibrium.
+  const Evaluation* evaluate(const Eigen::VectorXd& commands, bool with_jacobian);
 
   // Counts an iteration that ended at `commands`; false when the caller cancels.
   bool finish_iteration(const Eigen::VectorXd& commands, double distance_m);
@@ -37,7 +37,6 @@ class Search {
  private:
   const ReachProblem& problem_;
   const ProgressCallback& progress_;
-  const bool with_jacobian_;
   std::optional<Evaluation> last_;
   std::optional<Evaluation> best_;
   std::string failure_;

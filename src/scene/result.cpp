@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json list(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+Json list(const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
 
 Json markers_json(const Simulation& simulation) {
   Json json = Json::object();
@@ -23,14 +23,14 @@ Json markers_json(const Simulation& simulation) {
   return json;
 }
 
-Json cable_json(const ActuatorState& state) {
+Json cable_json(const ActuatorReading& state) {
   Json json = {{"length_m", *state.length_m}};
   if (state.rest_length_m) json["rest_length_m"] = *state.rest_length_m;
   if (state.tension_n) json["tension_n"] = *state.tension_n;
   return json;
 }
 
-Json chamber_json(const ActuatorState& state) {
+Json chamber_json(const ActuatorReading& state) {
   Json json = {{"volume_m3", *state.volume_m3}};
   if (state.initial_volume_m3) json["initial_volume_m3"] = *state.initial_volume_m3;
   if (state.gauge_pressure_pa) json["gauge_pressure_pa"] = *state.gauge_pressure_pa;
@@ -41,7 +41,7 @@ Json chamber_json(const ActuatorState& state) {
 void add_actuators(const Simulation& simulation, Json& result) {
   Json cables = Json::object(), chambers = Json::object();
   for (size_t i = 0; i < simulation.actuators().size(); ++i) {
-    const ActuatorState state = simulation.actuator_state(static_cast<int>(i));
+    const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
     if (state.length_m) cables[state.name] = cable_json(state);
     if (state.volume_m3) chambers[state.name] = chamber_json(state);
   }
@@ -95,6 +95,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   result["solver"] = solver_json(simulation, report.solve);
   if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);
   if (scene.run.mode == RunMode::dynamic) result["trajectory"] = trajectory_json(simulation, report.trajectory);
+  if (scene.run.mode == RunMode::modal) result["frequencies_hz"] = list(report.frequencies_hz);
   return result.dump(2) + "\n";
 }
 
@@ -106,6 +107,10 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
   text << (solve.converged ? "converged" : "did not converge") << ": " << solve.iterations << " iterations in "
        << solve.steps << " steps, residual " << solve.residual << ", " << solve.wall_s << " s; " << mesh.node_count()
        << " nodes, " << mesh.tet_count() << " elements\n";
+  for (Eigen::Index i = 0; i < report.frequencies_hz.size(); ++i) {
+    text << "mode " << i + 1 << " at " << report.frequencies_hz[i] << " Hz\n";
+  }
+  if (scene.run.mode == RunMode::modal) return text.str();  // nothing moved
   for (size_t i = 0; i < simulation.markers().size(); ++i) {
     const Marker& marker = simulation.markers()[i];
     const Eigen::Vector3d position_m = simulation.marker_position(static_cast<int>(i));
@@ -113,7 +118,7 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
          << millimetres(position_m - marker.rest_position_m()) << "\n";
   }
   for (size_t i = 0; i < simulation.actuators().size(); ++i) {
-    const ActuatorState state = simulation.actuator_state(static_cast<int>(i));
+    const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
     text << "actuator " << state.name << " at command " << state.actuated_command;
     if (state.tension_n) text << ", tension " << *state.tension_n << " N";
     if (state.gauge_pressure_pa) text << ", gauge pressure " << *state.gauge_pressure_pa << " Pa";

@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "soft_robot_lab/sim/modal.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -71,6 +73,16 @@ SolveReport solve_in_time(Simulation& simulation, const RunSettings& run, Trajec
   return total;
 }
 
+void find_modes(const Simulation& simulation, int modes, RunReport& report) {
+  const ModalResult found = modal_analysis(simulation.body(), modes);
+  report.solve.converged = found.converged;
+  report.solve.iterations = found.iterations;
+  report.solve.residual = found.change;
+  report.solve.wall_s = found.wall_s;
+  if (!found.converged) report.solve.message = "the frequencies still change by more than asked for";
+  report.frequencies_hz = found.frequencies_hz;
+}
+
 // A saddle point solves the equations too, but is no rest state, and has no derivative worth reporting.
 void add_sensitivity(Simulation& simulation, RunReport& report) {
   try {
@@ -88,6 +100,10 @@ RunReport run_scene(Scene& scene) {
   Simulation& simulation = *scene.simulation;
   if (scene.run.mode == RunMode::dynamic) {
     report.solve = solve_in_time(simulation, scene.run, report.trajectory);
+    return report;
+  }
+  if (scene.run.mode == RunMode::modal) {
+    find_modes(simulation, scene.run.modes, report);
     return report;
   }
   report.solve = solve_in_order(simulation, scene.run.commands);

@@ -1,4 +1,5 @@
 #include "scene/sections.h"
+#include "soft_robot_lab/sim/modal.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -21,10 +22,17 @@ RunSettings read_run(const SettingsNode& scene, const Simulation& simulation) {
   RunSettings run;
   const std::optional<SettingsNode> node = scene.optional_child("run");
   if (!node) return run;
-  if (node->choice_or("mode", "equilibrium", {"equilibrium", "dynamic"}) == "dynamic") run.mode = RunMode::dynamic;
-  if (run.mode == RunMode::dynamic) {
+  const std::string mode = node->choice_or("mode", "equilibrium", {"equilibrium", "dynamic", "modal"});
+  if (mode == "dynamic") {
+    run.mode = RunMode::dynamic;
     run.duration_s = node->number("duration_s", AllowedRange::positive());
     run.record_every_s = node->number_or("record_every_s", run.record_every_s, AllowedRange::not_negative());
+  } else if (mode == "modal") {
+    run.mode = RunMode::modal;
+    run.modes = node->integer_or("modes", run.modes, 1, most_modes(simulation.body()));
+    if (!node->optional_sequence("commands").empty()) {
+      node->child("commands").fail("a modal run is about the rest shape; must be an empty list");
+    }
   } else {
     run.sensitivity = node->boolean_or("sensitivity", run.sensitivity);
   }

@@ -10,7 +10,9 @@ SolverOptions read_solver(const SettingsNode& scene) {
   if (!node) return options;
   if (node->choice_or("method", "global", {"global", "gauss_seidel"}) == "gauss_seidel")
     options.method = SolverOptions::Method::gauss_seidel;
-  node->choice_or("integrator", "implicit_euler", {"implicit_euler"});
+  if (node->choice_or("integrator", "implicit_euler", {"implicit_euler", "bdf2"}) == "bdf2") {
+    options.integrator = Integrator::bdf2;
+  }
   options.time_step_s = node->number_or("time_step_s", options.time_step_s);
   options.tolerance = node->number_or("tolerance", options.tolerance);
   options.dynamic_tolerance = node->number_or("dynamic_tolerance", options.dynamic_tolerance);

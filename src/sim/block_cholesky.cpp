@@ -1,6 +1,7 @@
 #include "block_cholesky.h"
 
 #include <algorithm>
+#include <cmath>
 
 // LAPACK and BLAS by their Fortran names, as every implementation has them.
 extern "C" {
@@ -56,6 +57,23 @@ bool worth_merging(int columns, double zeros, double entries) {
   return share < 0.08;
 }
 
+// The lower triangle of a k x k matrix to L with A = L S L'; false at a pivot that all but vanishes.
+bool signed_cholesky(double* a, int k, int ld, double* signs) {
+  double largest = 0.0;
+  for (int j = 0; j < k; ++j) largest = std::max(largest, std::abs(a[j * (ld + 1)]));
+  for (int j = 0; j < k; ++j) {
+    double* column = a + static_cast<std::ptrdiff_t>(j) * ld;
+    const double pivot = column[j];
+    if (!(std::abs(pivot) > 1e-13 * largest) || !std::isfinite(pivot)) return false;
+    signs[j] = pivot > 0.0 ? 1.0 : -1.0;
+    column[j] = std::sqrt(std::abs(pivot));
+    for (int i = j + 1; i < k; ++i) column[i] *= signs[j] / column[j];
+    for (int c = j + 1; c < k; ++c)
+      for (int i = c; i < k; ++i) a[static_cast<std::ptrdiff_t>(c) * ld + i] -= signs[j] * column[c] * column[i];
+  }
+  return true;
+}
+
 }  // namespace
 
 BlockCholesky::BlockCholesky(const BlockMatrix& matrix) {
@@ -100,6 +118,7 @@ BlockCholesky::BlockCholesky(const BlockMatrix& matrix) {
   for (std::size_t s = 0; s < nodes_.size(); ++s)
     if (depth[s] % 2 == 1) nodes_[s].update += highest[0];
   factor_.resize(factor_size_);
+  signs_.assign(3 * order_.size(), 1.0);
   stack_.resize(highest[0] + highest[1]);
 }
 
@@ -174,20 +193,39 @@ void BlockCholesky::assemble_front(const BlockMatrix& matrix, const Supernode& n
   }
 }
 
+bool BlockCholesky::factorise_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place) {
+  assemble_front(matrix, node, place);
+  const int k = 3 * node.columns, r = 3 * static_cast<int>(node.rows.size()), m = k + r;
+  double* panel = factor_.data() + node.panel;
+  double* update = stack_.data() + node.update;
+  double* signs = signs_.data() + 3 * node.first;
+  int info = 0;
+  dpotrf_("L", &k, panel, &m, &info);
+  // NaN slips through some implementations' pivot test.
+  const bool positive = info == 0 && panel[static_cast<std::ptrdiff_t>(k - 1) * (m + 1)] > 0.0;
+  std::fill(signs, signs + k, 1.0);
+  if (!positive) {
+    assemble_front(matrix, node, place);
+    if (!signed_cholesky(panel, k, m, signs)) return false;
+  }
+  if (r == 0) return true;
+  dtrsm_("R", "L", "T", "N", &r, &k, &kOne, panel, &m, panel + k, &m);
+  if (positive) {
+    dsyrk_("L", "N", &r, &k, &kMinusOne, panel + k, &m, &kOne, update, &r);
+    return true;
+  }
+  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> below(panel + k, r, k, Eigen::OuterStride<>(m));
+  const Eigen::MatrixXd unsigned_below = below;  // X = A21 L^-T S, and the update takes X S X'
+  below *= Eigen::Map<const Eigen::VectorXd>(signs, k).asDiagonal();
+  dgemm_("N", "T", &r, &r, &k, &kMinusOne, unsigned_below.data(), &r, panel + k, &m, &kOne, update, &r);
+  return true;
+}
+
 bool BlockCholesky::factorise(const BlockMatrix& matrix) {
   std::vector<int> place(matrix.node_count());
-  for (const Supernode& node : nodes_) {
-    assemble_front(matrix, node, place);
-    const int k = 3 * node.columns, r = 3 * static_cast<int>(node.rows.size()), m = k + r;
-    double* panel = factor_.data() + node.panel;
-    int info = 0;
-    dpotrf_("L", &k, panel, &m, &info);
-    // NaN slips through some implementations' pivot test.
-    if (info != 0 || !(panel[static_cast<std::ptrdiff_t>(k - 1) * (m + 1)] > 0.0)) return false;
-    if (r == 0) continue;
-    dtrsm_("R", "L", "T", "N", &r, &k, &kOne, panel, &m, panel + k, &m);
-    dsyrk_("L", "N", &r, &k, &kMinusOne, panel + k, &m, &kOne, stack_.data() + node.update, &r);
-  }
+  for (const Supernode& node : nodes_)
+    if (!factorise_front(matrix, node, place)) return false;
+  negative_pivots_ = static_cast<int>(std::count(signs_.begin(), signs_.end(), -1.0));
   return true;
 }
 
@@ -210,6 +248,7 @@ void BlockCholesky::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const {
     for (std::size_t i = 0; i < node.rows.size(); ++i)
       x.middleRows(3 * node.rows[i], 3) -= below.middleRows(3 * static_cast<Eigen::Index>(i), 3);
   }
+  if (negative_pivots_ > 0) x = Eigen::Map<const Eigen::VectorXd>(signs_.data(), size).asDiagonal() * x;
   for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
     const int k = 3 * node->columns, r = 3 * static_cast<int>(node->rows.size()), m = k + r;
     const double* panel = factor_.data() + node->panel;

@@ -1,4 +1,6 @@
-// Sparse Cholesky factor of a BlockMatrix by the multifrontal method (Duff & Reid 1983; Liu 1992), dense fronts through LAPACK.
+// Sparse factor L S L' of a BlockMatrix, S = diag(+-1), by the multifrontal method (Duff & Reid 1983; Liu 1992), dense fronts
+// through LAPACK. A Cholesky factor where the matrix is positive definite; else S counts its negative eigenvalues. There
+// is no pivoting: a body held in an unstable shape by its cables is indefinite in a few directions, not ill-conditioned.
 #pragma once
 
 #include <vector>
@@ -14,8 +16,10 @@ class BlockCholesky {
   // Symbolic analysis, once per pattern.
   explicit BlockCholesky(const BlockMatrix& matrix);
 
-  // False when the matrix is not positive definite (or not finite); the factor is then not usable.
+  // False when a pivot vanishes or is not finite; the factor is then not usable.
   bool factorise(const BlockMatrix& matrix);
+
+  int negative_pivots() const { return negative_pivots_; }  // 0: positive definite
 
   // Solves in place for right-hand sides given as columns over 3*node + axis.
   void solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const;
@@ -35,11 +39,14 @@ class BlockCholesky {
   };
 
   void merge_columns(const BlockMatrix& matrix);
+  bool factorise_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place);
   void assemble_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place);
 
   std::vector<Supernode> nodes_;
   std::vector<int> order_;  // position -> mesh node
   std::vector<double> factor_, stack_;
+  std::vector<double> signs_;  // S, per scalar column
+  int negative_pivots_ = 0;
   double flops_ = 0.0;
   std::ptrdiff_t factor_size_ = 0;
 };

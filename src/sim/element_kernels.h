@@ -114,17 +114,16 @@ inline PackSums pack_gradient(const Pack* x, const Pack* gradients, const Pack* 
   return sums;
 }
 
-// Condensed Hessian blocks of four elements: pairs a >= b in rows, 9 numbers each (column-major), and the condensed
-// gradient; returns its pressure lambda (Jbar - 1). With g = d(V0 Jbar)/dx the block (a, b) is
+// Condensed Hessian blocks of four elements: pairs a >= b in rows, 9 numbers each (column-major). With g = d(V0 Jbar)/dx the block (a, b) is
 //   [laplacian + extra] I + sum_q w mu (c grad a)(c grad b)^T + lambda/V0 g_a g_b^T
 //   + [e]x with e = sum_q w (mu (J - 2) + p) F (grad a x grad b),   ([e]x)_ik = epsilon_ikm e_m   (d2J/dF2 contracted)
 template <int Nodes, int Points>
-inline Pack pack_hessian(const Pack* x, const Pack* gradients, const Pack* weights, const Pack* laplacian, double mu,
-                         double lambda, Pack p, bool convex, Pack* blocks, Pack* condensed, Pack* volume_gradient) {
+inline void pack_hessian(const Pack* x, const Pack* gradients, const Pack* weights, const Pack* laplacian, double mu,
+                         double lambda, Pack p, bool convex, Pack* blocks, Pack* volume_gradient) {
   PackMatrix f[Points], c[Points];
   Pack second[Points], extra[Points], cg[Points][3 * Nodes];
-  Pack volume = splat(0.0), determinants = splat(0.0);
-  for (int i = 0; i < 3 * Nodes; ++i) volume_gradient[i] = condensed[i] = splat(0.0);
+  Pack volume = splat(0.0);
+  for (int i = 0; i < 3 * Nodes; ++i) volume_gradient[i] = splat(0.0);
   for (int q = 0; q < Points; ++q) {
     const Pack* g = gradients + 3 * Nodes * q;
     f[q] = deformation_gradient<Nodes>(x, g);
@@ -140,21 +139,17 @@ inline Pack pack_hessian(const Pack* x, const Pack* gradients, const Pack* weigh
       for (int lane = 0; lane < kLanes; ++lane) bound[lane] = std::abs(s[lane]) * 1.1547005384 * std::sqrt(norm[lane]);
       extra[q] = bound > mu ? w * (bound - mu) : splat(0.0);
     }
-    determinants += w * j;
     volume += w;
     for (int a = 0; a < Nodes; ++a) {
       const PackVector along = multiply(c[q], g + 3 * a);
-      const PackVector stretch = multiply(f[q], g + 3 * a);
       for (int i = 0; i < 3; ++i) {
         volume_gradient[3 * a + i] += w * along.v[i];
-        condensed[3 * a + i] += w * mu * (stretch.v[i] + (j - 2.0) * along.v[i]);
         cg[q][3 * a + i] = along.v[i];
       }
     }
   }
   const Pack safe_volume = volume > 0.0 ? volume : splat(1.0);
-  const Pack pressure = lambda * (determinants / safe_volume - 1.0), stiffness = lambda / safe_volume;
-  for (int i = 0; i < 3 * Nodes; ++i) condensed[i] += pressure * volume_gradient[i];
+  const Pack stiffness = lambda / safe_volume;
 
   int pair = 0;
   for (int a = 0; a < Nodes; ++a) {
@@ -194,7 +189,6 @@ inline Pack pack_hessian(const Pack* x, const Pack* gradients, const Pack* weigh
       block[5] -= e[0];
     }
   }
-  return pressure;
 }
 
 }  // namespace soft_robot_lab

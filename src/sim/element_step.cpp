@@ -62,10 +62,11 @@ inline void move_packs(const PackArrays& all, int first, int last, const Element
     for (int lane = 0; lane < kLanes; ++lane)
       if (e.element[lane] >= 0) p[lane] = step.volume_multipliers_pa[e.element[lane]];
 
-    Pack pressure = splat(0.0);
+    const PackSums sums = pack_gradient<Nodes, Points>(x, e.gradients, e.weights, step.mu_pa, splat(0.0), gradient);
+    const Pack pressure = step.lambda_pa * (sums.mean_determinant - 1.0);
     for (const bool convex : {false, true}) {
-      pressure = pack_hessian<Nodes, Points>(x, e.gradients, e.weights, e.laplacian, step.mu_pa, step.lambda_pa, p,
-                                             convex, blocks, gradient, volume_gradient);
+      pack_hessian<Nodes, Points>(x, e.gradients, e.weights, e.laplacian, step.mu_pa, step.lambda_pa, p, convex, blocks,
+                                  volume_gradient);
       scale_hessian<Nodes>(blocks, s, h, matrix);
       const Pack pivot = factorise_ldlt<kSize>(matrix);
       bool positive = true;
@@ -73,7 +74,8 @@ inline void move_packs(const PackArrays& all, int first, int last, const Element
       if (positive) break;
     }
 
-    for (int i = 0; i < kSize; ++i) motion[i] = -h * h * s[i] * gradient[i] - multipliers[i];
+    for (int i = 0; i < kSize; ++i)
+      motion[i] = -h * h * s[i] * (gradient[i] + pressure * volume_gradient[i]) - multipliers[i];
     solve_ldlt<kSize>(matrix, motion);
     Pack volume = splat(0.0), growth = splat(0.0);
     for (int q = 0; q < Points; ++q) volume += e.weights[q];

@@ -42,9 +42,9 @@ inline void all_gradients(const ElementArrays& e, const double* positions, const
 
 template <int Nodes, int Points>
 inline void all_hessians(const ElementArrays& e, const double* positions, const double* multipliers, bool convex,
-                         double* values, double* right_hand_side, Pack* volume_gradients) {
+                         double* values, Pack* volume_gradients) {
   constexpr int kPairs = Nodes * (Nodes + 1) / 2;
-  Pack x[3 * Nodes], condensed[3 * Nodes], blocks[9 * kPairs];
+  Pack x[3 * Nodes], blocks[9 * kPairs];
   for (int pack = 0; pack < e.packs; ++pack) {
     const int* nodes = e.nodes + static_cast<std::ptrdiff_t>(pack) * Nodes * kLanes;
     const int* slots = e.slots + static_cast<std::ptrdiff_t>(pack) * kPairs * kLanes;
@@ -55,8 +55,7 @@ inline void all_hessians(const ElementArrays& e, const double* positions, const 
     pack_hessian<Nodes, Points>(x, e.gradients + static_cast<std::ptrdiff_t>(pack) * Points * Nodes * 3,
                                 e.weights + static_cast<std::ptrdiff_t>(pack) * Points,
                                 e.laplacian + static_cast<std::ptrdiff_t>(pack) * kPairs, e.mu, e.lambda, p, convex,
-                                blocks, condensed, volume_gradients + static_cast<std::ptrdiff_t>(pack) * 3 * Nodes);
-    scatter_add(condensed, nodes, Nodes, right_hand_side);
+                                blocks, volume_gradients + static_cast<std::ptrdiff_t>(pack) * 3 * Nodes);
     for (int pair = 0; pair < kPairs; ++pair) {
       for (int lane = 0; lane < lanes; ++lane) {
         double* target = values + static_cast<std::ptrdiff_t>(9) * slots[pair * kLanes + lane];
@@ -75,12 +74,12 @@ SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const double
   all_gradients<4, 1>(e, x, p, forces, sums);
 }
 SOFT_ROBOT_LAB_CLONES void quadratic_hessians(const ElementArrays& e, const double* x, const double* p, bool convex,
-                                              double* values, double* right_hand_side, Pack* volume_gradients) {
-  all_hessians<10, 4>(e, x, p, convex, values, right_hand_side, volume_gradients);
+                                              double* values, Pack* volume_gradients) {
+  all_hessians<10, 4>(e, x, p, convex, values, volume_gradients);
 }
 SOFT_ROBOT_LAB_CLONES void linear_hessians(const ElementArrays& e, const double* x, const double* p, bool convex,
-                                           double* values, double* right_hand_side, Pack* volume_gradients) {
-  all_hessians<4, 1>(e, x, p, convex, values, right_hand_side, volume_gradients);
+                                           double* values, Pack* volume_gradients) {
+  all_hessians<4, 1>(e, x, p, convex, values, volume_gradients);
 }
 
 std::vector<int> mesh_order(int count) {
@@ -112,7 +111,7 @@ ElementArrays arrays(const ElementPacks& packs, const std::vector<int>& slots, i
 Elements::Elements(const Body& body, const BlockMatrix& matrix)
     : count_(body.mesh().tet_count()),
       mu_(body.material().lame_mu_pa()),
-      lambda_(body.material().lame_lambda_pa()),
+      lambda_(bulk_lambda_pa(body.material())),
       packs_(body.mesh(), mu_, mesh_order(count_), positions_in(matrix, body.mesh().node_count())) {
   const auto place = [&](int pack, int a, int lane) {
     return matrix.position(packs_.nodes[(static_cast<std::size_t>(pack) * packs_.node_count + a) * kLanes + lane]);
@@ -140,11 +139,22 @@ ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eige
 }
 
 void Elements::add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
-                           BlockMatrix& matrix, Eigen::Matrix3Xd& right_hand_side) {
+                           BlockMatrix& matrix) {
   const ElementArrays all = arrays(packs_, slots_, count_, mu_, lambda_);
   (packs_.node_count == 10 ? quadratic_hessians : linear_hessians)(all, positions.data(), multipliers.data(), convex,
-                                                                   matrix.block(0), right_hand_side.data(),
-                                                                   volume_gradients_.data());
+                                                                   matrix.block(0), volume_gradients_.data());
+}
+
+void Elements::add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matrix3Xd& forces) const {
+  for (int element = 0; element < count_; ++element) {
+    const int pack = element / kLanes, lane = element % kLanes;
+    const double pressure = lambda_ * mismatch[element];
+    for (int a = 0; a < packs_.node_count; ++a) {
+      const std::size_t place = static_cast<std::size_t>(pack) * packs_.node_count + a;
+      const int node = packs_.nodes[place * kLanes + lane];
+      for (int i = 0; i < 3; ++i) forces(i, node) += pressure * volume_gradients_[place * 3 + i][lane];
+    }
+  }
 }
 
 Eigen::VectorXd Elements::updated_multipliers(const Eigen::VectorXd& growth, const Eigen::Matrix3Xd& step) const {

@@ -5,6 +5,7 @@
 // The multiplier p stands for lambda (Jbar - 1) and is condensed element by element.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,6 +25,12 @@ struct ElementSums {
   Eigen::VectorXd growth;  // per element: Jbar - 1
 };
 
+// The lambda of all elements. Their multiplier needs some bulk to stand for: at a Poisson's ratio of zero this little,
+// which no one can measure.
+inline double bulk_lambda_pa(const Material& material) {
+  return std::max(material.lame_lambda_pa(), 1e-6 * material.lame_mu_pa());
+}
+
 class Elements {
  public:
   Elements(const Body& body, const BlockMatrix& matrix);
@@ -32,13 +39,14 @@ class Elements {
   ElementSums add_gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers,
                            Eigen::Matrix3Xd& forces) const;
 
-  // Adds the condensed Hessian (with p in its geometric part) to `matrix`, and to `right_hand_side` the gradient with p
-  // replaced by lambda (Jbar - 1), which is what condensation leaves there. `convex` adds the least isotropic stiffness
-  // that makes every quadrature point's Hessian positive.
-  void add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
-                   BlockMatrix& matrix, Eigen::Matrix3Xd& right_hand_side);
+  // Adds the condensed Hessian, with p in its geometric part. `convex` adds the least isotropic stiffness that makes every
+  // quadrature point's Hessian positive. Remembers grad(V0 Jbar) of these positions for the next two functions.
+  void add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex, BlockMatrix& matrix);
 
-  // After a linear solve at the positions of the last add_hessian, where the growth was Jbar - 1:
+  // Adds lambda c grad(V0 Jbar): what condensation of the multipliers adds to the gradient where c = Jbar - 1 - p / lambda.
+  void add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matrix3Xd& forces) const;
+
+  // After a linear solve, from where the growth was Jbar - 1:
   // p <- lambda (Jbar - 1 + grad Jbar . dx).
   Eigen::VectorXd updated_multipliers(const Eigen::VectorXd& growth, const Eigen::Matrix3Xd& step) const;
 

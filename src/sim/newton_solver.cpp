@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 namespace soft_robot_lab {
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
 constexpr int kHalvings = 8;
+constexpr double kWorthwhileDecrease = 0.5;  // of the residual, by a step with an old factor
 constexpr double kTieStiffness = 1e3;   // of a carried point, over E * size
 
 Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) { return {columns.data(), columns.size()}; }
@@ -173,17 +175,13 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   return result;
 }
 
-bool NewtonSolver::linearise(const NewtonTask& task, const NewtonState& state, bool convex, Eigen::Matrix3Xd& gradient) {
+bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2, bool convex) {
+  linearisation_.reset();
   matrix_.set_zero();
-  gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
-  elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_, gradient);
-  gradient -= loads_n_;
-  if (task.inertia_per_s2 > 0.0) {
-    for (Eigen::Index node = 0; node < gradient.cols(); ++node) {
-      const double weight = task.inertia_per_s2 * body_.node_masses_kg()[node];
-      matrix_.add_to_diagonal(static_cast<int>(node), weight);
-      gradient.col(node) += weight * (state.positions_m.col(node) - task.predicted_m->col(node));
-    }
+  elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
+  if (inertia_per_s2 > 0.0) {
+    for (int node = 0; node < layout_.node_count; ++node)
+      matrix_.add_to_diagonal(node, inertia_per_s2 * body_.node_masses_kg()[node]);
   }
   for (int i = 0; i < constraint_count(); ++i)
     if (state.constraint_multipliers[i] != 0.0)
@@ -192,8 +190,24 @@ bool NewtonSolver::linearise(const NewtonTask& task, const NewtonState& state, b
   for (int point = 0; point < layout_.point_count; ++point)
     ties_.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
   matrix_.hold(body_.fixed());
-  release(gradient);
-  return factor_.factorise(matrix_);
+  if (!factor_.factorise(matrix_)) return false;
+  border_ = border(state.positions_m);
+  border_solved_ = solve(border_);
+  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2});
+  return true;
+}
+
+bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2) const {
+  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 &&
+         linearisation_->at.positions_m == state.positions_m &&
+         linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
+         linearisation_->at.constraint_multipliers == state.constraint_multipliers;
+}
+
+void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
+  if (linearisation == linearisation_) return;
+  linearisation_.reset();
+  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, false);
 }
 
 Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {
@@ -203,31 +217,49 @@ Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) con
   return x.topRows(right_hand_sides.rows());
 }
 
-bool NewtonSolver::find_step(const NewtonTask& task, const NewtonState& state, const Evaluation& here, bool convex,
-                             Step& step) {
-  Eigen::Matrix3Xd gradient;
-  if (!linearise(task, state, convex, gradient)) return false;
-  const int count = constraint_count();
-  const Eigen::MatrixXd b = border(state.positions_m);
-  Eigen::MatrixXd right_hand_sides(gradient.size(), 1 + count);
-  right_hand_sides.col(0) = -as_vector(gradient);
-  right_hand_sides.rightCols(count) = b;
-  const Eigen::MatrixXd solved = solve(right_hand_sides);
+// Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled body
+// is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A (Haynsworth
+// 1968: the inertia of the bordered matrix).
+bool NewtonSolver::stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
+                                const Eigen::VectorXd& multipliers) const {
+  if (factor_.negative_pivots() == 0) return true;
+  std::vector<int> active;
+  for (int i = 0; i < constraint_count(); ++i)
+    if (multipliers[i] > laws[i].min_multiplier && multipliers[i] < laws[i].max_multiplier) active.push_back(i);
+  const int size = static_cast<int>(active.size());
+  if (size < factor_.negative_pivots()) return false;
+  Eigen::MatrixXd sub(size, size);
+  for (int i = 0; i < size; ++i)
+    for (int j = 0; j < size; ++j) sub(i, j) = schur(active[i], active[j]);
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
+  return (eigenvalues.array() < 0.0).count() == factor_.negative_pivots();
+}
 
-  Eigen::VectorXd motion = solved.col(0);
+bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, Step& step) const {
+  const int count = constraint_count();
+  const Eigen::VectorXd mismatch = elements_.mismatch(here.elements.growth, state.element_multipliers_pa);
+  Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
+  elements_.add_mismatch_forces(mismatch, gradient);
+  release(gradient);
+  gradient += here.residual_n;
+
+  // The residual holds the forces of the old multipliers already, so the border answers only for their change.
+  Eigen::VectorXd motion = solve(-as_vector(gradient));
   step.constraint_multipliers.resize(count);
   step.penalties.resize(count);
   if (count > 0) {
-    Eigen::MatrixXd schur = b.transpose() * solved.rightCols(count);
-    Eigen::VectorXd right = b.transpose() * motion;
+    Eigen::MatrixXd schur = border_.transpose() * border_solved_;
+    Eigen::VectorXd right = border_.transpose() * motion + schur * state.constraint_multipliers;
     for (int i = 0; i < count; ++i) {
-      step.penalties[i] = 1.0 / std::max(schur(i, i) + here.laws[i].compliance, 1e-300);
+      step.penalties[i] = 1.0 / std::max(std::abs(schur(i, i)) + here.laws[i].compliance, 1e-300);
       schur(i, i) += here.laws[i].compliance;
       right[i] += here.laws[i].offset;
     }
     step.constraint_multipliers = solve_bounded(schur, right, here.laws);
-    motion -= solved.rightCols(count) * step.constraint_multipliers;
+    if (!stable_under(schur, here.laws, step.constraint_multipliers)) return false;
+    motion -= border_solved_ * (step.constraint_multipliers - state.constraint_multipliers);
   }
+  if (count == 0 && factor_.negative_pivots() > 0) return false;
   if (!motion.allFinite()) return false;
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
   step.element_multipliers_pa = elements_.updated_multipliers(here.elements.growth, step.motion_m);
@@ -235,11 +267,25 @@ bool NewtonSolver::find_step(const NewtonTask& task, const NewtonState& state, c
   // Slope of the merit function; -slope = dx' A dx without its volumetric part, plus the penalties' decrease.
   const Eigen::VectorXd c = elements_.mismatch(here.elements.growth, step.element_multipliers_pa);
   const double squared = c.cwiseAbs2().dot(elements_.rest_volumes_m3());
-  step.slope = gradient.cwiseProduct(step.motion_m).sum() + (elements_.lambda_pa() - kPenaltyOverMu * elements_.mu_pa()) * squared;
-  step.slope += step.constraint_multipliers.dot(b.transpose() * motion);
+  step.slope = as_vector(gradient).dot(motion) + (elements_.lambda_pa() - kPenaltyOverMu * elements_.mu_pa()) * squared;
+  step.slope += (step.constraint_multipliers - state.constraint_multipliers).dot(border_.transpose() * motion);
   for (int i = 0; i < count; ++i)
     step.slope -= step.penalties[i] * std::pow(violation(here.laws[i], step.constraint_multipliers[i]), 2);
   return std::isfinite(step.slope);
+}
+
+// One step by the last factor, kept only where it brings the residual well down. Volume and constraint multipliers stay
+// unknowns of their own, so it converges as fast as the body has turned little, however incompressible it is.
+bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here) const {
+  if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2) return false;
+  Step step;
+  if (!find_step(state, here, step)) return false;
+  NewtonState trial{state.positions_m + step.motion_m, step.element_multipliers_pa, step.constraint_multipliers};
+  Evaluation there = evaluate(task, trial);
+  if (!there.finite || there.relative_residual > kWorthwhileDecrease * here.relative_residual) return false;
+  state = std::move(trial);
+  here = std::move(there);
+  return true;
 }
 
 double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
@@ -254,6 +300,27 @@ double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
     sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(at.laws[i], y), 2);
   }
   return sum;
+}
+
+// Goes along the step as far as the merit function falls; false where it does not.
+bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
+                               double& length) const {
+  const double start = merit(here, step);
+  length = 1.0;
+  for (int halving = 0; halving <= kHalvings; ++halving, length *= 0.5) {
+    NewtonState trial = state;
+    trial.positions_m += length * step.motion_m;
+    trial.element_multipliers_pa += length * (step.element_multipliers_pa - state.element_multipliers_pa);
+    trial.constraint_multipliers += length * (step.constraint_multipliers - state.constraint_multipliers);
+    Evaluation there = evaluate(task, trial);
+    if (!there.finite) continue;
+    const double allowed = start + 1e-4 * length * step.slope + 1e-12 * std::abs(start);
+    if (merit(there, step) > allowed && there.relative_residual > 0.5 * here.relative_residual) continue;
+    state = std::move(trial);
+    here = std::move(there);
+    return true;
+  }
+  return false;
 }
 
 NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
@@ -273,56 +340,49 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     return report;
   };
 
-  bool convex = false;
+  bool convex = false, old_factor = task.reuse_factor;
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
-    Step step;
     ++report.iterations;
-    bool found = find_step(task, state, here, convex, step);
+    if (old_factor && try_old_factor(task, state, here)) continue;
+    old_factor = false;
+
+    Step step;
+    const auto fresh_step = [&] {
+      if (!convex && linearised_at(state, task.inertia_per_s2)) return find_step(state, here, step);
+      ++report.factorisations;
+      return linearise(state, task.inertia_per_s2, convex) && find_step(state, here, step);
+    };
+    bool found = fresh_step();
     if (!convex && (!found || step.slope > 0.0)) {
       convex = true;
-      found = find_step(task, state, here, convex, step);
+      found = fresh_step();
     }
     if (convex) ++report.convexified;
     if (!found) return finish("the stiffness matrix could not be factorised");
 
-    const double start = merit(here, step);
     double length = 1.0;
-    bool accepted = false;
-    for (int halving = 0; halving <= kHalvings && !accepted; ++halving, length *= 0.5) {
-      NewtonState trial = state;
-      trial.positions_m += length * step.motion_m;
-      trial.element_multipliers_pa += length * (step.element_multipliers_pa - state.element_multipliers_pa);
-      trial.constraint_multipliers += length * (step.constraint_multipliers - state.constraint_multipliers);
-      Evaluation there = evaluate(task, trial);
-      if (!there.finite) continue;
-      const double allowed = start + 1e-4 * length * step.slope + 1e-12 * std::abs(start);
-      accepted = merit(there, step) <= allowed || there.relative_residual < 0.5 * here.relative_residual;
-      if (!accepted) continue;
-      state = std::move(trial);
-      here = std::move(there);
-    }
-    if (length < 0.5) ++report.shortened;
-    if (accepted) {
-      convex = convex && length < 0.5;
-      continue;
-    }
-    if (convex) return finish("no step lowers the energy");
-    convex = true;
+    const bool accepted = search_line(task, step, state, here, length);
+    if (length < 1.0) ++report.shortened;
+    if (!accepted && convex) return finish("no step lowers the energy");
+    convex = !accepted || (convex && length < 1.0);
+    old_factor = accepted && task.reuse_factor && !convex;
   }
   return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");
 }
 
 Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
-  Eigen::Matrix3Xd gradient;
-  if (!linearise(NewtonTask{}, state, false, gradient)) return {};
+  if (!linearised_at(state, 0.0) && !linearise(state, 0.0, false)) return {};
   const int count = constraint_count();
-  const Eigen::MatrixXd b = border(state.positions_m);
-  const Eigen::MatrixXd solved = solve(b);
-  Eigen::MatrixXd schur = b.transpose() * solved;
+  Eigen::MatrixXd schur = border_.transpose() * border_solved_;
+  std::vector<ConstraintLaw> laws;
+  for (const Constraint* constraint : constraints_) laws.push_back(constraint->law(constraint->value(state.positions_m)));
+  Eigen::MatrixXd compliant = schur;
+  for (int i = 0; i < count; ++i) compliant(i, i) += laws[i].compliance;
+  if (!stable_under(compliant, laws, state.constraint_multipliers)) return {};
   Eigen::MatrixXd drive = Eigen::MatrixXd::Zero(count, count);  // rows: constraints, columns: commands
   for (int i = 0; i < count; ++i) {
-    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(state.positions_m));
+    const ConstraintLaw& law = laws[i];
     const double y = state.constraint_multipliers[i];
     const bool slack = !law.prescribed() && (y <= law.min_multiplier || y >= law.max_multiplier);
     if (law.prescribed() || slack) {
@@ -335,8 +395,8 @@ Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
       drive(i, i) = law.offset_per_command;
     }
   }
-  if (count == 0) return solved;
-  return -solved * schur.fullPivLu().solve(drive);
+  if (count == 0) return border_solved_;
+  return -border_solved_ * schur.fullPivLu().solve(drive);
 }
 
 }  // namespace soft_robot_lab

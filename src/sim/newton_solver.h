@@ -6,6 +6,7 @@
 //   [ B' -a ] [ y] = [ -o ]     a: compliance, o: offset (ConstraintLaw), y within its bounds
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,12 @@ struct NewtonState {
   Eigen::VectorXd constraint_multipliers;  // y
 };
 
+// Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never stopped.
+struct Linearisation {
+  NewtonState at;
+  double inertia_per_s2 = 0.0;
+};
+
 // minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)
 struct NewtonTask {
   double inertia_per_s2 = 0.0;             // 1/h^2; zero asks for the equilibrium
@@ -34,11 +41,13 @@ struct NewtonTask {
   double tolerance = 1e-6;
   int min_iterations = 0;
   int max_iterations = 60;
+  bool reuse_factor = false;  // first try what the last factor can still do
 };
 
 struct NewtonReport {
   bool converged = false;
-  int iterations = 0;
+  int iterations = 0;     // linear solves
+  int factorisations = 0;
   int shortened = 0;      // steps that the line search cut
   int convexified = 0;    // iterations with a shifted matrix
   double residual = 0.0;
@@ -57,6 +66,10 @@ class NewtonSolver {
   // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint; a constraint's command is that of
   // its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
   Eigen::MatrixXd sensitivities(const NewtonState& state);
+
+  // The last linearisation, or nullptr where it cannot be reused; and making it again.
+  const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
+  void restore(const std::shared_ptr<const Linearisation>& linearisation);
 
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
   double factor_flops() const { return factor_.flops(); }
@@ -79,8 +92,13 @@ class NewtonSolver {
   };
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
-  bool linearise(const NewtonTask& task, const NewtonState& state, bool convex, Eigen::Matrix3Xd& gradient);
-  bool find_step(const NewtonTask& task, const NewtonState& state, const Evaluation& here, bool convex, Step& step);
+  bool linearise(const NewtonState& state, double inertia_per_s2, bool convex);
+  bool linearised_at(const NewtonState& state, double inertia_per_s2) const;
+  bool stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
+                    const Eigen::VectorXd& multipliers) const;
+  bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
+  bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here) const;
+  bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here, double& length) const;
   double merit(const Evaluation& at, const Step& step) const;
   void release(Eigen::Matrix3Xd& forces) const;  // zero on held degrees of freedom
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor
@@ -107,6 +125,10 @@ class NewtonSolver {
   Elements elements_;
   CliqueAdder ties_;
   std::vector<CliqueAdder> adders_;  // per constraint
+
+  // The last linearisation: its factor is in factor_, its volume gradients are in elements_.
+  std::shared_ptr<const Linearisation> linearisation_;  // null where it was convex or failed
+  Eigen::MatrixXd border_, border_solved_;      // B and A^-1 B, over 3*node + axis
 };
 
 }  // namespace soft_robot_lab

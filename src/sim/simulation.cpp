@@ -13,18 +13,20 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kSmallestStage = 64;     // a command change is cut into at most this many continuation stages
+constexpr double kSmallestStage = 64;  // a command change is cut into at most this many continuation stages
 constexpr int kDeepestHalving = 6;     // a time step is cut into at most 2^6 parts
+constexpr double kLargestGrowth = 2.0;  // of a time step over the one before; BDF2 is stable up to 1 + sqrt(2)
 constexpr int kRelaxationSteps = 600;  // time steps in which gauss_seidel must come to rest
 constexpr int kPatience = 100;         // of which it takes this many before it doubles its substeps, four times at most
 constexpr int kPullSteps = 30;         // over which it moves the actuators then
 constexpr int kThreads = 2;            // of gauss_seidel, on meshes large enough to be worth it
 constexpr int kStageIterations = 25;   // Newton iterations before a stage is cut
+constexpr int kBudget = 10;            // an equilibrium may take this many times max_iterations in all
 
 void require(bool ok, const char* field, double value, const char* range) {
   if (ok) return;
   std::ostringstream message;
-  message << "solver." << field << ": " << value << " is out of range " << range;
+  message << field << ": " << value << " is out of range " << range;
   throw std::invalid_argument(message.str());
 }
 
@@ -48,6 +50,30 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// Backward differentiation over one step of length h, or over it and the one before:  y' = (y - from) / gamma.
+// With w = h / previous h (Hairer, Norsett & Wanner 1993, III.5):
+//   gamma = h (1 + w) / (1 + 2 w),   from = ((1 + w)^2 y1 - w^2 y2) / (1 + 2 w);   w = 0 is implicit Euler.
+// Applied to x and v it gives  M (x - x~) / gamma^2 = force(x),  x~ = x_from + gamma v_from.
+// For equal steps:  9/4 M (x - x~) / h^2 = force(x),  x~ = (4 x1 - x2) / 3 + 2/9 h (4 v1 - v2).
+struct BackwardDifference {
+  double gamma_s;
+  Eigen::Matrix3Xd positions_from_m, velocities_from_m_s;
+
+  BackwardDifference(const SimulationState& state, double h) {
+    const double w = state.previous_step_s > 0.0 ? h / state.previous_step_s : 0.0;
+    if (w == 0.0 || w > kLargestGrowth) {
+      gamma_s = h;
+      positions_from_m = state.positions_m;
+      velocities_from_m_s = state.velocities_m_s;
+      return;
+    }
+    const double one = (1.0 + w) * (1.0 + w) / (1.0 + 2.0 * w), two = w * w / (1.0 + 2.0 * w);
+    gamma_s = h * (1.0 + w) / (1.0 + 2.0 * w);
+    positions_from_m = one * state.positions_m - two * state.previous_positions_m;
+    velocities_from_m_s = one * state.velocities_m_s - two * state.previous_velocities_m_s;
+  }
+};
+
 std::vector<const Constraint*> constraints_of(const std::vector<std::unique_ptr<Actuator>>& actuators) {
   std::vector<const Constraint*> all;
   for (const auto& actuator : actuators)
@@ -58,12 +84,14 @@ std::vector<const Constraint*> constraints_of(const std::vector<std::unique_ptr<
 }  // namespace
 
 void SolverOptions::validate() const {
-  require(time_step_s > 0.0 && time_step_s <= 1.0, "time_step_s", time_step_s, "(0, 1]");
-  require(tolerance > 0.0 && tolerance < 1.0, "tolerance", tolerance, "(0, 1)");
-  require(dynamic_tolerance > 0.0 && dynamic_tolerance < 1.0, "dynamic_tolerance", dynamic_tolerance, "(0, 1)");
-  require(max_iterations >= 1 && max_iterations <= 10000, "max_iterations", max_iterations, "[1, 10000]");
-  require(substep_count >= 1 && substep_count <= 10000, "substeps", substep_count, "[1, 10000]");
-  require(iteration_count >= 1 && iteration_count <= 10000, "iterations", iteration_count, "[1, 10000]");
+  require(time_step_s > 0.0 && time_step_s <= 1.0, "solver.time_step_s", time_step_s, "(0, 1]");
+  require(tolerance > 0.0 && tolerance < 1.0, "solver.tolerance", tolerance, "(0, 1)");
+  require(dynamic_tolerance > 0.0 && dynamic_tolerance < 1.0, "solver.dynamic_tolerance", dynamic_tolerance, "(0, 1)");
+  require(max_iterations >= 1 && max_iterations <= 10000, "solver.max_iterations", max_iterations, "[1, 10000]");
+  require(substep_count >= 1 && substep_count <= 10000, "solver.substeps", substep_count, "[1, 10000]");
+  require(iteration_count >= 1 && iteration_count <= 10000, "solver.iterations", iteration_count, "[1, 10000]");
+  if (method == Method::gauss_seidel && integrator != Integrator::implicit_euler)
+    throw std::invalid_argument("solver.integrator: must be implicit_euler with solver.method gauss_seidel, not bdf2");
 }
 
 struct Simulation::Parts {
@@ -96,7 +124,9 @@ struct Simulation::Parts {
     state.constraint_multipliers = std::move(solved.constraint_multipliers);
   }
 
-  void remember_commands() {
+  // What actuators and solver know, so that a copy of the state has it.
+  void remember() {
+    state.linearisation = solver.linearisation();
     for (std::size_t i = 0; i < actuators.size(); ++i) {
       state.commands[i] = actuators[i]->command();
       state.actuated_commands[i] = actuators[i]->actuated_command();
@@ -121,9 +151,18 @@ struct Simulation::Parts {
     return text.str();
   }
 
-  void fill(SolveReport& report, const NewtonReport& newton) const {
+  // Solves from the present state, which it leaves alone; the report counts the work and tells how this solve ended.
+  NewtonReport solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
+    const NewtonReport newton = solver.solve(task, unknown);
+    ++report.steps;
     report.iterations += newton.iterations;
-    report.rejected_steps += newton.shortened + newton.convexified;
+    report.factorisations += newton.factorisations;
+    report.rejected_steps += newton.shortened + newton.convexified + (newton.converged ? 0 : 1);
+    tell_end(newton, report);
+    return newton;
+  }
+
+  void tell_end(const NewtonReport& newton, SolveReport& report) const {
     report.converged = newton.converged;
     report.residual = newton.residual;
     report.inverted_elements = newton.inverted_elements;
@@ -134,24 +173,23 @@ struct Simulation::Parts {
     }
   }
 
-  // One implicit Euler step of length h, or two halves where it does not converge.
+  // One step of length h, or two halves where it does not converge. What bdf2 knows of the step before lets their lengths
+  // differ; where they grow too fast, as they may after halved steps, one step is implicit Euler's.
   void advance(double h, int depth, SolveReport& report) {
-    const SimulationState before = state;
+    SimulationState before = state;
     for (auto& actuator : actuators) actuator->advance(h);
-    const Eigen::Matrix3Xd predicted = state.positions_m + h * state.velocities_m_s;
+    const BackwardDifference difference(state, h);
+    const Eigen::Matrix3Xd predicted = difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
     NewtonTask task;
-    task.inertia_per_s2 = 1.0 / (h * h);
+    task.inertia_per_s2 = 1.0 / (difference.gamma_s * difference.gamma_s);
     task.predicted_m = &predicted;
     task.tolerance = options.dynamic_tolerance;
     task.min_iterations = 1;
+    task.reuse_factor = true;
     task.max_iterations = depth < kDeepestHalving ? std::min(options.max_iterations, kStageIterations) : options.max_iterations;
     NewtonState unknown = unknowns();
-    unknown.positions_m = predicted;
-    const NewtonReport newton = solver.solve(task, unknown);
-    ++report.steps;
-    if (!newton.converged && depth < kDeepestHalving) {
-      report.iterations += newton.iterations;
-      ++report.rejected_steps;
+    unknown.positions_m = state.positions_m + h * state.velocities_m_s;
+    if (!solve(task, unknown, report).converged && depth < kDeepestHalving) {
       restore(before);
       advance(0.5 * h, depth + 1, report);
       const bool first = report.converged;
@@ -159,55 +197,61 @@ struct Simulation::Parts {
       report.converged = report.converged && first;
       return;
     }
-    fill(report, newton);
-    state.velocities_m_s = (unknown.positions_m - before.positions_m) / h;
+    state.velocities_m_s = (unknown.positions_m - difference.positions_from_m) / difference.gamma_s;
     accept(std::move(unknown));
     state.time_s = before.time_s + h;
-    remember_commands();
+    if (options.integrator == Integrator::bdf2) {
+      state.previous_step_s = h;
+      state.previous_positions_m = std::move(before.positions_m);
+      state.previous_velocities_m_s = std::move(before.velocities_m_s);
+    }
+    remember();
   }
 
-  NewtonReport relax(SolveReport& report) {
+  bool within_budget(const SolveReport& report) const { return report.iterations < kBudget * options.max_iterations; }
+
+  bool relax(SolveReport& report) {
     NewtonTask task;
     task.tolerance = options.tolerance;
-    task.max_iterations = options.max_iterations;
+    task.max_iterations = std::min(options.max_iterations, kStageIterations);
     NewtonState unknown = unknowns();
-    NewtonReport newton = solver.solve(task, unknown);
-    ++report.steps;
-    if (newton.converged) accept(std::move(unknown));
-    return newton;
+    if (!solve(task, unknown, report).converged) return false;
+    accept(std::move(unknown));
+    return true;
   }
 
   // Down the energy in steps that inertia keeps short, longer and longer (pseudo-transient continuation, Kelley & Keyes
-  // 1998), until Newton alone converges: finds its way through buckling.
-  NewtonReport descend(SolveReport& report) {
-    double h = 0.02;
-    NewtonReport last;
-    for (int stage = 0; stage < 80; ++stage) {
+  // 1998), until inertia has no say and Newton alone converges: finds its way through buckling, where a rest state that
+  // Newton would run to is a saddle.
+  bool descend(SolveReport& report) {
+    const Material& material = body.material();
+    const double wave_s = body.size_m() * std::sqrt(material.density_kg_m3 / material.youngs_modulus_pa);
+    double h = 3.0 * wave_s;
+    while (within_budget(report) && h > 1e-3 * wave_s) {
       NewtonTask task;
       task.tolerance = std::max(options.tolerance, 1e-4);
+      task.min_iterations = 1;
       task.max_iterations = kStageIterations;
       task.inertia_per_s2 = 1.0 / (h * h);
       const Eigen::Matrix3Xd start = state.positions_m;
       task.predicted_m = &start;
       NewtonState unknown = unknowns();
-      last = solver.solve(task, unknown);
-      ++report.steps;
-      report.iterations += last.iterations;
-      if (!last.converged) {
-        ++report.rejected_steps;
+      const NewtonReport newton = solve(task, unknown, report);
+      if (!newton.converged) {
         h *= 0.25;
-        if (h < 1e-5) return last;
         continue;
       }
-      const double moved = (unknown.positions_m - start).colwise().norm().maxCoeff();
       accept(std::move(unknown));
-      h *= 2.0;
-      if (moved > 1e-2 * body.size_m() && h < 10.0) continue;
-      last = relax(report);
-      if (last.converged) return last;
-      report.iterations += last.iterations;
+      if (h > 1e3 * wave_s && relax(report)) return true;
+      h *= newton.iterations <= 5 ? 3.0 : 1.5;
     }
-    return last;
+    return false;
+  }
+
+  void forget_previous_step() {
+    state.previous_step_s = 0.0;
+    state.previous_positions_m.resize(3, 0);
+    state.previous_velocities_m_s.resize(3, 0);
   }
 
   // One time step of gauss_seidel; kept only where it is finite. The residual is that of a body at rest or of the last
@@ -217,8 +261,9 @@ struct Simulation::Parts {
     GaussSeidelState moving{unknowns(), state.velocities_m_s, state.element_forces_n};
     const GaussSeidelReport done = gauss_seidel->advance_stably(task, moving);
     ++report.steps;
+    report.iterations += done.sweeps;
+    report.rejected_steps += done.rejected_steps;
     NewtonReport found;
-    found.iterations = done.sweeps;
     if (done.finite) {
       accept(std::move(moving.unknowns));
       state.velocities_m_s = std::move(moving.velocities_m_s);
@@ -230,7 +275,6 @@ struct Simulation::Parts {
       residual.inertia_per_s2 = at_rest ? 0.0 : std::pow(done.substeps / task.time_step_s, 2);
       NewtonState measured = unknowns();
       found = solver.solve(residual, measured);
-      found.iterations = done.sweeps;
       if (!at_rest) {
         found.converged = done.stable;
         found.reason =
@@ -241,8 +285,7 @@ struct Simulation::Parts {
       found.residual = 1.0;
       found.reason = "the step went non-finite and was undone";
     }
-    report.rejected_steps += done.rejected_steps;
-    fill(report, found);
+    tell_end(found, report);
     return done;
   }
 
@@ -268,7 +311,7 @@ struct Simulation::Parts {
     };
     if (!advance_in_substeps(task, false, report).finite) return;
     state.time_s += task.time_step_s;
-    remember_commands();
+    remember();
   }
 
   // Dynamic relaxation with kinetic damping (Cundall 1976): motion stops whenever it has begun to slow down.
@@ -292,6 +335,7 @@ struct Simulation::Parts {
 
   void restore(const SimulationState& saved) {
     state = saved;
+    if (options.integrator != Integrator::bdf2) forget_previous_step();
     for (std::size_t i = 0; i < actuators.size(); ++i) actuators[i]->restore(saved.commands[i], saved.actuated_commands[i]);
   }
 };
@@ -337,41 +381,36 @@ SolveReport Simulation::solve_equilibrium() {
   Parts& p = *parts_;
   const SimulationState before = p.state;
   p.state.velocities_m_s.setZero();
+  p.forget_previous_step();
   if (p.gauss_seidel) {
     p.settle_in_substeps(report);
-    p.remember_commands();
+    p.remember();
     report.wall_s = clock.seconds();
     return report;
   }
   const std::vector<double> from = p.state.actuated_commands;
   double done = 0.0, stage = 1.0;
-  NewtonReport newton;
-  while (done < 1.0) {
+  while (done < 1.0 && p.within_budget(report)) {
     const double share = std::min(1.0, done + stage);
     p.move_actuators(from, share);
-    newton = p.relax(report);
-    if (newton.converged) {
-      p.fill(report, newton);
-      done = share;
-      stage *= 2.0;
-      continue;
+    bool found = p.relax(report);
+    if (!found && stage * kSmallestStage <= 1.0) {
+      found = p.descend(report);
+      if (!found) break;
     }
-    report.iterations += newton.iterations;
-    ++report.rejected_steps;
-    stage *= 0.5;
-    if (stage * kSmallestStage >= 1.0) continue;
-    stage = 1.0 / kSmallestStage;
-    newton = p.descend(report);
-    p.fill(report, newton);
-    if (!newton.converged) break;
-    done = share;
+    if (found) done = share;
+    stage *= found ? 2.0 : 0.5;
   }
-  if (!newton.converged) {
+  if (done < 1.0) {
     p.move_actuators(from, 1.0);
-    report.message = "no equilibrium found beyond " + std::to_string(done * 100.0) + " % of the command change: " + report.message;
+    report.converged = false;
+    std::ostringstream reached;
+    reached << "no equilibrium found beyond " << 100.0 * done << " % of the command change, in " << report.iterations
+            << " iterations: " << (report.message.empty() ? "work limit" : report.message);
+    report.message = reached.str();
   }
   p.state.time_s = before.time_s;
-  p.remember_commands();
+  p.remember();
   report.wall_s = clock.seconds();
   return report;
 }
@@ -379,6 +418,7 @@ SolveReport Simulation::solve_equilibrium() {
 Eigen::MatrixXd Simulation::marker_sensitivities() {
   Parts& p = *parts_;
   const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns());
+  p.remember();
   if (motions.rows() == 0 && p.solver.constraint_count() > 0)
     throw std::runtime_error("no sensitivity: the present state is not a stable equilibrium");
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(p.markers.size()),
@@ -401,6 +441,7 @@ void Simulation::reset() {
   s.time_s = 0.0;
   s.positions_m = p.body.mesh().nodes_m;
   s.velocities_m_s = Eigen::Matrix3Xd::Zero(3, p.body.mesh().node_count());
+  p.forget_previous_step();
   s.element_multipliers_pa = Eigen::VectorXd::Zero(p.body.mesh().tet_count());
   s.constraint_multipliers = Eigen::VectorXd::Zero(p.solver.constraint_count());
   s.element_forces_n = Eigen::VectorXd::Zero(p.gauss_seidel ? p.gauss_seidel->force_count() : 0);
@@ -410,6 +451,8 @@ void Simulation::reset() {
     s.commands.push_back(actuator->limits().rest);
   }
   s.actuated_commands = s.commands;
+  s.linearisation = nullptr;
+  p.solver.restore(nullptr);
 }
 
 const SimulationState& Simulation::state() const { return parts_->state; }
@@ -423,11 +466,18 @@ void Simulation::set_state(const SimulationState& state) {
                      state.element_forces_n.size() == now.element_forces_n.size() &&
                      state.commands.size() == now.commands.size() &&
                      state.actuated_commands.size() == now.actuated_commands.size();
-  if (!sizes) throw std::invalid_argument("state: its sizes are not those of this simulation");
-  if (!state.positions_m.allFinite() || !state.velocities_m_s.allFinite() || !state.element_multipliers_pa.allFinite() ||
+  const Eigen::Index previous = state.previous_step_s != 0.0 ? now.positions_m.cols() : 0;
+  const bool previous_sizes =
+      state.previous_positions_m.cols() == previous && state.previous_velocities_m_s.cols() == previous;
+  if (!sizes || !previous_sizes) throw std::invalid_argument("state: its sizes are not those of this simulation");
+  require(state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0, "state.previous_step_s", state.previous_step_s,
+          "[0, 1]");
+  if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
+      !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() || !state.element_multipliers_pa.allFinite() ||
       !state.constraint_multipliers.allFinite() || !state.element_forces_n.allFinite() || !std::isfinite(state.time_s))
     throw std::invalid_argument("state: not finite");
   parts_->restore(state);
+  parts_->solver.restore(state.linearisation);
 }
 
 const Body& Simulation::body() const { return parts_->body; }
@@ -447,14 +497,14 @@ Eigen::Vector3d Simulation::marker_position(int marker) const {
   return parts_->markers.at(marker).position(parts_->state.positions_m);
 }
 
-ActuatorState Simulation::actuator_state(int actuator) const {
+ActuatorReading Simulation::actuator_state(int actuator) const {
   std::size_t first = 0;
   for (int i = 0; i < actuator; ++i) first += parts_->actuators[i]->constraints().size();
   const Actuator& chosen = *parts_->actuators.at(actuator);
   std::vector<double> multipliers;
   for (std::size_t i = 0; i < chosen.constraints().size(); ++i)
     multipliers.push_back(parts_->state.constraint_multipliers[static_cast<Eigen::Index>(first + i)]);
-  ActuatorState state = chosen.observe(parts_->state.positions_m, multipliers);
+  ActuatorReading state = chosen.observe(parts_->state.positions_m, multipliers);
   state.name = chosen.name();
   state.command = chosen.command();
   state.actuated_command = chosen.actuated_command();

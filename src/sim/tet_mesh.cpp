@@ -137,7 +137,7 @@ void check_indices(const TetMesh& mesh) {
 
 void check_nodes(const TetMesh& mesh) {
   std::vector<bool> used(static_cast<size_t>(mesh.node_count()), false);
-  for (const int node : mesh.tets.reshaped()) used[static_cast<size_t>(node)] = true;
+  for (Eigen::Index i = 0; i < mesh.tets.size(); ++i) used[static_cast<size_t>(mesh.tets.data()[i])] = true;
   for (int node = 0; node < mesh.node_count(); ++node) {
     const std::string name = "node " + std::to_string(node) + " at " + place_text(mesh.nodes_m.col(node));
     if (!mesh.nodes_m.col(node).allFinite()) refuse(name + " is not finite");
@@ -244,7 +244,7 @@ TetMesh make_linear(const TetMesh& mesh) {
   result.tets = mesh.tets.topRows(4);
   result.faces = mesh.faces.topRows(std::min<Eigen::Index>(3, mesh.faces.rows()));
   std::vector<int> renumbered(static_cast<size_t>(mesh.node_count()), -1);
-  for (const int node : result.tets.reshaped()) renumbered[static_cast<size_t>(node)] = 0;
+  for (Eigen::Index i = 0; i < result.tets.size(); ++i) renumbered[static_cast<size_t>(result.tets.data()[i])] = 0;
   int count = 0;
   for (int node = 0; node < mesh.node_count(); ++node) {
     if (renumbered[static_cast<size_t>(node)] < 0) continue;

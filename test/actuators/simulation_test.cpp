@@ -18,6 +18,7 @@ struct Bar {
   Eigen::Vector3i cells = {8, 2, 2};
   bool quadratic = true;
   std::string cables = "";  // settings of two cables' common keys
+  std::vector<double> via_m = {0.0, 0.02, 0.04, 0.06, 0.08, 0.095};  // their points along the bar
   SolverOptions options;
 };
 
@@ -35,7 +36,7 @@ Simulation make_bar(const Bar& bar) {
       std::ostringstream settings;
       settings << "{name: " << (y > 0 ? "upper" : "lower") << ", " << bar.cables << ", sheath_radius_m: " << 0.001 * s
                << ", plug_radius_m: " << 0.003 * s << ", points_m: [";
-      for (const double x : {0.0, 0.02, 0.04, 0.06, 0.08, 0.095})
+      for (const double x : bar.via_m)
         settings << (x > 0 ? ", " : "") << "[" << s * x << ", " << y << ", 0]";
       settings << "]}";
       actuators.push_back(std::make_unique<Cable>());
@@ -49,7 +50,7 @@ Simulation make_bar(const Bar& bar) {
 }
 
 TEST(Equilibrium, NeedsFewIterationsHoweverIncompressible) {
-  for (const double poissons_ratio : {0.45, 0.499, 0.4999, 0.499999}) {
+  for (const double poissons_ratio : {0.0, 0.3, 0.45, 0.499, 0.4999, 0.499999}) {
     Bar bar;
     bar.poissons_ratio = poissons_ratio;
     Simulation simulation = make_bar(bar);
@@ -57,7 +58,8 @@ TEST(Equilibrium, NeedsFewIterationsHoweverIncompressible) {
     EXPECT_TRUE(report.converged) << report.message;
     EXPECT_LE(report.iterations, 8) << poissons_ratio;
     EXPECT_EQ(report.inverted_elements, 0);
-    EXPECT_NEAR(simulation.marker_position(0).y(), -0.01462, 0.03 * 0.01462) << poissons_ratio;
+    // The reference's tip sags 14.62 mm at 0.499 and 0.13 mm more at 0.45; below that the clamp holds the section less.
+    EXPECT_NEAR(simulation.marker_position(0).y(), -0.01462, (poissons_ratio < 0.4 ? 0.06 : 0.03) * 0.01462) << poissons_ratio;
   }
 }
 
@@ -93,7 +95,7 @@ TEST(Equilibrium, CableReachesItsLengthAndNeverPushes) {
   simulation.set_command("lower", 1.2);
   const SolveReport report = simulation.solve_equilibrium();
   ASSERT_TRUE(report.converged) << report.message;
-  const ActuatorState upper = simulation.actuator_state(0), lower = simulation.actuator_state(1);
+  const ActuatorReading upper = simulation.actuator_state(0), lower = simulation.actuator_state(1);
   EXPECT_NEAR(*upper.length_m, 0.8 * *upper.rest_length_m, 1e-7);
   EXPECT_GT(*upper.tension_n, 1.0);
   EXPECT_EQ(*lower.tension_n, 0.0);
@@ -106,7 +108,7 @@ TEST(Equilibrium, CompliantCableStretchesByItsTension) {
   Simulation simulation = make_bar(bar);
   simulation.set_command("upper", 0.9);
   ASSERT_TRUE(simulation.solve_equilibrium().converged);
-  const ActuatorState upper = simulation.actuator_state(0);
+  const ActuatorReading upper = simulation.actuator_state(0);
   EXPECT_NEAR(*upper.length_m, 0.9 * *upper.rest_length_m + 1.0e-3 * *upper.tension_n, 1e-7);
 }
 
@@ -142,6 +144,28 @@ TEST(Equilibrium, SensitivitiesAgreeWithDifferences) {
   }
 }
 
+TEST(Equilibrium, BucklesUnderItsOwnCables) {
+  // Straight from end to end and pulled alike, both cables press the bar until it gives way to the side; there the stiffness of body and tensions alone
+  // is not positive, the cables' lengths hold it.
+  Bar bar;
+  bar.cables = "compliance_m_n: 0";
+  bar.via_m = {0.0, 0.095};
+  bar.options.tolerance = 1e-9;
+  Simulation simulation = make_bar(bar);
+  const auto solve = [&](double upper) {
+    simulation.set_command("upper", upper);
+    simulation.set_command("lower", 0.8);
+    const SolveReport report = simulation.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    return simulation.marker_position(0);
+  };
+  const Eigen::Vector3d tip = solve(0.8);
+  EXPECT_GT(std::abs(tip.z()), 0.005);
+  const Eigen::Vector3d exact = simulation.marker_sensitivities().block<3, 1>(0, 0);
+  const Eigen::Vector3d difference = (solve(0.8 + 1e-5) - solve(0.8 - 1e-5)) / 2e-5;
+  EXPECT_LT((exact - difference).norm(), 2e-3 * difference.norm());
+}
+
 TEST(Equilibrium, SlackCableHasNoSensitivity) {
   Bar bar;
   bar.cables = "compliance_m_n: 0";
@@ -174,8 +198,13 @@ TEST(Dynamics, FallsFreelyAtFirst) {
   EXPECT_NEAR(simulation.marker_position(0).y(), -0.5 * 9.81 * 0.005 * 0.0051, 2e-7);
 }
 
-TEST(Dynamics, RepeatsToTheLastBit) {
+class EitherIntegrator : public testing::TestWithParam<Integrator> {};
+INSTANTIATE_TEST_SUITE_P(Dynamics, EitherIntegrator, testing::Values(Integrator::implicit_euler, Integrator::bdf2),
+                         [](const auto& param) { return param.param == Integrator::bdf2 ? "bdf2" : "implicit_euler"; });
+
+TEST_P(EitherIntegrator, RepeatsToTheLastBit) {
   Bar bar;
+  bar.options.integrator = GetParam();
   bar.cables = "compliance_m_n: 1.0e-5, pull_speed_m_s: 0.02";
   Simulation first = make_bar(bar), second = make_bar(bar);
   SimulationState middle;
@@ -190,9 +219,10 @@ TEST(Dynamics, RepeatsToTheLastBit) {
   EXPECT_EQ(first.state().time_s, second.state().time_s);
 }
 
-TEST(Dynamics, SurvivesASuddenStrongPull) {
+TEST_P(EitherIntegrator, SurvivesASuddenStrongPull) {
   Bar bar;
   bar.cables = "compliance_m_n: 0";
+  bar.options.integrator = GetParam();
   Simulation simulation = make_bar(bar);
   simulation.set_command("upper", 0.7);
   for (int i = 0; i < 60; ++i) {

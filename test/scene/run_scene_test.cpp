@@ -136,6 +136,19 @@ TEST(RunScene, GivesCommandsNoSoonerThanTheirTime) {
   EXPECT_NE(unpulled[7], pulled[7]);
 }
 
+TEST(RunScene, WritesTheFrequenciesOfTheRestShape) {
+  const Outcome outcome = run("run: {mode: modal, modes: 3}\n");
+  EXPECT_TRUE(outcome.report.solve.converged);
+  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "solver", "frequencies_hz"}));
+  const std::vector<double> found_hz = outcome.json["frequencies_hz"];
+  ASSERT_EQ(found_hz.size(), 3u);
+  // Reference R6: 5.04 Hz; these elements are as large as the bar is thick.
+  for (int i = 0; i < 2; ++i) EXPECT_NEAR(found_hz[i], 5.04, 0.05 * 5.04);
+  EXPECT_GT(found_hz[2], 15.0);
+  EXPECT_GT(outcome.json["solver"]["iterations"].get<int>(), 1);
+  EXPECT_NE(outcome.summary.find("mode 3 at "), std::string::npos);
+}
+
 TEST(RunScene, IsTheSameEveryTime) {
   const std::string text = "run: {sensitivity: true, commands: [{left: 0.95}, {left: 0.9, right: 1.2}]}\n";
   Json once = run(text).json;

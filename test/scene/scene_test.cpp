@@ -38,6 +38,7 @@ TEST(Scene, KeepsTheStructsDefaults) {
   const SceneFolder folder;
   const Scene scene = load_scene(folder.path("bar.yaml"), options());
   const SolverOptions otherwise;
+  EXPECT_EQ(scene.simulation->options().integrator, otherwise.integrator);
   EXPECT_EQ(scene.simulation->options().time_step_s, otherwise.time_step_s);
   EXPECT_EQ(scene.simulation->options().tolerance, otherwise.tolerance);
   EXPECT_EQ(scene.simulation->options().max_iterations, otherwise.max_iterations);
@@ -62,6 +63,7 @@ TEST(Scene, OverridesWhatItIncludes) {
 body: {element: linear}
 cables: []
 markers: [{name: end, position_m: [0.1, 0, 0]}]
+solver: {integrator: bdf2}
 run: {mode: dynamic, duration_s: 0.5, record_every_s: 0.1, commands: []}
 )");
   const Scene scene = load_scene(path, options());
@@ -69,6 +71,7 @@ run: {mode: dynamic, duration_s: 0.5, record_every_s: 0.1, commands: []}
   EXPECT_EQ(scene.simulation->body().material().density_kg_m3, 1070);
   EXPECT_FALSE(scene.simulation->body().mesh().quadratic());
   EXPECT_TRUE(scene.simulation->actuators().empty());
+  EXPECT_EQ(scene.simulation->options().integrator, Integrator::bdf2);
   ASSERT_EQ(scene.simulation->markers().size(), 1u);  // lists replace
   EXPECT_EQ(scene.run.mode, RunMode::dynamic);
   EXPECT_EQ(scene.run.duration_s, 0.5);
@@ -162,12 +165,20 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"solver: {substeps: 10}", "unknown key 'substeps'"},
       {"solver: {method: gauss_seidel, substeps: 0}", "solver.substeps: 0 is out of range [1, 10000]"},
       {"solver: {method: gauss_seidel, iterations: 10001}", "solver.iterations: 10001 is out of range [1, 10000]"},
-      {"solver: {integrator: bdf2}", "solver.integrator: 'bdf2' is not one of implicit_euler"},
+      {"solver: {method: gauss_seidel, integrator: bdf2}",
+       "solver.integrator: must be implicit_euler with solver.method gauss_seidel, not bdf2"},
+      {"solver: {integrator: verlet}", "solver.integrator: 'verlet' is not one of implicit_euler, bdf2"},
       {"solver: {time_step_s: 2}", "time_step_s: 2 is out of range (0, 1]"},
       {"solver: {tolerance: 0}", "tolerance: 0 is out of range (0, 1)"},
       {"solver: {dynamic_tolerance: 1}", "dynamic_tolerance: 1 is out of range (0, 1)"},
       {"solver: {max_iterations: 0}", "max_iterations: 0 is out of range [1, 10000]"},
-      {"run: {mode: modal, modes: 4}", "run.mode: 'modal' is not one of equilibrium, dynamic"},
+      {"run: {mode: model}", "run.mode: 'model' is not one of equilibrium, dynamic, modal"},
+      {"run: {mode: modal, modes: 0}", "run.modes: 0 is out of range [1, 100]"},
+      {"run: {mode: modal, modes: 101}", "run.modes: 101 is out of range [1, 100]"},
+      {"run: {mode: modal, modes: 1.5}", "run.modes: '1.5' is not"},
+      {"run: {mode: modal, duration_s: 1}", "unknown key 'duration_s'"},
+      {"run: {mode: modal, commands: [{left: 0.9}]}", "run.commands: a modal run is about the rest shape"},
+      {"run: {modes: 4}", "unknown key 'modes'"},
       {"run: {mode: dynamic}", "run: key 'duration_s' is missing"},
       {"run: {mode: dynamic, duration_s: -1}", "run.duration_s: -1 is out of range (0, inf)"},
       {"run: {mode: dynamic, duration_s: 1, record_every_s: -1}", "record_every_s: -1 is out of range [0, inf)"},

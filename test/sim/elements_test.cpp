@@ -81,8 +81,7 @@ TEST_P(ElementsTest, GradientAgreesWithCentralDifferences) {
 }
 
 TEST_P(ElementsTest, CondensedHessianAgreesWithCentralDifferences) {
-  Eigen::Matrix3Xd condensed = Eigen::Matrix3Xd::Zero(3, positions_.cols());
-  elements_.add_hessian(positions_, multipliers_, false, matrix_, condensed);
+  elements_.add_hessian(positions_, multipliers_, false, matrix_);
   const Eigen::MatrixXd exact = dense(matrix_);
 
   // lambda / V0 g g' of every element, with g = d(V0 Jbar)/dx from the multipliers' own gradient.
@@ -105,26 +104,25 @@ TEST_P(ElementsTest, CondensedHessianAgreesWithCentralDifferences) {
   }
 }
 
-TEST_P(ElementsTest, CondensedGradientHasThePressureOfTheVolume) {
+TEST_P(ElementsTest, MismatchForcesPutTheVolumesPressureInThePlaceOfTheMultipliers) {
+  elements_.add_hessian(positions_, multipliers_, false, matrix_);
   Eigen::Matrix3Xd condensed = Eigen::Matrix3Xd::Zero(3, positions_.cols());
-  elements_.add_hessian(positions_, multipliers_, false, matrix_, condensed);
-  Eigen::Matrix3Xd unused = condensed;
-  const ElementSums sums = elements_.add_gradient(positions_, multipliers_, unused);
+  const ElementSums sums = elements_.add_gradient(positions_, multipliers_, condensed);
+  elements_.add_mismatch_forces(elements_.mismatch(sums.growth, multipliers_), condensed);
   const Eigen::Matrix3Xd expected = gradient(positions_, elements_.lambda_pa() * sums.growth);
   EXPECT_LT((condensed - expected).norm(), 1e-10 * expected.norm());
 }
 
 TEST_P(ElementsTest, ConvexHessianIsPositiveWhereTheExactOneIsNot) {
   const Eigen::Matrix3Xd crushed = disturbed(body_.mesh().nodes_m, 0.006, 3);
-  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, crushed.cols());
   const double lowest[2] = {[&] {
                               matrix_.set_zero();
-                              elements_.add_hessian(crushed, multipliers_, false, matrix_, unused);
+                              elements_.add_hessian(crushed, multipliers_, false, matrix_);
                               return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(matrix_)).eigenvalues()[0];
                             }(),
                             [&] {
                               matrix_.set_zero();
-                              elements_.add_hessian(crushed, multipliers_, true, matrix_, unused);
+                              elements_.add_hessian(crushed, multipliers_, true, matrix_);
                               return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(matrix_)).eigenvalues()[0];
                             }()};
   EXPECT_LT(lowest[0], -1.0);
@@ -171,8 +169,7 @@ TEST(BlockCholesky, SolvesWhatADenseFactorSolves) {
   const Body body(mesh, {1.0e5, 0.4, 1000.0});
   BlockMatrix matrix(body.mesh().node_count(), element_cliques(body.mesh()));
   Elements elements(body, matrix);
-  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
-  elements.add_hessian(body.mesh().nodes_m, Eigen::VectorXd::Zero(elements.count()), false, matrix, unused);
+  elements.add_hessian(body.mesh().nodes_m, Eigen::VectorXd::Zero(elements.count()), false, matrix);
   FixedAxes fixed = FixedAxes::Constant(3, body.mesh().node_count(), false);
   for (int node = 0; node < body.mesh().node_count(); ++node)
     if (body.mesh().nodes_m(0, node) < 1e-9) fixed.col(node).setConstant(true);
@@ -187,12 +184,28 @@ TEST(BlockCholesky, SolvesWhatADenseFactorSolves) {
   EXPECT_LT((full - full.transpose()).norm(), 1e-12 * full.norm());
 }
 
-TEST(BlockCholesky, RefusesAnIndefiniteMatrix) {
+TEST(BlockCholesky, SolvesAndCountsWhatIsIndefinite) {
+  const TetMesh mesh = box_mesh({0, 0, 0}, {0.05, 0.02, 0.02}, {4, 2, 2});
+  BlockMatrix matrix(mesh.node_count(), element_cliques(mesh));
+  Elements elements(Body(mesh, {1.0e5, 0.4, 1000.0}), matrix);
+  elements.add_hessian(disturbed(mesh.nodes_m, 0.003, 11), Eigen::VectorXd::Zero(elements.count()), false, matrix);
+  for (int node = 0; node < mesh.node_count(); ++node) matrix.add_to_diagonal(node, 3.0);
+  const Eigen::MatrixXd full = dense(matrix);
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(full).eigenvalues();
+  BlockCholesky factor(matrix);
+  ASSERT_TRUE(factor.factorise(matrix));
+  EXPECT_GT(factor.negative_pivots(), 0);
+  EXPECT_EQ(factor.negative_pivots(), (eigenvalues.array() < 0.0).count());
+  const Eigen::MatrixXd right = disturbed(Eigen::Matrix3Xd::Zero(3, full.rows()), 1.0, 5).transpose();
+  Eigen::MatrixXd solved = right;
+  factor.solve(solved);
+  EXPECT_LT((full * solved - right).norm(), 1e-6 * right.norm());
+}
+
+TEST(BlockCholesky, RefusesWhatIsSingularOrNotANumber) {
   BlockMatrix matrix(3, {{0, 1}, {1, 2}});
-  for (int node = 0; node < 3; ++node) matrix.add_to_diagonal(node, node == 1 ? -1.0 : 1.0);
   BlockCholesky factor(matrix);
   EXPECT_FALSE(factor.factorise(matrix));
-  matrix.set_zero();
   for (int node = 0; node < 3; ++node) matrix.add_to_diagonal(node, std::nan(""));
   EXPECT_FALSE(factor.factorise(matrix));
 }

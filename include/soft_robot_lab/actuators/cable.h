@@ -52,7 +52,7 @@ class PathLength : public Constraint {
 class Cable : public Actuator {
  public:
   std::vector<const Constraint*> constraints() const override { return {path_.get()}; }
-  ActuatorState observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const override;
+  ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const override;
 
  protected:
   void on_initialise(const SettingsNode& settings, const Body& body, const MeshLocator& locator) override;

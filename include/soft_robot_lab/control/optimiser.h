@@ -25,7 +25,8 @@ struct ReachProblem {
 struct OptimiserOptions {
   std::string method = "gauss_newton";  // or rmsprop
   int max_iterations = 0;               // 0: the method's own (gauss_newton 50, rmsprop 1000)
-  double tolerance_m = 1.0e-5;          // stop when a step changes the distance by less (gauss_newton)
+  // The target counts as reached within it; gauss_newton stops when a step gains less than a tenth of it.
+  double tolerance_m = 1.0e-5;
   void validate() const;
 };
 

@@ -21,13 +21,14 @@ struct TimedCommands {
   std::vector<std::pair<std::string, double>> commands;  // actuator, value
 };
 
-enum class RunMode { equilibrium, dynamic };
+enum class RunMode { equilibrium, dynamic, modal };
 
 struct RunSettings {
   RunMode mode = RunMode::equilibrium;
   double duration_s = 0.0;              // dynamic: > 0
   double record_every_s = 0.0;          // dynamic: 0 records every step
   bool sensitivity = false;             // equilibrium: report d marker / d command
+  int modes = 4;                        // modal: [1, 100]
   std::vector<TimedCommands> commands;  // in order of time
 };
 

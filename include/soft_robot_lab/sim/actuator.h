@@ -20,7 +20,7 @@ class MeshLocator;
 class SettingsNode;
 
 // What an actuator measures; members that make no sense for its kind stay empty.
-struct ActuatorState {
+struct ActuatorReading {
   std::string name;
   double command = 0.0;          // as last commanded
   double actuated_command = 0.0; // as reached within the speed limit
@@ -66,7 +66,7 @@ class Actuator {
   virtual std::vector<const Constraint*> constraints() const = 0;
 
   // `multipliers`: one per constraint, in their order.
-  virtual ActuatorState observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const = 0;
+  virtual ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const = 0;
 
  protected:
   // Reads the plugin's keys, binds to the rest shape and fills `limits_` and `command_speed_`; `name` is read already. Body

@@ -13,11 +13,17 @@
 
 namespace soft_robot_lab {
 
+enum class Integrator {
+  implicit_euler,  // first order, damps
+  bdf2             // second order, damps little; the first step after a start or an equilibrium is implicit Euler
+};
+
 struct SolverOptions {
   // global: Newton on everything at once. gauss_seidel: XPBD, one element after another in substeps; for comparison and for
   // large meshes.
   enum class Method { global, gauss_seidel };
   Method method = Method::global;
+  Integrator integrator = Integrator::implicit_euler;  // gauss_seidel knows no other
   double time_step_s = 1.0 / 60.0;  // (0, 1]
   double tolerance = 1.0e-6;        // (0, 1); force residual over the largest force in the body
   int max_iterations = 60;          // [1, 10000] Newton iterations a step, or a continuation stage
@@ -26,6 +32,8 @@ struct SolverOptions {
   int iteration_count = 1;          // [1, 10000] of gauss_seidel: sweeps over all elements, a substep
   void validate() const;            // throws std::invalid_argument: field, value, allowed range
 };
+
+struct Linearisation;  // of the solver, where its last factor serves further steps
 
 // Everything that changes; copy it to save and restore.
 struct SimulationState {
@@ -37,6 +45,12 @@ struct SimulationState {
   Eigen::VectorXd element_forces_n;          // gauss_seidel: each element's, in an order of the solver's own; else empty
   std::vector<double> commands;              // per actuator
   std::vector<double> actuated_commands;     // per actuator
+  std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
+
+  // What bdf2 knows of the step before; zero and empty where there is none, and with implicit_euler.
+  double previous_step_s = 0.0;              // its length
+  Eigen::Matrix3Xd previous_positions_m;     // at its start
+  Eigen::Matrix3Xd previous_velocities_m_s;
 };
 
 // What a solve did. A solve that did not converge says so, and leaves the best state it had. A time step of
@@ -45,6 +59,7 @@ struct SimulationState {
 struct SolveReport {
   bool converged = false;
   int iterations = 0;        // Newton iterations (one linear solve each); sweeps of gauss_seidel
+  int factorisations = 0;    // of them, those that needed a new matrix
   int steps = 0;             // time steps or continuation stages
   int rejected_steps = 0;    // iterations repeated shorter or with a shifted matrix
   double residual = 0.0;     // at the end: force residual over the largest force in the body
@@ -85,7 +100,7 @@ class Simulation {
   int marker_index(const std::string& name) const;    // the same
 
   Eigen::Vector3d marker_position(int marker) const;
-  ActuatorState actuator_state(int actuator) const;
+  ActuatorReading actuator_state(int actuator) const;
 
  private:
   struct Parts;

@@ -1,0 +1,30 @@
+// What rviz draws over the body: markers, target, cables by tension, and the remaining error.
+#pragma once
+
+#include <optional>
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include "soft_robot_lab/ros/messages.h"
+
+namespace soft_robot_lab {
+
+struct OverlayInputs {
+  MarkerObservations simulated;
+  MarkerObservations measured;  // empty without a tracker
+  ActuatorState actuators;
+  std::optional<Target> target;
+};
+
+struct OverlayOptions {
+  double marker_radius_m = 0.002;
+  double target_radius_m = 0.004;
+  double cable_width_m = 0.0012;
+  double text_height_m = 0.004;
+  double full_tension_n = 5.0;  // drawn red; none is drawn green
+};
+
+visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const OverlayOptions& options,
+                                           const ros::Time& stamp);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,24 @@
+// Names of topics, services and frames; relative, so that a session can be pushed into a namespace.
+#pragma once
+
+namespace soft_robot_lab::topics {
+
+constexpr char actuator_command[] = "actuators/command";
+constexpr char simulator_markers[] = "simulator/markers";
+constexpr char tracker_markers[] = "tracker/markers";
+constexpr char simulator_actuators[] = "simulator/actuators";
+constexpr char simulator_surface[] = "simulator/surface";
+constexpr char simulator_scene[] = "simulator/scene";  // std_msgs/String, latched: path of the scene that runs
+constexpr char controller_progress[] = "controller/progress";
+constexpr char controller_target[] = "controller/target";  // latched: what the last accepted request asked for
+constexpr char overlay[] = "overlay";
+
+constexpr char simulator_reset[] = "simulator/reset";
+constexpr char simulator_load[] = "simulator/load";
+constexpr char optimise_policy[] = "controller/optimise_policy";
+constexpr char execute_policy[] = "controller/execute_policy";
+
+constexpr char world_frame[] = "world";
+constexpr char robot_frame[] = "robot_base";
+
+}  // namespace soft_robot_lab::topics

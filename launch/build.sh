@@ -1,0 +1,7 @@
+#!/bin/bash
+# build.sh [TARGET...]: builds the package, or `session` for all but the tests, into build/ beside this folder; fast when
+# nothing changed.
+set -euo pipefail
+package=$(cd "$(dirname "$0")/.." && pwd)
+cmake -S "$package" -B "$package/build"
+cmake --build "$package/build" -j"${JOBS:-$(nproc)}" --target "${@:-all}"

@@ -1,0 +1,62 @@
+#!/bin/bash
+# demo.sh [--keep]: on a fresh Debian 12 machine, from nothing to a simulated Spinebot that reaches for a ball.
+# Prints a short report and ends with status 0, or with a plain message and another status when a part failed.
+# --keep leaves the session running until Ctrl-C.
+set -euo pipefail
+launch=$(cd "$(dirname "$0")" && pwd)
+keep=false
+case "${1:-}" in
+  --keep) keep=true ;;
+  "") ;;
+  *) echo "usage: demo.sh [--keep]" >&2; exit 2 ;;
+esac
+
+fail() { echo "demo: $*" >&2; exit 1; }
+
+session=
+end_session() { # roslaunch passes SIGINT on and waits for its nodes
+  [[ -n $session ]] || return 0
+  kill -INT "$session" 2>/dev/null || true
+  wait "$session" 2>/dev/null || true
+  session=
+}
+trap end_session EXIT
+trap 'exit 130' INT TERM
+
+"$launch/install_dependencies.sh" || fail "installing packages failed"
+output=$(cd "$launch/.." && pwd)/build/demo
+mkdir -p "$output"
+echo "Building ..."
+"$launch/build.sh" session >"$output/build.log" 2>&1 || { tail -20 "$output/build.log" >&2; fail "the build failed: $output/build.log"; }
+. "$launch/environment.sh"
+
+echo "Starting the session ..."
+rviz=false
+[[ -z ${DISPLAY:-} ]] || rviz=true
+set -m # a process group of its own, so that Ctrl-C reaches it through end_session only
+roslaunch -p "$master_port" soft_robot_lab session.launch robot:=spinebot rviz:=$rviz record:=true bag_folder:="$output" \
+  >"$output/session.log" 2>&1 &
+session=$!
+set +m
+until rostopic list >/dev/null 2>&1; do
+  kill -0 "$session" 2>/dev/null || { tail -20 "$output/session.log" >&2; fail "the session ended: $output/session.log"; }
+  sleep 0.2
+done
+
+echo "Reaching for the ball ..."
+timeout --signal=INT 900 rosrun soft_robot_lab reach_target_node "$package/config/tasks/spinebot_ball.yaml" >"$output/report.txt" ||
+  { cat "$output/report.txt"; tail -20 "$output/session.log" >&2; fail "the task failed: $output/session.log"; }
+"$launch/take_picture.sh" "$output/overlay.png" || fail "taking the picture failed"
+if $keep; then
+  cat "$output/report.txt"
+  echo "The session runs on (ROS_MASTER_URI=$ROS_MASTER_URI); Ctrl-C ends it."
+  trap : INT # ends the waiting, not the script
+  wait "$session" || true
+fi
+end_session
+
+bag=$(ls -t "$output"/*_spinebot.bag 2>/dev/null | head -1)
+[[ -n $bag ]] && rosbag info "$bag" >"$output/bag.txt" || fail "the recording is not whole: $output"
+$keep || cat "$output/report.txt"
+echo "recording         $bag"
+echo "picture           $output/overlay.png"

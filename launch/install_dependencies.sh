@@ -1,0 +1,29 @@
+#!/bin/bash
+# Installs the Debian 12 packages that this package is built, run and tested with. Does nothing where all are there.
+set -euo pipefail
+packages=(
+  g++ make cmake git catkin ros-message-generation
+  libroscpp-dev libroslib-dev pluginlib-dev librosbag-dev libdiagnostic-updater-dev libtf2-ros-dev
+  libstd-msgs-dev libgeometry-msgs-dev libvisualization-msgs-dev libdiagnostic-msgs-dev libstd-srvs-dev
+  libros-rosgraph-msgs-dev
+  ros-std-msgs ros-geometry-msgs ros-visualization-msgs ros-diagnostic-msgs ros-actionlib-msgs ros-std-srvs
+  python3-roslaunch python3-rostopic python3-rosservice python3-rosnode python3-rosparam python3-rosbag python3-rosmsg
+  python3-std-srvs python3-geometry-msgs python3-visualization-msgs python3-diagnostic-msgs rosout rosbash
+  rviz xvfb xauth imagemagick libgl1-mesa-dri
+  libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libgmsh-dev libceres-dev libopenblas-serial-dev libmetis-dev
+  libgtest-dev librostest-dev python3-rostest libbenchmark-dev
+)
+missing=()
+for package in "${packages[@]}"; do
+  [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
+done
+((${#missing[@]} > 0)) || exit 0
+
+echo "Installing: ${missing[*]}"
+as_root=()
+if ((EUID != 0)); then
+  command -v sudo >/dev/null || { echo "Missing packages, and no sudo to install them. As root: apt-get install ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+"${as_root[@]}" apt-get update
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,115 @@
+#include "soft_robot_lab/ros/conversions.h"
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+CableState cable_state(const ActuatorReading& state) {
+  CableState cable;
+  cable.name = state.name;
+  cable.length_m = *state.length_m;
+  cable.rest_length_m = state.rest_length_m.value_or(*state.length_m);
+  cable.tension_n = state.tension_n.value_or(0.0);
+  for (const Eigen::Vector3d& point_m : state.path_m) cable.path.push_back(to_message(point_m));
+  return cable;
+}
+
+ChamberState chamber_state(const ActuatorReading& state) {
+  ChamberState chamber;
+  chamber.name = state.name;
+  chamber.volume_m3 = *state.volume_m3;
+  chamber.initial_volume_m3 = state.initial_volume_m3.value_or(*state.volume_m3);
+  chamber.gauge_pressure_pa = state.gauge_pressure_pa.value_or(0.0);
+  return chamber;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+geometry_msgs::Point to_message(const Eigen::Vector3d& position_m) {
+  geometry_msgs::Point point;
+  point.x = position_m.x();
+  point.y = position_m.y();
+  point.z = position_m.z();
+  return point;
+}
+
+Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field) {
+  Eigen::Vector3d position_m(position.x, position.y, position.z);
+  if (!position_m.allFinite()) {
+    std::ostringstream message;
+    message << field << ": [" << position.x << ", " << position.y << ", " << position.z
+            << "] must be three finite numbers [m]";
+    throw std::invalid_argument(message.str());
+  }
+  return position_m;
+}
+
+MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp) {
+  MarkerObservations message;
+  message.header.stamp = stamp;
+  message.header.frame_id = topics::robot_frame;
+  const size_t count = simulation.markers().size();
+  for (size_t i = 0; i < count; ++i) {
+    message.names.push_back(simulation.markers()[i].name());
+    message.positions.push_back(to_message(simulation.marker_position(static_cast<int>(i))));
+  }
+  message.covariances.assign(9 * count, 0.0);
+  message.sources.assign(count, MarkerObservations::SIMULATED);
+  return message;
+}
+
+ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp) {
+  ActuatorState message;
+  message.header.stamp = stamp;
+  message.header.frame_id = topics::robot_frame;
+  for (int i = 0; i < static_cast<int>(simulation.actuators().size()); ++i) {
+    const ActuatorReading state = simulation.actuator_state(i);
+    message.names.push_back(state.name);
+    message.commands.push_back(state.command);
+    message.actuated_commands.push_back(state.actuated_command);
+    if (state.length_m) message.cables.push_back(cable_state(state));
+    if (state.volume_m3) message.chambers.push_back(chamber_state(state));
+  }
+  return message;
+}
+
+void apply_command(const ActuatorCommand& command, Simulation& simulation) {
+  if (command.names.size() != command.values.size()) {
+    throw std::invalid_argument("values: " + std::to_string(command.values.size()) + " values for " +
+                                std::to_string(command.names.size()) + " names; they must be as many");
+  }
+  std::vector<std::pair<std::string, double>> replaced;
+  try {
+    for (size_t i = 0; i < command.names.size(); ++i) {
+      const double old = simulation.actuators()[simulation.actuator_index(command.names[i])]->command();
+      simulation.set_command(command.names[i], command.values[i]);
+      replaced.emplace_back(command.names[i], old);
+    }
+  } catch (const std::invalid_argument&) {
+    std::reverse(replaced.begin(), replaced.end());
+    for (const auto& [name, value] : replaced) simulation.set_command(name, value);
+    throw;
+  }
+}
+
+Eigen::Vector3d position_of(const MarkerObservations& markers, const std::string& name) {
+  const auto found = std::find(markers.names.begin(), markers.names.end(), name);
+  if (found == markers.names.end()) {
+    throw std::invalid_argument("marker: '" + name + "' is not one of " + joined(markers.names));
+  }
+  return from_message(markers.positions.at(found - markers.names.begin()), "positions");
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,6 @@
+// The plugin library: this package's actuators for pluginlib (config/actuator_plugins.xml).
+#include <pluginlib/class_list_macros.hpp>
+
+#include "soft_robot_lab/actuators/cable.h"
+
+PLUGINLIB_EXPORT_CLASS(soft_robot_lab::Cable, soft_robot_lab::Actuator)

@@ -1,0 +1,142 @@
+#include "soft_robot_lab/ros/overlay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Shape = visualization_msgs::Marker;
+
+std_msgs::ColorRGBA colour(float red, float green, float blue, float alpha = 1.0f) {
+  std_msgs::ColorRGBA rgba;
+  rgba.r = red;
+  rgba.g = green;
+  rgba.b = blue;
+  rgba.a = alpha;
+  return rgba;
+}
+
+const std_msgs::ColorRGBA simulated_colour = colour(0.10f, 0.25f, 0.80f);
+const std_msgs::ColorRGBA measured_colour = colour(0.85f, 0.10f, 0.75f);
+const std_msgs::ColorRGBA target_colour = colour(0.95f, 0.55f, 0.05f, 0.85f);
+const std_msgs::ColorRGBA error_colour = colour(0.85f, 0.10f, 0.10f);
+const std_msgs::ColorRGBA text_colour = colour(0.10f, 0.10f, 0.10f);
+
+std::string text_of(double value, const char* format) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+// Collects shapes; each has a number of its own within its namespace.
+class Drawing {
+ public:
+  Drawing(const OverlayOptions& options, const ros::Time& stamp) : options_(options), stamp_(stamp) {}
+
+  void sphere(const std::string& ns, const geometry_msgs::Point& centre, double radius_m,
+              const std_msgs::ColorRGBA& rgba) {
+    Shape& shape = add(ns, Shape::SPHERE, rgba);
+    shape.pose.position = centre;
+    shape.scale.x = shape.scale.y = shape.scale.z = 2.0 * radius_m;
+  }
+
+  void line(const std::string& ns, const std::vector<geometry_msgs::Point>& points, double width_m,
+            const std_msgs::ColorRGBA& rgba) {
+    Shape& shape = add(ns, Shape::LINE_STRIP, rgba);
+    shape.points = points;
+    shape.scale.x = width_m;
+  }
+
+  void text(const std::string& ns, const geometry_msgs::Point& place, const std::string& words) {
+    Shape& shape = add(ns, Shape::TEXT_VIEW_FACING, text_colour);
+    shape.pose.position = place;
+    shape.scale.z = options_.text_height_m;
+    shape.text = words;
+  }
+
+  visualization_msgs::MarkerArray finished() { return std::move(array_); }
+
+ private:
+  Shape& add(const std::string& ns, int type, const std_msgs::ColorRGBA& rgba) {
+    Shape shape;
+    shape.header.stamp = stamp_;
+    shape.header.frame_id = topics::robot_frame;
+    shape.ns = ns;
+    shape.id = static_cast<int>(array_.markers.size());
+    shape.type = type;
+    shape.pose.orientation.w = 1.0;
+    shape.color = rgba;
+    shape.lifetime = ros::Duration(1.0);  // markers of a scene that went away vanish
+    array_.markers.push_back(shape);
+    return array_.markers.back();
+  }
+
+  OverlayOptions options_;
+  ros::Time stamp_;
+  visualization_msgs::MarkerArray array_;
+};
+
+void draw_markers(const MarkerObservations& markers, const std::string& ns, const std_msgs::ColorRGBA& rgba,
+                  const OverlayOptions& options, Drawing& drawing) {
+  for (size_t i = 0; i < markers.names.size(); ++i) {
+    drawing.sphere(ns, markers.positions[i], options.marker_radius_m, rgba);
+    geometry_msgs::Point above = markers.positions[i];
+    above.z += options.marker_radius_m + 0.6 * options.text_height_m;
+    drawing.text(ns + "_names", above, markers.names[i]);
+  }
+}
+
+std_msgs::ColorRGBA tension_colour(double tension_n, const OverlayOptions& options) {
+  const float share = static_cast<float>(std::clamp(tension_n / options.full_tension_n, 0.0, 1.0));
+  return colour(0.15f + 0.75f * share, 0.60f - 0.50f * share, 0.15f);
+}
+
+void draw_cables(const ActuatorState& actuators, const OverlayOptions& options, Drawing& drawing) {
+  for (const CableState& cable : actuators.cables) {
+    if (cable.path.size() < 2) continue;
+    drawing.line("cables", cable.path, options.cable_width_m, tension_colour(cable.tension_n, options));
+    geometry_msgs::Point place = cable.path.front();
+    place.x += (place.x < 0.0 ? -4.0 : 4.0) * options.text_height_m;
+    place.z += 2.0 * options.text_height_m;
+    drawing.text("cable_tensions", place, cable.name + text_of(cable.tension_n, " %.1f N"));
+  }
+}
+
+void draw_target(const Target& target, const OverlayOptions& options, Drawing& drawing) {
+  drawing.sphere("target", target.position, options.target_radius_m, target_colour);
+}
+
+void draw_error(const MarkerObservations& markers, const Target& target, const OverlayOptions& options,
+                Drawing& drawing) {
+  const auto found = std::find(markers.names.begin(), markers.names.end(), target.marker);
+  if (found == markers.names.end()) return;
+  const geometry_msgs::Point& from = markers.positions[found - markers.names.begin()];
+  const geometry_msgs::Point& to = target.position;
+  drawing.line("error", {from, to}, 0.5 * options.cable_width_m, error_colour);
+  const double distance_m = std::hypot(to.x - from.x, to.y - from.y, to.z - from.z);
+  geometry_msgs::Point place = to;
+  place.z -= options.target_radius_m + options.text_height_m;
+  drawing.text("error_text", place, text_of(1000.0 * distance_m, "%.2f mm"));
+}
+
+}  // namespace
+
+visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const OverlayOptions& options,
+                                           const ros::Time& stamp) {
+  Drawing drawing(options, stamp);
+  draw_markers(inputs.simulated, "simulated", simulated_colour, options, drawing);
+  draw_markers(inputs.measured, "measured", measured_colour, options, drawing);
+  draw_cables(inputs.actuators, options, drawing);
+  if (inputs.target) {
+    draw_target(*inputs.target, options, drawing);
+    draw_error(inputs.measured.names.empty() ? inputs.simulated : inputs.measured, *inputs.target, options, drawing);
+  }
+  return drawing.finished();
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,1 @@
+#include "sim/newton_solver.h"

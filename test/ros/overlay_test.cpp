@@ -1,0 +1,86 @@
+#include "soft_robot_lab/ros/overlay.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace soft_robot_lab {
+namespace {
+
+using Shape = visualization_msgs::Marker;
+
+geometry_msgs::Point point(double x, double y, double z) {
+  geometry_msgs::Point result;
+  result.x = x;
+  result.y = y;
+  result.z = z;
+  return result;
+}
+
+OverlayInputs inputs() {
+  OverlayInputs result;
+  result.simulated.names = {"tip"};
+  result.simulated.positions = {point(0.0, 0.0, -0.1)};
+  CableState cable;
+  cable.name = "left";
+  cable.tension_n = 8.0;
+  cable.path = {point(0, 0, 0), point(0, 0, -0.05), point(0, 0, -0.1)};
+  result.actuators.cables = {cable};
+  return result;
+}
+
+Target target_for(const std::string& marker) {
+  Target target;
+  target.marker = marker;
+  target.position = point(0.03, 0.04, -0.1);
+  return target;
+}
+
+std::vector<Shape> shapes_in(const OverlayInputs& from, const std::string& ns) {
+  std::vector<Shape> found = overlay_of(from, OverlayOptions(), ros::Time(1.0)).markers;
+  found.erase(std::remove_if(found.begin(), found.end(), [&](const Shape& s) { return s.ns != ns; }), found.end());
+  return found;
+}
+
+TEST(Overlay, DrawsEveryMarkerWithItsName) {
+  ASSERT_EQ(shapes_in(inputs(), "simulated").size(), 1u);
+  ASSERT_EQ(shapes_in(inputs(), "simulated_names").size(), 1u);
+  EXPECT_EQ(shapes_in(inputs(), "simulated_names")[0].text, "tip");
+}
+
+TEST(Overlay, ColoursCablesByTension) {
+  OverlayInputs slack = inputs();
+  slack.actuators.cables[0].tension_n = 0.0;
+  const Shape tight_line = shapes_in(inputs(), "cables").at(0);
+  const Shape slack_line = shapes_in(slack, "cables").at(0);
+  EXPECT_EQ(tight_line.points.size(), 3u);
+  EXPECT_GT(tight_line.color.r, tight_line.color.g);
+  EXPECT_GT(slack_line.color.g, slack_line.color.r);
+}
+
+TEST(Overlay, DrawsTheErrorInMillimetresOnlyWithATarget) {
+  EXPECT_TRUE(shapes_in(inputs(), "error_text").empty());
+  OverlayInputs aimed = inputs();
+  aimed.target = target_for("tip");
+  ASSERT_EQ(shapes_in(aimed, "error_text").size(), 1u);
+  EXPECT_EQ(shapes_in(aimed, "error_text")[0].text, "50.00 mm");
+}
+
+TEST(Overlay, LeavesTheErrorOutForAMarkerNobodySees) {
+  OverlayInputs aimed = inputs();
+  aimed.target = target_for("tail");
+  EXPECT_EQ(shapes_in(aimed, "target").size(), 1u);
+  EXPECT_TRUE(shapes_in(aimed, "error").empty());
+}
+
+TEST(Overlay, GivesEveryShapeItsOwnNumber) {
+  OverlayInputs aimed = inputs();
+  aimed.target = target_for("tip");
+  std::vector<int> ids;
+  for (const Shape& shape : overlay_of(aimed, OverlayOptions(), ros::Time(1.0)).markers) ids.push_back(shape.id);
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,75 @@
+#include "soft_robot_lab/ros/policy_player.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace soft_robot_lab {
+namespace {
+
+PolicyStep step(double time_s, const std::vector<double>& values) {
+  PolicyStep result;
+  result.time_s = time_s;
+  result.values = values;
+  return result;
+}
+
+Policy two_steps() {
+  Policy policy;
+  policy.names = {"left", "right"};
+  policy.steps = {step(1.0, {0.8, 1.0}), step(3.0, {0.9, 0.7})};
+  return policy;
+}
+
+const CommandLimitsByName limits = {{"left", {1.0, 0.7, 1.0, "1"}}, {"right", {1.0, 0.7, 1.0, "1"}}};
+
+TEST(PolicyPlayer, MovesLinearlyFromTheStartThroughEachStepAndStays) {
+  const PolicyPlayer player(two_steps(), {1.0, 0.9});
+  EXPECT_EQ(player.values_at(0.0), (std::vector<double>{1.0, 0.9}));
+  EXPECT_NEAR(player.values_at(0.5)[0], 0.9, 1e-12);
+  EXPECT_NEAR(player.values_at(0.5)[1], 0.95, 1e-12);
+  EXPECT_NEAR(player.values_at(1.0)[0], 0.8, 1e-12);
+  EXPECT_NEAR(player.values_at(2.0)[1], 0.85, 1e-12);
+  EXPECT_EQ(player.values_at(3.0), (std::vector<double>{0.9, 0.7}));
+  EXPECT_EQ(player.values_at(99.0), (std::vector<double>{0.9, 0.7}));
+}
+
+TEST(PolicyPlayer, JumpsAtAStepOfTimeZero) {
+  Policy policy = two_steps();
+  policy.steps = {step(0.0, {0.75, 0.75})};
+  EXPECT_EQ(PolicyPlayer(policy, {1.0, 1.0}).values_at(0.0), (std::vector<double>{0.75, 0.75}));
+}
+
+TEST(PolicyValidation, TakesAGoodPolicy) { EXPECT_NO_THROW(validate(two_steps(), limits)); }
+
+TEST(PolicyValidation, RefusesEachWrongField) {
+  struct Case {
+    const char* words;  // expected in the message
+    void (*spoil)(Policy&);
+  };
+  const Case cases[] = {
+      {"policy.names: empty", [](Policy& p) { p.names.clear(); }},
+      {"'tail' is not one of left, right", [](Policy& p) { p.names[0] = "tail"; }},
+      {"'right' is given twice", [](Policy& p) { p.names[0] = "right"; }},
+      {"policy.steps: empty", [](Policy& p) { p.steps.clear(); }},
+      {"policy.steps[0].time_s: -1 is not in [0, inf)", [](Policy& p) { p.steps[0].time_s = -1.0; }},
+      {"policy.steps[0].time_s: nan", [](Policy& p) { p.steps[0].time_s = NAN; }},
+      {"policy.steps[1].time_s: 0.5 is not in [1, inf)", [](Policy& p) { p.steps[1].time_s = 0.5; }},
+      {"policy.steps[1].values: 1 values for 2 names", [](Policy& p) { p.steps[1].values.pop_back(); }},
+      {"0.5 for 'left' is not in [0.7, 1]", [](Policy& p) { p.steps[0].values[0] = 0.5; }},
+      {"nan for 'right' is not in [0.7, 1]", [](Policy& p) { p.steps[0].values[1] = NAN; }},
+  };
+  for (const Case& wrong : cases) {
+    Policy policy = two_steps();
+    wrong.spoil(policy);
+    try {
+      validate(policy, limits);
+      ADD_FAILURE() << "took: " << wrong.words;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(wrong.words), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,35 @@
+#!/bin/bash
+# A recorded session of Spinebot: it reaches for the ball, ends at SIGINT, and its bag is whole and holds every topic.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+. "$here/../../launch/environment.sh"
+bags=$(mktemp -d)
+session=
+cleanup() {
+  [[ -z $session ]] || kill -INT "$session" 2>/dev/null || true
+  wait || true
+  rm -rf "$bags"
+}
+trap cleanup EXIT
+
+set -m
+roslaunch -p "$master_port" soft_robot_lab session.launch robot:=spinebot rviz:=false record:=true bag_folder:="$bags" &
+session=$!
+set +m
+until rostopic list >/dev/null 2>&1; do
+  kill -0 "$session"
+  sleep 0.2
+done
+rosrun soft_robot_lab reach_target_node "$here/../../config/tasks/spinebot_ball.yaml"
+
+kill -INT "$session"
+wait "$session" || { echo "roslaunch ended with status $?"; exit 1; }
+session=
+bag=$(echo "$bags"/????-??-??_??-??-??_spinebot.bag)
+[[ -f $bag && $(ls "$bags" | wc -l) == 1 ]] || { echo "not one whole bag:"; ls "$bags"; exit 1; }
+info=$(rosbag info "$bag")
+echo "$info"
+for topic in /actuators/command /simulator/markers /simulator/actuators /simulator/surface /simulator/scene \
+  /controller/progress /controller/target /overlay /tf_static /diagnostics /rosout; do
+  grep -q " $topic " <<<"$info" || { echo "the bag lacks $topic"; exit 1; }
+done

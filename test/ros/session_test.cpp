@@ -1,0 +1,279 @@
+// A whole simulated session of a coarse bar: topics flow, services answer, bad requests change nothing.
+#include <cmath>
+#include <future>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <rosgraph_msgs/Clock.h>
+#include <soft_robot_lab/ExecutePolicy.h>
+#include <soft_robot_lab/LoadScene.h>
+#include <soft_robot_lab/OptimisePolicy.h>
+#include <std_msgs/String.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_msgs/TFMessage.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const std::string scenes = SOFT_ROBOT_LAB_SOURCE "/test/data/scenes/";
+
+class Session : public testing::Test {
+ protected:
+  // The next message, or, of a latched topic, the last.
+  template <typename Message>
+  typename Message::ConstPtr hear(const std::string& topic) {
+    std::optional<typename Message::ConstPtr> heard;
+    const ros::Subscriber subscriber = node_.subscribe<Message>(
+        topic, 1, boost::function<void(const typename Message::ConstPtr&)>([&](const auto& m) { heard = m; }));
+    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(20.0);
+    while (!heard && ros::WallTime::now() < limit) {
+      ros::spinOnce();
+      ros::WallDuration(0.002).sleep();
+    }
+    if (!heard) throw std::runtime_error("nothing on " + topic);
+    return *heard;
+  }
+
+  template <typename Service>
+  typename Service::Response ask(const std::string& name, const typename Service::Request& request = {}) {
+    if (!ros::service::waitForService(name, 20000)) throw std::runtime_error("no service " + name);
+    typename Service::Response response;
+    if (!node_.serviceClient<Service>(name).call(request, response)) throw std::runtime_error("no answer of " + name);
+    return response;
+  }
+
+  void expect_goes_on() {
+    const ros::Time before = hear<MarkerObservations>(topics::simulator_markers)->header.stamp;
+    EXPECT_GT(hear<MarkerObservations>(topics::simulator_markers)->header.stamp, before);
+  }
+
+  int refused_commands() {
+    while (true) {
+      const auto diagnostics = hear<diagnostic_msgs::DiagnosticArray>("/diagnostics");
+      for (const auto& status : diagnostics->status) {
+        for (const auto& value : status.values) {
+          if (value.key == "refused commands") return std::stoi(value.value);
+        }
+      }
+    }
+  }
+
+  void expect_counted(const ActuatorCommand& command) {
+    const int before = refused_commands();
+    ros::Publisher publisher = node_.advertise<ActuatorCommand>(topics::actuator_command, 1);
+    while (publisher.getNumSubscribers() == 0) ros::WallDuration(0.01).sleep();
+    publisher.publish(command);
+    int now = before;
+    for (int i = 0; i < 5 && now == before; ++i) now = refused_commands();
+    EXPECT_EQ(now, before + 1);
+    expect_goes_on();
+  }
+
+  ros::NodeHandle node_;
+};
+
+OptimisePolicy::Request good_request() {
+  OptimisePolicy::Request request;
+  request.method = "gauss_newton";
+  request.marker = "tip";
+  request.target = to_message(Eigen::Vector3d(0.03, 0.0, -0.09));
+  return request;
+}
+
+TEST_F(Session, TellsItsClockSceneAndFrames) {
+  EXPECT_GT(hear<rosgraph_msgs::Clock>("/clock")->clock, ros::Time(0.0));
+  EXPECT_EQ(hear<std_msgs::String>(topics::simulator_scene)->data, scenes + "cable_bar.yaml");
+  const auto frames = hear<tf2_msgs::TFMessage>("/tf_static");
+  ASSERT_EQ(frames->transforms.size(), 1u);
+  EXPECT_EQ(frames->transforms[0].header.frame_id, "world");
+  EXPECT_EQ(frames->transforms[0].child_frame_id, "robot_base");
+}
+
+TEST_F(Session, PublishesMarkersThatHangAtRest) {
+  const auto markers = hear<MarkerObservations>(topics::simulator_markers);
+  EXPECT_EQ(markers->header.frame_id, "robot_base");
+  ASSERT_EQ(markers->names, (std::vector<std::string>{"tip", "middle"}));
+  ASSERT_EQ(markers->positions.size(), 2u);
+  EXPECT_EQ(markers->covariances.size(), 18u);
+  EXPECT_EQ(markers->sources[0], MarkerObservations::SIMULATED);
+  const Eigen::Vector3d tip_m = position_of(*markers, "tip");
+  EXPECT_LT(tip_m.z(), -0.10001);  // its weight stretches it, little, as both cables are taut at rest
+  EXPECT_GT(tip_m.z(), -0.101);
+}
+
+TEST_F(Session, PublishesCablesSurfaceAndOverlay) {
+  const auto actuators = hear<ActuatorState>(topics::simulator_actuators);
+  EXPECT_EQ(actuators->names, (std::vector<std::string>{"left", "right"}));
+  ASSERT_EQ(actuators->cables.size(), 2u);
+  EXPECT_NEAR(actuators->cables[0].rest_length_m, 0.1, 1e-6);
+  EXPECT_GE(actuators->cables[0].tension_n, 0.0);
+  EXPECT_GE(actuators->cables[0].path.size(), 2u);
+  const auto surface = hear<visualization_msgs::Marker>(topics::simulator_surface);
+  EXPECT_GT(surface->points.size(), 0u);
+  EXPECT_EQ(surface->points.size() % 3, 0u);
+  EXPECT_FALSE(hear<visualization_msgs::MarkerArray>(topics::overlay)->markers.empty());
+}
+
+TEST_F(Session, ResetsToTheStart) {
+  const auto response = ask<std_srvs::Trigger>(topics::simulator_reset);
+  EXPECT_TRUE(response.success) << response.message;
+  expect_goes_on();
+}
+
+TEST_F(Session, RefusesABadSceneAndGoesOnWithTheOld) {
+  for (const std::string& path : {scenes + "no_such_file.yaml", scenes + "unknown_key.yaml", std::string()}) {
+    LoadScene::Request request;
+    request.path = path;
+    const auto response = ask<LoadScene>(topics::simulator_load, request);
+    EXPECT_FALSE(response.success) << path;
+    EXPECT_FALSE(response.message.empty()) << path;
+    EXPECT_EQ(hear<std_msgs::String>(topics::simulator_scene)->data, scenes + "cable_bar.yaml");
+    expect_goes_on();
+  }
+}
+
+TEST_F(Session, NamesKeyAndLineOfABadScene) {
+  LoadScene::Request request;
+  request.path = scenes + "unknown_key.yaml";
+  const auto response = ask<LoadScene>(topics::simulator_load, request);
+  EXPECT_NE(response.message.find("unknown_key.yaml:5"), std::string::npos) << response.message;
+  EXPECT_NE(response.message.find("colour"), std::string::npos) << response.message;
+}
+
+TEST_F(Session, LoadsASceneAgain) {
+  LoadScene::Request request;
+  request.path = scenes + "cable_bar.yaml";
+  const auto response = ask<LoadScene>(topics::simulator_load, request);
+  EXPECT_TRUE(response.success) << response.message;
+  expect_goes_on();
+}
+
+TEST_F(Session, RefusesBadOptimisations) {
+  struct Case {
+    const char* words;  // expected in the message
+    void (*spoil)(OptimisePolicy::Request&);
+  };
+  const Case cases[] = {
+      {"tail", [](auto& r) { r.marker = "tail"; }},
+      {"tip", [](auto& r) { r.marker = ""; }},
+      {"nan", [](auto& r) { r.target.y = NAN; }},
+      {"inf", [](auto& r) { r.target.z = std::numeric_limits<double>::infinity(); }},
+      {"gauss_newton", [](auto& r) { r.method = ""; }},
+      {"guess", [](auto& r) { r.method = "guess"; }},
+      {"tail",
+       [](auto& r) {
+         r.limits.resize(1);
+         r.limits[0].name = "tail";
+       }},
+      {"limits: [-1, 1] for 'left'",
+       [](auto& r) {
+         r.limits.resize(1);
+         r.limits[0].name = "left";
+         r.limits[0].min = -1.0;
+         r.limits[0].max = 1.0;
+       }},
+  };
+  for (const Case& wrong : cases) {
+    OptimisePolicy::Request request = good_request();
+    wrong.spoil(request);
+    const auto response = ask<OptimisePolicy>(topics::optimise_policy, request);
+    EXPECT_FALSE(response.success) << wrong.words;
+    EXPECT_NE(response.message.find(wrong.words), std::string::npos) << response.message;
+    EXPECT_TRUE(response.policy.names.empty());
+  }
+  expect_goes_on();
+}
+
+TEST_F(Session, BringsTheTipCloserAsTheModelExpects) {
+  int iterations = 0;
+  const ros::Subscriber progress = node_.subscribe<PolicyProgress>(
+      topics::controller_progress, 1000, boost::function<void(const PolicyProgress::ConstPtr&)>([&](const auto& m) {
+        EXPECT_TRUE(std::isfinite(m->distance_m));
+        ++iterations;
+      }));
+  while (progress.getNumPublishers() == 0) ros::WallDuration(0.01).sleep();
+
+  const OptimisePolicy::Request request = good_request();
+  const auto optimised = ask<OptimisePolicy>(topics::optimise_policy, request);
+  ASSERT_TRUE(optimised.success) << optimised.message;
+  EXPECT_LT(optimised.summary.final_distance_m, 0.5 * optimised.summary.initial_distance_m);
+
+  ExecutePolicy::Request play;
+  play.policy = optimised.policy;
+  play.wait_until_rest = true;
+  const auto executed = ask<ExecutePolicy>(topics::execute_policy, play);
+  ASSERT_TRUE(executed.success) << executed.message;
+  EXPECT_GE(executed.duration_s, optimised.policy.steps.back().time_s);
+  const Eigen::Vector3d target_m = from_message(request.target, "target");
+  EXPECT_NEAR((position_of(executed.markers, "tip") - target_m).norm(), optimised.summary.final_distance_m, 2e-4);
+  ros::spinOnce();
+  EXPECT_GT(iterations, 0);
+  const auto state = hear<ActuatorState>(topics::simulator_actuators);
+  EXPECT_EQ(state->commands, optimised.policy.steps.back().values);
+}
+
+TEST_F(Session, RefusesASecondOptimisationWhileOneRuns) {
+  bool started = false;
+  const ros::Subscriber progress = node_.subscribe<PolicyProgress>(
+      topics::controller_progress, 1,
+      boost::function<void(const PolicyProgress::ConstPtr&)>([&](const auto&) { started = true; }));
+  while (progress.getNumPublishers() == 0) ros::WallDuration(0.01).sleep();
+  OptimisePolicy::Request slow = good_request();
+  slow.method = "rmsprop";
+  auto first = std::async(std::launch::async, [&] { return ask<OptimisePolicy>(topics::optimise_policy, slow); });
+  while (!started) ros::spinOnce();
+  const auto second = ask<OptimisePolicy>(topics::optimise_policy, good_request());
+  EXPECT_FALSE(second.success);
+  EXPECT_NE(second.message.find("busy"), std::string::npos) << second.message;
+  EXPECT_TRUE(first.get().success);
+}
+
+TEST_F(Session, RefusesBadPolicies) {
+  ExecutePolicy::Request request;
+  request.policy.names = {"tail"};
+  request.policy.steps.resize(1);
+  request.policy.steps[0].values = {0.9};
+  EXPECT_NE(ask<ExecutePolicy>(topics::execute_policy, request).message.find("'tail'"), std::string::npos);
+  request.policy.names = {"left"};
+  request.policy.steps[0].values = {-3.0};
+  EXPECT_FALSE(ask<ExecutePolicy>(topics::execute_policy, request).success);
+  request.policy.steps[0].values = {0.9};
+  request.policy.steps[0].time_s = 2.0;
+  request.time_limit_s = 1.0;
+  EXPECT_NE(ask<ExecutePolicy>(topics::execute_policy, request).message.find("time_limit_s: 1"), std::string::npos);
+}
+
+TEST_F(Session, CountsACommandForAnActuatorThatDoesNotExist) {
+  ActuatorCommand command;
+  command.names = {"tail"};
+  command.values = {0.9};
+  expect_counted(command);
+}
+
+TEST_F(Session, RefusesAWholeCommandForOneBadValue) {
+  const auto before = hear<ActuatorState>(topics::simulator_actuators);
+  ActuatorCommand command;
+  command.names = {"left", "right"};
+  command.values = {0.95, NAN};
+  expect_counted(command);
+  EXPECT_EQ(hear<ActuatorState>(topics::simulator_actuators)->commands, before->commands);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "session_test");
+  const ros::NodeHandle keeps_ros_running;
+  return RUN_ALL_TESTS();
+}

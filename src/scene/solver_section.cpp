@@ -8,15 +8,20 @@ SolverOptions read_solver(const SettingsNode& scene) {
   SolverOptions options;
   const std::optional<SettingsNode> node = scene.optional_child("solver");
   if (!node) return options;
-  node->choice_or("method", "global", {"global"});
+  if (node->choice_or("method", "global", {"global", "gauss_seidel"}) == "gauss_seidel")
+    options.method = SolverOptions::Method::gauss_seidel;
   if (node->choice_or("integrator", "implicit_euler", {"implicit_euler", "bdf2"}) == "bdf2") {
     options.integrator = Integrator::bdf2;
   }
   options.time_step_s = node->number_or("time_step_s", options.time_step_s);
   options.tolerance = node->number_or("tolerance", options.tolerance);
   options.dynamic_tolerance = node->number_or("dynamic_tolerance", options.dynamic_tolerance);
-  options.max_iterations = node->integer_or("max_iterations", options.max_iterations, std::numeric_limits<int>::min(),
-                                            std::numeric_limits<int>::max());
+  constexpr int kLeast = std::numeric_limits<int>::min(), kMost = std::numeric_limits<int>::max();
+  options.max_iterations = node->integer_or("max_iterations", options.max_iterations, kLeast, kMost);
+  if (options.method == SolverOptions::Method::gauss_seidel) {
+    options.substep_count = node->integer_or("substeps", options.substep_count, kLeast, kMost);
+    options.iteration_count = node->integer_or("iterations", options.iteration_count, kLeast, kMost);
+  }
   in_section(*node, [&] { options.validate(); });
   return options;
 }

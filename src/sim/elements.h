@@ -1,22 +1,20 @@
-// The silicone of a body as mixed tetrahedra: quadratic displacements with one volume multiplier per element (P2/P0), or
-// linear ones. Energy of an element (stable neo-Hookean of Macklin & Mueller 2021, split so that only the volumetric part
-// is averaged), with F and J = det F at the quadrature points and w their rest volumes:
+// The silicone of a body as mixed tetrahedra: quadratic displacements with one volume multiplier per element (P2/P0),
+// or linear ones. Energy of an element (stable neo-Hookean of Macklin & Mueller 2021, split so that only the volumetric
+// part is averaged), with F and J = det F at the quadrature points and w their rest volumes:
 //   sum_q w [ mu/2 (|F|^2 - 3) - mu (J - 1) + mu/2 (J - 1)^2 ]  +  lambda/2 V0 (Jbar - 1)^2,   Jbar = sum_q w J / V0
 // The multiplier p stands for lambda (Jbar - 1) and is condensed element by element.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "block_matrix.h"
+#include "element_packs.h"
 #include "soft_robot_lab/sim/body.h"
 
 namespace soft_robot_lab {
-
-// Elements are worked on four at a time, one per lane.
-inline constexpr int kLanes = 4;
-typedef double Pack __attribute__((vector_size(kLanes * sizeof(double))));
 
 // What one pass over the elements finds at some positions.
 struct ElementSums {
@@ -24,8 +22,14 @@ struct ElementSums {
   int inverted = 0;             // elements with det F <= 0 at a quadrature point
   int worst_element = -1;       // the one with the smallest det F
   double smallest_determinant = 1.0;
-  Eigen::VectorXd growth;       // per element: Jbar - 1
+  Eigen::VectorXd growth;  // per element: Jbar - 1
 };
+
+// The lambda of all elements. Their multiplier needs some bulk to stand for: at a Poisson's ratio of zero this little,
+// which no one can measure.
+inline double bulk_lambda_pa(const Material& material) {
+  return std::max(material.lame_lambda_pa(), 1e-6 * material.lame_mu_pa());
+}
 
 class Elements {
  public:
@@ -57,18 +61,12 @@ class Elements {
   double mu_pa() const { return mu_; }
 
  private:
-  int count_ = 0, node_count_ = 0, point_count_ = 0;
+  int count_;
   double mu_, lambda_;
-  std::vector<int> nodes_;     // per pack: node_count_ x lanes, in each element sorted by elimination order
-  std::vector<int> slots_;     // per pack: pair (a >= b) x lanes, slots of the matrix
-  std::vector<Pack> gradients_;  // per pack: point x node x 3 rest gradients [1/m]
-  std::vector<Pack> weights_;    // per pack: point rest volumes [m^3]; zero in the unused lanes of the last pack
-  std::vector<Pack> laplacian_;  // per pack: pair: mu sum_q w (grad a . grad b) [N/m]
+  ElementPacks packs_;                  // in the mesh's order; nodes of each sorted by elimination order
+  std::vector<int> slots_;              // per pack: pair (a >= b) x lanes, slots of the matrix
   std::vector<Pack> volume_gradients_;  // per pack: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
   Eigen::VectorXd rest_volumes_;        // per element: V0 = sum w [m^3]
-
-  int pack_count() const { return (count_ + kLanes - 1) / kLanes; }
-  int pair_count() const { return node_count_ * (node_count_ + 1) / 2; }
 };
 
 }  // namespace soft_robot_lab

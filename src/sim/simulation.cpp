@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "gauss_seidel_solver.h"
 #include "newton_solver.h"
 
 namespace soft_robot_lab {
@@ -15,6 +16,10 @@ namespace {
 constexpr double kSmallestStage = 64;  // a command change is cut into at most this many continuation stages
 constexpr int kDeepestHalving = 6;     // a time step is cut into at most 2^6 parts
 constexpr double kLargestGrowth = 2.0;  // of a time step over the one before; BDF2 is stable up to 1 + sqrt(2)
+constexpr int kRelaxationSteps = 600;  // time steps in which gauss_seidel must come to rest
+constexpr int kPatience = 100;         // of which it takes this many before it doubles its substeps, four times at most
+constexpr int kPullSteps = 30;         // over which it moves the actuators then
+constexpr int kThreads = 2;            // of gauss_seidel, on meshes large enough to be worth it
 constexpr int kStageIterations = 25;   // Newton iterations before a stage is cut
 constexpr int kBudget = 10;            // an equilibrium may take this many times max_iterations in all
 
@@ -83,6 +88,10 @@ void SolverOptions::validate() const {
   require(tolerance > 0.0 && tolerance < 1.0, "solver.tolerance", tolerance, "(0, 1)");
   require(dynamic_tolerance > 0.0 && dynamic_tolerance < 1.0, "solver.dynamic_tolerance", dynamic_tolerance, "(0, 1)");
   require(max_iterations >= 1 && max_iterations <= 10000, "solver.max_iterations", max_iterations, "[1, 10000]");
+  require(substep_count >= 1 && substep_count <= 10000, "solver.substeps", substep_count, "[1, 10000]");
+  require(iteration_count >= 1 && iteration_count <= 10000, "solver.iterations", iteration_count, "[1, 10000]");
+  if (method == Method::gauss_seidel && integrator != Integrator::implicit_euler)
+    throw std::invalid_argument("solver.integrator: must be implicit_euler with solver.method gauss_seidel, not bdf2");
 }
 
 struct Simulation::Parts {
@@ -91,6 +100,7 @@ struct Simulation::Parts {
   std::vector<Marker> markers;
   SolverOptions options;
   NewtonSolver solver;
+  std::unique_ptr<GaussSeidelSolver> gauss_seidel;  // where it is the method
   SimulationState state;
 
   Parts(Body body_in, std::vector<std::unique_ptr<Actuator>> actuators_in, std::vector<Marker> markers_in,
@@ -99,7 +109,10 @@ struct Simulation::Parts {
         actuators(std::move(actuators_in)),
         markers(std::move(markers_in)),
         options(options_in),
-        solver(body, constraints_of(actuators)) {}
+        solver(body, constraints_of(actuators)) {
+    if (options.method == SolverOptions::Method::gauss_seidel)
+      gauss_seidel = std::make_unique<GaussSeidelSolver>(body, constraints_of(actuators), kThreads);
+  }
 
   NewtonState unknowns() const {
     return {state.positions_m, state.element_multipliers_pa, state.constraint_multipliers};
@@ -145,6 +158,11 @@ struct Simulation::Parts {
     report.iterations += newton.iterations;
     report.factorisations += newton.factorisations;
     report.rejected_steps += newton.shortened + newton.convexified + (newton.converged ? 0 : 1);
+    tell_end(newton, report);
+    return newton;
+  }
+
+  void tell_end(const NewtonReport& newton, SolveReport& report) const {
     report.converged = newton.converged;
     report.residual = newton.residual;
     report.inverted_elements = newton.inverted_elements;
@@ -153,7 +171,6 @@ struct Simulation::Parts {
       if (!report.message.empty()) report.message += "; ";
       report.message += std::to_string(newton.inverted_elements) + " inverted elements, the worst " + place_of(newton.worst_element);
     }
-    return newton;
   }
 
   // One step of length h, or two halves where it does not converge. What bdf2 knows of the step before lets their lengths
@@ -237,6 +254,85 @@ struct Simulation::Parts {
     state.previous_velocities_m_s.resize(3, 0);
   }
 
+  // One time step of gauss_seidel; kept only where it is finite. The residual is that of a body at rest or of the last
+  // substep.
+  GaussSeidelReport advance_in_substeps(const GaussSeidelTask& task, bool at_rest, SolveReport& report) {
+    const SimulationState before = state;
+    GaussSeidelState moving{unknowns(), state.velocities_m_s, state.element_forces_n};
+    const GaussSeidelReport done = gauss_seidel->advance_stably(task, moving);
+    ++report.steps;
+    report.iterations += done.sweeps;
+    report.rejected_steps += done.rejected_steps;
+    NewtonReport found;
+    if (done.finite) {
+      accept(std::move(moving.unknowns));
+      state.velocities_m_s = std::move(moving.velocities_m_s);
+      state.element_forces_n = std::move(moving.element_forces_n);
+      NewtonTask residual;
+      residual.max_iterations = 0;
+      residual.tolerance = options.tolerance;
+      residual.predicted_m = &done.predicted_m;
+      residual.inertia_per_s2 = at_rest ? 0.0 : std::pow(done.substeps / task.time_step_s, 2);
+      NewtonState measured = unknowns();
+      found = solver.solve(residual, measured);
+      if (!at_rest) {
+        found.converged = done.stable;
+        found.reason =
+            done.stable ? "" : "the step created energy with " + std::to_string(done.substeps) + " substeps too";
+      }
+    } else {
+      restore(before);
+      found.residual = 1.0;
+      found.reason = "the step went non-finite and was undone";
+    }
+    tell_end(found, report);
+    return done;
+  }
+
+  GaussSeidelTask substepping() const {
+    GaussSeidelTask task;
+    task.time_step_s = options.time_step_s;
+    task.substep_count = options.substep_count;
+    task.iteration_count = options.iteration_count;
+    return task;
+  }
+
+  void step_in_substeps(SolveReport& report) {
+    const std::vector<double> from = state.actuated_commands;
+    std::vector<double> to;
+    for (auto& actuator : actuators) {
+      actuator->advance(options.time_step_s);
+      to.push_back(actuator->actuated_command());
+    }
+    GaussSeidelTask task = substepping();
+    task.before_substep = [&](double share) {  // also a command without a speed limit takes the whole time step to arrive
+      for (std::size_t i = 0; i < actuators.size(); ++i)
+        actuators[i]->restore(actuators[i]->command(), from[i] + share * (to[i] - from[i]));
+    };
+    if (!advance_in_substeps(task, false, report).finite) return;
+    state.time_s += task.time_step_s;
+    remember();
+  }
+
+  // Dynamic relaxation with kinetic damping (Cundall 1976): motion stops whenever it has begun to slow down.
+  void settle_in_substeps(SolveReport& report) {
+    const std::vector<double> from = state.actuated_commands;
+    GaussSeidelTask task = substepping();
+    double last_kinetic_energy = 0.0;
+    for (int step = 1; step <= kRelaxationSteps; ++step) {
+      move_actuators(from, std::min(1.0, static_cast<double>(step) / kPullSteps));
+      const GaussSeidelReport done = advance_in_substeps(task, true, report);
+      if (!done.finite) break;
+      if (done.kinetic_energy_j < last_kinetic_energy) state.velocities_m_s.setZero();
+      last_kinetic_energy = done.kinetic_energy_j;
+      if (report.converged && step >= kPullSteps) break;
+      if (step % kPatience == 0 && step <= 4 * kPatience) task.substep_count *= 2;
+    }
+    state.velocities_m_s.setZero();
+    if (!report.converged)
+      report.message = "not at rest after " + std::to_string(report.steps) + " time steps: " + report.message;
+  }
+
   void restore(const SimulationState& saved) {
     state = saved;
     if (options.integrator != Integrator::bdf2) forget_previous_step();
@@ -270,7 +366,11 @@ void Simulation::set_command(const std::string& actuator, double command) {
 SolveReport Simulation::step() {
   const Stopwatch clock;
   SolveReport report;
-  parts_->advance(parts_->options.time_step_s, 0, report);
+  if (parts_->gauss_seidel) {
+    parts_->step_in_substeps(report);
+  } else {
+    parts_->advance(parts_->options.time_step_s, 0, report);
+  }
   report.wall_s = clock.seconds();
   return report;
 }
@@ -282,6 +382,12 @@ SolveReport Simulation::solve_equilibrium() {
   const SimulationState before = p.state;
   p.state.velocities_m_s.setZero();
   p.forget_previous_step();
+  if (p.gauss_seidel) {
+    p.settle_in_substeps(report);
+    p.remember();
+    report.wall_s = clock.seconds();
+    return report;
+  }
   const std::vector<double> from = p.state.actuated_commands;
   double done = 0.0, stage = 1.0;
   while (done < 1.0 && p.within_budget(report)) {
@@ -338,6 +444,7 @@ void Simulation::reset() {
   p.forget_previous_step();
   s.element_multipliers_pa = Eigen::VectorXd::Zero(p.body.mesh().tet_count());
   s.constraint_multipliers = Eigen::VectorXd::Zero(p.solver.constraint_count());
+  s.element_forces_n = Eigen::VectorXd::Zero(p.gauss_seidel ? p.gauss_seidel->force_count() : 0);
   s.commands.clear();
   for (auto& actuator : p.actuators) {
     actuator->restore(actuator->limits().rest, actuator->limits().rest);
@@ -356,6 +463,7 @@ void Simulation::set_state(const SimulationState& state) {
                      state.velocities_m_s.cols() == now.velocities_m_s.cols() &&
                      state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
                      state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
+                     state.element_forces_n.size() == now.element_forces_n.size() &&
                      state.commands.size() == now.commands.size() &&
                      state.actuated_commands.size() == now.actuated_commands.size();
   const Eigen::Index previous = state.previous_step_s != 0.0 ? now.positions_m.cols() : 0;
@@ -366,7 +474,7 @@ void Simulation::set_state(const SimulationState& state) {
           "[0, 1]");
   if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() || !state.element_multipliers_pa.allFinite() ||
-      !state.constraint_multipliers.allFinite() || !std::isfinite(state.time_s))
+      !state.constraint_multipliers.allFinite() || !state.element_forces_n.allFinite() || !std::isfinite(state.time_s))
     throw std::invalid_argument("state: not finite");
   parts_->restore(state);
   parts_->solver.restore(state.linearisation);

@@ -46,6 +46,16 @@ TEST(Scene, KeepsTheStructsDefaults) {
   EXPECT_FALSE(scene.run.sensitivity);
 }
 
+TEST(Scene, ChoosesTheSolver) {
+  const SceneFolder folder;
+  const std::string path =
+      folder.write("scene.yaml", "include: bar.yaml\nsolver: {method: gauss_seidel, substeps: 40, iterations: 2}\n");
+  const SolverOptions chosen = load_scene(path, options()).simulation->options();
+  EXPECT_EQ(chosen.method, SolverOptions::Method::gauss_seidel);
+  EXPECT_EQ(chosen.substep_count, 40);
+  EXPECT_EQ(chosen.iteration_count, 2);
+}
+
 TEST(Scene, OverridesWhatItIncludes) {
   const SceneFolder folder;
   folder.write("robots/stiff.yaml", "include: ../bar.yaml\nbody: {material: {youngs_modulus_pa: 1.0e+6}}\n");
@@ -151,7 +161,12 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"markers: [{name: a, position_m: [0, 0, 0]}, {name: a, position_m: [0, 0, 0]}]", "two markers are named 'a'"},
       {"contact: {self: true, obstacles: []}", "bad.yaml:2: contact.self: self-contact is not supported yet"},
       {"contact: {obstacles: [{plane: 1}]}", "contact.obstacles: obstacles are not supported yet"},
-      {"solver: {method: gauss_seidel}", "solver.method: 'gauss_seidel' is not one of global"},
+      {"solver: {method: jacobi}", "solver.method: 'jacobi' is not one of global, gauss_seidel"},
+      {"solver: {substeps: 10}", "unknown key 'substeps'"},
+      {"solver: {method: gauss_seidel, substeps: 0}", "solver.substeps: 0 is out of range [1, 10000]"},
+      {"solver: {method: gauss_seidel, iterations: 10001}", "solver.iterations: 10001 is out of range [1, 10000]"},
+      {"solver: {method: gauss_seidel, integrator: bdf2}",
+       "solver.integrator: must be implicit_euler with solver.method gauss_seidel, not bdf2"},
       {"solver: {integrator: verlet}", "solver.integrator: 'verlet' is not one of implicit_euler, bdf2"},
       {"solver: {time_step_s: 2}", "time_step_s: 2 is out of range (0, 1]"},
       {"solver: {tolerance: 0}", "tolerance: 0 is out of range (0, 1)"},

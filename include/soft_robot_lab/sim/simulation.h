@@ -19,11 +19,17 @@ enum class Integrator {
 };
 
 struct SolverOptions {
-  Integrator integrator = Integrator::implicit_euler;
+  // global: Newton on everything at once. gauss_seidel: XPBD, one element after another in substeps; for comparison and for
+  // large meshes.
+  enum class Method { global, gauss_seidel };
+  Method method = Method::global;
+  Integrator integrator = Integrator::implicit_euler;  // gauss_seidel knows no other
   double time_step_s = 1.0 / 60.0;  // (0, 1]
   double tolerance = 1.0e-6;        // (0, 1); force residual over the largest force in the body
   int max_iterations = 60;          // [1, 10000] Newton iterations a step, or a continuation stage
   double dynamic_tolerance = 1.0e-3;  // (0, 1); the same for a time step, whose error the next step sees
+  int substep_count = 20;           // [1, 10000] of gauss_seidel, a time step; one that creates energy is cut further
+  int iteration_count = 1;          // [1, 10000] of gauss_seidel: sweeps over all elements, a substep
   void validate() const;            // throws std::invalid_argument: field, value, allowed range
 };
 
@@ -36,6 +42,7 @@ struct SimulationState {
   Eigen::Matrix3Xd velocities_m_s;           // 3 x nodes
   Eigen::VectorXd element_multipliers_pa;    // one volume multiplier per element
   Eigen::VectorXd constraint_multipliers;    // in the order of the actuators' constraints
+  Eigen::VectorXd element_forces_n;          // gauss_seidel: each element's, in an order of the solver's own; else empty
   std::vector<double> commands;              // per actuator
   std::vector<double> actuated_commands;     // per actuator
   std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
@@ -46,10 +53,12 @@ struct SimulationState {
   Eigen::Matrix3Xd previous_velocities_m_s;
 };
 
-// What a solve did. A solve that did not converge says so, and leaves the best state it had.
+// What a solve did. A solve that did not converge says so, and leaves the best state it had. A time step of
+// gauss_seidel, which does a fixed amount of work, counts as converged where it created no energy; its residual tells
+// how exact it was.
 struct SolveReport {
   bool converged = false;
-  int iterations = 0;        // Newton iterations (one linear solve each)
+  int iterations = 0;        // Newton iterations (one linear solve each); sweeps of gauss_seidel
   int factorisations = 0;    // of them, those that needed a new matrix
   int steps = 0;             // time steps or continuation stages
   int rejected_steps = 0;    // iterations repeated shorter or with a shifted matrix

@@ -1,0 +1,275 @@
+// The gauss_seidel solver against the global one, on the cantilever of reference R1 with cables.
+#include "sim/gauss_seidel_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim/box_mesh.h"
+#include "sim/element_colours.h"
+#include "soft_robot_lab/actuators/cable.h"
+#include "soft_robot_lab/settings/settings_node.h"
+#include "soft_robot_lab/sim/simulation.h"
+
+namespace soft_robot_lab {
+namespace {
+
+struct Bar {
+  double poissons_ratio = 0.499;
+  Eigen::Vector3i cells = {8, 2, 2};
+  bool quadratic = true;
+  std::string cables = "";  // settings of two cables' common keys
+};
+
+const Eigen::Vector3i kCoarse(5, 1, 1);  // for equilibria, which take hundreds of time steps
+
+SolverOptions gauss_seidel(int substep_count) {
+  SolverOptions options;
+  options.method = SolverOptions::Method::gauss_seidel;
+  options.substep_count = substep_count;
+  return options;
+}
+
+Body make_body(const Bar& bar) {
+  Body body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, bar.cells, bar.quadratic),
+            {264200.0, bar.poissons_ratio, 1070.0});
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  body.set_gravity({0, -9.81, 0});
+  return body;
+}
+
+Simulation make_bar(const Bar& bar, const SolverOptions& options) {
+  Body body = make_body(bar);
+  const MeshLocator locator(body.mesh());
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  for (const std::string side : {"upper", "lower"}) {
+    if (bar.cables.empty()) continue;
+    const std::string y = side == "upper" ? "0.006" : "-0.006";
+    actuators.push_back(std::make_unique<Cable>());
+    actuators.back()->initialise(
+        SettingsNode::parse("{name: " + side + ", " + bar.cables + ", points_m: [[0, " + y + ", 0], [0.03, " + y +
+                                ", 0], [0.06, " + y + ", 0], [0.095, " + y + ", 0]]}",
+                            "bar"),
+        body, locator);
+  }
+  std::vector<Marker> markers;
+  markers.emplace_back("tip", Eigen::Vector3d(0.1, 0, 0), body.mesh(), locator);
+  return Simulation(std::move(body), std::move(actuators), std::move(markers), options);
+}
+
+TEST(GaussSeidel, ComesToRestWhereTheGlobalSolverDoes) {
+  // Linear elements at 0.499 lock, and come to rest only after 150 000 sweeps: too long for a test.
+  const std::vector<Bar> bars = {{0.45, kCoarse, true, ""}, {0.499, kCoarse, true, ""}, {0.45, Bar().cells, false, ""}};
+  for (const Bar& bar : bars) {
+    Simulation global = make_bar(bar, {}), local = make_bar(bar, gauss_seidel(50));
+    ASSERT_TRUE(global.solve_equilibrium().converged);
+    const SolveReport report = local.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    EXPECT_LE(report.residual, local.options().tolerance);
+    EXPECT_LT((local.marker_position(0) - global.marker_position(0)).norm(), 5e-6);
+    EXPECT_EQ(local.state().velocities_m_s.norm(), 0.0);
+  }
+}
+
+TEST(GaussSeidel, StaysAtRestInTime) {
+  Bar coarse;
+  coarse.cells = kCoarse;
+  Simulation bar = make_bar(coarse, gauss_seidel(50));
+  ASSERT_TRUE(bar.solve_equilibrium().converged);
+  const Eigen::Vector3d tip = bar.marker_position(0);
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(bar.step().converged);
+  EXPECT_LT((bar.marker_position(0) - tip).norm(), 1e-6);
+}
+
+TEST(GaussSeidel, FallsAsTheGlobalSolverWithItsSubsteps) {
+  SolverOptions fine;
+  fine.time_step_s = 1.0 / 3000.0;
+  Simulation global = make_bar({}, fine), local = make_bar({}, gauss_seidel(50));
+  for (int i = 0; i < 6; ++i) {
+    ASSERT_TRUE(local.step().converged);
+    for (int k = 0; k < 50; ++k) ASSERT_TRUE(global.step().converged);
+    EXPECT_LT((local.marker_position(0) - global.marker_position(0)).norm(), 3e-4) << i;
+  }
+  EXPECT_LT(global.marker_position(0).y(), -0.015);
+}
+
+TEST(GaussSeidel, CutsStepsThatCreateEnergy) {
+  Simulation bar = make_bar({}, gauss_seidel(5));
+  int rejected = 0;
+  for (int i = 0; i < 12; ++i) {
+    const SolveReport report = bar.step();
+    EXPECT_TRUE(report.converged) << report.message;
+    rejected += report.rejected_steps;
+    EXPECT_LT(std::abs(bar.marker_position(0).y()), 0.04);
+  }
+  EXPECT_GT(rejected, 0);
+}
+
+TEST(GaussSeidel, CableReachesItsLengthAndNeverPushes) {
+  Bar bar;
+  bar.cables = "compliance_m_n: 0";
+  Simulation simulation = make_bar(bar, gauss_seidel(50));
+  simulation.set_command("upper", 0.9);
+  simulation.set_command("lower", 1.2);
+  for (int i = 0; i < 20; ++i) {
+    const SolveReport report = simulation.step();
+    ASSERT_TRUE(report.converged) << report.message;
+    const ActuatorReading upper = simulation.actuator_state(0), lower = simulation.actuator_state(1);
+    EXPECT_NEAR(*upper.length_m, 0.9 * *upper.rest_length_m, 1e-4);
+    EXPECT_GE(*upper.tension_n, 0.0);
+    EXPECT_EQ(*lower.tension_n, 0.0);
+  }
+  EXPECT_GT(*simulation.actuator_state(0).tension_n, 1.0);
+}
+
+TEST(GaussSeidel, HoldsAPrescribedTension) {
+  Bar bar;
+  bar.cables = "command: tension_n";
+  bar.cells = kCoarse;
+  SolverOptions options = gauss_seidel(50);
+  options.tolerance = 1e-4;
+  Simulation global = make_bar(bar, {}), local = make_bar(bar, options);
+  for (Simulation* simulation : {&global, &local}) {
+    simulation->set_command("upper", 3.0);
+    const SolveReport report = simulation->solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    EXPECT_EQ(*simulation->actuator_state(0).tension_n, 3.0);
+  }
+  EXPECT_LT((local.marker_position(0) - global.marker_position(0)).norm(), 5e-5);
+}
+
+TEST(GaussSeidel, SurvivesASuddenStrongPull) {
+  Bar bar;
+  bar.cables = "compliance_m_n: 0";
+  Simulation simulation = make_bar(bar, gauss_seidel(20));
+  simulation.set_command("upper", 0.5);
+  for (int i = 0; i < 10; ++i) {
+    const SolveReport report = simulation.step();
+    ASSERT_TRUE(simulation.state().positions_m.allFinite()) << i;
+    ASSERT_TRUE(simulation.state().element_forces_n.allFinite()) << i;
+    EXPECT_TRUE(std::isfinite(report.residual));
+    EXPECT_TRUE(report.converged || !report.message.empty());
+  }
+}
+
+TEST(GaussSeidel, RepeatsToTheLastBit) {
+  Bar bar;
+  bar.cables = "compliance_m_n: 1.0e-5, pull_speed_m_s: 0.02";
+  Simulation first = make_bar(bar, gauss_seidel(40)), second = make_bar(bar, gauss_seidel(40));
+  SimulationState middle;
+  for (int i = 0; i < 8; ++i) {
+    first.set_command("upper", 0.9);
+    first.step();
+    if (i == 3) middle = first.state();
+  }
+  second.set_state(middle);
+  for (int i = 4; i < 8; ++i) second.step();
+  EXPECT_EQ((first.state().positions_m - second.state().positions_m).norm(), 0.0);
+  EXPECT_EQ((first.state().element_forces_n - second.state().element_forces_n).norm(), 0.0);
+}
+
+GaussSeidelState at_rest(const Body& body, const GaussSeidelSolver& solver) {
+  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
+  return {{body.mesh().nodes_m, Eigen::VectorXd::Zero(body.mesh().tet_count()), {}},
+          none,
+          Eigen::VectorXd::Zero(solver.force_count())};
+}
+
+TEST(GaussSeidel, DoesNotDependOnTheNumberOfThreads) {
+  Bar bar;
+  bar.cells = {24, 6, 6};  // enough elements of a colour for two threads
+  const Body body = make_body(bar);
+  GaussSeidelTask task;
+  task.time_step_s = 0.002;
+  task.substep_count = 4;
+  std::vector<Eigen::Matrix3Xd> results;
+  for (const int threads : {1, 2}) {
+    GaussSeidelSolver solver(body, {}, threads);
+    GaussSeidelState state = at_rest(body, solver);
+    ASSERT_TRUE(solver.advance(task, state).finite);
+    results.push_back(state.unknowns.positions_m);
+  }
+  EXPECT_GT((results[0] - body.mesh().nodes_m).norm(), 1e-5);
+  EXPECT_EQ((results[0] - results[1]).norm(), 0.0);
+}
+
+TEST(GaussSeidel, KeepsMomentumInFreeFlight) {
+  Body body(box_mesh({0, 0, 0}, {0.04, 0.02, 0.02}, {3, 2, 2}), {264200.0, 0.499, 1070.0});
+  GaussSeidelSolver solver(body, {}, 1);
+  for (const bool from_zero : {false, true}) {
+    GaussSeidelState state = at_rest(body, solver);
+    for (Eigen::Index node = 0; node < state.velocities_m_s.cols(); ++node)
+      state.velocities_m_s.col(node) = Eigen::Vector3d(0.3, -0.2, 0.1) + 0.2 * Eigen::Vector3d::Random();
+    const auto momentum = [&] { return Eigen::Vector3d(state.velocities_m_s * body.node_masses_kg()); };
+    const Eigen::Vector3d before = momentum();
+    GaussSeidelTask task;
+    task.substep_count = 100;
+    task.multipliers_from_zero = from_zero;
+    ASSERT_TRUE(solver.advance(task, state).finite);
+    EXPECT_LT((momentum() - before).norm(), 1e-9 * before.norm());
+    EXPECT_GT((state.unknowns.positions_m - body.mesh().nodes_m).norm(), 1e-3);
+  }
+}
+
+TEST(GaussSeidel, TellsOfStepsThatCreateEnergy) {
+  const Body body = make_body({});
+  GaussSeidelSolver solver(body, {}, 1);
+  GaussSeidelTask task;
+  GaussSeidelState fine = at_rest(body, solver), coarse = fine;
+  task.substep_count = 100;
+  EXPECT_TRUE(solver.advance(task, fine).stable);
+  task.substep_count = 4;
+  EXPECT_FALSE(solver.advance(task, coarse).stable);
+}
+
+TEST(GaussSeidel, LeavesTheStateWhereNothingIsFinite) {
+  const Body body = make_body({});
+  GaussSeidelSolver solver(body, {}, 1);
+  GaussSeidelState state = at_rest(body, solver);
+  state.velocities_m_s.setConstant(1e200);
+  const Eigen::Matrix3Xd velocities = state.velocities_m_s;
+  const GaussSeidelReport report = solver.advance_stably({}, state);
+  EXPECT_FALSE(report.finite);
+  EXPECT_FALSE(report.stable);
+  EXPECT_GT(report.rejected_steps, 1);
+  EXPECT_EQ(state.unknowns.positions_m, body.mesh().nodes_m);
+  EXPECT_EQ(state.velocities_m_s, velocities);
+}
+
+TEST(ElementColours, ShareNoNodeAndMissNoElement) {
+  for (const bool quadratic : {true, false}) {
+    const TetMesh mesh = box_mesh({0, 0, 0}, {0.04, 0.03, 0.02}, {4, 3, 2}, quadratic);
+    std::vector<int> seen(mesh.tet_count(), 0);
+    for (const std::vector<int>& colour : colour_elements(mesh)) {
+      std::vector<int> used(mesh.node_count(), 0);
+      for (const int element : colour) {
+        ++seen[element];
+        for (Eigen::Index a = 0; a < mesh.tets.rows(); ++a) EXPECT_EQ(used[mesh.tets(a, element)]++, 0);
+      }
+    }
+    for (const int count : seen) EXPECT_EQ(count, 1);
+  }
+}
+
+TEST(GaussSeidel, RefusesCountsOutOfRange) {
+  for (const int wrong : {0, -1, 10001}) {
+    SolverOptions options;
+    options.substep_count = wrong;
+    EXPECT_THROW(options.validate(), std::invalid_argument);
+    options = {};
+    options.iteration_count = wrong;
+    EXPECT_THROW(options.validate(), std::invalid_argument);
+  }
+}
+
+TEST(GaussSeidel, RefusesBdf2) {
+  SolverOptions options = gauss_seidel(20);
+  EXPECT_NO_THROW(options.validate());
+  options.integrator = Integrator::bdf2;
+  EXPECT_THROW(options.validate(), std::invalid_argument);
+  options.method = SolverOptions::Method::global;
+  EXPECT_NO_THROW(options.validate());
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -7,7 +7,7 @@ jobs=${JOBS:-2}
 "$package/launch/install_dependencies.sh"
 
 JOBS=$jobs "$package/launch/build.sh"
-cmake -S "$package" -B "$package/build-sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON
-cmake --build "$package/build-sanitise" -j"$jobs"
-ctest --test-dir "$package/build-sanitise" --output-on-failure -j"$jobs"
+cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON
+cmake --build "$package/build/sanitise" -j"$jobs"
+ctest --test-dir "$package/build/sanitise" --output-on-failure -j"$jobs"
 ctest --test-dir "$package/build" --output-on-failure -j"$jobs"

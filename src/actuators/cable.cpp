@@ -30,7 +30,8 @@ std::vector<PathLength::Span> PathLength::spans(const Eigen::Matrix3Xd& position
       const Eigen::Vector3d unit = vector / length;
       result.push_back({length, unit, (Eigen::Matrix3d::Identity() - unit * unit.transpose()) / length});
     } else {
-      result.push_back({0.5 * (length * length / closing + closing), vector / closing, Eigen::Matrix3d::Identity() / closing});
+      result.push_back(
+          {0.5 * (length * length / closing + closing), vector / closing, Eigen::Matrix3d::Identity() / closing});
     }
   }
   return result;
@@ -107,8 +108,8 @@ EmbeddedPoint embed_point(const SettingsNode& item, const std::vector<Eigen::Vec
   if (location.distance_m > reach) {
     std::ostringstream message;
     message << "point " << i << " at (" << path[i].transpose() << ") m lies " << location.distance_m
-            << " m outside the body; the most is the sheath's radius, " << reach << " m; the nearest point of the body is ("
-            << location.nearest_m.transpose() << ") m";
+            << " m outside the body; the most is the sheath's radius, " << reach
+            << " m; the nearest point of the body is (" << location.nearest_m.transpose() << ") m";
     item.fail(message.str());
   }
   const EmbeddedPoint point = locator.embed(location);
@@ -125,9 +126,11 @@ std::vector<Eigen::Vector3d> read_path(const SettingsNode& settings) {
     const Eigen::VectorXd point = item.as_numbers();
     if (point.size() != 3) item.fail("a point is [x, y, z] in m");
     path.emplace_back(point);
-    if (path.size() > 1 && (path.back() - path[path.size() - 2]).norm() < 1e-9) item.fail("repeats the point before it");
+    if (path.size() > 1 && (path.back() - path[path.size() - 2]).norm() < 1e-9)
+      item.fail("repeats the point before it");
   }
-  if (path.size() < 2) settings.fail("points_m: a cable needs at least two points, this one has " + std::to_string(path.size()));
+  if (path.size() < 2)
+    settings.fail("points_m: a cable needs at least two points, this one has " + std::to_string(path.size()));
   return path;
 }
 

@@ -134,7 +134,8 @@ void BlockCholesky::merge_columns(const BlockMatrix& matrix) {
     // The supernode just before is this one's last child when its first row is this column: try to join them.
     while (!nodes_.empty() && !nodes_.back().rows.empty() && nodes_.back().rows.front() < node.first + node.columns) {
       const Supernode& child = nodes_.back();
-      const double extra = child.columns * (node.columns + static_cast<double>(node.rows.size()) - static_cast<double>(child.rows.size()));
+      const double extra = child.columns * (node.columns + static_cast<double>(node.rows.size()) -
+                                            static_cast<double>(child.rows.size()));
       const int joined = child.columns + node.columns;
       const double entries = joined * (joined + 1) / 2.0 + joined * static_cast<double>(node.rows.size());
       if (!worth_merging(joined, zeros.back() + zeros_here + extra, entries)) break;

@@ -1,6 +1,7 @@
-// Sparse factor L S L' of a BlockMatrix, S = diag(+-1), by the multifrontal method (Duff & Reid 1983; Liu 1992), dense fronts
-// through LAPACK. A Cholesky factor where the matrix is positive definite; else S counts its negative eigenvalues. There
-// is no pivoting: a body held in an unstable shape by its cables is indefinite in a few directions, not ill-conditioned.
+// Sparse factor L S L' of a BlockMatrix, S = diag(+-1), by the multifrontal method (Duff & Reid 1983; Liu 1992), dense
+// fronts through LAPACK. A Cholesky factor where the matrix is positive definite; else S counts its negative
+// eigenvalues. There is no pivoting: a body held in an unstable shape by its cables is indefinite in a few directions,
+// not ill-conditioned.
 #pragma once
 
 #include <vector>
@@ -24,18 +25,18 @@ class BlockCholesky {
   // Solves in place for right-hand sides given as columns over 3*node + axis.
   void solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const;
 
-  double flops() const { return flops_; }  // of one factorisation
+  double flops() const { return flops_; }                      // of one factorisation
   std::ptrdiff_t factor_size() const { return factor_size_; }  // doubles stored
 
  private:
   // Consecutive columns that share one row structure.
   struct Supernode {
-    int first = 0, columns = 0;      // block columns first .. first + columns - 1
-    std::vector<int> rows;           // block rows below them, ascending positions
-    std::vector<int> children;       // supernodes whose update is added to this front
-    std::vector<int> local_rows;     // place of each of `rows` in the parent's front (parent's columns, then its rows)
-    std::ptrdiff_t panel = 0;        // start of its (columns + rows) x columns dense panel in factor_
-    std::ptrdiff_t update = 0;       // start of its rows x rows update matrix on the stack
+    int first = 0, columns = 0;   // block columns first .. first + columns - 1
+    std::vector<int> rows;        // block rows below them, ascending positions
+    std::vector<int> children;    // supernodes whose update is added to this front
+    std::vector<int> local_rows;  // place of each of `rows` in the parent's front (parent's columns, then its rows)
+    std::ptrdiff_t panel = 0;     // start of its (columns + rows) x columns dense panel in factor_
+    std::ptrdiff_t update = 0;    // start of its rows x rows update matrix on the stack
   };
 
   void merge_columns(const BlockMatrix& matrix);

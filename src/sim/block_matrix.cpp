@@ -94,7 +94,8 @@ BlockMatrix::BlockMatrix(int node_count, const std::vector<std::vector<int>>& cl
 }
 
 int BlockMatrix::slot(int row_position, int column_position) const {
-  const auto begin = rows_.begin() + column_start_[column_position], end = rows_.begin() + column_start_[column_position + 1];
+  const auto begin = rows_.begin() + column_start_[column_position],
+             end = rows_.begin() + column_start_[column_position + 1];
   const auto found = std::lower_bound(begin, end, row_position);
   if (found == end || *found != row_position) throw std::logic_error("block outside the matrix's pattern");
   return static_cast<int>(found - rows_.begin());

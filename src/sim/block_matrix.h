@@ -1,4 +1,5 @@
-// A symmetric sparse matrix of 3x3 blocks over the nodes, lower triangle by columns, in an order that keeps its factor small.
+// A symmetric sparse matrix of 3x3 blocks over the nodes, lower triangle by columns, in an order that keeps its factor
+// small.
 #pragma once
 
 #include <vector>
@@ -15,8 +16,8 @@ class BlockMatrix {
   int node_count() const { return static_cast<int>(position_.size()); }
   int position(int node) const { return position_[node]; }  // place of a node in the elimination order
   int node(int position) const { return node_[position]; }
-  const std::vector<int>& column_start() const { return column_start_; }  // in positions
-  const std::vector<int>& rows() const { return rows_; }                  // sorted, the diagonal first
+  const std::vector<int>& column_start() const { return column_start_; }     // in positions
+  const std::vector<int>& rows() const { return rows_; }                     // sorted, the diagonal first
   const double* block(int slot) const { return values_.data() + 9 * slot; }  // column-major
   double* block(int slot) { return values_.data() + 9 * slot; }
 
@@ -27,8 +28,8 @@ class BlockMatrix {
 
   void add_to_diagonal(int node, double value);
 
-  // Replaces rows and columns of held degrees of freedom by those of the identity. Nodes beyond the columns of `fixed` are
-  // free.
+  // Replaces rows and columns of held degrees of freedom by those of the identity. Nodes beyond the columns of `fixed`
+  // are free.
   void hold(const Eigen::Matrix<bool, 3, Eigen::Dynamic>& fixed);
 
   Eigen::Matrix3Xd multiply(const Eigen::Matrix3Xd& x) const;

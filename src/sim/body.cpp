@@ -29,10 +29,12 @@ double rest_volume(const TetMesh& mesh, int element) {
 
 // Integrals of a face's shape functions over its rest area, by the six-point rule of degree 4 (Dunavant 1985).
 Eigen::VectorXd face_areas(const TetMesh& mesh, Eigen::Index face) {
-  constexpr double kPoints[6][3] = {
-      {0.445948490915965, 0.445948490915965, 0.223381589678011}, {0.445948490915965, 0.108103018168070, 0.223381589678011},
-      {0.108103018168070, 0.445948490915965, 0.223381589678011}, {0.091576213509771, 0.091576213509771, 0.109951743655322},
-      {0.091576213509771, 0.816847572980459, 0.109951743655322}, {0.816847572980459, 0.091576213509771, 0.109951743655322}};
+  constexpr double kPoints[6][3] = {{0.445948490915965, 0.445948490915965, 0.223381589678011},
+                                    {0.445948490915965, 0.108103018168070, 0.223381589678011},
+                                    {0.108103018168070, 0.445948490915965, 0.223381589678011},
+                                    {0.091576213509771, 0.091576213509771, 0.109951743655322},
+                                    {0.091576213509771, 0.816847572980459, 0.109951743655322},
+                                    {0.816847572980459, 0.091576213509771, 0.109951743655322}};
   const bool quadratic = mesh.faces.rows() == 6;
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.faces.rows());
   for (const auto& point : kPoints) {
@@ -100,7 +102,8 @@ double Body::add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3
   return loaded;
 }
 
-void Body::add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Vector3d& force_n) {
+void Body::add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
+                     const Eigen::Vector3d& force_n) {
   const double area = add_traction(box_min_m, box_max_m, Eigen::Vector3d::Zero());
   if (!(area > 0.0)) throw std::invalid_argument("force_n: no boundary face lies inside the load's box");
   add_traction(box_min_m, box_max_m, force_n / area);
@@ -112,12 +115,8 @@ int Body::fixed_node_count() const {
   return count;
 }
 
-Eigen::Matrix3Xd Body::external_forces_n() const {
-  return dead_loads_n_ + gravity_m_s2_ * node_masses_kg_.transpose();
-}
+Eigen::Matrix3Xd Body::external_forces_n() const { return dead_loads_n_ + gravity_m_s2_ * node_masses_kg_.transpose(); }
 
-double Body::size_m() const {
-  return (mesh_.nodes_m.rowwise().maxCoeff() - mesh_.nodes_m.rowwise().minCoeff()).norm();
-}
+double Body::size_m() const { return (mesh_.nodes_m.rowwise().maxCoeff() - mesh_.nodes_m.rowwise().minCoeff()).norm(); }
 
 }  // namespace soft_robot_lab

@@ -114,7 +114,8 @@ inline PackSums pack_gradient(const Pack* x, const Pack* gradients, const Pack* 
   return sums;
 }
 
-// Condensed Hessian blocks of four elements: pairs a >= b in rows, 9 numbers each (column-major). With g = d(V0 Jbar)/dx the block (a, b) is
+// Condensed Hessian blocks of four elements: pairs a >= b in rows, 9 numbers each (column-major). With g = d(V0
+// Jbar)/dx the block (a, b) is
 //   [laplacian + extra] I + sum_q w mu (c grad a)(c grad b)^T + lambda/V0 g_a g_b^T
 //   + [e]x with e = sum_q w (mu (J - 2) + p) F (grad a x grad b),   ([e]x)_ik = epsilon_ikm e_m   (d2J/dF2 contracted)
 template <int Nodes, int Points>

@@ -39,11 +39,13 @@ class Elements {
   ElementSums add_gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers,
                            Eigen::Matrix3Xd& forces) const;
 
-  // Adds the condensed Hessian, with p in its geometric part. `convex` adds the least isotropic stiffness that makes every
-  // quadrature point's Hessian positive. Remembers grad(V0 Jbar) of these positions for the next two functions.
-  void add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex, BlockMatrix& matrix);
+  // Adds the condensed Hessian, with p in its geometric part. `convex` adds the least isotropic stiffness that makes
+  // every quadrature point's Hessian positive. Remembers grad(V0 Jbar) of these positions for the next two functions.
+  void add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
+                   BlockMatrix& matrix);
 
-  // Adds lambda c grad(V0 Jbar): what condensation of the multipliers adds to the gradient where c = Jbar - 1 - p / lambda.
+  // Adds lambda c grad(V0 Jbar): what condensation of the multipliers adds to the gradient where c = Jbar - 1 - p /
+  // lambda.
   void add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matrix3Xd& forces) const;
 
   // After a linear solve, from where the growth was Jbar - 1:

@@ -106,7 +106,8 @@ Location MeshLocator::locate(const Eigen::Vector3d& point_m) const {
   double best_inside = -std::numeric_limits<double>::infinity();
   const auto consider = [&](const Eigen::Vector3d& point) {
     for (int tet = 0; tet < mesh_.tet_count(); ++tet) {
-      if ((point.array() < box_min_m_.col(tet).array()).any() || (point.array() > box_max_m_.col(tet).array()).any()) continue;
+      if ((point.array() < box_min_m_.col(tet).array()).any() || (point.array() > box_max_m_.col(tet).array()).any())
+        continue;
       const auto local = invert_map(mesh_, tet, point);
       if (!local) continue;
       const double depth = barycentric(*local).minCoeff();
@@ -122,7 +123,9 @@ Location MeshLocator::locate(const Eigen::Vector3d& point_m) const {
 
   // Outside: the nearest point of the boundary, whose curved faces are taken as four flat triangles each.
   double nearest_distance = std::numeric_limits<double>::infinity();
-  const auto corner = [&](Eigen::Index face, int i) -> Eigen::Vector3d { return mesh_.nodes_m.col(mesh_.faces(i, face)); };
+  const auto corner = [&](Eigen::Index face, int i) -> Eigen::Vector3d {
+    return mesh_.nodes_m.col(mesh_.faces(i, face));
+  };
   constexpr std::array<std::array<int, 3>, 4> kParts{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
   for (Eigen::Index face = 0; face < mesh_.faces.cols(); ++face) {
     for (const auto& part : kParts) {
@@ -156,7 +159,8 @@ EmbeddedPoint MeshLocator::embed(const Location& location) const {
   return point;
 }
 
-EmbeddedPoint MeshLocator::embed_disc(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& normal, double radius_m) const {
+EmbeddedPoint MeshLocator::embed_disc(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& normal,
+                                      double radius_m) const {
   // One point in the middle and two rings of equal-area cells: the mean of a quadratic field is off by less than 2 %.
   std::vector<EmbeddedPoint> samples;
   const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.normalized().cross(u);
@@ -177,8 +181,7 @@ EmbeddedPoint MeshLocator::embed_box(const Eigen::Vector3d& centre_m, double edg
   std::vector<EmbeddedPoint> samples;
   for (int i = 0; i < kPerEdge * kPerEdge * kPerEdge; ++i) {
     const Eigen::Vector3d cell(i % kPerEdge, (i / kPerEdge) % kPerEdge, i / (kPerEdge * kPerEdge));
-    const Location location =
-        locate(centre_m + edge_m * ((cell.array() + 0.5) / kPerEdge - 0.5).matrix());
+    const Location location = locate(centre_m + edge_m * ((cell.array() + 0.5) / kPerEdge - 0.5).matrix());
     if (location.distance_m <= 1e-6 * edge_m) samples.push_back(embed(location));
   }
   return samples.empty() ? embed(centre_m) : average(samples);

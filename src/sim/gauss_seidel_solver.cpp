@@ -40,7 +40,7 @@ ElementPacks coloured_packs(const Body& body, Colouring colouring, std::vector<i
 ElementStep element_step(const Body& body, double h, const Eigen::Matrix3Xd& root_inverse_masses, NewtonState& state,
                          std::vector<Pack>& multipliers) {
   return {body.material().lame_mu_pa(),       bulk_lambda_pa(body.material()), h,
-          root_inverse_masses.data(),         state.positions_m.data(),         multipliers.data(),
+          root_inverse_masses.data(),         state.positions_m.data(),        multipliers.data(),
           state.element_multipliers_pa.data()};
 }
 

@@ -26,7 +26,8 @@ Polar polar(const Eigen::Matrix3d& f) {
 
 }  // namespace
 
-Marker::Marker(std::string name, const Eigen::Vector3d& rest_position_m, const TetMesh& mesh, const MeshLocator& locator)
+Marker::Marker(std::string name, const Eigen::Vector3d& rest_position_m, const TetMesh& mesh,
+               const MeshLocator& locator)
     : name_(std::move(name)), rest_position_m_(rest_position_m) {
   const Location location = locator.locate(rest_position_m);
   root_ = locator.embed(location);

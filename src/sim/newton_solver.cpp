@@ -13,13 +13,16 @@ namespace {
 constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
 constexpr int kHalvings = 8;
 constexpr double kWorthwhileDecrease = 0.5;  // of the residual, by a step with an old factor
-constexpr double kTieStiffness = 1e3;   // of a carried point, over E * size
+constexpr double kTieStiffness = 1e3;        // of a carried point, over E * size
 
-Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) { return {columns.data(), columns.size()}; }
+Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
+  return {columns.data(), columns.size()};
+}
 
-// Solves S y = b with y between bounds, S positive definite: an active set that adds one constraint at a time (Nocedal &
-// Wright 2006, 16.5, for the dual of a cable that can only pull).
-Eigen::VectorXd solve_bounded(const Eigen::MatrixXd& s, const Eigen::VectorXd& b, const std::vector<ConstraintLaw>& laws) {
+// Solves S y = b with y between bounds, S positive definite: an active set that adds one constraint at a time (Nocedal
+// & Wright 2006, 16.5, for the dual of a cable that can only pull).
+Eigen::VectorXd solve_bounded(const Eigen::MatrixXd& s, const Eigen::VectorXd& b,
+                              const std::vector<ConstraintLaw>& laws) {
   const int count = static_cast<int>(b.size());
   Eigen::VectorXd y = Eigen::VectorXd::Zero(count);
   std::vector<char> held(count, 0);
@@ -161,17 +164,19 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     result.laws.push_back(constraints_[i]->law(result.values.back()));
     if (y != 0.0) constraints_[i]->add_gradient(state.positions_m, y, result.residual_n);
     const ConstraintLaw& law = result.laws.back();
-    // Relative to the constraint's own value, so that lengths and volumes count alike; a prescribed multiplier is met or not.
-    const double off = law.prescribed() ? (std::abs(y - law.min_multiplier) > 1e-12 * std::abs(y) ? 1.0 : 0.0)
-                                        : std::abs(violation(law, y)) / std::max(std::abs(result.values.back()), 1e-300);
+    // Relative to the constraint's own value, so that lengths and volumes count alike; a prescribed multiplier is met
+    // or not.
+    const double off = law.prescribed()
+                           ? (std::abs(y - law.min_multiplier) > 1e-12 * std::abs(y) ? 1.0 : 0.0)
+                           : std::abs(violation(law, y)) / std::max(std::abs(result.values.back()), 1e-300);
     constraint_residual = std::max(constraint_residual, off);
   }
   release(result.residual_n);
   const double volume_residual =
       elements_.mismatch(result.elements.growth, state.element_multipliers_pa).cwiseAbs().maxCoeff();
   result.relative_residual = std::max({result.residual_n.norm() / largest, constraint_residual, volume_residual});
-  result.finite = std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy) &&
-                  result.residual_n.allFinite();
+  result.finite =
+      std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy) && result.residual_n.allFinite();
   return result;
 }
 
@@ -217,9 +222,9 @@ Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) con
   return x.topRows(right_hand_sides.rows());
 }
 
-// Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled body
-// is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A (Haynsworth
-// 1968: the inertia of the bordered matrix).
+// Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled
+// body is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A
+// (Haynsworth 1968: the inertia of the bordered matrix).
 bool NewtonSolver::stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
                                 const Eigen::VectorXd& multipliers) const {
   if (factor_.negative_pivots() == 0) return true;
@@ -231,7 +236,8 @@ bool NewtonSolver::stable_under(const Eigen::MatrixXd& schur, const std::vector<
   Eigen::MatrixXd sub(size, size);
   for (int i = 0; i < size; ++i)
     for (int j = 0; j < size; ++j) sub(i, j) = schur(active[i], active[j]);
-  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
   return (eigenvalues.array() < 0.0).count() == factor_.negative_pivots();
 }
 
@@ -294,7 +300,8 @@ double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
   const Eigen::VectorXd& p = step.element_multipliers_pa;
   const Eigen::VectorXd c = elements_.mismatch(at.elements.growth, p);
   double sum = at.smooth_energy;
-  sum += (p.cwiseProduct(c) + 0.5 * kPenaltyOverMu * elements_.mu_pa() * c.cwiseAbs2()).dot(elements_.rest_volumes_m3());
+  sum +=
+      (p.cwiseProduct(c) + 0.5 * kPenaltyOverMu * elements_.mu_pa() * c.cwiseAbs2()).dot(elements_.rest_volumes_m3());
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = step.constraint_multipliers[i];
     sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(at.laws[i], y), 2);
@@ -376,7 +383,8 @@ Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
   const int count = constraint_count();
   Eigen::MatrixXd schur = border_.transpose() * border_solved_;
   std::vector<ConstraintLaw> laws;
-  for (const Constraint* constraint : constraints_) laws.push_back(constraint->law(constraint->value(state.positions_m)));
+  for (const Constraint* constraint : constraints_)
+    laws.push_back(constraint->law(constraint->value(state.positions_m)));
   Eigen::MatrixXd compliant = schur;
   for (int i = 0; i < count; ++i) compliant(i, i) += laws[i].compliance;
   if (!stable_under(compliant, laws, state.constraint_multipliers)) return {};

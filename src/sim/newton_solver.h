@@ -1,6 +1,6 @@
 // Newton's method on all constraints at once: positions x, element multipliers p and constraint multipliers y are
-// independent unknowns (so near-incompressible elements and rigid cables cost no extra iterations). p is condensed element
-// by element, y is solved as a border by its Schur complement. One factorisation an iteration.
+// independent unknowns (so near-incompressible elements and rigid cables cost no extra iterations). p is condensed
+// element by element, y is solved as a border by its Schur complement. One factorisation an iteration.
 //
 //   [ A   B ] [dx]   [ -r ]     A: inertia + elements (condensed) + y d2C/dx2,  B: constraint gradients
 //   [ B' -a ] [ y] = [ -o ]     a: compliance, o: offset (ConstraintLaw), y within its bounds
@@ -28,7 +28,8 @@ struct NewtonState {
   Eigen::VectorXd constraint_multipliers;  // y
 };
 
-// Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never stopped.
+// Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never
+// stopped.
 struct Linearisation {
   NewtonState at;
   double inertia_per_s2 = 0.0;
@@ -36,7 +37,7 @@ struct Linearisation {
 
 // minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)
 struct NewtonTask {
-  double inertia_per_s2 = 0.0;             // 1/h^2; zero asks for the equilibrium
+  double inertia_per_s2 = 0.0;                    // 1/h^2; zero asks for the equilibrium
   const Eigen::Matrix3Xd* predicted_m = nullptr;  // needed where there is inertia
   double tolerance = 1e-6;
   int min_iterations = 0;
@@ -46,14 +47,14 @@ struct NewtonTask {
 
 struct NewtonReport {
   bool converged = false;
-  int iterations = 0;     // linear solves
+  int iterations = 0;  // linear solves
   int factorisations = 0;
-  int shortened = 0;      // steps that the line search cut
-  int convexified = 0;    // iterations with a shifted matrix
+  int shortened = 0;    // steps that the line search cut
+  int convexified = 0;  // iterations with a shifted matrix
   double residual = 0.0;
   int inverted_elements = 0;
   int worst_element = -1;
-  std::string reason;     // empty when converged
+  std::string reason;  // empty when converged
 };
 
 class NewtonSolver {
@@ -63,8 +64,8 @@ class NewtonSolver {
   // Improves the state in place. Where it did not converge the state is the best it had; NaN never enters it.
   NewtonReport solve(const NewtonTask& task, NewtonState& state);
 
-  // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint; a constraint's command is that of
-  // its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
+  // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint; a constraint's command is that
+  // of its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
   Eigen::MatrixXd sensitivities(const NewtonState& state);
 
   // The last linearisation, or nullptr where it cannot be reused; and making it again.
@@ -77,18 +78,18 @@ class NewtonSolver {
  private:
   struct Evaluation {
     ElementSums elements;
-    Eigen::Matrix3Xd residual_n;             // of the unheld degrees of freedom
-    std::vector<double> values;              // C
+    Eigen::Matrix3Xd residual_n;  // of the unheld degrees of freedom
+    std::vector<double> values;   // C
     std::vector<ConstraintLaw> laws;
-    double smooth_energy = 0.0;              // elastic + inertia - loads
+    double smooth_energy = 0.0;  // elastic + inertia - loads
     double relative_residual = 0.0;
     bool finite = false;
   };
   struct Step {
     Eigen::Matrix3Xd motion_m;
     Eigen::VectorXd element_multipliers_pa, constraint_multipliers;
-    Eigen::VectorXd penalties;               // per constraint, for the merit function
-    double slope = 0.0;                      // of the merit function along the step
+    Eigen::VectorXd penalties;  // per constraint, for the merit function
+    double slope = 0.0;         // of the merit function along the step
   };
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
@@ -98,19 +99,20 @@ class NewtonSolver {
                     const Eigen::VectorXd& multipliers) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here) const;
-  bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here, double& length) const;
+  bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
+                   double& length) const;
   double merit(const Evaluation& at, const Step& step) const;
-  void release(Eigen::Matrix3Xd& forces) const;  // zero on held degrees of freedom
+  void release(Eigen::Matrix3Xd& forces) const;                          // zero on held degrees of freedom
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor
   Eigen::MatrixXd border(const Eigen::Matrix3Xd& positions) const;
 
-  // The matrix has the mesh's nodes first, then the constraints' carried points, each tied to its nodes by a spring that is
-  // stiff against everything it carries (so the second derivative is softened by less than 1e-3).
+  // The matrix has the mesh's nodes first, then the constraints' carried points, each tied to its nodes by a spring
+  // that is stiff against everything it carries (so the second derivative is softened by less than 1e-3).
   struct Layout {
     int node_count = 0, point_count = 0;
-    std::vector<std::vector<int>> ties;                      // per point: its nodes, then itself
-    std::vector<std::vector<double>> tie_coefficients;       // its weights, then -1
-    std::vector<std::vector<std::vector<int>>> cliques;      // per constraint, in places of the matrix
+    std::vector<std::vector<int>> ties;                  // per point: its nodes, then itself
+    std::vector<std::vector<double>> tie_coefficients;   // its weights, then -1
+    std::vector<std::vector<std::vector<int>>> cliques;  // per constraint, in places of the matrix
     std::vector<std::vector<int>> all_cliques(const TetMesh& mesh) const;
   };
   static Layout lay_out(const Body& body, const std::vector<const Constraint*>& constraints);
@@ -128,7 +130,7 @@ class NewtonSolver {
 
   // The last linearisation: its factor is in factor_, its volume gradients are in elements_.
   std::shared_ptr<const Linearisation> linearisation_;  // null where it was convex or failed
-  Eigen::MatrixXd border_, border_solved_;      // B and A^-1 B, over 3*node + axis
+  Eigen::MatrixXd border_, border_solved_;              // B and A^-1 B, over 3*node + axis
 };
 
 }  // namespace soft_robot_lab

@@ -12,8 +12,8 @@ namespace soft_robot_lab {
 inline constexpr std::array<std::array<int, 2>, 6> kTetEdges{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {2, 3}, {1, 3}}};
 
 struct ShapeFunctions {
-  Eigen::VectorXd values;                               // per node
-  Eigen::Matrix<double, 3, Eigen::Dynamic> gradients;   // d/d(r, s, t), 3 x nodes
+  Eigen::VectorXd values;                              // per node
+  Eigen::Matrix<double, 3, Eigen::Dynamic> gradients;  // d/d(r, s, t), 3 x nodes
 };
 
 inline ShapeFunctions shape_functions(int node_count, const Eigen::Vector3d& local) {

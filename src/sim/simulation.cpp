@@ -13,15 +13,15 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kSmallestStage = 64;  // a command change is cut into at most this many continuation stages
-constexpr int kDeepestHalving = 6;     // a time step is cut into at most 2^6 parts
+constexpr double kSmallestStage = 64;   // a command change is cut into at most this many continuation stages
+constexpr int kDeepestHalving = 6;      // a time step is cut into at most 2^6 parts
 constexpr double kLargestGrowth = 2.0;  // of a time step over the one before; BDF2 is stable up to 1 + sqrt(2)
-constexpr int kRelaxationSteps = 600;  // time steps in which gauss_seidel must come to rest
-constexpr int kPatience = 100;         // of which it takes this many before it doubles its substeps, four times at most
-constexpr int kPullSteps = 30;         // over which it moves the actuators then
-constexpr int kThreads = 2;            // of gauss_seidel, on meshes large enough to be worth it
-constexpr int kStageIterations = 25;   // Newton iterations before a stage is cut
-constexpr int kBudget = 10;            // an equilibrium may take this many times max_iterations in all
+constexpr int kRelaxationSteps = 600;   // time steps in which gauss_seidel must come to rest
+constexpr int kPatience = 100;        // of which it takes this many before it doubles its substeps, four times at most
+constexpr int kPullSteps = 30;        // over which it moves the actuators then
+constexpr int kThreads = 2;           // of gauss_seidel, on meshes large enough to be worth it
+constexpr int kStageIterations = 25;  // Newton iterations before a stage is cut
+constexpr int kBudget = 10;           // an equilibrium may take this many times max_iterations in all
 
 void require(bool ok, const char* field, double value, const char* range) {
   if (ok) return;
@@ -42,9 +42,7 @@ int index_of(const std::string& kind, const std::string& name, const Items& item
 
 class Stopwatch {
  public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -147,7 +145,8 @@ struct Simulation::Parts {
     for (int corner = 0; corner < 4; ++corner)
       centre += 0.25 * body.mesh().nodes_m.col(body.mesh().tets(corner, element));
     std::ostringstream text;
-    text << "element " << element << " at rest position (" << centre.x() << ", " << centre.y() << ", " << centre.z() << ") m";
+    text << "element " << element << " at rest position (" << centre.x() << ", " << centre.y() << ", " << centre.z()
+         << ") m";
     return text.str();
   }
 
@@ -169,24 +168,27 @@ struct Simulation::Parts {
     report.message = newton.reason;
     if (newton.inverted_elements > 0) {
       if (!report.message.empty()) report.message += "; ";
-      report.message += std::to_string(newton.inverted_elements) + " inverted elements, the worst " + place_of(newton.worst_element);
+      report.message +=
+          std::to_string(newton.inverted_elements) + " inverted elements, the worst " + place_of(newton.worst_element);
     }
   }
 
-  // One step of length h, or two halves where it does not converge. What bdf2 knows of the step before lets their lengths
-  // differ; where they grow too fast, as they may after halved steps, one step is implicit Euler's.
+  // One step of length h, or two halves where it does not converge. What bdf2 knows of the step before lets their
+  // lengths differ; where they grow too fast, as they may after halved steps, one step is implicit Euler's.
   void advance(double h, int depth, SolveReport& report) {
     SimulationState before = state;
     for (auto& actuator : actuators) actuator->advance(h);
     const BackwardDifference difference(state, h);
-    const Eigen::Matrix3Xd predicted = difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
+    const Eigen::Matrix3Xd predicted =
+        difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
     NewtonTask task;
     task.inertia_per_s2 = 1.0 / (difference.gamma_s * difference.gamma_s);
     task.predicted_m = &predicted;
     task.tolerance = options.dynamic_tolerance;
     task.min_iterations = 1;
     task.reuse_factor = true;
-    task.max_iterations = depth < kDeepestHalving ? std::min(options.max_iterations, kStageIterations) : options.max_iterations;
+    task.max_iterations =
+        depth < kDeepestHalving ? std::min(options.max_iterations, kStageIterations) : options.max_iterations;
     NewtonState unknown = unknowns();
     unknown.positions_m = state.positions_m + h * state.velocities_m_s;
     if (!solve(task, unknown, report).converged && depth < kDeepestHalving) {
@@ -305,10 +307,11 @@ struct Simulation::Parts {
       to.push_back(actuator->actuated_command());
     }
     GaussSeidelTask task = substepping();
-    task.before_substep = [&](double share) {  // also a command without a speed limit takes the whole time step to arrive
-      for (std::size_t i = 0; i < actuators.size(); ++i)
-        actuators[i]->restore(actuators[i]->command(), from[i] + share * (to[i] - from[i]));
-    };
+    task.before_substep =
+        [&](double share) {  // also a command without a speed limit takes the whole time step to arrive
+          for (std::size_t i = 0; i < actuators.size(); ++i)
+            actuators[i]->restore(actuators[i]->command(), from[i] + share * (to[i] - from[i]));
+        };
     if (!advance_in_substeps(task, false, report).finite) return;
     state.time_s += task.time_step_s;
     remember();
@@ -336,7 +339,8 @@ struct Simulation::Parts {
   void restore(const SimulationState& saved) {
     state = saved;
     if (options.integrator != Integrator::bdf2) forget_previous_step();
-    for (std::size_t i = 0; i < actuators.size(); ++i) actuators[i]->restore(saved.commands[i], saved.actuated_commands[i]);
+    for (std::size_t i = 0; i < actuators.size(); ++i)
+      actuators[i]->restore(saved.commands[i], saved.actuated_commands[i]);
   }
 };
 
@@ -346,10 +350,12 @@ Simulation::Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuato
   if (body.fixed_node_count() == 0) throw std::invalid_argument("body.fixed: no node is held; the robot would fall");
   std::set<std::string> names;
   for (const auto& actuator : actuators)
-    if (!names.insert(actuator->name()).second) throw std::invalid_argument("two actuators are named '" + actuator->name() + "'");
+    if (!names.insert(actuator->name()).second)
+      throw std::invalid_argument("two actuators are named '" + actuator->name() + "'");
   names.clear();
   for (const Marker& marker : markers)
-    if (!names.insert(marker.name()).second) throw std::invalid_argument("two markers are named '" + marker.name() + "'");
+    if (!names.insert(marker.name()).second)
+      throw std::invalid_argument("two markers are named '" + marker.name() + "'");
   parts_ = std::make_unique<Parts>(std::move(body), std::move(actuators), std::move(markers), options);
   reset();
 }
@@ -459,13 +465,12 @@ const SimulationState& Simulation::state() const { return parts_->state; }
 
 void Simulation::set_state(const SimulationState& state) {
   const SimulationState& now = parts_->state;
-  const bool sizes = state.positions_m.cols() == now.positions_m.cols() &&
-                     state.velocities_m_s.cols() == now.velocities_m_s.cols() &&
-                     state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
-                     state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
-                     state.element_forces_n.size() == now.element_forces_n.size() &&
-                     state.commands.size() == now.commands.size() &&
-                     state.actuated_commands.size() == now.actuated_commands.size();
+  const bool sizes =
+      state.positions_m.cols() == now.positions_m.cols() && state.velocities_m_s.cols() == now.velocities_m_s.cols() &&
+      state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
+      state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
+      state.element_forces_n.size() == now.element_forces_n.size() && state.commands.size() == now.commands.size() &&
+      state.actuated_commands.size() == now.actuated_commands.size();
   const Eigen::Index previous = state.previous_step_s != 0.0 ? now.positions_m.cols() : 0;
   const bool previous_sizes =
       state.previous_positions_m.cols() == previous && state.previous_velocities_m_s.cols() == previous;
@@ -473,8 +478,9 @@ void Simulation::set_state(const SimulationState& state) {
   require(state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0, "state.previous_step_s", state.previous_step_s,
           "[0, 1]");
   if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
-      !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() || !state.element_multipliers_pa.allFinite() ||
-      !state.constraint_multipliers.allFinite() || !state.element_forces_n.allFinite() || !std::isfinite(state.time_s))
+      !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
+      !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
+      !state.element_forces_n.allFinite() || !std::isfinite(state.time_s))
     throw std::invalid_argument("state: not finite");
   parts_->restore(state);
   parts_->solver.restore(state.linearisation);

@@ -17,10 +17,13 @@ namespace {
 class DenseSink : public CliqueSink {
  public:
   DenseSink(const Constraint& constraint, Eigen::Index nodes)
-      : points_(constraint.carried_points()), cliques_(constraint.cliques()), hessian(Eigen::MatrixXd::Zero(3 * nodes, 3 * nodes)) {}
+      : points_(constraint.carried_points()),
+        cliques_(constraint.cliques()),
+        hessian(Eigen::MatrixXd::Zero(3 * nodes, 3 * nodes)) {}
 
   void add_outer(int clique, const std::vector<double>& coefficients, const Eigen::Matrix3d& block) override {
-    add(clique, [&](std::size_t i, std::size_t j) -> Eigen::Matrix3d { return coefficients[i] * coefficients[j] * block; });
+    add(clique,
+        [&](std::size_t i, std::size_t j) -> Eigen::Matrix3d { return coefficients[i] * coefficients[j] * block; });
   }
   void add_dense(int clique, const Eigen::MatrixXd& matrix) override {
     add(clique, [&](std::size_t i, std::size_t j) -> Eigen::Matrix3d {
@@ -69,7 +72,8 @@ class CableTest : public ::testing::Test {
     return made;
   }
   std::unique_ptr<Cable> side_cable(const std::string& more = "") const {
-    return cable("{name: side, points_m: [[0, 0.006, 0], [0.02, 0.006, 0.002], [0.04, 0.006, 0], [0.057, 0.006, 0]]" + more + "}");
+    return cable("{name: side, points_m: [[0, 0.006, 0], [0.02, 0.006, 0.002], [0.04, 0.006, 0], [0.057, 0.006, 0]]" +
+                 more + "}");
   }
 
   // The words of the error that the settings end in.
@@ -199,8 +203,10 @@ TEST_F(CableTest, RefusesCommandsBeyondItsLimits) {
 }
 
 TEST_F(CableTest, MovesPointsJustOutsideOntoTheBody) {
-  const auto near = cable("{name: n, points_m: [[0.01, 0.0105, 0], [0.05, 0.0105, 0]], sheath_radius_m: 0.001, plug_radius_m: 0}");
-  for (const Eigen::Vector3d& point : near->observe(body_.mesh().nodes_m, {0.0}).path_m) EXPECT_LE(point.y(), 0.01 + 1e-9);
+  const auto near =
+      cable("{name: n, points_m: [[0.01, 0.0105, 0], [0.05, 0.0105, 0]], sheath_radius_m: 0.001, plug_radius_m: 0}");
+  for (const Eigen::Vector3d& point : near->observe(body_.mesh().nodes_m, {0.0}).path_m)
+    EXPECT_LE(point.y(), 0.01 + 1e-9);
 }
 
 TEST_F(CableTest, PointsOnHeldMaterialStayPoints) {
@@ -219,14 +225,16 @@ TEST_F(CableTest, RefusesBadSettings) {
       {"{name: a, points_m: [[0, 0, 0]]}", "needs at least two points, this one has 1"},
       {"{name: a, points_m: [[0, 0, 0], [0, 0]]}", "a point is [x, y, z]"},
       {"{name: a, points_m: [[0, 0, 0], [0, 0, 0]]}", "repeats the point before it"},
-      {"{name: a, points_m: [[0, 0, 0], [0.05, 0.02, 0]]}", "point 1 at (0.05 0.02    0) m lies 0.01 m outside the body"},
+      {"{name: a, points_m: [[0, 0, 0], [0.05, 0.02, 0]]}",
+       "point 1 at (0.05 0.02    0) m lies 0.01 m outside the body"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], compliance_m_n: -1}", "compliance_m_n"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], model: glide}", "model"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], command: beta}", "command"},
       {"{name: '', points_m: [[0, 0, 0], [0.05, 0, 0]]}", "name must not be empty"},
       {"{points_m: [[0, 0, 0], [0.05, 0, 0]]}", "name"},
   };
-  for (const Case& wrong : cases) EXPECT_NE(refusal(wrong.settings).find(wrong.words), std::string::npos) << refusal(wrong.settings);
+  for (const Case& wrong : cases)
+    EXPECT_NE(refusal(wrong.settings).find(wrong.words), std::string::npos) << refusal(wrong.settings);
 }
 
 TEST(Factory, KnowsItsPlugins) {

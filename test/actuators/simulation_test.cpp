@@ -17,7 +17,7 @@ struct Bar {
   double scale = 1.0;  // lengths; gravity goes down as they go up, so that one shape serves all
   Eigen::Vector3i cells = {8, 2, 2};
   bool quadratic = true;
-  std::string cables = "";  // settings of two cables' common keys
+  std::string cables = "";                                           // settings of two cables' common keys
   std::vector<double> via_m = {0.0, 0.02, 0.04, 0.06, 0.08, 0.095};  // their points along the bar
   SolverOptions options;
 };
@@ -25,8 +25,9 @@ struct Bar {
 // The 100 x 20 x 20 mm cantilever of reference R1, clamped at x = 0, with an upper and a lower cable where asked for.
 Simulation make_bar(const Bar& bar) {
   const double s = bar.scale;
-  Body body(box_mesh(s * Eigen::Vector3d(0, -0.01, -0.01), s * Eigen::Vector3d(0.1, 0.01, 0.01), bar.cells, bar.quadratic),
-            {264200.0, bar.poissons_ratio, 1070.0});
+  Body body(
+      box_mesh(s * Eigen::Vector3d(0, -0.01, -0.01), s * Eigen::Vector3d(0.1, 0.01, 0.01), bar.cells, bar.quadratic),
+      {264200.0, bar.poissons_ratio, 1070.0});
   body.fix_nodes({-10, -10, -10}, {1e-6 * s, 10, 10}, {true, true, true});
   body.set_gravity({0, -9.81 / s, 0});
   const MeshLocator locator(body.mesh());
@@ -36,8 +37,7 @@ Simulation make_bar(const Bar& bar) {
       std::ostringstream settings;
       settings << "{name: " << (y > 0 ? "upper" : "lower") << ", " << bar.cables << ", sheath_radius_m: " << 0.001 * s
                << ", plug_radius_m: " << 0.003 * s << ", points_m: [";
-      for (const double x : bar.via_m)
-        settings << (x > 0 ? ", " : "") << "[" << s * x << ", " << y << ", 0]";
+      for (const double x : bar.via_m) settings << (x > 0 ? ", " : "") << "[" << s * x << ", " << y << ", 0]";
       settings << "]}";
       actuators.push_back(std::make_unique<Cable>());
       actuators.back()->initialise(SettingsNode::parse(settings.str(), "bar"), body, locator);
@@ -59,7 +59,8 @@ TEST(Equilibrium, NeedsFewIterationsHoweverIncompressible) {
     EXPECT_LE(report.iterations, 8) << poissons_ratio;
     EXPECT_EQ(report.inverted_elements, 0);
     // The reference's tip sags 14.62 mm at 0.499 and 0.13 mm more at 0.45; below that the clamp holds the section less.
-    EXPECT_NEAR(simulation.marker_position(0).y(), -0.01462, (poissons_ratio < 0.4 ? 0.06 : 0.03) * 0.01462) << poissons_ratio;
+    EXPECT_NEAR(simulation.marker_position(0).y(), -0.01462, (poissons_ratio < 0.4 ? 0.06 : 0.03) * 0.01462)
+        << poissons_ratio;
   }
 }
 
@@ -145,8 +146,8 @@ TEST(Equilibrium, SensitivitiesAgreeWithDifferences) {
 }
 
 TEST(Equilibrium, BucklesUnderItsOwnCables) {
-  // Straight from end to end and pulled alike, both cables press the bar until it gives way to the side; there the stiffness of body and tensions alone
-  // is not positive, the cables' lengths hold it.
+  // Straight from end to end and pulled alike, both cables press the bar until it gives way to the side; there the
+  // stiffness of body and tensions alone is not positive, the cables' lengths hold it.
   Bar bar;
   bar.cables = "compliance_m_n: 0";
   bar.via_m = {0.0, 0.095};

@@ -89,7 +89,9 @@ TEST_F(LocatorTest, MovesOutsidePointsToTheNearestPlaceAndSaysHowFar) {
 
 TEST_F(LocatorTest, CarriesPointsThroughAQuadraticField) {
   // Quadratic elements reproduce quadratic motion exactly, wherever the point lies.
-  const auto bend = [](const Eigen::Vector3d& p) { return Eigen::Vector3d(p + Eigen::Vector3d(-p.z() * p.x(), p.y() * p.y(), 5.0 * p.x() * p.x())); };
+  const auto bend = [](const Eigen::Vector3d& p) {
+    return Eigen::Vector3d(p + Eigen::Vector3d(-p.z() * p.x(), p.y() * p.y(), 5.0 * p.x() * p.x()));
+  };
   Eigen::Matrix3Xd bent = mesh_.nodes_m;
   for (Eigen::Index i = 0; i < bent.cols(); ++i) bent.col(i) = bend(mesh_.nodes_m.col(i));
   const Eigen::Vector3d point(0.0137, 0.0022, 0.0171);
@@ -124,7 +126,8 @@ TEST_F(LocatorTest, MarkerVelocitiesAgreeWithCentralDifferences) {
     motion.data()[i] = std::cos(0.9 * static_cast<double>(i));
   }
   const double h = 1e-7;
-  const Eigen::Vector3d expected = (marker.position(positions + h * motion) - marker.position(positions - h * motion)) / (2.0 * h);
+  const Eigen::Vector3d expected =
+      (marker.position(positions + h * motion) - marker.position(positions - h * motion)) / (2.0 * h);
   EXPECT_LT((marker.velocity(positions, motion) - expected).norm(), 1e-6 * expected.norm());
 }
 

@@ -19,7 +19,8 @@ inline TetMesh box_mesh(const Eigen::Vector3d& min_m, const Eigen::Vector3d& max
         mesh.nodes_m.col(index(i, j, k)) =
             min_m.array() + (max_m - min_m).array() * Eigen::Array3d(i, j, k) / cells.array().cast<double>();
   // The six tetrahedra around the diagonal from corner 000 to corner 111: one per order of the axes.
-  constexpr std::array<std::array<int, 3>, 6> kOrders{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+  constexpr std::array<std::array<int, 3>, 6> kOrders{
+      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
   mesh.tets.resize(4, 6 * cells.prod());
   int tet = 0;
   for (int i = 0; i < cells.x(); ++i) {

@@ -130,7 +130,8 @@ TEST_P(ElementsTest, ConvexHessianIsPositiveWhereTheExactOneIsNot) {
 }
 
 TEST_P(ElementsTest, RigidMotionCostsNothing) {
-  const Eigen::Affine3d motion = Eigen::Translation3d(0.3, -0.2, 0.1) * Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized());
+  const Eigen::Affine3d motion =
+      Eigen::Translation3d(0.3, -0.2, 0.1) * Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized());
   const Eigen::Matrix3Xd moved = motion * body_.mesh().nodes_m;
   Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, moved.cols());
   const ElementSums sums = elements_.add_gradient(moved, Eigen::VectorXd::Zero(elements_.count()), forces);

@@ -26,8 +26,8 @@ class PathLength : public Constraint {
 
   std::vector<Eigen::Vector3d> path(const Eigen::Matrix3Xd& positions_m) const;
 
-  // The law of a commanded length [m] or, where the length has no say, of a commanded tension [N]. The last argument: how
-  // the length or tension changes with the command.
+  // The law of a commanded length [m] or, where the length has no say, of a commanded tension [N]. The last argument:
+  // how the length or tension changes with the command.
   void command_length(double length_m, double compliance_m_n, double length_per_command);
   void command_tension(double tension_n, double tension_per_command);
 
@@ -45,10 +45,11 @@ class PathLength : public Constraint {
   double length_m_ = 0.0;
 };
 
-// Plugin "soft_robot_lab/Cable". Settings: name; points_m: [[x, y, z], ...] at rest; model: sliding; command: contraction (commanded
-// length / rest length), length_m or tension_n; compliance_m_n >= 0 (0: inextensible); sheath_radius_m and plug_radius_m over which points and the
-// end anchor spread, or spread_box_m for every point; pull_speed_m_s: the drive's speed, 0 for no limit; min_contraction.
-// Points outside the body by no more than the sheath's radius are moved onto it; further out is an error with the place.
+// Plugin "soft_robot_lab/Cable". Settings: name; points_m: [[x, y, z], ...] at rest; model: sliding; command:
+// contraction (commanded length / rest length), length_m or tension_n; compliance_m_n >= 0 (0: inextensible);
+// sheath_radius_m and plug_radius_m over which points and the end anchor spread, or spread_box_m for every point;
+// pull_speed_m_s: the drive's speed, 0 for no limit; min_contraction. Points outside the body by no more than the
+// sheath's radius are moved onto it; further out is an error with the place.
 class Cable : public Actuator {
  public:
   std::vector<const Constraint*> constraints() const override { return {path_.get()}; }

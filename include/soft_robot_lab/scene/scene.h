@@ -39,7 +39,7 @@ struct Scene {
 };
 
 struct SceneOptions {
-  std::string mesher;        // empty: the mesher's own defaults (design/mesher.h), also for the folder
+  std::string mesher;  // empty: the mesher's own defaults (design/mesher.h), also for the folder
   std::string cache_folder;
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;

@@ -68,18 +68,18 @@ class SettingsNode {
   // This node itself as a value (an item of a list).
   double as_number(const AllowedRange& range = AllowedRange::any()) const;
   std::string as_text() const;
-  Eigen::VectorXd as_numbers() const;             // a list of finite numbers of any length
-  std::vector<SettingsNode> items() const;        // when this node is a list
-  std::vector<std::string> keys() const;          // when this node is a map; reading them marks nothing
+  Eigen::VectorXd as_numbers() const;       // a list of finite numbers of any length
+  std::vector<SettingsNode> items() const;  // when this node is a list
+  std::vector<std::string> keys() const;    // when this node is a map; reading them marks nothing
 
   // Throws for the first key, here or below, that nobody read: call once, when a document was read.
   void require_all_read() const;
 
   // Throws SettingsError at this node's place: "file:line: path: message".
   [[noreturn]] void fail(const std::string& message) const;
-  std::string path() const;      // "cables[0].points_m"
-  std::string source() const;    // the file it came from
-  std::string dump() const;      // canonical YAML text of this node, for hashing; marks everything below as read
+  std::string path() const;    // "cables[0].points_m"
+  std::string source() const;  // the file it came from
+  std::string dump() const;    // canonical YAML text of this node, for hashing; marks everything below as read
 
  private:
   struct Data;

@@ -22,8 +22,8 @@ class SettingsNode;
 // What an actuator measures; members that make no sense for its kind stay empty.
 struct ActuatorReading {
   std::string name;
-  double command = 0.0;          // as last commanded
-  double actuated_command = 0.0; // as reached within the speed limit
+  double command = 0.0;           // as last commanded
+  double actuated_command = 0.0;  // as reached within the speed limit
   std::optional<double> length_m;
   std::optional<double> rest_length_m;
   std::optional<double> tension_n;
@@ -37,7 +37,7 @@ struct CommandLimits {
   double rest = 0.0;  // the command that asks for nothing
   double min = 0.0;
   double max = 0.0;
-  std::string unit;   // "1" for contraction, "m", "N", "Pa"
+  std::string unit;  // "1" for contraction, "m", "N", "Pa"
 };
 
 class Actuator {
@@ -66,11 +66,12 @@ class Actuator {
   virtual std::vector<const Constraint*> constraints() const = 0;
 
   // `multipliers`: one per constraint, in their order.
-  virtual ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const = 0;
+  virtual ActuatorReading observe(const Eigen::Matrix3Xd& positions_m,
+                                  const std::vector<double>& multipliers) const = 0;
 
  protected:
-  // Reads the plugin's keys, binds to the rest shape and fills `limits_` and `command_speed_`; `name` is read already. Body
-  // and locator are not kept: they move when the simulation is put together.
+  // Reads the plugin's keys, binds to the rest shape and fills `limits_` and `command_speed_`; `name` is read already.
+  // Body and locator are not kept: they move when the simulation is put together.
   virtual void on_initialise(const SettingsNode& settings, const Body& body, const MeshLocator& locator) = 0;
 
   // Hands the actuated command, which has just changed, to the constraints.

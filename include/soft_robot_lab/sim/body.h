@@ -19,7 +19,8 @@ class Body {
   Body(TetMesh mesh, const Material& material);
 
   // Holds the listed axes of every node whose rest position lies in the box; returns how many nodes.
-  int fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Matrix<bool, 3, 1>& axes);
+  int fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
+                const Eigen::Matrix<bool, 3, 1>& axes);
 
   // Boundary faces whose corners all lie in the box; returns the loaded rest area [m^2].
   double add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,

@@ -24,16 +24,16 @@ class CliqueSink {
   virtual void add_dense(int clique, const Eigen::MatrixXd& matrix) = 0;
 };
 
-// The energy U(C) of a constraint near one value, written so that a rigid constraint stays finite (XPBD, Macklin et al. 2016).
-// The multiplier y = dU/dC is an unknown of its own; the nodes feel the force -y dC/dx.
+// The energy U(C) of a constraint near one value, written so that a rigid constraint stays finite (XPBD, Macklin et al.
+// 2016). The multiplier y = dU/dC is an unknown of its own; the nodes feel the force -y dC/dx.
 //   offset + compliance-weighted linearisation:   compliance * y = offset + dC   where C grows by dC
 struct ConstraintLaw {
   double offset = 0.0;      // compliance * dU/dC at this value; C - L for a cable of length L; unit of C
   double compliance = 0.0;  // 1 / U''(C) >= 0; 0 is rigid
   double min_multiplier = -std::numeric_limits<double>::infinity();  // 0 for a cable, which cannot push
   double max_multiplier = std::numeric_limits<double>::infinity();   // equal to the minimum: y is prescribed
-  double offset_per_command = 0.0;      // d offset / d command at fixed C
-  double multiplier_per_command = 0.0;  // d y / d command where y is prescribed
+  double offset_per_command = 0.0;                                   // d offset / d command at fixed C
+  double multiplier_per_command = 0.0;                               // d y / d command where y is prescribed
 
   bool prescribed() const { return min_multiplier == max_multiplier; }
 };
@@ -44,8 +44,8 @@ class Constraint {
  public:
   virtual ~Constraint() = default;
 
-  // Points through which the constraint acts on many nodes at once, such as a cable's via points. They become unknowns of
-  // their own in the solver's matrix, so that two far points couple without coupling all their nodes.
+  // Points through which the constraint acts on many nodes at once, such as a cable's via points. They become unknowns
+  // of their own in the solver's matrix, so that two far points couple without coupling all their nodes.
   virtual std::vector<EmbeddedPoint> carried_points() const { return {}; }
 
   // The second derivative of C couples only members that share a clique; the members of one clique are distinct.

@@ -22,9 +22,9 @@ EmbeddedPoint average(const std::vector<EmbeddedPoint>& points);
 
 struct Location {
   int tet = -1;
-  Eigen::Vector3d local = Eigen::Vector3d::Zero();    // reference coordinates: weights of corners 1, 2, 3
+  Eigen::Vector3d local = Eigen::Vector3d::Zero();      // reference coordinates: weights of corners 1, 2, 3
   Eigen::Vector3d nearest_m = Eigen::Vector3d::Zero();  // the point itself, or the nearest point of the body
-  double distance_m = 0.0;                             // 0 inside
+  double distance_m = 0.0;                              // 0 inside
 };
 
 // Finds rest positions in a mesh. Keeps a reference to the mesh.
@@ -40,7 +40,8 @@ class MeshLocator {
   // The weights of a rest point; outside the body those of its nearest point.
   EmbeddedPoint embed(const Eigen::Vector3d& point_m) const { return embed(locate(point_m)); }
 
-  // The mean over a disc (centre, normal, radius), or a cube of the given edge: sample points outside the body are left out.
+  // The mean over a disc (centre, normal, radius), or a cube of the given edge: sample points outside the body are left
+  // out.
   EmbeddedPoint embed_disc(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& normal, double radius_m) const;
   EmbeddedPoint embed_box(const Eigen::Vector3d& centre_m, double edge_m) const;
 

@@ -8,8 +8,8 @@
 
 namespace soft_robot_lab {
 
-// A named point that cameras follow: inside the body, or off it on a rigid stalk that turns with the nearest skin point's
-// frame (the rotation of the polar decomposition of its deformation gradient).
+// A named point that cameras follow: inside the body, or off it on a rigid stalk that turns with the nearest skin
+// point's frame (the rotation of the polar decomposition of its deformation gradient).
 class Marker {
  public:
   Marker(std::string name, const Eigen::Vector3d& rest_position_m, const TetMesh& mesh, const MeshLocator& locator);
@@ -25,8 +25,8 @@ class Marker {
   std::string name_;
   Eigen::Vector3d rest_position_m_;
   EmbeddedPoint root_;
-  Eigen::Vector3d stalk_m_ = Eigen::Vector3d::Zero();     // rest offset from the root; zero inside
-  Eigen::Matrix<double, 3, Eigen::Dynamic> gradients_;    // of the root element's shape functions, for the frame
+  Eigen::Vector3d stalk_m_ = Eigen::Vector3d::Zero();   // rest offset from the root; zero inside
+  Eigen::Matrix<double, 3, Eigen::Dynamic> gradients_;  // of the root element's shape functions, for the frame
 };
 
 }  // namespace soft_robot_lab

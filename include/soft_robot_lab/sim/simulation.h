@@ -19,18 +19,18 @@ enum class Integrator {
 };
 
 struct SolverOptions {
-  // global: Newton on everything at once. gauss_seidel: XPBD, one element after another in substeps; for comparison and for
-  // large meshes.
+  // global: Newton on everything at once. gauss_seidel: XPBD, one element after another in substeps; for comparison and
+  // for large meshes.
   enum class Method { global, gauss_seidel };
   Method method = Method::global;
   Integrator integrator = Integrator::implicit_euler;  // gauss_seidel knows no other
-  double time_step_s = 1.0 / 60.0;  // (0, 1]
-  double tolerance = 1.0e-6;        // (0, 1); force residual over the largest force in the body
-  int max_iterations = 60;          // [1, 10000] Newton iterations a step, or a continuation stage
+  double time_step_s = 1.0 / 60.0;                     // (0, 1]
+  double tolerance = 1.0e-6;                           // (0, 1); force residual over the largest force in the body
+  int max_iterations = 60;                             // [1, 10000] Newton iterations a step, or a continuation stage
   double dynamic_tolerance = 1.0e-3;  // (0, 1); the same for a time step, whose error the next step sees
-  int substep_count = 20;           // [1, 10000] of gauss_seidel, a time step; one that creates energy is cut further
-  int iteration_count = 1;          // [1, 10000] of gauss_seidel: sweeps over all elements, a substep
-  void validate() const;            // throws std::invalid_argument: field, value, allowed range
+  int substep_count = 20;             // [1, 10000] of gauss_seidel, a time step; one that creates energy is cut further
+  int iteration_count = 1;            // [1, 10000] of gauss_seidel: sweeps over all elements, a substep
+  void validate() const;              // throws std::invalid_argument: field, value, allowed range
 };
 
 struct Linearisation;  // of the solver, where its last factor serves further steps
@@ -38,18 +38,18 @@ struct Linearisation;  // of the solver, where its last factor serves further st
 // Everything that changes; copy it to save and restore.
 struct SimulationState {
   double time_s = 0.0;
-  Eigen::Matrix3Xd positions_m;              // 3 x nodes, robot_base
-  Eigen::Matrix3Xd velocities_m_s;           // 3 x nodes
-  Eigen::VectorXd element_multipliers_pa;    // one volume multiplier per element
-  Eigen::VectorXd constraint_multipliers;    // in the order of the actuators' constraints
-  Eigen::VectorXd element_forces_n;          // gauss_seidel: each element's, in an order of the solver's own; else empty
-  std::vector<double> commands;              // per actuator
-  std::vector<double> actuated_commands;     // per actuator
+  Eigen::Matrix3Xd positions_m;            // 3 x nodes, robot_base
+  Eigen::Matrix3Xd velocities_m_s;         // 3 x nodes
+  Eigen::VectorXd element_multipliers_pa;  // one volume multiplier per element
+  Eigen::VectorXd constraint_multipliers;  // in the order of the actuators' constraints
+  Eigen::VectorXd element_forces_n;        // gauss_seidel: each element's, in an order of the solver's own; else empty
+  std::vector<double> commands;            // per actuator
+  std::vector<double> actuated_commands;   // per actuator
   std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
 
   // What bdf2 knows of the step before; zero and empty where there is none, and with implicit_euler.
-  double previous_step_s = 0.0;              // its length
-  Eigen::Matrix3Xd previous_positions_m;     // at its start
+  double previous_step_s = 0.0;           // its length
+  Eigen::Matrix3Xd previous_positions_m;  // at its start
   Eigen::Matrix3Xd previous_velocities_m_s;
 };
 
@@ -58,19 +58,20 @@ struct SimulationState {
 // how exact it was.
 struct SolveReport {
   bool converged = false;
-  int iterations = 0;        // Newton iterations (one linear solve each); sweeps of gauss_seidel
-  int factorisations = 0;    // of them, those that needed a new matrix
-  int steps = 0;             // time steps or continuation stages
-  int rejected_steps = 0;    // iterations repeated shorter or with a shifted matrix
-  double residual = 0.0;     // at the end: force residual over the largest force in the body
+  int iterations = 0;      // Newton iterations (one linear solve each); sweeps of gauss_seidel
+  int factorisations = 0;  // of them, those that needed a new matrix
+  int steps = 0;           // time steps or continuation stages
+  int rejected_steps = 0;  // iterations repeated shorter or with a shifted matrix
+  double residual = 0.0;   // at the end: force residual over the largest force in the body
   double wall_s = 0.0;
   int inverted_elements = 0;
-  std::string message;       // empty, or why it stopped short, with place and size
+  std::string message;  // empty, or why it stopped short, with place and size
 };
 
 class Simulation {
  public:
-  // Throws std::invalid_argument where no node is fixed, two actuators or markers share a name, or an option is out of range.
+  // Throws std::invalid_argument where no node is fixed, two actuators or markers share a name, or an option is out of
+  // range.
   Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
              const SolverOptions& options);
   ~Simulation();
@@ -85,7 +86,8 @@ class Simulation {
   // The stable rest state for the present commands, reached from the present state; velocities become zero.
   SolveReport solve_equilibrium();
 
-  // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack cable).
+  // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack
+  // cable).
   Eigen::MatrixXd marker_sensitivities();
 
   void reset();  // rest shape, rest commands, time zero

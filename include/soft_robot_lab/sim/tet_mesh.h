@@ -16,9 +16,9 @@ namespace soft_robot_lab {
 //       \|/
 //        1
 struct TetMesh {
-  Eigen::Matrix3Xd nodes_m;     // 3 x nodes, rest positions
-  Eigen::MatrixXi tets;         // 4 or 10 x tets, node indices
-  Eigen::MatrixXi faces;        // 3 or 6 x boundary triangles, outward: corners, then mid-edges 01, 12, 20
+  Eigen::Matrix3Xd nodes_m;                // 3 x nodes, rest positions
+  Eigen::MatrixXi tets;                    // 4 or 10 x tets, node indices
+  Eigen::MatrixXi faces;                   // 3 or 6 x boundary triangles, outward: corners, then mid-edges 01, 12, 20
   std::vector<int> face_surface;           // per face: index into surface_names, or -1
   std::vector<std::string> surface_names;  // named surfaces, e.g. "cavity"
 

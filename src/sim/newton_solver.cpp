@@ -74,6 +74,9 @@ Eigen::VectorXd solve_bounded(const Eigen::MatrixXd& s, const Eigen::VectorXd& b
   return y;
 }
 
+// Whether the law, and no bound, decides the multiplier y.
+bool active(const ConstraintLaw& law, double y) { return y > law.min_multiplier && y < law.max_multiplier; }
+
 // How far a constraint is from its law at multiplier y: zero on a bound that holds it (a slack cable).
 double violation(const ConstraintLaw& law, double y) {
   if (law.prescribed()) return 0.0;
@@ -228,14 +231,14 @@ Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) con
 bool NewtonSolver::stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
                                 const Eigen::VectorXd& multipliers) const {
   if (factor_.negative_pivots() == 0) return true;
-  std::vector<int> active;
+  std::vector<int> free;
   for (int i = 0; i < constraint_count(); ++i)
-    if (multipliers[i] > laws[i].min_multiplier && multipliers[i] < laws[i].max_multiplier) active.push_back(i);
-  const int size = static_cast<int>(active.size());
+    if (active(laws[i], multipliers[i])) free.push_back(i);
+  const int size = static_cast<int>(free.size());
   if (size < factor_.negative_pivots()) return false;
   Eigen::MatrixXd sub(size, size);
   for (int i = 0; i < size; ++i)
-    for (int j = 0; j < size; ++j) sub(i, j) = schur(active[i], active[j]);
+    for (int j = 0; j < size; ++j) sub(i, j) = schur(free[i], free[j]);
   const Eigen::VectorXd eigenvalues =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
   return (eigenvalues.array() < 0.0).count() == factor_.negative_pivots();
@@ -385,23 +388,18 @@ Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
   std::vector<ConstraintLaw> laws;
   for (const Constraint* constraint : constraints_)
     laws.push_back(constraint->law(constraint->value(state.positions_m)));
-  Eigen::MatrixXd compliant = schur;
-  for (int i = 0; i < count; ++i) compliant(i, i) += laws[i].compliance;
-  if (!stable_under(compliant, laws, state.constraint_multipliers)) return {};
+  for (int i = 0; i < count; ++i) schur(i, i) += laws[i].compliance;
+  if (!stable_under(schur, laws, state.constraint_multipliers)) return {};
   Eigen::MatrixXd drive = Eigen::MatrixXd::Zero(count, count);  // rows: constraints, columns: commands
   for (int i = 0; i < count; ++i) {
-    const ConstraintLaw& law = laws[i];
-    const double y = state.constraint_multipliers[i];
-    const bool slack = !law.prescribed() && (y <= law.min_multiplier || y >= law.max_multiplier);
-    if (law.prescribed() || slack) {
-      // dy is known: replace the row by dy = given.
-      schur.row(i).setZero();
-      schur(i, i) = 1.0;
-      drive(i, i) = law.prescribed() ? law.multiplier_per_command : 0.0;
-    } else {
-      schur(i, i) += law.compliance;
-      drive(i, i) = law.offset_per_command;
+    if (active(laws[i], state.constraint_multipliers[i])) {
+      drive(i, i) = laws[i].offset_per_command;
+      continue;
     }
+    // dy is known, zero for a slack cable: replace the row by dy = given.
+    schur.row(i).setZero();
+    schur(i, i) = 1.0;
+    drive(i, i) = laws[i].prescribed() ? laws[i].multiplier_per_command : 0.0;
   }
   if (count == 0) return border_solved_;
   return -border_solved_ * schur.fullPivLu().solve(drive);

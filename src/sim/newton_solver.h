@@ -73,7 +73,6 @@ class NewtonSolver {
   void restore(const std::shared_ptr<const Linearisation>& linearisation);
 
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
-  double factor_flops() const { return factor_.flops(); }
 
  private:
   struct Evaluation {

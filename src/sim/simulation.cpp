@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -131,6 +132,19 @@ struct Simulation::Parts {
     }
   }
 
+  // The constraints' multipliers of one actuator.
+  std::vector<double> multipliers_of(std::size_t actuator) const {
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < actuator; ++i) first += actuators[i]->constraints().size();
+    const double* begin = state.constraint_multipliers.data() + first;
+    return {begin, begin + actuators[actuator]->constraints().size()};
+  }
+
+  void begin_step(double time_step_s) {
+    for (std::size_t i = 0; i < actuators.size(); ++i)
+      actuators[i]->begin_step(time_step_s, state.positions_m, multipliers_of(i));
+  }
+
   void move_actuators(const std::vector<double>& from, double share) {
     for (std::size_t i = 0; i < actuators.size(); ++i) {
       const double target = actuators[i]->command();
@@ -177,6 +191,7 @@ struct Simulation::Parts {
   // lengths differ; where they grow too fast, as they may after halved steps, one step is implicit Euler's.
   void advance(double h, int depth, SolveReport& report) {
     SimulationState before = state;
+    begin_step(h);
     for (auto& actuator : actuators) actuator->advance(h);
     const BackwardDifference difference(state, h);
     const Eigen::Matrix3Xd predicted =
@@ -302,6 +317,7 @@ struct Simulation::Parts {
   void step_in_substeps(SolveReport& report) {
     const std::vector<double> from = state.actuated_commands;
     std::vector<double> to;
+    begin_step(options.time_step_s);
     for (auto& actuator : actuators) {
       actuator->advance(options.time_step_s);
       to.push_back(actuator->actuated_command());
@@ -388,6 +404,7 @@ SolveReport Simulation::solve_equilibrium() {
   const SimulationState before = p.state;
   p.state.velocities_m_s.setZero();
   p.forget_previous_step();
+  p.begin_step(std::numeric_limits<double>::infinity());
   if (p.gauss_seidel) {
     p.settle_in_substeps(report);
     p.remember();
@@ -423,6 +440,7 @@ SolveReport Simulation::solve_equilibrium() {
 
 Eigen::MatrixXd Simulation::marker_sensitivities() {
   Parts& p = *parts_;
+  p.begin_step(std::numeric_limits<double>::infinity());
   const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns());
   p.remember();
   if (motions.rows() == 0 && p.solver.constraint_count() > 0)
@@ -504,13 +522,8 @@ Eigen::Vector3d Simulation::marker_position(int marker) const {
 }
 
 ActuatorReading Simulation::actuator_state(int actuator) const {
-  std::size_t first = 0;
-  for (int i = 0; i < actuator; ++i) first += parts_->actuators[i]->constraints().size();
   const Actuator& chosen = *parts_->actuators.at(actuator);
-  std::vector<double> multipliers;
-  for (std::size_t i = 0; i < chosen.constraints().size(); ++i)
-    multipliers.push_back(parts_->state.constraint_multipliers[static_cast<Eigen::Index>(first + i)]);
-  ActuatorReading state = chosen.observe(parts_->state.positions_m, multipliers);
+  ActuatorReading state = chosen.observe(parts_->state.positions_m, parts_->multipliers_of(actuator));
   state.name = chosen.name();
   state.command = chosen.command();
   state.actuated_command = chosen.actuated_command();

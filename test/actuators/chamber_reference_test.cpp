@@ -1,4 +1,4 @@
-// Chambers against reference solutions (test/data/reference): pressurised sphere and cylinder, and the hollow cuboid.
+// Chambers against reference solutions (config/reference): pressurised sphere and cylinder, and the hollow cuboid.
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -186,6 +186,8 @@ ActuatorReading Cable::observe(const Eigen::Matrix3Xd& positions_m, const std::v
   ActuatorReading state;
   state.length_m = path_->value(positions_m);
   state.rest_length_m = rest_length_m_;
+  if (kind_ == Command::contraction) state.commanded_length_m = actuated_command() * rest_length_m_;
+  if (kind_ == Command::length) state.commanded_length_m = actuated_command();
   state.tension_n = multipliers.at(0);
   state.path_m = path_->path(positions_m);
   return state;

@@ -107,7 +107,8 @@ class SimulatorNode {
   double session_s_ = 0.0;  // never goes back, unlike the scene's own time at a reset
   double surface_due_s_ = 0.0;
   SolveReport last_report_;
-  int unconverged_steps_ = 0;  // since the last diagnosis
+  int unconverged_steps_ = 0;           // since the last diagnosis
+  std::vector<SolveWarning> warnings_;  // likewise
   int refused_commands_ = 0;
   std::string last_refusal_;
   RealTimeFactor real_time_factor_;
@@ -204,6 +205,7 @@ double SimulatorNode::step() {
   const std::lock_guard lock(mutex_);
   last_report_ = scene_->simulation->step();
   if (!last_report_.converged) ++unconverged_steps_;
+  for (const SolveWarning& warning : last_report_.warnings) add_warning(warning, warnings_);
   const double time_step_s = scene_->simulation->options().time_step_s;
   session_s_ += time_step_s;
   real_time_factor_.update(session_s_);
@@ -265,8 +267,8 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   using Status = diagnostic_msgs::DiagnosticStatus;
   if (unconverged_steps_ > 0) {
     status.summary(Status::WARN, "steps that did not converge: " + last_report_.message);
-  } else if (last_report_.inverted_elements > 0) {
-    status.summary(Status::WARN, "inverted elements");
+  } else if (!warnings_.empty()) {
+    status.summary(Status::WARN, warnings_.front().text);
   } else {
     status.summary(Status::OK, "runs");
   }
@@ -277,10 +279,13 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("iterations", last_report_.iterations);
   status.add("residual", last_report_.residual);
   status.add("inverted elements", last_report_.inverted_elements);
+  for (const SolveWarning& warning : warnings_)
+    status.add(warning.kind + (warning.actuator.empty() ? "" : " " + warning.actuator), warning.text);
   status.add("real-time factor", real_time_factor_.value());
   status.add("refused commands", refused_commands_);
   status.add("last refusal", last_refusal_);
   unconverged_steps_ = 0;
+  warnings_.clear();
 }
 
 }  // namespace

@@ -59,6 +59,7 @@ int simulate(const Arguments& arguments) {
   options.actuator_factory = make_actuator;
   Scene scene = load_scene(arguments.scene, options);
   const RunReport report = run_scene(scene);
+  for (const SolveWarning& warning : report.solve.warnings) std::cerr << "simulate: warning: " << warning.text << "\n";
   if (arguments.result.empty()) {
     std::cout << result_json(scene, report) << std::flush;
   } else {

@@ -49,12 +49,31 @@ void add_actuators(const Simulation& simulation, Json& result) {
   result["chambers"] = std::move(chambers);
 }
 
+Json warnings_json(const std::vector<SolveWarning>& warnings) {
+  Json all = Json::array();
+  for (const SolveWarning& warning : warnings) {
+    Json json = {{"kind", warning.kind}, {"size", warning.size}, {"unit", warning.unit}};
+    if (!warning.actuator.empty()) json["actuator"] = warning.actuator;
+    if (warning.commanded) json["commanded"] = *warning.commanded;
+    if (warning.reached) json["reached"] = *warning.reached;
+    if (warning.rest_position_m) json["rest_position_m"] = list(*warning.rest_position_m);
+    json["text"] = warning.text;
+    all.push_back(std::move(json));
+  }
+  return all;
+}
+
 Json solver_json(const Simulation& simulation, const SolveReport& solve) {
   const TetMesh& mesh = simulation.body().mesh();
-  return {{"converged", solve.converged}, {"iterations", solve.iterations},
-          {"residual", solve.residual},   {"steps", solve.steps},
-          {"wall_s", solve.wall_s},       {"nodes", mesh.node_count()},
-          {"elements", mesh.tet_count()}, {"inverted", solve.inverted_elements}};
+  return {{"converged", solve.converged},
+          {"iterations", solve.iterations},
+          {"residual", solve.residual},
+          {"steps", solve.steps},
+          {"wall_s", solve.wall_s},
+          {"nodes", mesh.node_count()},
+          {"elements", mesh.tet_count()},
+          {"inverted", solve.inverted_elements},
+          {"warnings", warnings_json(solve.warnings)}};
 }
 
 Json sensitivity_json(const Simulation& simulation, const Eigen::MatrixXd& sensitivity) {

@@ -7,8 +7,9 @@ constexpr double kLargestGrowth = 2.0;  // of a time step over the one before; B
 
 }  // namespace
 
-BackwardDifference::BackwardDifference(const SimulationState& state, double h) {
-  const double w = state.previous_step_s > 0.0 ? h / state.previous_step_s : 0.0;
+BackwardDifference::BackwardDifference(const SimulationState& state, double h, Integrator integrator) {
+  const bool second_order = integrator == Integrator::bdf2 && state.previous_step_s > 0.0;
+  const double w = second_order ? h / state.previous_step_s : 0.0;
   if (w == 0.0 || w > kLargestGrowth) {
     gamma_s = h;
     positions_from_m = state.positions_m;

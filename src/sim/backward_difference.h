@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "soft_robot_lab/sim/simulation_state.h"
+#include "soft_robot_lab/sim/solver_options.h"
 
 namespace soft_robot_lab {
 
@@ -15,7 +16,7 @@ struct BackwardDifference {
   double gamma_s;
   Eigen::Matrix3Xd positions_from_m, velocities_from_m_s;
 
-  BackwardDifference(const SimulationState& state, double h);
+  BackwardDifference(const SimulationState& state, double h, Integrator integrator);
 };
 
 }  // namespace soft_robot_lab

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
 constexpr int kHalvings = 8;
-constexpr double kWorthwhileDecrease = 0.5;  // of the residual, by a step with an old factor
+constexpr std::size_t kOldFactorSteps = 5;   // by an old factor between two new ones, in one solve
+constexpr double kWorthwhileDecrease = 0.9;  // of the residual, by such a step
 constexpr double kTieStiffness = 1e3;        // of a carried point, over E * size
 
 Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
@@ -84,6 +85,11 @@ double violation(const ConstraintLaw& law, double y) {
   if (y <= law.min_multiplier) return std::max(0.0, mismatch);
   if (y >= law.max_multiplier) return std::min(0.0, mismatch);
   return mismatch;
+}
+
+// Relative to the constraint's own value, so that lengths and volumes count alike.
+double relative_violation(const ConstraintLaw& law, double y, double value) {
+  return violation(law, y) / std::max(std::abs(value), 1e-300);
 }
 
 }  // namespace
@@ -167,16 +173,15 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     result.laws.push_back(constraints_[i]->law(result.values.back()));
     if (y != 0.0) constraints_[i]->add_gradient(state.positions_m, y, result.residual_n);
     const ConstraintLaw& law = result.laws.back();
-    // Relative to the constraint's own value, so that lengths and volumes count alike; a prescribed multiplier is met
-    // or not.
-    const double off = law.prescribed()
-                           ? (std::abs(y - law.min_multiplier) > 1e-12 * std::abs(y) ? 1.0 : 0.0)
-                           : std::abs(violation(law, y)) / std::max(std::abs(result.values.back()), 1e-300);
+    // A prescribed multiplier is met or not.
+    const double off = law.prescribed() ? (std::abs(y - law.min_multiplier) > 1e-12 * std::abs(y) ? 1.0 : 0.0)
+                                        : std::abs(relative_violation(law, y, result.values.back()));
     constraint_residual = std::max(constraint_residual, off);
   }
   release(result.residual_n);
   const double volume_residual =
       elements_.mismatch(result.elements.growth, state.element_multipliers_pa).cwiseAbs().maxCoeff();
+  result.force_scale_n = largest;
   result.relative_residual = std::max({result.residual_n.norm() / largest, constraint_residual, volume_residual});
   result.finite =
       std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy) && result.residual_n.allFinite();
@@ -283,15 +288,40 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   return std::isfinite(step.slope);
 }
 
-// One step by the last factor, kept only where it brings the residual well down. Volume and constraint multipliers stay
+// The step of an old factor, corrected by what the last such steps have taught. All unknowns and residuals as one
+// vector; the residuals as the convergence test takes them.
+NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
+                              AndersonMixing& mixing) const {
+  const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
+                     constraints = state.constraint_multipliers.size();
+  Eigen::VectorXd at(nodes + elements + constraints), change(at.size()), residual(at.size());
+  at << as_vector(state.positions_m), state.element_multipliers_pa, state.constraint_multipliers;
+  change << as_vector(step.motion_m), step.element_multipliers_pa - state.element_multipliers_pa,
+      step.constraint_multipliers - state.constraint_multipliers;
+  residual << as_vector(here.residual_n) / here.force_scale_n,
+      elements_.mismatch(here.elements.growth, state.element_multipliers_pa), Eigen::VectorXd(constraints);
+  for (int i = 0; i < constraint_count(); ++i)
+    residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
+  const Eigen::VectorXd next = mixing.next(std::move(at), std::move(change), std::move(residual));
+  NewtonState mixed{Eigen::Map<const Eigen::Matrix3Xd>(next.data(), 3, state.positions_m.cols()),
+                    next.segment(nodes, elements), next.tail(constraints)};
+  for (int i = 0; i < constraint_count(); ++i)
+    mixed.constraint_multipliers[i] =
+        std::clamp(mixed.constraint_multipliers[i], here.laws[i].min_multiplier, here.laws[i].max_multiplier);
+  return mixed;
+}
+
+// One step by the last factor, kept only where it brings the residual down. Volume and constraint multipliers stay
 // unknowns of their own, so it converges as fast as the body has turned little, however incompressible it is.
-bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here) const {
+bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
+                                  AndersonMixing& mixing) const {
   if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2) return false;
   Step step;
   if (!find_step(state, here, step)) return false;
-  NewtonState trial{state.positions_m + step.motion_m, step.element_multipliers_pa, step.constraint_multipliers};
+  NewtonState trial = mix(state, here, step, mixing);
   Evaluation there = evaluate(task, trial);
-  if (!there.finite || there.relative_residual > kWorthwhileDecrease * here.relative_residual) return false;
+  if (!there.finite || there.relative_residual > std::max(task.tolerance, kWorthwhileDecrease * here.relative_residual))
+    return false;
   state = std::move(trial);
   here = std::move(there);
   return true;
@@ -345,17 +375,22 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     report.residual = here.relative_residual;
     report.inverted_elements = here.elements.inverted;
     report.worst_element = here.elements.worst_element;
+    report.smallest_determinant = here.elements.smallest_determinant;
+    report.tolerance = task.tolerance;
+    here.residual_n.colwise().squaredNorm().maxCoeff(&report.worst_node);
     report.converged = reason.empty();
     report.reason = std::move(reason);
     return report;
   };
 
   bool convex = false, old_factor = task.reuse_factor;
+  AndersonMixing mixing(kOldFactorSteps);
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
     ++report.iterations;
-    if (old_factor && try_old_factor(task, state, here)) continue;
+    if (old_factor && mixing.size() < kOldFactorSteps && try_old_factor(task, state, here, mixing)) continue;
     old_factor = false;
+    mixing.clear();
 
     Step step;
     const auto fresh_step = [&] {

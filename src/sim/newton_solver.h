@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "anderson_mixing.h"
 #include "block_cholesky.h"
 #include "block_matrix.h"
 #include "clique_adder.h"
@@ -54,7 +55,10 @@ struct NewtonReport {
   double residual = 0.0;
   int inverted_elements = 0;
   int worst_element = -1;
-  std::string reason;  // empty when converged
+  double smallest_determinant = 1.0;
+  double tolerance = 0.0;
+  int worst_node = -1;  // with the largest residual force
+  std::string reason;   // empty when converged
 };
 
 class NewtonSolver {
@@ -82,6 +86,7 @@ class NewtonSolver {
     std::vector<ConstraintLaw> laws;
     double smooth_energy = 0.0;  // elastic + inertia - loads
     double relative_residual = 0.0;
+    double force_scale_n = 1.0;  // of the residual
     bool finite = false;
   };
   struct Step {
@@ -97,7 +102,8 @@ class NewtonSolver {
   bool stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
                     const Eigen::VectorXd& multipliers) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
-  bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here) const;
+  NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
+  bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing) const;
   bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                    double& length) const;
   double merit(const Evaluation& at, const Step& step) const;

@@ -4,6 +4,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "actuator_warnings.h"
 #include "equilibrium.h"
 #include "simulation_parts.h"
 #include "state_check.h"
@@ -21,6 +22,13 @@ int index_of(const std::string& kind, const std::string& name, const Items& item
     known += (i == 0 ? "" : ", ") + name_of(items[i]);
   }
   throw std::invalid_argument("unknown " + kind + " '" + name + "'; known: " + (known.empty() ? "none" : known));
+}
+
+void warn_of_actuators(const Simulation& simulation, SolveReport& report) {
+  for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
+    for (const SolveWarning& warning :
+         actuator_warnings(simulation.actuator_state(static_cast<int>(i)), simulation.body()))
+      add_warning(warning, report.warnings);
 }
 
 class Stopwatch {
@@ -66,6 +74,7 @@ SolveReport Simulation::step() {
   } else {
     step_in_time(*parts_, parts_->options.time_step_s, report);
   }
+  warn_of_actuators(*this, report);
   report.wall_s = clock.seconds();
   return report;
 }
@@ -81,6 +90,7 @@ SolveReport Simulation::solve_equilibrium() {
     find_equilibrium(*parts_, report);
   }
   parts_->remember();
+  warn_of_actuators(*this, report);
   report.wall_s = clock.seconds();
   return report;
 }

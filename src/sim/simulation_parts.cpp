@@ -65,7 +65,6 @@ void SimulationParts::remember() {
 
 void SimulationParts::restore(const SimulationState& saved) {
   state = saved;
-  if (options.integrator != Integrator::bdf2) forget_previous_step();
   for (std::size_t i = 0; i < actuators.size(); ++i)
     actuators[i]->restore(saved.commands[i], saved.actuated_commands[i]);
 }
@@ -74,6 +73,8 @@ void SimulationParts::forget_previous_step() {
   state.previous_step_s = 0.0;
   state.previous_positions_m.resize(3, 0);
   state.previous_velocities_m_s.resize(3, 0);
+  state.previous_element_multipliers_pa.resize(0);
+  state.previous_constraint_multipliers.resize(0);
 }
 
 void SimulationParts::move_actuators(const std::vector<double>& from, double share) {

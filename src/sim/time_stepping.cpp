@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "backward_difference.h"
+#include "prediction.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -25,24 +26,23 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
   state.velocities_m_s = (solved.positions_m - difference.positions_from_m) / difference.gamma_s;
   parts.accept(std::move(solved));
   state.time_s = before.time_s + h;
-  if (parts.options.integrator == Integrator::bdf2) {
-    state.previous_step_s = h;
-    state.previous_positions_m = std::move(before.positions_m);
-    state.previous_velocities_m_s = std::move(before.velocities_m_s);
-  }
+  state.previous_step_s = h;
+  state.previous_positions_m = std::move(before.positions_m);
+  state.previous_velocities_m_s = std::move(before.velocities_m_s);
+  state.previous_element_multipliers_pa = std::move(before.element_multipliers_pa);
+  state.previous_constraint_multipliers = std::move(before.constraint_multipliers);
   parts.remember();
 }
 
 bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
   for (auto& actuator : parts.actuators) actuator->advance(h);
-  const BackwardDifference difference(before, h);
+  const BackwardDifference difference(before, h, parts.options.integrator);
   const Eigen::Matrix3Xd predicted = difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
   NewtonTask task = task_of(parts.options, last_resort);
   task.inertia_per_s2 = 1.0 / (difference.gamma_s * difference.gamma_s);
   task.predicted_m = &predicted;
-  NewtonState unknown = parts.unknowns();
-  unknown.positions_m = before.positions_m + h * before.velocities_m_s;
+  NewtonState unknown = predict(before, h, parts.options.integrator);
   if (!parts.solve(task, unknown, report).converged && !last_resort) {
     parts.restore(before);
     return false;

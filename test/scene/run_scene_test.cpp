@@ -52,8 +52,8 @@ TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
   EXPECT_EQ(keys(outcome.json["cables"]), (Names{"left", "right"}));
   EXPECT_EQ(keys(outcome.json["cables"]["left"]), (Names{"length_m", "rest_length_m", "tension_n"}));
   EXPECT_TRUE(outcome.json["chambers"].is_object());
-  EXPECT_EQ(keys(outcome.json["solver"]),
-            (Names{"converged", "iterations", "residual", "steps", "wall_s", "nodes", "elements", "inverted"}));
+  EXPECT_EQ(keys(outcome.json["solver"]), (Names{"converged", "iterations", "residual", "steps", "wall_s", "nodes",
+                                                 "elements", "inverted", "warnings"}));
   EXPECT_EQ(outcome.json["solver"]["converged"], true);
   EXPECT_EQ(outcome.json["solver"]["inverted"], 0);
   EXPECT_LT(outcome.json["solver"]["residual"].get<double>(), 1e-6);

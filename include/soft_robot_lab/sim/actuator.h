@@ -26,6 +26,7 @@ struct ActuatorReading {
   double actuated_command = 0.0;  // as reached within the speed limit
   std::optional<double> length_m;
   std::optional<double> rest_length_m;
+  std::optional<double> commanded_length_m;  // that of actuated_command
   std::optional<double> tension_n;
   std::optional<double> volume_m3;
   std::optional<double> initial_volume_m3;

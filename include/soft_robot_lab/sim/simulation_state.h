@@ -21,10 +21,12 @@ struct SimulationState {
   std::vector<double> actuated_commands;   // per actuator
   std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
 
-  // What bdf2 knows of the step before; zero and empty where there is none, and with implicit_euler.
+  // What a time step knows of the one before; zero and empty where there is none.
   double previous_step_s = 0.0;           // its length
   Eigen::Matrix3Xd previous_positions_m;  // at its start
   Eigen::Matrix3Xd previous_velocities_m_s;
+  Eigen::VectorXd previous_element_multipliers_pa;
+  Eigen::VectorXd previous_constraint_multipliers;
 };
 
 }  // namespace soft_robot_lab

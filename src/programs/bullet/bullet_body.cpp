@@ -131,8 +131,7 @@ std::unique_ptr<btSoftBody> make_body(const Body& body, const std::vector<int>& 
   auto soft = std::make_unique<btSoftBody>(&info, mesh.node_count(), nodes.data(), masses.data());
   soft->getCollisionShape()->setMargin(btScalar(1e-6));
   const auto corner = [&](int c, int e) { return place[static_cast<std::size_t>(mesh.tets(c, e))]; };
-  for (int e = 0; e < mesh.tet_count(); ++e)
-    soft->appendTetra(corner(0, e), corner(1, e), corner(2, e), corner(3, e));
+  for (int e = 0; e < mesh.tet_count(); ++e) soft->appendTetra(corner(0, e), corner(1, e), corner(2, e), corner(3, e));
   soft->m_tetraScratches.resize(soft->m_tetras.size());
   soft->m_tetraScratchesTn.resize(soft->m_tetras.size());
   soft->initializeDmInverse();

@@ -1,4 +1,5 @@
-// A scene's body as Bullet's deformable solver sees it: the same linear tetrahedra, lumped masses, held nodes and loads.
+// A scene's body as Bullet's deformable solver sees it: the same linear tetrahedra, lumped masses, held nodes and
+// loads.
 #pragma once
 
 #include <memory>

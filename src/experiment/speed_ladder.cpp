@@ -73,6 +73,7 @@ SpeedRung read_rung(const SettingsNode& node, bool bullet) {
   rung.bullet = bullet;
   rung.changes = dump_or_empty(node, bullet ? "settings" : "changes");
   rung.sizes = numbers(node, "sizes");
+  for (const SettingsNode& problem : node.optional_sequence("problems")) rung.problems.push_back(problem.as_text());
   if (bullet) rung.equilibrium = false;
   if (!bullet && node.has("modes")) {
     rung.settled = rung.equilibrium = false;
@@ -113,6 +114,22 @@ SpeedLadder read_speed_ladder(const ExperimentContext& context) {
                                 item.number("error_percent", AllowedRange::positive())});
   }
   node.require_all_read();
+  return ladder;
+}
+
+SpeedLadder choose_problems(SpeedLadder ladder, const std::vector<std::string>& names) {
+  if (names.empty()) return ladder;
+  std::vector<SpeedProblem> chosen;
+  std::string known;
+  for (const SpeedProblem& problem : ladder.problems) {
+    known += (known.empty() ? "" : ", ") + problem.name;
+    if (std::count(names.begin(), names.end(), problem.name)) chosen.push_back(problem);
+  }
+  for (const std::string& name : names) {
+    const bool found = std::any_of(chosen.begin(), chosen.end(), [&](const auto& one) { return one.name == name; });
+    if (!found) throw std::invalid_argument("unknown problem '" + name + "'; known: " + known);
+  }
+  ladder.problems = std::move(chosen);
   return ladder;
 }
 

@@ -26,7 +26,8 @@ struct SpeedRung {
   bool bullet = false;
   bool settled = true;
   bool equilibrium = true;
-  std::vector<double> sizes;  // of the elements, as parts of the body's thickness; coarse to fine
+  std::vector<std::string> problems;  // empty: all
+  std::vector<double> sizes;          // of the elements, as parts of the body's thickness; coarse to fine
 };
 
 struct ReleaseRung {
@@ -62,6 +63,9 @@ struct SpeedLadder {
 
 // Throws SettingsError, or std::runtime_error where no table knows a problem's Poisson's ratio.
 SpeedLadder read_speed_ladder(const ExperimentContext& context);
+
+// Only the named problems. Throws std::invalid_argument for a name that no problem has.
+SpeedLadder choose_problems(SpeedLadder ladder, const std::vector<std::string>& names);
 
 // The two coarsest sizes of every rung on the first problem at its first and last Poisson's ratio.
 SpeedLadder quick_part(SpeedLadder ladder);

@@ -24,6 +24,8 @@ namespace {
 constexpr int kRepeats = 3;
 constexpr double kLong_s = 3.0;  // CPU time above which a run is not repeated
 
+constexpr double kWorthTelling = 0.99;
+
 std::string changes_of(const SpeedProblem& problem, const std::string& nu, const std::string& more, double size,
                        const MeasuringTools& tools) {
   std::ostringstream text;
@@ -138,8 +140,8 @@ void run_bullet(const SpeedProblem& problem, const Eigen::Vector3d& reference_m,
   if (!run.ended) run.message = run.cpu_s < tools.cpu_limit_s ? "blew up" : "ran out of time";
   for (const auto& moved : json.at("displacements_m"))
     run.error = std::max(
-        run.error, error_of(Eigen::Vector3d(moved[0].get<double>(), moved[1].get<double>(), moved[2].get<double>()),
-                            reference_m));
+        run.error,
+        error_of(Eigen::Vector3d(moved[0].get<double>(), moved[1].get<double>(), moved[2].get<double>()), reference_m));
 }
 
 }  // namespace
@@ -182,7 +184,7 @@ std::vector<SpeedRun> best_of(std::vector<SpeedRun> runs) {
   std::sort(runs.begin(), runs.end(), [](const SpeedRun& a, const SpeedRun& b) { return a.cost < b.cost; });
   std::vector<SpeedRun> best;
   for (const SpeedRun& run : runs) {
-    if (best.empty() || run.error < best.back().error) best.push_back(run);
+    if (best.empty() || run.error < kWorthTelling * best.back().error) best.push_back(run);
   }
   return best;
 }

@@ -18,7 +18,7 @@ namespace {
 using namespace soft_robot_lab;
 
 constexpr const char* kUsage =
-    "usage: chart_speed_accuracy [--quick] [--output FOLDER]\n"
+    "usage: chart_speed_accuracy [--quick] [--problem NAME]... [--output FOLDER]\n"
     "Runs the ladder of config/experiments/speed_accuracy.yaml and Bullet's deformable solver, and writes pictures "
     "(SVG,\n"
     "PNG, CSV), speed_accuracy.json and report.html to FOLDER, by default charts/ where it is started. Takes an hour "
@@ -41,9 +41,13 @@ Arguments parse(int count, char** values) {
       arguments.help = true;
     } else if (word == "--quick") {
       arguments.options.quick = true;
-    } else if (word == "--output") {
-      if (++i == count) throw std::invalid_argument("--output needs a value");
-      arguments.output = values[i];
+    } else if (word == "--output" || word == "--problem") {
+      if (++i == count) throw std::invalid_argument(word + " needs a value");
+      if (word == "--output") {
+        arguments.output = values[i];
+      } else {
+        arguments.options.problems.push_back(values[i]);
+      }
     } else {
       throw std::invalid_argument("unknown argument " + word);
     }

@@ -3,14 +3,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "soft_robot_lab/experiment/experiment.h"
 
 namespace soft_robot_lab {
 
 struct SpeedAccuracyOptions {
-  bool quick = false;          // a small part, to see that all works
-  std::string bullet_program;  // bullet_peer; empty: without Bullet
+  std::vector<std::string> problems;  // names; empty: all
+  bool quick = false;                 // a small part, to see that all works
+  std::string bullet_program;         // bullet_peer; empty: without Bullet
 };
 
 // Plots: per problem and Poisson's ratio error over cost; error over element size; cost over nodes; time steps.

@@ -73,6 +73,7 @@ SpeedRung read_rung(const SettingsNode& node, bool bullet) {
   rung.bullet = bullet;
   rung.changes = dump_or_empty(node, bullet ? "settings" : "changes");
   rung.sizes = numbers(node, "sizes");
+  rung.quick = node.boolean_or("quick", true);
   for (const SettingsNode& problem : node.optional_sequence("problems")) rung.problems.push_back(problem.as_text());
   if (bullet) rung.equilibrium = false;
   if (!bullet && node.has("modes")) {
@@ -139,8 +140,11 @@ SpeedLadder quick_part(SpeedLadder ladder) {
   first.references_m = {first.references_m.front(), first.references_m.back()};
   ladder.problems.resize(1);
   const auto shorten = [](std::vector<double>& values) { values.resize(std::min<std::size_t>(values.size(), 2)); };
+  const auto slow = [](const SpeedRung& rung) { return !rung.quick; };
+  ladder.rungs.erase(std::remove_if(ladder.rungs.begin(), ladder.rungs.end(), slow), ladder.rungs.end());
   for (SpeedRung& rung : ladder.rungs) shorten(rung.sizes);
   for (ReleaseRung& rung : ladder.release.rungs) shorten(rung.steps_s);
+  ladder.stop_after_cpu_s = 1.0;
   ladder.release.element_size_m *= 2.0;
   return ladder;
 }

@@ -26,6 +26,7 @@ struct SpeedRung {
   bool bullet = false;
   bool settled = true;
   bool equilibrium = true;
+  bool quick = true;                  // run with --quick too
   std::vector<std::string> problems;  // empty: all
   std::vector<double> sizes;          // of the elements, as parts of the body's thickness; coarse to fine
 };
@@ -67,7 +68,7 @@ SpeedLadder read_speed_ladder(const ExperimentContext& context);
 // Only the named problems. Throws std::invalid_argument for a name that no problem has.
 SpeedLadder choose_problems(SpeedLadder ladder, const std::vector<std::string>& names);
 
-// The two coarsest sizes of every rung on the first problem at its first and last Poisson's ratio.
+// The two coarsest sizes of the quick rungs on the first problem at its first and last Poisson's ratio.
 SpeedLadder quick_part(SpeedLadder ladder);
 
 }  // namespace soft_robot_lab

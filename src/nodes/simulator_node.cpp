@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -54,9 +55,13 @@ SimulatorOptions read_options(const ros::NodeHandle& node) {
 // A scene ready to run, with the state that `reset` brings back.
 struct RunningScene {
   explicit RunningScene(Scene loaded)
-      : path(loaded.file), simulation(std::move(loaded.simulation)), surface(simulation->body().mesh()) {}
+      : path(loaded.file),
+        fidelity(std::move(loaded.fidelity)),
+        simulation(std::move(loaded.simulation)),
+        surface(simulation->body().mesh()) {}
 
   std::string path;
+  std::optional<FidelityReport> fidelity;
   std::unique_ptr<Simulation> simulation;
   SurfaceMarker surface;
   SimulationState start;
@@ -164,6 +169,11 @@ std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) co
   scene->start = scene->simulation->state();
   const TetMesh& mesh = scene->simulation->body().mesh();
   ROS_INFO("%s: %d elements, %d nodes", path.c_str(), mesh.tet_count(), mesh.node_count());
+  if (scene->fidelity) {
+    ROS_INFO("%s: %s", path.c_str(), summary(*scene->fidelity).c_str());
+    if (!scene->fidelity->met)
+      ROS_WARN("%s: expected error of the markers: %s", path.c_str(), expected_error_text(*scene->fidelity).c_str());
+  }
   return scene;
 }
 
@@ -273,6 +283,7 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("scene", scene_->path);
   status.add("elements", scene_->simulation->body().mesh().tet_count());
   status.add("nodes", scene_->simulation->body().mesh().node_count());
+  status.add("expected error", scene_->fidelity ? expected_error_text(*scene_->fidelity) : "not asked for");
   status.add("steps not converged in the last second", unconverged_steps_);
   status.add("iterations", last_report_.iterations);
   status.add("residual", last_report_.residual);

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scene/fidelity_json.h"
 #include "soft_robot_lab/scene/run_scene.h"
 
 namespace soft_robot_lab {
@@ -93,6 +94,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   result["markers"] = markers_json(simulation);
   add_actuators(simulation, result);
   result["solver"] = solver_json(simulation, report.solve);
+  if (scene.fidelity) result["fidelity"] = fidelity_json(*scene.fidelity);
   if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);
   if (scene.run.mode == RunMode::dynamic) result["trajectory"] = trajectory_json(simulation, report.trajectory);
   if (scene.run.mode == RunMode::modal) result["frequencies_hz"] = list(report.frequencies_hz);
@@ -107,6 +109,7 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
   text << (solve.converged ? "converged" : "did not converge") << ": " << solve.iterations << " iterations in "
        << solve.steps << " steps, residual " << solve.residual << ", " << solve.wall_s << " s; " << mesh.node_count()
        << " nodes, " << mesh.tet_count() << " elements\n";
+  if (scene.fidelity) text << summary(*scene.fidelity);
   for (Eigen::Index i = 0; i < report.frequencies_hz.size(); ++i) {
     text << "mode " << i + 1 << " at " << report.frequencies_hz[i] << " Hz\n";
   }

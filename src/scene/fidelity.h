@@ -34,7 +34,8 @@ struct FidelityRequest {
 std::optional<FidelityRequest> read_fidelity(const SettingsNode& scene);
 
 // What the scene is judged at: rest states, each the commands of all actuators in their order. Those of its run; where
-// it has none, as a robot file may, each contraction by a fifth, or as far as its limits allow, one after the other.
+// it has none, as a robot file may, each cable's contraction and each chamber's amount of gas by a fifth, one at a
+// time.
 std::vector<std::vector<double>> judged_commands(const Simulation& simulation, const RunSettings& run);
 
 struct MeshError {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFirstOrder = 2.0;  // error over difference, where half the size halves the error
 constexpr int kMostJudged = 4;       // of a scene's rest states, those that moved furthest
-constexpr double kUsualPull = 0.2;   // of a robot that no run commands
+constexpr double kUsualShare = 0.2;  // of pull, or of more gas, in a robot that no run commands
 // Newton iterations a stage on the finer mesh, which begins near its rest state: where it needs more, the coarse mesh
 // says little about it, and a finer one costs less than insisting.
 constexpr const char* kFineEffort = "solver: {max_iterations: 8}";
@@ -97,9 +97,11 @@ std::vector<std::vector<double>> judged_commands(const Simulation& simulation, c
   }
   for (size_t i = 0; i < rest.size(); ++i) {
     const CommandLimits& limits = simulation.actuators()[i]->limits();
-    if (limits.unit != "1" || limits.min >= limits.rest) continue;  // only a contraction has a usual pull
+    if (limits.unit != "1") continue;  // of forces, lengths and pressures nobody knows what is usual
+    const bool cable = simulation.actuator_state(static_cast<int>(i)).rest_length_m.has_value();
     states.push_back(rest);
-    states.back()[i] = std::max(limits.min, (1.0 - kUsualPull) * limits.rest);
+    states.back()[i] =
+        std::clamp((cable ? 1.0 - kUsualShare : 1.0 + kUsualShare) * limits.rest, limits.min, limits.max);
   }
   if (states.empty()) states.push_back(rest);
   return states;

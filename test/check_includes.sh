@@ -10,8 +10,9 @@ declare -A allowed=(
   [actuators]="actuators sim settings"
   [scene]="scene sim settings design"
   [control]="control sim"
+  [experiment]="experiment control scene actuators sim design settings"
   [motor]="motor settings"
-  [rig]="rig motor settings"
+  [rig]="rig motor experiment settings"
   [firmware]="motor"
   [emulator]="emulator motor"
 )

@@ -88,8 +88,7 @@ void MotorDriver::on(const RequestAnswered& event) {
   const bool done = event.result == wire::result_done;
   if (event.kind == wire::kind_go_to) {
     if (done) {
-      counts_.acknowledged += static_cast<std::int64_t>(commands_in(sent_).size());
-      sent_ = {};
+      take_on_targets();
     } else {
       refuse_targets(sent_, words(event.result));
     }
@@ -114,6 +113,17 @@ void MotorDriver::on(const RequestAnswered& event) {
     }
   }
   if (step.operation) finish(done, words(event.result));
+}
+
+// The motors move from now on, though the next report of it is still to come.
+void MotorDriver::take_on_targets() {
+  counts_.acknowledged += static_cast<std::int64_t>(commands_in(sent_).size());
+  for (std::size_t i = 0; i < rig_.motors.size(); ++i) {
+    if (!sent_[i]) continue;
+    motors_[i].last.target_microsteps = microsteps(static_cast<int>(i), sent_[i]->steps);
+    motors_[i].last.flags |= wire::flag_moving;
+  }
+  sent_ = {};
 }
 
 void MotorDriver::on(const RequestLost& event) {
@@ -149,15 +159,18 @@ void MotorDriver::send_next(double now_s) {
   }
 }
 
+std::int32_t MotorDriver::microsteps(int motor, double steps) const {
+  return static_cast<std::int32_t>(std::lround(steps * rig_.motors[static_cast<std::size_t>(motor)].drive.microsteps));
+}
+
 void MotorDriver::send_targets(double now_s) {
   std::vector<std::uint8_t> payload(1);
   for (std::size_t i = 0; i < rig_.motors.size(); ++i) {
     if (!waiting_[i]) continue;
     payload[0] = static_cast<std::uint8_t>(payload[0] | 1U << i);
     payload.resize(payload.size() + wire::go_to::position_size);
-    const double microsteps = waiting_[i]->steps * rig_.motors[i].drive.microsteps;
     wire::put_i24(&payload[payload.size() - wire::go_to::position_size],
-                  static_cast<std::int32_t>(std::lround(microsteps)));
+                  microsteps(static_cast<int>(i), waiting_[i]->steps));
   }
   sent_ = waiting_;
   waiting_ = {};

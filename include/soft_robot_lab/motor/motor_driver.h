@@ -93,6 +93,8 @@ class MotorDriver {
   void configure();
   void send_next(double now_s);
   void send_targets(double now_s);
+  void take_on_targets();
+  std::int32_t microsteps(int motor, double steps) const;
   void finish(bool done, const std::string& why);
   void begin_operation(wire::Kind kind, std::uint8_t mask);
   void fail_operation(const std::string& why);

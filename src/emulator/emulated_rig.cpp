@@ -125,7 +125,7 @@ void EmulatedRig::send(const std::vector<std::uint8_t>& bytes) {
 void EmulatedRig::deliver() {
   while (to_board_.next_arrival_s().value_or(INFINITY) <= time_s()) {
     const std::uint8_t byte = to_board_.pop();
-    if (time_s() >= boots_until_s_) avr_raise_irq(board_->uart_input, byte);  // the boot loader hears nothing
+    if (board_->avr->cycle >= boots_until_) avr_raise_irq(board_->uart_input, byte);  // the boot loader hears nothing
   }
 }
 
@@ -150,10 +150,10 @@ std::vector<std::uint8_t> EmulatedRig::run(double until_s) {
   std::vector<std::uint8_t> heard;
   const avr_cycle_count_t end = to_cycles(until_s);
   while (avr->cycle < end) {
-    if (time_s() < boots_until_s_) {
-      avr->cycle = std::min(end, to_cycles(boots_until_s_));
+    if (avr->cycle < boots_until_) {
+      avr->cycle = std::min<avr_cycle_count_t>(end, boots_until_);
       deliver();
-      if (time_s() >= boots_until_s_) schedule_delivery();
+      schedule_delivery();
       continue;
     }
     const int state = avr_run(avr);
@@ -185,7 +185,7 @@ void EmulatedRig::reset_board(double boot_s) {
   avr_reset(board_->avr);
   board_->avr->cycle = now;
   board_->avr->state = cpu_Running;
-  boots_until_s_ = time_s() + boot_s;
+  boots_until_ = to_cycles(time_s() + boot_s);
   schedule_delivery();
 }
 

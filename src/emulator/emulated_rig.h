@@ -45,7 +45,7 @@ class EmulatedRig {
   NoisyLine to_board_, to_host_;
   bool plugged_ = true;
   bool selected_ = false;
-  double boots_until_s_ = 0.0;
+  std::uint64_t boots_until_ = 0;             // [cycles]
   std::uint64_t host_hears_at_ = UINT64_MAX;  // [cycles], looked at after each instruction
   std::unique_ptr<Board> board_;
 };

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <unistd.h>
 
@@ -106,7 +107,11 @@ void serve_in_real_time(EmulatedRig& rig, const std::string& device) {
       start += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(now_s - rig.time_s()));
       now_s = rig.time_s();
     }
-    while (rig.time_s() < now_s) terminal.write(rig.run(now_s));
+    std::vector<std::uint8_t> heard;
+    do {  // a frame at a time
+      heard = rig.run(now_s);
+      terminal.write(heard);
+    } while (!heard.empty());
   }
 }
 

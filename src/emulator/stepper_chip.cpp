@@ -65,6 +65,7 @@ void StepperChip::begin(std::uint8_t byte, double now_s) {
   } else if (byte == l6470::get_status) {
     answer(status(now_s), 2);
     alarms_ = 0;
+    stalled_microsteps_ = 0.0;
     apply_conditions(now_s);
   } else {
     alarms_ |= l6470::status_wrong_command;  // one this model does not know

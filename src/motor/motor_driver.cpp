@@ -112,6 +112,8 @@ void MotorDriver::on(const RequestAnswered& event) {
       if ((step.payload[0] & 1U << i) != 0) motors_[i].spool_steps = 0.0;
     }
   }
+  // An emergency stop since then has failed the operation, and holds.
+  if (step.kind == wire::kind_clear && done && operation_ == OperationState::running) emergency_stopped_ = false;
   if (step.operation) finish(done, words(event.result));
 }
 

@@ -1,10 +1,13 @@
 // A program that answers lines of text with lines of text.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <sys/types.h>
+
+#include "rig/line_socket.h"
 
 namespace soft_robot_lab {
 
@@ -15,14 +18,11 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  std::string ask(const std::string& line);  // throws std::runtime_error when it has ended
+  std::string ask(const std::string& line) { return lines_->ask(line); }
 
  private:
-  std::string read_line();
-
   pid_t id_ = -1;
-  int socket_ = -1;
-  std::string received_;
+  std::unique_ptr<LineSocket> lines_;
 };
 
 }  // namespace soft_robot_lab

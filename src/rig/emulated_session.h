@@ -21,7 +21,7 @@ class EmulatedSession {
 
   void run(double duration_s);
   bool run_until(const std::function<bool()>& reached, double limit_s = 10.0);  // false when the time is up first
-  bool run_until_ready();  // all positions known
+  bool run_until_ready();                                                       // all positions known
   bool run_until_rest(double limit_s = 60.0);
   void command(const std::vector<std::string>& names, const std::vector<double>& values);
   bool finish_operation();  // of the driver; false when it failed

@@ -154,7 +154,8 @@ class FaultRun {
   std::mt19937_64 random_;
   EmulatedSession session_;
   FaultRunResult result_;
-  std::array<std::optional<double>, wire::max_motors> expected_{};  // shafts in full steps, where commands leave no doubt
+  std::array<std::optional<double>, wire::max_motors>
+      expected_{};  // shafts in full steps, where commands leave no doubt
   std::int64_t refused_here_ = 0, refused_later_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// Random commands to an emulated rig whose line damages bytes, whose plug is pulled and whose board is reset: is the position
-// exact whenever the driver says that it knows it?
+// Random commands to an emulated rig whose line damages bytes, whose plug is pulled and whose board is reset: is the
+// position exact whenever the driver says that it knows it?
 #pragma once
 
 #include <cstdint>

@@ -10,6 +10,7 @@
 
 #include <unistd.h>
 
+#include "rig/answers.h"
 #include "rig/child_process.h"
 
 namespace fs = std::filesystem;
@@ -86,11 +87,7 @@ LockStepRig::LockStepRig(int motors, std::uint64_t seed, const std::string& prog
 
 LockStepRig::~LockStepRig() = default;
 
-std::string LockStepRig::ask(const std::string& line) {
-  const std::string answer = process_->ask(line);
-  if (answer.rfind("ok", 0) == 0) return answer.size() > 3 ? answer.substr(3) : "";
-  throw std::invalid_argument("rig_emulator: " + line + ": " + answer);
-}
+std::string LockStepRig::ask(const std::string& line) { return unwrap(line, process_->ask(line)); }
 
 void LockStepRig::run(double duration_s) {
   const auto duration_us = std::to_string(std::llround(duration_s * 1e6));
@@ -102,14 +99,7 @@ void LockStepRig::run(double duration_s) {
   append_hex(heard, to_host_);
 }
 
-std::vector<ShaftTruth> LockStepRig::shafts() {
-  std::istringstream answer(ask("shafts"));
-  double time_us = 0.0;
-  answer >> time_us;
-  std::vector<ShaftTruth> shafts;
-  for (ShaftTruth shaft{}; answer >> shaft.shaft_steps >> shaft.spool_steps >> shaft.moving;) shafts.push_back(shaft);
-  return shafts;
-}
+std::vector<ShaftTruth> LockStepRig::shafts() { return read_shafts(ask("shafts")); }
 
 LineFaults LockStepRig::line_faults() {
   std::istringstream answer(ask("counts"));

@@ -21,7 +21,8 @@ EmulatedSession emulate(const std::string& yaml) {
 constexpr auto left = 0;
 constexpr auto right = 1;
 
-std::string refusal(EmulatedSession& session, const std::vector<std::string>& names, const std::vector<double>& values) {
+std::string refusal(EmulatedSession& session, const std::vector<std::string>& names,
+                    const std::vector<double>& values) {
   try {
     session.command(names, values);
   } catch (const std::invalid_argument& error) {
@@ -115,6 +116,32 @@ TEST_F(Rig, EmergencyStopWinsAndHoldsUntilCleared) {
   EXPECT_EQ(session.shaft(left), 160);
 }
 
+TEST_F(Rig, MovesAgainOnceAnEmergencyStopIsCleared) {
+  start();
+  session.driver().emergency_stop();
+  session.run(0.1);
+  session.driver().clear();
+  ASSERT_TRUE(session.finish_operation());
+  EXPECT_FALSE(session.driver().emergency_stopped());
+  session.run(0.1);
+  go_to(0.9);
+  EXPECT_EQ(session.shaft(left), 160);
+}
+
+TEST_F(Rig, EmergencyStopWinsOverClearing) {
+  start();
+  session.driver().emergency_stop();
+  session.run(0.1);
+  session.driver().clear();
+  session.driver().update(session.rig.time_s());
+  session.driver().emergency_stop();
+  EXPECT_FALSE(session.finish_operation());
+  EXPECT_EQ(session.driver().operation_failure(), "emergency stop");
+  session.run(0.3);
+  EXPECT_TRUE(session.driver().emergency_stopped());
+  EXPECT_NE(motor(left).flags & wire::flag_emergency_stop, 0);
+}
+
 TEST_F(Rig, EmergencyStopIsRepeatedUntilTheBoardHasHeardIt) {
   start();
   session.command({"left"}, {0.6});
@@ -175,6 +202,15 @@ TEST_F(Rig, LosesNoPositionWhenTheBoardIsReset) {
   EXPECT_EQ(session.shaft(left), 0);
 }
 
+TEST_F(Rig, ComesBackHoweverLongTheBoardBoots) {
+  start();
+  for (const char* boot_s : {"0.05", "0.123456789", "0.2222222222"}) {
+    session.rig.ask(std::string("reset ") + boot_s);
+    session.run(0.5);
+    ASSERT_TRUE(session.run_until_ready());
+  }
+}
+
 TEST_F(Rig, DeclaresThePositionUnknownAfterAPowerCut) {
   start();
   go_to(0.9);
@@ -225,9 +261,8 @@ TEST_P(RigFault, IsLatchedAndRefusesMotionUntilCleared) {
   session.driver().clear();
   ASSERT_TRUE(session.finish_operation());
   session.run(0.1);
-  if (std::string(command) != "stall") {  // which shows in motion only
-    EXPECT_TRUE(contains(motor(left).fault, name));
-  }
+  const bool shows_at_rest = std::string(command) != "stall";
+  EXPECT_EQ(contains(motor(left).fault, name), shows_at_rest) << motor(left).fault;
 
   session.rig.ask(std::string(command) + " 0 off");
   session.driver().clear();
@@ -286,7 +321,8 @@ TEST_F(Rig, MakesUpForBacklash) {
   EmulatedSession loose = emulate(
       "device: /dev/null\n"
       "motors:\n"
-      "  - {name: left, backlash_steps: 12, cable: {rest_length_m: 0.1, min_contraction: 0.5, max_contraction: 1.2}}\n");
+      "  - {name: left, backlash_steps: 12, cable: {rest_length_m: 0.1, min_contraction: 0.5, max_contraction: "
+      "1.2}}\n");
   loose.rig.ask("backlash 0 12");
   ASSERT_TRUE(loose.run_until_ready());
   for (const double value : {0.8, 0.9, 0.95, 0.7, 1.0}) {

@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "soft_robot_lab/motor/port.h"
+#include "soft_robot_lab/rig/rig_control.h"
 
 namespace soft_robot_lab {
-
-struct ShaftTruth {
-  double shaft_steps;  // full steps since zero was set
-  double spool_steps;  // behind the backlash
-  bool moving;
-};
 
 struct LineFaults {
   std::int64_t passed, corrupted, lost, doubled, delayed;  // bytes, both ways

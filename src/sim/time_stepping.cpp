@@ -35,6 +35,7 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
 
 bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
+  parts.begin_step(h);
   for (auto& actuator : parts.actuators) actuator->advance(h);
   const BackwardDifference difference(before, h);
   const Eigen::Matrix3Xd predicted = difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;

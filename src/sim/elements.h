@@ -1,7 +1,7 @@
 // The silicone of a body as mixed tetrahedra: quadratic displacements with one volume multiplier per element (P2/P0),
-// or linear ones. Energy of an element (stable neo-Hookean of Macklin & Mueller 2021, split so that only the volumetric
-// part is averaged), with F and J = det F at the quadrature points and w their rest volumes:
-//   sum_q w [ mu/2 (|F|^2 - 3) - mu (J - 1) + mu/2 (J - 1)^2 ]  +  lambda/2 V0 (Jbar - 1)^2,   Jbar = sum_q w J / V0
+// or linear ones. Energy of an element, with J = det F and the material's own energy density Psi (material_law.h) at
+// the quadrature points, whose rest volumes are w; only the volumetric part is averaged:
+//   sum_q w Psi(F)  +  lambda/2 V0 (Jbar - 1)^2,   Jbar = sum_q w J / V0
 // The multiplier p stands for lambda (Jbar - 1) and is condensed element by element.
 #pragma once
 
@@ -12,6 +12,7 @@
 
 #include "block_matrix.h"
 #include "element_packs.h"
+#include "material_law.h"
 #include "soft_robot_lab/sim/body.h"
 
 namespace soft_robot_lab {
@@ -65,6 +66,7 @@ class Elements {
  private:
   int count_;
   double mu_, lambda_;
+  MaterialLaw law_;
   ElementPacks packs_;                  // in the mesh's order; nodes of each sorted by elimination order
   std::vector<int> slots_;              // per pack: pair (a >= b) x lanes, slots of the matrix
   std::vector<Pack> volume_gradients_;  // per pack: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]

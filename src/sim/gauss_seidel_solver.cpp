@@ -39,8 +39,12 @@ ElementPacks coloured_packs(const Body& body, Colouring colouring, std::vector<i
 
 ElementStep element_step(const Body& body, double h, const Eigen::Matrix3Xd& root_inverse_masses, NewtonState& state,
                          std::vector<Pack>& multipliers) {
-  return {body.material().lame_mu_pa(),       bulk_lambda_pa(body.material()), h,
-          root_inverse_masses.data(),         state.positions_m.data(),        multipliers.data(),
+  return {law_of(body.material()),
+          bulk_lambda_pa(body.material()),
+          h,
+          root_inverse_masses.data(),
+          state.positions_m.data(),
+          multipliers.data(),
           state.element_multipliers_pa.data()};
 }
 
@@ -149,7 +153,7 @@ double GaussSeidelSolver::kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s)
 }
 
 double GaussSeidelSolver::stored_energy(const Eigen::Matrix3Xd& positions_m) {
-  measure_energy(packs_, body_.material().lame_mu_pa(), bulk_lambda_pa(body_.material()), positions_m.data(),
+  measure_energy(packs_, law_of(body_.material()), bulk_lambda_pa(body_.material()), positions_m.data(),
                  energies_.data());
   double sum = 0.0;
   for (const Pack& pack : energies_)

@@ -42,17 +42,6 @@ Eigen::Matrix<bool, 3, 1> read_axes(const SettingsNode& fixed) {
   return axes;
 }
 
-Material read_material(const SettingsNode& body) {
-  Material material;
-  const std::optional<SettingsNode> node = body.optional_child("material");
-  if (!node) return material;
-  material.youngs_modulus_pa = node->number_or("youngs_modulus_pa", material.youngs_modulus_pa);
-  material.poissons_ratio = node->number_or("poissons_ratio", material.poissons_ratio);
-  material.density_kg_m3 = node->number_or("density_kg_m3", material.density_kg_m3);
-  in_section(*node, [&] { material.validate(); });
-  return material;
-}
-
 void fix(const SettingsNode& section, Body& body) {
   const SettingsNode list = section.child("fixed");
   if (list.items().empty()) list.fail("is empty: a body that nothing holds has no equilibrium");
@@ -83,7 +72,8 @@ void load(const SettingsNode& item, Body& body) {
 
 Body read_body(const SettingsNode& scene, TetMesh mesh) {
   const SettingsNode section = scene.child("body");
-  const Material material = read_material(section);
+  const std::optional<SettingsNode> node = section.optional_child("material");
+  const Material material = node ? read_material(*node) : Material();
   Body body = in_section(section, [&] { return Body(std::move(mesh), material); });
   fix(section, body);
   for (const SettingsNode& item : scene.optional_sequence("loads")) load(item, body);

@@ -19,6 +19,7 @@ SettingsNode load_settings_with_includes(const std::string& path);
 
 TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher);  // `body`: its shape
 Body read_body(const SettingsNode& scene, TetMesh mesh);                    // `body`, `loads`, gravity
+Material read_material(const SettingsNode& node);                           // `body.material`, or a file of presets
 std::vector<std::unique_ptr<Actuator>> read_actuators(
     const SettingsNode& scene, const Body& body, const MeshLocator& locator,
     const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`

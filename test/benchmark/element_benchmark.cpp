@@ -9,8 +9,9 @@ namespace soft_robot_lab {
 namespace {
 
 struct Pass {
-  explicit Pass(bool quadratic)
-      : body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {20, 4, 4}, quadratic), Material()),
+  Pass(bool quadratic, bool yeoh)
+      : body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {20, 4, 4}, quadratic),
+             yeoh ? Material::yeoh(1.0e4, 200.0, 0.0, 0.4999, 1070.0) : Material()),
         matrix(body.mesh().node_count(), cliques(body.mesh())),
         elements(body, matrix),
         positions(body.mesh().nodes_m),
@@ -34,18 +35,18 @@ struct Pass {
 };
 
 void Gradient(benchmark::State& state) {
-  Pass pass(state.range(0) == 1);
+  Pass pass(state.range(0) == 1, state.range(1) == 1);
   Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, pass.positions.cols());
   for (auto _ : state) benchmark::DoNotOptimize(pass.elements.add_gradient(pass.positions, pass.multipliers, forces));
   state.SetItemsProcessed(state.iterations() * pass.elements.count());
 }
 void Hessian(benchmark::State& state) {
-  Pass pass(state.range(0) == 1);
+  Pass pass(state.range(0) == 1, state.range(1) == 1);
   for (auto _ : state) pass.elements.add_hessian(pass.positions, pass.multipliers, false, pass.matrix);
   state.SetItemsProcessed(state.iterations() * pass.elements.count());
 }
-BENCHMARK(Gradient)->ArgName("quadratic")->Arg(1)->Arg(0);
-BENCHMARK(Hessian)->ArgName("quadratic")->Arg(1)->Arg(0);
+BENCHMARK(Gradient)->ArgNames({"quadratic", "yeoh"})->ArgsProduct({{1, 0}, {0, 1}});
+BENCHMARK(Hessian)->ArgNames({"quadratic", "yeoh"})->ArgsProduct({{1, 0}, {0, 1}});
 
 }  // namespace
 }  // namespace soft_robot_lab

@@ -39,11 +39,22 @@ std::vector<std::vector<int>> element_cliques(const TetMesh& mesh) {
   return cliques;
 }
 
-// Six elements (so that the last pack of four is not full) of a small, strongly disturbed block; both element orders.
-class ElementsTest : public ::testing::TestWithParam<bool> {
+struct Silicone {
+  const char* name;
+  bool quadratic;
+  Material material;
+};
+
+// All with E = 1e5 Pa, nu = 0.45 and so mu = 34483 Pa; c1 = 17241 Pa of yeoh.
+const Material kNeoHookean{1.0e5, 0.45, 1000.0};
+const Material kMooneyRivlin{1.0e5, 0.45, 1000.0, MaterialModel::mooney_rivlin, 7.0e3};
+const Material kYeoh{1.0e5, 0.45, 1000.0, MaterialModel::yeoh, 0.0, -4.0e3, 2.0e3};
+
+// Six elements (so that the last pack of four is not full) of a small, strongly disturbed block.
+class ElementsTest : public ::testing::TestWithParam<Silicone> {
  protected:
   ElementsTest()
-      : body_(box_mesh({0, 0, 0}, {0.02, 0.01, 0.015}, {1, 1, 1}, GetParam()), {1.0e5, 0.45, 1000.0}),
+      : body_(box_mesh({0, 0, 0}, {0.02, 0.01, 0.015}, {1, 1, 1}, GetParam().quadratic), GetParam().material),
         matrix_(body_.mesh().node_count(), element_cliques(body_.mesh())),
         elements_(body_, matrix_),
         positions_(disturbed(body_.mesh().nodes_m, 0.0015, 7)),
@@ -156,14 +167,33 @@ TEST_P(ElementsTest, SmallStrainsFollowHooke) {
   const Eigen::VectorXd pressures =
       Eigen::VectorXd::Constant(elements_.count(), elements_.lambda_pa() * (f.diagonal().prod() - 1.0));
   const Eigen::Matrix3Xd forces = gradient(stretched, pressures);
-  double pull = 0.0;
-  for (Eigen::Index i = 0; i < forces.cols(); ++i)
+  double pull = 0.0, across = 0.0;
+  for (Eigen::Index i = 0; i < forces.cols(); ++i) {
     if (body_.mesh().nodes_m(0, i) > 0.02 - 1e-9) pull += forces(0, i);
+    if (body_.mesh().nodes_m(1, i) > 0.01 - 1e-9) across += forces(1, i);
+  }
   EXPECT_NEAR(pull, 1.0e5 * strain * 0.01 * 0.015, 1e-4 * 1.0e5 * strain * 0.01 * 0.015);
+  EXPECT_NEAR(across, 0.0, 1e-4 * 1.0e5 * strain * 0.02 * 0.015);
 }
 
-INSTANTIATE_TEST_SUITE_P(Orders, ElementsTest, ::testing::Values(true, false),
-                         [](const auto& order) { return order.param ? "Quadratic" : "Linear"; });
+TEST_P(ElementsTest, InvertedAndCollapsedElementsHaveAFiniteEnergyAndForce) {
+  for (const double scale : {-1.0, 0.0, -0.3}) {
+    Eigen::Matrix3Xd squashed = body_.mesh().nodes_m;
+    squashed.row(1) *= scale;
+    const Eigen::Matrix3Xd forces = gradient(squashed, multipliers_);
+    EXPECT_TRUE(forces.allFinite());
+    EXPECT_TRUE(std::isfinite(energy(squashed)));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Silicones, ElementsTest,
+                         ::testing::Values(Silicone{"NeoHookeanQuadratic", true, kNeoHookean},
+                                           Silicone{"NeoHookeanLinear", false, kNeoHookean},
+                                           Silicone{"MooneyRivlinQuadratic", true, kMooneyRivlin},
+                                           Silicone{"MooneyRivlinLinear", false, kMooneyRivlin},
+                                           Silicone{"YeohQuadratic", true, kYeoh},
+                                           Silicone{"YeohLinear", false, kYeoh}),
+                         [](const auto& silicone) { return silicone.param.name; });
 
 TEST(BlockCholesky, SolvesWhatADenseFactorSolves) {
   const TetMesh mesh = box_mesh({0, 0, 0}, {0.05, 0.02, 0.02}, {4, 2, 2});

@@ -75,6 +75,8 @@ Body read_body(const SettingsNode& scene, TetMesh mesh) {
   const std::optional<SettingsNode> node = section.optional_child("material");
   const Material material = node ? read_material(*node) : Material();
   Body body = in_section(section, [&] { return Body(std::move(mesh), material); });
+  const bool averaged = section.choice_or("linear_volume", "element", {"element", "vertex_averaged"}) != "element";
+  if (averaged) in_section(section, [&] { body.set_linear_volume(LinearVolume::vertex_averaged); });
   fix(section, body);
   for (const SettingsNode& item : scene.optional_sequence("loads")) load(item, body);
   body.set_gravity(scene.vector3_or("gravity_m_s2", body.gravity_m_s2()));

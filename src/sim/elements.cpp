@@ -134,44 +134,54 @@ Elements::Elements(const Body& body, const BlockMatrix& matrix)
         for (int lane = 0; lane < kLanes; ++lane)
           slots_.push_back(matrix.slot(place(pack, a, lane), place(pack, b, lane)));
   volume_gradients_.assign(static_cast<std::size_t>(packs_.count()) * packs_.node_count * 3, splat(0.0));
-  rest_volumes_ = Eigen::VectorXd::Zero(count_);
+  element_volumes_ = Eigen::VectorXd::Zero(count_);
   for (int e = 0; e < count_; ++e)
     for (int q = 0; q < packs_.point_count; ++q)
-      rest_volumes_[e] += packs_.weights[static_cast<std::size_t>(e / kLanes) * packs_.point_count + q][e % kLanes];
+      element_volumes_[e] += packs_.weights[static_cast<std::size_t>(e / kLanes) * packs_.point_count + q][e % kLanes];
+  if (body.linear_volume() == LinearVolume::vertex_averaged) patches_.emplace(packs_, element_volumes_, matrix);
 }
 
 ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers,
                                    Eigen::Matrix3Xd& forces) const {
   const ElementArrays all = arrays(packs_, slots_, count_, lambda_);
+  const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(multipliers) : Eigen::VectorXd();
+  const double* p = patches_ ? averaged.data() : multipliers.data();
   ElementSums sums;
   sums.growth.resize(count_);
   const auto add = [&](const auto& law) {
     if (packs_.node_count == 10)
-      quadratic_gradients(all, law, positions.data(), multipliers.data(), forces.data(), &sums);
+      quadratic_gradients(all, law, positions.data(), p, forces.data(), &sums);
     else
-      linear_gradients(all, law, positions.data(), multipliers.data(), forces.data(), &sums);
+      linear_gradients(all, law, positions.data(), p, forces.data(), &sums);
   };
   std::visit(add, law_);
+  if (patches_)
+    sums.growth = patches_->on_vertices(sums.growth.cwiseProduct(element_volumes_)).cwiseQuotient(rest_volumes_m3());
   return sums;
 }
 
 void Elements::add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
                            BlockMatrix& matrix) {
-  const ElementArrays all = arrays(packs_, slots_, count_, lambda_);
+  const ElementArrays all = arrays(packs_, slots_, count_, patches_ ? 0.0 : lambda_);
+  const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(multipliers) : Eigen::VectorXd();
+  const double* p = patches_ ? averaged.data() : multipliers.data();
   double* values = matrix.block(0);
   const auto add = [&](const auto& law) {
     if (packs_.node_count == 10)
-      quadratic_hessians(all, law, positions.data(), multipliers.data(), convex, values, volume_gradients_.data());
+      quadratic_hessians(all, law, positions.data(), p, convex, values, volume_gradients_.data());
     else
-      linear_hessians(all, law, positions.data(), multipliers.data(), convex, values, volume_gradients_.data());
+      linear_hessians(all, law, positions.data(), p, convex, values, volume_gradients_.data());
   };
   std::visit(add, law_);
+  if (patches_) patches_->add_hessian(volume_gradients_, lambda_, matrix);
 }
 
 void Elements::add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matrix3Xd& forces) const {
+  const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(mismatch) : Eigen::VectorXd();
+  const Eigen::VectorXd& of_elements = patches_ ? averaged : mismatch;
   for (int element = 0; element < count_; ++element) {
     const int pack = element / kLanes, lane = element % kLanes;
-    const double pressure = lambda_ * mismatch[element];
+    const double pressure = lambda_ * of_elements[element];
     for (int a = 0; a < packs_.node_count; ++a) {
       const std::size_t place = static_cast<std::size_t>(pack) * packs_.node_count + a;
       const int node = packs_.nodes[place * kLanes + lane];
@@ -181,18 +191,19 @@ void Elements::add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matri
 }
 
 Eigen::VectorXd Elements::updated_multipliers(const Eigen::VectorXd& growth, const Eigen::Matrix3Xd& step) const {
-  Eigen::VectorXd result(count_);
+  Eigen::VectorXd change(count_);  // of V0 Jbar
   for (int element = 0; element < count_; ++element) {
     const int pack = element / kLanes, lane = element % kLanes;
-    double change = 0.0;
+    double sum = 0.0;
     for (int a = 0; a < packs_.node_count; ++a) {
       const std::size_t place = static_cast<std::size_t>(pack) * packs_.node_count + a;
       const int node = packs_.nodes[place * kLanes + lane];
-      for (int i = 0; i < 3; ++i) change += volume_gradients_[place * 3 + i][lane] * step(i, node);
+      for (int i = 0; i < 3; ++i) sum += volume_gradients_[place * 3 + i][lane] * step(i, node);
     }
-    result[element] = lambda_ * (growth[element] + change / rest_volumes_[element]);
+    change[element] = sum;
   }
-  return result;
+  if (patches_) change = patches_->on_vertices(change);
+  return lambda_ * (growth + change.cwiseQuotient(rest_volumes_m3()));
 }
 
 }  // namespace soft_robot_lab

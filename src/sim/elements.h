@@ -2,10 +2,12 @@
 // or linear ones. Energy of an element, with J = det F and the material's own energy density Psi (material_law.h) at
 // the quadrature points, whose rest volumes are w; only the volumetric part is averaged:
 //   sum_q w Psi(F)  +  lambda/2 V0 (Jbar - 1)^2,   Jbar = sum_q w J / V0
-// The multiplier p stands for lambda (Jbar - 1) and is condensed element by element.
+// The multiplier p stands for lambda (Jbar - 1) and is condensed element by element. Linear elements may instead share
+// their volume with their vertices, which then have the multipliers (volume_patches.h).
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,6 +16,7 @@
 #include "element_packs.h"
 #include "material_law.h"
 #include "soft_robot_lab/sim/body.h"
+#include "volume_patches.h"
 
 namespace soft_robot_lab {
 
@@ -23,7 +26,7 @@ struct ElementSums {
   int inverted = 0;             // elements with det F <= 0 at a quadrature point
   int worst_element = -1;       // the one with the smallest det F
   double smallest_determinant = 1.0;
-  Eigen::VectorXd growth;  // per element: Jbar - 1
+  Eigen::VectorXd growth;  // per multiplier: Jbar - 1
 };
 
 // The lambda of all elements. Their multiplier needs some bulk to stand for: at a Poisson's ratio of zero this little,
@@ -53,12 +56,14 @@ class Elements {
   // p <- lambda (Jbar - 1 + grad Jbar . dx).
   Eigen::VectorXd updated_multipliers(const Eigen::VectorXd& growth, const Eigen::Matrix3Xd& step) const;
 
-  // c = Jbar - 1 - p / lambda, per element: zero where multiplier and volume agree.
+  // c = Jbar - 1 - p / lambda, per multiplier: zero where multiplier and volume agree.
   Eigen::VectorXd mismatch(const Eigen::VectorXd& growth, const Eigen::VectorXd& multipliers) const {
     return growth - multipliers / lambda_;
   }
 
-  const Eigen::VectorXd& rest_volumes_m3() const { return rest_volumes_; }
+  // What each multiplier stands for: an element's rest volume or a vertex's.
+  const Eigen::VectorXd& rest_volumes_m3() const { return patches_ ? patches_->volumes_m3() : element_volumes_; }
+  int multiplier_count() const { return static_cast<int>(rest_volumes_m3().size()); }
   int count() const { return count_; }
   double lambda_pa() const { return lambda_; }
   double mu_pa() const { return mu_; }
@@ -70,7 +75,8 @@ class Elements {
   ElementPacks packs_;                  // in the mesh's order; nodes of each sorted by elimination order
   std::vector<int> slots_;              // per pack: pair (a >= b) x lanes, slots of the matrix
   std::vector<Pack> volume_gradients_;  // per pack: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
-  Eigen::VectorXd rest_volumes_;        // per element: V0 = sum w [m^3]
+  Eigen::VectorXd element_volumes_;     // V0 = sum w [m^3]
+  std::optional<VolumePatches> patches_;
 };
 
 }  // namespace soft_robot_lab

@@ -109,10 +109,10 @@ NewtonSolver::Layout NewtonSolver::lay_out(const Body& body, const std::vector<c
   return layout;
 }
 
-std::vector<std::vector<int>> NewtonSolver::Layout::all_cliques(const TetMesh& mesh) const {
+std::vector<std::vector<int>> NewtonSolver::Layout::all_cliques(const Body& body) const {
   std::vector<std::vector<int>> all = ties;
-  for (Eigen::Index e = 0; e < mesh.tets.cols(); ++e)
-    all.emplace_back(mesh.tets.col(e).data(), mesh.tets.col(e).data() + mesh.tets.rows());
+  const auto of_elements = stiffness_cliques(body);
+  all.insert(all.end(), of_elements.begin(), of_elements.end());
   for (const auto& of_constraint : cliques) all.insert(all.end(), of_constraint.begin(), of_constraint.end());
   return all;
 }
@@ -123,7 +123,7 @@ NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> cons
       layout_(lay_out(body, constraints_)),
       loads_n_(body.external_forces_n()),
       force_floor_n_(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
-      matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body.mesh())),
+      matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body)),
       factor_(matrix_),
       elements_(body, matrix_),
       ties_(matrix_, layout_.ties) {

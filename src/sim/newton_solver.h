@@ -72,6 +72,7 @@ class NewtonSolver {
   const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
   void restore(const std::shared_ptr<const Linearisation>& linearisation);
 
+  int element_multiplier_count() const { return elements_.multiplier_count(); }
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
 
  private:
@@ -112,7 +113,7 @@ class NewtonSolver {
     std::vector<std::vector<int>> ties;                  // per point: its nodes, then itself
     std::vector<std::vector<double>> tie_coefficients;   // its weights, then -1
     std::vector<std::vector<std::vector<int>>> cliques;  // per constraint, in places of the matrix
-    std::vector<std::vector<int>> all_cliques(const TetMesh& mesh) const;
+    std::vector<std::vector<int>> all_cliques(const Body& body) const;
   };
   static Layout lay_out(const Body& body, const std::vector<const Constraint*>& constraints);
 

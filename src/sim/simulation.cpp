@@ -37,6 +37,11 @@ Simulation::Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuato
                        const SolverOptions& options) {
   options.validate();
   if (body.fixed_node_count() == 0) throw std::invalid_argument("body.fixed: no node is held; the robot would fall");
+  if (options.method == SolverOptions::Method::gauss_seidel && body.linear_volume() == LinearVolume::vertex_averaged)
+    throw std::invalid_argument(
+        "body.linear_volume: vertex_averaged is not for solver.method gauss_seidel, which corrects one element at a "
+        "time; "
+        "choose element, or method global");
   std::set<std::string> names;
   for (const auto& actuator : actuators)
     if (!names.insert(actuator->name()).second)

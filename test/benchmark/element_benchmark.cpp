@@ -12,19 +12,12 @@ struct Pass {
   Pass(bool quadratic, bool yeoh)
       : body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {20, 4, 4}, quadratic),
              yeoh ? Material::yeoh(1.0e4, 200.0, 0.0, 0.4999, 1070.0) : Material()),
-        matrix(body.mesh().node_count(), cliques(body.mesh())),
+        matrix(body.mesh().node_count(), stiffness_cliques(body)),
         elements(body, matrix),
         positions(body.mesh().nodes_m),
         multipliers(Eigen::VectorXd::Constant(elements.count(), 1.0e3)) {
     for (Eigen::Index i = 0; i < positions.size(); ++i)
       positions.data()[i] += 2e-4 * std::sin(1.3 * static_cast<double>(i));
-  }
-
-  static std::vector<std::vector<int>> cliques(const TetMesh& mesh) {
-    std::vector<std::vector<int>> result;
-    for (Eigen::Index e = 0; e < mesh.tets.cols(); ++e)
-      result.emplace_back(mesh.tets.col(e).data(), mesh.tets.col(e).data() + mesh.tets.rows());
-    return result;
   }
 
   Body body;

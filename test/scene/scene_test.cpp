@@ -77,6 +77,16 @@ run: {mode: dynamic, duration_s: 0.5, record_every_s: 0.1, commands: []}
   EXPECT_EQ(scene.run.duration_s, 0.5);
 }
 
+TEST(Scene, AveragesTheVolumeOfLinearElements) {
+  const SceneFolder folder;
+  const std::string path = folder.write(
+      "scene.yaml", "include: bar.yaml\nbody: {element: linear, linear_volume: vertex_averaged}\ncables: []\n");
+  EXPECT_EQ(load_scene(path, options()).simulation->body().linear_volume(), LinearVolume::vertex_averaged);
+  const std::string wrong =
+      folder.write("wrong.yaml", "include: bar.yaml\nbody: {linear_volume: vertex_averaged}\ncables: []\n");
+  EXPECT_THROW(load_scene(wrong, options()), SettingsError);
+}
+
 TEST(Scene, LaysChangesOverTheFile) {
   const SceneFolder folder;
   SceneOptions changed = options();

@@ -10,6 +10,10 @@
 
 namespace soft_robot_lab {
 
+// What linear tetrahedra keep nearly constant: each its own volume, which locks in silicone, or the mean around each
+// vertex.
+enum class LinearVolume { element, vertex_averaged };
+
 using FixedAxes = Eigen::Matrix<bool, 3, Eigen::Dynamic>;
 
 // Dead loads are per undeformed area or volume and keep their direction. Frame: robot_base; SI units.
@@ -28,10 +32,14 @@ class Body {
   // The same with a total force spread evenly over the area. Throws std::invalid_argument where there is none.
   void add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Vector3d& force_n);
 
+  // Throws std::invalid_argument for vertex_averaged on a quadratic mesh.
+  void set_linear_volume(LinearVolume volume);
+
   void set_gravity(const Eigen::Vector3d& gravity_m_s2) { gravity_m_s2_ = gravity_m_s2; }
 
   const TetMesh& mesh() const { return mesh_; }
   const Material& material() const { return material_; }
+  LinearVolume linear_volume() const { return linear_volume_; }
   const FixedAxes& fixed() const { return fixed_; }
   int fixed_node_count() const;
   const Eigen::VectorXd& node_masses_kg() const { return node_masses_kg_; }
@@ -42,6 +50,7 @@ class Body {
  private:
   TetMesh mesh_;
   Material material_;
+  LinearVolume linear_volume_ = LinearVolume::element;
   FixedAxes fixed_;
   Eigen::VectorXd node_masses_kg_;
   Eigen::Matrix3Xd dead_loads_n_;

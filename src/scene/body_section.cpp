@@ -42,6 +42,19 @@ Eigen::Matrix<bool, 3, 1> read_axes(const SettingsNode& fixed) {
   return axes;
 }
 
+Viscosity read_viscosity(const SettingsNode& body) {
+  Viscosity viscosity;
+  if (const auto damping = body.optional_child("damping")) {
+    viscosity.rayleigh_mass_per_s = damping->number_or("rayleigh_mass_per_s", viscosity.rayleigh_mass_per_s);
+    viscosity.rayleigh_stiffness_s = damping->number_or("rayleigh_stiffness_s", viscosity.rayleigh_stiffness_s);
+  }
+  if (const auto hysteresis = body.optional_child("hysteresis")) {
+    viscosity.hysteresis_ratio = hysteresis->number("stiffness_ratio");
+    viscosity.relaxation_time_s = hysteresis->number("relaxation_time_s");
+  }
+  return viscosity;
+}
+
 void fix(const SettingsNode& section, Body& body) {
   const SettingsNode list = section.child("fixed");
   if (list.items().empty()) list.fail("is empty: a body that nothing holds has no equilibrium");
@@ -77,6 +90,7 @@ Body read_body(const SettingsNode& scene, TetMesh mesh) {
   Body body = in_section(section, [&] { return Body(std::move(mesh), material); });
   const bool averaged = section.choice_or("linear_volume", "element", {"element", "vertex_averaged"}) != "element";
   if (averaged) in_section(section, [&] { body.set_linear_volume(LinearVolume::vertex_averaged); });
+  in_section(section, [&] { body.set_viscosity(read_viscosity(section)); });
   fix(section, body);
   for (const SettingsNode& item : scene.optional_sequence("loads")) load(item, body);
   body.set_gravity(scene.vector3_or("gravity_m_s2", body.gravity_m_s2()));

@@ -115,6 +115,11 @@ void Body::set_linear_volume(LinearVolume volume) {
   linear_volume_ = volume;
 }
 
+void Body::set_viscosity(const Viscosity& viscosity) {
+  viscosity.validate();
+  viscosity_ = viscosity;
+}
+
 int Body::fixed_node_count() const {
   int count = 0;
   for (Eigen::Index node = 0; node < fixed_.cols(); ++node) count += fixed_.col(node).any() ? 1 : 0;

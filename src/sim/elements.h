@@ -65,6 +65,8 @@ class Elements {
   const Eigen::VectorXd& rest_volumes_m3() const { return patches_ ? patches_->volumes_m3() : element_volumes_; }
   int multiplier_count() const { return static_cast<int>(rest_volumes_m3().size()); }
   int count() const { return count_; }
+  const ElementPacks& packs() const { return packs_; }
+  const std::vector<int>& slots() const { return slots_; }
   double lambda_pa() const { return lambda_; }
   double mu_pa() const { return mu_; }
 

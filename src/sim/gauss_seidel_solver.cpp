@@ -174,11 +174,13 @@ GaussSeidelReport GaussSeidelSolver::advance(const GaussSeidelTask& task, GaussS
   for (Eigen::Index i = 0; i < count; ++i) values[i] = measure(i);
   const double energy_before = kinetic_energy(state.velocities_m_s) + stored_energy(unknowns.positions_m);
   double work = 0.0, moved_energy = 0.0;
+  const double slowing = 1.0 / (1.0 + body_.viscosity().rayleigh_mass_per_s * h);
 
   load_multipliers(state.element_forces_n, h);
   for (int substep = 0; substep < task.substep_count; ++substep) {
     if (task.before_substep) task.before_substep((substep + 1.0) / task.substep_count);
     const Eigen::Matrix3Xd before = unknowns.positions_m;
+    if (slowing < 1.0) state.velocities_m_s *= slowing;
     if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;
     predict(task, h, state);
     for (int iteration = 0; iteration < task.iteration_count; ++iteration) {

@@ -38,6 +38,7 @@ struct SimulationParts {
   void remember();
   void restore(const SimulationState& saved);
   void forget_previous_step();
+  void forget_motion();  // velocities, the step before, and the stress of hysteresis: a body long at rest
 
   // The actuated commands: this share of the way from `from` to the commands.
   void move_actuators(const std::vector<double>& from, double share);

@@ -12,7 +12,8 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       state.positions_m.cols() == now.positions_m.cols() && state.velocities_m_s.cols() == now.velocities_m_s.cols() &&
       state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
       state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
-      state.element_forces_n.size() == now.element_forces_n.size() && state.commands.size() == now.commands.size() &&
+      state.element_forces_n.size() == now.element_forces_n.size() &&
+      state.branch_stress_pa.size() == now.branch_stress_pa.size() && state.commands.size() == now.commands.size() &&
       state.actuated_commands.size() == now.actuated_commands.size();
   const Eigen::Index previous = state.previous_step_s != 0.0 ? now.positions_m.cols() : 0;
   const bool previous_sizes =
@@ -23,7 +24,7 @@ void check_state(const SimulationState& state, const SimulationState& now) {
   if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
       !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
-      !state.element_forces_n.allFinite() || !std::isfinite(state.time_s))
+      !state.element_forces_n.allFinite() || !state.branch_stress_pa.allFinite() || !std::isfinite(state.time_s))
     throw std::invalid_argument("state: not finite");
 }
 

@@ -7,6 +7,7 @@
 
 #include "soft_robot_lab/sim/material.h"
 #include "soft_robot_lab/sim/tet_mesh.h"
+#include "soft_robot_lab/sim/viscosity.h"
 
 namespace soft_robot_lab {
 
@@ -35,10 +36,13 @@ class Body {
   // Throws std::invalid_argument for vertex_averaged on a quadratic mesh.
   void set_linear_volume(LinearVolume volume);
 
+  void set_viscosity(const Viscosity& viscosity);  // throws std::invalid_argument: Viscosity::validate
+
   void set_gravity(const Eigen::Vector3d& gravity_m_s2) { gravity_m_s2_ = gravity_m_s2; }
 
   const TetMesh& mesh() const { return mesh_; }
   const Material& material() const { return material_; }
+  const Viscosity& viscosity() const { return viscosity_; }
   LinearVolume linear_volume() const { return linear_volume_; }
   const FixedAxes& fixed() const { return fixed_; }
   int fixed_node_count() const;
@@ -50,6 +54,7 @@ class Body {
  private:
   TetMesh mesh_;
   Material material_;
+  Viscosity viscosity_;
   LinearVolume linear_volume_ = LinearVolume::element;
   FixedAxes fixed_;
   Eigen::VectorXd node_masses_kg_;

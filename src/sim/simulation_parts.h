@@ -40,6 +40,11 @@ struct SimulationParts {
   void forget_previous_step();
   void forget_motion();  // velocities, the step before, and the stress of hysteresis: a body long at rest
 
+  std::vector<double> multipliers_of(std::size_t actuator) const;  // its constraints' multipliers
+
+  // Tells the actuators from where a step starts, or with an infinite one an equilibrium.
+  void begin_step(double time_step_s);
+
   // The actuated commands: this share of the way from `from` to the commands.
   void move_actuators(const std::vector<double>& from, double share);
 

@@ -37,6 +37,7 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
 
 bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
+  parts.begin_step(h);
   for (auto& actuator : parts.actuators) actuator->advance(h);
   const BackwardDifference difference(before, h);
   const ViscousStep viscous(parts.body, parts.solver, before, difference, h);

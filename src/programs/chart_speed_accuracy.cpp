@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "programs/config_folder.h"
+#include "soft_robot_lab/settings/config_folder.h"
 #include "programs/progress_bar.h"
 #include "soft_robot_lab/experiment/report.h"
 #include "soft_robot_lab/experiment/speed_accuracy.h"

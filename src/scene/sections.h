@@ -26,6 +26,7 @@ inline MesherOptions mesher_options(const SceneOptions& options) {
 std::string mesh_file(const SettingsNode& scene, const MesherOptions& mesher);  // its path in the cache
 TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher);      // `body`: its shape
 Body read_body(const SettingsNode& scene, TetMesh mesh);                        // `body`, `loads`, gravity
+Material read_material(const SettingsNode& node);                               // `body.material`, or a file of presets
 std::vector<std::unique_ptr<Actuator>> read_actuators(
     const SettingsNode& scene, const Body& body, const MeshLocator& locator,
     const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`

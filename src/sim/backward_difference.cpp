@@ -16,10 +16,11 @@ BackwardDifference::BackwardDifference(const SimulationState& state, double h, I
     velocities_from_m_s = state.velocities_m_s;
     return;
   }
-  const double one = (1.0 + w) * (1.0 + w) / (1.0 + 2.0 * w), two = w * w / (1.0 + 2.0 * w);
+  weight_now = (1.0 + w) * (1.0 + w) / (1.0 + 2.0 * w);
+  weight_before = w * w / (1.0 + 2.0 * w);
   gamma_s = h * (1.0 + w) / (1.0 + 2.0 * w);
-  positions_from_m = one * state.positions_m - two * state.previous_positions_m;
-  velocities_from_m_s = one * state.velocities_m_s - two * state.previous_velocities_m_s;
+  positions_from_m = weight_now * state.positions_m - weight_before * state.previous_positions_m;
+  velocities_from_m_s = weight_now * state.velocities_m_s - weight_before * state.previous_velocities_m_s;
 }
 
 }  // namespace soft_robot_lab

@@ -14,6 +14,7 @@ namespace soft_robot_lab {
 // For equal steps:  9/4 M (x - x~) / h^2 = force(x),  x~ = (4 x1 - x2) / 3 + 2/9 h (4 v1 - v2).
 struct BackwardDifference {
   double gamma_s;
+  double weight_now = 1.0, weight_before = 0.0;  // y_from = weight_now y1 - weight_before y2
   Eigen::Matrix3Xd positions_from_m, velocities_from_m_s;
 
   BackwardDifference(const SimulationState& state, double h, Integrator integrator);

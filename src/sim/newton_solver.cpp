@@ -115,10 +115,10 @@ NewtonSolver::Layout NewtonSolver::lay_out(const Body& body, const std::vector<c
   return layout;
 }
 
-std::vector<std::vector<int>> NewtonSolver::Layout::all_cliques(const TetMesh& mesh) const {
+std::vector<std::vector<int>> NewtonSolver::Layout::all_cliques(const Body& body) const {
   std::vector<std::vector<int>> all = ties;
-  for (Eigen::Index e = 0; e < mesh.tets.cols(); ++e)
-    all.emplace_back(mesh.tets.col(e).data(), mesh.tets.col(e).data() + mesh.tets.rows());
+  const auto of_elements = stiffness_cliques(body);
+  all.insert(all.end(), of_elements.begin(), of_elements.end());
   for (const auto& of_constraint : cliques) all.insert(all.end(), of_constraint.begin(), of_constraint.end());
   return all;
 }
@@ -129,9 +129,10 @@ NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> cons
       layout_(lay_out(body, constraints_)),
       loads_n_(body.external_forces_n()),
       force_floor_n_(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
-      matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body.mesh())),
+      matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body)),
       factor_(matrix_),
       elements_(body, matrix_),
+      springs_(elements_.packs(), elements_.slots()),
       ties_(matrix_, layout_.ties) {
   for (const auto& cliques : layout_.cliques) adders_.emplace_back(matrix_, cliques);
 }
@@ -164,6 +165,7 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     result.smooth_energy += 0.5 * inertia.cwiseProduct(lag).sum();
     result.residual_n += inertia;
   }
+  if (task.pull) result.smooth_energy += springs_.add_gradient(state.positions_m, *task.pull, result.residual_n);
   result.residual_n -= loads_n_;
 
   double constraint_residual = 0.0;
@@ -188,10 +190,12 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   return result;
 }
 
-bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2, bool convex) {
+bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
+                             const std::shared_ptr<const StrainPull>& pull, bool convex) {
   linearisation_.reset();
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
+  if (pull) springs_.add_hessian(state.positions_m, *pull, convex, matrix_);
   if (inertia_per_s2 > 0.0) {
     for (int node = 0; node < layout_.node_count; ++node)
       matrix_.add_to_diagonal(node, inertia_per_s2 * body_.node_masses_kg()[node]);
@@ -206,12 +210,13 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2, bo
   if (!factor_.factorise(matrix_)) return false;
   border_ = border(state.positions_m);
   border_solved_ = solve(border_);
-  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2});
+  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2, pull});
   return true;
 }
 
-bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2) const {
-  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 &&
+bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2,
+                                 const std::shared_ptr<const StrainPull>& pull) const {
+  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 && linearisation_->pull == pull &&
          linearisation_->at.positions_m == state.positions_m &&
          linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
          linearisation_->at.constraint_multipliers == state.constraint_multipliers;
@@ -220,7 +225,7 @@ bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
   if (linearisation == linearisation_) return;
   linearisation_.reset();
-  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, false);
+  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, linearisation->pull, false);
 }
 
 Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {
@@ -317,7 +322,9 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
 // unknowns of their own, so it converges as fast as the body has turned little, however incompressible it is.
 bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
                                   AndersonMixing& mixing) const {
-  if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2) return false;
+  if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
+      (linearisation_->pull == nullptr) != (task.pull == nullptr))
+    return false;
   Step step;
   if (!find_step(state, here, step)) return false;
   NewtonState trial = mix(state, here, step, mixing);
@@ -398,9 +405,9 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 
     Step step;
     const auto fresh_step = [&] {
-      if (!convex && linearised_at(state, task.inertia_per_s2)) return find_step(state, here, step);
+      if (!convex && linearised_at(state, task.inertia_per_s2, task.pull)) return find_step(state, here, step);
       ++report.factorisations;
-      return linearise(state, task.inertia_per_s2, convex) && find_step(state, here, step);
+      return linearise(state, task.inertia_per_s2, task.pull, convex) && find_step(state, here, step);
     };
     bool found = fresh_step();
     if (!convex && (!found || step.slope > 0.0)) {
@@ -421,7 +428,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 }
 
 Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
-  if (!linearised_at(state, 0.0) && !linearise(state, 0.0, false)) return {};
+  if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return {};
   const int count = constraint_count();
   Eigen::MatrixXd schur = border_.transpose() * border_solved_;
   std::vector<ConstraintLaw> laws;

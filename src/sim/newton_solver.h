@@ -19,6 +19,7 @@
 #include "elements.h"
 #include "soft_robot_lab/sim/body.h"
 #include "soft_robot_lab/sim/constraint.h"
+#include "strain_springs.h"
 
 namespace soft_robot_lab {
 
@@ -34,12 +35,14 @@ struct NewtonState {
 struct Linearisation {
   NewtonState at;
   double inertia_per_s2 = 0.0;
+  std::shared_ptr<const StrainPull> pull;
 };
 
-// minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)
+// minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)  +  energy of the pull
 struct NewtonTask {
   double inertia_per_s2 = 0.0;                    // 1/h^2; zero asks for the equilibrium
   const Eigen::Matrix3Xd* predicted_m = nullptr;  // needed where there is inertia
+  std::shared_ptr<const StrainPull> pull;         // of viscosity; may be null
   double tolerance = 1e-6;
   int min_iterations = 0;
   int max_iterations = 60;
@@ -76,6 +79,9 @@ class NewtonSolver {
   const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
   void restore(const std::shared_ptr<const Linearisation>& linearisation);
 
+  int element_multiplier_count() const { return elements_.multiplier_count(); }
+  Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.pack_count()) * kLanes; }
+  Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
 
  private:
@@ -98,8 +104,10 @@ class NewtonSolver {
   };
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
-  bool linearise(const NewtonState& state, double inertia_per_s2, bool convex);
-  bool linearised_at(const NewtonState& state, double inertia_per_s2) const;
+  bool linearise(const NewtonState& state, double inertia_per_s2, const std::shared_ptr<const StrainPull>& pull,
+                 bool convex);
+  bool linearised_at(const NewtonState& state, double inertia_per_s2,
+                     const std::shared_ptr<const StrainPull>& pull) const;
   bool stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
                     const Eigen::VectorXd& multipliers) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
@@ -119,7 +127,7 @@ class NewtonSolver {
     std::vector<std::vector<int>> ties;                  // per point: its nodes, then itself
     std::vector<std::vector<double>> tie_coefficients;   // its weights, then -1
     std::vector<std::vector<std::vector<int>>> cliques;  // per constraint, in places of the matrix
-    std::vector<std::vector<int>> all_cliques(const TetMesh& mesh) const;
+    std::vector<std::vector<int>> all_cliques(const Body& body) const;
   };
   static Layout lay_out(const Body& body, const std::vector<const Constraint*>& constraints);
 
@@ -131,6 +139,7 @@ class NewtonSolver {
   BlockMatrix matrix_;
   BlockCholesky factor_;
   Elements elements_;
+  StrainSprings springs_;
   CliqueAdder ties_;
   std::vector<CliqueAdder> adders_;  // per constraint
 

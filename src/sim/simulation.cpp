@@ -40,12 +40,25 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+void refuse_beyond_gauss_seidel(const Body& body) {
+  if (body.linear_volume() == LinearVolume::vertex_averaged)
+    throw std::invalid_argument(
+        "body.linear_volume: vertex_averaged is not for solver.method gauss_seidel, which corrects one element at a "
+        "time; "
+        "choose element, or method global");
+  if (body.viscosity().of_strain())
+    throw std::invalid_argument(
+        "body.damping.rayleigh_stiffness_s and body.hysteresis are not for solver.method gauss_seidel; choose "
+        "rayleigh_mass_per_s, or method global");
+}
+
 }  // namespace
 
 Simulation::Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
                        const SolverOptions& options) {
   options.validate();
   if (body.fixed_node_count() == 0) throw std::invalid_argument("body.fixed: no node is held; the robot would fall");
+  if (options.method == SolverOptions::Method::gauss_seidel) refuse_beyond_gauss_seidel(body);
   std::set<std::string> names;
   for (const auto& actuator : actuators)
     if (!names.insert(actuator->name()).second)
@@ -83,8 +96,7 @@ SolveReport Simulation::step() {
 SolveReport Simulation::solve_equilibrium() {
   const Stopwatch clock;
   SolveReport report;
-  parts_->state.velocities_m_s.setZero();
-  parts_->forget_previous_step();
+  parts_->forget_motion();
   parts_->begin_step(std::numeric_limits<double>::infinity());
   if (parts_->gauss_seidel) {
     settle_in_substeps(*parts_, report);

@@ -30,9 +30,8 @@ SimulationParts::SimulationParts(Body body_in, std::vector<std::unique_ptr<Actua
 void SimulationParts::reset() {
   state.time_s = 0.0;
   state.positions_m = body.mesh().nodes_m;
-  state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
-  forget_previous_step();
-  state.element_multipliers_pa = Eigen::VectorXd::Zero(body.mesh().tet_count());
+  forget_motion();
+  state.element_multipliers_pa = Eigen::VectorXd::Zero(solver.element_multiplier_count());
   state.constraint_multipliers = Eigen::VectorXd::Zero(solver.constraint_count());
   state.element_forces_n = Eigen::VectorXd::Zero(gauss_seidel ? gauss_seidel->force_count() : 0);
   state.commands.clear();
@@ -75,6 +74,12 @@ void SimulationParts::forget_previous_step() {
   state.previous_velocities_m_s.resize(3, 0);
   state.previous_element_multipliers_pa.resize(0);
   state.previous_constraint_multipliers.resize(0);
+}
+
+void SimulationParts::forget_motion() {
+  forget_previous_step();
+  state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
+  state.branch_stress_pa = Eigen::VectorXd::Zero(body.viscosity().hysteresis_ratio > 0.0 ? solver.strain_count() : 0);
 }
 
 std::vector<double> SimulationParts::multipliers_of(std::size_t actuator) const {

@@ -38,6 +38,7 @@ struct SimulationParts {
   void remember();
   void restore(const SimulationState& saved);
   void forget_previous_step();
+  void forget_motion();  // velocities, the step before, and the stress of hysteresis: a body long at rest
 
   std::vector<double> multipliers_of(std::size_t actuator) const;  // its constraints' multipliers
 

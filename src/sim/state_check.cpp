@@ -12,7 +12,8 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       state.positions_m.cols() == now.positions_m.cols() && state.velocities_m_s.cols() == now.velocities_m_s.cols() &&
       state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
       state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
-      state.element_forces_n.size() == now.element_forces_n.size() && state.commands.size() == now.commands.size() &&
+      state.element_forces_n.size() == now.element_forces_n.size() &&
+      state.branch_stress_pa.size() == now.branch_stress_pa.size() && state.commands.size() == now.commands.size() &&
       state.actuated_commands.size() == now.actuated_commands.size();
   const bool history = state.previous_step_s != 0.0;
   const bool previous_sizes =
@@ -27,7 +28,7 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       !state.previous_element_multipliers_pa.allFinite() || !state.previous_constraint_multipliers.allFinite() ||
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
       !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
-      !state.element_forces_n.allFinite() || !std::isfinite(state.time_s))
+      !state.element_forces_n.allFinite() || !state.branch_stress_pa.allFinite() || !std::isfinite(state.time_s))
     throw std::invalid_argument("state: not finite");
 }
 

@@ -4,6 +4,7 @@
 
 #include "backward_difference.h"
 #include "prediction.h"
+#include "viscous_step.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -20,9 +21,10 @@ NewtonTask task_of(const SolverOptions& options, bool last_resort) {
 }
 
 // Makes the solution of a step of length h the state, with all that the next step knows of this one.
-void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, NewtonState solved,
-                 SimulationState before) {
+void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, const ViscousStep& viscous,
+                 NewtonState solved, SimulationState before) {
   SimulationState& state = parts.state;
+  state.branch_stress_pa = viscous.branch_stress_pa(parts.solver, solved.positions_m);
   state.velocities_m_s = (solved.positions_m - difference.positions_from_m) / difference.gamma_s;
   parts.accept(std::move(solved));
   state.time_s = before.time_s + h;
@@ -39,16 +41,22 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
   parts.begin_step(h);
   for (auto& actuator : parts.actuators) actuator->advance(h);
   const BackwardDifference difference(before, h, parts.options.integrator);
-  const Eigen::Matrix3Xd predicted = difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
+  const ViscousStep viscous(parts.body, parts.solver, before, difference, h);
+  // M ((x - x~) / gamma^2 + a (x - x_from) / gamma) = c M (x - x_from - gamma v_from / c) / gamma^2 with c = 1 + a
+  // gamma
+  const double slowed = 1.0 + parts.body.viscosity().rayleigh_mass_per_s * difference.gamma_s;
+  const Eigen::Matrix3Xd predicted =
+      difference.positions_from_m + difference.gamma_s / slowed * difference.velocities_from_m_s;
   NewtonTask task = task_of(parts.options, last_resort);
-  task.inertia_per_s2 = 1.0 / (difference.gamma_s * difference.gamma_s);
+  task.inertia_per_s2 = slowed / (difference.gamma_s * difference.gamma_s);
   task.predicted_m = &predicted;
+  task.pull = viscous.pull();
   NewtonState unknown = predict(before, h, parts.options.integrator);
   if (!parts.solve(task, unknown, report).converged && !last_resort) {
     parts.restore(before);
     return false;
   }
-  accept_step(parts, h, difference, std::move(unknown), std::move(before));
+  accept_step(parts, h, difference, viscous, std::move(unknown), std::move(before));
   return true;
 }
 

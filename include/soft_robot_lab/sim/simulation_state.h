@@ -14,9 +14,10 @@ struct SimulationState {
   double time_s = 0.0;
   Eigen::Matrix3Xd positions_m;            // 3 x nodes, robot_base
   Eigen::Matrix3Xd velocities_m_s;         // 3 x nodes
-  Eigen::VectorXd element_multipliers_pa;  // one volume multiplier per element
+  Eigen::VectorXd element_multipliers_pa;  // one volume multiplier per element, or per vertex
   Eigen::VectorXd constraint_multipliers;  // in the order of the actuators' constraints
   Eigen::VectorXd element_forces_n;        // gauss_seidel: each element's, in an order of the solver's own; else empty
+  Eigen::VectorXd branch_stress_pa;        // of hysteresis, in an order of the solver's own; empty without
   std::vector<double> commands;            // per actuator
   std::vector<double> actuated_commands;   // per actuator
   std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit

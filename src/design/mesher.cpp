@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Part of every cache key: raise it when mesh_robot makes something else of the same request.
-constexpr const char* kMesherVersion = "soft_robot_lab mesh 1";
+constexpr const char* kMesherVersion = "soft_robot_lab mesh 2";
 
 void check_size(const std::string& key, double value) {
   if (std::isfinite(value) && value > 0) return;
@@ -34,10 +34,17 @@ void check_request(const MeshRequest& request) {
   }
   check_size("element_size_m", request.element_size_m);
   for (const MeshRefinement& refinement : request.refinements) {
-    check_size("refinements: radius_m", refinement.radius_m);
     check_size("refinements: size_m", refinement.size_m);
+    if (!refinement.surface.empty()) continue;
+    check_size("refinements: radius_m", refinement.radius_m);
     if (!refinement.center_m.allFinite()) throw std::invalid_argument("refinements: center_m is not finite");
   }
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
+  return result + "'";
 }
 
 // What mesh_robot reads.
@@ -46,15 +53,17 @@ std::string request_text(const MeshRequest& request) {
   text.imbue(std::locale::classic());
   text.precision(17);
   if (!request.mesh_file.empty()) {
-    std::string quoted;
-    for (const char c : fs::absolute(request.mesh_file).string()) quoted += c == '\'' ? "''" : std::string(1, c);
-    text << "mesh_file: '" << quoted << "'\n";
+    text << "mesh_file: " << quoted(fs::absolute(request.mesh_file)) << "\n";
     return text.str();
   }
   text << "solid: " << request.solid_yaml << "\nelement_size_m: " << request.element_size_m
        << "\nquadratic: " << (request.quadratic ? "true" : "false")
        << "\nrefinements:" << (request.refinements.empty() ? " []" : "") << "\n";
   for (const MeshRefinement& r : request.refinements) {
+    if (!r.surface.empty()) {
+      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << quoted(r.surface) << ", size_m: " << r.size_m << "}\n";
+      continue;
+    }
     text << "- {center_m: [" << r.center_m.x() << ", " << r.center_m.y() << ", " << r.center_m.z()
          << "], radius_m: " << r.radius_m << ", size_m: " << r.size_m << "}\n";
   }

@@ -25,15 +25,30 @@ double frequency_of(const ExperimentContext& context, const SpeedProblem& proble
   return -1.0;
 }
 
+std::string describe(const SpeedRun& run) {
+  std::ostringstream text;
+  text.precision(3);
+  text << run.problem << " at " << run.poissons_ratio << ", " << (run.bullet ? "Bullet, " : "") << run.rung << ", "
+       << 1e3 * run.size_m << " mm, " << run.mode << ": ";
+  if (run.ended) {
+    text << 1e2 * run.error << " % for " << run.cost << " s";
+  } else {
+    text << run.message;
+  }
+  return text.str();
+}
+
 // A series grows finer until a run takes too long.
 void climb(const ExperimentContext& context, const SpeedLadder& ladder, const SpeedProblem& problem, std::size_t nu,
-           const SpeedRung& rung, bool settled, const MeasuringTools& tools, std::vector<SpeedRun>& runs) {
-  const double frequency_hz = frequency_of(context, problem, problem.poissons_ratios[nu]);
+           const SpeedRung& rung, bool settled, const MeasuringTools& tools, double share,
+           std::vector<SpeedRun>& runs) {
+  const std::string& poissons_ratio = problem.poissons_ratios[nu];
+  const double frequency_hz = frequency_of(context, problem, poissons_ratio);
   for (const double size : rung.sizes) {
     SpeedRun run = measure(problem, nu, rung, size, settled, tools);
-    if (frequency_hz > 0.0 && !rung.bullet && !settled) {
-      run.frequency_error = measure_frequency(problem, problem.poissons_ratios[nu], rung, size, frequency_hz, tools);
-    }
+    if (frequency_hz > 0.0 && !rung.bullet && !settled)
+      run.frequency_error = measure_frequency(problem, poissons_ratio, rung, size, frequency_hz, tools);
+    context.tell(share, describe(run));
     runs.push_back(run);
     if (run.cpu_s > ladder.stop_after_cpu_s) return;
   }
@@ -53,11 +68,10 @@ std::vector<SpeedRun> run_all(const ExperimentContext& context, const SpeedLadde
   for (const SpeedProblem& problem : ladder.problems) {
     for (std::size_t nu = 0; nu < problem.poissons_ratios.size(); ++nu) {
       for (const SpeedRung& rung : ladder.rungs) {
-        context.tell(done++ / all, problem.name + " at " + problem.poissons_ratios[nu] + ": " +
-                                       (rung.bullet ? "Bullet, " : "") + rung.name);
+        const double share = done++ / all;
         if (!is_tried(rung, problem, tools)) continue;
-        if (rung.settled) climb(context, ladder, problem, nu, rung, true, tools, runs);
-        if (rung.equilibrium) climb(context, ladder, problem, nu, rung, false, tools, runs);
+        if (rung.settled) climb(context, ladder, problem, nu, rung, true, tools, share, runs);
+        if (rung.equilibrium) climb(context, ladder, problem, nu, rung, false, tools, share, runs);
       }
     }
   }

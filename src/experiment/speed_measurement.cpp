@@ -22,7 +22,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr int kRepeats = 3;
-constexpr double kLong_s = 3.0;  // CPU time above which a run is not repeated
+constexpr double kLong_s = 1.0;  // CPU time above which a run is not repeated
 
 constexpr double kWorthTelling = 0.99;
 

@@ -6,10 +6,6 @@
 namespace soft_robot_lab {
 namespace {
 
-MeshRefinement read_refinement(const SettingsNode& node) {
-  return {node.vector3("center_m"), node.number("radius_m", AllowedRange::positive()),
-          node.number("size_m", AllowedRange::positive())};
-}
 
 // A cable's end anchor sinks in over its plug's radius; elements there must be no larger to see it.
 std::vector<MeshRefinement> plug_refinements(const SettingsNode& scene) {
@@ -71,7 +67,7 @@ MeshRequest read_request(const SettingsNode& scene, const SettingsNode& body) {
   request.element_size_m = body.number_or("element_size_m", request.element_size_m, AllowedRange::positive());
   if (body.boolean_or("refine_plugs", false)) request.refinements = plug_refinements(scene);
   for (const SettingsNode& node : body.optional_sequence("refinements")) {
-    request.refinements.push_back(read_refinement(node));
+    request.refinements.push_back(read_mesh_refinement(node));
   }
   return request;
 }

@@ -9,12 +9,20 @@
 
 namespace soft_robot_lab {
 
-// A ball in which elements shall be no larger than `size_m`: around a cable's plug, for instance.
+class SettingsNode;
+
+// Where elements shall be no larger than `size_m`: in a ball, around a cable's plug for instance, or along a named surface
+// of the solid, or along the edges of that surface's sides, where stresses peak.
 struct MeshRefinement {
-  Eigen::Vector3d center_m;
-  double radius_m;
-  double size_m;
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
+  double radius_m = 0.0;  // does nothing, as center_m, where a surface is named
+  double size_m = 0.0;
+  std::string surface = {};
+  bool edges_only = false;
 };
+
+// {center_m, radius_m, size_m}, {surface, size_m} or {edges_of, size_m}. Throws SettingsError.
+MeshRefinement read_mesh_refinement(const SettingsNode& node);
 
 struct MeshRequest {
   std::string solid_yaml;        // the `solid` section with absolute file names, or

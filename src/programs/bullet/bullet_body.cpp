@@ -53,7 +53,7 @@ class SceneForces : public btDeformableLagrangianForce {
     forces_n_ = scene_.body().external_forces_n();
     for (const auto& actuator : scene_.actuators()) {
       for (const Constraint* constraint : actuator->constraints()) {
-        const ConstraintLaw law = constraint->law(constraint->value(positions_m));
+        const ConstraintLaw law = constraint->law(constraint->value(positions_m), 0.0);
         if (!law.prescribed()) throw std::invalid_argument("'" + actuator->name() + "' must be given a tension");
         constraint->add_gradient(positions_m, -law.max_multiplier, forces_n_);
       }

@@ -160,19 +160,19 @@ TEST_F(Fidelity, SaysSoWhereNoMeshIsSmallEnoughToBeJudged) {
 
 TEST_F(Fidelity, RemembersWhatItChose) {
   use_own_cache();
-  const std::string text = "include: bar.yaml\nfidelity: {tolerance_m: 0.005}\n";
+  const std::string text = kPulledBar + "fidelity: {tolerance_m: 0.005}\n";
   const Scene first = load(text), second = load(text);
   EXPECT_FALSE(first.fidelity->from_cache);
   EXPECT_TRUE(second.fidelity->from_cache);
   EXPECT_EQ(second.fidelity->choice, first.fidelity->choice);
   EXPECT_EQ(second.fidelity->expected_error_m, first.fidelity->expected_error_m);
   EXPECT_EQ(second.fidelity->left_out, first.fidelity->left_out);
-  EXPECT_FALSE(load("include: bar.yaml\nfidelity: {tolerance_m: 0.006}\n").fidelity->from_cache);
+  EXPECT_FALSE(load(kPulledBar + "fidelity: {tolerance_m: 0.006}\n").fidelity->from_cache);
 }
 
 TEST_F(Fidelity, JudgesAnewWhereTheCacheIsDamaged) {
   use_own_cache();
-  const std::string text = "include: bar.yaml\nfidelity: {tolerance_m: 0.005}\n";
+  const std::string text = kPulledBar + "fidelity: {tolerance_m: 0.005}\n";
   const Scene first = load(text);
   for (const auto& file : std::filesystem::directory_iterator(options_.cache_folder))
     if (file.path().extension() == ".json") std::ofstream(file.path()) << "{\"met\": tr";

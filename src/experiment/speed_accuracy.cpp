@@ -9,6 +9,7 @@
 #include "experiment/speed_claims.h"
 #include "experiment/speed_ladder.h"
 #include "experiment/speed_measurement.h"
+#include "experiment/speed_runs_file.h"
 #include "soft_robot_lab/experiment/reference_table.h"
 
 namespace soft_robot_lab {
@@ -38,44 +39,73 @@ std::string describe(const SpeedRun& run) {
   return text.str();
 }
 
-// A series grows finer until a run takes too long.
-void climb(const ExperimentContext& context, const SpeedLadder& ladder, const SpeedProblem& problem, std::size_t nu,
-           const SpeedRung& rung, bool settled, const MeasuringTools& tools, double share,
-           std::vector<SpeedRun>& runs) {
-  const std::string& poissons_ratio = problem.poissons_ratios[nu];
-  const double frequency_hz = frequency_of(context, problem, poissons_ratio);
-  for (const double size : rung.sizes) {
-    SpeedRun run = measure(problem, nu, rung, size, settled, tools);
-    if (frequency_hz > 0.0 && !rung.bullet && !settled)
-      run.frequency_error = measure_frequency(problem, poissons_ratio, rung, size, frequency_hz, tools);
-    context.tell(share, describe(run));
-    runs.push_back(run);
-    if (run.cpu_s > ladder.stop_after_cpu_s) return;
+// What was measured before, or nothing.
+const SpeedRun* find(const std::vector<SpeedRun>& known, const SpeedProblem& problem, const std::string& nu,
+                     const SpeedRung& rung, double size, const std::string& mode) {
+  for (const SpeedRun& run : known) {
+    if (run.problem == problem.name && run.poissons_ratio == nu && run.rung == rung.name && run.bullet == rung.bullet &&
+        run.mode == mode && std::abs(run.size_m - size * problem.size_m) < 1e-9)
+      return &run;
   }
+  return nullptr;
 }
+
+struct Climber {
+  const ExperimentContext& context;
+  const SpeedLadder& ladder;
+  const MeasuringTools& tools;
+  const std::vector<SpeedRun>& known;
+
+  // A series grows finer until a run takes too long.
+  void climb(const SpeedProblem& problem, std::size_t nu, const SpeedRung& rung, bool settled, double share,
+             std::vector<SpeedRun>& runs) const {
+    const std::string& poissons_ratio = problem.poissons_ratios[nu];
+    for (const double size : rung.sizes) {
+      const SpeedRun* before = find(known, problem, poissons_ratio, rung, size, settled ? "settled" : "equilibrium");
+      runs.push_back(before ? *before : measure(problem, nu, rung, size, settled, tools));
+      SpeedRun& run = runs.back();
+      const double frequency_hz = before || settled ? -1.0 : frequency_of(context, problem, poissons_ratio);
+      if (frequency_hz > 0.0)
+        run.frequency_error = measure_frequency(problem, poissons_ratio, rung, size, frequency_hz, tools);
+      if (!before) context.tell(share, describe(run));
+      if (run.cpu_s > ladder.stop_after_cpu_s) break;
+    }
+    write_runs(context.output_folder + "/runs.json", runs);
+  }
+};
 
 bool is_tried(const SpeedRung& rung, const SpeedProblem& problem, const MeasuringTools& tools) {
   if (rung.bullet && tools.bullet.empty()) return false;
   return rung.problems.empty() || std::count(rung.problems.begin(), rung.problems.end(), problem.name) > 0;
 }
 
-std::vector<SpeedRun> run_all(const ExperimentContext& context, const SpeedLadder& ladder,
-                              const MeasuringTools& tools) {
+std::vector<SpeedRun> run_all(const Climber& climber) {
   std::vector<SpeedRun> runs;
   double done = 0.0, all = 0.0;
-  for (const SpeedProblem& problem : ladder.problems)
-    all += static_cast<double>(problem.poissons_ratios.size() * ladder.rungs.size());
-  for (const SpeedProblem& problem : ladder.problems) {
+  for (const SpeedProblem& problem : climber.ladder.problems)
+    all += static_cast<double>(problem.poissons_ratios.size() * climber.ladder.rungs.size());
+  for (const SpeedProblem& problem : climber.ladder.problems) {
     for (std::size_t nu = 0; nu < problem.poissons_ratios.size(); ++nu) {
-      for (const SpeedRung& rung : ladder.rungs) {
+      for (const SpeedRung& rung : climber.ladder.rungs) {
         const double share = done++ / all;
-        if (!is_tried(rung, problem, tools)) continue;
-        if (rung.settled) climb(context, ladder, problem, nu, rung, true, tools, share, runs);
-        if (rung.equilibrium) climb(context, ladder, problem, nu, rung, false, tools, share, runs);
+        if (!is_tried(rung, problem, climber.tools)) continue;
+        if (rung.settled) climber.climb(problem, nu, rung, true, share, runs);
+        if (rung.equilibrium) climber.climb(problem, nu, rung, false, share, runs);
       }
     }
   }
+  judge_equilibria(runs);
   return runs;
+}
+
+std::vector<SpeedRun> read_known(const SpeedAccuracyOptions& options) {
+  std::vector<SpeedRun> known;
+  for (const std::string& file : options.reuse) {
+    for (SpeedRun& run : read_runs(file)) {
+      if (run.bullet || !options.reuse_bullet_only) known.push_back(std::move(run));
+    }
+  }
+  return known;
 }
 
 Table table_of(const std::vector<SpeedRun>& runs) {
@@ -132,11 +162,12 @@ nlohmann::ordered_json releases_json(const std::vector<ReleaseRun>& releases) {
 
 ExperimentResult run_speed_accuracy(const ExperimentContext& context, const SpeedAccuracyOptions& options) {
   SpeedLadder ladder = read_speed_ladder(context);
-  ladder = choose_problems(std::move(ladder), options.problems);
+  ladder = choose_problems(std::move(ladder), options.problems, options.poissons_ratios);
   if (options.quick) ladder = quick_part(std::move(ladder));
   MeasuringTools tools{context.mesher, options.bullet_program, ladder.time_step_s, ladder.judged_s,
                        4.0 * ladder.stop_after_cpu_s};
-  const std::vector<SpeedRun> runs = run_all(context, ladder, tools);
+  const std::vector<SpeedRun> known = read_known(options);
+  const std::vector<SpeedRun> runs = run_all({context, ladder, tools, known});
 
   ExperimentResult result;
   result.title = "Error against CPU time";

@@ -28,6 +28,16 @@ void add_bullet(Plot& plot, const std::vector<SpeedRun>& runs) {
   }
 }
 
+void add_chance_hits(Plot& plot, const std::vector<SpeedRun>& runs) {
+  for (const SpeedRun& run : runs) {
+    if (run.own_equilibrium) continue;
+    Series& series = series_of(plot, "Bullet, not at its own rest state");
+    series.style = SeriesStyle::points;
+    series.x.push_back(run.cost);
+    series.y.push_back(percent(run.error));
+  }
+}
+
 void add_elsewhere(Plot& plot, const SpeedLadder& ladder, const std::string& poissons_ratio) {
   for (const ElsewherePoint& point : ladder.elsewhere) {
     if (point.poissons_ratio != poissons_ratio) continue;
@@ -66,6 +76,7 @@ Plot plot_speed_accuracy(const SpeedLadder& ladder, const SpeedProblem& problem,
     series.y.push_back(percent(run.error));
   }
   add_bullet(plot, bullet);
+  add_chance_hits(plot, bullet);
   if (settled && problem.name == "cantilever") add_elsewhere(plot, ladder, poissons_ratio);
   return plot;
 }

@@ -118,7 +118,9 @@ SpeedLadder read_speed_ladder(const ExperimentContext& context) {
   return ladder;
 }
 
-SpeedLadder choose_problems(SpeedLadder ladder, const std::vector<std::string>& names) {
+namespace {
+
+SpeedLadder choose_named(SpeedLadder ladder, const std::vector<std::string>& names) {
   if (names.empty()) return ladder;
   std::vector<SpeedProblem> chosen;
   std::string known;
@@ -131,6 +133,29 @@ SpeedLadder choose_problems(SpeedLadder ladder, const std::vector<std::string>& 
     if (!found) throw std::invalid_argument("unknown problem '" + name + "'; known: " + known);
   }
   ladder.problems = std::move(chosen);
+  return ladder;
+}
+
+}  // namespace
+
+SpeedLadder choose_problems(SpeedLadder ladder, const std::vector<std::string>& names,
+                            const std::vector<std::string>& poissons_ratios) {
+  ladder = choose_named(std::move(ladder), names);
+  if (poissons_ratios.empty()) return ladder;
+  std::vector<SpeedProblem> left;
+  for (const SpeedProblem& problem : ladder.problems) {
+    SpeedProblem part = problem;
+    part.poissons_ratios.clear();
+    part.references_m.clear();
+    for (std::size_t i = 0; i < problem.poissons_ratios.size(); ++i) {
+      if (!std::count(poissons_ratios.begin(), poissons_ratios.end(), problem.poissons_ratios[i])) continue;
+      part.poissons_ratios.push_back(problem.poissons_ratios[i]);
+      part.references_m.push_back(problem.references_m[i]);
+    }
+    if (!part.poissons_ratios.empty()) left.push_back(part);
+  }
+  if (left.empty()) throw std::invalid_argument("no problem has such a Poisson's ratio");
+  ladder.problems = std::move(left);
   return ladder;
 }
 

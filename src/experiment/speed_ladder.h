@@ -65,8 +65,10 @@ struct SpeedLadder {
 // Throws SettingsError, or std::runtime_error where no table knows a problem's Poisson's ratio.
 SpeedLadder read_speed_ladder(const ExperimentContext& context);
 
-// Only the named problems. Throws std::invalid_argument for a name that no problem has.
-SpeedLadder choose_problems(SpeedLadder ladder, const std::vector<std::string>& names);
+// Only the named problems and Poisson's ratios; empty: all. Throws std::invalid_argument for an unknown problem, or
+// where nothing is left.
+SpeedLadder choose_problems(SpeedLadder ladder, const std::vector<std::string>& names,
+                            const std::vector<std::string>& poissons_ratios);
 
 // The two coarsest sizes of the quick rungs on the first problem at its first and last Poisson's ratio.
 SpeedLadder quick_part(SpeedLadder ladder);

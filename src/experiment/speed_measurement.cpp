@@ -21,10 +21,12 @@
 namespace soft_robot_lab {
 namespace {
 
+constexpr const char* kSameElements = "linear, Newton";  // the rung that solves what Bullet solves
 constexpr int kRepeats = 3;
 constexpr double kLong_s = 1.0;  // CPU time above which a run is not repeated
 
 constexpr double kWorthTelling = 0.99;
+constexpr double kSameEquilibrium = 0.02;  // difference of errors
 
 std::string changes_of(const SpeedProblem& problem, const std::string& nu, const std::string& more, double size,
                        const MeasuringTools& tools) {
@@ -179,8 +181,22 @@ double measure_frequency(const SpeedProblem& problem, const std::string& poisson
   return (result.frequencies_hz.array() / frequency_hz - 1.0).abs().maxCoeff();
 }
 
+void judge_equilibria(std::vector<SpeedRun>& runs) {
+  for (SpeedRun& run : runs) {
+    if (!run.bullet || !run.ended) continue;
+    for (const SpeedRun& ours : runs) {
+      if (ours.bullet || !ours.ended || ours.rung != kSameElements || ours.problem != run.problem ||
+          ours.poissons_ratio != run.poissons_ratio || std::abs(ours.size_m - run.size_m) > 1e-9)
+        continue;
+      run.own_equilibrium = std::abs(ours.error - run.error) < kSameEquilibrium;
+      if (!run.own_equilibrium) run.message = "not at its own rest state";
+    }
+  }
+}
+
 std::vector<SpeedRun> best_of(std::vector<SpeedRun> runs) {
-  runs.erase(std::remove_if(runs.begin(), runs.end(), [](const SpeedRun& run) { return !run.ended; }), runs.end());
+  const auto unfit = [](const SpeedRun& run) { return !run.ended || !run.own_equilibrium; };
+  runs.erase(std::remove_if(runs.begin(), runs.end(), unfit), runs.end());
   std::sort(runs.begin(), runs.end(), [](const SpeedRun& a, const SpeedRun& b) { return a.cost < b.cost; });
   std::vector<SpeedRun> best;
   for (const SpeedRun& run : runs) {

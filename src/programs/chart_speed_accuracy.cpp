@@ -18,13 +18,14 @@ namespace {
 using namespace soft_robot_lab;
 
 constexpr const char* kUsage =
-    "usage: chart_speed_accuracy [--quick] [--problem NAME]... [--output FOLDER]\n"
-    "Runs the ladder of config/experiments/speed_accuracy.yaml and Bullet's deformable solver, and writes pictures "
-    "(SVG,\n"
-    "PNG, CSV), speed_accuracy.json and report.html to FOLDER, by default charts/ where it is started. Takes an hour "
-    "of\n"
-    "CPU time, most of it Bullet's; --quick runs the coarsest rungs only. Set OPENBLAS_NUM_THREADS=1 and\n"
-    "OMP_NUM_THREADS=1 to measure one core.\n"
+    "usage: chart_speed_accuracy [--quick] [--problem NAME]... [--poissons-ratio NUMBER]...\n"
+    "                            [--reuse FILE]... [--reuse-bullet-only] [--output FOLDER]\n"
+    "Runs the ladder of config/experiments/speed_accuracy.yaml and Bullet's deformable solver, and writes pictures\n"
+    "(SVG, PNG, CSV), speed_accuracy.json and report.html to FOLDER, by default charts/ where it is started. Takes\n"
+    "some 10 minutes of CPU time. --problem (cantilever, cook, cable_bar) and --poissons-ratio choose a part; --quick\n"
+    "runs the coarsest rungs of the first. --reuse takes what an earlier chart measured from its runs.json, so that a\n"
+    "chart can be measured in parts and drawn again; with --reuse-bullet-only our own runs are measured again.\n"
+    "Set OPENBLAS_NUM_THREADS=1 and OMP_NUM_THREADS=1 to measure one core.\n"
     "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or it could not run.\n";
 
 struct Arguments {
@@ -37,17 +38,24 @@ Arguments parse(int count, char** values) {
   Arguments arguments;
   for (int i = 1; i < count; ++i) {
     const std::string word = values[i];
+    const auto value = [&]() -> std::string {
+      if (++i == count) throw std::invalid_argument(word + " needs a value");
+      return values[i];
+    };
     if (word == "-h" || word == "--help") {
       arguments.help = true;
     } else if (word == "--quick") {
       arguments.options.quick = true;
-    } else if (word == "--output" || word == "--problem") {
-      if (++i == count) throw std::invalid_argument(word + " needs a value");
-      if (word == "--output") {
-        arguments.output = values[i];
-      } else {
-        arguments.options.problems.push_back(values[i]);
-      }
+    } else if (word == "--reuse-bullet-only") {
+      arguments.options.reuse_bullet_only = true;
+    } else if (word == "--output") {
+      arguments.output = value();
+    } else if (word == "--problem") {
+      arguments.options.problems.push_back(value());
+    } else if (word == "--poissons-ratio") {
+      arguments.options.poissons_ratios.push_back(value());
+    } else if (word == "--reuse") {
+      arguments.options.reuse.push_back(value());
     } else {
       throw std::invalid_argument("unknown argument " + word);
     }

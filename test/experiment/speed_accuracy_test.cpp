@@ -13,6 +13,7 @@
 #include "experiment/speed_claims.h"
 #include "experiment/speed_ladder.h"
 #include "experiment/speed_measurement.h"
+#include "experiment/speed_runs_file.h"
 #include "scene/scene_files.h"
 
 namespace soft_robot_lab {
@@ -54,10 +55,12 @@ TEST(SpeedLadder, KnowsTheTruthOfEveryProblem) {
 
 TEST(SpeedLadder, ChoosesProblemsByName) {
   const SpeedLadder ladder = package_ladder();
-  EXPECT_EQ(choose_problems(ladder, {}).problems.size(), 3u);
-  EXPECT_EQ(choose_problems(ladder, {"cook"}).problems.at(0).name, "cook");
+  EXPECT_EQ(choose_problems(ladder, {}, {}).problems.size(), 3u);
+  EXPECT_EQ(choose_problems(ladder, {"cook"}, {}).problems.at(0).name, "cook");
+  EXPECT_EQ(choose_problems(ladder, {}, {"0.4999"}).problems.size(), 1u) << "the cantilever alone is known there";
+  EXPECT_THROW(choose_problems(ladder, {"cook"}, {"0.3"}), std::invalid_argument);
   try {
-    choose_problems(ladder, {"beam"});
+    choose_problems(ladder, {"beam"}, {});
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "unknown problem 'beam'; known: cantilever, cook, cable_bar");
@@ -74,6 +77,29 @@ TEST(SpeedMeasurement, TheBestRunsAreThoseThatNoOtherBeatsInBoth) {
   EXPECT_EQ(best[0].error, 0.9);
   EXPECT_EQ(best[1].error, 0.5);
   EXPECT_EQ(best[2].error, 0.1);
+}
+
+TEST(SpeedMeasurement, AChanceHitOfBulletDoesNotCount) {
+  SpeedRun ours = settled("0.45", false, 0.01, 0.5, 0.01);
+  ours.rung = "linear, Newton";
+  std::vector<SpeedRun> runs = {ours, settled("0.45", true, 0.01, 0.1, 0.1), settled("0.45", true, 0.01, 0.51, 1.0)};
+  judge_equilibria(runs);
+  EXPECT_FALSE(runs[1].own_equilibrium);
+  EXPECT_TRUE(runs[2].own_equilibrium);
+}
+
+TEST(SpeedRuns, AreReadAsTheyWereWritten) {
+  const SceneFolder folder;
+  SpeedRun run = settled("0.45", true, 0.01, 0.5, 0.01);
+  run.message = "why";
+  write_runs(folder.path("runs.json"), {run});
+  const std::vector<SpeedRun> read = read_runs(folder.path("runs.json"));
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].rung, run.rung);
+  EXPECT_EQ(read[0].message, "why");
+  EXPECT_EQ(read[0].error, 0.5);
+  EXPECT_TRUE(read[0].bullet);
+  EXPECT_THROW(read_runs(folder.path("missing.json")), std::runtime_error);
 }
 
 TEST(SpeedClaims, CountARungByItsWorstPoissonsRatio) {

@@ -42,10 +42,10 @@ void read_cable(const SettingsNode& node, MotorSettings& motor) {
 }
 
 void read_syringe(const SettingsNode& node, MotorSettings& motor) {
-  motor.rest_value = node.number_or("rest_volume_m3", 0.0);
-  motor.steps_per_value = 1.0 / node.number("step_m3", AllowedRange::positive());
-  motor.min_value = node.number("min_volume_m3");
-  motor.max_value = node.number("max_volume_m3", {motor.min_value, INFINITY});
+  motor.rest_value = node.number_or("rest_ml", 0.0);
+  motor.steps_per_value = 1.0 / node.number("step_ml", AllowedRange::positive());
+  motor.min_value = node.number("min_ml");
+  motor.max_value = node.number("max_ml", {motor.min_value, INFINITY});
 }
 
 double microsteps_of(const MotorSettings& motor, double value) {

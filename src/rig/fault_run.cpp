@@ -30,7 +30,7 @@ class FaultRun {
       const auto planned = mishaps.equal_range(i);
       for (auto mishap = planned.first; mishap != planned.second; ++mishap) suffer(mishap->second);
       send_command();
-      session_.run(between(0.005, 0.04));
+      session_.run(between(0.005, 0.025));
       forget_what_was_refused();
       declare();
       if (chance(rest_share)) rest_and_check();

@@ -57,8 +57,8 @@ TEST(RigSettings, TurnsTheOtherWayWhereAMotorIsMountedTheOtherWay) {
 
 TEST(RigSettings, DrivesSyringesByVolume) {
   const RigSettings rig =
-      parse_rig(rig_with("syringe: {step_m3: 1.0e-8, min_volume_m3: 0, max_volume_m3: 6.0e-5}"), "rig.yaml");
-  EXPECT_EQ(steps_of(rig.motors[0], 2.5e-5), 2500);
+      parse_rig(rig_with("syringe: {step_ml: 0.01, min_ml: 0, max_ml: 60}"), "rig.yaml");
+  EXPECT_EQ(steps_of(rig.motors[0], 25.0), 2500);
   EXPECT_EQ(rig.motors[0].step_m, 0.0);
 }
 
@@ -94,7 +94,7 @@ TEST(RigSettings, RefusesWhatARigCannotBe) {
       {rig_with("cable: {rest_length_m: 0.1, min_contraction: 1.6, max_contraction: 1}"), "min_contraction"},
       {rig_with("cable: {rest_length_m: 0.1, min_contraction: 0.6, max_contraction: 0.9}"), "max_contraction"},
       {rig_with("cable: {rest_length_m: 100, min_contraction: 0, max_contraction: 1}"), "22 bits"},
-      {rig_with("syringe: {step_m3: 0, min_volume_m3: 0, max_volume_m3: 1}"), "step_m3"},
+      {rig_with("syringe: {step_ml: 0, min_ml: 0, max_ml: 1}"), "step_ml"},
       {rig_with(cable + ", drive: {microsteps: 12}"), "microsteps"},
       {rig_with(cable + ", drive: {max_speed_steps_s: 0}"), "max_speed_steps_s"},
       {rig_with(cable + ", drive: {acceleration_steps_s2: 1e9}"), "acceleration_steps_s2"},

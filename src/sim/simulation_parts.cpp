@@ -32,6 +32,7 @@ void SimulationParts::reset() {
   state.positions_m = body.mesh().nodes_m;
   state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
   forget_previous_step();
+  state.rest_residual.reset();
   state.element_multipliers_pa = Eigen::VectorXd::Zero(body.mesh().tet_count());
   state.constraint_multipliers = Eigen::VectorXd::Zero(solver.constraint_count());
   state.element_forces_n = Eigen::VectorXd::Zero(gauss_seidel ? gauss_seidel->force_count() : 0);

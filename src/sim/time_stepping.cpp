@@ -4,6 +4,7 @@
 
 #include "backward_difference.h"
 #include "prediction.h"
+#include "rest.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -64,6 +65,10 @@ void advance(SimulationParts& parts, double h, int depth, SolveReport& report) {
 
 }  // namespace
 
-void step_in_time(SimulationParts& parts, double h, SolveReport& report) { advance(parts, h, 0, report); }
+void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
+  if (sleep_on(parts, h, report)) return;
+  advance(parts, h, 0, report);
+  fall_asleep_where_still(parts, h, report);
+}
 
 }  // namespace soft_robot_lab

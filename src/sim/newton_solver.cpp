@@ -427,6 +427,26 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");
 }
 
+double NewtonSolver::rest_residual(const NewtonState& state) const {
+  const Evaluation here = evaluate(NewtonTask{}, state);
+  return here.finite ? here.relative_residual : 1.0;
+}
+
+bool NewtonSolver::stable_at_rest(const NewtonState& state) {
+  if (constraint_count() > 0) return sensitivities(state).size() > 0;
+  return (linearised_at(state, 0.0) || linearise(state, 0.0, false)) && factor_.negative_pivots() == 0;
+}
+
+double NewtonSolver::worst_violation(const NewtonState& state) const {
+  double worst = 0.0;
+  for (int i = 0; i < constraint_count(); ++i) {
+    const double value = constraints_[i]->value(state.positions_m);
+    const ConstraintLaw law = constraints_[i]->law(value, state.constraint_multipliers[i]);
+    worst = std::max(worst, std::abs(relative_violation(law, state.constraint_multipliers[i], value)));
+  }
+  return worst;
+}
+
 Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
   if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return {};
   const int count = constraint_count();

@@ -75,6 +75,12 @@ class NewtonSolver {
   // of its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
   Eigen::MatrixXd sensitivities(const NewtonState& state);
 
+  // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
+  double rest_residual(const NewtonState& state) const;
+  bool stable_at_rest(const NewtonState& state);
+  // How far the constraints are from their laws, relative to their values; costs no pass over the body.
+  double worst_violation(const NewtonState& state) const;
+
   // The last linearisation, or nullptr where it cannot be reused; and making it again.
   const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
   void restore(const std::shared_ptr<const Linearisation>& linearisation);

@@ -7,6 +7,7 @@
 
 #include "actuator_warnings.h"
 #include "equilibrium.h"
+#include "rest.h"
 #include "simulation_parts.h"
 #include "state_check.h"
 #include "substepping.h"
@@ -136,6 +137,9 @@ const SimulationState& Simulation::state() const { return parts_->state; }
 void Simulation::set_state(const SimulationState& state) {
   check_state(state, parts_->state);
   parts_->restore(state);
+  // A state may have been changed since it slept.
+  std::optional<double>& residual = parts_->state.rest_residual;
+  if (residual && (!state.velocities_m_s.isZero(0.0) || residual_at_rest(*parts_) != *residual)) residual.reset();
   parts_->solver.restore(state.linearisation);
 }
 

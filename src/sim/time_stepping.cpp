@@ -4,6 +4,7 @@
 
 #include "backward_difference.h"
 #include "prediction.h"
+#include "rest.h"
 #include "viscous_step.h"
 
 namespace soft_robot_lab {
@@ -72,6 +73,10 @@ void advance(SimulationParts& parts, double h, int depth, SolveReport& report) {
 
 }  // namespace
 
-void step_in_time(SimulationParts& parts, double h, SolveReport& report) { advance(parts, h, 0, report); }
+void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
+  if (sleep_on(parts, h, report)) return;
+  advance(parts, h, 0, report);
+  fall_asleep_where_still(parts, h, report);
+}
 
 }  // namespace soft_robot_lab

@@ -90,6 +90,18 @@ SIMULATE(spinebot, pull_and_hold);
 SIMULATE(hammerbot, pull_in_turn);
 SIMULATE(hammerbot, pull_and_hold);
 
+// A second of a body at rest, which sleeps.
+void RestOneSecond(benchmark::State& state) {
+  Scene scene = spinebot();
+  Simulation& simulation = *scene.simulation;
+  simulation.solve_equilibrium();
+  for (int i = 0; i < 10; ++i) simulation.step();
+  if (!simulation.state().rest_residual) state.SkipWithError("does not come to rest");
+  for (auto _ : state)
+    for (int i = 0; i < 60; ++i) simulation.step();
+}
+BENCHMARK(RestOneSecond)->Unit(benchmark::kMillisecond);
+
 // From rest under gravity to a pull of 5 % on the first cable.
 void FindEquilibrium(benchmark::State& state) {
   Scene scene = spinebot();

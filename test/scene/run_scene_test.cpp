@@ -149,6 +149,21 @@ TEST(RunScene, WritesTheFrequenciesOfTheRestShape) {
   EXPECT_NE(outcome.summary.find("mode 3 at "), std::string::npos);
 }
 
+TEST(RunScene, WarnsOfACommandThatTheDriveHasNotReached) {
+  const Outcome outcome =
+      run("cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], pull_speed_m_s: 0.02}]\n"
+          "run: {mode: dynamic, duration_s: 0.1, commands: [{left: 0.9}]}\n");
+  const Json& warnings = outcome.json["solver"]["warnings"];
+  ASSERT_EQ(warnings.size(), 1u) << warnings.dump(2);
+  EXPECT_EQ(warnings[0]["kind"], "command_not_reached");
+  EXPECT_EQ(warnings[0]["actuator"], "left");
+  EXPECT_EQ(warnings[0]["commanded"].get<double>(), 0.9);
+  EXPECT_NEAR(warnings[0]["reached"].get<double>(), 0.98, 1e-3);
+  EXPECT_NEAR(warnings[0]["size"].get<double>(), 0.08, 1e-3);
+  EXPECT_NE(warnings[0]["text"].get<std::string>().find("actuator left: commanded to 0.9"), std::string::npos);
+  EXPECT_EQ(run("run: {commands: [{left: 0.95}]}\n").json["solver"]["warnings"], Json::array());
+}
+
 TEST(RunScene, IsTheSameEveryTime) {
   const std::string text = "run: {sensitivity: true, commands: [{left: 0.95}, {left: 0.9, right: 1.2}]}\n";
   Json once = run(text).json;

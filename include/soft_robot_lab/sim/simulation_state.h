@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,6 +22,8 @@ struct SimulationState {
   std::vector<double> commands;            // per actuator
   std::vector<double> actuated_commands;   // per actuator
   std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
+
+  std::optional<double> rest_residual;  // where the body is at rest: it sleeps until something changes
 
   // What a time step knows of the one before; zero and empty where there is none.
   double previous_step_s = 0.0;           // its length

@@ -173,7 +173,7 @@ GaussSeidelReport GaussSeidelSolver::advance(const GaussSeidelTask& task, GaussS
 
   load_multipliers(state.element_forces_n, h);
   for (int substep = 0; substep < task.substep_count; ++substep) {
-    if (task.before_substep) task.before_substep((substep + 1.0) / task.substep_count);
+    if (task.before_substep) task.before_substep((substep + 1.0) / task.substep_count, state, h);
     const Eigen::Matrix3Xd before = unknowns.positions_m;
     if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;
     predict(task, h, state);

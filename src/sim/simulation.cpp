@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -21,7 +22,8 @@ constexpr int kPatience = 100;        // of which it takes this many before it d
 constexpr int kPullSteps = 30;        // over which it moves the actuators then
 constexpr int kThreads = 2;           // of gauss_seidel, on meshes large enough to be worth it
 constexpr int kStageIterations = 25;  // Newton iterations before a stage is cut
-constexpr int kBudget = 10;           // an equilibrium may take this many times max_iterations in all
+constexpr double kForever = std::numeric_limits<double>::infinity();
+constexpr int kBudget = 10;  // an equilibrium may take this many times max_iterations in all
 
 void require(bool ok, const char* field, double value, const char* range) {
   if (ok) return;
@@ -79,6 +81,17 @@ std::vector<const Constraint*> constraints_of(const std::vector<std::unique_ptr<
   return all;
 }
 
+std::vector<SharedLength> shared_lengths_of(const std::vector<std::unique_ptr<Actuator>>& actuators) {
+  std::vector<SharedLength> all;
+  int offset = 0;
+  for (const auto& actuator : actuators) {
+    for (const Junction* junction : actuator->junctions())
+      all.push_back({junction, offset + junction->first, offset + junction->second});
+    offset += static_cast<int>(actuator->constraints().size());
+  }
+  return all;
+}
+
 }  // namespace
 
 void SolverOptions::validate() const {
@@ -107,19 +120,30 @@ struct Simulation::Parts {
         actuators(std::move(actuators_in)),
         markers(std::move(markers_in)),
         options(options_in),
-        solver(body, constraints_of(actuators)) {
+        solver(body, constraints_of(actuators), shared_lengths_of(actuators)) {
     if (options.method == SolverOptions::Method::gauss_seidel)
       gauss_seidel = std::make_unique<GaussSeidelSolver>(body, constraints_of(actuators), kThreads);
   }
 
   NewtonState unknowns() const {
-    return {state.positions_m, state.element_multipliers_pa, state.constraint_multipliers};
+    return {state.positions_m, state.element_multipliers_pa, state.constraint_multipliers,
+            Eigen::VectorXd::Zero(solver.junction_count())};
+  }
+
+  void begin_step(double time_step_s) {
+    for (auto& actuator : actuators) actuator->begin_step({state.positions_m, state.velocities_m_s, time_step_s});
   }
 
   void accept(NewtonState solved) {
     state.positions_m = std::move(solved.positions_m);
     state.element_multipliers_pa = std::move(solved.element_multipliers_pa);
     state.constraint_multipliers = std::move(solved.constraint_multipliers);
+    const double* flow = solved.flows_m.data();
+    for (auto& actuator : actuators) {
+      const std::size_t count = actuator->junctions().size();
+      actuator->end_step({flow, flow + count});
+      flow += count;
+    }
   }
 
   // What actuators and solver know, so that a copy of the state has it.
@@ -128,13 +152,14 @@ struct Simulation::Parts {
     for (std::size_t i = 0; i < actuators.size(); ++i) {
       state.commands[i] = actuators[i]->command();
       state.actuated_commands[i] = actuators[i]->actuated_command();
+      state.actuator_memories[i] = actuators[i]->memory();
     }
   }
 
   void move_actuators(const std::vector<double>& from, double share) {
     for (std::size_t i = 0; i < actuators.size(); ++i) {
       const double target = actuators[i]->command();
-      actuators[i]->restore(target, from[i] + share * (target - from[i]));
+      actuators[i]->place(from[i] + share * (target - from[i]));
     }
   }
 
@@ -178,6 +203,7 @@ struct Simulation::Parts {
   void advance(double h, int depth, SolveReport& report) {
     SimulationState before = state;
     for (auto& actuator : actuators) actuator->advance(h);
+    begin_step(h);
     const BackwardDifference difference(state, h);
     const Eigen::Matrix3Xd predicted =
         difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
@@ -216,6 +242,7 @@ struct Simulation::Parts {
     NewtonTask task;
     task.tolerance = options.tolerance;
     task.max_iterations = std::min(options.max_iterations, kStageIterations);
+    begin_step(kForever);
     NewtonState unknown = unknowns();
     if (!solve(task, unknown, report).converged) return false;
     accept(std::move(unknown));
@@ -237,6 +264,7 @@ struct Simulation::Parts {
       task.inertia_per_s2 = 1.0 / (h * h);
       const Eigen::Matrix3Xd start = state.positions_m;
       task.predicted_m = &start;
+      begin_step(kForever);
       NewtonState unknown = unknowns();
       const NewtonReport newton = solve(task, unknown, report);
       if (!newton.converged) {
@@ -307,11 +335,13 @@ struct Simulation::Parts {
       to.push_back(actuator->actuated_command());
     }
     GaussSeidelTask task = substepping();
-    task.before_substep =
-        [&](double share) {  // also a command without a speed limit takes the whole time step to arrive
-          for (std::size_t i = 0; i < actuators.size(); ++i)
-            actuators[i]->restore(actuators[i]->command(), from[i] + share * (to[i] - from[i]));
-        };
+    task.before_substep = [&](double share, const GaussSeidelState& start, double h) {
+      for (std::size_t i = 0; i < actuators.size(); ++i) {
+        // Also a command without a speed limit takes the whole time step to arrive.
+        actuators[i]->place(from[i] + share * (to[i] - from[i]));
+        actuators[i]->begin_step({start.unknowns.positions_m, start.velocities_m_s, h});
+      }
+    };
     if (!advance_in_substeps(task, false, report).finite) return;
     state.time_s += task.time_step_s;
     remember();
@@ -322,6 +352,7 @@ struct Simulation::Parts {
     const std::vector<double> from = state.actuated_commands;
     GaussSeidelTask task = substepping();
     double last_kinetic_energy = 0.0;
+    begin_step(kForever);
     for (int step = 1; step <= kRelaxationSteps; ++step) {
       move_actuators(from, std::min(1.0, static_cast<double>(step) / kPullSteps));
       const GaussSeidelReport done = advance_in_substeps(task, true, report);
@@ -340,7 +371,7 @@ struct Simulation::Parts {
     state = saved;
     if (options.integrator != Integrator::bdf2) forget_previous_step();
     for (std::size_t i = 0; i < actuators.size(); ++i)
-      actuators[i]->restore(saved.commands[i], saved.actuated_commands[i]);
+      actuators[i]->restore(saved.commands[i], saved.actuated_commands[i], saved.actuator_memories[i]);
   }
 };
 
@@ -367,6 +398,7 @@ void Simulation::set_command(const std::string& actuator, double command) {
   const int index = actuator_index(actuator);
   parts_->actuators[index]->set_command(command);
   parts_->state.commands[index] = command;
+  parts_->state.actuator_memories[index] = parts_->actuators[index]->memory();
 }
 
 SolveReport Simulation::step() {
@@ -385,6 +417,9 @@ SolveReport Simulation::solve_equilibrium() {
   const Stopwatch clock;
   SolveReport report;
   Parts& p = *parts_;
+  for (const auto& actuator : p.actuators)
+    if (const std::string why = actuator->why_no_equilibrium(); !why.empty())
+      throw std::invalid_argument("actuator '" + actuator->name() + "': " + why);
   const SimulationState before = p.state;
   p.state.velocities_m_s.setZero();
   p.forget_previous_step();
@@ -423,6 +458,7 @@ SolveReport Simulation::solve_equilibrium() {
 
 Eigen::MatrixXd Simulation::marker_sensitivities() {
   Parts& p = *parts_;
+  p.begin_step(kForever);
   const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns());
   p.remember();
   if (motions.rows() == 0 && p.solver.constraint_count() > 0)
@@ -451,12 +487,11 @@ void Simulation::reset() {
   s.element_multipliers_pa = Eigen::VectorXd::Zero(p.body.mesh().tet_count());
   s.constraint_multipliers = Eigen::VectorXd::Zero(p.solver.constraint_count());
   s.element_forces_n = Eigen::VectorXd::Zero(p.gauss_seidel ? p.gauss_seidel->force_count() : 0);
-  s.commands.clear();
-  for (auto& actuator : p.actuators) {
-    actuator->restore(actuator->limits().rest, actuator->limits().rest);
-    s.commands.push_back(actuator->limits().rest);
-  }
-  s.actuated_commands = s.commands;
+  for (auto& actuator : p.actuators) actuator->reset();
+  s.commands.resize(p.actuators.size());
+  s.actuated_commands.resize(p.actuators.size());
+  s.actuator_memories.resize(p.actuators.size());
+  p.remember();
   s.linearisation = nullptr;
   p.solver.restore(nullptr);
 }
@@ -470,7 +505,9 @@ void Simulation::set_state(const SimulationState& state) {
       state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
       state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
       state.element_forces_n.size() == now.element_forces_n.size() && state.commands.size() == now.commands.size() &&
-      state.actuated_commands.size() == now.actuated_commands.size();
+      state.actuated_commands.size() == now.actuated_commands.size() &&
+      std::equal(state.actuator_memories.begin(), state.actuator_memories.end(), now.actuator_memories.begin(),
+                 now.actuator_memories.end(), [](const auto& a, const auto& b) { return a.size() == b.size(); });
   const Eigen::Index previous = state.previous_step_s != 0.0 ? now.positions_m.cols() : 0;
   const bool previous_sizes =
       state.previous_positions_m.cols() == previous && state.previous_velocities_m_s.cols() == previous;
@@ -480,7 +517,9 @@ void Simulation::set_state(const SimulationState& state) {
   if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
       !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
-      !state.element_forces_n.allFinite() || !std::isfinite(state.time_s))
+      !state.element_forces_n.allFinite() || !std::isfinite(state.time_s) ||
+      !std::all_of(state.actuator_memories.begin(), state.actuator_memories.end(),
+                   [](const auto& memory) { return memory.allFinite(); }))
     throw std::invalid_argument("state: not finite");
   parts_->restore(state);
   parts_->solver.restore(state.linearisation);

@@ -45,6 +45,7 @@ struct SimulationState {
   Eigen::VectorXd element_forces_n;        // gauss_seidel: each element's, in an order of the solver's own; else empty
   std::vector<double> commands;            // per actuator
   std::vector<double> actuated_commands;   // per actuator
+  std::vector<Eigen::VectorXd> actuator_memories;      // per actuator: what it carries from step to step
   std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
 
   // What bdf2 knows of the step before; zero and empty where there is none, and with implicit_euler.
@@ -83,11 +84,12 @@ class Simulation {
   // One time step of SolverOptions::time_step_s.
   SolveReport step();
 
-  // The stable rest state for the present commands, reached from the present state; velocities become zero.
+  // The stable rest state for the present commands, reached from the present state; velocities become zero. Throws
+  // std::invalid_argument where an actuator has none.
   SolveReport solve_equilibrium();
 
   // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack
-  // cable).
+  // cable). Where friction tells going on from turning back, what slipped last goes on.
   Eigen::MatrixXd marker_sensitivities();
 
   void reset();  // rest shape, rest commands, time zero

@@ -1,0 +1,190 @@
+// The cable of the thesis: from point to point a spring that pulls and never pushes, T = max(0, k (l - L) + b dl/dt).
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "actuators/cable/cable_model.h"
+#include "actuators/cable/path_length.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// Forces that stay as they are over a step, whatever the body does: C = -f . x, whose multiplier is held at 1.
+class FixedForces : public Constraint {
+ public:
+  explicit FixedForces(Eigen::Index nodes) : forces_n_(Eigen::Matrix3Xd::Zero(3, nodes)) {}
+  void set(Eigen::Matrix3Xd forces_n) {
+    forces_n_ = std::move(forces_n);
+    multiplier_ = 1.0;
+  }
+  void clear() { multiplier_ = 0.0; }
+
+  std::vector<Clique> cliques() const override { return {}; }
+  double value(const Eigen::Matrix3Xd& positions_m) const override {
+    return -forces_n_.cwiseProduct(positions_m).sum();
+  }
+  void add_gradient(const Eigen::Matrix3Xd& /*positions_m*/, double scale, Eigen::Matrix3Xd& gradient) const override {
+    gradient -= scale * forces_n_;
+  }
+  void add_hessian(const Eigen::Matrix3Xd& /*positions_m*/, double /*scale*/, CliqueSink& /*hessian*/) const override {}
+  ConstraintLaw law(double /*value*/) const override {
+    ConstraintLaw law;
+    law.min_multiplier = law.max_multiplier = multiplier_;
+    return law;
+  }
+
+ private:
+  Eigen::Matrix3Xd forces_n_;
+  double multiplier_ = 0.0;
+};
+
+// (W W^T)^-1 of the points' interpolation rows W, so that W^+ = W^T (W W^T)^-1.
+Eigen::LDLT<Eigen::MatrixXd> inverse_gram(const std::vector<EmbeddedPoint>& points, Eigen::Index nodes) {
+  Eigen::MatrixXd w = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points.size()), nodes);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t k = 0; k < points[i].nodes.size(); ++k)
+      w(static_cast<Eigen::Index>(i), points[i].nodes[k]) += points[i].weights[k];
+  return Eigen::LDLT<Eigen::MatrixXd>(w * w.transpose());
+}
+
+class SpringCable : public CableModel {
+ public:
+  SpringCable(const std::vector<EmbeddedPoint>& points, const Eigen::Matrix3Xd& rest_positions_m,
+              const SpringSettings& settings)
+      : settings_(settings), points_(points), path_(points, rest_positions_m), fixed_(rest_positions_m.cols()) {
+    for (const PathLength::Span& span : path_.spans(rest_positions_m)) rest_lengths_m_.push_back(span.length_m);
+    for (std::size_t i = 1; i < points.size(); ++i)
+      springs_.push_back(
+          std::make_unique<PathLength>(std::vector<EmbeddedPoint>{points[i - 1], points[i]}, rest_positions_m));
+    if (settings.pseudo_inverse) inverse_gram_ = inverse_gram(points, rest_positions_m.cols());
+    tensions_n_.resize(springs_.size(), 0.0);
+  }
+
+  std::vector<const Constraint*> constraints() const override {
+    std::vector<const Constraint*> all;
+    for (const auto& spring : springs_) all.push_back(spring.get());
+    if (settings_.explicit_forces) all.push_back(&fixed_);
+    return all;
+  }
+
+  // Each spring takes the same share of the length.
+  void command_length(double length_m, double length_per_command) override {
+    const double rest = rest_length_m();
+    contraction_ = length_m / rest;
+    contraction_per_command_ = length_per_command / rest;
+    hand_out();
+  }
+
+  void command_tension(double tension_n, double tension_per_command) override {
+    by_tension_ = true;
+    tension_n_ = tension_n;
+    tension_per_command_ = tension_per_command;
+    hand_out();
+  }
+
+  void begin_step(const StepStart& start) override {
+    const std::vector<PathLength::Span> spans = path_.spans(start.positions_m);
+    started_ = true;
+    time_step_s_ = start.time_step_s;
+    start_lengths_m_.clear();
+    for (const PathLength::Span& span : spans) start_lengths_m_.push_back(span.length_m);
+    hand_out();
+    if (!explicit_now()) return fixed_.clear();
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      const Eigen::Vector3d rate = points_[i + 1].at(start.velocities_m_s) - points_[i].at(start.velocities_m_s);
+      tensions_n_[i] = by_tension_ ? tension_n_
+                                   : std::max(0.0, settings_.stiffness_n_m * (spans[i].length_m - length_m(i)) +
+                                                       settings_.damping_n_s_m * spans[i].direction.dot(rate));
+    }
+    fixed_.set(node_forces(spans, start.positions_m.cols()));
+  }
+
+  std::string why_no_equilibrium() const override {
+    return settings_.pseudo_inverse ? "coupling pseudo_inverse does work out of nothing, so no rest state is sought "
+                                      "with it; use coupling transpose, or steps in time"
+                                    : "";
+  }
+
+  Eigen::VectorXd memory() const override {
+    return Eigen::Map<const Eigen::VectorXd>(tensions_n_.data(), static_cast<Eigen::Index>(tensions_n_.size()));
+  }
+  void recall(const Eigen::VectorXd& memory) override {
+    tensions_n_.assign(memory.data(), memory.data() + memory.size());
+  }
+
+  std::vector<double> tensions_n(const std::vector<double>& multipliers) const override {
+    if (settings_.explicit_forces && multipliers.back() != 0.0) return tensions_n_;
+    return {multipliers.begin(), multipliers.begin() + static_cast<std::ptrdiff_t>(springs_.size())};
+  }
+  double compliance_m_n() const override { return static_cast<double>(springs_.size()) / settings_.stiffness_n_m; }
+
+ private:
+  double rest_length_m() const {
+    double sum = 0.0;
+    for (const double length : rest_lengths_m_) sum += length;
+    return sum;
+  }
+  double length_m(std::size_t i) const { return contraction_ * rest_lengths_m_[i]; }
+
+  // A rest state knows no step to hold forces over; there explicit springs are the same as implicit ones.
+  bool explicit_now() const { return settings_.explicit_forces && started_ && std::isfinite(time_step_s_); }
+
+  // dl/dt is (l - l of the start) / step, so a damper adds to the stiffness and moves the length:
+  //   T = (k + b/h) (l - (L + r l0) / (1 + r)),  r = b / (k h)
+  void hand_out() {
+    for (std::size_t i = 0; i < springs_.size(); ++i) {
+      if (explicit_now()) {
+        springs_[i]->command_tension(0.0, 0.0);
+      } else if (by_tension_) {
+        springs_[i]->command_tension(tension_n_, tension_per_command_);
+      } else {
+        const double r = started_ ? settings_.damping_n_s_m / (settings_.stiffness_n_m * time_step_s_) : 0.0;
+        const double length = r > 0.0 ? (length_m(i) + r * start_lengths_m_[i]) / (1.0 + r) : length_m(i);
+        springs_[i]->command_length(length, 1.0 / (settings_.stiffness_n_m * (1.0 + r)),
+                                    contraction_per_command_ * rest_lengths_m_[i] / (1.0 + r));
+      }
+    }
+  }
+
+  Eigen::Matrix3Xd node_forces(const std::vector<PathLength::Span>& spans, Eigen::Index nodes) const {
+    Eigen::MatrixXd on_points = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points_.size()), 3);
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      const Eigen::RowVector3d pull = tensions_n_[i] * spans[i].direction.transpose();
+      on_points.row(static_cast<Eigen::Index>(i)) += pull;
+      on_points.row(static_cast<Eigen::Index>(i) + 1) -= pull;
+    }
+    if (settings_.pseudo_inverse) on_points = inverse_gram_.solve(on_points);
+    Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, nodes);
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      for (std::size_t k = 0; k < points_[i].nodes.size(); ++k)
+        forces.col(points_[i].nodes[k]) +=
+            points_[i].weights[k] * on_points.row(static_cast<Eigen::Index>(i)).transpose();
+    return forces;
+  }
+
+  SpringSettings settings_;
+  std::vector<EmbeddedPoint> points_;
+  PathLength path_;  // measures all spans at once
+  std::vector<std::unique_ptr<PathLength>> springs_;
+  FixedForces fixed_;
+  Eigen::LDLT<Eigen::MatrixXd> inverse_gram_;
+  std::vector<double> rest_lengths_m_;
+  double contraction_ = 1.0, contraction_per_command_ = 0.0;
+  bool by_tension_ = false;
+  double tension_n_ = 0.0, tension_per_command_ = 0.0;
+  bool started_ = false;
+  double time_step_s_ = 0.0;
+  std::vector<double> start_lengths_m_;
+  std::vector<double> tensions_n_;  // explicit: those of this step
+};
+
+}  // namespace
+
+std::unique_ptr<CableModel> make_spring_cable(const std::vector<EmbeddedPoint>& points,
+                                              const Eigen::Matrix3Xd& rest_positions_m,
+                                              const SpringSettings& settings) {
+  return std::make_unique<SpringCable>(points, rest_positions_m, settings);
+}
+
+}  // namespace soft_robot_lab

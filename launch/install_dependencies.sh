@@ -9,7 +9,7 @@ packages=(
   ros-std-msgs ros-geometry-msgs ros-visualization-msgs ros-diagnostic-msgs ros-actionlib-msgs ros-std-srvs
   python3-roslaunch python3-rostopic python3-rosservice python3-rosnode python3-rosparam python3-rosbag python3-rosmsg
   python3-std-srvs python3-geometry-msgs python3-visualization-msgs python3-diagnostic-msgs rosout rosbash
-  rviz xvfb xauth imagemagick libgl1-mesa-dri
+  rviz xvfb xauth imagemagick libgl1-mesa-dri gnuplot-nox
   libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libgmsh-dev libceres-dev libopenblas-serial-dev libmetis-dev
   libgtest-dev librostest-dev python3-rostest libbenchmark-dev
 )

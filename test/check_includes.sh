@@ -10,6 +10,7 @@ declare -A allowed=(
   [actuators]="actuators sim settings"
   [scene]="scene sim settings design"
   [control]="control sim"
+  [experiment]="experiment control scene actuators sim design settings"
 )
 ros='(ros|rosbag|pluginlib|class_loader|nodelet|tf2[a-z_]*|roslib|[a-z_]*_msgs|std_srvs|diagnostic_updater|message_filters)/'
 message='soft_robot_lab/[A-Z]' # generated messages

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "design/content_hash.h"
-#include "design/timed_process.h"
+#include "soft_robot_lab/design/timed_process.h"
 #include "soft_robot_lab/design/solid.h"
 
 namespace soft_robot_lab {

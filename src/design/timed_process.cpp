@@ -1,4 +1,4 @@
-#include "design/timed_process.h"
+#include "soft_robot_lab/design/timed_process.h"
 
 #include <cerrno>
 #include <chrono>

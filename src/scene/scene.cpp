@@ -3,9 +3,17 @@
 #include "scene/sections.h"
 
 namespace soft_robot_lab {
+namespace {
+
+SettingsNode read_settings(const std::string& path, const std::string& changes) {
+  const SettingsNode settings = load_settings_with_includes(path);
+  return changes.empty() ? settings : merge_settings(settings, SettingsNode::parse(changes, path + " (with changes)"));
+}
+
+}  // namespace
 
 Scene load_scene(const std::string& path, const SceneOptions& options) {
-  const SettingsNode settings = load_settings_with_includes(path);
+  const SettingsNode settings = read_settings(path, options.changes);
   refuse_contact(settings);
   const SolverOptions solver = read_solver(settings);
 

@@ -1,4 +1,4 @@
-// Scenes of the package against reference solutions (test/data/reference).
+// Scenes of the package against reference solutions (config/reference).
 #include <cmath>
 #include <string>
 

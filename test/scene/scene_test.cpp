@@ -77,6 +77,22 @@ run: {mode: dynamic, duration_s: 0.5, record_every_s: 0.1, commands: []}
   EXPECT_EQ(scene.run.duration_s, 0.5);
 }
 
+TEST(Scene, LaysChangesOverTheFile) {
+  const SceneFolder folder;
+  SceneOptions changed = options();
+  changed.changes = "body: {material: {poissons_ratio: 0.3}}";
+  const Material material = load_scene(folder.path("bar.yaml"), changed).simulation->body().material();
+  EXPECT_EQ(material.poissons_ratio, 0.3);
+  EXPECT_EQ(material.density_kg_m3, 1070);
+  changed.changes = "body: {colour: blue}";
+  try {
+    load_scene(folder.path("bar.yaml"), changed);
+    ADD_FAILURE() << "accepted";
+  } catch (const SettingsError& error) {
+    EXPECT_NE(std::string(error.what()).find("(with changes)"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Scene, FindsFilesBesideTheFileThatNamesThem) {
   const SceneFolder folder;
   const std::string gmsh_bar = R"($MeshFormat

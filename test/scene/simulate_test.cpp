@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "reference_table.h"
 #include "scene/scene_files.h"
 
 namespace soft_robot_lab {
@@ -37,15 +38,9 @@ Outcome simulate(const SceneFolder& folder, const std::string& arguments) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(out), contents(err)};
 }
 
-// The tip's sag [m] in test/data/reference/r1_cantilever.csv.
 double reference_sag_m(const std::string& poissons_ratio) {
-  std::ifstream file(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/reference/r1_cantilever.csv");
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream fields(line);
-    std::string nu, law, ux, uy;
-    std::getline(fields, nu, ',') && std::getline(fields, law, ',') && std::getline(fields, ux, ',') &&
-        std::getline(fields, uy, ',');
-    if (nu == poissons_ratio && law == "iso") return -std::stod(uy);
+  for (const ReferenceRow& row : read_reference("r1_cantilever")) {
+    if (row.text("nu") == poissons_ratio && row.text("law") == "iso") return -row.number("tip_uy_m");
   }
   ADD_FAILURE() << "no reference for " << poissons_ratio;
   return std::nan("");

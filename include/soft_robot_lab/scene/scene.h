@@ -43,6 +43,7 @@ struct SceneOptions {
   std::string cache_folder;
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;
+  std::string changes;  // YAML text laid over the file, as a file that includes it would be
 };
 
 // Reads the file (and those it includes), meshes or reads the body, binds actuators and markers.

@@ -1,0 +1,61 @@
+// What the program `experiment` can repeat: an experiment of the thesis, named by its section, or one of ours.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "soft_robot_lab/experiment/plot.h"
+
+namespace soft_robot_lab {
+
+struct TableColumn {
+  std::string name;  // with the unit: "sag [mm]"
+  int digits = 4;    // significant ones, where numbers are printed
+};
+using TableCell = std::variant<double, std::string>;  // "" for nothing
+
+struct Table {
+  std::vector<TableColumn> columns;
+  std::vector<std::vector<TableCell>> rows;
+};
+
+struct ExperimentContext {
+  std::string config_folder;  // the package's config/: robots, scenes, experiments, reference
+  std::string output_folder;  // exists; for files of its own (plots and table are written by the program)
+  std::string mesher;         // as in SceneOptions
+  // Share done in [0, 1], and what is done now; may be empty: call tell().
+  std::function<void(double share, const std::string& what)> progress;
+
+  void tell(double share, const std::string& what) const {
+    if (progress) progress(share, what);
+  }
+  // The experiment's settings: config/experiments/NAME.yaml.
+  std::string settings_file(const std::string& name) const { return config_folder + "/experiments/" + name + ".yaml"; }
+};
+
+struct ExperimentResult {
+  std::string title;
+  Table table;
+  std::vector<Plot> plots;
+  nlohmann::ordered_json numbers;  // beyond the table; may stay null
+  std::string source_reports;      // a paragraph; empty where the experiment is ours alone
+  std::string we_find;             // a paragraph
+  bool converged = true;           // every solve of it
+  std::string message;             // where one did not: which, and why
+};
+
+struct Experiment {
+  std::string name;     // "4.3.2", "cantilever": letters, digits, '.', '_', '-'
+  std::string summary;  // a line for --list
+  // Throws SettingsError, std::invalid_argument for bad settings, std::runtime_error where it cannot run.
+  std::function<ExperimentResult(const ExperimentContext&)> run;
+};
+
+// A part's experiments are a function like this one; the program puts the lists of its parts together.
+std::vector<Experiment> simulation_experiments();
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,26 @@
+// How a simulation is solved.
+#pragma once
+
+namespace soft_robot_lab {
+
+enum class Integrator {
+  implicit_euler,  // first order, damps
+  bdf2             // second order, damps little; the first step after a start or an equilibrium is implicit Euler
+};
+
+struct SolverOptions {
+  // global: Newton on everything at once. gauss_seidel: XPBD, one element after another in substeps; for comparison and
+  // for large meshes.
+  enum class Method { global, gauss_seidel };
+  Method method = Method::global;
+  Integrator integrator = Integrator::implicit_euler;  // gauss_seidel knows no other
+  double time_step_s = 1.0 / 60.0;                     // (0, 1]
+  double tolerance = 1.0e-6;                           // (0, 1); force residual over the largest force in the body
+  int max_iterations = 60;                             // [1, 10000] Newton iterations a step, or a continuation stage
+  double dynamic_tolerance = 1.0e-3;  // (0, 1); the same for a time step, whose error the next step sees
+  int substep_count = 20;             // [1, 10000] of gauss_seidel, a time step; one that creates energy is cut further
+  int iteration_count = 1;            // [1, 10000] of gauss_seidel: sweeps over all elements, a substep
+  void validate() const;              // throws std::invalid_argument: field, value, allowed range
+};
+
+}  // namespace soft_robot_lab

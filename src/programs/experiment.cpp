@@ -1,0 +1,172 @@
+// experiment NAME: repeats an experiment, prints its table and draws its pictures, without a ROS master.
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "programs/config_folder.h"
+#include "programs/progress_bar.h"
+#include "soft_robot_lab/experiment/experiment.h"
+#include "soft_robot_lab/experiment/report.h"
+
+namespace {
+
+using namespace soft_robot_lab;
+
+constexpr const char* kUsage =
+    "usage: experiment NAME... [--result FILE] [--output FOLDER]\n"
+    "       experiment all [--result FILE] [--output FOLDER]\n"
+    "       experiment --list\n"
+    "Runs experiments, prints their tables, and writes pictures (SVG, PNG, CSV) and report.html to FOLDER, by default\n"
+    "experiments/ where it is started; --result writes the numbers as JSON.\n"
+    "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or an experiment could not run.\n";
+
+enum ExitStatus { kConverged = 0, kNotConverged = 1, kFailed = 2 };
+
+// Every part's experiments, in the order of a report.
+std::vector<Experiment> all_experiments() {
+  std::vector<Experiment> all;
+  for (const auto& list : {simulation_experiments}) {
+    for (Experiment& experiment : list()) all.push_back(std::move(experiment));
+  }
+  std::set<std::string> names = {"all"};
+  for (const Experiment& experiment : all) {
+    if (!names.insert(experiment.name).second)
+      throw std::logic_error("two experiments are named '" + experiment.name + "'");
+  }
+  return all;
+}
+
+struct Arguments {
+  std::vector<std::string> names;
+  std::string result;
+  std::string output = "experiments";
+  bool list = false;
+  bool help = false;
+};
+
+Arguments parse(int count, char** values) {
+  Arguments arguments;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = values[i];
+    const auto value = [&] {
+      if (++i == count) throw std::invalid_argument(word + " needs a value");
+      return values[i];
+    };
+    if (word == "-h" || word == "--help") {
+      arguments.help = true;
+    } else if (word == "--list") {
+      arguments.list = true;
+    } else if (word == "--result") {
+      arguments.result = value();
+    } else if (word == "--output") {
+      arguments.output = value();
+    } else if (!word.empty() && word[0] == '-') {
+      throw std::invalid_argument("unknown option " + word);
+    } else {
+      arguments.names.push_back(word);
+    }
+  }
+  if (arguments.names.empty() && !arguments.help && !arguments.list) throw std::invalid_argument("no experiment named");
+  return arguments;
+}
+
+std::vector<Experiment> choose(const std::vector<Experiment>& all, const std::vector<std::string>& names) {
+  std::vector<Experiment> chosen;
+  for (const std::string& name : names) {
+    if (name == "all") return all;
+    std::string known = "all";
+    const std::size_t before = chosen.size();
+    for (const Experiment& experiment : all) {
+      if (experiment.name == name) chosen.push_back(experiment);
+      known += ", " + experiment.name;
+    }
+    if (chosen.size() == before) throw std::invalid_argument("unknown experiment '" + name + "'; known: " + known);
+  }
+  return chosen;
+}
+
+ExperimentReport run(const Experiment& experiment, const std::string& output_folder) {
+  ExperimentReport report;
+  report.name = experiment.name;
+  {
+    ProgressBar bar(experiment.name);
+    ExperimentContext context;
+    context.config_folder = config_folder();
+    context.output_folder = output_folder;
+    context.progress = [&](double share, const std::string& what) { bar.show(share, what); };
+    report.result = experiment.run(context);
+    for (const Plot& plot : report.result.plots) {
+      bar.show(1.0, "drawing");
+      report.pictures.push_back(write_plot(plot, output_folder));
+    }
+  }
+  print_report(report, std::cout);
+  return report;
+}
+
+void write(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text << std::flush;
+  if (!file) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
+}
+
+// One experiment that cannot run does not take the others with it.
+int run_all(const std::vector<Experiment>& chosen, const Arguments& arguments) {
+  std::filesystem::create_directories(arguments.output);
+  int status = kConverged;
+  std::vector<ExperimentReport> reports;
+  for (const Experiment& experiment : chosen) {
+    try {
+      reports.push_back(run(experiment, arguments.output));
+      if (!reports.back().result.converged) status = std::max<int>(status, kNotConverged);
+    } catch (const std::exception& error) {
+      std::cerr << "experiment: " << experiment.name << ": " << error.what() << "\n";
+      status = kFailed;
+    }
+  }
+  if (reports.empty()) return status;
+  if (!arguments.result.empty()) write(arguments.result, experiments_json(reports));
+  const std::string page = (std::filesystem::path(arguments.output) / "report.html").string();
+  write(page, experiments_html(reports));
+  std::cout << page << "\n";
+  return status;
+}
+
+int experiment(const Arguments& arguments) {
+  const std::vector<Experiment> all = all_experiments();
+  if (arguments.list) {
+    for (const Experiment& one : all) std::cout << one.name << ": " << one.summary << "\n";
+    return kConverged;
+  }
+  return run_all(choose(all, arguments.names), arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  try {
+    arguments = parse(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "experiment: " << error.what() << "\n" << kUsage;
+    return kFailed;
+  }
+  if (arguments.help) {
+    std::cout << kUsage;
+    return kConverged;
+  }
+  try {
+    return experiment(arguments);
+  } catch (const std::exception& error) {
+    std::cerr << "experiment: " << error.what() << "\n";
+    return kFailed;
+  }
+}

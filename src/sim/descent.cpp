@@ -1,0 +1,58 @@
+#include "descent.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kBudget = 10;  // times max_iterations, for an equilibrium
+
+NewtonReport fall_for(double h, SimulationParts& parts, NewtonState& unknown, SolveReport& report) {
+  NewtonTask task;
+  task.tolerance = std::max(parts.options.tolerance, 1e-4);
+  task.min_iterations = 1;
+  task.max_iterations = kStageIterations;
+  task.inertia_per_s2 = 1.0 / (h * h);
+  const Eigen::Matrix3Xd start = parts.state.positions_m;
+  task.predicted_m = &start;
+  parts.begin_step();
+  return parts.solve(task, unknown, report);
+}
+
+}  // namespace
+
+bool within_budget(const SimulationParts& parts, const SolveReport& report) {
+  return report.iterations < kBudget * parts.options.max_iterations;
+}
+
+bool relax(SimulationParts& parts, SolveReport& report) {
+  NewtonTask task;
+  task.tolerance = parts.options.tolerance;
+  task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
+  parts.begin_step();
+  NewtonState unknown = parts.unknowns();
+  if (!parts.solve(task, unknown, report).converged) return false;
+  parts.accept(std::move(unknown));
+  return true;
+}
+
+bool descend(SimulationParts& parts, SolveReport& report) {
+  const Material& material = parts.body.material();
+  const double wave_s = parts.body.size_m() * std::sqrt(material.density_kg_m3 / material.youngs_modulus_pa);
+  double h = 3.0 * wave_s;
+  while (within_budget(parts, report) && h > 1e-3 * wave_s) {
+    NewtonState unknown = parts.unknowns();
+    const NewtonReport newton = fall_for(h, parts, unknown, report);
+    if (!newton.converged) {
+      h *= 0.25;
+      continue;
+    }
+    parts.accept(std::move(unknown));
+    if (h > 1e3 * wave_s && relax(parts, report)) return true;
+    h *= newton.iterations <= 5 ? 3.0 : 1.5;
+  }
+  return false;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,19 @@
+// To a rest state at fixed commands, from the present state.
+#pragma once
+
+#include "simulation_parts.h"
+
+namespace soft_robot_lab {
+
+// An equilibrium may take a multiple of max_iterations in all.
+bool within_budget(const SimulationParts& parts, const SolveReport& report);
+
+// Newton alone. Where it does not converge the state stays as it was.
+bool relax(SimulationParts& parts, SolveReport& report);
+
+// Down the energy in steps that inertia keeps short, longer and longer (pseudo-transient continuation, Kelley & Keyes
+// 1998), until inertia has no say and Newton alone converges: finds its way through buckling, where a rest state that
+// Newton would run to is a saddle. Where it fails the state is the furthest it came.
+bool descend(SimulationParts& parts, SolveReport& report);
+
+}  // namespace soft_robot_lab

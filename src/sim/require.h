@@ -1,0 +1,15 @@
+#pragma once
+
+#include <sstream>
+#include <stdexcept>
+
+namespace soft_robot_lab {
+
+inline void require(bool ok, const char* field, double value, const char* range) {
+  if (ok) return;
+  std::ostringstream message;
+  message << field << ": " << value << " is out of range " << range;
+  throw std::invalid_argument(message.str());
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,123 @@
+#include "simulation_parts.h"
+
+#include <stdexcept>
+
+#include "solve_ending.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kThreads = 2;  // of gauss_seidel, on meshes large enough to be worth it
+
+std::vector<const Constraint*> constraints_of(const std::vector<std::unique_ptr<Actuator>>& actuators) {
+  std::vector<const Constraint*> all;
+  for (const auto& actuator : actuators)
+    for (const Constraint* constraint : actuator->constraints()) all.push_back(constraint);
+  return all;
+}
+
+std::vector<SharedLength> shared_lengths_of(const std::vector<std::unique_ptr<Actuator>>& actuators,
+                                            SolverOptions::Method method) {
+  std::vector<SharedLength> all;
+  int offset = 0;
+  for (const auto& actuator : actuators) {
+    for (const Junction* junction : actuator->junctions())
+      all.push_back({junction, offset + junction->first, offset + junction->second});
+    if (!all.empty() && method == SolverOptions::Method::gauss_seidel)
+      throw std::invalid_argument("actuator '" + actuator->name() +
+                                  "' has friction, which solver.method gauss_seidel does not know; must be global");
+    offset += static_cast<int>(actuator->constraints().size());
+  }
+  return all;
+}
+
+}  // namespace
+
+SimulationParts::SimulationParts(Body body_in, std::vector<std::unique_ptr<Actuator>> actuators_in,
+                                 std::vector<Marker> markers_in, const SolverOptions& options_in)
+    : body(std::move(body_in)),
+      actuators(std::move(actuators_in)),
+      markers(std::move(markers_in)),
+      options(options_in),
+      solver(body, constraints_of(actuators), shared_lengths_of(actuators, options.method)) {
+  if (options.method == SolverOptions::Method::gauss_seidel)
+    gauss_seidel = std::make_unique<GaussSeidelSolver>(body, constraints_of(actuators), kThreads);
+}
+
+void SimulationParts::reset() {
+  state.time_s = 0.0;
+  state.positions_m = body.mesh().nodes_m;
+  state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
+  forget_previous_step();
+  state.element_multipliers_pa = Eigen::VectorXd::Zero(body.mesh().tet_count());
+  state.constraint_multipliers = Eigen::VectorXd::Zero(solver.constraint_count());
+  state.element_forces_n = Eigen::VectorXd::Zero(gauss_seidel ? gauss_seidel->force_count() : 0);
+  for (auto& actuator : actuators) actuator->reset();
+  state.commands.resize(actuators.size());
+  state.actuated_commands.resize(actuators.size());
+  state.actuator_memories.resize(actuators.size());
+  solver.restore(nullptr);
+  remember();
+}
+
+void SimulationParts::begin_step(double time_step_s) {
+  for (auto& actuator : actuators) actuator->begin_step({state.positions_m, state.velocities_m_s, time_step_s});
+}
+
+NewtonState SimulationParts::unknowns() const {
+  return {state.positions_m, state.element_multipliers_pa, state.constraint_multipliers,
+          Eigen::VectorXd::Zero(solver.junction_count())};
+}
+
+void SimulationParts::accept(NewtonState solved) {
+  state.positions_m = std::move(solved.positions_m);
+  state.element_multipliers_pa = std::move(solved.element_multipliers_pa);
+  state.constraint_multipliers = std::move(solved.constraint_multipliers);
+  const double* flow = solved.flows_m.data();
+  for (auto& actuator : actuators) {
+    const std::size_t count = actuator->junctions().size();
+    actuator->end_step({flow, flow + count});
+    flow += count;
+  }
+}
+
+void SimulationParts::remember() {
+  state.linearisation = solver.linearisation();
+  for (std::size_t i = 0; i < actuators.size(); ++i) {
+    state.commands[i] = actuators[i]->command();
+    state.actuated_commands[i] = actuators[i]->actuated_command();
+    state.actuator_memories[i] = actuators[i]->memory();
+  }
+}
+
+void SimulationParts::restore(const SimulationState& saved) {
+  state = saved;
+  if (options.integrator != Integrator::bdf2) forget_previous_step();
+  for (std::size_t i = 0; i < actuators.size(); ++i)
+    actuators[i]->restore(saved.commands[i], saved.actuated_commands[i], saved.actuator_memories[i]);
+}
+
+void SimulationParts::forget_previous_step() {
+  state.previous_step_s = 0.0;
+  state.previous_positions_m.resize(3, 0);
+  state.previous_velocities_m_s.resize(3, 0);
+}
+
+void SimulationParts::move_actuators(const std::vector<double>& from, double share) {
+  for (std::size_t i = 0; i < actuators.size(); ++i) {
+    const double target = actuators[i]->command();
+    actuators[i]->place(from[i] + share * (target - from[i]));
+  }
+}
+
+NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
+  const NewtonReport newton = solver.solve(task, unknown);
+  ++report.steps;
+  report.iterations += newton.iterations;
+  report.factorisations += newton.factorisations;
+  report.rejected_steps += newton.shortened + newton.convexified + (newton.converged ? 0 : 1);
+  tell_end(newton, body, report);
+  return newton;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,53 @@
+// What a simulation is made of, for the parts of its solution: time_stepping, equilibrium, descent, substepping.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "gauss_seidel_solver.h"
+#include "newton_solver.h"
+#include "soft_robot_lab/sim/actuator.h"
+#include "soft_robot_lab/sim/body.h"
+#include "soft_robot_lab/sim/marker.h"
+#include "soft_robot_lab/sim/simulation_state.h"
+#include "soft_robot_lab/sim/solve_report.h"
+#include "soft_robot_lab/sim/solver_options.h"
+
+namespace soft_robot_lab {
+
+constexpr int kStageIterations = 25;  // Newton iterations before a step or stage is cut
+
+struct SimulationParts {
+  Body body;
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  std::vector<Marker> markers;
+  SolverOptions options;
+  NewtonSolver solver;
+  std::unique_ptr<GaussSeidelSolver> gauss_seidel;  // where it is the method
+  SimulationState state;
+
+  SimulationParts(Body body_in, std::vector<std::unique_ptr<Actuator>> actuators_in, std::vector<Marker> markers_in,
+                  const SolverOptions& options_in);
+
+  void reset();  // rest shape, rest commands, time zero
+
+  // Hands the actuators the start of a step; a search for a rest state is one without end.
+  void begin_step(double time_step_s = std::numeric_limits<double>::infinity());
+
+  NewtonState unknowns() const;
+  void accept(NewtonState solved);
+
+  // What actuators and solver know, so that a copy of the state has it; and back, but for the solver.
+  void remember();
+  void restore(const SimulationState& saved);
+  void forget_previous_step();
+
+  // The actuated commands: this share of the way from `from` to the commands.
+  void move_actuators(const std::vector<double>& from, double share);
+
+  // Solves from the present state, which it leaves alone; the report counts the work and tells how this solve ended.
+  NewtonReport solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report);
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "newton_solver.h"
+#include "soft_robot_lab/sim/body.h"
+#include "soft_robot_lab/sim/solve_report.h"
+
+namespace soft_robot_lab {
+
+// How a solve ended, with place and size of what is wrong.
+void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report);
+
+}  // namespace soft_robot_lab

@@ -53,7 +53,7 @@ Multipliers solve_status(const MultiplierProblem& problem, const Statuses& statu
 class Corrections {
  public:
   Corrections(Statuses& status, bool all) : status_(status), all_(all) {}
-  void hold(int constraint, char held, double error) { consider({false, constraint, held, error}); }
+  void hold(int constraint, int held, double error) { consider({false, constraint, held, error}); }
   void slip(int junction, int direction, double error) { consider({true, junction, direction, error}); }
   bool apply() {
     if (!all_ && worst_.error > 0.0) change(worst_);
@@ -95,9 +95,12 @@ bool correct(const MultiplierProblem& problem, const Multipliers& at, bool all, 
     gap[second] -= q;
     const double per_length = 1.0 / std::max(problem.softness(first, first), problem.softness(second, second));
     const double up = at.y[first] - ratio * at.y[second], down = at.y[second] - ratio * at.y[first];
-    const int slip = status.slip[j];
-    if (slip == 0 && std::max(up, down) > force)
-      corrections.slip(static_cast<int>(j), up > down ? 1 : -1, std::max(up, down));
+    const bool both_held = status.held[first] && status.held[second];
+    const int slip = both_held ? 0 : status.slip[j], wanted = up > down ? 1 : -1;
+    if (slip == 0 && std::max(up, down) > force) {
+      corrections.slip(static_cast<int>(j), wanted, std::max(up, down));
+      if (both_held) corrections.hold(wanted > 0 ? second : first, 0, 2.0 * std::max(up, down));
+    }
     if (slip * q * per_length < -force) corrections.slip(static_cast<int>(j), 0, -slip * q * per_length);
   }
   for (int i = 0; i < static_cast<int>(problem.laws.size()); ++i) {
@@ -192,10 +195,10 @@ std::vector<ConstraintLaw> after_flows(std::vector<ConstraintLaw> laws, const st
   return laws;
 }
 
-double junction_violation(const JunctionBound& junction, const Eigen::VectorXd& y, double flow_m, double length_m) {
+double junction_violation(const JunctionBound& junction, const Eigen::VectorXd& y, double flow_m, double least_n,
+                          double length_m) {
   const double first = y[junction.first], second = y[junction.second];
-  const double larger = std::max(std::abs(first), std::abs(second));
-  if (larger == 0.0) return 0.0;
+  const double larger = std::max({std::abs(first), std::abs(second), least_n});
   const double up = (first - junction.ratio * second) / larger, down = (second - junction.ratio * first) / larger;
   const double beyond = std::max({0.0, up, down});
   const double unearned = std::min(std::abs(flow_m) / length_m, std::abs(flow_m > 0.0 ? up : down));

@@ -43,8 +43,10 @@ int slipping(const JunctionBound& junction, const Eigen::VectorXd& y);
 std::vector<ConstraintLaw> after_flows(std::vector<ConstraintLaw> laws, const std::vector<JunctionBound>& junctions,
                                        const Eigen::VectorXd& flows_m);
 
-// How far multipliers and flow of a junction are from its law, relative to the larger multiplier or to `length_m`.
-double junction_violation(const JunctionBound& junction, const Eigen::VectorXd& y, double flow_m, double length_m);
+// How far multipliers and flow of a junction are from its law, relative to the larger multiplier, which counts as
+// `least_n` at least, or to `length_m`.
+double junction_violation(const JunctionBound& junction, const Eigen::VectorXd& y, double flow_m, double least_n,
+                          double length_m);
 
 // Solves S y = b with y between bounds, S positive definite, without junctions.
 Eigen::VectorXd solve_bounded(const Eigen::MatrixXd& s, const Eigen::VectorXd& b,

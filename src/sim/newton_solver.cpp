@@ -131,9 +131,10 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     constraint_residual = std::max(constraint_residual, off);
   }
   for (int j = 0; j < junction_count(); ++j)
-    constraint_residual = std::max(
-        constraint_residual, junction_violation(result.junctions[j], state.constraint_multipliers, state.flows_m[j],
-                                                std::max(std::abs(result.values[result.junctions[j].first]), 1e-300)));
+    constraint_residual =
+        std::max(constraint_residual,
+                 junction_violation(result.junctions[j], state.constraint_multipliers, state.flows_m[j], force_floor_n_,
+                                    std::max(std::abs(result.values[result.junctions[j].first]), 1e-300)));
   release(result.residual_n);
   const double volume_residual =
       elements_.mismatch(result.elements.growth, state.element_multipliers_pa).cwiseAbs().maxCoeff();

@@ -16,7 +16,6 @@ NewtonReport fall_for(double h, SimulationParts& parts, NewtonState& unknown, So
   task.inertia_per_s2 = 1.0 / (h * h);
   const Eigen::Matrix3Xd start = parts.state.positions_m;
   task.predicted_m = &start;
-  parts.begin_step();
   return parts.solve(task, unknown, report);
 }
 
@@ -30,7 +29,6 @@ bool relax(SimulationParts& parts, SolveReport& report) {
   NewtonTask task;
   task.tolerance = parts.options.tolerance;
   task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
-  parts.begin_step();
   NewtonState unknown = parts.unknowns();
   if (!parts.solve(task, unknown, report).converged) return false;
   parts.accept(std::move(unknown));

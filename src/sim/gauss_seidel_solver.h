@@ -26,15 +26,12 @@
 
 namespace soft_robot_lab {
 
-struct GaussSeidelState;
-
 struct GaussSeidelTask {
   double time_step_s = 1.0 / 60.0;
   int substep_count = 20;
   int iteration_count = 1;             // sweeps a substep
   bool multipliers_from_zero = false;  // in each substep, as in the paper
-  // Takes the share of the step that is over at its end, where it starts, and its length; may be empty.
-  std::function<void(double, const GaussSeidelState&, double)> before_substep;
+  std::function<void(double)> before_substep;  // takes the share of the step that is over at its end; may be empty
 };
 
 struct GaussSeidelState {

@@ -117,7 +117,7 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = state.constraint_multipliers[i];
     result.values.push_back(constraints_[i]->value(state.positions_m));
-    result.laws.push_back(constraints_[i]->law(result.values.back()));
+    result.laws.push_back(constraints_[i]->law(result.values.back(), y));
     if (y != 0.0) constraints_[i]->add_gradient(state.positions_m, y, result.residual_n);
   }
   const std::vector<ConstraintLaw> laws = after_flows(result.laws, result.junctions, state.flows_m);
@@ -254,9 +254,11 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   const double squared = c.cwiseAbs2().dot(elements_.rest_volumes_m3());
   step.slope = as_vector(gradient).dot(motion) + (elements_.lambda_pa() - kPenaltyOverMu * elements_.mu_pa()) * squared;
   step.slope += (step.constraint_multipliers - state.constraint_multipliers).dot(border_.transpose() * motion);
-  const std::vector<ConstraintLaw> laws = after_flows(here.laws, here.junctions, step.flows_m);
-  for (int i = 0; i < count; ++i)
-    step.slope -= step.penalties[i] * std::pow(violation(laws[i], step.constraint_multipliers[i]), 2);
+  step.laws = after_flows(here.laws, here.junctions, step.flows_m);
+  for (int i = 0; i < count; ++i) {
+    step.slope -= step.penalties[i] * std::pow(violation(step.laws[i], step.constraint_multipliers[i]), 2);
+    step.laws[i].offset -= here.values[i];
+  }
   return std::isfinite(step.slope);
 }
 
@@ -283,10 +285,11 @@ double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
   double sum = at.smooth_energy;
   sum +=
       (p.cwiseProduct(c) + 0.5 * kPenaltyOverMu * elements_.mu_pa() * c.cwiseAbs2()).dot(elements_.rest_volumes_m3());
-  const std::vector<ConstraintLaw> laws = after_flows(at.laws, at.junctions, step.flows_m);
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = step.constraint_multipliers[i];
-    sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(laws[i], y), 2);
+    ConstraintLaw law = step.laws[i];
+    law.offset += at.values[i];
+    sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(law, y), 2);
   }
   return sum;
 }
@@ -377,8 +380,8 @@ Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
   MultiplierProblem problem;
   problem.softness = border_.transpose() * border_solved_;
   problem.junctions = junctions_at(state.positions_m);
-  for (const Constraint* constraint : constraints_)
-    problem.laws.push_back(constraint->law(constraint->value(state.positions_m)));
+  for (int i = 0; i < count; ++i)
+    problem.laws.push_back(constraints_[i]->law(constraints_[i]->value(state.positions_m), y[i]));
   for (int i = 0; i < count; ++i) problem.softness(i, i) += problem.laws[i].compliance;
   if (!stable_under(problem, y)) return {};
   if (count == 0) return border_solved_;

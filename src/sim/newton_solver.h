@@ -99,8 +99,9 @@ class NewtonSolver {
   struct Step {
     Eigen::Matrix3Xd motion_m;
     Eigen::VectorXd element_multipliers_pa, constraint_multipliers, flows_m;
-    Eigen::VectorXd penalties;  // per constraint, for the merit function
-    double slope = 0.0;         // of the merit function along the step
+    Eigen::VectorXd penalties;        // per constraint, for the merit function
+    std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0, after the flows
+    double slope = 0.0;               // of the merit function along the step
   };
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;

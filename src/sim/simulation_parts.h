@@ -32,9 +32,6 @@ struct SimulationParts {
 
   void reset();  // rest shape, rest commands, time zero
 
-  // Hands the actuators the start of a step; a search for a rest state is one without end.
-  void begin_step(double time_step_s = std::numeric_limits<double>::infinity());
-
   NewtonState unknowns() const;
   void accept(NewtonState solved);
 
@@ -42,6 +39,11 @@ struct SimulationParts {
   void remember();
   void restore(const SimulationState& saved);
   void forget_previous_step();
+
+  std::vector<double> multipliers_of(std::size_t actuator) const;  // its constraints' multipliers
+
+  // Tells the actuators from where a step starts, or with an infinite one an equilibrium.
+  void begin_step(double time_step_s = std::numeric_limits<double>::infinity());
 
   // The actuated commands: this share of the way from `from` to the commands.
   void move_actuators(const std::vector<double>& from, double share);

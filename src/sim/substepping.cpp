@@ -65,17 +65,15 @@ GaussSeidelTask substepping(const SimulationParts& parts) {
 void step_in_substeps(SimulationParts& parts, SolveReport& report) {
   const std::vector<double> from = parts.state.actuated_commands;
   std::vector<double> to;
+  parts.begin_step(parts.options.time_step_s);
   for (auto& actuator : parts.actuators) {
     actuator->advance(parts.options.time_step_s);
     to.push_back(actuator->actuated_command());
   }
   GaussSeidelTask task = substepping(parts);
-  task.before_substep = [&](double share, const GaussSeidelState& start, double h) {
-    for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
-      // Also a command without a speed limit takes the whole time step to arrive.
+  task.before_substep = [&](double share) {  // also a command without a speed limit takes the whole time step to arrive
+    for (std::size_t i = 0; i < parts.actuators.size(); ++i)
       parts.actuators[i]->place(from[i] + share * (to[i] - from[i]));
-      parts.actuators[i]->begin_step({start.unknowns.positions_m, start.velocities_m_s, h});
-    }
   };
   if (!advance_in_substeps(parts, task, false, report).finite) return;
   parts.state.time_s += task.time_step_s;
@@ -86,7 +84,6 @@ void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
   const std::vector<double> from = parts.state.actuated_commands;
   GaussSeidelTask task = substepping(parts);
   double last_kinetic_energy = 0.0;
-  parts.begin_step();
   for (int step = 1; step <= kRelaxationSteps; ++step) {
     parts.move_actuators(from, std::min(1.0, static_cast<double>(step) / kPullSteps));
     const GaussSeidelReport done = advance_in_substeps(parts, task, true, report);

@@ -35,8 +35,8 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
 
 bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
-  for (auto& actuator : parts.actuators) actuator->advance(h);
   parts.begin_step(h);
+  for (auto& actuator : parts.actuators) actuator->advance(h);
   const BackwardDifference difference(before, h);
   const Eigen::Matrix3Xd predicted = difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
   NewtonTask task = task_of(parts.options, last_resort);

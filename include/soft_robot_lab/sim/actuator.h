@@ -1,5 +1,5 @@
 // The plugin interface of everything that drives the body: cables, air chambers, and what a lab adds of its own.
-// Called in this order: initialise once; then per command set_command; per time step advance and begin_step; per solver
+// Called in this order: initialise once; then per command set_command; per time step begin_step and advance; per solver
 // iteration the constraints; when the step is accepted end_step; after a solve observe.
 #pragma once
 
@@ -41,6 +41,7 @@ struct ActuatorReading {
   std::optional<double> volume_m3;
   std::optional<double> initial_volume_m3;
   std::optional<double> gauge_pressure_pa;
+  std::optional<double> gas_residual;   // pressure times volume over the amount of gas, less one
   std::vector<Eigen::Vector3d> path_m;  // polyline to draw, in robot_base; empty for none
 };
 
@@ -48,14 +49,15 @@ struct CommandLimits {
   double rest = 0.0;  // the command that asks for nothing
   double min = 0.0;
   double max = 0.0;
-  std::string unit;  // "1" for contraction, "m", "N", "Pa"
+  std::string unit;  // "1" for contraction and beta, "m", "N", "ml", "Pa"
 };
 
 // Where a step starts. A search for a rest state has an infinite time step.
 struct StepStart {
+  double time_step_s;
   const Eigen::Matrix3Xd& positions_m;
   const Eigen::Matrix3Xd& velocities_m_s;
-  double time_step_s;
+  std::vector<double> multipliers;  // as in observe
 };
 
 class Actuator {
@@ -91,7 +93,8 @@ class Actuator {
   // Where constraints of this actuator meet; as valid as they.
   virtual std::vector<const Junction*> junctions() const { return {}; }
 
-  // Takes up what the laws of the coming step owe to its start, such as a damper's rate.
+  // What depends on the past, such as a pump's flow or a damper's rate, takes it from the state that a time step starts
+  // from.
   virtual void begin_step(const StepStart& /*start*/) {}
 
   // A step was accepted in which these lengths [m] slipped, one per junction.

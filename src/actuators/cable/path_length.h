@@ -19,7 +19,7 @@ class PathLength : public Constraint {
   double value(const Eigen::Matrix3Xd& positions_m) const override;
   void add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const override;
   void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const override;
-  ConstraintLaw law(double value) const override;
+  ConstraintLaw law(double value, double multiplier) const override;
 
   // Span `i` from its first to its second end: length and d length / d second end (a unit vector, shorter for a span
   // about to close).

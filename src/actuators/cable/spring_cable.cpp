@@ -1,6 +1,7 @@
 // The cable of the thesis: from point to point a spring that pulls and never pushes, T = max(0, k (l - L) + b dl/dt).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -19,6 +20,7 @@ class FixedForces : public Constraint {
     multiplier_ = 1.0;
   }
   void clear() { multiplier_ = 0.0; }
+  Eigen::Index node_count() const { return forces_n_.cols(); }
 
   std::vector<Clique> cliques() const override { return {}; }
   double value(const Eigen::Matrix3Xd& positions_m) const override {
@@ -28,7 +30,7 @@ class FixedForces : public Constraint {
     gradient -= scale * forces_n_;
   }
   void add_hessian(const Eigen::Matrix3Xd& /*positions_m*/, double /*scale*/, CliqueSink& /*hessian*/) const override {}
-  ConstraintLaw law(double /*value*/) const override {
+  ConstraintLaw law(double /*value*/, double /*multiplier*/) const override {
     ConstraintLaw law;
     law.min_multiplier = law.max_multiplier = multiplier_;
     return law;
@@ -84,20 +86,13 @@ class SpringCable : public CableModel {
   }
 
   void begin_step(const StepStart& start) override {
-    const std::vector<PathLength::Span> spans = path_.spans(start.positions_m);
-    started_ = true;
     time_step_s_ = start.time_step_s;
-    start_lengths_m_.clear();
-    for (const PathLength::Span& span : spans) start_lengths_m_.push_back(span.length_m);
+    start_spans_ = path_.spans(start.positions_m);
+    start_rates_m_s_.clear();
+    for (std::size_t i = 0; i < start_spans_.size(); ++i)
+      start_rates_m_s_.push_back(
+          start_spans_[i].direction.dot(points_[i + 1].at(start.velocities_m_s) - points_[i].at(start.velocities_m_s)));
     hand_out();
-    if (!explicit_now()) return fixed_.clear();
-    for (std::size_t i = 0; i < spans.size(); ++i) {
-      const Eigen::Vector3d rate = points_[i + 1].at(start.velocities_m_s) - points_[i].at(start.velocities_m_s);
-      tensions_n_[i] = by_tension_ ? tension_n_
-                                   : std::max(0.0, settings_.stiffness_n_m * (spans[i].length_m - length_m(i)) +
-                                                       settings_.damping_n_s_m * spans[i].direction.dot(rate));
-    }
-    fixed_.set(node_forces(spans, start.positions_m.cols()));
   }
 
   std::string why_no_equilibrium() const override {
@@ -128,34 +123,51 @@ class SpringCable : public CableModel {
   double length_m(std::size_t i) const { return contraction_ * rest_lengths_m_[i]; }
 
   // A rest state knows no step to hold forces over; there explicit springs are the same as implicit ones.
-  bool explicit_now() const { return settings_.explicit_forces && started_ && std::isfinite(time_step_s_); }
+  bool explicit_now() const { return settings_.explicit_forces && std::isfinite(time_step_s_); }
 
-  // dl/dt is (l - l of the start) / step, so a damper adds to the stiffness and moves the length:
-  //   T = (k + b/h) (l - (L + r l0) / (1 + r)),  r = b / (k h)
   void hand_out() {
-    for (std::size_t i = 0; i < springs_.size(); ++i) {
-      if (explicit_now()) {
-        springs_[i]->command_tension(0.0, 0.0);
-      } else if (by_tension_) {
-        springs_[i]->command_tension(tension_n_, tension_per_command_);
-      } else {
-        const double r = started_ ? settings_.damping_n_s_m / (settings_.stiffness_n_m * time_step_s_) : 0.0;
-        const double length = r > 0.0 ? (length_m(i) + r * start_lengths_m_[i]) / (1.0 + r) : length_m(i);
-        springs_[i]->command_length(length, 1.0 / (settings_.stiffness_n_m * (1.0 + r)),
-                                    contraction_per_command_ * rest_lengths_m_[i] / (1.0 + r));
-      }
+    if (explicit_now()) {
+      hold_forces();
+    } else {
+      fixed_.clear();
+      follow_lengths();
     }
   }
 
-  Eigen::Matrix3Xd node_forces(const std::vector<PathLength::Span>& spans, Eigen::Index nodes) const {
+  void hold_forces() {
+    for (std::size_t i = 0; i < springs_.size(); ++i) {
+      springs_[i]->command_tension(0.0, 0.0);
+      tensions_n_[i] = by_tension_ ? tension_n_
+                                   : std::max(0.0, settings_.stiffness_n_m * (start_spans_[i].length_m - length_m(i)) +
+                                                       settings_.damping_n_s_m * start_rates_m_s_[i]);
+    }
+    fixed_.set(node_forces());
+  }
+
+  // dl/dt is (l - l of the start) / step, so a damper adds to the stiffness and moves the length:
+  //   T = (k + b/h) (l - (L + r l0) / (1 + r)),  r = b / (k h)
+  void follow_lengths() {
+    for (std::size_t i = 0; i < springs_.size(); ++i) {
+      if (by_tension_) {
+        springs_[i]->command_tension(tension_n_, tension_per_command_);
+        continue;
+      }
+      const double r = settings_.damping_n_s_m / (settings_.stiffness_n_m * time_step_s_);
+      const double length = r > 0.0 ? (length_m(i) + r * start_spans_[i].length_m) / (1.0 + r) : length_m(i);
+      springs_[i]->command_length(length, 1.0 / (settings_.stiffness_n_m * (1.0 + r)),
+                                  contraction_per_command_ * rest_lengths_m_[i] / (1.0 + r));
+    }
+  }
+
+  Eigen::Matrix3Xd node_forces() const {
     Eigen::MatrixXd on_points = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points_.size()), 3);
-    for (std::size_t i = 0; i < spans.size(); ++i) {
-      const Eigen::RowVector3d pull = tensions_n_[i] * spans[i].direction.transpose();
+    for (std::size_t i = 0; i < start_spans_.size(); ++i) {
+      const Eigen::RowVector3d pull = tensions_n_[i] * start_spans_[i].direction.transpose();
       on_points.row(static_cast<Eigen::Index>(i)) += pull;
       on_points.row(static_cast<Eigen::Index>(i) + 1) -= pull;
     }
     if (settings_.pseudo_inverse) on_points = inverse_gram_.solve(on_points);
-    Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, nodes);
+    Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, fixed_.node_count());
     for (std::size_t i = 0; i < points_.size(); ++i)
       for (std::size_t k = 0; k < points_[i].nodes.size(); ++k)
         forces.col(points_[i].nodes[k]) +=
@@ -173,9 +185,9 @@ class SpringCable : public CableModel {
   double contraction_ = 1.0, contraction_per_command_ = 0.0;
   bool by_tension_ = false;
   double tension_n_ = 0.0, tension_per_command_ = 0.0;
-  bool started_ = false;
-  double time_step_s_ = 0.0;
-  std::vector<double> start_lengths_m_;
+  double time_step_s_ = std::numeric_limits<double>::infinity();
+  std::vector<PathLength::Span> start_spans_;  // of the step
+  std::vector<double> start_rates_m_s_;
   std::vector<double> tensions_n_;  // explicit: those of this step
 };
 

@@ -28,6 +28,12 @@ Json cable_json(const ActuatorReading& state) {
   Json json = {{"length_m", *state.length_m}};
   if (state.rest_length_m) json["rest_length_m"] = *state.rest_length_m;
   if (state.tension_n) json["tension_n"] = *state.tension_n;
+  if (!state.span_tensions_n.empty()) json["span_tensions_n"] = state.span_tensions_n;
+  if (state.stretch_m) json["stretch_m"] = *state.stretch_m;
+  if (state.slack_m) json["slack_m"] = *state.slack_m;
+  if (state.pretension_n) json["pretension_n"] = *state.pretension_n;
+  for (const PathChange& change : state.path_changes)
+    json["points_moved"].push_back({{"point", change.point}, {"moved_m", change.moved_m}});
   return json;
 }
 
@@ -144,8 +150,11 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
     const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
     text << "actuator " << state.name << " at command " << state.actuated_command;
     if (state.tension_n) text << ", tension " << *state.tension_n << " N";
+    if (state.slack_m && *state.slack_m > 0.0) text << ", slack by " << 1e3 * *state.slack_m << " mm";
     if (state.gauge_pressure_pa) text << ", gauge pressure " << *state.gauge_pressure_pa << " Pa";
     text << "\n";
+    for (const PathChange& change : state.path_changes)
+      text << "  its point " << change.point << " was moved " << 1e3 * change.moved_m << " mm onto the body\n";
   }
   return text.str();
 }

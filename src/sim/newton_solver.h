@@ -4,6 +4,8 @@
 //
 //   [ A   B ] [dx]   [ -r ]     A: inertia + elements (condensed) + y d2C/dx2,  B: constraint gradients
 //   [ B' -a ] [ y] = [ -o ]     a: compliance, o: offset (ConstraintLaw), y within its bounds
+//
+// Where constraints share their length (Junction), the lengths q that slip between them are unknowns of the border too.
 #pragma once
 
 #include <memory>
@@ -17,6 +19,7 @@
 #include "block_matrix.h"
 #include "clique_adder.h"
 #include "elements.h"
+#include "multiplier_problem.h"
 #include "soft_robot_lab/sim/body.h"
 #include "soft_robot_lab/sim/constraint.h"
 #include "strain_springs.h"
@@ -28,6 +31,13 @@ struct NewtonState {
   Eigen::Matrix3Xd positions_m;            // 3 x nodes
   Eigen::VectorXd element_multipliers_pa;  // p
   Eigen::VectorXd constraint_multipliers;  // y
+  Eigen::VectorXd flows_m = {};            // q, one per junction, since the step began
+};
+
+// A junction, and its constraints among all.
+struct SharedLength {
+  const Junction* junction;
+  int first, second;
 };
 
 // Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never
@@ -66,7 +76,7 @@ struct NewtonReport {
 
 class NewtonSolver {
  public:
-  NewtonSolver(const Body& body, std::vector<const Constraint*> constraints);
+  NewtonSolver(const Body& body, std::vector<const Constraint*> constraints, std::vector<SharedLength> shared = {});
 
   // Improves the state in place. Where it did not converge the state is the best it had; NaN never enters it.
   NewtonReport solve(const NewtonTask& task, NewtonState& state);
@@ -89,13 +99,15 @@ class NewtonSolver {
   Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.pack_count()) * kLanes; }
   Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
+  int junction_count() const { return static_cast<int>(shared_.size()); }
 
  private:
   struct Evaluation {
     ElementSums elements;
-    Eigen::Matrix3Xd residual_n;  // of the unheld degrees of freedom
-    std::vector<double> values;   // C
-    std::vector<ConstraintLaw> laws;
+    Eigen::Matrix3Xd residual_n;      // of the unheld degrees of freedom
+    std::vector<double> values;       // C
+    std::vector<ConstraintLaw> laws;  // before anything slipped
+    std::vector<JunctionBound> junctions;
     double smooth_energy = 0.0;  // elastic + inertia - loads
     double relative_residual = 0.0;
     double force_scale_n = 1.0;  // of the residual
@@ -103,9 +115,9 @@ class NewtonSolver {
   };
   struct Step {
     Eigen::Matrix3Xd motion_m;
-    Eigen::VectorXd element_multipliers_pa, constraint_multipliers;
+    Eigen::VectorXd element_multipliers_pa, constraint_multipliers, flows_m;
     Eigen::VectorXd penalties;        // per constraint, for the merit function
-    std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0
+    std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0, after the flows
     double slope = 0.0;               // of the merit function along the step
   };
 
@@ -114,8 +126,8 @@ class NewtonSolver {
                  bool convex);
   bool linearised_at(const NewtonState& state, double inertia_per_s2,
                      const std::shared_ptr<const StrainPull>& pull) const;
-  bool stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
-                    const Eigen::VectorXd& multipliers) const;
+  bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
+  std::vector<JunctionBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing) const;
@@ -130,6 +142,7 @@ class NewtonSolver {
   // that is stiff against everything it carries (so the second derivative is softened by less than 1e-3).
   struct Layout {
     int node_count = 0, point_count = 0;
+    int place_of(const EmbeddedPoint& point);            // a point that several constraints carry has one place
     std::vector<std::vector<int>> ties;                  // per point: its nodes, then itself
     std::vector<std::vector<double>> tie_coefficients;   // its weights, then -1
     std::vector<std::vector<std::vector<int>>> cliques;  // per constraint, in places of the matrix
@@ -139,6 +152,7 @@ class NewtonSolver {
 
   const Body& body_;
   std::vector<const Constraint*> constraints_;
+  std::vector<SharedLength> shared_;
   Layout layout_;
   Eigen::Matrix3Xd loads_n_;
   double force_floor_n_;  // forces below this count as none

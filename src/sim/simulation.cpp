@@ -1,7 +1,6 @@
 #include "soft_robot_lab/sim/simulation.h"
 
 #include <chrono>
-#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -79,6 +78,7 @@ void Simulation::set_command(const std::string& actuator, double command) {
   const int index = actuator_index(actuator);
   parts_->actuators[index]->set_command(command);
   parts_->state.commands[index] = command;
+  parts_->state.actuator_memories[index] = parts_->actuators[index]->memory();
 }
 
 SolveReport Simulation::step() {
@@ -97,8 +97,11 @@ SolveReport Simulation::step() {
 SolveReport Simulation::solve_equilibrium() {
   const Stopwatch clock;
   SolveReport report;
+  for (const auto& actuator : parts_->actuators)
+    if (const std::string why = actuator->why_no_equilibrium(); !why.empty())
+      throw std::invalid_argument("actuator '" + actuator->name() + "': " + why);
   parts_->forget_motion();
-  parts_->begin_step(std::numeric_limits<double>::infinity());
+  parts_->begin_step();
   if (parts_->gauss_seidel) {
     settle_in_substeps(*parts_, report);
   } else {
@@ -112,7 +115,7 @@ SolveReport Simulation::solve_equilibrium() {
 
 Eigen::MatrixXd Simulation::marker_sensitivities() {
   SimulationParts& p = *parts_;
-  p.begin_step(std::numeric_limits<double>::infinity());
+  p.begin_step();
   const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns());
   p.remember();
   if (motions.rows() == 0 && p.solver.constraint_count() > 0)

@@ -1,5 +1,6 @@
 #include "state_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -14,7 +15,9 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
       state.element_forces_n.size() == now.element_forces_n.size() &&
       state.branch_stress_pa.size() == now.branch_stress_pa.size() && state.commands.size() == now.commands.size() &&
-      state.actuated_commands.size() == now.actuated_commands.size();
+      state.actuated_commands.size() == now.actuated_commands.size() &&
+      std::equal(state.actuator_memories.begin(), state.actuator_memories.end(), now.actuator_memories.begin(),
+                 now.actuator_memories.end(), [](const auto& a, const auto& b) { return a.size() == b.size(); });
   const bool history = state.previous_step_s != 0.0;
   const bool previous_sizes =
       state.previous_positions_m.cols() == (history ? now.positions_m.cols() : 0) &&
@@ -28,7 +31,9 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       !state.previous_element_multipliers_pa.allFinite() || !state.previous_constraint_multipliers.allFinite() ||
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
       !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
-      !state.element_forces_n.allFinite() || !state.branch_stress_pa.allFinite() || !std::isfinite(state.time_s))
+      !state.element_forces_n.allFinite() || !state.branch_stress_pa.allFinite() || !std::isfinite(state.time_s) ||
+      !std::all_of(state.actuator_memories.begin(), state.actuator_memories.end(),
+                   [](const auto& memory) { return memory.allFinite(); }))
     throw std::invalid_argument("state: not finite");
 }
 

@@ -53,6 +53,7 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
   task.predicted_m = &predicted;
   task.pull = viscous.pull();
   NewtonState unknown = predict(before, h, parts.options.integrator);
+  unknown.flows_m = Eigen::VectorXd::Zero(parts.solver.junction_count());
   if (!parts.solve(task, unknown, report).converged && !last_resort) {
     parts.restore(before);
     return false;

@@ -96,5 +96,45 @@ TEST(Reference, CooksMembraneShears) {
   }
 }
 
+// The hanging bar with the reference's cable, every point of which is the mean over a cube of 6 mm.
+Eigen::Vector3d hanging_bar_displacement_m(const ReferenceRow& row, const std::string& model,
+                                           const std::string& command) {
+  std::string points = "[0.007, 0, 0], ";
+  for (int i = 1; i <= 12; ++i) points += "[0.007, " + std::to_string(-0.01 * i) + ", 0], ";
+  return displacement_m("../robots/hanging_bar", "body: {material: {poissons_ratio: " + row.text("nu") +
+                                                     "}}\ncables: [{name: cable, spread_box_m: 0.006, points_m: [" +
+                                                     points + "[0.007, -0.127, 0]], " + model +
+                                                     "}]\nrun: {commands: [{cable: " + command + "}]}\n");
+}
+
+bool worth_a_run(const ReferenceRow& row) { return row.text("nu") == "0.499" && row.text("alpha") != "0.85"; }
+
+TEST(Reference, HangingBarFollowsItsSlidingCable) {
+  for (const ReferenceRow& row : read_reference("r5_cable_length")) {
+    if (!worth_a_run(row)) continue;
+    SCOPED_TRACE(row.text("alpha"));
+    expect_near(hanging_bar_displacement_m(row, "compliance_m_n: 0", row.text("alpha")),
+                {row.number("tip_ux_m"), row.number("tip_uy_m"), 0.0}, 0.02);
+  }
+}
+
+TEST(Reference, HangingBarFollowsItsSprings) {
+  for (const ReferenceRow& row : read_reference("r5_cable_segment_springs")) {
+    if (!worth_a_run(row)) continue;
+    SCOPED_TRACE(row.text("alpha"));
+    expect_near(hanging_bar_displacement_m(row, "model: springs, stiffness_n_m: 3000", row.text("alpha")),
+                {row.number("tip_ux_m"), row.number("tip_uy_m"), 0.0}, 0.02);
+  }
+}
+
+TEST(Reference, HangingBarFollowsTheTension) {
+  for (const ReferenceRow& row : read_reference("r5_cable_tension")) {
+    if (row.text("nu") != "0.499") continue;
+    SCOPED_TRACE(row.text("T_N"));
+    expect_near(hanging_bar_displacement_m(row, "command: tension_n", row.text("T_N")),
+                {row.number("tip_ux_m"), row.number("tip_uy_m"), 0.0}, 0.02);
+  }
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

@@ -50,7 +50,8 @@ TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
   EXPECT_EQ(keys(outcome.json["markers"]), (Names{"tip", "middle"}));
   EXPECT_EQ(keys(outcome.json["markers"]["tip"]), (Names{"position_m", "displacement_m"}));
   EXPECT_EQ(keys(outcome.json["cables"]), (Names{"left", "right"}));
-  EXPECT_EQ(keys(outcome.json["cables"]["left"]), (Names{"length_m", "rest_length_m", "tension_n"}));
+  EXPECT_EQ(keys(outcome.json["cables"]["left"]),
+            (Names{"length_m", "rest_length_m", "tension_n", "stretch_m", "slack_m", "pretension_n"}));
   EXPECT_TRUE(outcome.json["chambers"].is_object());
   EXPECT_EQ(keys(outcome.json["solver"]), (Names{"converged", "iterations", "residual", "steps", "wall_s", "nodes",
                                                  "elements", "inverted", "warnings"}));

@@ -21,6 +21,7 @@ struct SimulationState {
   Eigen::VectorXd branch_stress_pa;        // of hysteresis, in an order of the solver's own; empty without
   std::vector<double> commands;            // per actuator
   std::vector<double> actuated_commands;   // per actuator
+  std::vector<Eigen::VectorXd> actuator_memories;      // per actuator: what else it carries from step to step
   std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
 
   std::optional<double> rest_residual;  // where the body is at rest: it sleeps until something changes

@@ -9,7 +9,7 @@ namespace soft_robot_lab {
 //   rayleigh_stiffness_s b     S = b 2 mu dE/dt (Kelvin-Voigt): Rayleigh's b K v at small strain, but for changes of
 //                              volume, which are not damped
 //   hysteresis_ratio g, relaxation_time_s tau    one branch of a Prony series: S = Q, dQ/dt = g 2 mu dE/dt - Q / tau
-// A mode of frequency omega decays as exp(-(a + b omega^2) t / 2). At rest all are zero, but for Q on its way there.
+// A mode of frequency omega decays as exp(-(a + b omega^2) t / 2). None changes where a body comes to rest.
 struct Viscosity {
   double rayleigh_mass_per_s = 0.0;   // [0, inf)
   double rayleigh_stiffness_s = 0.0;  // [0, inf)

@@ -6,8 +6,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kNoticed = 0.01;         // of the rest length: shorter of the command than this is as good as there
-constexpr double kSensibleTension = 0.1;  // times E * size^2: strains a third of the body's section to twice its length
+constexpr double kNoticed = 0.01;          // of the rest length: shorter of the command than this is as good as there
+constexpr double kSensibleTension = 0.02;  // times E size^2: half the E A of a body a fifth as thick as long
 
 SolveWarning about(const ActuatorReading& reading, const std::string& kind, double size, const std::string& unit) {
   SolveWarning warning;
@@ -44,7 +44,7 @@ void check_tension(const ActuatorReading& reading, const Body& body, std::vector
   SolveWarning warning = about(reading, "excessive_tension", *reading.tension_n, "N");
   std::ostringstream text;
   text << "actuator " << reading.name << ": a tension of " << *reading.tension_n
-       << " N, beyond any sense for this body (more than " << most_n << " N, a tenth of E size^2)";
+       << " N, beyond any sense for this body (more than " << most_n << " N, E size^2 / 50)";
   warning.text = text.str();
   warnings.push_back(std::move(warning));
 }

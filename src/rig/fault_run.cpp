@@ -107,17 +107,18 @@ class FaultRun {
   // A position that is declared unknown is set to zero, as a person would.
   void declare() {
     if (!session_.driver().ready()) return;
-    for (const MotorStatus& motor : session_.driver().motors()) {
-      if (!motor.known) ++result_.unknown_declared;
+    const auto motors = session_.driver().motors();
+    bool all_known = true;
+    for (std::size_t i = 0; i < motors.size(); ++i) {
+      if (!motors[i].known && !declared_unknown_[i]) ++result_.unknown_declared;
+      declared_unknown_[i] = !motors[i].known;
+      all_known = all_known && motors[i].known;
     }
-    for (const MotorStatus& motor : session_.driver().motors()) {
-      if (motor.known) continue;
-      expected_ = {};
-      session_.run_until_rest();
-      session_.driver().zero();
-      session_.finish_operation();
-      return;
-    }
+    if (all_known) return;
+    expected_ = {};
+    session_.run_until_rest();
+    session_.driver().zero();
+    session_.finish_operation();
   }
 
   void rest_and_check() {
@@ -156,6 +157,7 @@ class FaultRun {
   FaultRunResult result_;
   std::array<std::optional<double>, wire::max_motors>
       expected_{};  // shafts in full steps, where commands leave no doubt
+  std::array<bool, wire::max_motors> declared_unknown_{};
   std::int64_t refused_here_ = 0, refused_later_ = 0;
 };
 

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "programs/config_folder.h"
 #include "programs/progress_bar.h"
 #include "soft_robot_lab/experiment/experiment.h"
 #include "soft_robot_lab/experiment/report.h"
 #include "soft_robot_lab/rig/rig_experiments.h"
+#include "soft_robot_lab/settings/config_folder.h"
 
 namespace {
 

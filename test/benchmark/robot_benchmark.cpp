@@ -1,4 +1,4 @@
-// How fast Spinebot (config/robots/spinebot.yaml) is simulated and taught. CPU time of one thread: run with
+// How fast the robots of config/robots are simulated, and Spinebot taught. CPU time of one thread: run with
 // OPENBLAS_NUM_THREADS=1 on a quiet machine. Comparable between versions on one machine; the ratio of the two methods
 // also between machines.
 #include <algorithm>
@@ -20,13 +20,15 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 const std::string kConfig = std::string(SOFT_ROBOT_LAB_SOURCE) + "/config/";
 
-Scene spinebot() {
+Scene robot(const std::string& name) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.cache_folder = SOFT_ROBOT_LAB_CACHE;
   options.actuator_factory = make_actuator;
-  return load_scene(kConfig + "robots/spinebot.yaml", options);
+  return load_scene(kConfig + "robots/" + name + ".yaml", options);
 }
+
+Scene spinebot() { return robot("spinebot"); }
 
 std::vector<std::string> actuator_names(const Simulation& simulation) {
   std::vector<std::string> names;
@@ -45,38 +47,60 @@ void pull_in_turn(Simulation& simulation) {
 
 double smallest(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
 
+// One cable is pulled by a fifth, which takes it most of the second, and held.
+void pull_and_hold(Simulation& simulation) { simulation.set_command("left", 0.8); }
+
 // One simulated second at the scene's time step, so the time shown is CPU time per simulated second.
-void SimulateOneSecond(benchmark::State& state) {
-  Scene scene = spinebot();
+void SimulateOneSecond(benchmark::State& state, const std::string& name, void (*move)(Simulation&)) {
+  Scene scene = robot(name);
   Simulation& simulation = *scene.simulation;
   const int steps = static_cast<int>(std::lround(1.0 / simulation.options().time_step_s));
-  int iterations = 0, failed = 0;
+  int iterations = 0, factorisations = 0, failed = 0;
   const auto one_second = [&] {
     for (int i = 0; i < steps; ++i) {
-      pull_in_turn(simulation);
+      move(simulation);
       const SolveReport report = simulation.step();
       iterations += report.iterations;
+      factorisations += report.factorisations;
       failed += report.converged ? 0 : 1;
     }
   };
   simulation.solve_equilibrium();
-  one_second();  // warm up
-  iterations = failed = 0;
+  if (move == pull_in_turn) one_second();  // until all cables move
+  iterations = factorisations = failed = 0;
   for (auto _ : state) one_second();
   const double seconds = static_cast<double>(state.iterations());
   state.counters["steps_per_s"] = steps;
   state.counters["iterations_per_step"] = iterations / (steps * seconds);
+  state.counters["factorisations_per_step"] = factorisations / (steps * seconds);
   state.counters["not_converged"] = failed;
   state.counters["real_time_factor"] =
       benchmark::Counter(seconds, benchmark::Counter::kIsRate);  // simulated seconds per CPU second
   state.counters["nodes"] = simulation.body().mesh().node_count();
 }
-BENCHMARK(SimulateOneSecond)
-    ->Unit(benchmark::kMillisecond)
-    ->Iterations(2)
-    ->Repetitions(3)
-    ->ComputeStatistics("min", smallest)
-    ->DisplayAggregatesOnly();
+#define SIMULATE(robot_name, move)                                             \
+  BENCHMARK_CAPTURE(SimulateOneSecond, robot_name##_##move, #robot_name, move) \
+      ->Unit(benchmark::kMillisecond)                                          \
+      ->Iterations(2)                                                          \
+      ->Repetitions(5)                                                         \
+      ->ComputeStatistics("min", smallest)                                     \
+      ->DisplayAggregatesOnly()
+SIMULATE(spinebot, pull_in_turn);
+SIMULATE(spinebot, pull_and_hold);
+SIMULATE(hammerbot, pull_in_turn);
+SIMULATE(hammerbot, pull_and_hold);
+
+// A second of a body at rest, which sleeps.
+void RestOneSecond(benchmark::State& state) {
+  Scene scene = spinebot();
+  Simulation& simulation = *scene.simulation;
+  simulation.solve_equilibrium();
+  for (int i = 0; i < 10; ++i) simulation.step();
+  if (!simulation.state().rest_residual) state.SkipWithError("does not come to rest");
+  for (auto _ : state)
+    for (int i = 0; i < 60; ++i) simulation.step();
+}
+BENCHMARK(RestOneSecond)->Unit(benchmark::kMillisecond);
 
 // From rest under gravity to a pull of 5 % on the first cable.
 void FindEquilibrium(benchmark::State& state) {

@@ -101,7 +101,7 @@ int run(const Arguments& arguments) {
   const Simulation& simulation = *scene.simulation;
   for (const auto& actuator : simulation.actuators()) {
     const double command = actuator->command();
-    actuator->restore(command, command);  // at once, as in the scene's equilibrium
+    actuator->restore(command, command, actuator->memory());  // at once, as in the scene's equilibrium
   }
   const BulletSettings settings = read_settings(arguments.settings);
   BulletBody body(simulation, settings);

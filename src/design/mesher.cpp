@@ -11,7 +11,7 @@
 
 #include <unistd.h>
 
-#include "design/content_hash.h"
+#include "soft_robot_lab/design/content_hash.h"
 #include "soft_robot_lab/design/timed_process.h"
 #include "soft_robot_lab/design/solid.h"
 
@@ -96,18 +96,6 @@ std::string cache_key(const MeshRequest& request, const std::string& text) {
   return hash.hex();
 }
 
-fs::path cache_folder(const MesherOptions& options) {
-  const auto variable = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string(value ? value : "");
-  };
-  if (!options.cache_folder.empty()) return options.cache_folder;
-  if (fs::path(variable("XDG_CACHE_HOME")).is_absolute())
-    return fs::path(variable("XDG_CACHE_HOME")) / "soft_robot_lab";
-  if (!variable("HOME").empty()) return fs::path(variable("HOME")) / ".cache" / "soft_robot_lab";
-  return fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(getuid()));
-}
-
 bool is_program(const fs::path& path) {
   std::error_code ignored;
   return fs::is_regular_file(path, ignored) && access(path.c_str(), X_OK) == 0;
@@ -170,6 +158,18 @@ void require_success(const ProcessEnd& end, const std::string& words, const Mesh
 }
 
 }  // namespace
+
+std::string cache_folder(const MesherOptions& options) {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  if (!options.cache_folder.empty()) return options.cache_folder;
+  if (fs::path(variable("XDG_CACHE_HOME")).is_absolute())
+    return fs::path(variable("XDG_CACHE_HOME")) / "soft_robot_lab";
+  if (!variable("HOME").empty()) return fs::path(variable("HOME")) / ".cache" / "soft_robot_lab";
+  return fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(getuid()));
+}
 
 std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options) {
   check_request(request);

@@ -45,11 +45,14 @@ void name_chamber_solids(const SettingsNode& scene, Solid& body) {
   }
 }
 
+bool quadratic(const SettingsNode& body) {
+  return body.choice_or("element", "quadratic", {"linear", "quadratic"}) == "quadratic";
+}
+
 // Either a solid to be meshed at some size, or a mesh as it is.
 MeshRequest read_request(const SettingsNode& scene, const SettingsNode& body) {
   MeshRequest request;
-  request.quadratic =
-      body.choice_or("element", request.quadratic ? "quadratic" : "linear", {"linear", "quadratic"}) == "quadratic";
+  request.quadratic = quadratic(body);
   if (body.has("solid") == body.has("mesh")) body.fail("must have one of solid, mesh");
   if (body.has("mesh")) {
     request.mesh_file = beside(body.child("mesh"), body.text("mesh"));
@@ -71,12 +74,18 @@ MeshRequest read_request(const SettingsNode& scene, const SettingsNode& body) {
 
 }  // namespace
 
-TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher) {
+std::string mesh_file(const SettingsNode& scene, const MesherOptions& mesher) {
   const SettingsNode body = scene.child("body");
   const MeshRequest request = read_request(scene, body);
+  return in_section(body, [&] { return mesh_file_for(request, mesher); });
+}
+
+TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher) {
+  const std::string file = mesh_file(scene, mesher);
+  const SettingsNode body = scene.child("body");
   return in_section(body, [&] {
-    const TetMesh mesh = read_msh(mesh_file_for(request, mesher));
-    return request.quadratic ? make_quadratic(mesh) : make_linear(mesh);
+    const TetMesh mesh = read_msh(file);
+    return quadratic(body) ? make_quadratic(mesh) : make_linear(mesh);
   });
 }
 

@@ -38,6 +38,9 @@ struct MesherOptions {
   double time_limit_s = 120.0;
 };
 
+// Where meshes, and what others found out about them, are kept by content.
+std::string cache_folder(const MesherOptions& options);
+
 // The path of an MSH 2.2 text file for the request, made now or found in the cache. Safe against a second process doing
 // the same. Throws std::invalid_argument with the mesher's own words, or std::runtime_error when the time limit passed.
 std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options);

@@ -33,11 +33,12 @@ class Simulation {
   // One time step of SolverOptions::time_step_s.
   SolveReport step();
 
-  // The stable rest state for the present commands, reached from the present state; velocities become zero.
+  // The stable rest state for the present commands, reached from the present state; velocities become zero. Throws
+  // std::invalid_argument where an actuator has none.
   SolveReport solve_equilibrium();
 
   // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack
-  // cable).
+  // cable). Where friction tells going on from turning back, what slipped last goes on.
   Eigen::MatrixXd marker_sensitivities();
 
   void reset();  // rest shape, rest commands, time zero

@@ -99,11 +99,12 @@ void set_sizes(const MeshSizes& sizes, double units_per_metre, const std::vector
   std::vector<double> fields;
   for (const MeshRefinement& refinement : sizes.refinements) {
     smallest_m = std::min(smallest_m, refinement.size_m);
+    std::vector<int> entities;
+    if (!refinement.surface.empty()) entities = entities_of(refinement.surface, surfaces);
     if (refinement.size_m >= sizes.element_size_m) continue;
     fields.push_back(refinement.surface.empty()
                          ? add_ball(refinement, units_per_metre, sizes.element_size_m)
-                         : add_distance(refinement, entities_of(refinement.surface, surfaces), units_per_metre,
-                                        sizes.element_size_m));
+                         : add_distance(refinement, entities, units_per_metre, sizes.element_size_m));
   }
   gmsh::option::setNumber("Mesh.MeshSizeMin", smallest_m * units_per_metre);
   if (fields.empty()) return;

@@ -17,7 +17,9 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
   refuse_contact(settings);
   const SolverOptions solver = read_solver(settings);
 
-  Body body = read_body(settings, read_mesh(settings, {options.mesher, options.cache_folder, options.meshing_limit_s}));
+  TetMesh mesh = read_mesh(settings, {options.mesher, options.cache_folder, options.meshing_limit_s});
+  if (options.change_mesh) options.change_mesh(mesh);
+  Body body = read_body(settings, std::move(mesh));
   const MeshLocator locator(body.mesh());
   auto actuators = read_actuators(settings, body, locator, options.actuator_factory);
   auto markers = read_markers(settings, body, locator);

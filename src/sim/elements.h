@@ -60,6 +60,7 @@ class Elements {
   const Eigen::VectorXd& rest_volumes_m3() const { return rest_volumes_; }
   int count() const { return count_; }
   double lambda_pa() const { return lambda_; }
+  void set_lambda_pa(double lambda_pa) { lambda_ = lambda_pa; }
   double mu_pa() const { return mu_; }
 
  private:

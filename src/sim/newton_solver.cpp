@@ -187,6 +187,12 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2, bo
   linearisation_.reset();
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
+  if (!add_rest_and_factorise(state, inertia_per_s2)) return false;
+  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2});
+  return true;
+}
+
+bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inertia_per_s2) {
   if (inertia_per_s2 > 0.0) {
     for (int node = 0; node < layout_.node_count; ++node)
       matrix_.add_to_diagonal(node, inertia_per_s2 * body_.node_masses_kg()[node]);
@@ -201,7 +207,6 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2, bo
   if (!factor_.factorise(matrix_)) return false;
   border_ = border(state.positions_m);
   border_solved_ = solve(border_);
-  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2});
   return true;
 }
 

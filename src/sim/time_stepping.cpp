@@ -1,6 +1,7 @@
 #include "time_stepping.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "backward_difference.h"
 
@@ -9,14 +10,36 @@ namespace {
 
 constexpr int kDeepestHalving = 6;  // a time step is cut into at most 2^6 parts
 
-NewtonTask task_of(const SolverOptions& options, bool last_resort) {
-  NewtonTask task;
-  task.tolerance = options.dynamic_tolerance;
-  task.min_iterations = 1;
-  task.reuse_factor = true;
-  task.max_iterations = last_resort ? options.max_iterations : std::min(options.max_iterations, kStageIterations);
-  return task;
-}
+constexpr int kBudget = 10;         // times max_iterations, for a step; then it takes what it has
+
+// What the actuators do within a time step: they move evenly, also those without a speed limit.
+struct CommandPath {
+  std::vector<double> from, to;
+
+  explicit CommandPath(SimulationParts& parts, double h) {
+    for (auto& actuator : parts.actuators) {
+      from.push_back(actuator->actuated_command());
+      actuator->advance(h);
+      to.push_back(actuator->actuated_command());
+    }
+  }
+  void move(SimulationParts& parts, double share) const {
+    for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
+      const double reached = share == 1.0 ? to[i] : from[i] + share * (to[i] - from[i]);
+      parts.actuators[i]->restore(parts.actuators[i]->command(), reached);
+    }
+  }
+};
+
+// A part of a time step, from one share of it to another.
+struct Part {
+  double from = 0.0, to = 1.0;
+  int depth = 0;
+
+  double share() const { return to - from; }
+  Part first_half() const { return {from, 0.5 * (from + to), depth + 1}; }
+  Part second_half() const { return {0.5 * (from + to), to, depth + 1}; }
+};
 
 // Makes the solution of a step of length h the state, with all that the next step knows of this one.
 void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, NewtonState solved,
@@ -35,34 +58,41 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
 
 bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
-  for (auto& actuator : parts.actuators) actuator->advance(h);
   const BackwardDifference difference(before, h);
   const Eigen::Matrix3Xd predicted = difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
-  NewtonTask task = task_of(parts.options, last_resort);
+  NewtonTask task;
+  task.tolerance = parts.options.dynamic_tolerance;
+  task.min_iterations = 1;
+  task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
+  task.reuse_factor = true;
   task.inertia_per_s2 = 1.0 / (difference.gamma_s * difference.gamma_s);
   task.predicted_m = &predicted;
   NewtonState unknown = parts.unknowns();
   unknown.positions_m = before.positions_m + h * before.velocities_m_s;
-  if (!parts.solve(task, unknown, report).converged && !last_resort) {
-    parts.restore(before);
-    return false;
-  }
+  const bool solved = parts.solve(task, unknown, report).converged ||
+                      parts.solve_from_below(task, unknown, report).converged;
+  if (!solved && !last_resort) return false;
   accept_step(parts, h, difference, std::move(unknown), std::move(before));
   return true;
 }
 
 // What bdf2 knows of the step before lets halves differ in length; where they grow too fast, as they may afterwards,
-// one step is implicit Euler's.
-void advance(SimulationParts& parts, double h, int depth, SolveReport& report) {
-  if (try_step(parts, h, depth == kDeepestHalving, report)) return;
-  advance(parts, 0.5 * h, depth + 1, report);
+// one step is implicit Euler's. A part that finds no solution at last falls down its energy, which never adds any.
+void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
+  path.move(parts, part.to);
+  const bool last_resort =
+      part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
+  if (try_step(parts, part.share() * h, last_resort, report)) return;
+  advance(parts, h, path, part.first_half(), report);
   const bool first = report.converged;
-  advance(parts, 0.5 * h, depth + 1, report);
+  advance(parts, h, path, part.second_half(), report);
   report.converged = report.converged && first;
 }
 
 }  // namespace
 
-void step_in_time(SimulationParts& parts, double h, SolveReport& report) { advance(parts, h, 0, report); }
+void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
+  advance(parts, h, CommandPath(parts, h), Part(), report);
+}
 
 }  // namespace soft_robot_lab

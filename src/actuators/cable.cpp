@@ -60,7 +60,7 @@ void PathLength::add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, 
     hessian.add_outer(static_cast<int>(i), {-1.0, 1.0}, scale * all[i].curvature);
 }
 
-ConstraintLaw PathLength::law(double value) const {
+ConstraintLaw PathLength::law(double value, double) const {
   ConstraintLaw law = law_;
   if (!law.prescribed()) law.offset = value - length_m_;
   return law;

@@ -2,5 +2,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "soft_robot_lab/actuators/cable.h"
+#include "soft_robot_lab/actuators/chamber.h"
 
 PLUGINLIB_EXPORT_CLASS(soft_robot_lab::Cable, soft_robot_lab::Actuator)
+PLUGINLIB_EXPORT_CLASS(soft_robot_lab::Chamber, soft_robot_lab::Actuator)

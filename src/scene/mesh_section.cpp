@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "scene/sections.h"
 #include "soft_robot_lab/design/solid.h"
 
@@ -22,6 +24,31 @@ std::vector<MeshRefinement> plug_refinements(const SettingsNode& scene) {
   return refinements;
 }
 
+// The solids that some difference, here or below, takes away.
+void collect_subtracted(Solid& solid, std::vector<Solid*>& subtracted) {
+  for (std::size_t i = 0; i < solid.parts.size(); ++i) {
+    if (solid.kind == Solid::Kind::difference && i > 0) subtracted.push_back(&solid.parts[i]);
+    collect_subtracted(solid.parts[i], subtracted);
+  }
+}
+
+// A chamber's `surface: {solid: ...}` repeats a solid that the body's takes away; that solid gets the chamber's name.
+void name_chamber_solids(const SettingsNode& scene, Solid& body) {
+  std::vector<Solid*> subtracted;
+  collect_subtracted(body, subtracted);
+  for (const SettingsNode& chamber : scene.optional_sequence("chambers")) {
+    const std::optional<SettingsNode> surface = chamber.optional_child("surface");
+    if (!surface || !surface->is_map()) continue;
+    const std::string wanted = to_yaml(read_solid(surface->child("solid")));
+    const auto found = std::find_if(subtracted.begin(), subtracted.end(),
+                                    [&](const Solid* solid) { return to_yaml(*solid) == wanted; });
+    if (found == subtracted.end())
+      surface->fail("is none of the " + std::to_string(subtracted.size()) +
+                    " solids that a difference of body.solid takes away");
+    (*found)->name = chamber.text("name");
+  }
+}
+
 // Either a solid to be meshed at some size, or a mesh as it is.
 MeshRequest read_request(const SettingsNode& scene, const SettingsNode& body) {
   MeshRequest request;
@@ -30,9 +57,14 @@ MeshRequest read_request(const SettingsNode& scene, const SettingsNode& body) {
   if (body.has("solid") == body.has("mesh")) body.fail("must have one of solid, mesh");
   if (body.has("mesh")) {
     request.mesh_file = beside(body.child("mesh"), body.text("mesh"));
+    for (const SettingsNode& chamber : scene.optional_sequence("chambers"))
+      if (chamber.has("surface") && chamber.child("surface").is_map())
+        chamber.child("surface").fail("must be the name of a surface in the mesh file");
     return request;
   }
-  request.solid_yaml = to_yaml(read_solid(body.child("solid")));
+  Solid solid = read_solid(body.child("solid"));
+  name_chamber_solids(scene, solid);
+  request.solid_yaml = to_yaml(solid);
   request.element_size_m = body.number_or("element_size_m", request.element_size_m, AllowedRange::positive());
   if (body.boolean_or("refine_plugs", false)) request.refinements = plug_refinements(scene);
   for (const SettingsNode& node : body.optional_sequence("refinements")) {

@@ -34,6 +34,7 @@ Json chamber_json(const ActuatorReading& state) {
   Json json = {{"volume_m3", *state.volume_m3}};
   if (state.initial_volume_m3) json["initial_volume_m3"] = *state.initial_volume_m3;
   if (state.gauge_pressure_pa) json["gauge_pressure_pa"] = *state.gauge_pressure_pa;
+  if (state.gas_residual) json["gas_residual"] = *state.gas_residual;
   return json;
 }
 

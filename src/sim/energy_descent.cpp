@@ -14,18 +14,26 @@ namespace {
 constexpr int kHalvings = 24;
 constexpr int kPatience = 8;         // times the task's iterations
 constexpr double kSoftBulk = 20.0;   // largest lambda meanwhile, over mu
-constexpr double kSoftTie = 1e-2;    // compliance of a rigid constraint meanwhile, over that of the body at it
+constexpr double kSoftTie = 1e-2;    // compliance added to a constraint meanwhile, over that of the body at it
+constexpr int kLawIterations = 50;
 constexpr double kNoSlope = 1e-7;    // of the energy along a step, over mu times the volume: nothing more to win
 constexpr double kOnlySafe = 2.0;    // convexity beyond which there is no other matrix to try
 
-// Of a constraint that is softened to `compliance` where its law is stiffer.
-double multiplier(const ConstraintLaw& law, double compliance) {
-  if (law.prescribed()) return law.min_multiplier;
-  return std::clamp(law.offset / std::max(law.compliance, compliance), law.min_multiplier, law.max_multiplier);
+// dU/dC of a constraint in series with a straight one of compliance `tie`; Newton's method, exact at once where the law
+// is straight.
+double multiplier(const Constraint& constraint, double value, double tie, double y) {
+  for (int i = 0; i < kLawIterations; ++i) {
+    const ConstraintLaw law = constraint.law(value, y);
+    const double before = y;
+    y = law.prescribed() ? law.min_multiplier
+                         : std::clamp(law.offset / (law.compliance + tie), law.min_multiplier, law.max_multiplier);
+    if (std::abs(y - before) <= 1e-12 * std::abs(y)) break;
+  }
+  return y;
 }
 
-// U(to) - U(from), from the multiplier dU/dC that the law tells: Gauss's three points in each of four parts.
-double energy_between(const Constraint& constraint, double compliance, double from, double to) {
+// U(to) - U(from): Gauss's three points in each of four parts.
+double energy_between(const Constraint& constraint, double tie, double y, double from, double to) {
   constexpr int kParts = 4;
   constexpr std::array<double, 3> kPlaces{-0.7745966692414834, 0.0, 0.7745966692414834};
   constexpr std::array<double, 3> kWeights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
@@ -33,8 +41,8 @@ double energy_between(const Constraint& constraint, double compliance, double fr
   double sum = 0.0;
   for (int part = 0; part < kParts; ++part) {
     for (std::size_t i = 0; i < kPlaces.size(); ++i) {
-      const double at = from + (part + 0.5 + 0.5 * kPlaces[i]) * width;
-      sum += kWeights[i] * width * multiplier(constraint.law(at), compliance);
+      y = multiplier(constraint, from + (part + 0.5 + 0.5 * kPlaces[i]) * width, tie, y);
+      sum += kWeights[i] * width * y;
     }
   }
   return sum;
@@ -153,13 +161,14 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
   for (; report.iterations < kPatience * task.max_iterations; ++report.iterations) {
     const Height here = height(task, state.positions_m);
     state.element_multipliers_pa = elements_.lambda_pa() * here.elements.growth;
-    Eigen::VectorXd compliances(count);
+    Eigen::VectorXd compliances = ties;
     std::vector<int> open;
-    for (int i = 0; i < count; ++i) {
-      const ConstraintLaw law = constraints_[i]->law(here.values[i]);
+    if (ties.size() == 0) state.constraint_multipliers.setZero();
+    for (int i = 0; i < static_cast<int>(ties.size()); ++i) {
       double& y = state.constraint_multipliers[i];
-      y = ties.size() > 0 ? multiplier(law, ties[i]) : 0.0;
-      compliances[i] = ties.size() > 0 ? std::max(law.compliance, ties[i]) : 0.0;
+      y = multiplier(*constraints_[i], here.values[i], ties[i], y);
+      const ConstraintLaw law = constraints_[i]->law(here.values[i], y);
+      compliances[i] += law.compliance;
       if (y > law.min_multiplier && y < law.max_multiplier) open.push_back(i);
     }
     if (!linearise_downhill(state, here.elements.growth, task.inertia_per_s2, convexity, report)) break;
@@ -186,7 +195,8 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
       const Height there = height(task, trial);
       double rise = there.energy - here.energy;
       for (int i = 0; i < count; ++i)
-        rise += energy_between(*constraints_[i], ties[i], here.values[i], there.values[i]);
+        rise += energy_between(*constraints_[i], ties[i], state.constraint_multipliers[i], here.values[i],
+                               there.values[i]);
       fell = rise <= 1e-4 * length * slope;
       if (fell) state.positions_m = trial;
     }

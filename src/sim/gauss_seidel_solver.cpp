@@ -111,7 +111,7 @@ void GaussSeidelSolver::predict(const GaussSeidelTask& task, double h, GaussSeid
   }
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
     double& y = state.unknowns.constraint_multipliers[static_cast<Eigen::Index>(i)];
-    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(positions));
+    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(positions), y);
     y = std::clamp(task.multipliers_from_zero ? 0.0 : y, law.min_multiplier, law.max_multiplier);
     if (y == 0.0) continue;
     for (const int node : touched_by(*constraints_[i], positions))
@@ -128,14 +128,14 @@ void GaussSeidelSolver::sweep_elements(double h, NewtonState& state) {
 // Eq. 18 with y = -lambda / h^2, the force: the correction is dy = (o - a y) / (a + h^2 grad C . M^-1 grad C).
 void GaussSeidelSolver::sweep_constraints(double h, NewtonState& state) {
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
-    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(state.positions_m));
+    double& y = state.constraint_multipliers[static_cast<Eigen::Index>(i)];
+    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(state.positions_m), y);
     if (law.prescribed()) continue;
     double weight = 0.0;
     for (const int node : touched_by(*constraints_[i], state.positions_m))
       weight += gradient_.col(node).cwiseAbs2().dot(inverse_masses_.col(node));
     const double softness = law.compliance + h * h * weight;
     if (!(softness > 0.0)) continue;  // rigid between held nodes: nothing can move
-    double& y = state.constraint_multipliers[static_cast<Eigen::Index>(i)];
     const double next =
         std::clamp(y + (law.offset - law.compliance * y) / softness, law.min_multiplier, law.max_multiplier);
     for (const int node : touched_)

@@ -164,7 +164,7 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = state.constraint_multipliers[i];
     result.values.push_back(constraints_[i]->value(state.positions_m));
-    result.laws.push_back(constraints_[i]->law(result.values.back()));
+    result.laws.push_back(constraints_[i]->law(result.values.back(), y));
     if (y != 0.0) constraints_[i]->add_gradient(state.positions_m, y, result.residual_n);
     const ConstraintLaw& law = result.laws.back();
     // Relative to the constraint's own value, so that lengths and volumes count alike; a prescribed multiplier is met
@@ -261,6 +261,8 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   Eigen::VectorXd motion = solve(-as_vector(gradient));
   step.constraint_multipliers.resize(count);
   step.penalties.resize(count);
+  step.laws = here.laws;
+  for (int i = 0; i < count; ++i) step.laws[i].offset -= here.values[i];
   if (count > 0) {
     Eigen::MatrixXd schur = border_.transpose() * border_solved_;
     Eigen::VectorXd right = border_.transpose() * motion + schur * state.constraint_multipliers;
@@ -312,7 +314,9 @@ double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
       (p.cwiseProduct(c) + 0.5 * kPenaltyOverMu * elements_.mu_pa() * c.cwiseAbs2()).dot(elements_.rest_volumes_m3());
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = step.constraint_multipliers[i];
-    sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(at.laws[i], y), 2);
+    ConstraintLaw law = step.laws[i];
+    law.offset += at.values[i];
+    sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(law, y), 2);
   }
   return sum;
 }
@@ -391,8 +395,8 @@ Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
   const int count = constraint_count();
   Eigen::MatrixXd schur = border_.transpose() * border_solved_;
   std::vector<ConstraintLaw> laws;
-  for (const Constraint* constraint : constraints_)
-    laws.push_back(constraint->law(constraint->value(state.positions_m)));
+  for (int i = 0; i < count; ++i)
+    laws.push_back(constraints_[i]->law(constraints_[i]->value(state.positions_m), state.constraint_multipliers[i]));
   for (int i = 0; i < count; ++i) schur(i, i) += laws[i].compliance;
   if (!stable_under(schur, laws, state.constraint_multipliers)) return {};
   Eigen::MatrixXd drive = Eigen::MatrixXd::Zero(count, count);  // rows: constraints, columns: commands

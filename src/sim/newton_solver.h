@@ -94,8 +94,9 @@ class NewtonSolver {
   struct Step {
     Eigen::Matrix3Xd motion_m;
     Eigen::VectorXd element_multipliers_pa, constraint_multipliers;
-    Eigen::VectorXd penalties;  // per constraint, for the merit function
-    double slope = 0.0;         // of the merit function along the step
+    Eigen::VectorXd penalties;        // per constraint, for the merit function
+    std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0
+    double slope = 0.0;               // of the merit function along the step
   };
 
   struct Height {

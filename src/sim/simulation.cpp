@@ -1,6 +1,7 @@
 #include "soft_robot_lab/sim/simulation.h"
 
 #include <chrono>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -75,6 +76,7 @@ SolveReport Simulation::solve_equilibrium() {
   SolveReport report;
   parts_->state.velocities_m_s.setZero();
   parts_->forget_previous_step();
+  parts_->begin_step(std::numeric_limits<double>::infinity());
   if (parts_->gauss_seidel) {
     settle_in_substeps(*parts_, report);
   } else {
@@ -87,6 +89,7 @@ SolveReport Simulation::solve_equilibrium() {
 
 Eigen::MatrixXd Simulation::marker_sensitivities() {
   SimulationParts& p = *parts_;
+  p.begin_step(std::numeric_limits<double>::infinity());
   const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns());
   p.remember();
   if (motions.rows() == 0 && p.solver.constraint_count() > 0)
@@ -132,13 +135,8 @@ Eigen::Vector3d Simulation::marker_position(int marker) const {
 }
 
 ActuatorReading Simulation::actuator_state(int actuator) const {
-  std::size_t first = 0;
-  for (int i = 0; i < actuator; ++i) first += parts_->actuators[i]->constraints().size();
   const Actuator& chosen = *parts_->actuators.at(actuator);
-  std::vector<double> multipliers;
-  for (std::size_t i = 0; i < chosen.constraints().size(); ++i)
-    multipliers.push_back(parts_->state.constraint_multipliers[static_cast<Eigen::Index>(first + i)]);
-  ActuatorReading state = chosen.observe(parts_->state.positions_m, multipliers);
+  ActuatorReading state = chosen.observe(parts_->state.positions_m, parts_->multipliers_of(actuator));
   state.name = chosen.name();
   state.command = chosen.command();
   state.actuated_command = chosen.actuated_command();

@@ -76,6 +76,18 @@ void SimulationParts::forget_previous_step() {
   state.previous_velocities_m_s.resize(3, 0);
 }
 
+std::vector<double> SimulationParts::multipliers_of(std::size_t actuator) const {
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < actuator; ++i) first += actuators[i]->constraints().size();
+  const double* begin = state.constraint_multipliers.data() + first;
+  return {begin, begin + actuators[actuator]->constraints().size()};
+}
+
+void SimulationParts::begin_step(double time_step_s) {
+  for (std::size_t i = 0; i < actuators.size(); ++i)
+    actuators[i]->begin_step(time_step_s, state.positions_m, multipliers_of(i));
+}
+
 void SimulationParts::move_actuators(const std::vector<double>& from, double share) {
   for (std::size_t i = 0; i < actuators.size(); ++i) {
     const double target = actuators[i]->command();

@@ -39,6 +39,11 @@ struct SimulationParts {
   void restore(const SimulationState& saved);
   void forget_previous_step();
 
+  std::vector<double> multipliers_of(std::size_t actuator) const;  // its constraints' multipliers
+
+  // Tells the actuators from where a step starts, or with an infinite one an equilibrium.
+  void begin_step(double time_step_s);
+
   // The actuated commands: this share of the way from `from` to the commands.
   void move_actuators(const std::vector<double>& from, double share);
 

@@ -65,6 +65,7 @@ GaussSeidelTask substepping(const SimulationParts& parts) {
 void step_in_substeps(SimulationParts& parts, SolveReport& report) {
   const std::vector<double> from = parts.state.actuated_commands;
   std::vector<double> to;
+  parts.begin_step(parts.options.time_step_s);
   for (auto& actuator : parts.actuators) {
     actuator->advance(parts.options.time_step_s);
     to.push_back(actuator->actuated_command());

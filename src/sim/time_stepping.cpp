@@ -16,7 +16,8 @@ constexpr int kBudget = 10;         // times max_iterations, for a step; then it
 struct CommandPath {
   std::vector<double> from, to;
 
-  explicit CommandPath(SimulationParts& parts, double h) {
+  CommandPath(SimulationParts& parts, double h) {
+    parts.begin_step(h);
     for (auto& actuator : parts.actuators) {
       from.push_back(actuator->actuated_command());
       actuator->advance(h);
@@ -79,6 +80,7 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
 // What bdf2 knows of the step before lets halves differ in length; where they grow too fast, as they may afterwards,
 // one step is implicit Euler's. A part that finds no solution at last falls down its energy, which never adds any.
 void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
+  parts.begin_step(part.share() * h);
   path.move(parts, part.to);
   const bool last_resort =
       part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;

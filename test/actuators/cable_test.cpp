@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "actuators/dense_sink.h"
 #include "sim/box_mesh.h"
 #include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/settings/settings_node.h"
@@ -12,48 +13,6 @@
 
 namespace soft_robot_lab {
 namespace {
-
-// A constraint's Hessian over the nodes, with carried points put back onto theirs.
-class DenseSink : public CliqueSink {
- public:
-  DenseSink(const Constraint& constraint, Eigen::Index nodes)
-      : points_(constraint.carried_points()),
-        cliques_(constraint.cliques()),
-        hessian(Eigen::MatrixXd::Zero(3 * nodes, 3 * nodes)) {}
-
-  void add_outer(int clique, const std::vector<double>& coefficients, const Eigen::Matrix3d& block) override {
-    add(clique,
-        [&](std::size_t i, std::size_t j) -> Eigen::Matrix3d { return coefficients[i] * coefficients[j] * block; });
-  }
-  void add_dense(int clique, const Eigen::MatrixXd& matrix) override {
-    add(clique, [&](std::size_t i, std::size_t j) -> Eigen::Matrix3d {
-      return matrix.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
-    });
-  }
-
- private:
-  EmbeddedPoint carrier(int member) const {
-    return member < 0 ? points_[static_cast<std::size_t>(~member)] : EmbeddedPoint{{member}, {1.0}};
-  }
-  template <class Block>
-  void add(int clique, Block block) {
-    const Clique& members = cliques_[static_cast<std::size_t>(clique)];
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      for (std::size_t j = 0; j < members.size(); ++j) {
-        const EmbeddedPoint a = carrier(members[i]), b = carrier(members[j]);
-        for (std::size_t k = 0; k < a.nodes.size(); ++k)
-          for (std::size_t l = 0; l < b.nodes.size(); ++l)
-            hessian.block<3, 3>(3 * a.nodes[k], 3 * b.nodes[l]) += a.weights[k] * b.weights[l] * block(i, j);
-      }
-    }
-  }
-
-  std::vector<EmbeddedPoint> points_;
-  std::vector<Clique> cliques_;
-
- public:
-  Eigen::MatrixXd hessian;
-};
 
 class CableTest : public ::testing::Test {
  protected:
@@ -164,19 +123,19 @@ TEST_F(CableTest, CommandsByContractionLengthOrTension) {
   contraction->set_command(0.9);
   contraction->advance(1.0);
   const double rest = *contraction->observe(bent_, {0.0}).rest_length_m;
-  EXPECT_NEAR(contraction->constraints()[0]->law(rest).offset, 0.1 * rest, 1e-12);
-  EXPECT_EQ(contraction->constraints()[0]->law(rest).min_multiplier, 0.0);
+  EXPECT_NEAR(contraction->constraints()[0]->law(rest, 0.0).offset, 0.1 * rest, 1e-12);
+  EXPECT_EQ(contraction->constraints()[0]->law(rest, 0.0).min_multiplier, 0.0);
 
   auto length = side_cable(", command: length_m");
   length->set_command(0.05);
   length->advance(1.0);
-  EXPECT_NEAR(length->constraints()[0]->law(rest).offset, rest - 0.05, 1e-12);
+  EXPECT_NEAR(length->constraints()[0]->law(rest, 0.0).offset, rest - 0.05, 1e-12);
 
   auto tension = side_cable(", command: tension_n");
   tension->set_command(3.0);
   tension->advance(1.0);
-  EXPECT_TRUE(tension->constraints()[0]->law(rest).prescribed());
-  EXPECT_EQ(tension->constraints()[0]->law(rest).min_multiplier, 3.0);
+  EXPECT_TRUE(tension->constraints()[0]->law(rest, 0.0).prescribed());
+  EXPECT_EQ(tension->constraints()[0]->law(rest, 0.0).min_multiplier, 3.0);
 }
 
 TEST_F(CableTest, MovesNoFasterThanItsDrive) {
@@ -243,7 +202,9 @@ TEST(Factory, KnowsItsPlugins) {
     make_actuator("soft_robot_lab/Balloon");
     FAIL();
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "unknown actuator plugin 'soft_robot_lab/Balloon'; known: soft_robot_lab/Cable");
+    EXPECT_STREQ(
+        error.what(),
+        "unknown actuator plugin 'soft_robot_lab/Balloon'; known: soft_robot_lab/Cable, soft_robot_lab/Chamber");
   }
 }
 

@@ -171,7 +171,7 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"loads: [{box: {min_m: [3, 3, 3], max_m: [4, 4, 4]}, force_n: [0, 1, 0]}]", "no whole boundary face lies in"},
       {"cables: [{name: far, points_m: [[0, 0, 0], [0.1, 0.5, 0]]}]", "bad.yaml:2: cables[0]"},
       {"cables: [{name: left, points_m: [[0, 0, 0], [0.1, 0, 0]], model: rope}]", "'rope' is not one of"},
-      {"chambers: [{name: main, surface: cavity}]", "bad.yaml:2: chambers[0]: "},
+      {"chambers: [{name: main, surface: cavity}]", "surface: the mesh has no surface 'cavity'; known: none"},
       {"actuators: [{plugin: my_lab/Muscle, name: m}]", "bad.yaml:2: actuators[0].plugin: "},
       {"markers: [{position_m: [0, 0, 0]}]", "markers[0]: key 'name' is missing"},
       {"markers: [{name: a, position_m: [0, 0, 0]}, {name: a, position_m: [0, 0, 0]}]", "two markers are named 'a'"},

@@ -22,7 +22,7 @@ class PathLength : public Constraint {
   double value(const Eigen::Matrix3Xd& positions_m) const override;
   void add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const override;
   void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const override;
-  ConstraintLaw law(double value) const override;
+  ConstraintLaw law(double value, double multiplier) const override;
 
   std::vector<Eigen::Vector3d> path(const Eigen::Matrix3Xd& positions_m) const;
 

@@ -1,6 +1,6 @@
 // The plugin interface of everything that drives the body: cables, air chambers, and what a lab adds of its own.
-// Called in this order: initialise once; then per command set_command; per time step advance; per solver iteration the
-// constraints; after a solve observe.
+// Called in this order: initialise once; then per command set_command; per time step begin_step and advance; per solver
+// iteration the constraints; after a solve observe.
 #pragma once
 
 #include <memory>
@@ -30,6 +30,7 @@ struct ActuatorReading {
   std::optional<double> volume_m3;
   std::optional<double> initial_volume_m3;
   std::optional<double> gauge_pressure_pa;
+  std::optional<double> gas_residual;   // pressure times volume over the amount of gas, less one
   std::vector<Eigen::Vector3d> path_m;  // polyline to draw, in robot_base; empty for none
 };
 
@@ -37,7 +38,7 @@ struct CommandLimits {
   double rest = 0.0;  // the command that asks for nothing
   double min = 0.0;
   double max = 0.0;
-  std::string unit;  // "1" for contraction, "m", "N", "Pa"
+  std::string unit;  // "1" for contraction and beta, "m", "N", "ml", "Pa"
 };
 
 class Actuator {
@@ -55,6 +56,11 @@ class Actuator {
 
   // Throws std::invalid_argument with name, value and allowed range; the old command then stays.
   void set_command(double command);
+
+  // What depends on the past, such as a pump's flow, takes it from the state that a time step starts from; the step is
+  // infinite before an equilibrium. `multipliers` as in observe.
+  virtual void begin_step(double /*time_step_s*/, const Eigen::Matrix3Xd& /*positions_m*/,
+                          const std::vector<double>& /*multipliers*/) {}
 
   // Moves the actuated value towards the command, no faster than the drive can in that time; an infinite time arrives.
   void advance(double time_step_s);

@@ -24,12 +24,13 @@ class CliqueSink {
   virtual void add_dense(int clique, const Eigen::MatrixXd& matrix) = 0;
 };
 
-// The energy U(C) of a constraint near one value, written so that a rigid constraint stays finite (XPBD, Macklin et al.
-// 2016). The multiplier y = dU/dC is an unknown of its own; the nodes feel the force -y dC/dx.
+// The energy U(C) of a constraint near one value and multiplier, written so that a rigid constraint stays finite (XPBD,
+// Macklin et al. 2016). The multiplier y = dU/dC is an unknown of its own; the nodes feel the force -y dC/dx.
 //   offset + compliance-weighted linearisation:   compliance * y = offset + dC   where C grows by dC
+// A law C = c(y) that is not straight is linearised at the present y: compliance = c'(y), offset = C - c(y) + c'(y) y.
 struct ConstraintLaw {
-  double offset = 0.0;      // compliance * dU/dC at this value; C - L for a cable of length L; unit of C
-  double compliance = 0.0;  // 1 / U''(C) >= 0; 0 is rigid
+  double offset = 0.0;      // what compliance * y must be at this value; C - L for a cable of length L; unit of C
+  double compliance = 0.0;  // c'(y) = 1 / U''(C) >= 0; 0 is rigid
   double min_multiplier = -std::numeric_limits<double>::infinity();  // 0 for a cable, which cannot push
   double max_multiplier = std::numeric_limits<double>::infinity();   // equal to the minimum: y is prescribed
   double offset_per_command = 0.0;                                   // d offset / d command at fixed C
@@ -59,7 +60,7 @@ class Constraint {
   // Adds scale * d2C/dx2, with carried points p = W x in place of their nodes.
   virtual void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const = 0;
 
-  virtual ConstraintLaw law(double value) const = 0;
+  virtual ConstraintLaw law(double value, double multiplier) const = 0;
 };
 
 }  // namespace soft_robot_lab

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 
@@ -87,6 +88,18 @@ void scramble(const Body& body, Eigen::Matrix3Xd& positions_m) {
 void collapse_to_plane(const Body& body, Eigen::Matrix3Xd& positions_m) { scale_axes(body, 1, 0.0, positions_m); }
 void collapse_to_line(const Body& body, Eigen::Matrix3Xd& positions_m) { scale_axes(body, 2, 0.0, positions_m); }
 void collapse_to_point(const Body& body, Eigen::Matrix3Xd& positions_m) { scale_axes(body, 3, 0.0, positions_m); }
+void collapse_spans(const Body& body, Eigen::Matrix3Xd& positions_m) {
+  const Box box(body);
+  const int axis = box.axes[2];
+  const double slice = 0.2 * (box.max_m - box.min_m)[axis];
+  const Eigen::Matrix3Xd before = positions_m;
+  for (double& place : positions_m.row(axis)) {
+    const double count = std::min(4.0, std::floor((place - box.min_m[axis]) / slice));
+    place = box.min_m[axis] + (count + 0.5) * slice;
+  }
+  keep_held(body, before, positions_m);
+}
+
 void mirror(const Body& body, Eigen::Matrix3Xd& positions_m) { scale_axes(body, 1, -1.0, positions_m); }
 
 }  // namespace soft_robot_lab

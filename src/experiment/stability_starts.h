@@ -18,6 +18,9 @@ void collapse_to_plane(const Body& body, Eigen::Matrix3Xd& positions_m);
 void collapse_to_line(const Body& body, Eigen::Matrix3Xd& positions_m);
 void collapse_to_point(const Body& body, Eigen::Matrix3Xd& positions_m);
 
+// Pressed together along its longest direction into slices of a fifth of it, so that via points in a slice coincide.
+void collapse_spans(const Body& body, Eigen::Matrix3Xd& positions_m);
+
 // Mirrored in that plane, so that every free element is inverted.
 void mirror(const Body& body, Eigen::Matrix3Xd& positions_m);
 

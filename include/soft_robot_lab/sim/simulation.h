@@ -33,7 +33,8 @@ class Simulation {
   // One time step of SolverOptions::time_step_s.
   SolveReport step();
 
-  // The stable rest state for the present commands, reached from the present state; velocities become zero.
+  // The stable rest state for the present commands, reached from the present state, or from the rest shape where the
+  // present state has inverted elements (a tangle may hold itself); velocities become zero.
   SolveReport solve_equilibrium();
 
   // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack

@@ -1,0 +1,85 @@
+// The chart of stability on a small body: the default solver must not fail, and nothing may be other than finite.
+#include "soft_robot_lab/experiment/stability.h"
+
+#include <gtest/gtest.h>
+
+#include "soft_robot_lab/actuators/factory.h"
+
+namespace soft_robot_lab {
+namespace {
+
+StabilityBench make_bench() {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  return {options, std::string(SOFT_ROBOT_LAB_SOURCE) + "/config"};
+}
+
+// The quick chart's bodies that cost least: one with cables, one with a chamber.
+std::vector<StabilityBody> small_bodies() {
+  std::vector<StabilityBody> small;
+  for (const StabilityBody& body : stability_bodies(true))
+    if (body.name == "cantilever" || body.name == "cuboid") small.push_back(body);
+  return small;
+}
+
+TEST(Stability, DefaultSolverSurvivesOrRecoversEverywhere) {
+  StabilityBench bench = make_bench();
+  int cells = 0;
+  for (const StabilityBody& body : small_bodies()) {
+    for (const StabilityMethod& method : stability_methods()) {
+      for (const HardCase& hard_case : hard_cases(true)) {
+        if (!method.ours || hard_case.commands(body).empty()) continue;
+        const StabilityCell cell = bench.run(body, method, hard_case);
+        EXPECT_TRUE(is_good(cell.outcome)) << cell.body << ", " << cell.method << ", " << cell.hard_case << ": "
+                                           << name_of(cell.outcome) << ": " << cell.message;
+        ++cells;
+      }
+    }
+  }
+  EXPECT_GE(cells, 30);
+}
+
+TEST(Stability, NoMethodLeavesTheFiniteNumbers) {
+  StabilityBench bench = make_bench();
+  const StabilityBody body = small_bodies().front();
+  for (const StabilityMethod& method : stability_methods()) {
+    for (const HardCase& hard_case : hard_cases(true)) {
+      const bool hard = hard_case.name == "time step 1 s" || hard_case.name == "scrambled nodes, driven";
+      if (method.ours || !hard) continue;
+      const StabilityCell cell = bench.run(body, method, hard_case);
+      EXPECT_NE(cell.outcome, Outcome::not_finite) << cell.method << ", " << cell.hard_case;
+    }
+  }
+}
+
+// The chart must be able to tell a failure: linear elements lock, converge, and are in the wrong place.
+TEST(Stability, ShowsWhatIsInTheWrongPlace) {
+  StabilityBench bench = make_bench();
+  const StabilityBody body = small_bodies().front();
+  StabilityMethod linear;
+  linear.body_changes = "body: {element: linear}";
+  linear.equilibrium = true;
+  const HardCase incompressible = hard_cases(true).front();
+  const StabilityCell cell = bench.run(body, linear, incompressible);
+  EXPECT_EQ(cell.outcome, Outcome::silent) << cell.message;
+  EXPECT_GT(cell.off_m, 1e-3);
+}
+
+TEST(Stability, DrawsEveryCellOnce) {
+  StabilityCell cell{"bar", "global", "scrambled", true, Outcome::recovered, 1, 0, 0.0, 0.1, ""};
+  std::vector<StabilityCell> cells{cell};
+  cell.hard_case = "slivers";
+  cell.outcome = Outcome::silent;
+  cells.push_back(cell);
+  const Plot plot = stability_plot(cells);
+  ASSERT_EQ(plot.series.size(), 2u);
+  EXPECT_EQ(plot.series[0].label, "recovered");
+  EXPECT_EQ(plot.series[1].x, std::vector<double>{1.0});
+  EXPECT_EQ(plot.x.ticks.size(), 2u);
+  EXPECT_EQ(plot.y.ticks.size(), 1u);
+  EXPECT_NE(stability_csv(cells).find("\"slivers\",failed silently"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -91,7 +91,7 @@ Scene StabilityBench::load(const StabilityBody& body, const StabilityMethod& met
   const std::string file = config_folder_ + "/" + body.scene;
   SceneOptions options = options_;
   options.changes = merged({changed_drives(file, body.chamber ? "chambers" : "cables",
-                                           {hard_case.drive_changes, method.drive_changes}),
+                                           {hard_case.drive_changes, method.drive_changes(body)}),
                             body.changes, hard_case.changes, method.body_changes, method.solver_changes});
   options.change_mesh = hard_case.change_mesh;
   return load_scene(file, options);

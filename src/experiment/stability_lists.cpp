@@ -83,12 +83,13 @@ std::vector<StabilityBody> stability_bodies(bool quick) {
 std::vector<StabilityMethod> stability_methods() {
   const std::string linear = "body: {element: linear}", bdf2 = "solver: {integrator: bdf2}",
                     substeps = "solver: {method: gauss_seidel, substeps: 50}";
-  return {{"global, equilibrium", "", "", "", true, true},
-          {"global, in time", "", "", "", false, true},
-          {"global, in time, bdf2", "", bdf2, "", false, true},
-          {"global, linear elements", linear, "", ""},
-          {"gauss_seidel", "", substeps, ""},
-          {"gauss_seidel, linear", linear, substeps, ""}};
+  return {{"global, equilibrium", "", "", true, true},
+          {"global, in time", "", "", false, true},
+          {"global, in time, bdf2", "", bdf2, false, true},
+          {"global, linear elements", linear, ""},
+          {"gauss_seidel", "", substeps},
+          {"gauss_seidel, linear", linear, substeps},
+          {"explicit coupling", "", "", false, false, "", "model: explicit"}};
 }
 
 std::vector<HardCase> hard_cases(bool quick) {
@@ -105,8 +106,7 @@ std::vector<HardCase> hard_cases(bool quick) {
   cases.push_back(pulled_at_once("the same, both cables", {0.5, 0.5}, "1.0e-5"));
   cases.push_back(filled_at_once("beta 1 to 5 at once, coarse", "0.03"));
   if (!quick) cases.push_back(filled_at_once("beta 1 to 5 at once, fine", "0.0075"));
-  for (const char* height : quick ? Names{"1.0e-3"} : Names{"1.0e-2", "1.0e-4"})
-    cases.push_back(with_slivers(height));
+  for (const char* height : quick ? Names{"1.0e-3"} : Names{"1.0e-2", "1.0e-4"}) cases.push_back(with_slivers(height));
   cases.push_back(from("scrambled nodes, driven", scramble, true));
   if (!quick) {
     cases.push_back(from("scrambled nodes", scramble, false));

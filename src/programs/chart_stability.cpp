@@ -23,7 +23,8 @@ constexpr const char* kUsage =
     "Runs every method in every hard case, and writes stability.svg, .png and .csv (the places of the squares) and\n"
     "stability_cells.csv (a line for each cell) to FOLDER, by default charts/ where it is started. --quick: coarse\n"
     "bodies, and fewer cases. --body, --method, --case: only those whose name holds the text.\n"
-    "Exit status: 0 the default solver survived or recovered everywhere and all was finite, 1 not so, 2 bad arguments,\n"
+    "Exit status: 0 the default solver survived or recovered everywhere and all was finite, 1 not so, 2 bad "
+    "arguments,\n"
     "or the chart could not be made.\n";
 
 enum ExitStatus { kGood = 0, kFailedCells = 1, kError = 2 };
@@ -84,7 +85,7 @@ std::vector<StabilityCell> run(const Arguments& arguments) {
     for (const StabilityMethod& method : methods) {
       for (const HardCase& hard_case : cases) {
         bar.show(done++ / count, body.name + ", " + method.name + ", " + hard_case.name);
-        if (!hard_case.commands(body).empty()) cells.push_back(bench.run(body, method, hard_case));
+        if (method.fits(body) && !hard_case.commands(body).empty()) cells.push_back(bench.run(body, method, hard_case));
       }
     }
   }

@@ -12,12 +12,12 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr int kHalvings = 24;
-constexpr int kPatience = 8;         // times the task's iterations
-constexpr double kSoftBulk = 20.0;   // largest lambda meanwhile, over mu
-constexpr double kSoftTie = 1e-2;    // compliance added to a constraint meanwhile, over that of the body at it
+constexpr int kPatience = 8;        // times the task's iterations
+constexpr double kSoftBulk = 20.0;  // largest lambda meanwhile, over mu
+constexpr double kSoftTie = 1e-2;   // compliance added to a constraint meanwhile, over that of the body at it
 constexpr int kLawIterations = 50;
-constexpr double kNoSlope = 1e-7;    // of the energy along a step, over mu times the volume: nothing more to win
-constexpr double kOnlySafe = 2.0;    // convexity beyond which there is no other matrix to try
+constexpr double kNoSlope = 1e-7;  // of the energy along a step, over mu times the volume: nothing more to win
+constexpr double kOnlySafe = 2.0;  // convexity beyond which there is no other matrix to try
 
 // dU/dC of a constraint in series with a straight one of compliance `tie`; Newton's method, exact at once where the law
 // is straight.
@@ -125,8 +125,7 @@ bool NewtonSolver::linearise_downhill(const NewtonState& state, const Eigen::Vec
                                       double& convexity, NewtonReport& report) {
   for (convexity = lowered(convexity);; convexity = raised(convexity)) {
     ++report.factorisations;
-    const bool positive =
-        linearise_blend(state, growth, inertia_per_s2, convexity) && factor_.negative_pivots() == 0;
+    const bool positive = linearise_blend(state, growth, inertia_per_s2, convexity) && factor_.negative_pivots() == 0;
     linearisation_.reset();
     if (positive || convexity > 1.0) return positive;
     ++report.convexified;
@@ -195,8 +194,8 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
       const Height there = height(task, trial);
       double rise = there.energy - here.energy;
       for (int i = 0; i < count; ++i)
-        rise += energy_between(*constraints_[i], ties[i], state.constraint_multipliers[i], here.values[i],
-                               there.values[i]);
+        rise +=
+            energy_between(*constraints_[i], ties[i], state.constraint_multipliers[i], here.values[i], there.values[i]);
       fell = rise <= 1e-4 * length * slope;
       if (fell) state.positions_m = trial;
     }

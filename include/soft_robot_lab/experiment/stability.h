@@ -30,11 +30,20 @@ struct StabilityBody {
 
 struct StabilityMethod {
   std::string name;
-  std::string body_changes;   // YAML over the scene: another element
-  std::string solver_changes; // the same, without which the default solver works on the same elements
-  std::string drive_changes;  // over each cable or chamber
-  bool equilibrium = false;   // rest state at once; else in time
-  bool ours = false;          // the default solver, which must not fail
+  std::string body_changes;       // YAML over the scene: another element
+  std::string solver_changes;     // the same, without which the default solver works on the same elements
+  bool equilibrium = false;       // rest state at once; else in time
+  bool ours = false;              // the default solver, which must not fail
+  std::string cable_changes{};    // over each cable
+  std::string chamber_changes{};  // over each chamber
+
+  const std::string& drive_changes(const StabilityBody& body) const {
+    return body.chamber ? chamber_changes : cable_changes;
+  }
+  // Another coupling of cables is for bodies with cables.
+  bool fits(const StabilityBody& body) const {
+    return (cable_changes.empty() && chamber_changes.empty()) || !drive_changes(body).empty();
+  }
 };
 
 // What all bodies and methods go through. Commands are given at once, actuator by actuator; the rest stay at rest. No
@@ -84,8 +93,8 @@ class StabilityBench {
   };
   Scene load(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) const;
   const Reference& reference(const StabilityBody& body, const HardCase& hard_case);
-  void judge(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case,
-             const Simulation& end, StabilityCell& cell);
+  void judge(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case, const Simulation& end,
+             StabilityCell& cell);
 
   SceneOptions options_;
   std::string config_folder_;

@@ -11,6 +11,10 @@ declare -A allowed=(
   [scene]="scene sim settings design"
   [control]="control sim"
   [experiment]="experiment control scene actuators sim design settings"
+  [motor]="motor settings"
+  [rig]="rig motor experiment settings"
+  [firmware]="motor"
+  [emulator]="emulator motor"
 )
 ros='(ros|rosbag|pluginlib|class_loader|nodelet|tf2[a-z_]*|roslib|[a-z_]*_msgs|std_srvs|diagnostic_updater|message_filters)/'
 message='soft_robot_lab/[A-Z]' # generated messages
@@ -30,6 +34,8 @@ for part in "${!allowed[@]}"; do
   includes=$(grep -rnE '^[[:space:]]*#[[:space:]]*include' "${folders[@]}" || true)
   report "$part/ may not know ROS" "$(grep -E "[<\"]($ros|$message)" <<<"$includes" || true)"
   report "Gmsh is GPL: only the program mesh_robot may include it" "$(grep -E '[<"]gmsh' <<<"$includes" || true)"
+  [[ $part == emulator ]] ||
+    report "simavr is GPL: only the program rig_emulator may include it" "$(grep -E '[<"]simavr' <<<"$includes" || true)"
   # Public headers are soft_robot_lab/PART/..., private ones PART/..., which only their own part may include.
   others=$(grep -E "[<\"](soft_robot_lab/[a-z]|($parts)/)" <<<"$includes" | grep -v "\"$part/" || true)
   for friend in ${allowed[$part]}; do

@@ -127,12 +127,11 @@ IsothermalGas Chamber::gas_at(double command) const {
   return gas;
 }
 
-void Chamber::begin_step(double time_step_s, const Eigen::Matrix3Xd& positions_m,
-                         const std::vector<double>& multipliers) {
-  time_step_s_ = time_step_s;
+void Chamber::begin_step(const StepStart& start) {
+  time_step_s_ = start.time_step_s;
   if (kind_ == Command::gauge_pressure)
-    amount_before_j_ = (initial_pressure_pa_ - multipliers.at(0)) * volume_->volume_m3(positions_m);
-  if (explicit_) positions_before_m_ = positions_m;
+    amount_before_j_ = (initial_pressure_pa_ - start.multipliers.at(0)) * volume_->volume_m3(start.positions_m);
+  if (explicit_) positions_before_m_ = start.positions_m;
   actuate(actuated_command());
 }
 

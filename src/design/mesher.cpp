@@ -11,7 +11,7 @@
 
 #include <unistd.h>
 
-#include "design/content_hash.h"
+#include "soft_robot_lab/design/content_hash.h"
 #include "soft_robot_lab/design/timed_process.h"
 #include "soft_robot_lab/design/solid.h"
 
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Part of every cache key: raise it when mesh_robot makes something else of the same request.
-constexpr const char* kMesherVersion = "soft_robot_lab mesh 1";
+constexpr const char* kMesherVersion = "soft_robot_lab mesh 2";
 
 void check_size(const std::string& key, double value) {
   if (std::isfinite(value) && value > 0) return;
@@ -34,10 +34,17 @@ void check_request(const MeshRequest& request) {
   }
   check_size("element_size_m", request.element_size_m);
   for (const MeshRefinement& refinement : request.refinements) {
-    check_size("refinements: radius_m", refinement.radius_m);
     check_size("refinements: size_m", refinement.size_m);
+    if (!refinement.surface.empty()) continue;
+    check_size("refinements: radius_m", refinement.radius_m);
     if (!refinement.center_m.allFinite()) throw std::invalid_argument("refinements: center_m is not finite");
   }
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
+  return result + "'";
 }
 
 // What mesh_robot reads.
@@ -46,15 +53,17 @@ std::string request_text(const MeshRequest& request) {
   text.imbue(std::locale::classic());
   text.precision(17);
   if (!request.mesh_file.empty()) {
-    std::string quoted;
-    for (const char c : fs::absolute(request.mesh_file).string()) quoted += c == '\'' ? "''" : std::string(1, c);
-    text << "mesh_file: '" << quoted << "'\n";
+    text << "mesh_file: " << quoted(fs::absolute(request.mesh_file)) << "\n";
     return text.str();
   }
   text << "solid: " << request.solid_yaml << "\nelement_size_m: " << request.element_size_m
        << "\nquadratic: " << (request.quadratic ? "true" : "false")
        << "\nrefinements:" << (request.refinements.empty() ? " []" : "") << "\n";
   for (const MeshRefinement& r : request.refinements) {
+    if (!r.surface.empty()) {
+      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << quoted(r.surface) << ", size_m: " << r.size_m << "}\n";
+      continue;
+    }
     text << "- {center_m: [" << r.center_m.x() << ", " << r.center_m.y() << ", " << r.center_m.z()
          << "], radius_m: " << r.radius_m << ", size_m: " << r.size_m << "}\n";
   }
@@ -85,18 +94,6 @@ std::string cache_key(const MeshRequest& request, const std::string& text) {
     hash.add(content.str());
   }
   return hash.hex();
-}
-
-fs::path cache_folder(const MesherOptions& options) {
-  const auto variable = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string(value ? value : "");
-  };
-  if (!options.cache_folder.empty()) return options.cache_folder;
-  if (fs::path(variable("XDG_CACHE_HOME")).is_absolute())
-    return fs::path(variable("XDG_CACHE_HOME")) / "soft_robot_lab";
-  if (!variable("HOME").empty()) return fs::path(variable("HOME")) / ".cache" / "soft_robot_lab";
-  return fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(getuid()));
 }
 
 bool is_program(const fs::path& path) {
@@ -161,6 +158,18 @@ void require_success(const ProcessEnd& end, const std::string& words, const Mesh
 }
 
 }  // namespace
+
+std::string cache_folder(const MesherOptions& options) {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  if (!options.cache_folder.empty()) return options.cache_folder;
+  if (fs::path(variable("XDG_CACHE_HOME")).is_absolute())
+    return fs::path(variable("XDG_CACHE_HOME")) / "soft_robot_lab";
+  if (!variable("HOME").empty()) return fs::path(variable("HOME")) / ".cache" / "soft_robot_lab";
+  return fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(getuid()));
+}
 
 std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options) {
   check_request(request);

@@ -58,8 +58,8 @@ Json report_json(const ExperimentReport& report) {
   Json json = {{"title", result.title},
                {"converged", result.converged},
                {"message", result.message},
-               {"table", table_json(result.table)},
-               {"numbers", result.numbers}};
+               {"table", table_json(result.table)}};
+  if (!result.numbers.is_null()) json.update(result.numbers);
   json["pictures"] = Json::array();
   for (const PlotFiles& files : report.pictures) json["pictures"].push_back(files.svg);
   return json;

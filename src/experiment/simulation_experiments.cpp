@@ -1,4 +1,5 @@
 #include "experiment/cantilever_experiment.h"
+#include "experiment/chamber_experiments.h"
 #include "soft_robot_lab/experiment/experiment.h"
 
 namespace soft_robot_lab {
@@ -6,6 +7,11 @@ namespace soft_robot_lab {
 std::vector<Experiment> simulation_experiments() {
   return {
       {"cantilever", "sag of a silicone bar over Poisson's ratio: which elements lock", run_cantilever_experiment},
+      {"5.3.1", "inflation of the hollow cuboid: volume and pressure over gas", run_inflation_experiment},
+      {"5.3.2", "deflation of the hollow cuboid: volume and pressure over gas", run_deflation_experiment},
+      {"6.3.4", "Bubblefinger inflated to beta 2.57, on a coarse and a fine mesh", run_bubblefinger_experiment},
+      {"6.3.5", "a chamber of Bubblebot inflated to beta 5, and what the elements go through",
+       run_bubblebot_experiment},
   };
 }
 

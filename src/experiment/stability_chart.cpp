@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <locale>
-#include <sstream>
 
 #include "soft_robot_lab/experiment/stability.h"
 
@@ -23,11 +21,6 @@ Axis axis_of(const std::vector<std::string>& names) {
   axis.min = -0.6;
   axis.max = static_cast<double>(names.size()) - 0.4;
   return axis;
-}
-
-std::string quoted(std::string text) {
-  std::replace(text.begin(), text.end(), '"', '\'');
-  return "\"" + text + "\"";
 }
 
 }  // namespace
@@ -55,17 +48,6 @@ Plot stability_plot(const std::vector<StabilityCell>& cells) {
   plot.width_px = 360 + 36 * static_cast<int>(cases.size());
   plot.height_px = 260 + 26 * static_cast<int>(rows.size());
   return plot;
-}
-
-std::string stability_csv(const std::vector<StabilityCell>& cells) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text << "body,method,case,outcome,solves,failed_solves,off_m,cpu_s,message\n";
-  for (const StabilityCell& cell : cells)
-    text << cell.body << "," << quoted(cell.method) << "," << quoted(cell.hard_case) << "," << name_of(cell.outcome)
-         << "," << cell.solves << "," << cell.failed_solves << "," << cell.off_m << "," << cell.cpu_s << ","
-         << quoted(cell.message) << "\n";
-  return text.str();
 }
 
 }  // namespace soft_robot_lab

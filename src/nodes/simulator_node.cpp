@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -54,9 +55,13 @@ SimulatorOptions read_options(const ros::NodeHandle& node) {
 // A scene ready to run, with the state that `reset` brings back.
 struct RunningScene {
   explicit RunningScene(Scene loaded)
-      : path(loaded.file), simulation(std::move(loaded.simulation)), surface(simulation->body().mesh()) {}
+      : path(loaded.file),
+        fidelity(std::move(loaded.fidelity)),
+        simulation(std::move(loaded.simulation)),
+        surface(simulation->body().mesh()) {}
 
   std::string path;
+  std::optional<FidelityReport> fidelity;
   std::unique_ptr<Simulation> simulation;
   SurfaceMarker surface;
   SimulationState start;
@@ -107,7 +112,8 @@ class SimulatorNode {
   double session_s_ = 0.0;  // never goes back, unlike the scene's own time at a reset
   double surface_due_s_ = 0.0;
   SolveReport last_report_;
-  int unconverged_steps_ = 0;  // since the last diagnosis
+  int unconverged_steps_ = 0;           // since the last diagnosis
+  std::vector<SolveWarning> warnings_;  // likewise
   int refused_commands_ = 0;
   std::string last_refusal_;
   RealTimeFactor real_time_factor_;
@@ -164,6 +170,11 @@ std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) co
   scene->start = scene->simulation->state();
   const TetMesh& mesh = scene->simulation->body().mesh();
   ROS_INFO("%s: %d elements, %d nodes", path.c_str(), mesh.tet_count(), mesh.node_count());
+  if (scene->fidelity) {
+    ROS_INFO("%s: %s", path.c_str(), summary(*scene->fidelity).c_str());
+    if (!scene->fidelity->met)
+      ROS_WARN("%s: expected error of the markers: %s", path.c_str(), expected_error_text(*scene->fidelity).c_str());
+  }
   return scene;
 }
 
@@ -204,6 +215,7 @@ double SimulatorNode::step() {
   const std::lock_guard lock(mutex_);
   last_report_ = scene_->simulation->step();
   if (!last_report_.converged) ++unconverged_steps_;
+  for (const SolveWarning& warning : last_report_.warnings) add_warning(warning, warnings_);
   const double time_step_s = scene_->simulation->options().time_step_s;
   session_s_ += time_step_s;
   real_time_factor_.update(session_s_);
@@ -265,22 +277,26 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   using Status = diagnostic_msgs::DiagnosticStatus;
   if (unconverged_steps_ > 0) {
     status.summary(Status::WARN, "steps that did not converge: " + last_report_.message);
-  } else if (last_report_.inverted_elements > 0) {
-    status.summary(Status::WARN, "inverted elements");
+  } else if (!warnings_.empty()) {
+    status.summary(Status::WARN, warnings_.front().text);
   } else {
     status.summary(Status::OK, "runs");
   }
   status.add("scene", scene_->path);
   status.add("elements", scene_->simulation->body().mesh().tet_count());
   status.add("nodes", scene_->simulation->body().mesh().node_count());
+  status.add("expected error", scene_->fidelity ? expected_error_text(*scene_->fidelity) : "not asked for");
   status.add("steps not converged in the last second", unconverged_steps_);
   status.add("iterations", last_report_.iterations);
   status.add("residual", last_report_.residual);
   status.add("inverted elements", last_report_.inverted_elements);
+  for (const SolveWarning& warning : warnings_)
+    status.add(warning.kind + (warning.actuator.empty() ? "" : " " + warning.actuator), warning.text);
   status.add("real-time factor", real_time_factor_.value());
   status.add("refused commands", refused_commands_);
   status.add("last refusal", last_refusal_);
   unconverged_steps_ = 0;
+  warnings_.clear();
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // chart_stability: every method in every hard case, drawn as a grid.
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <exception>
@@ -9,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "programs/config_folder.h"
+#include "soft_robot_lab/settings/config_folder.h"
 #include "programs/progress_bar.h"
 #include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/experiment/stability.h"
@@ -21,8 +22,10 @@ using namespace soft_robot_lab;
 constexpr const char* kUsage =
     "usage: chart_stability [--quick] [--output FOLDER] [--body TEXT] [--method TEXT] [--case TEXT]\n"
     "Runs every method in every hard case, and writes stability.svg, .png and .csv (the places of the squares) and\n"
-    "stability_cells.csv (a line for each cell) to FOLDER, by default charts/ where it is started. --quick: coarse\n"
-    "bodies, and fewer cases. --body, --method, --case: only those whose name holds the text.\n"
+    "stability_cells.csv (a line for each cell) to FOLDER, by default charts/ where it is started. Cells that stand "
+    "in\n"
+    "that table already are not run again. --quick: coarse bodies, fewer cases, and files named stability_quick.\n"
+    "--body, --method, --case: only those whose name holds the text.\n"
     "Exit status: 0 the default solver survived or recovered everywhere and all was finite, 1 not so, 2 bad "
     "arguments,\n"
     "or the chart could not be made.\n";
@@ -70,7 +73,24 @@ std::vector<Item> choose(const std::vector<Item>& all, const std::string& text) 
   return chosen;
 }
 
-std::vector<StabilityCell> run(const Arguments& arguments) {
+// A long chart that was stopped goes on where it was.
+std::vector<StabilityCell> known_cells(const std::string& table) {
+  std::ifstream file(table);
+  if (!file) return {};
+  try {
+    return read_stability_csv(file);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(table + ": " + error.what());
+  }
+}
+
+void write_table(const std::string& table, const std::vector<StabilityCell>& cells) {
+  std::ofstream file(table);
+  file << stability_csv(cells) << std::flush;
+  if (!file) throw std::runtime_error(table + ": cannot be written: " + std::strerror(errno));
+}
+
+std::vector<StabilityCell> run(const Arguments& arguments, const std::string& table) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
   StabilityBench bench(options, config_folder());
@@ -78,14 +98,19 @@ std::vector<StabilityCell> run(const Arguments& arguments) {
   const auto methods = choose(stability_methods(), arguments.method);
   const auto cases = choose(hard_cases(arguments.quick), arguments.hard_case);
   const double count = static_cast<double>(bodies.size() * methods.size() * cases.size());
-  std::vector<StabilityCell> cells;
+  std::vector<StabilityCell> cells = known_cells(table);
   ProgressBar bar("chart_stability");
   double done = 0.0;
   for (const StabilityBody& body : bodies) {
     for (const StabilityMethod& method : methods) {
       for (const HardCase& hard_case : cases) {
         bar.show(done++ / count, body.name + ", " + method.name + ", " + hard_case.name);
-        if (method.fits(body) && !hard_case.commands(body).empty()) cells.push_back(bench.run(body, method, hard_case));
+        const bool known = std::any_of(cells.begin(), cells.end(), [&](const StabilityCell& cell) {
+          return cell.body == body.name && cell.method == method.name && cell.hard_case == hard_case.name;
+        });
+        if (known || !method.fits(body) || hard_case.commands(body).empty()) continue;
+        cells.push_back(bench.run(body, method, hard_case));
+        write_table(table, cells);
       }
     }
   }
@@ -93,12 +118,10 @@ std::vector<StabilityCell> run(const Arguments& arguments) {
 }
 
 int chart(const Arguments& arguments) {
+  const std::string name = arguments.quick ? "stability_quick" : "stability";
   std::filesystem::create_directories(arguments.output);
-  const std::vector<StabilityCell> cells = run(arguments);
-  const std::string table = (std::filesystem::path(arguments.output) / "stability_cells.csv").string();
-  std::ofstream file(table);
-  file << stability_csv(cells) << std::flush;
-  if (!file) throw std::runtime_error(table + ": cannot be written: " + std::strerror(errno));
+  const std::vector<StabilityCell> cells =
+      run(arguments, (std::filesystem::path(arguments.output) / (name + "_cells.csv")).string());
   int good = 0, bad = 0;
   for (const StabilityCell& cell : cells) {
     if (is_good(cell.outcome)) ++good;
@@ -107,7 +130,9 @@ int chart(const Arguments& arguments) {
     std::cout << cell.body << ", " << cell.method << ", " << cell.hard_case << ": " << name_of(cell.outcome) << ": "
               << cell.message << "\n";
   }
-  const PlotFiles files = write_plot(stability_plot(cells), arguments.output);
+  Plot plot = stability_plot(cells);
+  plot.name = name;
+  const PlotFiles files = write_plot(plot, arguments.output);
   std::cout << good << " of " << cells.size() << " cells survived or recovered; " << files.png << "\n";
   return bad == 0 ? kGood : kFailedCells;
 }

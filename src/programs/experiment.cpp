@@ -11,10 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "programs/config_folder.h"
 #include "programs/progress_bar.h"
 #include "soft_robot_lab/experiment/experiment.h"
 #include "soft_robot_lab/experiment/report.h"
+#include "soft_robot_lab/rig/rig_experiments.h"
+#include "soft_robot_lab/settings/config_folder.h"
 
 namespace {
 
@@ -33,7 +34,7 @@ enum ExitStatus { kConverged = 0, kNotConverged = 1, kFailed = 2 };
 // Every part's experiments, in the order of a report.
 std::vector<Experiment> all_experiments() {
   std::vector<Experiment> all;
-  for (const auto& list : {simulation_experiments}) {
+  for (const auto& list : {simulation_experiments, rig_experiments}) {
     for (Experiment& experiment : list()) all.push_back(std::move(experiment));
   }
   std::set<std::string> names = {"all"};

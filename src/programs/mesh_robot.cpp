@@ -4,7 +4,7 @@
 //   solid: {...}                         see design/solid.h
 //   element_size_m: 0.01
 //   quadratic: true
-//   refinements: [{center_m: [x, y, z], radius_m: r, size_m: s}]
+//   refinements: [{center_m: [x, y, z], radius_m: r, size_m: s}, {surface: NAME, size_m: s}, {edges_of: NAME, size_m: s}]
 // or
 //   mesh_file: robot.msh                 .msh of any version or .vtk; elements, node order and surface names are kept
 // The same request gives the same file, byte by byte. Exit status: 0 done, 1 internal fault, 2 bad request; the reason
@@ -26,11 +26,6 @@ namespace {
 
 using namespace soft_robot_lab;
 
-MeshRefinement read_refinement(const SettingsNode& node) {
-  return {node.vector3("center_m"), node.number("radius_m", AllowedRange::positive()),
-          node.number("size_m", AllowedRange::positive())};
-}
-
 TetMesh mesh_request(const SettingsNode& request) {
   if (request.has("mesh_file")) {
     const std::string file = request.text("mesh_file");
@@ -42,7 +37,7 @@ TetMesh mesh_request(const SettingsNode& request) {
   sizes.element_size_m = request.number("element_size_m", AllowedRange::positive());
   sizes.quadratic = request.boolean_or("quadratic", true);
   for (const SettingsNode& node : request.optional_sequence("refinements")) {
-    sizes.refinements.push_back(read_refinement(node));
+    sizes.refinements.push_back(read_mesh_refinement(node));
   }
   request.require_all_read();
   return mesh_solid(solid, sizes);

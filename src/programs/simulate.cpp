@@ -1,4 +1,4 @@
-// simulate SCENE.yaml [--result FILE]: runs a scene from the shell, without a ROS master.
+// simulate SCENE.yaml [--result FILE] [--estimate-error]: runs a scene from the shell, without a ROS master.
 #include <cerrno>
 #include <cstring>
 #include <exception>
@@ -14,15 +14,18 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: simulate SCENE.yaml [--result FILE]\n"
+    "usage: simulate SCENE.yaml [--result FILE] [--estimate-error]\n"
     "Runs the scene and writes the result as JSON to FILE, or to the standard output.\n"
-    "Exit status: 0 converged, 1 ran but did not converge (the result is still written), 2 bad scene or arguments.\n";
+    "--estimate-error  also tells how wrong the scene's mesh and time step make the markers.\n"
+    "Exit status: 0 converged, 1 ran but did not converge or did not meet the scene's fidelity (the result is still\n"
+    "written), 2 bad scene or arguments.\n";
 
 enum ExitStatus { kConverged = 0, kNotConverged = 1, kBadScene = 2 };
 
 struct Arguments {
   std::string scene;
   std::string result;  // empty: standard output
+  bool estimate_error = false;
   bool help = false;
 };
 
@@ -32,6 +35,8 @@ Arguments parse(int count, char** values) {
     const std::string word = values[i];
     if (word == "-h" || word == "--help") {
       arguments.help = true;
+    } else if (word == "--estimate-error") {
+      arguments.estimate_error = true;
     } else if (word == "--result") {
       if (++i == count) throw std::invalid_argument("--result needs a file name");
       arguments.result = values[i];
@@ -57,17 +62,20 @@ int simulate(const Arguments& arguments) {
   using namespace soft_robot_lab;
   SceneOptions options;
   options.actuator_factory = make_actuator;
+  options.estimate_error = arguments.estimate_error;
   Scene scene = load_scene(arguments.scene, options);
   const RunReport report = run_scene(scene);
+  for (const SolveWarning& warning : report.solve.warnings) std::cerr << "simulate: warning: " << warning.text << "\n";
   if (arguments.result.empty()) {
     std::cout << result_json(scene, report) << std::flush;
   } else {
     write(arguments.result, result_json(scene, report));
     std::cout << result_summary(scene, report);
   }
-  if (report.solve.converged) return kConverged;
-  std::cerr << "simulate: did not converge: " << report.solve.message << "\n";
-  return kNotConverged;
+  if (!report.solve.converged) std::cerr << "simulate: did not converge: " << report.solve.message << "\n";
+  const bool met = !scene.fidelity || scene.fidelity->met;
+  if (!met) std::cerr << "simulate: expected error of the markers: " << expected_error_text(*scene.fidelity) << "\n";
+  return report.solve.converged && met ? kConverged : kNotConverged;
 }
 
 }  // namespace

@@ -42,15 +42,17 @@ Eigen::Matrix<bool, 3, 1> read_axes(const SettingsNode& fixed) {
   return axes;
 }
 
-Material read_material(const SettingsNode& body) {
-  Material material;
-  const std::optional<SettingsNode> node = body.optional_child("material");
-  if (!node) return material;
-  material.youngs_modulus_pa = node->number_or("youngs_modulus_pa", material.youngs_modulus_pa);
-  material.poissons_ratio = node->number_or("poissons_ratio", material.poissons_ratio);
-  material.density_kg_m3 = node->number_or("density_kg_m3", material.density_kg_m3);
-  in_section(*node, [&] { material.validate(); });
-  return material;
+Viscosity read_viscosity(const SettingsNode& body) {
+  Viscosity viscosity;
+  if (const auto damping = body.optional_child("damping")) {
+    viscosity.rayleigh_mass_per_s = damping->number_or("rayleigh_mass_per_s", viscosity.rayleigh_mass_per_s);
+    viscosity.rayleigh_stiffness_s = damping->number_or("rayleigh_stiffness_s", viscosity.rayleigh_stiffness_s);
+  }
+  if (const auto hysteresis = body.optional_child("hysteresis")) {
+    viscosity.hysteresis_ratio = hysteresis->number("stiffness_ratio");
+    viscosity.relaxation_time_s = hysteresis->number("relaxation_time_s");
+  }
+  return viscosity;
 }
 
 void fix(const SettingsNode& section, Body& body) {
@@ -83,8 +85,12 @@ void load(const SettingsNode& item, Body& body) {
 
 Body read_body(const SettingsNode& scene, TetMesh mesh) {
   const SettingsNode section = scene.child("body");
-  const Material material = read_material(section);
+  const std::optional<SettingsNode> node = section.optional_child("material");
+  const Material material = node ? read_material(*node) : Material();
   Body body = in_section(section, [&] { return Body(std::move(mesh), material); });
+  const bool averaged = section.choice_or("linear_volume", "element", {"element", "vertex_averaged"}) != "element";
+  if (averaged) in_section(section, [&] { body.set_linear_volume(LinearVolume::vertex_averaged); });
+  in_section(section, [&] { body.set_viscosity(read_viscosity(section)); });
   fix(section, body);
   for (const SettingsNode& item : scene.optional_sequence("loads")) load(item, body);
   body.set_gravity(scene.vector3_or("gravity_m_s2", body.gravity_m_s2()));

@@ -6,11 +6,6 @@
 namespace soft_robot_lab {
 namespace {
 
-MeshRefinement read_refinement(const SettingsNode& node) {
-  return {node.vector3("center_m"), node.number("radius_m", AllowedRange::positive()),
-          node.number("size_m", AllowedRange::positive())};
-}
-
 // A cable's end anchor sinks in over its plug's radius; elements there must be no larger to see it.
 std::vector<MeshRefinement> plug_refinements(const SettingsNode& scene) {
   std::vector<MeshRefinement> refinements;
@@ -49,11 +44,14 @@ void name_chamber_solids(const SettingsNode& scene, Solid& body) {
   }
 }
 
+bool quadratic(const SettingsNode& body) {
+  return body.choice_or("element", "quadratic", {"linear", "quadratic"}) == "quadratic";
+}
+
 // Either a solid to be meshed at some size, or a mesh as it is.
 MeshRequest read_request(const SettingsNode& scene, const SettingsNode& body) {
   MeshRequest request;
-  request.quadratic =
-      body.choice_or("element", request.quadratic ? "quadratic" : "linear", {"linear", "quadratic"}) == "quadratic";
+  request.quadratic = quadratic(body);
   if (body.has("solid") == body.has("mesh")) body.fail("must have one of solid, mesh");
   if (body.has("mesh")) {
     request.mesh_file = beside(body.child("mesh"), body.text("mesh"));
@@ -68,19 +66,27 @@ MeshRequest read_request(const SettingsNode& scene, const SettingsNode& body) {
   request.element_size_m = body.number_or("element_size_m", request.element_size_m, AllowedRange::positive());
   if (body.boolean_or("refine_plugs", false)) request.refinements = plug_refinements(scene);
   for (const SettingsNode& node : body.optional_sequence("refinements")) {
-    request.refinements.push_back(read_refinement(node));
+    request.refinements.push_back(read_mesh_refinement(node));
   }
   return request;
 }
 
 }  // namespace
 
-TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher) {
+std::string mesh_file(const SettingsNode& scene, const MesherOptions& mesher) {
   const SettingsNode body = scene.child("body");
   const MeshRequest request = read_request(scene, body);
+  return in_section(body, [&] { return mesh_file_for(request, mesher); });
+}
+
+TetMesh read_mesh(const SettingsNode& scene, const SceneOptions& options) {
+  const std::string file = mesh_file(scene, mesher_options(options));
+  const SettingsNode body = scene.child("body");
   return in_section(body, [&] {
-    const TetMesh mesh = read_msh(mesh_file_for(request, mesher));
-    return request.quadratic ? make_quadratic(mesh) : make_linear(mesh);
+    const TetMesh shape = read_msh(file);
+    TetMesh mesh = quadratic(body) ? make_quadratic(shape) : make_linear(shape);
+    if (options.change_mesh) options.change_mesh(mesh);
+    return mesh;
   });
 }
 

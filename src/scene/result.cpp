@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scene/fidelity_json.h"
 #include "soft_robot_lab/scene/run_scene.h"
 
 namespace soft_robot_lab {
@@ -27,6 +28,12 @@ Json cable_json(const ActuatorReading& state) {
   Json json = {{"length_m", *state.length_m}};
   if (state.rest_length_m) json["rest_length_m"] = *state.rest_length_m;
   if (state.tension_n) json["tension_n"] = *state.tension_n;
+  if (!state.span_tensions_n.empty()) json["span_tensions_n"] = state.span_tensions_n;
+  if (state.stretch_m) json["stretch_m"] = *state.stretch_m;
+  if (state.slack_m) json["slack_m"] = *state.slack_m;
+  if (state.pretension_n) json["pretension_n"] = *state.pretension_n;
+  for (const PathChange& change : state.path_changes)
+    json["points_moved"].push_back({{"point", change.point}, {"moved_m", change.moved_m}});
   return json;
 }
 
@@ -50,12 +57,31 @@ void add_actuators(const Simulation& simulation, Json& result) {
   result["chambers"] = std::move(chambers);
 }
 
+Json warnings_json(const std::vector<SolveWarning>& warnings) {
+  Json all = Json::array();
+  for (const SolveWarning& warning : warnings) {
+    Json json = {{"kind", warning.kind}, {"size", warning.size}, {"unit", warning.unit}};
+    if (!warning.actuator.empty()) json["actuator"] = warning.actuator;
+    if (warning.commanded) json["commanded"] = *warning.commanded;
+    if (warning.reached) json["reached"] = *warning.reached;
+    if (warning.rest_position_m) json["rest_position_m"] = list(*warning.rest_position_m);
+    json["text"] = warning.text;
+    all.push_back(std::move(json));
+  }
+  return all;
+}
+
 Json solver_json(const Simulation& simulation, const SolveReport& solve) {
   const TetMesh& mesh = simulation.body().mesh();
-  return {{"converged", solve.converged}, {"iterations", solve.iterations},
-          {"residual", solve.residual},   {"steps", solve.steps},
-          {"wall_s", solve.wall_s},       {"nodes", mesh.node_count()},
-          {"elements", mesh.tet_count()}, {"inverted", solve.inverted_elements}};
+  return {{"converged", solve.converged},
+          {"iterations", solve.iterations},
+          {"residual", solve.residual},
+          {"steps", solve.steps},
+          {"wall_s", solve.wall_s},
+          {"nodes", mesh.node_count()},
+          {"elements", mesh.tet_count()},
+          {"inverted", solve.inverted_elements},
+          {"warnings", warnings_json(solve.warnings)}};
 }
 
 Json sensitivity_json(const Simulation& simulation, const Eigen::MatrixXd& sensitivity) {
@@ -94,6 +120,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   result["markers"] = markers_json(simulation);
   add_actuators(simulation, result);
   result["solver"] = solver_json(simulation, report.solve);
+  if (scene.fidelity) result["fidelity"] = fidelity_json(*scene.fidelity);
   if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);
   if (scene.run.mode == RunMode::dynamic) result["trajectory"] = trajectory_json(simulation, report.trajectory);
   if (scene.run.mode == RunMode::modal) result["frequencies_hz"] = list(report.frequencies_hz);
@@ -108,6 +135,7 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
   text << (solve.converged ? "converged" : "did not converge") << ": " << solve.iterations << " iterations in "
        << solve.steps << " steps, residual " << solve.residual << ", " << solve.wall_s << " s; " << mesh.node_count()
        << " nodes, " << mesh.tet_count() << " elements\n";
+  if (scene.fidelity) text << summary(*scene.fidelity);
   for (Eigen::Index i = 0; i < report.frequencies_hz.size(); ++i) {
     text << "mode " << i + 1 << " at " << report.frequencies_hz[i] << " Hz\n";
   }
@@ -122,8 +150,11 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
     const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
     text << "actuator " << state.name << " at command " << state.actuated_command;
     if (state.tension_n) text << ", tension " << *state.tension_n << " N";
+    if (state.slack_m && *state.slack_m > 0.0) text << ", slack by " << 1e3 * *state.slack_m << " mm";
     if (state.gauge_pressure_pa) text << ", gauge pressure " << *state.gauge_pressure_pa << " Pa";
     text << "\n";
+    for (const PathChange& change : state.path_changes)
+      text << "  its point " << change.point << " was moved " << 1e3 * change.moved_m << " mm onto the body\n";
   }
   return text.str();
 }

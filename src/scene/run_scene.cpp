@@ -18,6 +18,7 @@ void add(const SolveReport& part, SolveReport& total) {
   total.residual = std::max(total.residual, part.residual);
   total.wall_s += part.wall_s;
   total.inverted_elements = part.inverted_elements;
+  for (const SolveWarning& warning : part.warnings) add_warning(warning, total.warnings);
   if (!part.message.empty()) total.message = part.message;
 }
 
@@ -35,6 +36,26 @@ SolveReport solve_in_order(Simulation& simulation, const std::vector<TimedComman
     if (!total.converged) total.message = "run.commands[" + std::to_string(i) + "]: " + total.message;
   }
   return total;
+}
+
+// The drive takes its time; a run may end before.
+void warn_of_unfinished_commands(const Simulation& simulation, SolveReport& total) {
+  for (const auto& actuator : simulation.actuators()) {
+    const double missing = actuator->actuated_command() - actuator->command();
+    if (missing == 0.0) continue;
+    SolveWarning warning;
+    warning.kind = "command_not_reached";
+    warning.actuator = actuator->name();
+    warning.size = missing;
+    warning.unit = actuator->limits().unit;
+    warning.commanded = actuator->command();
+    warning.reached = actuator->actuated_command();
+    std::ostringstream text;
+    text << "actuator " << actuator->name() << ": commanded to " << actuator->command() << ", but its drive is at "
+         << actuator->actuated_command() << " when the run ends";
+    warning.text = text.str();
+    add_warning(warning, total.warnings);
+  }
 }
 
 void record(const Simulation& simulation, Trajectory& trajectory) {
@@ -70,6 +91,7 @@ SolveReport solve_in_time(Simulation& simulation, const RunSettings& run, Trajec
     record(simulation, trajectory);
     recorded = static_cast<long>((now_s + step_s + close_s) / record_every_s);
   }
+  warn_of_unfinished_commands(simulation, total);
   return total;
 }
 

@@ -22,6 +22,7 @@ RunSettings read_run(const SettingsNode& scene, const Simulation& simulation) {
   RunSettings run;
   const std::optional<SettingsNode> node = scene.optional_child("run");
   if (!node) return run;
+  run.stated = true;
   const std::string mode = node->choice_or("mode", "equilibrium", {"equilibrium", "dynamic", "modal"});
   if (mode == "dynamic") {
     run.mode = RunMode::dynamic;

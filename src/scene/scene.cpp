@@ -1,6 +1,6 @@
 #include "soft_robot_lab/scene/scene.h"
 
-#include "scene/sections.h"
+#include "scene/fidelity.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -12,25 +12,31 @@ SettingsNode read_settings(const std::string& path, const std::string& changes) 
 
 }  // namespace
 
-Scene load_scene(const std::string& path, const SceneOptions& options) {
-  const SettingsNode settings = read_settings(path, options.changes);
+Scene build_scene(const SettingsNode& settings, TetMesh mesh, const SceneOptions& options) {
   refuse_contact(settings);
   const SolverOptions solver = read_solver(settings);
-
-  TetMesh mesh = read_mesh(settings, {options.mesher, options.cache_folder, options.meshing_limit_s});
-  if (options.change_mesh) options.change_mesh(mesh);
   Body body = read_body(settings, std::move(mesh));
   const MeshLocator locator(body.mesh());
   auto actuators = read_actuators(settings, body, locator, options.actuator_factory);
   auto markers = read_markers(settings, body, locator);
 
   Scene scene;
-  scene.file = path;
   scene.simulation = in_section(settings, [&] {
     return std::make_unique<Simulation>(std::move(body), std::move(actuators), std::move(markers), solver);
   });
   scene.run = read_run(settings, *scene.simulation);
+  return scene;
+}
+
+Scene load_scene(const std::string& path, const SceneOptions& options) {
+  const SettingsNode stated = read_settings(path, options.changes);
+  std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
+  const bool chosen = fidelity && !fidelity->choice.empty();
+  const SettingsNode settings = chosen ? lay_over(stated, fidelity->choice) : stated;
+  Scene scene = build_scene(settings, read_mesh(settings, options), options);
   settings.require_all_read();
+  scene.file = path;
+  scene.fidelity = std::move(fidelity);
   return scene;
 }
 

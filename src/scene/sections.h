@@ -17,8 +17,16 @@ namespace soft_robot_lab {
 // The file with those it includes merged below it.
 SettingsNode load_settings_with_includes(const std::string& path);
 
-TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher);  // `body`: its shape
-Body read_body(const SettingsNode& scene, TetMesh mesh);                    // `body`, `loads`, gravity
+// The scene on this mesh, whatever mesh its file asks for.
+Scene build_scene(const SettingsNode& settings, TetMesh mesh, const SceneOptions& options);
+
+inline MesherOptions mesher_options(const SceneOptions& options) {
+  return {options.mesher, options.cache_folder, options.meshing_limit_s};
+}
+std::string mesh_file(const SettingsNode& scene, const MesherOptions& mesher);  // its path in the cache
+TetMesh read_mesh(const SettingsNode& scene, const SceneOptions& options);      // `body`: its shape
+Body read_body(const SettingsNode& scene, TetMesh mesh);                        // `body`, `loads`, gravity
+Material read_material(const SettingsNode& node);                               // `body.material`, or a file of presets
 std::vector<std::unique_ptr<Actuator>> read_actuators(
     const SettingsNode& scene, const Body& body, const MeshLocator& locator,
     const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`

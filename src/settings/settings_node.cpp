@@ -362,7 +362,7 @@ std::string SettingsNode::dump() const {
 SettingsNode merge_settings(const SettingsNode& base, const SettingsNode& overlay) {
   using Data = SettingsNode::Data;
   SettingsNode merged = Data::copy(overlay);
-  if (!base.is_map() || !overlay.is_map()) return merged;
+  if (!base.is_map() || !overlay.is_map() || overlay.has("preset") || overlay.has("model")) return merged;
   for (const Data::Member& member : base.data_->members) {
     auto& members = merged.data_->members;
     const auto over = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.key == member.key; });

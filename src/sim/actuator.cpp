@@ -13,7 +13,9 @@ void Actuator::initialise(const SettingsNode& settings, const Body& body, const 
   name_ = settings.text("name");
   if (name_.empty()) settings.fail("name must not be empty");
   on_initialise(settings, body, locator);
-  restore(limits_.rest, limits_.rest);
+  command_ = limits_.rest;
+  place(limits_.rest);
+  initial_memory_ = memory();
 }
 
 void Actuator::set_command(double command) {
@@ -23,20 +25,38 @@ void Actuator::set_command(double command) {
             << limits_.max << "]";
     throw std::invalid_argument(message.str());
   }
+  if (actuated_command_ == command_ && command != command_) wait_s_ = start_delay_s_;
   command_ = command;
 }
 
 void Actuator::advance(double time_step_s) {
   const double change = command_ - actuated_command_;
-  const double reach = command_speed_ > 0.0 ? command_speed_ * time_step_s : std::abs(change);
-  actuated_command_ = std::abs(change) <= reach ? command_ : actuated_command_ + std::copysign(reach, change);
+  const double moving_s = std::max(0.0, time_step_s - wait_s_);
+  wait_s_ = std::max(0.0, wait_s_ - time_step_s);
+  const double reach = command_speed_ > 0.0 ? command_speed_ * moving_s : moving_s > 0.0 ? std::abs(change) : 0.0;
+  place(std::abs(change) <= reach ? command_ : actuated_command_ + std::copysign(reach, change));
+}
+
+void Actuator::place(double actuated_command) {
+  actuated_command_ = std::clamp(actuated_command, limits_.min, limits_.max);
   actuate(actuated_command_);
 }
 
-void Actuator::restore(double command, double actuated_command) {
+void Actuator::reset() { restore(limits_.rest, limits_.rest, initial_memory_); }
+
+void Actuator::restore(double command, double actuated_command, const Eigen::VectorXd& memory) {
   set_command(command);
-  actuated_command_ = std::clamp(actuated_command, limits_.min, limits_.max);
-  actuate(actuated_command_);
+  wait_s_ = memory[0];
+  recall(memory.tail(memory.size() - 1));
+  place(actuated_command);
+}
+
+Eigen::VectorXd Actuator::memory() const {
+  const Eigen::VectorXd own = own_memory();
+  Eigen::VectorXd all(1 + own.size());
+  all[0] = wait_s_;
+  all.tail(own.size()) = own;
+  return all;
 }
 
 }  // namespace soft_robot_lab

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "soft_robot_lab/sim/simulation_state.h"
+#include "soft_robot_lab/sim/solver_options.h"
 
 namespace soft_robot_lab {
 
@@ -13,9 +14,10 @@ namespace soft_robot_lab {
 // For equal steps:  9/4 M (x - x~) / h^2 = force(x),  x~ = (4 x1 - x2) / 3 + 2/9 h (4 v1 - v2).
 struct BackwardDifference {
   double gamma_s;
+  double weight_now = 1.0, weight_before = 0.0;  // y_from = weight_now y1 - weight_before y2
   Eigen::Matrix3Xd positions_from_m, velocities_from_m_s;
 
-  BackwardDifference(const SimulationState& state, double h);
+  BackwardDifference(const SimulationState& state, double h, Integrator integrator);
 };
 
 }  // namespace soft_robot_lab

@@ -109,6 +109,17 @@ void Body::add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& bo
   add_traction(box_min_m, box_max_m, force_n / area);
 }
 
+void Body::set_linear_volume(LinearVolume volume) {
+  if (volume == LinearVolume::vertex_averaged && mesh_.quadratic())
+    throw std::invalid_argument("linear_volume: vertex_averaged is for element: linear, not quadratic");
+  linear_volume_ = volume;
+}
+
+void Body::set_viscosity(const Viscosity& viscosity) {
+  viscosity.validate();
+  viscosity_ = viscosity;
+}
+
 int Body::fixed_node_count() const {
   int count = 0;
   for (Eigen::Index node = 0; node < fixed_.cols(); ++node) count += fixed_.col(node).any() ? 1 : 0;

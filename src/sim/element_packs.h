@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "element_kernels.h"
+#include "packs.h"
 #include "soft_robot_lab/sim/tet_mesh.h"
 
 namespace soft_robot_lab {

@@ -1,6 +1,7 @@
 #include "element_step.h"
 
 #include "pack_ldlt.h"
+#include "rivlin_kernels.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -47,8 +48,8 @@ inline void scale_hessian(const Pack* blocks, const Pack* s, double h, Pack* mat
   for (int i = 0; i < kSize; ++i) matrix[column_start(kSize, i) + i] += 1.0;
 }
 
-template <int Nodes, int Points>
-inline void move_packs(const PackArrays& all, int first, int last, const ElementStep& step) {
+template <int Nodes, int Points, class Law>
+inline void move_packs(const PackArrays& all, const Law& law, int first, int last, const ElementStep& step) {
   constexpr int kSize = 3 * Nodes;
   Pack x[kSize], s[kSize], gradient[kSize], volume_gradient[kSize], motion[kSize];
   Pack blocks[9 * Nodes * (Nodes + 1) / 2], matrix[triangle_size(kSize)];
@@ -62,10 +63,10 @@ inline void move_packs(const PackArrays& all, int first, int last, const Element
     for (int lane = 0; lane < kLanes; ++lane)
       if (e.element[lane] >= 0) p[lane] = step.volume_multipliers_pa[e.element[lane]];
 
-    const PackSums sums = pack_gradient<Nodes, Points>(x, e.gradients, e.weights, step.mu_pa, splat(0.0), gradient);
+    const PackSums sums = pack_gradient<Nodes, Points>(x, e.gradients, e.weights, law, splat(0.0), gradient);
     const Pack pressure = step.lambda_pa * (sums.mean_determinant - 1.0);
     for (const bool convex : {false, true}) {
-      pack_hessian<Nodes, Points>(x, e.gradients, e.weights, e.laplacian, step.mu_pa, step.lambda_pa, p, convex, blocks,
+      pack_hessian<Nodes, Points>(x, e.gradients, e.weights, e.laplacian, law, step.lambda_pa, p, convex, blocks,
                                   volume_gradient);
       scale_hessian<Nodes>(blocks, s, h, matrix);
       const Pack pivot = factorise_ldlt<kSize>(matrix);
@@ -91,14 +92,14 @@ inline void move_packs(const PackArrays& all, int first, int last, const Element
   }
 }
 
-template <int Nodes, int Points>
-inline void measure_packs(const PackArrays& all, int count, double mu, double lambda, const double* positions,
+template <int Nodes, int Points, class Law>
+inline void measure_packs(const PackArrays& all, const Law& law, int count, double lambda, const double* positions,
                           Pack* energies) {
   Pack x[3 * Nodes], unused[3 * Nodes];
   for (int pack = 0; pack < count; ++pack) {
     const PackArrays e = arrays_of<Nodes, Points>(all, pack);
     gather(positions, e.nodes, Nodes, x);
-    const PackSums sums = pack_gradient<Nodes, Points>(x, e.gradients, e.weights, mu, splat(0.0), unused);
+    const PackSums sums = pack_gradient<Nodes, Points>(x, e.gradients, e.weights, law, splat(0.0), unused);
     Pack volume = splat(0.0);
     for (int q = 0; q < Points; ++q) volume += e.weights[q];
     const Pack growth = sums.mean_determinant - 1.0;
@@ -106,19 +107,37 @@ inline void measure_packs(const PackArrays& all, int count, double mu, double la
   }
 }
 
-SOFT_ROBOT_LAB_CLONES void move_quadratic(const PackArrays& all, int first, int last, const ElementStep& step) {
-  move_packs<10, 4>(all, first, last, step);
+SOFT_ROBOT_LAB_CLONES void move_quadratic(const PackArrays& all, const NeoHookean& law, int first, int last,
+                                          const ElementStep& step) {
+  move_packs<10, 4>(all, law, first, last, step);
 }
-SOFT_ROBOT_LAB_CLONES void move_linear(const PackArrays& all, int first, int last, const ElementStep& step) {
-  move_packs<4, 1>(all, first, last, step);
-}
-SOFT_ROBOT_LAB_CLONES void measure_quadratic(const PackArrays& all, int count, double mu, double lambda,
+SOFT_ROBOT_LAB_CLONES void measure_quadratic(const PackArrays& all, const NeoHookean& law, int count, double lambda,
                                              const double* positions, Pack* energies) {
-  measure_packs<10, 4>(all, count, mu, lambda, positions, energies);
+  measure_packs<10, 4>(all, law, count, lambda, positions, energies);
 }
-SOFT_ROBOT_LAB_CLONES void measure_linear(const PackArrays& all, int count, double mu, double lambda,
+SOFT_ROBOT_LAB_CLONES void move_linear(const PackArrays& all, const NeoHookean& law, int first, int last,
+                                       const ElementStep& step) {
+  move_packs<4, 1>(all, law, first, last, step);
+}
+SOFT_ROBOT_LAB_CLONES void measure_linear(const PackArrays& all, const NeoHookean& law, int count, double lambda,
                                           const double* positions, Pack* energies) {
-  measure_packs<4, 1>(all, count, mu, lambda, positions, energies);
+  measure_packs<4, 1>(all, law, count, lambda, positions, energies);
+}
+SOFT_ROBOT_LAB_CLONES void move_quadratic(const PackArrays& all, const Rivlin& law, int first, int last,
+                                          const ElementStep& step) {
+  move_packs<10, 4>(all, law, first, last, step);
+}
+SOFT_ROBOT_LAB_CLONES void measure_quadratic(const PackArrays& all, const Rivlin& law, int count, double lambda,
+                                             const double* positions, Pack* energies) {
+  measure_packs<10, 4>(all, law, count, lambda, positions, energies);
+}
+SOFT_ROBOT_LAB_CLONES void move_linear(const PackArrays& all, const Rivlin& law, int first, int last,
+                                       const ElementStep& step) {
+  move_packs<4, 1>(all, law, first, last, step);
+}
+SOFT_ROBOT_LAB_CLONES void measure_linear(const PackArrays& all, const Rivlin& law, int count, double lambda,
+                                          const double* positions, Pack* energies) {
+  measure_packs<4, 1>(all, law, count, lambda, positions, energies);
 }
 
 PackArrays arrays(const ElementPacks& packs) {
@@ -129,13 +148,26 @@ PackArrays arrays(const ElementPacks& packs) {
 }  // namespace
 
 void move_elements(const ElementPacks& packs, int first, int last, const ElementStep& step) {
-  (packs.node_count == 10 ? move_quadratic : move_linear)(arrays(packs), first, last, step);
+  const PackArrays all = arrays(packs);
+  const auto move = [&](const auto& law) {
+    if (packs.node_count == 10)
+      move_quadratic(all, law, first, last, step);
+    else
+      move_linear(all, law, first, last, step);
+  };
+  std::visit(move, step.law);
 }
 
-void measure_energy(const ElementPacks& packs, double mu_pa, double lambda_pa, const double* positions_m,
+void measure_energy(const ElementPacks& packs, const MaterialLaw& law, double lambda_pa, const double* positions_m,
                     Pack* energies) {
-  (packs.node_count == 10 ? measure_quadratic : measure_linear)(arrays(packs), packs.count(), mu_pa, lambda_pa,
-                                                                positions_m, energies);
+  const PackArrays all = arrays(packs);
+  const auto measure = [&](const auto& chosen) {
+    if (packs.node_count == 10)
+      measure_quadratic(all, chosen, packs.count(), lambda_pa, positions_m, energies);
+    else
+      measure_linear(all, chosen, packs.count(), lambda_pa, positions_m, energies);
+  };
+  std::visit(measure, law);
 }
 
 }  // namespace soft_robot_lab

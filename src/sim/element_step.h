@@ -2,11 +2,13 @@
 #pragma once
 
 #include "element_packs.h"
+#include "material_law.h"
 
 namespace soft_robot_lab {
 
 struct ElementStep {
-  double mu_pa, lambda_pa, time_step_s;
+  MaterialLaw law;
+  double lambda_pa, time_step_s;
   const double* root_inverse_masses;  // 3 * node + axis: 1/sqrt(mass) [kg^-1/2], zero where held
   double* positions_m;                // 3 * node + axis
   Pack* multipliers;                  // pack x 3 P: minus the nodes' forces, times h^2 / sqrt(mass) [m kg^1/2]
@@ -17,7 +19,7 @@ struct ElementStep {
 void move_elements(const ElementPacks& packs, int first, int last, const ElementStep& step);
 
 // Stored energy of each element, in lanes [J].
-void measure_energy(const ElementPacks& packs, double mu_pa, double lambda_pa, const double* positions_m,
+void measure_energy(const ElementPacks& packs, const MaterialLaw& law, double lambda_pa, const double* positions_m,
                     Pack* energies);
 
 }  // namespace soft_robot_lab

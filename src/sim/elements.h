@@ -1,18 +1,22 @@
 // The silicone of a body as mixed tetrahedra: quadratic displacements with one volume multiplier per element (P2/P0),
-// or linear ones. Energy of an element (stable neo-Hookean of Macklin & Mueller 2021, split so that only the volumetric
-// part is averaged), with F and J = det F at the quadrature points and w their rest volumes:
-//   sum_q w [ mu/2 (|F|^2 - 3) - mu (J - 1) + mu/2 (J - 1)^2 ]  +  lambda/2 V0 (Jbar - 1)^2,   Jbar = sum_q w J / V0
-// The multiplier p stands for lambda (Jbar - 1) and is condensed element by element.
+// or linear ones. Energy of an element, with J = det F and the material's own energy density Psi (material_law.h) at
+// the quadrature points, whose rest volumes are w; only the volumetric part is averaged:
+//   sum_q w Psi(F)  +  lambda/2 V0 (Jbar - 1)^2,   Jbar = sum_q w J / V0
+// The multiplier p stands for lambda (Jbar - 1) and is condensed element by element. Linear elements may instead share
+// their volume with their vertices, which then have the multipliers (volume_patches.h).
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "block_matrix.h"
 #include "element_packs.h"
+#include "material_law.h"
 #include "soft_robot_lab/sim/body.h"
+#include "volume_patches.h"
 
 namespace soft_robot_lab {
 
@@ -22,7 +26,7 @@ struct ElementSums {
   int inverted = 0;             // elements with det F <= 0 at a quadrature point
   int worst_element = -1;       // the one with the smallest det F
   double smallest_determinant = 1.0;
-  Eigen::VectorXd growth;  // per element: Jbar - 1
+  Eigen::VectorXd growth;  // per multiplier: Jbar - 1
 };
 
 // The lambda of all elements. Their multiplier needs some bulk to stand for: at a Poisson's ratio of zero this little,
@@ -52,13 +56,17 @@ class Elements {
   // p <- lambda (Jbar - 1 + grad Jbar . dx).
   Eigen::VectorXd updated_multipliers(const Eigen::VectorXd& growth, const Eigen::Matrix3Xd& step) const;
 
-  // c = Jbar - 1 - p / lambda, per element: zero where multiplier and volume agree.
+  // c = Jbar - 1 - p / lambda, per multiplier: zero where multiplier and volume agree.
   Eigen::VectorXd mismatch(const Eigen::VectorXd& growth, const Eigen::VectorXd& multipliers) const {
     return growth - multipliers / lambda_;
   }
 
-  const Eigen::VectorXd& rest_volumes_m3() const { return rest_volumes_; }
+  // What each multiplier stands for: an element's rest volume or a vertex's.
+  const Eigen::VectorXd& rest_volumes_m3() const { return patches_ ? patches_->volumes_m3() : element_volumes_; }
+  int multiplier_count() const { return static_cast<int>(rest_volumes_m3().size()); }
   int count() const { return count_; }
+  const ElementPacks& packs() const { return packs_; }
+  const std::vector<int>& slots() const { return slots_; }
   double lambda_pa() const { return lambda_; }
   void set_lambda_pa(double lambda_pa) { lambda_ = lambda_pa; }
   double mu_pa() const { return mu_; }
@@ -66,10 +74,12 @@ class Elements {
  private:
   int count_;
   double mu_, lambda_;
+  MaterialLaw law_;
   ElementPacks packs_;                  // in the mesh's order; nodes of each sorted by elimination order
   std::vector<int> slots_;              // per pack: pair (a >= b) x lanes, slots of the matrix
   std::vector<Pack> volume_gradients_;  // per pack: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
-  Eigen::VectorXd rest_volumes_;        // per element: V0 = sum w [m^3]
+  Eigen::VectorXd element_volumes_;     // V0 = sum w [m^3]
+  std::optional<VolumePatches> patches_;
 };
 
 }  // namespace soft_robot_lab

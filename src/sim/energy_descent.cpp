@@ -77,14 +77,14 @@ double raised(double convexity) {
 
 int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const {
   Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  return elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.count()), unused).inverted;
+  return elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), unused).inverted;
 }
 
 // The energy but for that of the constraints, and its gradient but for volume and constraints.
 NewtonSolver::Height NewtonSolver::height(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const {
   Height at;
   at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.count()), at.gradient_n);
+  at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
   at.gradient_n -= loads_n_;
   at.energy = at.elements.elastic_energy - loads_n_.cwiseProduct(positions_m).sum() +
               0.5 * elements_.lambda_pa() * at.elements.growth.cwiseAbs2().dot(elements_.rest_volumes_m3());
@@ -94,15 +94,16 @@ NewtonSolver::Height NewtonSolver::height(const NewtonTask& task, const Eigen::M
     at.energy += 0.5 * inertia.cwiseProduct(lag).sum();
     at.gradient_n += inertia;
   }
+  if (task.pull) at.energy += springs_.add_gradient(positions_m, *task.pull, at.gradient_n);
   for (const Constraint* constraint : constraints_) at.values.push_back(constraint->value(positions_m));
   return at;
 }
 
 // Blends the true matrix with one that is nearly always positive, which gives its elements the multiplier that cancels
 // most of their geometric stiffness. Beyond a convexity of 1: the positive one of linearise().
-bool NewtonSolver::linearise_blend(const NewtonState& state, const Eigen::VectorXd& growth, double inertia_per_s2,
+bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& growth,
                                    double convexity) {
-  if (convexity > 1.0) return linearise(state, inertia_per_s2, true);
+  if (convexity > 1.0) return linearise(state, task.inertia_per_s2, task.pull, true);
   linearisation_.reset();
   const auto size = static_cast<Eigen::Index>(9 * matrix_.rows().size());
   Eigen::Map<Eigen::VectorXd> values(matrix_.block(0), size);
@@ -110,22 +111,24 @@ bool NewtonSolver::linearise_blend(const NewtonState& state, const Eigen::Vector
   if (convexity > 0.0) {
     const Eigen::VectorXd cancelling = (elements_.mu_pa() * (1.0 - growth.array())).matrix();
     elements_.add_hessian(state.positions_m, cancelling, true, matrix_);
+    if (task.pull) springs_.add_hessian(state.positions_m, *task.pull, true, matrix_);
   }
   if (convexity < 1.0) {
     const Eigen::VectorXd safe = values;
     matrix_.set_zero();
     elements_.add_hessian(state.positions_m, state.element_multipliers_pa, false, matrix_);
+    if (task.pull) springs_.add_hessian(state.positions_m, *task.pull, false, matrix_);
     values = (1.0 - convexity) * values + convexity * safe;
   }
-  return add_rest_and_factorise(state, inertia_per_s2);
+  return add_rest_and_factorise(state, task.inertia_per_s2);
 }
 
 // A positive matrix with as little convexity as that takes, from a little less than the last one had.
-bool NewtonSolver::linearise_downhill(const NewtonState& state, const Eigen::VectorXd& growth, double inertia_per_s2,
+bool NewtonSolver::linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& growth,
                                       double& convexity, NewtonReport& report) {
   for (convexity = lowered(convexity);; convexity = raised(convexity)) {
     ++report.factorisations;
-    const bool positive = linearise_blend(state, growth, inertia_per_s2, convexity) && factor_.negative_pivots() == 0;
+    const bool positive = linearise_blend(task, state, growth, convexity) && factor_.negative_pivots() == 0;
     linearisation_.reset();
     if (positive || convexity > 1.0) return positive;
     ++report.convexified;
@@ -170,7 +173,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
       compliances[i] += law.compliance;
       if (y > law.min_multiplier && y < law.max_multiplier) open.push_back(i);
     }
-    if (!linearise_downhill(state, here.elements.growth, task.inertia_per_s2, convexity, report)) break;
+    if (!linearise_downhill(task, state, here.elements.growth, convexity, report)) break;
     if (ties.size() == 0 && count > 0) {
       ties = kSoftTie * border_.cwiseProduct(border_solved_).colwise().sum().transpose();
       continue;

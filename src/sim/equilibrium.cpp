@@ -36,7 +36,8 @@ void start_from_rest_shape(SimulationParts& parts) {
   parts.state.positions_m = parts.body.mesh().nodes_m;
   parts.state.element_multipliers_pa.setZero();
   parts.state.constraint_multipliers.setZero();
-  for (auto& actuator : parts.actuators) actuator->restore(actuator->command(), actuator->limits().rest);
+  for (auto& actuator : parts.actuators) actuator->place(actuator->limits().rest);
+  parts.begin_step();
 }
 
 std::vector<double> actuated(const SimulationParts& parts) {

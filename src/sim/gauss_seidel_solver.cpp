@@ -39,8 +39,12 @@ ElementPacks coloured_packs(const Body& body, Colouring colouring, std::vector<i
 
 ElementStep element_step(const Body& body, double h, const Eigen::Matrix3Xd& root_inverse_masses, NewtonState& state,
                          std::vector<Pack>& multipliers) {
-  return {body.material().lame_mu_pa(),       bulk_lambda_pa(body.material()), h,
-          root_inverse_masses.data(),         state.positions_m.data(),        multipliers.data(),
+  return {law_of(body.material()),
+          bulk_lambda_pa(body.material()),
+          h,
+          root_inverse_masses.data(),
+          state.positions_m.data(),
+          multipliers.data(),
           state.element_multipliers_pa.data()};
 }
 
@@ -149,7 +153,7 @@ double GaussSeidelSolver::kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s)
 }
 
 double GaussSeidelSolver::stored_energy(const Eigen::Matrix3Xd& positions_m) {
-  measure_energy(packs_, body_.material().lame_mu_pa(), bulk_lambda_pa(body_.material()), positions_m.data(),
+  measure_energy(packs_, law_of(body_.material()), bulk_lambda_pa(body_.material()), positions_m.data(),
                  energies_.data());
   double sum = 0.0;
   for (const Pack& pack : energies_)
@@ -170,11 +174,13 @@ GaussSeidelReport GaussSeidelSolver::advance(const GaussSeidelTask& task, GaussS
   for (Eigen::Index i = 0; i < count; ++i) values[i] = measure(i);
   const double energy_before = kinetic_energy(state.velocities_m_s) + stored_energy(unknowns.positions_m);
   double work = 0.0, moved_energy = 0.0;
+  const double slowing = 1.0 / (1.0 + body_.viscosity().rayleigh_mass_per_s * h);
 
   load_multipliers(state.element_forces_n, h);
   for (int substep = 0; substep < task.substep_count; ++substep) {
     if (task.before_substep) task.before_substep((substep + 1.0) / task.substep_count);
     const Eigen::Matrix3Xd before = unknowns.positions_m;
+    if (slowing < 1.0) state.velocities_m_s *= slowing;
     if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;
     predict(task, h, state);
     for (int iteration = 0; iteration < task.iteration_count; ++iteration) {

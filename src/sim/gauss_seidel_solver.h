@@ -29,8 +29,8 @@ namespace soft_robot_lab {
 struct GaussSeidelTask {
   double time_step_s = 1.0 / 60.0;
   int substep_count = 20;
-  int iteration_count = 1;                     // sweeps a substep
-  bool multipliers_from_zero = false;          // in each substep, as in the paper
+  int iteration_count = 1;             // sweeps a substep
+  bool multipliers_from_zero = false;  // in each substep, as in the paper
   std::function<void(double)> before_substep;  // takes the share of the step that is over at its end; may be empty
 };
 

@@ -22,13 +22,6 @@ constexpr double kTolerance = 1e-9;  // of a squared frequency, between two iter
 constexpr int kMaxIterations = 200;
 constexpr int kGuardVectors = 8;  // beyond the wanted ones, which converge by (omega / first omega left out)^2
 
-std::vector<std::vector<int>> element_cliques(const TetMesh& mesh) {
-  std::vector<std::vector<int>> cliques;
-  for (Eigen::Index e = 0; e < mesh.tets.cols(); ++e)
-    cliques.emplace_back(mesh.tets.col(e).data(), mesh.tets.col(e).data() + mesh.tets.rows());
-  return cliques;
-}
-
 // Masses over 3*node + axis; zero where held.
 Eigen::VectorXd free_masses(const Body& body) {
   const Eigen::Matrix3Xd masses = Eigen::Vector3d::Ones() * body.node_masses_kg().transpose();
@@ -45,9 +38,9 @@ double shift_per_s2(const Body& body) {
 // Factor of K + shift M, the condensed Hessian of the rest shape, where all multipliers are zero.
 BlockCholesky factor_of_rest_shape(const Body& body, double shift) {
   const TetMesh& mesh = body.mesh();
-  BlockMatrix matrix(mesh.node_count(), element_cliques(mesh));
+  BlockMatrix matrix(mesh.node_count(), stiffness_cliques(body));
   Elements elements(body, matrix);
-  elements.add_hessian(mesh.nodes_m, Eigen::VectorXd::Zero(mesh.tet_count()), false, matrix);
+  elements.add_hessian(mesh.nodes_m, Eigen::VectorXd::Zero(elements.multiplier_count()), false, matrix);
   for (int node = 0; node < mesh.node_count(); ++node)
     matrix.add_to_diagonal(node, shift * body.node_masses_kg()[node]);
   matrix.hold(body.fixed());

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
@@ -12,70 +12,13 @@ namespace {
 
 constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
 constexpr int kHalvings = 8;
-constexpr double kWorthwhileDecrease = 0.5;  // of the residual, by a step with an old factor
+constexpr std::size_t kOldFactorSteps = 5;   // by an old factor between two new ones, in one solve
+constexpr double kWorthwhileDecrease = 0.9;  // of the residual, by such a step
 constexpr double kTieStiffness = 1e3;        // of a carried point, over E * size
 
 Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
   return {columns.data(), columns.size()};
 }
-
-// Solves S y = b with y between bounds, S positive definite: an active set that adds one constraint at a time (Nocedal
-// & Wright 2006, 16.5, for the dual of a cable that can only pull).
-Eigen::VectorXd solve_bounded(const Eigen::MatrixXd& s, const Eigen::VectorXd& b,
-                              const std::vector<ConstraintLaw>& laws) {
-  const int count = static_cast<int>(b.size());
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(count);
-  std::vector<char> held(count, 0);
-  for (int i = 0; i < count; ++i) {
-    if (!laws[i].prescribed()) continue;
-    held[i] = 1;
-    y[i] = laws[i].min_multiplier;
-  }
-  for (int round = 0; round < 4 * count + 4; ++round) {
-    std::vector<int> open;
-    for (int i = 0; i < count; ++i)
-      if (!held[i]) open.push_back(i);
-    const int size = static_cast<int>(open.size());
-    Eigen::MatrixXd sub(size, size);
-    Eigen::VectorXd right(size);
-    for (int i = 0; i < size; ++i) {
-      right[i] = b[open[i]];
-      for (int k = 0; k < count; ++k)
-        if (held[k]) right[i] -= s(open[i], k) * y[k];
-      for (int j = 0; j < size; ++j) sub(i, j) = s(open[i], open[j]);
-    }
-    const Eigen::VectorXd solved = size > 0 ? Eigen::VectorXd(sub.ldlt().solve(right)) : right;
-    int worst = -1;
-    double worst_by = 0.0;
-    for (int i = 0; i < size; ++i) {
-      const ConstraintLaw& law = laws[open[i]];
-      const double beyond = std::max(law.min_multiplier - solved[i], solved[i] - law.max_multiplier);
-      y[open[i]] = std::clamp(solved[i], law.min_multiplier, law.max_multiplier);
-      if (beyond > worst_by) {
-        worst_by = beyond;
-        worst = open[i];
-      }
-    }
-    if (worst >= 0) {
-      held[worst] = 1;
-      continue;
-    }
-    // A held multiplier whose constraint would rather pull away from its bound is let go.
-    int release = -1;
-    for (int i = 0; i < count; ++i) {
-      if (!held[i] || laws[i].prescribed()) continue;
-      const double pull = b[i] - s.row(i).dot(y);
-      const bool at_min = y[i] <= laws[i].min_multiplier;
-      if ((at_min && pull > 1e-12 * std::abs(b[i])) || (!at_min && pull < -1e-12 * std::abs(b[i]))) release = i;
-    }
-    if (release < 0) break;
-    held[release] = 0;
-  }
-  return y;
-}
-
-// Whether the law, and no bound, decides the multiplier y.
-bool active(const ConstraintLaw& law, double y) { return y > law.min_multiplier && y < law.max_multiplier; }
 
 // How far a constraint is from its law at multiplier y: zero on a bound that holds it (a slack cable).
 double violation(const ConstraintLaw& law, double y) {
@@ -86,46 +29,62 @@ double violation(const ConstraintLaw& law, double y) {
   return mismatch;
 }
 
+// Relative to the constraint's own value, so that lengths and volumes count alike.
+double relative_violation(const ConstraintLaw& law, double y, double value) {
+  return violation(law, y) / std::max(std::abs(value), 1e-300);
+}
+
 }  // namespace
+
+int NewtonSolver::Layout::place_of(const EmbeddedPoint& point) {
+  for (int i = 0; i < point_count; ++i)
+    if (std::equal(point.nodes.begin(), point.nodes.end(), ties[i].begin(), ties[i].end() - 1) &&
+        std::equal(point.weights.begin(), point.weights.end(), tie_coefficients[i].begin(),
+                   tie_coefficients[i].end() - 1))
+      return node_count + i;
+  ties.push_back(point.nodes);
+  tie_coefficients.push_back(point.weights);
+  ties.back().push_back(node_count + point_count);
+  tie_coefficients.back().push_back(-1.0);
+  return node_count + point_count++;
+}
 
 NewtonSolver::Layout NewtonSolver::lay_out(const Body& body, const std::vector<const Constraint*>& constraints) {
   Layout layout;
   layout.node_count = body.mesh().node_count();
   for (const Constraint* constraint : constraints) {
-    const int first_point = layout.node_count + layout.point_count;
-    for (const EmbeddedPoint& point : constraint->carried_points()) {
-      layout.ties.push_back(point.nodes);
-      layout.tie_coefficients.push_back(point.weights);
-      layout.ties.back().push_back(layout.node_count + layout.point_count++);
-      layout.tie_coefficients.back().push_back(-1.0);
-    }
+    std::vector<int> places;
+    for (const EmbeddedPoint& point : constraint->carried_points()) places.push_back(layout.place_of(point));
     layout.cliques.emplace_back();
     for (Clique clique : constraint->cliques()) {
       for (int& member : clique)
-        if (member < 0) member = first_point + ~member;
+        if (member < 0) member = places[~member];
       layout.cliques.back().push_back(std::move(clique));
     }
   }
   return layout;
 }
 
-std::vector<std::vector<int>> NewtonSolver::Layout::all_cliques(const TetMesh& mesh) const {
+std::vector<std::vector<int>> NewtonSolver::Layout::all_cliques(const Body& body) const {
   std::vector<std::vector<int>> all = ties;
-  for (Eigen::Index e = 0; e < mesh.tets.cols(); ++e)
-    all.emplace_back(mesh.tets.col(e).data(), mesh.tets.col(e).data() + mesh.tets.rows());
+  const auto of_elements = stiffness_cliques(body);
+  all.insert(all.end(), of_elements.begin(), of_elements.end());
   for (const auto& of_constraint : cliques) all.insert(all.end(), of_constraint.begin(), of_constraint.end());
   return all;
 }
 
-NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> constraints)
+NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> constraints,
+                           std::vector<SharedLength> shared)
     : body_(body),
       constraints_(std::move(constraints)),
+      shared_(std::move(shared)),
       layout_(lay_out(body, constraints_)),
       loads_n_(body.external_forces_n()),
       force_floor_n_(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
-      matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body.mesh())),
+      matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body)),
       factor_(matrix_),
       elements_(body, matrix_),
+      springs_(elements_.packs(), elements_.slots()),
       ties_(matrix_, layout_.ties) {
   for (const auto& cliques : layout_.cliques) adders_.emplace_back(matrix_, cliques);
 }
@@ -158,37 +117,49 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     result.smooth_energy += 0.5 * inertia.cwiseProduct(lag).sum();
     result.residual_n += inertia;
   }
+  if (task.pull) result.smooth_energy += springs_.add_gradient(state.positions_m, *task.pull, result.residual_n);
   result.residual_n -= loads_n_;
 
   double constraint_residual = 0.0;
+  result.junctions = junctions_at(state.positions_m);
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = state.constraint_multipliers[i];
     result.values.push_back(constraints_[i]->value(state.positions_m));
     result.laws.push_back(constraints_[i]->law(result.values.back(), y));
     if (y != 0.0) constraints_[i]->add_gradient(state.positions_m, y, result.residual_n);
-    const ConstraintLaw& law = result.laws.back();
-    // Relative to the constraint's own value, so that lengths and volumes count alike; a prescribed multiplier is met
-    // or not.
-    const double off = law.prescribed()
-                           ? (std::abs(y - law.min_multiplier) > 1e-12 * std::abs(y) ? 1.0 : 0.0)
-                           : std::abs(violation(law, y)) / std::max(std::abs(result.values.back()), 1e-300);
+  }
+  const std::vector<ConstraintLaw> laws = after_flows(result.laws, result.junctions, state.flows_m);
+  for (int i = 0; i < constraint_count(); ++i) {
+    const double y = state.constraint_multipliers[i];
+    const ConstraintLaw& law = laws[i];
+    // A prescribed multiplier is met or not.
+    const double off = law.prescribed() ? (std::abs(y - law.min_multiplier) > 1e-12 * std::abs(y) ? 1.0 : 0.0)
+                                        : std::abs(relative_violation(law, y, result.values[i]));
     constraint_residual = std::max(constraint_residual, off);
   }
+  for (int j = 0; j < junction_count(); ++j)
+    constraint_residual =
+        std::max(constraint_residual,
+                 junction_violation(result.junctions[j], state.constraint_multipliers, state.flows_m[j], force_floor_n_,
+                                    std::max(std::abs(result.values[result.junctions[j].first]), 1e-300)));
   release(result.residual_n);
   const double volume_residual =
       elements_.mismatch(result.elements.growth, state.element_multipliers_pa).cwiseAbs().maxCoeff();
+  result.force_scale_n = largest;
   result.relative_residual = std::max({result.residual_n.norm() / largest, constraint_residual, volume_residual});
   result.finite =
       std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy) && result.residual_n.allFinite();
   return result;
 }
 
-bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2, bool convex) {
+bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
+                             const std::shared_ptr<const StrainPull>& pull, bool convex) {
   linearisation_.reset();
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
+  if (pull) springs_.add_hessian(state.positions_m, *pull, convex, matrix_);
   if (!add_rest_and_factorise(state, inertia_per_s2)) return false;
-  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2});
+  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2, pull});
   return true;
 }
 
@@ -210,8 +181,9 @@ bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inert
   return true;
 }
 
-bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2) const {
-  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 &&
+bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2,
+                                 const std::shared_ptr<const StrainPull>& pull) const {
+  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 && linearisation_->pull == pull &&
          linearisation_->at.positions_m == state.positions_m &&
          linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
          linearisation_->at.constraint_multipliers == state.constraint_multipliers;
@@ -220,7 +192,7 @@ bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
   if (linearisation == linearisation_) return;
   linearisation_.reset();
-  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, false);
+  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, linearisation->pull, false);
 }
 
 Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {
@@ -233,17 +205,25 @@ Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) con
 // Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled
 // body is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A
 // (Haynsworth 1968: the inertia of the bordered matrix).
-bool NewtonSolver::stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
-                                const Eigen::VectorXd& multipliers) const {
+//
+// Constraints between which length slips hold no more than the sum of their values.
+bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const {
   if (factor_.negative_pivots() == 0) return true;
-  std::vector<int> free;
-  for (int i = 0; i < constraint_count(); ++i)
-    if (active(laws[i], multipliers[i])) free.push_back(i);
-  const int size = static_cast<int>(free.size());
+  const int count = constraint_count();
+  std::vector<int> group(count);
+  std::iota(group.begin(), group.end(), 0);
+  for (const JunctionBound& junction : problem.junctions)
+    if (slipping(junction, multipliers) != 0)
+      std::replace(group.begin(), group.end(), group[junction.second], group[junction.first]);
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, count);
+  int size = 0;
+  for (int g = 0; g < count; ++g) {
+    for (int i = 0; i < count; ++i)
+      if (group[i] == g && active(problem.laws[i], multipliers[i])) sums(i, size) = 1.0;
+    if (!sums.col(size).isZero(0.0) && ++size == count) break;
+  }
   if (size < factor_.negative_pivots()) return false;
-  Eigen::MatrixXd sub(size, size);
-  for (int i = 0; i < size; ++i)
-    for (int j = 0; j < size; ++j) sub(i, j) = schur(free[i], free[j]);
+  const Eigen::MatrixXd sub = sums.leftCols(size).transpose() * problem.softness * sums.leftCols(size);
   const Eigen::VectorXd eigenvalues =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
   return (eigenvalues.array() < 0.0).count() == factor_.negative_pivots();
@@ -261,18 +241,23 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   Eigen::VectorXd motion = solve(-as_vector(gradient));
   step.constraint_multipliers.resize(count);
   step.penalties.resize(count);
-  step.laws = here.laws;
-  for (int i = 0; i < count; ++i) step.laws[i].offset -= here.values[i];
+  step.flows_m.resize(junction_count());
   if (count > 0) {
-    Eigen::MatrixXd schur = border_.transpose() * border_solved_;
-    Eigen::VectorXd right = border_.transpose() * motion + schur * state.constraint_multipliers;
+    MultiplierProblem problem;
+    problem.softness = border_.transpose() * border_solved_;
+    problem.excess = border_.transpose() * motion + problem.softness * state.constraint_multipliers;
+    problem.laws = here.laws;
+    problem.junctions = here.junctions;
     for (int i = 0; i < count; ++i) {
-      step.penalties[i] = 1.0 / std::max(std::abs(schur(i, i)) + here.laws[i].compliance, 1e-300);
-      schur(i, i) += here.laws[i].compliance;
-      right[i] += here.laws[i].offset;
+      step.penalties[i] = 1.0 / std::max(std::abs(problem.softness(i, i)) + here.laws[i].compliance, 1e-300);
+      problem.softness(i, i) += here.laws[i].compliance;
+      problem.excess[i] += here.laws[i].offset;
     }
-    step.constraint_multipliers = solve_bounded(schur, right, here.laws);
-    if (!stable_under(schur, here.laws, step.constraint_multipliers)) return false;
+    Multipliers solved = solve_multipliers(problem, state.constraint_multipliers);
+    if (!solved.found) return false;
+    step.constraint_multipliers = std::move(solved.y);
+    if (junction_count() > 0) step.flows_m = std::move(solved.flows_m);
+    if (!stable_under(problem, step.constraint_multipliers)) return false;
     motion -= border_solved_ * (step.constraint_multipliers - state.constraint_multipliers);
   }
   if (count == 0 && factor_.negative_pivots() > 0) return false;
@@ -285,20 +270,52 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   const double squared = c.cwiseAbs2().dot(elements_.rest_volumes_m3());
   step.slope = as_vector(gradient).dot(motion) + (elements_.lambda_pa() - kPenaltyOverMu * elements_.mu_pa()) * squared;
   step.slope += (step.constraint_multipliers - state.constraint_multipliers).dot(border_.transpose() * motion);
-  for (int i = 0; i < count; ++i)
-    step.slope -= step.penalties[i] * std::pow(violation(here.laws[i], step.constraint_multipliers[i]), 2);
+  step.laws = after_flows(here.laws, here.junctions, step.flows_m);
+  for (int i = 0; i < count; ++i) {
+    step.slope -= step.penalties[i] * std::pow(violation(step.laws[i], step.constraint_multipliers[i]), 2);
+    step.laws[i].offset -= here.values[i];
+  }
   return std::isfinite(step.slope);
 }
 
-// One step by the last factor, kept only where it brings the residual well down. Volume and constraint multipliers stay
+// The step of an old factor, corrected by what the last such steps have taught. All unknowns and residuals as one
+// vector; the residuals as the convergence test takes them.
+NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
+                              AndersonMixing& mixing) const {
+  if (junction_count() > 0)  // what sticks and what slips changes at once; no model of it is linear
+    return {state.positions_m + step.motion_m, step.element_multipliers_pa, step.constraint_multipliers, step.flows_m};
+  const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
+                     constraints = state.constraint_multipliers.size();
+  Eigen::VectorXd at(nodes + elements + constraints), change(at.size()), residual(at.size());
+  at << as_vector(state.positions_m), state.element_multipliers_pa, state.constraint_multipliers;
+  change << as_vector(step.motion_m), step.element_multipliers_pa - state.element_multipliers_pa,
+      step.constraint_multipliers - state.constraint_multipliers;
+  residual << as_vector(here.residual_n) / here.force_scale_n,
+      elements_.mismatch(here.elements.growth, state.element_multipliers_pa), Eigen::VectorXd(constraints);
+  for (int i = 0; i < constraint_count(); ++i)
+    residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
+  const Eigen::VectorXd next = mixing.next(std::move(at), std::move(change), std::move(residual));
+  NewtonState mixed{Eigen::Map<const Eigen::Matrix3Xd>(next.data(), 3, state.positions_m.cols()),
+                    next.segment(nodes, elements), next.tail(constraints), state.flows_m};
+  for (int i = 0; i < constraint_count(); ++i)
+    mixed.constraint_multipliers[i] =
+        std::clamp(mixed.constraint_multipliers[i], here.laws[i].min_multiplier, here.laws[i].max_multiplier);
+  return mixed;
+}
+
+// One step by the last factor, kept only where it brings the residual down. Volume and constraint multipliers stay
 // unknowns of their own, so it converges as fast as the body has turned little, however incompressible it is.
-bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here) const {
-  if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2) return false;
+bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
+                                  AndersonMixing& mixing) const {
+  if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
+      (linearisation_->pull == nullptr) != (task.pull == nullptr))
+    return false;
   Step step;
   if (!find_step(state, here, step)) return false;
-  NewtonState trial{state.positions_m + step.motion_m, step.element_multipliers_pa, step.constraint_multipliers};
+  NewtonState trial = mix(state, here, step, mixing);
   Evaluation there = evaluate(task, trial);
-  if (!there.finite || there.relative_residual > kWorthwhileDecrease * here.relative_residual) return false;
+  if (!there.finite || there.relative_residual > std::max(task.tolerance, kWorthwhileDecrease * here.relative_residual))
+    return false;
   state = std::move(trial);
   here = std::move(there);
   return true;
@@ -331,6 +348,7 @@ bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonS
     trial.positions_m += length * step.motion_m;
     trial.element_multipliers_pa += length * (step.element_multipliers_pa - state.element_multipliers_pa);
     trial.constraint_multipliers += length * (step.constraint_multipliers - state.constraint_multipliers);
+    trial.flows_m += length * (step.flows_m - state.flows_m);
     Evaluation there = evaluate(task, trial);
     if (!there.finite) continue;
     const double allowed = start + 1e-4 * length * step.slope + 1e-12 * std::abs(start);
@@ -354,23 +372,28 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     report.residual = here.relative_residual;
     report.inverted_elements = here.elements.inverted;
     report.worst_element = here.elements.worst_element;
+    report.smallest_determinant = here.elements.smallest_determinant;
+    report.tolerance = task.tolerance;
+    here.residual_n.colwise().squaredNorm().maxCoeff(&report.worst_node);
     report.converged = reason.empty();
     report.reason = std::move(reason);
     return report;
   };
 
   bool convex = false, old_factor = task.reuse_factor;
+  AndersonMixing mixing(kOldFactorSteps);
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
     ++report.iterations;
-    if (old_factor && try_old_factor(task, state, here)) continue;
+    if (old_factor && mixing.size() < kOldFactorSteps && try_old_factor(task, state, here, mixing)) continue;
     old_factor = false;
+    mixing.clear();
 
     Step step;
     const auto fresh_step = [&] {
-      if (!convex && linearised_at(state, task.inertia_per_s2)) return find_step(state, here, step);
+      if (!convex && linearised_at(state, task.inertia_per_s2, task.pull)) return find_step(state, here, step);
       ++report.factorisations;
-      return linearise(state, task.inertia_per_s2, convex) && find_step(state, here, step);
+      return linearise(state, task.inertia_per_s2, task.pull, convex) && find_step(state, here, step);
     };
     bool found = fresh_step();
     if (!convex && (!found || step.slope > 0.0)) {
@@ -390,28 +413,80 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");
 }
 
+double NewtonSolver::rest_residual(const NewtonState& state) const {
+  const Evaluation here = evaluate(NewtonTask{}, state);
+  return here.finite ? here.relative_residual : 1.0;
+}
+
+bool NewtonSolver::stable_at_rest(const NewtonState& state) {
+  if (constraint_count() > 0) return sensitivities(state).size() > 0;
+  return (linearised_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false)) &&
+         factor_.negative_pivots() == 0;
+}
+
+double NewtonSolver::worst_violation(const NewtonState& state) const {
+  double worst = 0.0;
+  for (int i = 0; i < constraint_count(); ++i) {
+    const double value = constraints_[i]->value(state.positions_m);
+    const ConstraintLaw law = constraints_[i]->law(value, state.constraint_multipliers[i]);
+    worst = std::max(worst, std::abs(relative_violation(law, state.constraint_multipliers[i], value)));
+  }
+  return worst;
+}
+
+std::vector<JunctionBound> NewtonSolver::junctions_at(const Eigen::Matrix3Xd& positions_m) const {
+  std::vector<JunctionBound> bounds;
+  for (const SharedLength& shared : shared_)
+    bounds.push_back({shared.first, shared.second, shared.junction->ratio(positions_m)});
+  return bounds;
+}
+
+// Along the equilibria that the commands move through: S dy + D dq = d offset on active constraints, dy given on the
+// others; at a junction dq = 0, or where it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx.
 Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
-  if (!linearised_at(state, 0.0) && !linearise(state, 0.0, false)) return {};
-  const int count = constraint_count();
-  Eigen::MatrixXd schur = border_.transpose() * border_solved_;
-  std::vector<ConstraintLaw> laws;
+  if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return {};
+  const int count = constraint_count(), junctions = junction_count();
+  const Eigen::VectorXd& y = state.constraint_multipliers;
+  MultiplierProblem problem;
+  problem.softness = border_.transpose() * border_solved_;
+  problem.junctions = junctions_at(state.positions_m);
   for (int i = 0; i < count; ++i)
-    laws.push_back(constraints_[i]->law(constraints_[i]->value(state.positions_m), state.constraint_multipliers[i]));
-  for (int i = 0; i < count; ++i) schur(i, i) += laws[i].compliance;
-  if (!stable_under(schur, laws, state.constraint_multipliers)) return {};
-  Eigen::MatrixXd drive = Eigen::MatrixXd::Zero(count, count);  // rows: constraints, columns: commands
+    problem.laws.push_back(constraints_[i]->law(constraints_[i]->value(state.positions_m), y[i]));
+  for (int i = 0; i < count; ++i) problem.softness(i, i) += problem.laws[i].compliance;
+  if (!stable_under(problem, y)) return {};
+  if (count == 0) return border_solved_;
+
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count + junctions, count + junctions);
+  Eigen::MatrixXd drive = Eigen::MatrixXd::Zero(count + junctions, count);  // columns: commands
   for (int i = 0; i < count; ++i) {
-    if (active(laws[i], state.constraint_multipliers[i])) {
-      drive(i, i) = laws[i].offset_per_command;
+    const ConstraintLaw& law = problem.laws[i];
+    if (active(law, y[i])) {
+      matrix.row(i).head(count) = problem.softness.row(i);
+      drive(i, i) = law.offset_per_command;
+    } else {  // dy is known, zero for a slack cable
+      matrix(i, i) = 1.0;
+      drive(i, i) = law.prescribed() ? law.multiplier_per_command : 0.0;
+    }
+  }
+  for (int j = 0; j < junctions; ++j) {
+    const auto& [first, second, ratio] = problem.junctions[j];
+    const int row = count + j;
+    const bool held_first = !active(problem.laws[first], y[first]),
+               held_second = !active(problem.laws[second], y[second]);
+    if (!held_first) matrix(first, row) = 1.0;
+    if (!held_second) matrix(second, row) = -1.0;
+    const int slip = slipping(problem.junctions[j], y);
+    if (slip == 0 || (held_first && held_second)) {
+      matrix(row, row) = 1.0;
       continue;
     }
-    // dy is known, zero for a slack cable: replace the row by dy = given.
-    schur.row(i).setZero();
-    schur(i, i) = 1.0;
-    drive(i, i) = laws[i].prescribed() ? laws[i].multiplier_per_command : 0.0;
+    Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
+    shared_[j].junction->add_log_ratio_gradient(state.positions_m, ratio * y[slip > 0 ? second : first], gradient);
+    matrix.row(row).head(count) = as_vector(gradient).transpose() * border_solved_;
+    matrix(row, first) += slip > 0 ? 1.0 : -ratio;
+    matrix(row, second) += slip > 0 ? -ratio : 1.0;
   }
-  if (count == 0) return border_solved_;
-  return -border_solved_ * schur.fullPivLu().solve(drive);
+  return -border_solved_ * matrix.fullPivLu().solve(drive).topRows(count);
 }
 
 }  // namespace soft_robot_lab

@@ -4,6 +4,8 @@
 //
 //   [ A   B ] [dx]   [ -r ]     A: inertia + elements (condensed) + y d2C/dx2,  B: constraint gradients
 //   [ B' -a ] [ y] = [ -o ]     a: compliance, o: offset (ConstraintLaw), y within its bounds
+//
+// Where constraints share their length (Junction), the lengths q that slip between them are unknowns of the border too.
 #pragma once
 
 #include <memory>
@@ -12,12 +14,15 @@
 
 #include <Eigen/Core>
 
+#include "anderson_mixing.h"
 #include "block_cholesky.h"
 #include "block_matrix.h"
 #include "clique_adder.h"
 #include "elements.h"
+#include "multiplier_problem.h"
 #include "soft_robot_lab/sim/body.h"
 #include "soft_robot_lab/sim/constraint.h"
+#include "strain_springs.h"
 
 namespace soft_robot_lab {
 
@@ -26,6 +31,13 @@ struct NewtonState {
   Eigen::Matrix3Xd positions_m;            // 3 x nodes
   Eigen::VectorXd element_multipliers_pa;  // p
   Eigen::VectorXd constraint_multipliers;  // y
+  Eigen::VectorXd flows_m = {};            // q, one per junction, since the step began
+};
+
+// A junction, and its constraints among all.
+struct SharedLength {
+  const Junction* junction;
+  int first, second;
 };
 
 // Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never
@@ -33,12 +45,14 @@ struct NewtonState {
 struct Linearisation {
   NewtonState at;
   double inertia_per_s2 = 0.0;
+  std::shared_ptr<const StrainPull> pull;
 };
 
-// minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)
+// minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)  +  energy of the pull
 struct NewtonTask {
   double inertia_per_s2 = 0.0;                    // 1/h^2; zero asks for the equilibrium
   const Eigen::Matrix3Xd* predicted_m = nullptr;  // needed where there is inertia
+  std::shared_ptr<const StrainPull> pull;         // of viscosity; may be null
   double tolerance = 1e-6;
   int min_iterations = 0;
   int max_iterations = 60;
@@ -54,12 +68,15 @@ struct NewtonReport {
   double residual = 0.0;
   int inverted_elements = 0;
   int worst_element = -1;
-  std::string reason;  // empty when converged
+  double smallest_determinant = 1.0;
+  double tolerance = 0.0;
+  int worst_node = -1;  // with the largest residual force
+  std::string reason;   // empty when converged
 };
 
 class NewtonSolver {
  public:
-  NewtonSolver(const Body& body, std::vector<const Constraint*> constraints);
+  NewtonSolver(const Body& body, std::vector<const Constraint*> constraints, std::vector<SharedLength> shared = {});
 
   // Improves the state in place. Where it did not converge the state is the best it had; NaN never enters it.
   NewtonReport solve(const NewtonTask& task, NewtonState& state);
@@ -67,6 +84,7 @@ class NewtonSolver {
   // Down the energy itself, which is finite and bounded below wherever the nodes are: for a start that is of no use to
   // solve(), such as a tangled body. The positions are the only unknowns, every step lowers the energy, and bulk and
   // rigid constraints are softened meanwhile; so the end is no solution, but a start from which solve() finds one.
+  // Not for bodies with junctions: friction has no energy.
   NewtonReport descend(const NewtonTask& task, NewtonState& state);
 
   int inverted_elements(const Eigen::Matrix3Xd& positions_m) const;
@@ -75,27 +93,39 @@ class NewtonSolver {
   // of its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
   Eigen::MatrixXd sensitivities(const NewtonState& state);
 
+  // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
+  double rest_residual(const NewtonState& state) const;
+  bool stable_at_rest(const NewtonState& state);
+  // How far the constraints are from their laws, relative to their values; costs no pass over the body.
+  double worst_violation(const NewtonState& state) const;
+
   // The last linearisation, or nullptr where it cannot be reused; and making it again.
   const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
   void restore(const std::shared_ptr<const Linearisation>& linearisation);
 
+  int element_multiplier_count() const { return elements_.multiplier_count(); }
+  Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.pack_count()) * kLanes; }
+  Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
+  int junction_count() const { return static_cast<int>(shared_.size()); }
 
  private:
   struct Evaluation {
     ElementSums elements;
-    Eigen::Matrix3Xd residual_n;  // of the unheld degrees of freedom
-    std::vector<double> values;   // C
-    std::vector<ConstraintLaw> laws;
+    Eigen::Matrix3Xd residual_n;      // of the unheld degrees of freedom
+    std::vector<double> values;       // C
+    std::vector<ConstraintLaw> laws;  // before anything slipped
+    std::vector<JunctionBound> junctions;
     double smooth_energy = 0.0;  // elastic + inertia - loads
     double relative_residual = 0.0;
+    double force_scale_n = 1.0;  // of the residual
     bool finite = false;
   };
   struct Step {
     Eigen::Matrix3Xd motion_m;
-    Eigen::VectorXd element_multipliers_pa, constraint_multipliers;
+    Eigen::VectorXd element_multipliers_pa, constraint_multipliers, flows_m;
     Eigen::VectorXd penalties;        // per constraint, for the merit function
-    std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0
+    std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0, after the flows
     double slope = 0.0;               // of the merit function along the step
   };
 
@@ -107,19 +137,22 @@ class NewtonSolver {
   };
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
-  bool linearise(const NewtonState& state, double inertia_per_s2, bool convex);
+  bool linearise(const NewtonState& state, double inertia_per_s2, const std::shared_ptr<const StrainPull>& pull,
+                 bool convex);
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2);  // what is not of the elements
-  bool linearised_at(const NewtonState& state, double inertia_per_s2) const;
-  bool stable_under(const Eigen::MatrixXd& schur, const std::vector<ConstraintLaw>& laws,
-                    const Eigen::VectorXd& multipliers) const;
+  bool linearised_at(const NewtonState& state, double inertia_per_s2,
+                     const std::shared_ptr<const StrainPull>& pull) const;
+  bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
+  std::vector<JunctionBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
-  bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here) const;
+  NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
+  bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing) const;
   bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                    double& length) const;
   Height height(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const;
-  bool linearise_blend(const NewtonState& state, const Eigen::VectorXd& growth, double inertia_per_s2,
+  bool linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& growth,
                        double convexity);
-  bool linearise_downhill(const NewtonState& state, const Eigen::VectorXd& growth, double inertia_per_s2,
+  bool linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& growth,
                           double& convexity, NewtonReport& report);
   Eigen::VectorXd downhill(const Eigen::Matrix3Xd& gradient_n, const Eigen::VectorXd& compliances,
                            const std::vector<int>& open) const;
@@ -132,21 +165,24 @@ class NewtonSolver {
   // that is stiff against everything it carries (so the second derivative is softened by less than 1e-3).
   struct Layout {
     int node_count = 0, point_count = 0;
+    int place_of(const EmbeddedPoint& point);            // a point that several constraints carry has one place
     std::vector<std::vector<int>> ties;                  // per point: its nodes, then itself
     std::vector<std::vector<double>> tie_coefficients;   // its weights, then -1
     std::vector<std::vector<std::vector<int>>> cliques;  // per constraint, in places of the matrix
-    std::vector<std::vector<int>> all_cliques(const TetMesh& mesh) const;
+    std::vector<std::vector<int>> all_cliques(const Body& body) const;
   };
   static Layout lay_out(const Body& body, const std::vector<const Constraint*>& constraints);
 
   const Body& body_;
   std::vector<const Constraint*> constraints_;
+  std::vector<SharedLength> shared_;
   Layout layout_;
   Eigen::Matrix3Xd loads_n_;
   double force_floor_n_;  // forces below this count as none
   BlockMatrix matrix_;
   BlockCholesky factor_;
   Elements elements_;
+  StrainSprings springs_;
   CliqueAdder ties_;
   std::vector<CliqueAdder> adders_;  // per constraint
 

@@ -1,7 +1,7 @@
 // Four small dense symmetric systems at once, one per lane: A = L D L^T without pivoting, lower triangle by columns.
 #pragma once
 
-#include "element_kernels.h"
+#include "packs.h"
 
 namespace soft_robot_lab {
 

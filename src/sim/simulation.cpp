@@ -1,11 +1,12 @@
 #include "soft_robot_lab/sim/simulation.h"
 
 #include <chrono>
-#include <limits>
 #include <set>
 #include <stdexcept>
 
+#include "actuator_warnings.h"
 #include "equilibrium.h"
+#include "rest.h"
 #include "simulation_parts.h"
 #include "state_check.h"
 #include "substepping.h"
@@ -24,6 +25,13 @@ int index_of(const std::string& kind, const std::string& name, const Items& item
   throw std::invalid_argument("unknown " + kind + " '" + name + "'; known: " + (known.empty() ? "none" : known));
 }
 
+void warn_of_actuators(const Simulation& simulation, SolveReport& report) {
+  for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
+    for (const SolveWarning& warning :
+         actuator_warnings(simulation.actuator_state(static_cast<int>(i)), simulation.body()))
+      add_warning(warning, report.warnings);
+}
+
 class Stopwatch {
  public:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -32,12 +40,25 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+void refuse_beyond_gauss_seidel(const Body& body) {
+  if (body.linear_volume() == LinearVolume::vertex_averaged)
+    throw std::invalid_argument(
+        "body.linear_volume: vertex_averaged is not for solver.method gauss_seidel, which corrects one element at a "
+        "time; "
+        "choose element, or method global");
+  if (body.viscosity().of_strain())
+    throw std::invalid_argument(
+        "body.damping.rayleigh_stiffness_s and body.hysteresis are not for solver.method gauss_seidel; choose "
+        "rayleigh_mass_per_s, or method global");
+}
+
 }  // namespace
 
 Simulation::Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
                        const SolverOptions& options) {
   options.validate();
   if (body.fixed_node_count() == 0) throw std::invalid_argument("body.fixed: no node is held; the robot would fall");
+  if (options.method == SolverOptions::Method::gauss_seidel) refuse_beyond_gauss_seidel(body);
   std::set<std::string> names;
   for (const auto& actuator : actuators)
     if (!names.insert(actuator->name()).second)
@@ -57,6 +78,7 @@ void Simulation::set_command(const std::string& actuator, double command) {
   const int index = actuator_index(actuator);
   parts_->actuators[index]->set_command(command);
   parts_->state.commands[index] = command;
+  parts_->state.actuator_memories[index] = parts_->actuators[index]->memory();
 }
 
 SolveReport Simulation::step() {
@@ -67,6 +89,7 @@ SolveReport Simulation::step() {
   } else {
     step_in_time(*parts_, parts_->options.time_step_s, report);
   }
+  warn_of_actuators(*this, report);
   report.wall_s = clock.seconds();
   return report;
 }
@@ -74,22 +97,25 @@ SolveReport Simulation::step() {
 SolveReport Simulation::solve_equilibrium() {
   const Stopwatch clock;
   SolveReport report;
-  parts_->state.velocities_m_s.setZero();
-  parts_->forget_previous_step();
-  parts_->begin_step(std::numeric_limits<double>::infinity());
+  for (const auto& actuator : parts_->actuators)
+    if (const std::string why = actuator->why_no_equilibrium(); !why.empty())
+      throw std::invalid_argument("actuator '" + actuator->name() + "': " + why);
+  parts_->forget_motion();
+  parts_->begin_step();
   if (parts_->gauss_seidel) {
     settle_in_substeps(*parts_, report);
   } else {
     find_equilibrium(*parts_, report);
   }
   parts_->remember();
+  warn_of_actuators(*this, report);
   report.wall_s = clock.seconds();
   return report;
 }
 
 Eigen::MatrixXd Simulation::marker_sensitivities() {
   SimulationParts& p = *parts_;
-  p.begin_step(std::numeric_limits<double>::infinity());
+  p.begin_step();
   const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns());
   p.remember();
   if (motions.rows() == 0 && p.solver.constraint_count() > 0)
@@ -114,6 +140,9 @@ const SimulationState& Simulation::state() const { return parts_->state; }
 void Simulation::set_state(const SimulationState& state) {
   check_state(state, parts_->state);
   parts_->restore(state);
+  // A state may have been changed since it slept.
+  std::optional<double>& residual = parts_->state.rest_residual;
+  if (residual && (!state.velocities_m_s.isZero(0.0) || residual_at_rest(*parts_) != *residual)) residual.reset();
   parts_->solver.restore(state.linearisation);
 }
 

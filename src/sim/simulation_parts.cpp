@@ -1,5 +1,7 @@
 #include "simulation_parts.h"
 
+#include <stdexcept>
+
 #include "solve_ending.h"
 
 namespace soft_robot_lab {
@@ -14,6 +16,21 @@ std::vector<const Constraint*> constraints_of(const std::vector<std::unique_ptr<
   return all;
 }
 
+std::vector<SharedLength> shared_lengths_of(const std::vector<std::unique_ptr<Actuator>>& actuators,
+                                            SolverOptions::Method method) {
+  std::vector<SharedLength> all;
+  int offset = 0;
+  for (const auto& actuator : actuators) {
+    for (const Junction* junction : actuator->junctions())
+      all.push_back({junction, offset + junction->first, offset + junction->second});
+    if (!all.empty() && method == SolverOptions::Method::gauss_seidel)
+      throw std::invalid_argument("actuator '" + actuator->name() +
+                                  "' has friction, which solver.method gauss_seidel does not know; must be global");
+    offset += static_cast<int>(actuator->constraints().size());
+  }
+  return all;
+}
+
 }  // namespace
 
 SimulationParts::SimulationParts(Body body_in, std::vector<std::unique_ptr<Actuator>> actuators_in,
@@ -22,7 +39,7 @@ SimulationParts::SimulationParts(Body body_in, std::vector<std::unique_ptr<Actua
       actuators(std::move(actuators_in)),
       markers(std::move(markers_in)),
       options(options_in),
-      solver(body, constraints_of(actuators)) {
+      solver(body, constraints_of(actuators), shared_lengths_of(actuators, options.method)) {
   if (options.method == SolverOptions::Method::gauss_seidel)
     gauss_seidel = std::make_unique<GaussSeidelSolver>(body, constraints_of(actuators), kThreads);
 }
@@ -30,29 +47,33 @@ SimulationParts::SimulationParts(Body body_in, std::vector<std::unique_ptr<Actua
 void SimulationParts::reset() {
   state.time_s = 0.0;
   state.positions_m = body.mesh().nodes_m;
-  state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
-  forget_previous_step();
-  state.element_multipliers_pa = Eigen::VectorXd::Zero(body.mesh().tet_count());
+  forget_motion();
+  state.element_multipliers_pa = Eigen::VectorXd::Zero(solver.element_multiplier_count());
   state.constraint_multipliers = Eigen::VectorXd::Zero(solver.constraint_count());
   state.element_forces_n = Eigen::VectorXd::Zero(gauss_seidel ? gauss_seidel->force_count() : 0);
-  state.commands.clear();
-  for (auto& actuator : actuators) {
-    actuator->restore(actuator->limits().rest, actuator->limits().rest);
-    state.commands.push_back(actuator->limits().rest);
-  }
-  state.actuated_commands = state.commands;
-  state.linearisation = nullptr;
+  for (auto& actuator : actuators) actuator->reset();
+  state.commands.resize(actuators.size());
+  state.actuated_commands.resize(actuators.size());
+  state.actuator_memories.resize(actuators.size());
   solver.restore(nullptr);
+  remember();
 }
 
 NewtonState SimulationParts::unknowns() const {
-  return {state.positions_m, state.element_multipliers_pa, state.constraint_multipliers};
+  return {state.positions_m, state.element_multipliers_pa, state.constraint_multipliers,
+          Eigen::VectorXd::Zero(solver.junction_count())};
 }
 
 void SimulationParts::accept(NewtonState solved) {
   state.positions_m = std::move(solved.positions_m);
   state.element_multipliers_pa = std::move(solved.element_multipliers_pa);
   state.constraint_multipliers = std::move(solved.constraint_multipliers);
+  const double* flow = solved.flows_m.data();
+  for (auto& actuator : actuators) {
+    const std::size_t count = actuator->junctions().size();
+    actuator->end_step({flow, flow + count});
+    flow += count;
+  }
 }
 
 void SimulationParts::remember() {
@@ -60,20 +81,29 @@ void SimulationParts::remember() {
   for (std::size_t i = 0; i < actuators.size(); ++i) {
     state.commands[i] = actuators[i]->command();
     state.actuated_commands[i] = actuators[i]->actuated_command();
+    state.actuator_memories[i] = actuators[i]->memory();
   }
 }
 
 void SimulationParts::restore(const SimulationState& saved) {
   state = saved;
-  if (options.integrator != Integrator::bdf2) forget_previous_step();
   for (std::size_t i = 0; i < actuators.size(); ++i)
-    actuators[i]->restore(saved.commands[i], saved.actuated_commands[i]);
+    actuators[i]->restore(saved.commands[i], saved.actuated_commands[i], saved.actuator_memories[i]);
 }
 
 void SimulationParts::forget_previous_step() {
   state.previous_step_s = 0.0;
   state.previous_positions_m.resize(3, 0);
   state.previous_velocities_m_s.resize(3, 0);
+  state.previous_element_multipliers_pa.resize(0);
+  state.previous_constraint_multipliers.resize(0);
+}
+
+void SimulationParts::forget_motion() {
+  state.rest_residual.reset();
+  forget_previous_step();
+  state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
+  state.branch_stress_pa = Eigen::VectorXd::Zero(body.viscosity().hysteresis_ratio > 0.0 ? solver.strain_count() : 0);
 }
 
 std::vector<double> SimulationParts::multipliers_of(std::size_t actuator) const {
@@ -85,13 +115,13 @@ std::vector<double> SimulationParts::multipliers_of(std::size_t actuator) const 
 
 void SimulationParts::begin_step(double time_step_s) {
   for (std::size_t i = 0; i < actuators.size(); ++i)
-    actuators[i]->begin_step(time_step_s, state.positions_m, multipliers_of(i));
+    actuators[i]->begin_step({time_step_s, state.positions_m, state.velocities_m_s, multipliers_of(i)});
 }
 
 void SimulationParts::move_actuators(const std::vector<double>& from, double share) {
   for (std::size_t i = 0; i < actuators.size(); ++i) {
     const double target = actuators[i]->command();
-    actuators[i]->restore(target, from[i] + share * (target - from[i]));
+    actuators[i]->place(from[i] + share * (target - from[i]));
   }
 }
 
@@ -106,6 +136,7 @@ NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown
 }
 
 NewtonReport SimulationParts::solve_from_below(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
+  if (solver.junction_count() > 0) return {};
   unknown = unknowns();
   const NewtonReport fall = solver.descend(task, unknown);
   report.iterations += fall.iterations;

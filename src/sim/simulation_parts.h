@@ -1,6 +1,7 @@
 // What a simulation is made of, for the parts of its solution: time_stepping, equilibrium, descent, substepping.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -38,11 +39,12 @@ struct SimulationParts {
   void remember();
   void restore(const SimulationState& saved);
   void forget_previous_step();
+  void forget_motion();  // velocities, the step before, and the stress of hysteresis: a body long at rest
 
   std::vector<double> multipliers_of(std::size_t actuator) const;  // its constraints' multipliers
 
   // Tells the actuators from where a step starts, or with an infinite one an equilibrium.
-  void begin_step(double time_step_s);
+  void begin_step(double time_step_s = std::numeric_limits<double>::infinity());
 
   // The actuated commands: this share of the way from `from` to the commands.
   void move_actuators(const std::vector<double>& from, double share);
@@ -51,7 +53,8 @@ struct SimulationParts {
   NewtonReport solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report);
 
   // The same after a fall down the energy from the present state (NewtonSolver::descend), for where Newton finds no
-  // way. Where it does not converge either, `unknown` is where the fall ended.
+  // way. Where it does not converge either, `unknown` is where the fall ended. With friction there is no fall, and
+  // `unknown` stays.
   NewtonReport solve_from_below(const NewtonTask& task, NewtonState& unknown, SolveReport& report);
 };
 

@@ -1,21 +1,53 @@
 #include "solve_ending.h"
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <string>
 
 namespace soft_robot_lab {
 namespace {
 
-// "element 12 at rest position (0.01, 0, 0.02) m"
-std::string place_of(int element, const Body& body) {
-  if (element < 0) return "nowhere";
+Eigen::Vector3d centre_m(int element, const Body& body) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (int corner = 0; corner < 4; ++corner)
     centre += 0.25 * body.mesh().nodes_m.col(body.mesh().tets(corner, element));
+  return centre;
+}
+
+std::string place(const Eigen::Vector3d& at) {
   std::ostringstream text;
-  text << "element " << element << " at rest position (" << centre.x() << ", " << centre.y() << ", " << centre.z()
-       << ") m";
+  text << "at rest position (" << at.x() << ", " << at.y() << ", " << at.z() << ") m";
   return text.str();
+}
+
+SolveWarning inverted(const NewtonReport& newton, const Body& body) {
+  SolveWarning warning;
+  warning.kind = "inverted_elements";
+  warning.size = newton.smallest_determinant;
+  std::ostringstream text;
+  text << newton.inverted_elements << " inverted elements, the worst element " << newton.worst_element << " ";
+  if (newton.worst_element >= 0) {
+    warning.rest_position_m = centre_m(newton.worst_element, body);
+    text << place(*warning.rest_position_m);
+  }
+  text << ", det F = " << newton.smallest_determinant;
+  warning.text = text.str();
+  return warning;
+}
+
+SolveWarning residual_not_met(const NewtonReport& newton, const Body& body) {
+  SolveWarning warning;
+  warning.kind = "residual_not_met";
+  warning.size = newton.residual;
+  std::ostringstream text;
+  text << "residual " << newton.residual << ", asked for " << newton.tolerance;
+  if (newton.worst_node >= 0) {
+    warning.rest_position_m = body.mesh().nodes_m.col(newton.worst_node);
+    text << "; the largest force is left " << place(*warning.rest_position_m);
+  }
+  warning.text = text.str();
+  return warning;
 }
 
 }  // namespace
@@ -25,10 +57,22 @@ void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report)
   report.residual = newton.residual;
   report.inverted_elements = newton.inverted_elements;
   report.message = newton.reason;
+  report.warnings.clear();
+  if (!newton.converged) add_warning(residual_not_met(newton, body), report.warnings);
   if (newton.inverted_elements > 0) {
-    if (!report.message.empty()) report.message += "; ";
-    report.message += std::to_string(newton.inverted_elements) + " inverted elements, the worst " +
-                      place_of(newton.worst_element, body);
+    add_warning(inverted(newton, body), report.warnings);
+    report.message += (report.message.empty() ? "" : "; ") + report.warnings.back().text;
+  }
+}
+
+void add_warning(const SolveWarning& warning, std::vector<SolveWarning>& all) {
+  const auto same = std::find_if(all.begin(), all.end(), [&](const SolveWarning& other) {
+    return other.kind == warning.kind && other.actuator == warning.actuator;
+  });
+  if (same == all.end()) {
+    all.push_back(warning);
+  } else if (std::abs(warning.size) > std::abs(same->size)) {
+    *same = warning;
   }
 }
 

@@ -73,7 +73,7 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
   GaussSeidelTask task = substepping(parts);
   task.before_substep = [&](double share) {  // also a command without a speed limit takes the whole time step to arrive
     for (std::size_t i = 0; i < parts.actuators.size(); ++i)
-      parts.actuators[i]->restore(parts.actuators[i]->command(), from[i] + share * (to[i] - from[i]));
+      parts.actuators[i]->place(from[i] + share * (to[i] - from[i]));
   };
   if (!advance_in_substeps(parts, task, false, report).finite) return;
   parts.state.time_s += task.time_step_s;

@@ -4,12 +4,14 @@
 #include <vector>
 
 #include "backward_difference.h"
+#include "prediction.h"
+#include "rest.h"
+#include "viscous_step.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr int kDeepestHalving = 6;  // a time step is cut into at most 2^6 parts
-
 constexpr int kBudget = 10;         // times max_iterations, for a step; then it takes what it has
 
 // What the actuators do within a time step: they move evenly, also those without a speed limit.
@@ -27,7 +29,7 @@ struct CommandPath {
   void move(SimulationParts& parts, double share) const {
     for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
       const double reached = share == 1.0 ? to[i] : from[i] + share * (to[i] - from[i]);
-      parts.actuators[i]->restore(parts.actuators[i]->command(), reached);
+      parts.actuators[i]->place(reached);
     }
   }
 };
@@ -43,37 +45,44 @@ struct Part {
 };
 
 // Makes the solution of a step of length h the state, with all that the next step knows of this one.
-void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, NewtonState solved,
-                 SimulationState before) {
+void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, const ViscousStep& viscous,
+                 NewtonState solved, SimulationState before) {
   SimulationState& state = parts.state;
+  state.branch_stress_pa = viscous.branch_stress_pa(parts.solver, solved.positions_m);
   state.velocities_m_s = (solved.positions_m - difference.positions_from_m) / difference.gamma_s;
   parts.accept(std::move(solved));
   state.time_s = before.time_s + h;
-  if (parts.options.integrator == Integrator::bdf2) {
-    state.previous_step_s = h;
-    state.previous_positions_m = std::move(before.positions_m);
-    state.previous_velocities_m_s = std::move(before.velocities_m_s);
-  }
+  state.previous_step_s = h;
+  state.previous_positions_m = std::move(before.positions_m);
+  state.previous_velocities_m_s = std::move(before.velocities_m_s);
+  state.previous_element_multipliers_pa = std::move(before.element_multipliers_pa);
+  state.previous_constraint_multipliers = std::move(before.constraint_multipliers);
   parts.remember();
 }
 
 bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
-  const BackwardDifference difference(before, h);
-  const Eigen::Matrix3Xd predicted = difference.positions_from_m + difference.gamma_s * difference.velocities_from_m_s;
+  const BackwardDifference difference(before, h, parts.options.integrator);
+  const ViscousStep viscous(parts.body, parts.solver, before, difference, h);
+  // M ((x - x~) / gamma^2 + a (x - x_from) / gamma) = c M (x - x_from - gamma v_from / c) / gamma^2 with c = 1 + a
+  // gamma
+  const double slowed = 1.0 + parts.body.viscosity().rayleigh_mass_per_s * difference.gamma_s;
+  const Eigen::Matrix3Xd predicted =
+      difference.positions_from_m + difference.gamma_s / slowed * difference.velocities_from_m_s;
   NewtonTask task;
   task.tolerance = parts.options.dynamic_tolerance;
   task.min_iterations = 1;
   task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
   task.reuse_factor = true;
-  task.inertia_per_s2 = 1.0 / (difference.gamma_s * difference.gamma_s);
+  task.inertia_per_s2 = slowed / (difference.gamma_s * difference.gamma_s);
   task.predicted_m = &predicted;
-  NewtonState unknown = parts.unknowns();
-  unknown.positions_m = before.positions_m + h * before.velocities_m_s;
-  const bool solved = parts.solve(task, unknown, report).converged ||
-                      parts.solve_from_below(task, unknown, report).converged;
+  task.pull = viscous.pull();
+  NewtonState unknown = predict(before, h, parts.options.integrator);
+  unknown.flows_m = Eigen::VectorXd::Zero(parts.solver.junction_count());
+  const bool solved =
+      parts.solve(task, unknown, report).converged || parts.solve_from_below(task, unknown, report).converged;
   if (!solved && !last_resort) return false;
-  accept_step(parts, h, difference, std::move(unknown), std::move(before));
+  accept_step(parts, h, difference, viscous, std::move(unknown), std::move(before));
   return true;
 }
 
@@ -82,8 +91,7 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
 void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
   parts.begin_step(part.share() * h);
   path.move(parts, part.to);
-  const bool last_resort =
-      part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
+  const bool last_resort = part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
   if (try_step(parts, part.share() * h, last_resort, report)) return;
   advance(parts, h, path, part.first_half(), report);
   const bool first = report.converged;
@@ -94,7 +102,9 @@ void advance(SimulationParts& parts, double h, const CommandPath& path, const Pa
 }  // namespace
 
 void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
+  if (sleep_on(parts, h, report)) return;
   advance(parts, h, CommandPath(parts, h), Part(), report);
+  fall_asleep_where_still(parts, h, report);
 }
 
 }  // namespace soft_robot_lab

@@ -166,6 +166,10 @@ TEST_F(CableTest, MovesPointsJustOutsideOntoTheBody) {
       cable("{name: n, points_m: [[0.01, 0.0105, 0], [0.05, 0.0105, 0]], sheath_radius_m: 0.001, plug_radius_m: 0}");
   for (const Eigen::Vector3d& point : near->observe(body_.mesh().nodes_m, {0.0}).path_m)
     EXPECT_LE(point.y(), 0.01 + 1e-9);
+  const std::vector<PathChange> told = near->observe(body_.mesh().nodes_m, {0.0}).path_changes;
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[1].point, 1);
+  EXPECT_NEAR(told[1].moved_m, 0.0005, 1e-9);
 }
 
 TEST_F(CableTest, PointsOnHeldMaterialStayPoints) {
@@ -183,10 +187,12 @@ TEST_F(CableTest, RefusesBadSettings) {
   const Case cases[] = {
       {"{name: a, points_m: [[0, 0, 0]]}", "needs at least two points, this one has 1"},
       {"{name: a, points_m: [[0, 0, 0], [0, 0]]}", "a point is [x, y, z]"},
-      {"{name: a, points_m: [[0, 0, 0], [0, 0, 0]]}", "repeats the point before it"},
+      {"{name: a, points_m: [[0, 0, 0], [0, 0, 0]]}", "repeats the point before it, (0, 0, 0) m"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0.02, 0]]}",
-       "point 1 at (0.05 0.02    0) m lies 0.01 m outside the body"},
+       "point 1 at (0.05, 0.02, 0) m lies 0.01 m outside the body"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], compliance_m_n: -1}", "compliance_m_n"},
+      {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], plug_radius_m: 0.012}",
+       "plug_radius_m: 0.012 is out of range [0, "},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], model: glide}", "model"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], command: beta}", "command"},
       {"{name: '', points_m: [[0, 0, 0], [0.05, 0, 0]]}", "name must not be empty"},

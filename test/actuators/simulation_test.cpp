@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "sim/actuator_warnings.h"
 #include "sim/box_mesh.h"
 #include "soft_robot_lab/actuators/cable.h"
 #include "soft_robot_lab/settings/settings_node.h"
@@ -232,6 +233,119 @@ TEST_P(EitherIntegrator, SurvivesASuddenStrongPull) {
     ASSERT_TRUE(simulation.state().positions_m.allFinite());
   }
   EXPECT_NEAR(*simulation.actuator_state(0).length_m / *simulation.actuator_state(0).rest_length_m, 0.7, 1e-3);
+}
+
+TEST_P(EitherIntegrator, SleepsAtRestAndWakesOnACommandOrAnotherState) {
+  Bar bar;
+  bar.cells = {4, 1, 1};
+  bar.cables = "compliance_m_n: 1.0e-5";
+  bar.options.integrator = GetParam();
+  Simulation simulation = make_bar(bar);
+  simulation.set_command("upper", 0.95);
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const Eigen::Vector3d rest = simulation.marker_position(0);
+  for (int i = 0; i < 30 && !simulation.state().rest_residual; ++i) ASSERT_TRUE(simulation.step().converged);
+  ASSERT_TRUE(simulation.state().rest_residual);
+  EXPECT_LT((simulation.marker_position(0) - rest).norm(), 1e-6 * 0.1);
+
+  const SimulationState asleep = simulation.state();
+  const SolveReport report = simulation.step();
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.iterations, 0);
+  EXPECT_LE(report.residual, bar.options.tolerance);
+  EXPECT_EQ(simulation.state().positions_m, asleep.positions_m);
+  EXPECT_NEAR(simulation.state().time_s, asleep.time_s + bar.options.time_step_s, 1e-12);
+
+  simulation.set_state(asleep);  // as it was: sleeps on
+  EXPECT_EQ(simulation.step().iterations, 0);
+  for (const char* change : {"velocity", "position", "tension"}) {
+    SimulationState changed = asleep;
+    if (change[0] == 'v') changed.velocities_m_s(1, changed.velocities_m_s.cols() - 1) = 0.01;
+    if (change[0] == 'p') changed.positions_m(1, changed.positions_m.cols() - 1) += 1e-4;
+    if (change[0] == 't') changed.constraint_multipliers[0] *= 1.01;
+    simulation.set_state(changed);
+    EXPECT_GT(simulation.step().iterations, 0) << change;
+  }
+  simulation.set_state(asleep);
+  simulation.set_command("lower", 0.9);
+  for (int i = 0; i < 30; ++i) EXPECT_TRUE(simulation.step().converged);
+  EXPECT_LT(simulation.marker_position(0).y(), rest.y() - 1e-3);
+}
+
+TEST(Simulation, TellsOfACommandThatTheBodyDoesNotLetItReach) {
+  Bar bar;
+  bar.cells = {4, 1, 1};
+  bar.cables = "compliance_m_n: 1.0e-2";  // 10 mm of stretch a newton
+  Simulation simulation = make_bar(bar);
+  simulation.set_command("upper", 0.7);
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const SolveReport report = simulation.solve_equilibrium();
+  ASSERT_EQ(report.warnings.size(), 1u);
+  const SolveWarning& warning = report.warnings[0];
+  EXPECT_EQ(warning.kind, "command_not_reached");
+  EXPECT_EQ(warning.actuator, "upper");
+  const ActuatorReading reading = simulation.actuator_state(0);
+  EXPECT_NEAR(*warning.commanded, 0.7 * *reading.rest_length_m, 1e-12);
+  EXPECT_EQ(*warning.reached, *reading.length_m);
+  EXPECT_NEAR(warning.size, 1.0e-2 * *reading.tension_n, 1e-6);
+  EXPECT_GT(warning.size, 0.001);
+}
+
+TEST(Simulation, TellsOfASlackCableThatWasToPull) {
+  Bar bar;
+  bar.cells = {4, 1, 1};
+  bar.cables = "compliance_m_n: 0";
+  bar.via_m = {0.0, 0.095};
+  Simulation simulation = make_bar(bar);
+  simulation.set_command("lower", 0.999);
+  simulation.set_command("upper", 1.2);
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);  // its weight bends the bar to the lower side by more
+  const SolveReport report = simulation.solve_equilibrium();
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.warnings[0].kind, "slack");
+  EXPECT_EQ(report.warnings[0].actuator, "lower");
+  EXPECT_LT(report.warnings[0].size, -0.01 * 0.095);
+}
+
+TEST(Simulation, TellsOfATensionBeyondAnySense) {
+  Simulation simulation = make_bar(Bar{});
+  const double most_n = 264200.0 * std::pow(simulation.body().size_m(), 2) / 50.0;
+  ASSERT_NEAR(most_n, 55.0, 5.0);
+  ActuatorReading reading;
+  reading.name = "upper";
+  reading.tension_n = 0.99 * most_n;
+  EXPECT_TRUE(actuator_warnings(reading, simulation.body()).empty());
+  reading.tension_n = 1.01 * most_n;
+  const std::vector<SolveWarning> warnings = actuator_warnings(reading, simulation.body());
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].kind, "excessive_tension");
+  EXPECT_EQ(warnings[0].actuator, "upper");
+  EXPECT_EQ(warnings[0].size, *reading.tension_n);
+  EXPECT_EQ(warnings[0].unit, "N");
+}
+
+TEST(Simulation, TellsWhereTheResidualAndTheInvertedElementsAre) {
+  Bar bar;
+  bar.cells = {4, 1, 1};
+  bar.options.max_iterations = 1;
+  bar.options.dynamic_tolerance = 1e-12;
+  Simulation simulation = make_bar(bar);
+  SimulationState state = simulation.state();
+  for (Eigen::Index i = 0; i < state.positions_m.cols(); ++i)
+    if (state.positions_m(0, i) > 0.074) state.positions_m(0, i) = 0.14 - state.positions_m(0, i);  // folded back
+  simulation.set_state(state);
+  const SolveReport report = simulation.step();
+  EXPECT_FALSE(report.converged);
+  ASSERT_EQ(report.warnings.size(), 2u);
+  EXPECT_EQ(report.warnings[0].kind, "residual_not_met");
+  EXPECT_EQ(report.warnings[0].size, report.residual);
+  EXPECT_EQ(report.warnings[1].kind, "inverted_elements");
+  EXPECT_LT(report.warnings[1].size, 0.0);
+  for (const SolveWarning& warning : report.warnings) {
+    ASSERT_TRUE(warning.rest_position_m);
+    EXPECT_GT(warning.rest_position_m->x(), 0.045) << warning.text;
+    EXPECT_NE(report.message + warning.text, "");
+  }
 }
 
 TEST(Simulation, RefusesWhatCannotBeSimulated) {

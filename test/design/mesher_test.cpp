@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "design/content_hash.h"
+#include "soft_robot_lab/design/content_hash.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -46,7 +46,7 @@ TEST(Report, WritesTheTableAsJson) {
   EXPECT_EQ(json["converged"], true);
   EXPECT_EQ(json["table"][0]["model"], "sliding");
   EXPECT_EQ(json["table"][1]["k [N/m]"], 25000.0);
-  EXPECT_EQ(json["numbers"]["worst"], 0.25);
+  EXPECT_EQ(json["worst"], 0.25);
 }
 
 TEST(Report, NamesSeveralExperimentsInJson) {

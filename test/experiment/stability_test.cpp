@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "soft_robot_lab/actuators/factory.h"
 
 namespace soft_robot_lab {
@@ -79,7 +81,21 @@ TEST(Stability, DrawsEveryCellOnce) {
   EXPECT_EQ(plot.series[1].x, std::vector<double>{1.0});
   EXPECT_EQ(plot.x.ticks.size(), 2u);
   EXPECT_EQ(plot.y.ticks.size(), 1u);
-  EXPECT_NE(stability_csv(cells).find("\"slivers\",failed silently"), std::string::npos);
+}
+
+TEST(Stability, ReadsItsTableAgain) {
+  const StabilityCell cell{"bar", "global, in time", "slivers", true, Outcome::silent, 7, 2, 0.25,
+                           1.5,   "wrong, \"so\""};
+  std::istringstream file(stability_csv({cell, cell}));
+  const std::vector<StabilityCell> read = read_stability_csv(file);
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[1].method, cell.method);
+  EXPECT_EQ(read[1].outcome, cell.outcome);
+  EXPECT_EQ(read[1].failed_solves, 2);
+  EXPECT_DOUBLE_EQ(read[1].cpu_s, 1.5);
+  EXPECT_EQ(read[1].message, "wrong, 'so'");
+  std::istringstream other("body,method\n");
+  EXPECT_THROW(read_stability_csv(other), std::invalid_argument);
 }
 
 }  // namespace

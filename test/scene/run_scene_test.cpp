@@ -50,10 +50,11 @@ TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
   EXPECT_EQ(keys(outcome.json["markers"]), (Names{"tip", "middle"}));
   EXPECT_EQ(keys(outcome.json["markers"]["tip"]), (Names{"position_m", "displacement_m"}));
   EXPECT_EQ(keys(outcome.json["cables"]), (Names{"left", "right"}));
-  EXPECT_EQ(keys(outcome.json["cables"]["left"]), (Names{"length_m", "rest_length_m", "tension_n"}));
+  EXPECT_EQ(keys(outcome.json["cables"]["left"]),
+            (Names{"length_m", "rest_length_m", "tension_n", "stretch_m", "slack_m", "pretension_n"}));
   EXPECT_TRUE(outcome.json["chambers"].is_object());
-  EXPECT_EQ(keys(outcome.json["solver"]),
-            (Names{"converged", "iterations", "residual", "steps", "wall_s", "nodes", "elements", "inverted"}));
+  EXPECT_EQ(keys(outcome.json["solver"]), (Names{"converged", "iterations", "residual", "steps", "wall_s", "nodes",
+                                                 "elements", "inverted", "warnings"}));
   EXPECT_EQ(outcome.json["solver"]["converged"], true);
   EXPECT_EQ(outcome.json["solver"]["inverted"], 0);
   EXPECT_LT(outcome.json["solver"]["residual"].get<double>(), 1e-6);
@@ -147,6 +148,21 @@ TEST(RunScene, WritesTheFrequenciesOfTheRestShape) {
   EXPECT_GT(found_hz[2], 15.0);
   EXPECT_GT(outcome.json["solver"]["iterations"].get<int>(), 1);
   EXPECT_NE(outcome.summary.find("mode 3 at "), std::string::npos);
+}
+
+TEST(RunScene, WarnsOfACommandThatTheDriveHasNotReached) {
+  const Outcome outcome =
+      run("cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], pull_speed_m_s: 0.02}]\n"
+          "run: {mode: dynamic, duration_s: 0.1, commands: [{left: 0.9}]}\n");
+  const Json& warnings = outcome.json["solver"]["warnings"];
+  ASSERT_EQ(warnings.size(), 1u) << warnings.dump(2);
+  EXPECT_EQ(warnings[0]["kind"], "command_not_reached");
+  EXPECT_EQ(warnings[0]["actuator"], "left");
+  EXPECT_EQ(warnings[0]["commanded"].get<double>(), 0.9);
+  EXPECT_NEAR(warnings[0]["reached"].get<double>(), 0.98, 1e-3);
+  EXPECT_NEAR(warnings[0]["size"].get<double>(), 0.08, 1e-3);
+  EXPECT_NE(warnings[0]["text"].get<std::string>().find("actuator left: commanded to 0.9"), std::string::npos);
+  EXPECT_EQ(run("run: {commands: [{left: 0.95}]}\n").json["solver"]["warnings"], Json::array());
 }
 
 TEST(RunScene, IsTheSameEveryTime) {

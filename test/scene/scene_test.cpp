@@ -77,6 +77,35 @@ run: {mode: dynamic, duration_s: 0.5, record_every_s: 0.1, commands: []}
   EXPECT_EQ(scene.run.duration_s, 0.5);
 }
 
+TEST(Scene, AveragesTheVolumeOfLinearElements) {
+  const SceneFolder folder;
+  const std::string path = folder.write(
+      "scene.yaml", "include: bar.yaml\nbody: {element: linear, linear_volume: vertex_averaged}\ncables: []\n");
+  EXPECT_EQ(load_scene(path, options()).simulation->body().linear_volume(), LinearVolume::vertex_averaged);
+  const std::string wrong =
+      folder.write("wrong.yaml", "include: bar.yaml\nbody: {linear_volume: vertex_averaged}\ncables: []\n");
+  EXPECT_THROW(load_scene(wrong, options()), SettingsError);
+}
+
+TEST(Scene, ReadsDampingAndHysteresis) {
+  const SceneFolder folder;
+  const auto viscosity = [&](const std::string& keys) {
+    const std::string path = folder.write("scene.yaml", "include: bar.yaml\nbody: {" + keys + "}\ncables: []\n");
+    return load_scene(path, options()).simulation->body().viscosity();
+  };
+  EXPECT_FALSE(viscosity("").of_strain());
+  const Viscosity all = viscosity(
+      "damping: {rayleigh_mass_per_s: 1, rayleigh_stiffness_s: 2}, "
+      "hysteresis: {stiffness_ratio: 0.3, relaxation_time_s: 4}");
+  EXPECT_EQ(all.rayleigh_mass_per_s, 1.0);
+  EXPECT_EQ(all.rayleigh_stiffness_s, 2.0);
+  EXPECT_EQ(all.hysteresis_ratio, 0.3);
+  EXPECT_EQ(all.relaxation_time_s, 4.0);
+  EXPECT_THROW(viscosity("damping: {rayleigh_mass_per_s: -1}"), SettingsError);
+  EXPECT_THROW(viscosity("hysteresis: {stiffness_ratio: 0.3}"), SettingsError);
+  EXPECT_THROW(viscosity("hysteresis: {stiffness_ratio: 0.3, relaxation_time_s: 0}"), SettingsError);
+}
+
 TEST(Scene, LaysChangesOverTheFile) {
   const SceneFolder folder;
   SceneOptions changed = options();

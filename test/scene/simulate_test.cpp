@@ -101,6 +101,28 @@ TEST(Simulate, WritesTheResultThoughItDidNotConverge) {
   EXPECT_TRUE(result["solver"]["residual"].is_number());
 }
 
+TEST(Simulate, TellsTheExpectedErrorOfASceneAsItIs) {
+  const SceneFolder folder;
+  const Outcome outcome = simulate(folder, kCantilever + " --estimate-error --result " + folder.path("result.json"));
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("expected error of the markers: 0."), std::string::npos) << outcome.out;
+  const Json fidelity = Json::parse(contents(folder.path("result.json")))["fidelity"];
+  EXPECT_GT(fidelity["expected_error_m"].get<double>(), 0.00001);
+  EXPECT_FALSE(fidelity.contains("tolerance_m"));
+}
+
+TEST(Simulate, EndsWithOneWhereTheToleranceIsNotMet) {
+  const SceneFolder folder;
+  const std::string scene =
+      folder.write("strict.yaml", "include: " + kCantilever + "\nfidelity: {tolerance_m: 1.0e-6, max_nodes: 300}\n");
+  const Outcome outcome = simulate(folder, scene + " --result " + folder.path("result.json"));
+  EXPECT_EQ(outcome.exit_status, 1);
+  EXPECT_NE(outcome.err.find("beyond the tolerance of 0.001 mm"), std::string::npos) << outcome.err;
+  const Json result = Json::parse(contents(folder.path("result.json")));
+  EXPECT_EQ(result["solver"]["converged"], true);
+  EXPECT_EQ(result["fidelity"]["met"], false);
+}
+
 TEST(Simulate, TellsWhatIsWrongWithASceneOrArgument) {
   const SceneFolder folder;
   folder.write("bad.yaml", "include: bar.yaml\nbody: {element: cubic}\n");

@@ -171,6 +171,13 @@ TEST(MergeSettings, LaysMapsOverEachOtherAndReplacesTheRest) {
   EXPECT_THROW(robot.require_all_read(), SettingsError);  // reading the merged one does not read its parents
 }
 
+TEST(MergeSettings, ReplacesAMapByOneThatNamesItsPresetOrModel) {
+  const SettingsNode robot = parse("material: {stiffness: 1, density: 2}\n");
+  EXPECT_EQ(merge_settings(robot, parse("material: {preset: soft}\n")).child("material").keys().size(), 1u);
+  EXPECT_EQ(merge_settings(robot, parse("material: {model: hard, density: 3}\n")).child("material").keys().size(), 2u);
+  EXPECT_EQ(merge_settings(robot, parse("material: {colour: red}\n")).child("material").keys().size(), 3u);
+}
+
 TEST(MergeSettings, KeepsTheFileAndLineOfEachMember) {
   const SettingsNode robot = SettingsNode::parse("body:\n  size: 1\n  colour: blue\n", "robot.yaml");
   const SettingsNode scene = SettingsNode::parse("\n\nbody:\n  density: -1\n", "scene.yaml");

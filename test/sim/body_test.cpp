@@ -52,7 +52,16 @@ TEST(Material, RefusesWhatNoSiliconeCanBe) {
                         {{1e5, 0.5, 1000}, "poissons_ratio: 0.5 is out of range [0, 0.5)"},
                         {{1e5, -0.1, 1000}, "poissons_ratio: -0.1"},
                         {{1e5, 0.4, -1}, "density_kg_m3: -1 is out of range (0"},
-                        {{std::nan(""), 0.4, 1000}, "youngs_modulus_pa: nan"}};
+                        {{std::nan(""), 0.4, 1000}, "youngs_modulus_pa: nan"},
+                        {Material::mooney_rivlin(5e4, -1e3, 0.4, 1000), "c01_pa: -1000 is out of range [0"},
+                        {Material::mooney_rivlin(-1e3, 5e4, 0.4, 1000), "c10_pa: -1000 is out of range [0"},
+                        {Material::mooney_rivlin(0, 0, 0.4, 1000), "c10_pa: 0 is out of range [0"},
+                        {Material::mooney_rivlin(5e4, 1e3, 0.5, 1000), "poissons_ratio: 0.5"},
+                        {Material::yeoh(-5e4, 0, 0, 0.4, 1000), "c1_pa: -50000 is out of range (0"},
+                        {Material::yeoh(5e4, -1e2, 0, 0.4, 1000), "c2_pa: -100 is out of range [0"},
+                        {Material::yeoh(3e4, -3.1e3, 100, 0.4, 1000), "c2_pa: -3100 is out of range (-3000"},
+                        {Material::yeoh(5e4, 1e3, -1, 0.4, 1000), "c3_pa: -1 is out of range [0"},
+                        {Material::yeoh(5e4, std::nan(""), 0, 0.4, 1000), "c2_pa: nan"}};
   for (const Case& wrong : cases) {
     try {
       wrong.material.validate();
@@ -61,6 +70,13 @@ TEST(Material, RefusesWhatNoSiliconeCanBe) {
       EXPECT_NE(std::string(error.what()).find(wrong.words), std::string::npos) << error.what();
     }
   }
+}
+
+TEST(Material, TakesConstantsThatStayStable) {
+  EXPECT_NO_THROW(Material::yeoh(3e4, -2.9e3, 100, 0.4, 1000).validate());
+  EXPECT_NO_THROW(Material::mooney_rivlin(0, 3e4, 0.4, 1000).validate());
+  EXPECT_NEAR(Material::mooney_rivlin(2e4, 3e4, 0.4, 1000).lame_mu_pa(), 1e5, 1e-9);
+  EXPECT_NEAR(Material::yeoh(5e4, 1e3, 10, 0.4, 1000).youngs_modulus_pa, 2.8e5, 1e-9);
 }
 
 class LocatorTest : public ::testing::Test {

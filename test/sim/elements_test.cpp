@@ -32,22 +32,33 @@ Eigen::Matrix3Xd disturbed(const Eigen::Matrix3Xd& positions, double size, unsig
   return result;
 }
 
-std::vector<std::vector<int>> element_cliques(const TetMesh& mesh) {
-  std::vector<std::vector<int>> cliques;
-  for (Eigen::Index e = 0; e < mesh.tets.cols(); ++e)
-    cliques.emplace_back(mesh.tets.col(e).data(), mesh.tets.col(e).data() + mesh.tets.rows());
-  return cliques;
-}
+struct Silicone {
+  const char* name;
+  bool quadratic;
+  Material material;
+  LinearVolume linear_volume = LinearVolume::element;
+};
 
-// Six elements (so that the last pack of four is not full) of a small, strongly disturbed block; both element orders.
-class ElementsTest : public ::testing::TestWithParam<bool> {
+// All with E = 1e5 Pa, nu = 0.45 and so mu = 34483 Pa; c1 = 17241 Pa of yeoh.
+const Material kNeoHookean{1.0e5, 0.45, 1000.0};
+const Material kMooneyRivlin{1.0e5, 0.45, 1000.0, MaterialModel::mooney_rivlin, 7.0e3};
+const Material kYeoh{1.0e5, 0.45, 1000.0, MaterialModel::yeoh, 0.0, -4.0e3, 2.0e3};
+
+// Six elements (so that the last pack of four is not full) of a small, strongly disturbed block.
+class ElementsTest : public ::testing::TestWithParam<Silicone> {
  protected:
   ElementsTest()
-      : body_(box_mesh({0, 0, 0}, {0.02, 0.01, 0.015}, {1, 1, 1}, GetParam()), {1.0e5, 0.45, 1000.0}),
-        matrix_(body_.mesh().node_count(), element_cliques(body_.mesh())),
+      : body_(make_body(GetParam())),
+        matrix_(body_.mesh().node_count(), stiffness_cliques(body_)),
         elements_(body_, matrix_),
         positions_(disturbed(body_.mesh().nodes_m, 0.0015, 7)),
-        multipliers_(Eigen::VectorXd::LinSpaced(elements_.count(), -4.0e4, 3.0e4)) {}
+        multipliers_(Eigen::VectorXd::LinSpaced(elements_.multiplier_count(), -4.0e4, 3.0e4)) {}
+
+  static Body make_body(const Silicone& silicone) {
+    Body body(box_mesh({0, 0, 0}, {0.02, 0.01, 0.015}, {1, 1, 1}, silicone.quadratic), silicone.material);
+    body.set_linear_volume(silicone.linear_volume);
+    return body;
+  }
 
   // Elastic energy plus p (V0 Jbar - V0): what add_gradient differentiates.
   double energy(const Eigen::Matrix3Xd& positions) const {
@@ -85,10 +96,10 @@ TEST_P(ElementsTest, CondensedHessianAgreesWithCentralDifferences) {
   const Eigen::MatrixXd exact = dense(matrix_);
 
   // lambda / V0 g g' of every element, with g = d(V0 Jbar)/dx from the multipliers' own gradient.
-  const Eigen::Matrix3Xd base = gradient(positions_, Eigen::VectorXd::Zero(elements_.count()));
+  const Eigen::Matrix3Xd base = gradient(positions_, Eigen::VectorXd::Zero(elements_.multiplier_count()));
   Eigen::MatrixXd volumetric = Eigen::MatrixXd::Zero(exact.rows(), exact.cols());
-  for (int e = 0; e < elements_.count(); ++e) {
-    const Eigen::Matrix3Xd g = gradient(positions_, Eigen::VectorXd::Unit(elements_.count(), e)) - base;
+  for (int e = 0; e < elements_.multiplier_count(); ++e) {
+    const Eigen::Matrix3Xd g = gradient(positions_, Eigen::VectorXd::Unit(elements_.multiplier_count(), e)) - base;
     const Eigen::Map<const Eigen::VectorXd> column(g.data(), g.size());
     volumetric += elements_.lambda_pa() / elements_.rest_volumes_m3()[e] * column * column.transpose();
   }
@@ -134,7 +145,7 @@ TEST_P(ElementsTest, RigidMotionCostsNothing) {
       Eigen::Translation3d(0.3, -0.2, 0.1) * Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized());
   const Eigen::Matrix3Xd moved = motion * body_.mesh().nodes_m;
   Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, moved.cols());
-  const ElementSums sums = elements_.add_gradient(moved, Eigen::VectorXd::Zero(elements_.count()), forces);
+  const ElementSums sums = elements_.add_gradient(moved, Eigen::VectorXd::Zero(elements_.multiplier_count()), forces);
   EXPECT_NEAR(sums.elastic_energy, 0.0, 1e-14);
   EXPECT_LT(forces.norm(), 1e-10);
   EXPECT_LT(sums.growth.norm(), 1e-12);
@@ -154,21 +165,41 @@ TEST_P(ElementsTest, SmallStrainsFollowHooke) {
   const Eigen::DiagonalMatrix<double, 3> f(1.0 + strain, 1.0 - 0.45 * strain, 1.0 - 0.45 * strain);
   const Eigen::Matrix3Xd stretched = f * body_.mesh().nodes_m;
   const Eigen::VectorXd pressures =
-      Eigen::VectorXd::Constant(elements_.count(), elements_.lambda_pa() * (f.diagonal().prod() - 1.0));
+      Eigen::VectorXd::Constant(elements_.multiplier_count(), elements_.lambda_pa() * (f.diagonal().prod() - 1.0));
   const Eigen::Matrix3Xd forces = gradient(stretched, pressures);
-  double pull = 0.0;
-  for (Eigen::Index i = 0; i < forces.cols(); ++i)
+  double pull = 0.0, across = 0.0;
+  for (Eigen::Index i = 0; i < forces.cols(); ++i) {
     if (body_.mesh().nodes_m(0, i) > 0.02 - 1e-9) pull += forces(0, i);
+    if (body_.mesh().nodes_m(1, i) > 0.01 - 1e-9) across += forces(1, i);
+  }
   EXPECT_NEAR(pull, 1.0e5 * strain * 0.01 * 0.015, 1e-4 * 1.0e5 * strain * 0.01 * 0.015);
+  EXPECT_NEAR(across, 0.0, 1e-4 * 1.0e5 * strain * 0.02 * 0.015);
 }
 
-INSTANTIATE_TEST_SUITE_P(Orders, ElementsTest, ::testing::Values(true, false),
-                         [](const auto& order) { return order.param ? "Quadratic" : "Linear"; });
+TEST_P(ElementsTest, InvertedAndCollapsedElementsHaveAFiniteEnergyAndForce) {
+  for (const double scale : {-1.0, 0.0, -0.3}) {
+    Eigen::Matrix3Xd squashed = body_.mesh().nodes_m;
+    squashed.row(1) *= scale;
+    const Eigen::Matrix3Xd forces = gradient(squashed, multipliers_);
+    EXPECT_TRUE(forces.allFinite());
+    EXPECT_TRUE(std::isfinite(energy(squashed)));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Silicones, ElementsTest,
+    ::testing::Values(Silicone{"NeoHookeanQuadratic", true, kNeoHookean},
+                      Silicone{"NeoHookeanLinear", false, kNeoHookean},
+                      Silicone{"VertexAveragedLinear", false, kNeoHookean, LinearVolume::vertex_averaged},
+                      Silicone{"MooneyRivlinQuadratic", true, kMooneyRivlin},
+                      Silicone{"MooneyRivlinLinear", false, kMooneyRivlin}, Silicone{"YeohQuadratic", true, kYeoh},
+                      Silicone{"YeohLinear", false, kYeoh}),
+    [](const auto& silicone) { return silicone.param.name; });
 
 TEST(BlockCholesky, SolvesWhatADenseFactorSolves) {
   const TetMesh mesh = box_mesh({0, 0, 0}, {0.05, 0.02, 0.02}, {4, 2, 2});
   const Body body(mesh, {1.0e5, 0.4, 1000.0});
-  BlockMatrix matrix(body.mesh().node_count(), element_cliques(body.mesh()));
+  BlockMatrix matrix(body.mesh().node_count(), stiffness_cliques(body));
   Elements elements(body, matrix);
   elements.add_hessian(body.mesh().nodes_m, Eigen::VectorXd::Zero(elements.count()), false, matrix);
   FixedAxes fixed = FixedAxes::Constant(3, body.mesh().node_count(), false);
@@ -187,8 +218,9 @@ TEST(BlockCholesky, SolvesWhatADenseFactorSolves) {
 
 TEST(BlockCholesky, SolvesAndCountsWhatIsIndefinite) {
   const TetMesh mesh = box_mesh({0, 0, 0}, {0.05, 0.02, 0.02}, {4, 2, 2});
-  BlockMatrix matrix(mesh.node_count(), element_cliques(mesh));
-  Elements elements(Body(mesh, {1.0e5, 0.4, 1000.0}), matrix);
+  const Body body(mesh, {1.0e5, 0.4, 1000.0});
+  BlockMatrix matrix(mesh.node_count(), stiffness_cliques(body));
+  Elements elements(body, matrix);
   elements.add_hessian(disturbed(mesh.nodes_m, 0.003, 11), Eigen::VectorXd::Zero(elements.count()), false, matrix);
   for (int node = 0; node < mesh.node_count(); ++node) matrix.add_to_diagonal(node, 3.0);
   const Eigen::MatrixXd full = dense(matrix);

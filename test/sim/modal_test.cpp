@@ -30,6 +30,14 @@ TEST(ModalAnalysis, BendsAsTheReference) {
   }
 }
 
+TEST(ModalAnalysis, BendsWithinHalfAPerCentOnAFinerMesh) {
+  const ReferenceRow row = read_reference("r6_modal").at(2);
+  const ModalResult result = modal_analysis(cantilever(row.number("nu"), {20, 4, 4}), 2);
+  ASSERT_TRUE(result.converged);
+  for (const double f : result.frequencies_hz)
+    EXPECT_NEAR(f, row.number("f1_bend_Hz"), 0.005 * row.number("f1_bend_Hz"));
+}
+
 TEST(ModalAnalysis, FindsTheHigherModesOfTheReference) {
   const ReferenceRow row = read_reference("r6_modal").at(2);
   const Body body = cantilever(row.number("nu"));

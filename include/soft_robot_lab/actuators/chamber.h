@@ -72,8 +72,7 @@ class ChamberVolume : public Constraint {
 class Chamber : public Actuator {
  public:
   std::vector<const Constraint*> constraints() const override { return {volume_.get()}; }
-  void begin_step(double time_step_s, const Eigen::Matrix3Xd& positions_m,
-                  const std::vector<double>& multipliers) override;
+  void begin_step(const StepStart& start) override;
   ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const override;
 
  protected:

@@ -9,12 +9,20 @@
 
 namespace soft_robot_lab {
 
-// A ball in which elements shall be no larger than `size_m`: around a cable's plug, for instance.
+class SettingsNode;
+
+// Where elements shall be no larger than `size_m`: in a ball, around a cable's plug for instance, or along a named surface
+// of the solid, or along the edges of that surface's sides, where stresses peak.
 struct MeshRefinement {
-  Eigen::Vector3d center_m;
-  double radius_m;
-  double size_m;
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
+  double radius_m = 0.0;  // does nothing, as center_m, where a surface is named
+  double size_m = 0.0;
+  std::string surface = {};
+  bool edges_only = false;
 };
+
+// {center_m, radius_m, size_m}, {surface, size_m} or {edges_of, size_m}. Throws SettingsError.
+MeshRefinement read_mesh_refinement(const SettingsNode& node);
 
 struct MeshRequest {
   std::string solid_yaml;        // the `solid` section with absolute file names, or
@@ -29,6 +37,9 @@ struct MesherOptions {
   std::string cache_folder;  // empty: $XDG_CACHE_HOME/soft_robot_lab, or ~/.cache/soft_robot_lab
   double time_limit_s = 120.0;
 };
+
+// Where meshes, and what others found out about them, are kept by content.
+std::string cache_folder(const MesherOptions& options);
 
 // The path of an MSH 2.2 text file for the request, made now or found in the cache. Safe against a second process doing
 // the same. Throws std::invalid_argument with the mesher's own words, or std::runtime_error when the time limit passed.

@@ -41,7 +41,7 @@ struct ExperimentResult {
   std::string title;
   Table table;
   std::vector<Plot> plots;
-  nlohmann::ordered_json numbers;  // beyond the table; may stay null
+  nlohmann::ordered_json numbers;  // beyond the table, an object; may stay null
   std::string source_reports;      // a paragraph; empty where the experiment is ours alone
   std::string we_find;             // a paragraph
   bool converged = true;           // every solve of it

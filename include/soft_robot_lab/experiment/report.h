@@ -21,7 +21,8 @@ void print_table(const Table& table, std::ostream& out);
 // Title, table, paragraphs and files.
 void print_report(const ExperimentReport& report, std::ostream& out);
 
-// One experiment: {title, converged, message, table: [{column: value}], numbers, pictures}. Several: {name: that}.
+// One experiment: {title, converged, message, table: [{column: value}], its numbers by their names, pictures}.
+// Several: {name: that}.
 std::string experiments_json(const std::vector<ExperimentReport>& reports);
 
 // One page that holds its pictures, so that it can be sent as one file.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <istream>
 #include <string>
 #include <vector>
 
@@ -104,7 +105,8 @@ class StabilityBench {
 // A grid of squares coloured by outcome: cases along x, body and method along y.
 Plot stability_plot(const std::vector<StabilityCell>& cells);
 
-// One line a cell.
+// A table with one line a cell; and back, throwing std::invalid_argument.
 std::string stability_csv(const std::vector<StabilityCell>& cells);
+std::vector<StabilityCell> read_stability_csv(std::istream& file);
 
 }  // namespace soft_robot_lab

@@ -12,9 +12,15 @@ constexpr char simulator_scene[] = "simulator/scene";  // std_msgs/String, latch
 constexpr char controller_progress[] = "controller/progress";
 constexpr char controller_target[] = "controller/target";  // latched: what the last accepted request asked for
 constexpr char overlay[] = "overlay";
+constexpr char motor_state[] = "motor/state";
+constexpr char rig_shafts[] = "rig/shafts";  // of an emulated rig: the truth
 
 constexpr char simulator_reset[] = "simulator/reset";
 constexpr char simulator_load[] = "simulator/load";
+constexpr char motor_zero[] = "motor/zero";
+constexpr char motor_stop[] = "motor/stop";    // at once; holds until motor/clear
+constexpr char motor_clear[] = "motor/clear";  // faults and the emergency stop
+constexpr char rig_command[] = "rig/command";
 constexpr char optimise_policy[] = "controller/optimise_policy";
 constexpr char execute_policy[] = "controller/execute_policy";
 

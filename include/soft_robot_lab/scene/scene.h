@@ -5,10 +5,12 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "soft_robot_lab/scene/fidelity.h"
 #include "soft_robot_lab/sim/simulation.h"
 
 namespace soft_robot_lab {
@@ -24,6 +26,7 @@ struct TimedCommands {
 enum class RunMode { equilibrium, dynamic, modal };
 
 struct RunSettings {
+  bool stated = false;  // by the scene; a robot file may have no run
   RunMode mode = RunMode::equilibrium;
   double duration_s = 0.0;              // dynamic: > 0
   double record_every_s = 0.0;          // dynamic: 0 records every step
@@ -36,6 +39,7 @@ struct Scene {
   std::string file;
   std::unique_ptr<Simulation> simulation;
   RunSettings run;
+  std::optional<FidelityReport> fidelity;  // where the scene or its options ask for it
 };
 
 struct SceneOptions {
@@ -43,7 +47,8 @@ struct SceneOptions {
   std::string cache_folder;
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;
-  std::string changes;  // YAML text laid over the file, as a file that includes it would be
+  bool estimate_error = false;                // judge the scene as it is (scene/fidelity.h)
+  std::string changes;                        // YAML text laid over the file, as a file that includes it would be
   std::function<void(TetMesh&)> change_mesh;  // applied before anything binds to the mesh; may be empty
 };
 

@@ -88,7 +88,8 @@ class SettingsNode {
   friend SettingsNode merge_settings(const SettingsNode& base, const SettingsNode& overlay);
 };
 
-// The base with the overlay's keys over it: maps merge key by key, everything else replaces.
+// The base with the overlay's keys over it: maps merge key by key, everything else replaces. So does a map that names a
+// `preset` or `model`, for its other keys belong to that.
 SettingsNode merge_settings(const SettingsNode& base, const SettingsNode& overlay);
 
 }  // namespace soft_robot_lab

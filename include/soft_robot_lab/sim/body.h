@@ -7,8 +7,13 @@
 
 #include "soft_robot_lab/sim/material.h"
 #include "soft_robot_lab/sim/tet_mesh.h"
+#include "soft_robot_lab/sim/viscosity.h"
 
 namespace soft_robot_lab {
+
+// What linear tetrahedra keep nearly constant: each its own volume, which locks in silicone, or the mean around each
+// vertex.
+enum class LinearVolume { element, vertex_averaged };
 
 using FixedAxes = Eigen::Matrix<bool, 3, Eigen::Dynamic>;
 
@@ -28,10 +33,17 @@ class Body {
   // The same with a total force spread evenly over the area. Throws std::invalid_argument where there is none.
   void add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Vector3d& force_n);
 
+  // Throws std::invalid_argument for vertex_averaged on a quadratic mesh.
+  void set_linear_volume(LinearVolume volume);
+
+  void set_viscosity(const Viscosity& viscosity);  // throws std::invalid_argument: Viscosity::validate
+
   void set_gravity(const Eigen::Vector3d& gravity_m_s2) { gravity_m_s2_ = gravity_m_s2; }
 
   const TetMesh& mesh() const { return mesh_; }
   const Material& material() const { return material_; }
+  const Viscosity& viscosity() const { return viscosity_; }
+  LinearVolume linear_volume() const { return linear_volume_; }
   const FixedAxes& fixed() const { return fixed_; }
   int fixed_node_count() const;
   const Eigen::VectorXd& node_masses_kg() const { return node_masses_kg_; }
@@ -42,6 +54,8 @@ class Body {
  private:
   TetMesh mesh_;
   Material material_;
+  Viscosity viscosity_;
+  LinearVolume linear_volume_ = LinearVolume::element;
   FixedAxes fixed_;
   Eigen::VectorXd node_masses_kg_;
   Eigen::Matrix3Xd dead_loads_n_;

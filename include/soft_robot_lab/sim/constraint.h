@@ -63,4 +63,18 @@ class Constraint {
   virtual ConstraintLaw law(double value, double multiplier) const = 0;
 };
 
+// Where two constraints meet that share one stock of length, such as two spans of a cable at the point between them.
+// Their multipliers, which are not negative, may differ by a factor of `ratio`; at that bound length slips over from
+// the smaller one's side to the larger one's (friction on a capstan). A flow is the length [m] that the first has
+// gained from the second: it lowers the first's offset and raises the second's.
+class Junction {
+ public:
+  virtual ~Junction() = default;
+  virtual double ratio(const Eigen::Matrix3Xd& positions_m) const = 0;  // >= 1
+  // Adds scale * d log(ratio)/dx to a 3 x nodes matrix.
+  virtual void add_log_ratio_gradient(const Eigen::Matrix3Xd& positions_m, double scale,
+                                      Eigen::Matrix3Xd& gradient) const = 0;
+  int first = 0, second = 1;  // in the order of the actuator's constraints
+};
+
 }  // namespace soft_robot_lab

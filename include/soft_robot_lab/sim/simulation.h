@@ -34,11 +34,12 @@ class Simulation {
   SolveReport step();
 
   // The stable rest state for the present commands, reached from the present state, or from the rest shape where the
-  // present state has inverted elements (a tangle may hold itself); velocities become zero.
+  // present state has inverted elements (a tangle may hold itself); velocities become zero. Throws
+  // std::invalid_argument where an actuator has none.
   SolveReport solve_equilibrium();
 
   // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack
-  // cable).
+  // cable). Where friction tells going on from turning back, what slipped last goes on.
   Eigen::MatrixXd marker_sensitivities();
 
   void reset();  // rest shape, rest commands, time zero

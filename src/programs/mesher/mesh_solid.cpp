@@ -1,7 +1,6 @@
 #include "programs/mesher/mesh_solid.h"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include <gmsh.h>
@@ -15,58 +14,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kGrowth = 0.4;     // of element size per distance, around refinements
-constexpr double kMostCurved = 10;  // curvature makes elements this much smaller at most: the tip of a cone has no end
-constexpr double kMostElements = 2e6;     // beyond, memory and time are not those of a robot
-constexpr double kElementsPerCube = 8.5;  // of a cube with the edge of an element; regular ones fill it 1 / 0.118 times
 constexpr double kStlCorner = 40 * kPi / 180;  // STL facets that meet at more than this angle are different surfaces
-
-void check_count(double volume_m3, const MeshSizes& sizes) {
-  double count = kElementsPerCube * volume_m3 / std::pow(sizes.element_size_m, 3);
-  for (const MeshRefinement& r : sizes.refinements) {
-    const double ball_m3 = 4.0 / 3.0 * kPi * std::pow(r.radius_m, 3);
-    count += kElementsPerCube * std::min(ball_m3, volume_m3) / std::pow(r.size_m, 3);
-  }
-  if (count <= kMostElements) return;
-  std::ostringstream message;
-  message << "element_size_m " << sizes.element_size_m << " and refinements ask for about " << count
-          << " elements, at most " << kMostElements << " are made; choose larger ones";
-  throw std::invalid_argument(message.str());
-}
-
-// A ball of small elements that grow outside of it with the distance.
-int add_ball(const MeshRefinement& refinement, double units_per_metre, double element_size_m) {
-  namespace field = gmsh::model::mesh::field;
-  const int ball = field::add("Ball");
-  const auto set = [&](const char* key, double value_m) { field::setNumber(ball, key, value_m * units_per_metre); };
-  set("XCenter", refinement.center_m.x());
-  set("YCenter", refinement.center_m.y());
-  set("ZCenter", refinement.center_m.z());
-  set("Radius", refinement.radius_m);
-  set("VIn", refinement.size_m);
-  set("VOut", element_size_m);
-  set("Thickness", (element_size_m - refinement.size_m) / kGrowth);
-  return ball;
-}
-
-void set_sizes(const MeshSizes& sizes, double units_per_metre) {
-  gmsh::option::setNumber("Mesh.MeshSizeMax", sizes.element_size_m * units_per_metre);
-  gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
-  // Elements around a full circle: curved ones keep its area to 0.1 %, straight ones to 5 %.
-  gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", sizes.quadratic ? 6 : 12);
-  double smallest_m = sizes.element_size_m / kMostCurved;
-  std::vector<double> balls;
-  for (const MeshRefinement& refinement : sizes.refinements) {
-    smallest_m = std::min(smallest_m, refinement.size_m);
-    if (refinement.size_m >= sizes.element_size_m) continue;
-    balls.push_back(add_ball(refinement, units_per_metre, sizes.element_size_m));
-  }
-  gmsh::option::setNumber("Mesh.MeshSizeMin", smallest_m * units_per_metre);
-  if (balls.empty()) return;
-  const int smallest = gmsh::model::mesh::field::add("Min");
-  gmsh::model::mesh::field::setNumbers(smallest, "FieldsList", balls);
-  gmsh::model::mesh::field::setAsBackgroundMesh(smallest);
-}
 
 void generate(bool quadratic) {
   gmsh::option::setNumber("Mesh.Algorithm3D", 1);  // Delaunay: HXT (10) is faster, but differs from run to run
@@ -108,8 +56,9 @@ std::vector<NamedSurface> build_stl(const Solid& solid, const MeshSizes& sizes) 
   for (const auto& surface : surfaces) all.entities.push_back(surface.second);
   gmsh::model::geo::addVolume({gmsh::model::geo::addSurfaceLoop(all.entities)});
   gmsh::model::geo::synchronize();
-  set_sizes(sizes, 1.0);
-  return solid.name.empty() ? std::vector<NamedSurface>{} : std::vector<NamedSurface>{all};
+  const std::vector<NamedSurface> named(solid.name.empty() ? 0 : 1, all);
+  set_sizes(sizes, 1.0, named);
+  return named;
 }
 
 TetMesh mesh_stl(const Solid& solid, const MeshSizes& sizes) {
@@ -121,12 +70,21 @@ TetMesh mesh_stl(const Solid& solid, const MeshSizes& sizes) {
   return extract_mesh(surfaces, 1.0);
 }
 
+// Surfaces get their names from their triangles: where sizes depend on names, they are meshed before, at any size.
+std::vector<NamedSurface> name_before_meshing(int body, const Solid& solid, const MeshSizes& sizes) {
+  if (!sizes.name_surfaces()) return {};
+  gmsh::model::mesh::generate(2);
+  std::vector<NamedSurface> surfaces = name_surfaces(body, solid);
+  gmsh::model::mesh::clear();
+  return surfaces;
+}
+
 TetMesh mesh_kernel_solid(const Solid& solid, const MeshSizes& sizes) {
   const int body = build_body(solid);
   double volume = 0;
   gmsh::model::occ::getMass(3, body, volume);
   check_count(volume / std::pow(kKernelUnitsPerMetre, 3), sizes);
-  set_sizes(sizes, kKernelUnitsPerMetre);
+  set_sizes(sizes, kKernelUnitsPerMetre, name_before_meshing(body, solid, sizes));
   generate(false);
   const std::vector<NamedSurface> surfaces = name_surfaces(body, solid);
   if (sizes.quadratic) gmsh::model::mesh::setOrder(2);

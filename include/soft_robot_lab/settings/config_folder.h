@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace soft_robot_lab {
+
+// The package's config/: beside an installed program in share/, otherwise in the sources this was built from.
+std::string config_folder();
+
+}  // namespace soft_robot_lab

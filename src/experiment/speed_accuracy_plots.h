@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "experiment/speed_measurement.h"
+
+namespace soft_robot_lab {
+
+// Error over CPU time of one problem at one Poisson's ratio: ours series by series, Bullet's best, and what others say.
+// Settled runs, or equilibria; the plot has no series where there is no such run.
+Plot plot_speed_accuracy(const SpeedLadder& ladder, const SpeedProblem& problem, const std::string& poissons_ratio,
+                         const std::vector<SpeedRun>& runs, const std::string& mode);
+
+// Error over element size by equilibria of one problem, a line per element and Poisson's ratio.
+Plot plot_convergence(const SpeedProblem& problem, const std::vector<SpeedRun>& runs);
+
+// CPU time of a simulated second over nodes.
+Plot plot_cost_of_nodes(const SpeedProblem& problem, const std::vector<SpeedRun>& runs);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,159 @@
+// bullet_peer SCENE.yaml: a scene by Bullet's deformable solver, for comparison (chart_speed_accuracy).
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "programs/bullet/bullet_body.h"
+#include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/experiment/cpu_time.h"
+#include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/settings/settings_node.h"
+
+namespace {
+
+using namespace soft_robot_lab;
+
+constexpr const char* kUsage =
+    "usage: bullet_peer SCENE.yaml [--changes YAML] [--settings YAML] [--duration SECONDS] [--judged SECONDS]\n"
+    "                   [--cpu-limit SECONDS] [--mesher PROGRAM] [--result FILE]\n"
+    "Lets Bullet's deformable solver run the scene from rest, at its first commands, and writes where its first "
+    "marker\n"
+    "was in the last (--judged) seconds and the CPU time it took as JSON. Changes are laid over the scene; settings "
+    "are Bullet's: model, implicit,\n"
+    "line_search, time_step_s, newton_iterations, newton_tolerance, krylov_iterations, krylov_tolerance, damping_s,\n"
+    "drag, mass_scale.\n"
+    "Exit status: 0 ran to the end, 1 blew up or ran into the limit, 2 bad scene or arguments.\n";
+
+constexpr double kFarAway_m = 1.0e3;
+
+struct Arguments {
+  std::string scene, changes, settings = "{}", mesher, result;
+  double duration_s = 1.0;
+  double judged_s = 0.0;
+  double cpu_limit_s = 60.0;
+};
+
+Arguments parse(int count, char** values) {
+  Arguments arguments;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = values[i];
+    const auto value = [&]() -> std::string {
+      if (++i == count) throw std::invalid_argument(word + " needs a value");
+      return values[i];
+    };
+    if (word == "--changes") {
+      arguments.changes = value();
+    } else if (word == "--settings") {
+      arguments.settings = value();
+    } else if (word == "--mesher") {
+      arguments.mesher = value();
+    } else if (word == "--result") {
+      arguments.result = value();
+    } else if (word == "--duration") {
+      arguments.duration_s = std::stod(value());
+    } else if (word == "--judged") {
+      arguments.judged_s = std::stod(value());
+    } else if (word == "--cpu-limit") {
+      arguments.cpu_limit_s = std::stod(value());
+    } else if (arguments.scene.empty() && word[0] != '-') {
+      arguments.scene = word;
+    } else {
+      throw std::invalid_argument("unknown argument " + word);
+    }
+  }
+  if (arguments.scene.empty()) throw std::invalid_argument("no scene given");
+  return arguments;
+}
+
+BulletSettings read_settings(const std::string& text) {
+  const SettingsNode node = SettingsNode::parse(text, "--settings");
+  BulletSettings s;
+  s.model = node.choice_or("model", s.model, {"neo_hookean", "linear", "corotated"});
+  s.implicit = node.boolean_or("implicit", s.implicit);
+  s.line_search = node.boolean_or("line_search", s.line_search);
+  s.time_step_s = node.number_or("time_step_s", s.time_step_s, AllowedRange::positive());
+  s.newton_iterations = node.integer_or("newton_iterations", s.newton_iterations, 1, 1000);
+  s.newton_tolerance = node.number_or("newton_tolerance", s.newton_tolerance, AllowedRange::positive());
+  s.krylov_iterations = node.integer_or("krylov_iterations", s.krylov_iterations, 1, 100000);
+  s.krylov_tolerance = node.number_or("krylov_tolerance", s.krylov_tolerance, AllowedRange::positive());
+  s.damping_s = node.number_or("damping_s", s.damping_s, AllowedRange::not_negative());
+  s.drag = node.number_or("drag", s.drag, {0.0, 1.0});
+  s.mass_scale = node.number_or("mass_scale", s.mass_scale, AllowedRange::positive());
+  node.require_all_read();
+  return s;
+}
+
+int run(const Arguments& arguments) {
+  SceneOptions options;
+  options.actuator_factory = make_actuator;
+  options.changes = arguments.changes;
+  options.mesher = arguments.mesher;
+  Scene scene = load_scene(arguments.scene, options);
+  if (!scene.run.commands.empty()) {
+    for (const auto& [name, value] : scene.run.commands[0].commands) scene.simulation->set_command(name, value);
+  }
+  const Simulation& simulation = *scene.simulation;
+  for (const auto& actuator : simulation.actuators()) {
+    const double command = actuator->command();
+    actuator->restore(command, command, actuator->memory());  // at once, as in the scene's equilibrium
+  }
+  const BulletSettings settings = read_settings(arguments.settings);
+  BulletBody body(simulation, settings);
+  const Marker& marker = simulation.markers().at(0);
+  const long steps = std::lround(arguments.duration_s / settings.time_step_s);
+  const long judged = std::max(1L, std::lround(arguments.judged_s / settings.time_step_s));
+  nlohmann::ordered_json moved_m = nlohmann::ordered_json::array();
+  double cpu_s = 0.0;
+  bool finite = true;
+  long done = 0;
+  while (finite && done < steps && cpu_s < arguments.cpu_limit_s) {
+    const double start_s = cpu_time_s();
+    body.step();
+    cpu_s += cpu_time_s() - start_s;
+    const Eigen::Matrix3Xd positions_m = body.positions_m();
+    finite = positions_m.allFinite() && positions_m.cwiseAbs().maxCoeff() < kFarAway_m;
+    if (++done <= steps - judged || !finite) continue;
+    const Eigen::Vector3d moved = marker.position(positions_m) - marker.rest_position_m();
+    moved_m.push_back({moved.x(), moved.y(), moved.z()});
+  }
+  const bool ended = finite && done == steps;
+  nlohmann::ordered_json result = {{"ran_to_the_end", ended},
+                                   {"cpu_s", cpu_s},
+                                   {"simulated_s", static_cast<double>(done) * settings.time_step_s},
+                                   {"displacements_m", moved_m},
+                                   {"largest_speed_m_s", finite ? body.largest_speed_m_s() : -1.0}};
+  result["nodes"] = simulation.body().mesh().node_count();
+  result["elements"] = simulation.body().mesh().tet_count();
+  if (arguments.result.empty()) {
+    std::cout << result.dump(2) << "\n";
+  } else {
+    std::ofstream file(arguments.result);
+    file << result.dump(2) << "\n" << std::flush;
+    if (!file) throw std::runtime_error(arguments.result + ": cannot be written");
+  }
+  return ended ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  try {
+    arguments = parse(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "bullet_peer: " << error.what() << "\n" << kUsage;
+    return 2;
+  }
+  try {
+    return run(arguments);
+  } catch (const std::exception& error) {
+    std::cerr << "bullet_peer: " << error.what() << "\n";
+    return 2;
+  }
+}

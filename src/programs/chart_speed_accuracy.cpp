@@ -1,0 +1,122 @@
+// chart_speed_accuracy: draws error against CPU time of our methods and of Bullet's, without a ROS master.
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+
+#include "soft_robot_lab/settings/config_folder.h"
+#include "programs/progress_bar.h"
+#include "soft_robot_lab/experiment/report.h"
+#include "soft_robot_lab/experiment/speed_accuracy.h"
+
+namespace {
+
+using namespace soft_robot_lab;
+
+constexpr const char* kUsage =
+    "usage: chart_speed_accuracy [--quick] [--problem NAME]... [--poissons-ratio NUMBER]...\n"
+    "                            [--reuse FILE]... [--reuse-bullet-only] [--output FOLDER]\n"
+    "Runs the ladder of config/experiments/speed_accuracy.yaml and Bullet's deformable solver, and writes pictures\n"
+    "(SVG, PNG, CSV), speed_accuracy.json and report.html to FOLDER, by default charts/ where it is started. Takes\n"
+    "some 10 minutes of CPU time. --problem (cantilever, cook, cable_bar) and --poissons-ratio choose a part; --quick\n"
+    "runs the coarsest rungs of the first. --reuse takes what an earlier chart measured from its runs.json, so that a\n"
+    "chart can be measured in parts and drawn again; with --reuse-bullet-only our own runs are measured again.\n"
+    "Set OPENBLAS_NUM_THREADS=1 and OMP_NUM_THREADS=1 to measure one core.\n"
+    "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or it could not run.\n";
+
+struct Arguments {
+  SpeedAccuracyOptions options;
+  std::string output = "charts";
+  bool help = false;
+};
+
+Arguments parse(int count, char** values) {
+  Arguments arguments;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = values[i];
+    const auto value = [&]() -> std::string {
+      if (++i == count) throw std::invalid_argument(word + " needs a value");
+      return values[i];
+    };
+    if (word == "-h" || word == "--help") {
+      arguments.help = true;
+    } else if (word == "--quick") {
+      arguments.options.quick = true;
+    } else if (word == "--reuse-bullet-only") {
+      arguments.options.reuse_bullet_only = true;
+    } else if (word == "--output") {
+      arguments.output = value();
+    } else if (word == "--problem") {
+      arguments.options.problems.push_back(value());
+    } else if (word == "--poissons-ratio") {
+      arguments.options.poissons_ratios.push_back(value());
+    } else if (word == "--reuse") {
+      arguments.options.reuse.push_back(value());
+    } else {
+      throw std::invalid_argument("unknown argument " + word);
+    }
+  }
+  return arguments;
+}
+
+// bullet_peer stands beside this program where it could be built.
+std::string find_bullet() {
+  const auto path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "bullet_peer";
+  return std::filesystem::exists(path) ? path.string() : "";
+}
+
+void write(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text << std::flush;
+  if (!file) throw std::runtime_error(path.string() + ": cannot be written: " + std::strerror(errno));
+}
+
+int chart(const Arguments& arguments) {
+  std::filesystem::create_directories(arguments.output);
+  SpeedAccuracyOptions options = arguments.options;
+  options.bullet_program = find_bullet();
+  if (options.bullet_program.empty()) std::cerr << "chart_speed_accuracy: built without Bullet, so drawn without it\n";
+  ExperimentReport report;
+  report.name = "speed_accuracy";
+  {
+    ProgressBar bar("chart_speed_accuracy");
+    ExperimentContext context;
+    context.config_folder = config_folder();
+    context.output_folder = arguments.output;
+    context.progress = [&](double share, const std::string& what) { bar.show(share, what); };
+    report.result = run_speed_accuracy(context, options);
+    for (const Plot& plot : report.result.plots) report.pictures.push_back(write_plot(plot, arguments.output));
+  }
+  print_report(report, std::cout);
+  const std::filesystem::path folder(arguments.output);
+  write(folder / "speed_accuracy.json", experiments_json({report}));
+  write(folder / "report.html", experiments_html({report}));
+  std::cout << (folder / "report.html").string() << "\n";
+  return report.result.converged ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  try {
+    arguments = parse(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "chart_speed_accuracy: " << error.what() << "\n" << kUsage;
+    return 2;
+  }
+  if (arguments.help) {
+    std::cout << kUsage;
+    return 0;
+  }
+  try {
+    return chart(arguments);
+  } catch (const std::exception& error) {
+    std::cerr << "chart_speed_accuracy: " << error.what() << "\n";
+    return 2;
+  }
+}

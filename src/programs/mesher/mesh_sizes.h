@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "programs/mesher/gmsh_model.h"
+#include "soft_robot_lab/design/mesher.h"
+
+namespace soft_robot_lab {
+
+struct MeshSizes {
+  double element_size_m = 0.01;  // longest edges, roughly
+  bool quadratic = true;
+  std::vector<MeshRefinement> refinements;
+
+  bool name_surfaces() const;  // whether a refinement does
+};
+
+// Throws std::invalid_argument where so many elements are asked for that memory and time are not those of a robot.
+void check_count(double volume_m3, const MeshSizes& sizes);
+
+// Tells Gmsh the sizes for the current model. Refinements that name surfaces need their entities; throws
+// std::invalid_argument where there is no such surface.
+void set_sizes(const MeshSizes& sizes, double units_per_metre, const std::vector<NamedSurface>& surfaces);
+
+}  // namespace soft_robot_lab

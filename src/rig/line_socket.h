@@ -1,0 +1,25 @@
+// A socket whose other end answers lines of text with lines of text.
+#pragma once
+
+#include <string>
+
+namespace soft_robot_lab {
+
+class LineSocket {
+ public:
+  explicit LineSocket(int socket) : socket_(socket) {}  // takes it over
+  ~LineSocket();
+  LineSocket(const LineSocket&) = delete;
+  LineSocket& operator=(const LineSocket&) = delete;
+
+  std::string ask(const std::string& line);  // throws std::runtime_error when the other end is gone
+  void close();
+
+ private:
+  std::string read_line();
+
+  int socket_;
+  std::string received_;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,89 @@
+// Arithmetic of four tetrahedra at once, one per lane. Node and coordinate of an array of packs: 3 * node + axis.
+#pragma once
+
+#include <cstddef>
+
+// One copy of each kernel for processors with AVX2 and fused multiply-add, one for all others; chosen at start.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define SOFT_ROBOT_LAB_CLONES __attribute__((target_clones("arch=haswell", "default"), flatten))
+#else
+#define SOFT_ROBOT_LAB_CLONES
+#endif
+
+namespace soft_robot_lab {
+
+// Elements are worked on four at a time, one per lane.
+inline constexpr int kLanes = 4;
+typedef double Pack __attribute__((vector_size(kLanes * sizeof(double))));
+
+struct PackVector {
+  Pack v[3];
+};
+struct PackMatrix {
+  Pack m[3][3];  // row, column
+};
+
+inline Pack splat(double value) { return Pack{value, value, value, value}; }
+
+inline PackMatrix cofactor(const PackMatrix& f) {
+  PackMatrix c;
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      c.m[i][j] = f.m[i1][j1] * f.m[i2][j2] - f.m[i1][j2] * f.m[i2][j1];
+    }
+  }
+  return c;
+}
+
+inline Pack determinant(const PackMatrix& f, const PackMatrix& cofactors) {
+  return f.m[0][0] * cofactors.m[0][0] + f.m[0][1] * cofactors.m[0][1] + f.m[0][2] * cofactors.m[0][2];
+}
+
+inline Pack squared_norm(const PackMatrix& f) {
+  Pack sum = splat(0.0);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) sum += f.m[i][j] * f.m[i][j];
+  return sum;
+}
+
+// F F^T
+inline PackMatrix times_transposed(const PackMatrix& f) {
+  PackMatrix b;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) b.m[i][j] = f.m[i][0] * f.m[j][0] + f.m[i][1] * f.m[j][1] + f.m[i][2] * f.m[j][2];
+  return b;
+}
+
+inline PackVector multiply(const PackMatrix& a, const Pack* x) {
+  PackVector y;
+  for (int i = 0; i < 3; ++i) y.v[i] = a.m[i][0] * x[0] + a.m[i][1] * x[1] + a.m[i][2] * x[2];
+  return y;
+}
+
+// Deformation gradient F = sum_a x_a (grad a)^T.
+template <int Nodes>
+inline PackMatrix deformation_gradient(const Pack* positions, const Pack* gradients) {
+  PackMatrix f;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) f.m[i][j] = splat(0.0);
+  for (int a = 0; a < Nodes; ++a)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) f.m[i][j] += positions[3 * a + i] * gradients[3 * a + j];
+  return f;
+}
+
+inline void gather(const double* positions, const int* nodes, int node_count, Pack* out) {
+  for (int a = 0; a < node_count; ++a)
+    for (int lane = 0; lane < kLanes; ++lane)
+      for (int i = 0; i < 3; ++i) out[3 * a + i][lane] = positions[3 * nodes[a * kLanes + lane] + i];
+}
+
+inline void scatter_add(const Pack* in, const int* nodes, int node_count, double* forces) {
+  for (int a = 0; a < node_count; ++a)
+    for (int lane = 0; lane < kLanes; ++lane)
+      for (int i = 0; i < 3; ++i) forces[3 * nodes[a * kLanes + lane] + i] += in[3 * a + i][lane];
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,62 @@
+#include "viscous_step.h"
+
+#include <cmath>
+
+namespace soft_robot_lab {
+namespace {
+
+// a x + b y
+Strains combined(double a, const Strains& x, double b, const Strains& y) {
+  Strains result(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) result[i] = a * x[i] + b * y[i];
+  return result;
+}
+
+Strains from_state(const Eigen::VectorXd& numbers) {
+  Strains result(static_cast<std::size_t>(numbers.size()) / kLanes);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    for (int lane = 0; lane < kLanes; ++lane) result[i][lane] = numbers[static_cast<Eigen::Index>(i) * kLanes + lane];
+  return result;
+}
+
+Eigen::VectorXd to_state(const Strains& strains) {
+  Eigen::VectorXd numbers(static_cast<Eigen::Index>(strains.size()) * kLanes);
+  for (std::size_t i = 0; i < strains.size(); ++i)
+    for (int lane = 0; lane < kLanes; ++lane) numbers[static_cast<Eigen::Index>(i) * kLanes + lane] = strains[i][lane];
+  return numbers;
+}
+
+}  // namespace
+
+ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const SimulationState& state,
+                         const BackwardDifference& difference, double h) {
+  const Viscosity& viscosity = body.viscosity();
+  if (!viscosity.of_strain()) return;
+  const double twice_mu_pa = 2.0 * body.material().lame_mu_pa();
+  const Strains start = solver.strains(state.positions_m);
+  auto pull = std::make_shared<StrainPull>();
+  if (viscosity.rayleigh_stiffness_s > 0.0) {
+    pull->stiffness_pa = viscosity.rayleigh_stiffness_s * twice_mu_pa / difference.gamma_s;
+    pull->target = difference.weight_before == 0.0 ? start
+                                                   : combined(difference.weight_now, start, -difference.weight_before,
+                                                              solver.strains(state.previous_positions_m));
+  }
+  if (viscosity.hysteresis_ratio > 0.0) {
+    const double steps = h / viscosity.relaxation_time_s;
+    branch_stiffness_pa_ = viscosity.hysteresis_ratio * twice_mu_pa * -std::expm1(-steps) / steps;
+    branch_from_ = combined(1.0, start, -std::exp(-steps) / branch_stiffness_pa_, from_state(state.branch_stress_pa));
+    const double both_pa = pull->stiffness_pa + branch_stiffness_pa_;
+    pull->target = pull->stiffness_pa > 0.0 ? combined(pull->stiffness_pa / both_pa, pull->target,
+                                                       branch_stiffness_pa_ / both_pa, branch_from_)
+                                            : branch_from_;
+    pull->stiffness_pa = both_pa;
+  }
+  pull_ = std::move(pull);
+}
+
+Eigen::VectorXd ViscousStep::branch_stress_pa(const NewtonSolver& solver, const Eigen::Matrix3Xd& positions_m) const {
+  if (branch_from_.empty()) return {};
+  return to_state(combined(branch_stiffness_pa_, solver.strains(positions_m), -branch_stiffness_pa_, branch_from_));
+}
+
+}  // namespace soft_robot_lab

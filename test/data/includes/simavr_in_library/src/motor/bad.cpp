@@ -1,0 +1,1 @@
+#include <simavr/sim_avr.h>

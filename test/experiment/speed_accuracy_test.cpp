@@ -1,0 +1,163 @@
+// The chart of error against CPU time: its ladder, what it concludes from its runs, and the program at its quickest.
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "experiment/speed_claims.h"
+#include "experiment/speed_ladder.h"
+#include "experiment/speed_measurement.h"
+#include "experiment/speed_runs_file.h"
+#include "scene/scene_files.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+SpeedLadder package_ladder() {
+  ExperimentContext context;
+  context.config_folder = std::string(SOFT_ROBOT_LAB_SOURCE) + "/config";
+  return read_speed_ladder(context);
+}
+
+SpeedRun settled(const std::string& nu, bool bullet, double size_m, double error, double cost) {
+  SpeedRun run;
+  run.problem = "cantilever";
+  run.poissons_ratio = nu;
+  run.rung = bullet ? "implicit" : "quadratic";
+  run.mode = "settled";
+  run.bullet = bullet;
+  run.size_m = size_m;
+  run.ended = true;
+  run.error = error;
+  run.cost = cost;
+  return run;
+}
+
+TEST(SpeedLadder, KnowsTheTruthOfEveryProblem) {
+  const SpeedLadder ladder = package_ladder();
+  ASSERT_EQ(ladder.problems.size(), 3u);
+  for (const SpeedProblem& problem : ladder.problems) {
+    ASSERT_EQ(problem.references_m.size(), problem.poissons_ratios.size());
+    // Silicone hardly changes its volume, so its displacement hardly changes with Poisson's ratio.
+    for (const Eigen::Vector3d& reference_m : problem.references_m)
+      EXPECT_LT((reference_m - problem.references_m[0]).norm(), 0.02 * reference_m.norm()) << problem.name;
+  }
+  EXPECT_NEAR(ladder.problems[0].references_m[0].y(), -0.01475422, 1e-12);
+}
+
+TEST(SpeedLadder, ChoosesProblemsByName) {
+  const SpeedLadder ladder = package_ladder();
+  EXPECT_EQ(choose_problems(ladder, {}, {}).problems.size(), 3u);
+  EXPECT_EQ(choose_problems(ladder, {"cook"}, {}).problems.at(0).name, "cook");
+  EXPECT_EQ(choose_problems(ladder, {}, {"0.4999"}).problems.size(), 1u) << "the cantilever alone is known there";
+  EXPECT_THROW(choose_problems(ladder, {"cook"}, {"0.3"}), std::invalid_argument);
+  try {
+    choose_problems(ladder, {"beam"}, {});
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "unknown problem 'beam'; known: cantilever, cook, cable_bar");
+  }
+}
+
+TEST(SpeedMeasurement, TheBestRunsAreThoseThatNoOtherBeatsInBoth) {
+  SpeedRun failed = settled("0.45", true, 0.01, 0.001, 0.01);
+  failed.ended = false;
+  const std::vector<SpeedRun> best =
+      best_of({settled("0.45", true, 0.01, 0.5, 1.0), settled("0.45", true, 0.01, 0.6, 2.0), failed,
+               settled("0.45", true, 0.01, 0.1, 9.0), settled("0.45", true, 0.01, 0.9, 0.1)});
+  ASSERT_EQ(best.size(), 3u);
+  EXPECT_EQ(best[0].error, 0.9);
+  EXPECT_EQ(best[1].error, 0.5);
+  EXPECT_EQ(best[2].error, 0.1);
+}
+
+TEST(SpeedMeasurement, AChanceHitOfBulletDoesNotCount) {
+  SpeedRun ours = settled("0.45", false, 0.01, 0.5, 0.01);
+  ours.rung = "linear, Newton";
+  std::vector<SpeedRun> runs = {ours, settled("0.45", true, 0.01, 0.1, 0.1), settled("0.45", true, 0.01, 0.51, 1.0)};
+  judge_equilibria(runs);
+  EXPECT_FALSE(runs[1].own_equilibrium);
+  EXPECT_TRUE(runs[2].own_equilibrium);
+}
+
+TEST(SpeedRuns, AreReadAsTheyWereWritten) {
+  const SceneFolder folder;
+  SpeedRun run = settled("0.45", true, 0.01, 0.5, 0.01);
+  run.message = "why";
+  write_runs(folder.path("runs.json"), {run});
+  const std::vector<SpeedRun> read = read_runs(folder.path("runs.json"));
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].rung, run.rung);
+  EXPECT_EQ(read[0].message, "why");
+  EXPECT_EQ(read[0].error, 0.5);
+  EXPECT_TRUE(read[0].bullet);
+  EXPECT_THROW(read_runs(folder.path("missing.json")), std::runtime_error);
+}
+
+TEST(SpeedClaims, CountARungByItsWorstPoissonsRatio) {
+  SpeedLadder ladder = package_ladder();
+  ladder.problems.resize(1);
+  ladder.problems[0].poissons_ratios = {"0.45", "0.49"};
+  const std::vector<SpeedRun> runs = {
+      settled("0.45", false, 0.02, 0.004, 0.1), settled("0.49", false, 0.02, 0.02, 0.1),  // not within 1 % at 0.49
+      settled("0.45", false, 0.01, 0.003, 0.3), settled("0.49", false, 0.01, 0.008, 0.4),
+      settled("0.45", true, 0.01, 0.5, 5.0),    settled("0.49", true, 0.01, 0.001, 50.0)};
+  const Json numbers = check_claims(ladder, runs).numbers["cantilever"];
+  EXPECT_EQ(numbers["every_poissons_ratio_within_1_percent"]["cpu_s_per_simulated_s"], 0.4);
+  EXPECT_TRUE(numbers["every_poissons_ratio_within_0.5_percent"].is_null());
+  EXPECT_DOUBLE_EQ(numbers["0.45"]["bullet"][0]["times_faster"].get<double>(), 50.0);
+  EXPECT_TRUE(numbers["0.49"]["bullet"][0]["times_faster"].is_null()) << "we have none as exact";
+  EXPECT_DOUBLE_EQ(numbers["0.45"]["elsewhere"][0]["times_faster"].get<double>(), 0.4);
+}
+
+TEST(ChartSpeedAccuracy, DrawsItsQuickPart) {
+  const SceneFolder folder;
+  const std::string charts = folder.path("charts");
+  const int status =
+      std::system((std::string(SOFT_ROBOT_LAB_CHART) + " --quick --output " + charts + " >/dev/null 2>&1").c_str());
+  ASSERT_EQ(WEXITSTATUS(status), 0);
+  for (const std::string name :
+       {"speed_accuracy_cantilever_0.45.svg", "speed_accuracy_cantilever_0.4999.png", "convergence_cantilever.csv",
+        "equilibrium_cantilever_0.45.svg", "cost_of_nodes_cantilever.svg", "release_time_step.svg", "report.html"})
+    EXPECT_TRUE(std::filesystem::exists(charts + "/" + name)) << name;
+  const Json result = Json::parse(std::ifstream(charts + "/speed_accuracy.json"));
+  EXPECT_EQ(result["converged"], true) << result["message"];
+  int bullet = 0;
+  for (const Json& row : result["table"]) {
+    const std::string method = row["method"];
+    if (method.rfind("Bullet", 0) == 0) {
+      ++bullet;
+      continue;
+    }
+    if (method == "quadratic, Newton") {
+      EXPECT_LT(row["error [%]"].get<double>(), 3.0) << row;
+    }
+    if (row["question"] == "equilibrium") {
+      EXPECT_LE(row["iterations"].get<double>(), 6.0) << row;
+    }
+  }
+  EXPECT_EQ(bullet > 0, std::filesystem::exists(SOFT_ROBOT_LAB_BULLET_PEER));
+  for (const std::string nu : {"0.45", "0.4999"}) {
+    for (const Json& point : result["numbers"]["cantilever"][nu]["elsewhere"])
+      EXPECT_TRUE(point["times_faster"].is_number() || point["error_percent"] < 3.0) << point;
+  }
+}
+
+TEST(ChartSpeedAccuracy, RefusesAProblemItDoesNotKnow) {
+  const SceneFolder folder;
+  const int status = std::system((std::string(SOFT_ROBOT_LAB_CHART) + " --problem beam --output " +
+                                  folder.path("charts") + " >/dev/null 2>" + folder.path("err"))
+                                     .c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,164 @@
+// The motors of an emulated rig behind their topics and services: the table of the thesis, an emergency stop, a stall.
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/ActuatorCommand.h>
+#include <soft_robot_lab/MotorState.h>
+#include <soft_robot_lab/RigCommand.h>
+#include <soft_robot_lab/ShaftState.h>
+#include <soft_robot_lab/ZeroMotors.h>
+#include <std_srvs/Trigger.h>
+
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+class Motors : public testing::Test {
+ protected:
+  Motors() {
+    publisher_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 1);
+    subscribers_ = {node_.subscribe<MotorState>(
+                        topics::motor_state, 1,
+                        boost::function<void(const MotorState::ConstPtr&)>([this](const auto& m) { state = *m; })),
+                    node_.subscribe<ShaftState>(
+                        topics::rig_shafts, 1,
+                        boost::function<void(const ShaftState::ConstPtr&)>([this](const auto& m) { truth = *m; })),
+                    node_.subscribe<diagnostic_msgs::DiagnosticArray>(
+                        "/diagnostics", 1,
+                        boost::function<void(const diagnostic_msgs::DiagnosticArray::ConstPtr&)>(
+                            [this](const auto& m) { level = m->status.at(0).level; }))};
+    wait_for("a link and two motors at known places", [this] {
+      return state.linked && state.known == std::vector<std::uint8_t>{1, 1} && !truth.names.empty() &&
+             publisher_.getNumSubscribers() > 0;
+    });
+  }
+
+  void wait_for(const std::string& what, const std::function<bool()>& reached) {
+    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(30.0);
+    while (!reached()) {
+      if (ros::WallTime::now() > limit) throw std::runtime_error("waited in vain for " + what);
+      ros::spinOnce();
+      ros::WallDuration(0.002).sleep();
+    }
+  }
+
+  void command(const std::vector<double>& values) {
+    ActuatorCommand message;
+    message.names = {"left", "right"};
+    message.values = values;
+    publisher_.publish(message);
+  }
+
+  void expect_shafts(const std::vector<double>& steps) {
+    wait_for("the shafts", [&] { return truth.position_steps == steps; });
+    wait_for("the state", [&] {
+      return state.position_steps == steps && state.moving == std::vector<std::uint8_t>{0, 0};
+    });
+    EXPECT_EQ(state.target_steps, steps);
+  }
+
+  template <typename Service>
+  typename Service::Response ask(const std::string& name, const typename Service::Request& request = {}) {
+    typename Service::Response response;
+    if (!ros::service::waitForService(name, 20000) || !node_.serviceClient<Service>(name).call(request, response)) {
+      throw std::runtime_error("no answer of " + name);
+    }
+    return response;
+  }
+
+  MotorState state;
+  ShaftState truth;
+  int level = -1;  // of the diagnostics
+
+ private:
+  ros::NodeHandle node_;
+  ros::Publisher publisher_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+using Status = diagnostic_msgs::DiagnosticStatus;
+
+// Sections 6.4 and 6.5: contractions and the steps they mean.
+TEST_F(Motors, TurnTheShaftsToTheStepsOfTheThesis) {
+  std::string robot;
+  ASSERT_TRUE(ros::param::get("/motor_test/robot", robot));
+  if (robot == "spinebot") {
+    command({0.8, 1.1});
+    expect_shafts({258, -129});
+    command({0.9, 0.8});
+    expect_shafts({129, 258});
+  } else {
+    command({1.2, 0.82});
+    expect_shafts({-320, 288});
+    command({0.7, 1.2});
+    expect_shafts({480, -320});
+  }
+  command({1.0, 1.0});
+  expect_shafts({0, 0});
+}
+
+TEST_F(Motors, StopAtOnceAndStayStoppedUntilCleared) {
+  command({0.75, 0.75});
+  wait_for("motion", [this] { return truth.position_steps.at(0) > 10; });
+  EXPECT_TRUE(ask<std_srvs::Trigger>(topics::motor_stop).success);
+  wait_for("the stop", [this] { return state.emergency_stop && truth.moving == std::vector<std::uint8_t>{0, 0}; });
+  wait_for("red diagnostics", [this] { return level == Status::ERROR; });
+  const auto stopped_at = truth.position_steps;
+  command({0.8, 0.8});
+  wait_for("the next states", [this, seen = state.header.seq] { return state.header.seq > seen + 20; });
+  EXPECT_EQ(truth.position_steps, stopped_at);
+
+  EXPECT_TRUE(ask<std_srvs::Trigger>(topics::motor_clear).success);
+  wait_for("green diagnostics", [this] { return level == Status::OK; });
+  command({1.0, 1.0});
+  expect_shafts({0, 0});
+}
+
+TEST_F(Motors, LatchAStallUntilClearedAndZeroed) {
+  RigCommand::Request stall;
+  stall.command = "stall 0 on";
+  EXPECT_TRUE(ask<RigCommand>(topics::rig_command, stall).success);
+  command({0.8, 1.0});
+  wait_for("the fault", [this] { return state.fault.at(0).find("stall") == 0; });
+  EXPECT_FALSE(state.known.at(0));
+  EXPECT_TRUE(state.fault.at(1).empty());
+  wait_for("red diagnostics", [this] { return level == Status::ERROR; });
+  EXPECT_FALSE(ask<ZeroMotors>(topics::motor_zero).success);
+
+  stall.command = "stall 0 off";
+  EXPECT_TRUE(ask<RigCommand>(topics::rig_command, stall).success);
+  EXPECT_TRUE(ask<std_srvs::Trigger>(topics::motor_clear).success);
+  wait_for("a position to be set", [this] { return state.fault.at(0).find("position unknown") == 0; });
+  EXPECT_TRUE(ask<ZeroMotors>(topics::motor_zero).success);
+  wait_for("a known position", [this] { return state.known.at(0) != 0; });
+  command({0.9, 1.0});
+  wait_for("the shaft", [this] { return truth.position_steps.at(0) > 100 && truth.moving.at(0) == 0; });
+  EXPECT_EQ(state.fault.at(0), "");
+}
+
+TEST_F(Motors, RefuseUnknownRigCommandsAndMotors) {
+  RigCommand::Request nonsense;
+  nonsense.command = "explode";
+  EXPECT_FALSE(ask<RigCommand>(topics::rig_command, nonsense).success);
+  ZeroMotors::Request nobody;
+  nobody.names = {"middle"};
+  const auto response = ask<ZeroMotors>(topics::motor_zero, nobody);
+  EXPECT_FALSE(response.success);
+  EXPECT_EQ(response.message, "'middle' is not one of left, right");
+}
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "motor_test");
+  const ros::NodeHandle keeps_ros_up;
+  return RUN_ALL_TESTS();
+}

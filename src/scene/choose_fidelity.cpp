@@ -62,7 +62,7 @@ class Ladder {
  public:
   Ladder(const SettingsNode& settings, const FidelityRequest& request, const SceneOptions& options)
       : settings_(settings), request_(request), options_(options), given_(settings.child("body").has("mesh")) {
-    if (!given_) size_m_ = coarsest_size_m(read_mesh(lay_over(settings, body_choice(kOutlineSize_m)), mesher()));
+    if (!given_) size_m_ = coarsest_size_m(read_mesh(lay_over(settings, body_choice(kOutlineSize_m)), options));
   }
 
   // The next finer rung, judged; none beyond the limit on nodes.
@@ -70,7 +70,7 @@ class Ladder {
     while (!done_) {
       Rung rung{given_ ? "body: {element: quadratic}" : body_choice(size_m_), {}, {}};
       const SettingsNode scene = lay_over(settings_, rung.choice);
-      rung.mesh = read_mesh(scene, mesher());
+      rung.mesh = read_mesh(scene, options_);
       shrink(kLeastShrinking);
       done_ = given_ || rung.mesh.node_count() > request_.max_nodes;
       if (rung.mesh.node_count() > request_.max_nodes) return beyond_limit(std::move(rung));
@@ -92,8 +92,6 @@ class Ladder {
   int count() const { return count_; }
 
  private:
-  MesherOptions mesher() const { return mesher_options(options_); }
-
   bool judged(const SettingsNode& scene, Rung& rung) {
     try {
       rung.error = estimate_mesh_error(scene, rung.mesh, options_);
@@ -175,7 +173,7 @@ FidelityReport choose(const SettingsNode& settings, const FidelityRequest& reque
 
 FidelityReport judge(const SettingsNode& settings, bool dynamic, const SceneOptions& options) {
   FidelityReport report;
-  const TetMesh mesh = read_mesh(settings, mesher_options(options));
+  const TetMesh mesh = read_mesh(settings, options);
   const MeshError error = estimate_mesh_error(settings, mesh, options);
   const bool moves = dynamic && error.expected_m;
   take({"", mesh, error}, moves ? estimate_time_error(settings, mesh, options) : TimeError{}, report);
@@ -212,14 +210,15 @@ std::optional<FidelityReport> settle_fidelity(const SettingsNode& settings, cons
   const bool dynamic = asks_for_motion(settings, request ? settings.child("fidelity") : settings);
   const SettingsNode outline = request ? lay_over(settings, body_choice(kOutlineSize_m)) : settings;
   const std::string key = content_key(settings, mesh_file(outline, mesher_options(options)));
-  if (std::optional<FidelityReport> known = find_fidelity(key, options)) return known;
+  const bool kept = !options.change_mesh;  // which the key does not know
+  if (std::optional<FidelityReport> known; kept && (known = find_fidelity(key, options))) return known;
 
   const double start_s = cpu_now_s();
   const SettingsNode judged = lay_over(settings, kMethod);
   FidelityReport report = request ? choose(judged, *request, dynamic, options) : judge(judged, dynamic, options);
   report.left_out = left_out(settings, dynamic);
   report.cpu_s = cpu_now_s() - start_s;
-  keep_fidelity(key, report, options);
+  if (kept) keep_fidelity(key, report, options);
   return report;
 }
 

@@ -6,7 +6,6 @@
 namespace soft_robot_lab {
 namespace {
 
-
 // A cable's end anchor sinks in over its plug's radius; elements there must be no larger to see it.
 std::vector<MeshRefinement> plug_refinements(const SettingsNode& scene) {
   std::vector<MeshRefinement> refinements;
@@ -80,12 +79,14 @@ std::string mesh_file(const SettingsNode& scene, const MesherOptions& mesher) {
   return in_section(body, [&] { return mesh_file_for(request, mesher); });
 }
 
-TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher) {
-  const std::string file = mesh_file(scene, mesher);
+TetMesh read_mesh(const SettingsNode& scene, const SceneOptions& options) {
+  const std::string file = mesh_file(scene, mesher_options(options));
   const SettingsNode body = scene.child("body");
   return in_section(body, [&] {
-    const TetMesh mesh = read_msh(file);
-    return quadratic(body) ? make_quadratic(mesh) : make_linear(mesh);
+    const TetMesh shape = read_msh(file);
+    TetMesh mesh = quadratic(body) ? make_quadratic(shape) : make_linear(shape);
+    if (options.change_mesh) options.change_mesh(mesh);
+    return mesh;
   });
 }
 

@@ -33,7 +33,7 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
   std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
   const bool chosen = fidelity && !fidelity->choice.empty();
   const SettingsNode settings = chosen ? lay_over(stated, fidelity->choice) : stated;
-  Scene scene = build_scene(settings, read_mesh(settings, mesher_options(options)), options);
+  Scene scene = build_scene(settings, read_mesh(settings, options), options);
   settings.require_all_read();
   scene.file = path;
   scene.fidelity = std::move(fidelity);

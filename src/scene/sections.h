@@ -24,7 +24,7 @@ inline MesherOptions mesher_options(const SceneOptions& options) {
   return {options.mesher, options.cache_folder, options.meshing_limit_s};
 }
 std::string mesh_file(const SettingsNode& scene, const MesherOptions& mesher);  // its path in the cache
-TetMesh read_mesh(const SettingsNode& scene, const MesherOptions& mesher);      // `body`: its shape
+TetMesh read_mesh(const SettingsNode& scene, const SceneOptions& options);      // `body`: its shape
 Body read_body(const SettingsNode& scene, TetMesh mesh);                        // `body`, `loads`, gravity
 Material read_material(const SettingsNode& node);                               // `body.material`, or a file of presets
 std::vector<std::unique_ptr<Actuator>> read_actuators(

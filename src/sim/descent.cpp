@@ -6,17 +6,25 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kBudget = 10;  // times max_iterations, for an equilibrium
+constexpr int kBudget = 10;         // times max_iterations, for an equilibrium
+constexpr int kDescentBudget = 20;  // the same, for a descent
+
+NewtonTask rest_task(const SimulationParts& parts) {
+  NewtonTask task;
+  task.tolerance = parts.options.tolerance;
+  task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
+  return task;
+}
 
 NewtonReport fall_for(double h, SimulationParts& parts, NewtonState& unknown, SolveReport& report) {
-  NewtonTask task;
-  task.tolerance = std::max(parts.options.tolerance, 1e-4);
+  NewtonTask task = rest_task(parts);
+  task.tolerance = std::max(task.tolerance, 1e-4);
   task.min_iterations = 1;
-  task.max_iterations = kStageIterations;
   task.inertia_per_s2 = 1.0 / (h * h);
   const Eigen::Matrix3Xd start = parts.state.positions_m;
   task.predicted_m = &start;
-  return parts.solve(task, unknown, report);
+  const NewtonReport newton = parts.solve(task, unknown, report);
+  return newton.converged ? newton : parts.solve_from_below(task, unknown, report);
 }
 
 }  // namespace
@@ -26,11 +34,15 @@ bool within_budget(const SimulationParts& parts, const SolveReport& report) {
 }
 
 bool relax(SimulationParts& parts, SolveReport& report) {
-  NewtonTask task;
-  task.tolerance = parts.options.tolerance;
-  task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
   NewtonState unknown = parts.unknowns();
-  if (!parts.solve(task, unknown, report).converged) return false;
+  if (!parts.solve(rest_task(parts), unknown, report).converged) return false;
+  parts.accept(std::move(unknown));
+  return true;
+}
+
+bool relax_from_below(SimulationParts& parts, SolveReport& report) {
+  NewtonState unknown = parts.unknowns();
+  if (!parts.solve_from_below(rest_task(parts), unknown, report).converged) return false;
   parts.accept(std::move(unknown));
   return true;
 }
@@ -38,8 +50,9 @@ bool relax(SimulationParts& parts, SolveReport& report) {
 bool descend(SimulationParts& parts, SolveReport& report) {
   const Material& material = parts.body.material();
   const double wave_s = parts.body.size_m() * std::sqrt(material.density_kg_m3 / material.youngs_modulus_pa);
+  const int limit = report.iterations + kDescentBudget * parts.options.max_iterations;
   double h = 3.0 * wave_s;
-  while (within_budget(parts, report) && h > 1e-3 * wave_s) {
+  while (report.iterations < limit && h > 1e-3 * wave_s) {
     NewtonState unknown = parts.unknowns();
     const NewtonReport newton = fall_for(h, parts, unknown, report);
     if (!newton.converged) {

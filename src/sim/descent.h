@@ -11,6 +11,9 @@ bool within_budget(const SimulationParts& parts, const SolveReport& report);
 // Newton alone. Where it does not converge the state stays as it was.
 bool relax(SimulationParts& parts, SolveReport& report);
 
+// The same after a fall down the energy (SimulationParts::solve_from_below).
+bool relax_from_below(SimulationParts& parts, SolveReport& report);
+
 // Down the energy in steps that inertia keeps short, longer and longer (pseudo-transient continuation, Kelley & Keyes
 // 1998), until inertia has no say and Newton alone converges: finds its way through buckling, where a rest state that
 // Newton would run to is a saddle. Where it fails the state is the furthest it came.

@@ -68,6 +68,7 @@ class Elements {
   const ElementPacks& packs() const { return packs_; }
   const std::vector<int>& slots() const { return slots_; }
   double lambda_pa() const { return lambda_; }
+  void set_lambda_pa(double lambda_pa) { lambda_ = lambda_pa; }
   double mu_pa() const { return mu_; }
 
  private:

@@ -18,24 +18,43 @@ void tell_unfinished(double done, SolveReport& report) {
   report.message = reached.str();
 }
 
-}  // namespace
-
-void find_equilibrium(SimulationParts& parts, SolveReport& report) {
-  const std::vector<double> from = parts.state.actuated_commands;
+// By Newton, in stages of the command change where one is too far; the share of it that was reached.
+double follow_commands(SimulationParts& parts, const std::vector<double>& from, SolveReport& report) {
   double done = 0.0, stage = 1.0;
-  while (done < 1.0 && within_budget(parts, report)) {
+  while (done < 1.0 && stage * kSmallestStage >= 1.0 && within_budget(parts, report)) {
     const double share = std::min(1.0, done + stage);
     parts.move_actuators(from, share);
-    bool found = relax(parts, report);
-    if (!found && stage * kSmallestStage <= 1.0) {
-      found = descend(parts, report);
-      if (!found) break;
-    }
+    const bool found = relax(parts, report);
     if (found) done = share;
     stage *= found ? 2.0 : 0.5;
   }
+  return done;
+}
+
+// A shape with inverted elements is no start to follow commands from: it may be a knot that holds itself.
+void start_from_rest_shape(SimulationParts& parts) {
+  parts.state.positions_m = parts.body.mesh().nodes_m;
+  parts.state.element_multipliers_pa.setZero();
+  parts.state.constraint_multipliers.setZero();
+  for (auto& actuator : parts.actuators) actuator->place(actuator->limits().rest);
+  parts.begin_step();
+}
+
+std::vector<double> actuated(const SimulationParts& parts) {
+  std::vector<double> commands;
+  for (const auto& actuator : parts.actuators) commands.push_back(actuator->actuated_command());
+  return commands;
+}
+
+}  // namespace
+
+void find_equilibrium(SimulationParts& parts, SolveReport& report) {
+  if (parts.solver.inverted_elements(parts.state.positions_m) > 0) start_from_rest_shape(parts);
+  const std::vector<double> from = actuated(parts);
+  const double done = follow_commands(parts, from, report);
   if (done == 1.0) return;
   parts.move_actuators(from, 1.0);
+  if (relax_from_below(parts, report) || descend(parts, report)) return;
   tell_unfinished(done, report);
 }
 

@@ -158,6 +158,12 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
   if (pull) springs_.add_hessian(state.positions_m, *pull, convex, matrix_);
+  if (!add_rest_and_factorise(state, inertia_per_s2)) return false;
+  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2, pull});
+  return true;
+}
+
+bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inertia_per_s2) {
   if (inertia_per_s2 > 0.0) {
     for (int node = 0; node < layout_.node_count; ++node)
       matrix_.add_to_diagonal(node, inertia_per_s2 * body_.node_masses_kg()[node]);
@@ -172,7 +178,6 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   if (!factor_.factorise(matrix_)) return false;
   border_ = border(state.positions_m);
   border_solved_ = solve(border_);
-  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2, pull});
   return true;
 }
 

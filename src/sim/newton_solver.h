@@ -81,6 +81,14 @@ class NewtonSolver {
   // Improves the state in place. Where it did not converge the state is the best it had; NaN never enters it.
   NewtonReport solve(const NewtonTask& task, NewtonState& state);
 
+  // Down the energy itself, which is finite and bounded below wherever the nodes are: for a start that is of no use to
+  // solve(), such as a tangled body. The positions are the only unknowns, every step lowers the energy, and bulk and
+  // rigid constraints are softened meanwhile; so the end is no solution, but a start from which solve() finds one.
+  // Not for bodies with junctions: friction has no energy.
+  NewtonReport descend(const NewtonTask& task, NewtonState& state);
+
+  int inverted_elements(const Eigen::Matrix3Xd& positions_m) const;
+
   // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint; a constraint's command is that
   // of its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
   Eigen::MatrixXd sensitivities(const NewtonState& state);
@@ -121,9 +129,17 @@ class NewtonSolver {
     double slope = 0.0;               // of the merit function along the step
   };
 
+  struct Height {
+    double energy = 0.0;
+    Eigen::Matrix3Xd gradient_n;
+    ElementSums elements;
+    std::vector<double> values;  // C
+  };
+
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
   bool linearise(const NewtonState& state, double inertia_per_s2, const std::shared_ptr<const StrainPull>& pull,
                  bool convex);
+  bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2);  // what is not of the elements
   bool linearised_at(const NewtonState& state, double inertia_per_s2,
                      const std::shared_ptr<const StrainPull>& pull) const;
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
@@ -133,6 +149,13 @@ class NewtonSolver {
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing) const;
   bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                    double& length) const;
+  Height height(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const;
+  bool linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& growth,
+                       double convexity);
+  bool linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& growth,
+                          double& convexity, NewtonReport& report);
+  Eigen::VectorXd downhill(const Eigen::Matrix3Xd& gradient_n, const Eigen::VectorXd& compliances,
+                           const std::vector<int>& open) const;
   double merit(const Evaluation& at, const Step& step) const;
   void release(Eigen::Matrix3Xd& forces) const;                          // zero on held degrees of freedom
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor

@@ -135,4 +135,17 @@ NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown
   return newton;
 }
 
+NewtonReport SimulationParts::solve_from_below(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
+  if (solver.junction_count() > 0) return {};
+  unknown = unknowns();
+  const NewtonReport fall = solver.descend(task, unknown);
+  report.iterations += fall.iterations;
+  report.factorisations += fall.factorisations;
+  report.rejected_steps += fall.shortened + fall.convexified;
+  NewtonState bottom = unknown;
+  const NewtonReport newton = solve(task, unknown, report);
+  if (!newton.converged) unknown = std::move(bottom);
+  return newton;
+}
+
 }  // namespace soft_robot_lab

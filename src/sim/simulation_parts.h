@@ -51,6 +51,11 @@ struct SimulationParts {
 
   // Solves from the present state, which it leaves alone; the report counts the work and tells how this solve ended.
   NewtonReport solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report);
+
+  // The same after a fall down the energy from the present state (NewtonSolver::descend), for where Newton finds no
+  // way. Where it does not converge either, `unknown` is where the fall ended. With friction there is no fall, and
+  // `unknown` stays.
+  NewtonReport solve_from_below(const NewtonTask& task, NewtonState& unknown, SolveReport& report);
 };
 
 }  // namespace soft_robot_lab

@@ -1,6 +1,7 @@
 #include "time_stepping.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "backward_difference.h"
 #include "prediction.h"
@@ -11,15 +12,37 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr int kDeepestHalving = 6;  // a time step is cut into at most 2^6 parts
+constexpr int kBudget = 10;         // times max_iterations, for a step; then it takes what it has
 
-NewtonTask task_of(const SolverOptions& options, bool last_resort) {
-  NewtonTask task;
-  task.tolerance = options.dynamic_tolerance;
-  task.min_iterations = 1;
-  task.reuse_factor = true;
-  task.max_iterations = last_resort ? options.max_iterations : std::min(options.max_iterations, kStageIterations);
-  return task;
-}
+// What the actuators do within a time step: they move evenly, also those without a speed limit.
+struct CommandPath {
+  std::vector<double> from, to;
+
+  CommandPath(SimulationParts& parts, double h) {
+    parts.begin_step(h);
+    for (auto& actuator : parts.actuators) {
+      from.push_back(actuator->actuated_command());
+      actuator->advance(h);
+      to.push_back(actuator->actuated_command());
+    }
+  }
+  void move(SimulationParts& parts, double share) const {
+    for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
+      const double reached = share == 1.0 ? to[i] : from[i] + share * (to[i] - from[i]);
+      parts.actuators[i]->place(reached);
+    }
+  }
+};
+
+// A part of a time step, from one share of it to another.
+struct Part {
+  double from = 0.0, to = 1.0;
+  int depth = 0;
+
+  double share() const { return to - from; }
+  Part first_half() const { return {from, 0.5 * (from + to), depth + 1}; }
+  Part second_half() const { return {0.5 * (from + to), to, depth + 1}; }
+};
 
 // Makes the solution of a step of length h the state, with all that the next step knows of this one.
 void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, const ViscousStep& viscous,
@@ -39,8 +62,6 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
 
 bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
-  parts.begin_step(h);
-  for (auto& actuator : parts.actuators) actuator->advance(h);
   const BackwardDifference difference(before, h, parts.options.integrator);
   const ViscousStep viscous(parts.body, parts.solver, before, difference, h);
   // M ((x - x~) / gamma^2 + a (x - x_from) / gamma) = c M (x - x_from - gamma v_from / c) / gamma^2 with c = 1 + a
@@ -48,27 +69,33 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
   const double slowed = 1.0 + parts.body.viscosity().rayleigh_mass_per_s * difference.gamma_s;
   const Eigen::Matrix3Xd predicted =
       difference.positions_from_m + difference.gamma_s / slowed * difference.velocities_from_m_s;
-  NewtonTask task = task_of(parts.options, last_resort);
+  NewtonTask task;
+  task.tolerance = parts.options.dynamic_tolerance;
+  task.min_iterations = 1;
+  task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
+  task.reuse_factor = true;
   task.inertia_per_s2 = slowed / (difference.gamma_s * difference.gamma_s);
   task.predicted_m = &predicted;
   task.pull = viscous.pull();
   NewtonState unknown = predict(before, h, parts.options.integrator);
   unknown.flows_m = Eigen::VectorXd::Zero(parts.solver.junction_count());
-  if (!parts.solve(task, unknown, report).converged && !last_resort) {
-    parts.restore(before);
-    return false;
-  }
+  const bool solved =
+      parts.solve(task, unknown, report).converged || parts.solve_from_below(task, unknown, report).converged;
+  if (!solved && !last_resort) return false;
   accept_step(parts, h, difference, viscous, std::move(unknown), std::move(before));
   return true;
 }
 
 // What bdf2 knows of the step before lets halves differ in length; where they grow too fast, as they may afterwards,
-// one step is implicit Euler's.
-void advance(SimulationParts& parts, double h, int depth, SolveReport& report) {
-  if (try_step(parts, h, depth == kDeepestHalving, report)) return;
-  advance(parts, 0.5 * h, depth + 1, report);
+// one step is implicit Euler's. A part that finds no solution at last falls down its energy, which never adds any.
+void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
+  parts.begin_step(part.share() * h);
+  path.move(parts, part.to);
+  const bool last_resort = part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
+  if (try_step(parts, part.share() * h, last_resort, report)) return;
+  advance(parts, h, path, part.first_half(), report);
   const bool first = report.converged;
-  advance(parts, 0.5 * h, depth + 1, report);
+  advance(parts, h, path, part.second_half(), report);
   report.converged = report.converged && first;
 }
 
@@ -76,7 +103,7 @@ void advance(SimulationParts& parts, double h, int depth, SolveReport& report) {
 
 void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
   if (sleep_on(parts, h, report)) return;
-  advance(parts, h, 0, report);
+  advance(parts, h, CommandPath(parts, h), Part(), report);
   fall_asleep_where_still(parts, h, report);
 }
 

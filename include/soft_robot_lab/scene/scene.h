@@ -47,8 +47,9 @@ struct SceneOptions {
   std::string cache_folder;
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;
-  bool estimate_error = false;  // judge the scene as it is (scene/fidelity.h)
-  std::string changes;          // YAML text laid over the file, as a file that includes it would be
+  bool estimate_error = false;                // judge the scene as it is (scene/fidelity.h)
+  std::string changes;                        // YAML text laid over the file, as a file that includes it would be
+  std::function<void(TetMesh&)> change_mesh;  // applied before anything binds to the mesh; may be empty
 };
 
 // Reads the file (and those it includes), meshes or reads the body, binds actuators and markers.

@@ -33,7 +33,8 @@ class Simulation {
   // One time step of SolverOptions::time_step_s.
   SolveReport step();
 
-  // The stable rest state for the present commands, reached from the present state; velocities become zero. Throws
+  // The stable rest state for the present commands, reached from the present state, or from the rest shape where the
+  // present state has inverted elements (a tangle may hold itself); velocities become zero. Throws
   // std::invalid_argument where an actuator has none.
   SolveReport solve_equilibrium();
 

@@ -1,0 +1,160 @@
+// chart_stability: every method in every hard case, drawn as a grid.
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "soft_robot_lab/settings/config_folder.h"
+#include "programs/progress_bar.h"
+#include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/experiment/stability.h"
+
+namespace {
+
+using namespace soft_robot_lab;
+
+constexpr const char* kUsage =
+    "usage: chart_stability [--quick] [--output FOLDER] [--body TEXT] [--method TEXT] [--case TEXT]\n"
+    "Runs every method in every hard case, and writes stability.svg, .png and .csv (the places of the squares) and\n"
+    "stability_cells.csv (a line for each cell) to FOLDER, by default charts/ where it is started. Cells that stand "
+    "in\n"
+    "that table already are not run again. --quick: coarse bodies, fewer cases, and files named stability_quick.\n"
+    "--body, --method, --case: only those whose name holds the text.\n"
+    "Exit status: 0 the default solver survived or recovered everywhere and all was finite, 1 not so, 2 bad "
+    "arguments,\n"
+    "or the chart could not be made.\n";
+
+enum ExitStatus { kGood = 0, kFailedCells = 1, kError = 2 };
+
+struct Arguments {
+  bool quick = false, help = false;
+  std::string output = "charts", body, method, hard_case;
+};
+
+Arguments parse(int count, char** values) {
+  Arguments arguments;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = values[i];
+    const auto value = [&] {
+      if (++i == count) throw std::invalid_argument(word + " needs a value");
+      return values[i];
+    };
+    if (word == "-h" || word == "--help") {
+      arguments.help = true;
+    } else if (word == "--quick") {
+      arguments.quick = true;
+    } else if (word == "--output") {
+      arguments.output = value();
+    } else if (word == "--body") {
+      arguments.body = value();
+    } else if (word == "--method") {
+      arguments.method = value();
+    } else if (word == "--case") {
+      arguments.hard_case = value();
+    } else {
+      throw std::invalid_argument("unknown argument " + word);
+    }
+  }
+  return arguments;
+}
+
+template <class Item>
+std::vector<Item> choose(const std::vector<Item>& all, const std::string& text) {
+  std::vector<Item> chosen;
+  for (const Item& item : all)
+    if (item.name.find(text) != std::string::npos) chosen.push_back(item);
+  if (chosen.empty()) throw std::invalid_argument("nothing is named like '" + text + "'");
+  return chosen;
+}
+
+// A long chart that was stopped goes on where it was.
+std::vector<StabilityCell> known_cells(const std::string& table) {
+  std::ifstream file(table);
+  if (!file) return {};
+  try {
+    return read_stability_csv(file);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(table + ": " + error.what());
+  }
+}
+
+void write_table(const std::string& table, const std::vector<StabilityCell>& cells) {
+  std::ofstream file(table);
+  file << stability_csv(cells) << std::flush;
+  if (!file) throw std::runtime_error(table + ": cannot be written: " + std::strerror(errno));
+}
+
+std::vector<StabilityCell> run(const Arguments& arguments, const std::string& table) {
+  SceneOptions options;
+  options.actuator_factory = make_actuator;
+  StabilityBench bench(options, config_folder());
+  const auto bodies = choose(stability_bodies(arguments.quick), arguments.body);
+  const auto methods = choose(stability_methods(), arguments.method);
+  const auto cases = choose(hard_cases(arguments.quick), arguments.hard_case);
+  const double count = static_cast<double>(bodies.size() * methods.size() * cases.size());
+  std::vector<StabilityCell> cells = known_cells(table);
+  ProgressBar bar("chart_stability");
+  double done = 0.0;
+  for (const StabilityBody& body : bodies) {
+    for (const StabilityMethod& method : methods) {
+      for (const HardCase& hard_case : cases) {
+        bar.show(done++ / count, body.name + ", " + method.name + ", " + hard_case.name);
+        const bool known = std::any_of(cells.begin(), cells.end(), [&](const StabilityCell& cell) {
+          return cell.body == body.name && cell.method == method.name && cell.hard_case == hard_case.name;
+        });
+        if (known || !method.fits(body) || hard_case.commands(body).empty()) continue;
+        cells.push_back(bench.run(body, method, hard_case));
+        write_table(table, cells);
+      }
+    }
+  }
+  return cells;
+}
+
+int chart(const Arguments& arguments) {
+  const std::string name = arguments.quick ? "stability_quick" : "stability";
+  std::filesystem::create_directories(arguments.output);
+  const std::vector<StabilityCell> cells =
+      run(arguments, (std::filesystem::path(arguments.output) / (name + "_cells.csv")).string());
+  int good = 0, bad = 0;
+  for (const StabilityCell& cell : cells) {
+    if (is_good(cell.outcome)) ++good;
+    if (cell.outcome != Outcome::not_finite && (!cell.ours || is_good(cell.outcome))) continue;
+    ++bad;
+    std::cout << cell.body << ", " << cell.method << ", " << cell.hard_case << ": " << name_of(cell.outcome) << ": "
+              << cell.message << "\n";
+  }
+  Plot plot = stability_plot(cells);
+  plot.name = name;
+  const PlotFiles files = write_plot(plot, arguments.output);
+  std::cout << good << " of " << cells.size() << " cells survived or recovered; " << files.png << "\n";
+  return bad == 0 ? kGood : kFailedCells;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  try {
+    arguments = parse(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "chart_stability: " << error.what() << "\n" << kUsage;
+    return kError;
+  }
+  if (arguments.help) {
+    std::cout << kUsage;
+    return kGood;
+  }
+  try {
+    return chart(arguments);
+  } catch (const std::exception& error) {
+    std::cerr << "chart_stability: " << error.what() << "\n";
+    return kError;
+  }
+}

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "soft_robot_lab/settings/settings_node.h"
@@ -40,12 +41,20 @@ double size_m(const TetMesh& mesh, const std::vector<int>& faces) {
   return (most - least).norm();
 }
 
+std::vector<int> nodes_of(const TetMesh& mesh, const std::vector<int>& faces) {
+  std::set<int> nodes;
+  for (const int face : faces) nodes.insert(mesh.faces.col(face).begin(), mesh.faces.col(face).end());
+  return {nodes.begin(), nodes.end()};
+}
+
 }  // namespace
 
 // A surface given by its solid bears the chamber's name (scene/mesh_section.cpp).
 void Chamber::bind(const SettingsNode& settings, const TetMesh& mesh) {
   const SettingsNode surface = settings.child("surface");
-  const std::vector<int> faces = faces_of(settings, surface.is_map() ? name() : settings.text("surface"), mesh);
+  surface_ = surface.is_map() ? name() : settings.text("surface");
+  const std::vector<int> faces = faces_of(settings, surface_, mesh);
+  nodes_ = nodes_of(mesh, faces);
   try {
     volume_ = std::make_unique<ChamberVolume>(EnclosedVolume(mesh, faces));
   } catch (const std::invalid_argument& error) {
@@ -160,6 +169,9 @@ ActuatorReading Chamber::observe(const Eigen::Matrix3Xd& positions_m, const std:
   reading.volume_m3 = volume_->volume_m3(positions_m);
   reading.initial_volume_m3 = initial_volume_m3_;
   reading.gauge_pressure_pa = -multipliers.at(0);
+  reading.surface = surface_;
+  reading.centre_m = Eigen::Vector3d::Zero();
+  for (const int node : nodes_) *reading.centre_m += positions_m.col(node) / static_cast<double>(nodes_.size());
   if (kind_ == Command::gauge_pressure) return reading;
   const IsothermalGas gas = gas_at(actuated_command());
   reading.gas_residual =

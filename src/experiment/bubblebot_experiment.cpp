@@ -118,7 +118,7 @@ ExperimentResult run_bubblebot_experiment(const ExperimentContext& context) {
   result.source_reports =
       "The source inflates Bubblebot to beta 5 and shows histograms of Q_vl; the measured robot stretches on the side "
       "of "
-      "the inflated chamber and bends away from it. It is quoted here without numbers.";
+      "the inflated chamber and bends away from it. No number of it is known here.";
   result.we_find = words(runs, difference, worst_gas_residual(runs));
   return result;
 }

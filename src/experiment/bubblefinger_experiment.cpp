@@ -83,7 +83,7 @@ ExperimentResult run_bubblefinger_experiment(const ExperimentContext& context) {
   result.numbers["gas_residual"] = worst_gas_residual(runs);
   result.plots = {path_plot(runs), shape_plot(runs.back())};
   result.source_reports =
-      "The source inflates the finger to beta 2.57 on a coarse and a fine mesh; it is quoted here without numbers.";
+      "The source inflates the finger to beta 2.57 on a coarse and a fine mesh; no number of it is known here.";
   result.we_find = words(runs, difference, worst_gas_residual(runs));
   return result;
 }

@@ -234,7 +234,7 @@ void SimulatorNode::publish() {
 
   constexpr double surface_period_s = 1.0 / 15.0;
   if (session_s_ >= surface_due_s_ && scene_->surface.moved(simulation.state().positions_m)) {
-    surface_.publish(scene_->surface.message(simulation.state().positions_m, stamp));
+    surface_.publish(scene_->surface.message(simulation.state().positions_m, stamp, gauge_pressures_pa(simulation)));
     surface_due_s_ = session_s_ + surface_period_s;
   }
 }

@@ -26,6 +26,7 @@ ChamberState chamber_state(const ActuatorReading& state) {
   chamber.volume_m3 = *state.volume_m3;
   chamber.initial_volume_m3 = state.initial_volume_m3.value_or(*state.volume_m3);
   chamber.gauge_pressure_pa = state.gauge_pressure_pa.value_or(0.0);
+  if (state.centre_m) chamber.centre = to_message(*state.centre_m);
   return chamber;
 }
 
@@ -83,6 +84,15 @@ ActuatorState actuator_states(const Simulation& simulation, const ros::Time& sta
     if (state.volume_m3) message.chambers.push_back(chamber_state(state));
   }
   return message;
+}
+
+std::map<std::string, double> gauge_pressures_pa(const Simulation& simulation) {
+  std::map<std::string, double> pressures_pa;
+  for (int i = 0; i < static_cast<int>(simulation.actuators().size()); ++i) {
+    const ActuatorReading state = simulation.actuator_state(i);
+    if (state.gauge_pressure_pa && !state.surface.empty()) pressures_pa[state.surface] = *state.gauge_pressure_pa;
+  }
+  return pressures_pa;
 }
 
 void apply_command(const ActuatorCommand& command, Simulation& simulation) {

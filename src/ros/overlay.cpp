@@ -107,6 +107,14 @@ void draw_cables(const ActuatorState& actuators, const OverlayOptions& options, 
   }
 }
 
+void draw_chambers(const ActuatorState& actuators, Drawing& drawing) {
+  for (const ChamberState& chamber : actuators.chambers) {
+    drawing.text("chamber_pressures", chamber.centre,
+                 chamber.name + text_of(1e-3 * chamber.gauge_pressure_pa, " %.1f kPa") +
+                     text_of(1e6 * chamber.volume_m3, "\n%.1f ml"));
+  }
+}
+
 void draw_target(const Target& target, const OverlayOptions& options, Drawing& drawing) {
   drawing.sphere("target", target.position, options.target_radius_m, target_colour);
 }
@@ -132,6 +140,7 @@ visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const Ov
   draw_markers(inputs.simulated, "simulated", simulated_colour, options, drawing);
   draw_markers(inputs.measured, "measured", measured_colour, options, drawing);
   draw_cables(inputs.actuators, options, drawing);
+  draw_chambers(inputs.actuators, drawing);
   if (inputs.target) {
     draw_target(*inputs.target, options, drawing);
     draw_error(inputs.measured.names.empty() ? inputs.simulated : inputs.measured, *inputs.target, options, drawing);

@@ -30,6 +30,16 @@ TEST(MeasureQuality, KnowsTheCornerOfACube) {
   EXPECT_NEAR(measure_quality(nodes, kOne).min, 3 / (3 + std::sqrt(3.0)) / (std::sqrt(3.0) / 2), 1e-14);
 }
 
+TEST(VolumeLengthQualities, AreThoseOfRegularCubeCornerFlatAndInvertedElements) {
+  Eigen::Matrix3Xd corner(3, 4);
+  corner << 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
+  EXPECT_NEAR(volume_length_qualities(0.01 * regular(), kOne).at(0), 1, 1e-14);
+  // Volume 1/6, three edges of 1 and three of sqrt 2: rms edge sqrt(3/2).
+  EXPECT_NEAR(volume_length_qualities(corner, kOne).at(0), std::sqrt(2.0) / std::pow(1.5, 1.5), 1e-14);
+  EXPECT_NEAR(volume_length_qualities(regular(), Eigen::Vector4i(1, 0, 2, 3)).at(0), -1, 1e-14);
+  EXPECT_EQ(volume_length_qualities(Eigen::Matrix3Xd::Zero(3, 4), kOne).at(0), 0.0);
+}
+
 TEST(MeasureQuality, IsZeroWhenFlatAndNegativeWhenInverted) {
   Eigen::Matrix3Xd flat = regular();
   flat.row(2).setZero();

@@ -237,6 +237,40 @@ TEST_F(MeshRobot, RefinesAroundAPointAndGrowsAway) {
   EXPECT_GT(measure_quality(mesh.nodes_m, mesh.tets).min, 0.1);
 }
 
+TEST_F(MeshRobot, RefinesAlongANamedSurfaceOrItsEdges) {
+  MeshRequest request;
+  request.solid_yaml =
+      "{difference: [{box: {size_m: [0.06, 0.06, 0.06], center_m: [0, 0, 0]}}, "
+      "{box: {size_m: [0.03, 0.03, 0.03], center_m: [0, 0, 0]}, name: cavity}]}";
+  request.element_size_m = 0.03;
+  const double even_volume = volume(read_msh(file_of(request)));
+  const auto nodes_near = [](const TetMesh& mesh, const Eigen::Vector3d& place_m) {
+    return ((mesh.nodes_m.colwise() - place_m).colwise().norm().array() < 0.006).count();
+  };
+  const Eigen::Vector3d on_edge(0.015, 0.015, 0.0), on_side(0.015, 0.0, 0.0);
+  request.refinements.resize(1);
+  request.refinements[0].size_m = 0.003;
+  request.refinements[0].surface = "cavity";
+  const TetMesh surface = read_msh(file_of(request));
+  request.refinements[0].edges_only = true;
+  const TetMesh edges = read_msh(file_of(request));
+  for (const TetMesh* mesh : {&surface, &edges}) {
+    EXPECT_NEAR(volume(*mesh), even_volume, 1e-12);
+    ASSERT_EQ(mesh->surface_names, std::vector<std::string>{"cavity"});
+    EXPECT_GT(nodes_near(*mesh, on_edge), 50);
+  }
+  EXPECT_GT(nodes_near(surface, on_side), 3 * nodes_near(edges, on_side)) << nodes_near(edges, on_side);
+  EXPECT_GT(surface.tet_count(), edges.tet_count());
+
+  request.refinements[0].surface = "hole";
+  try {
+    file_of(request);
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "refinements: the solid has no surface 'hole'; known: cavity");
+  }
+}
+
 TEST_F(MeshRobot, MakesTheSameBytesOfTheSameRequest) {
   MeshRequest request;
   request.solid_yaml =

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "soft_robot_lab/design/content_hash.h"
+#include "soft_robot_lab/settings/settings_node.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -73,6 +74,23 @@ TEST_F(MeshFileFor, MeshesOnceAndThenUsesTheCache) {
   EXPECT_EQ(text_of(first),
             "solid: {sphere: {radius_m: 0.1, center_m: [0, 0, 0]}}\nelement_size_m: 0.01\nquadratic: true\n"
             "refinements: []\n");
+}
+
+TEST_F(MeshFileFor, PassesRefinementsOnAsTheyAreRead) {
+  use_script("cp \"$1\" \"$2\"");
+  const std::vector<std::string> table = {"{center_m: [0, 0, 0.5], radius_m: 0.25, size_m: 0.125}",
+                                          "{surface: 'it''s', size_m: 0.125}", "{edges_of: 'cavity', size_m: 0.125}"};
+  std::string expected;
+  for (const std::string& refinement : table) {
+    request_.refinements.push_back(read_mesh_refinement(SettingsNode::parse(refinement, "test")));
+    expected += "- " + refinement + "\n";
+  }
+  const std::string text = text_of(mesh_file_for(request_, options_));
+  EXPECT_NE(text.find("refinements:\n" + expected), std::string::npos) << text;
+}
+
+TEST_F(MeshFileFor, RefusesARefinementOfNoSurface) {
+  EXPECT_THROW(read_mesh_refinement(SettingsNode::parse("{surface: '', size_m: 1}", "test")), SettingsError);
 }
 
 TEST_F(MeshFileFor, MeshesAgainWhenAnythingInTheRequestChanges) {

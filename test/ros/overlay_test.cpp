@@ -58,6 +58,20 @@ TEST(Overlay, ColoursCablesByTension) {
   EXPECT_GT(slack_line.color.g, slack_line.color.r);
 }
 
+TEST(Overlay, WritesPressureAndVolumeIntoChambers) {
+  OverlayInputs inflated = inputs();
+  ChamberState chamber;
+  chamber.name = "a";
+  chamber.volume_m3 = 80e-6;
+  chamber.gauge_pressure_pa = 1234.0;
+  chamber.centre = point(0.0, 0.01, -0.05);
+  inflated.actuators.chambers = {chamber};
+  const std::vector<Shape> texts = shapes_in(inflated, "chamber_pressures");
+  ASSERT_EQ(texts.size(), 1u);
+  EXPECT_EQ(texts[0].text, "a 1.2 kPa\n80.0 ml");
+  EXPECT_EQ(texts[0].pose.position.y, 0.01);
+}
+
 TEST(Overlay, DrawsTheErrorInMillimetresOnlyWithATarget) {
   EXPECT_TRUE(shapes_in(inputs(), "error_text").empty());
   OverlayInputs aimed = inputs();

@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -94,6 +95,8 @@ class Chamber : public Actuator {
   double syringe_volume_m3_ = 0.0, tube_volume_m3_ = 0.0;
   double flow_m3_s_ = 0.0;
   std::unique_ptr<ChamberVolume> volume_;
+  std::string surface_;     // its name in the mesh
+  std::vector<int> nodes_;  // of the surface
 
   // What the step began with.
   double time_step_s_ = std::numeric_limits<double>::infinity();

@@ -1,6 +1,7 @@
 // Core types to messages and back. Frame of all positions: robot_base.
 #pragma once
 
+#include <map>
 #include <string>
 
 #include <Eigen/Core>
@@ -19,6 +20,9 @@ Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::st
 
 MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp);
 ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp);
+
+// By the name of the surface it acts on.
+std::map<std::string, double> gauge_pressures_pa(const Simulation& simulation);
 
 // Sets all commands of the message, or none: throws std::invalid_argument naming actuator, value and allowed range.
 void apply_command(const ActuatorCommand& command, Simulation& simulation);

@@ -1,4 +1,4 @@
-// What rviz draws over the body: markers, target, cables by tension, and the remaining error.
+// What rviz draws over the body: markers, target, cables by tension, chambers' pressures, and the remaining error.
 #pragma once
 
 #include <optional>

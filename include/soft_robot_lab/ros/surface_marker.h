@@ -1,7 +1,9 @@
-// The body's skin as triangles for rviz.
+// The body's skin as triangles for rviz, chambers coloured by their pressure.
 #pragma once
 
 #include <array>
+#include <map>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,11 +21,18 @@ class SurfaceMarker {
   // Whether a node of the skin moved visibly since the last `message`; true at first.
   bool moved(const Eigen::Matrix3Xd& positions_m) const;
 
-  visualization_msgs::Marker message(const Eigen::Matrix3Xd& positions_m, const ros::Time& stamp);
+  // Gauge pressures by the name of the surface they act on.
+  visualization_msgs::Marker message(const Eigen::Matrix3Xd& positions_m, const ros::Time& stamp,
+                                     const std::map<std::string, double>& gauge_pressures_pa = {});
 
  private:
-  std::vector<std::array<int, 3>> triangles_;  // node indices; four for a face with mid-edge nodes
-  Eigen::Matrix3Xd drawn_positions_m_;         // as in the last message; empty at first
+  struct Triangle {
+    std::array<int, 3> nodes;
+    int surface;  // as in TetMesh::face_surface
+  };
+  std::vector<Triangle> triangles_;  // four for a face with mid-edge nodes
+  std::vector<std::string> surface_names_;
+  Eigen::Matrix3Xd drawn_positions_m_;  // as in the last message; empty at first
 };
 
 }  // namespace soft_robot_lab

@@ -42,8 +42,10 @@ struct ActuatorReading {
   std::optional<double> volume_m3;
   std::optional<double> initial_volume_m3;
   std::optional<double> gauge_pressure_pa;
-  std::optional<double> gas_residual;   // pressure times volume over the amount of gas, less one
-  std::vector<Eigen::Vector3d> path_m;  // polyline to draw, in robot_base; empty for none
+  std::optional<double> gas_residual;       // pressure times volume over the amount of gas, less one
+  std::string surface;                      // named surface of the mesh that it acts on; empty for none
+  std::optional<Eigen::Vector3d> centre_m;  // of that surface, in robot_base
+  std::vector<Eigen::Vector3d> path_m;      // polyline to draw, in robot_base; empty for none
 };
 
 struct CommandLimits {

@@ -99,13 +99,18 @@ void set_sizes(const MeshSizes& sizes, double units_per_metre, const std::vector
   std::vector<double> fields;
   for (const MeshRefinement& refinement : sizes.refinements) {
     smallest_m = std::min(smallest_m, refinement.size_m);
+    std::vector<int> entities;
+    if (!refinement.surface.empty()) entities = entities_of(refinement.surface, surfaces);
     if (refinement.size_m >= sizes.element_size_m) continue;
     fields.push_back(refinement.surface.empty()
                          ? add_ball(refinement, units_per_metre, sizes.element_size_m)
-                         : add_distance(refinement, entities_of(refinement.surface, surfaces), units_per_metre,
-                                        sizes.element_size_m));
+                         : add_distance(refinement, entities, units_per_metre, sizes.element_size_m));
   }
   gmsh::option::setNumber("Mesh.MeshSizeMin", smallest_m * units_per_metre);
+  // Small elements of edges would otherwise spread over the faces between them.
+  const bool edges =
+      std::any_of(sizes.refinements.begin(), sizes.refinements.end(), [](const auto& r) { return r.edges_only; });
+  gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", edges ? 0 : 1);
   if (fields.empty()) return;
   const int smallest = field::add("Min");
   field::setNumbers(smallest, "FieldsList", fields);

@@ -57,7 +57,7 @@ Plot plot_speed_accuracy(const SpeedLadder& ladder, const SpeedProblem& problem,
             problem.title + ", Poisson's ratio " + poissons_ratio,
             {},
             {}};
-  plot.x = {settled ? "CPU-seconds per simulated second, 60 Hz (elsewhere: measured elsewhere on a similar machine)"
+  plot.x = {settled ? "CPU-seconds per simulated second, 60 Hz"
                     : "CPU-seconds per equilibrium",
             true};
   plot.y = {"error of the displacement [%]", true};

@@ -40,10 +40,10 @@ void add_chance_hits(Plot& plot, const std::vector<SpeedRun>& runs) {
 
 void add_elsewhere(Plot& plot, const SpeedLadder& ladder, const std::string& poissons_ratio) {
   for (const ElsewherePoint& point : ladder.elsewhere) {
-    if (point.poissons_ratio != poissons_ratio) continue;
+    if (point.poissons_ratio != poissons_ratio || !point.cost) continue;
     Series& series = series_of(plot, point.name + ", elsewhere");
     series.style = SeriesStyle::points;
-    series.x.push_back(point.cost);
+    series.x.push_back(*point.cost);
     series.y.push_back(point.error_percent);
   }
 }
@@ -57,7 +57,7 @@ Plot plot_speed_accuracy(const SpeedLadder& ladder, const SpeedProblem& problem,
             problem.title + ", Poisson's ratio " + poissons_ratio,
             {},
             {}};
-  plot.x = {settled ? "CPU-seconds per simulated second, 60 Hz (elsewhere: measured elsewhere on a similar machine)"
+  plot.x = {settled ? "CPU-seconds per simulated second, 60 Hz"
                     : "CPU-seconds per equilibrium",
             true};
   plot.y = {"error of the displacement [%]", true};

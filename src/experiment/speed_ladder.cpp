@@ -111,8 +111,9 @@ SpeedLadder read_speed_ladder(const ExperimentContext& context) {
   for (const SettingsNode& item : node.sequence("bullet")) ladder.rungs.push_back(read_rung(item, true));
   ladder.release = read_release(context, node.child("release"));
   for (const SettingsNode& item : node.sequence("elsewhere")) {
-    ladder.elsewhere.push_back({item.text("name"), item.text("nu"), item.number("cost", AllowedRange::positive()),
-                                item.number("error_percent", AllowedRange::positive())});
+    ElsewherePoint point{item.text("name"), item.text("nu"), {}, item.number("error_percent", AllowedRange::positive())};
+    if (item.has("cost")) point.cost = item.number("cost", AllowedRange::positive());
+    ladder.elsewhere.push_back(point);
   }
   node.require_all_read();
   return ladder;

@@ -1,6 +1,7 @@
 // What chart_speed_accuracy compares: config/experiments/speed_accuracy.yaml.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,7 +49,7 @@ struct ReleaseProblem {
 struct ElsewherePoint {
   std::string name;
   std::string poissons_ratio;
-  double cost = 0.0;  // CPU-seconds per simulated second
+  std::optional<double> cost;  // CPU-seconds per simulated second; not told for every point
   double error_percent = 0.0;
 };
 

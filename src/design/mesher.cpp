@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Part of every cache key: raise it when mesh_robot makes something else of the same request.
-constexpr const char* kMesherVersion = "soft_robot_lab mesh 2";
+constexpr const char* kMesherVersion = "soft_robot_lab mesh 3";
 
 void check_size(const std::string& key, double value) {
   if (std::isfinite(value) && value > 0) return;

@@ -107,7 +107,7 @@ void draw_cables(const ActuatorState& actuators, const OverlayOptions& options, 
   }
 }
 
-void draw_chambers(const ActuatorState& actuators, const OverlayOptions& options, Drawing& drawing) {
+void draw_chambers(const ActuatorState& actuators, Drawing& drawing) {
   for (const ChamberState& chamber : actuators.chambers) {
     drawing.text("chamber_pressures", chamber.centre,
                  chamber.name + text_of(1e-3 * chamber.gauge_pressure_pa, " %.1f kPa") +
@@ -140,7 +140,7 @@ visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const Ov
   draw_markers(inputs.simulated, "simulated", simulated_colour, options, drawing);
   draw_markers(inputs.measured, "measured", measured_colour, options, drawing);
   draw_cables(inputs.actuators, options, drawing);
-  draw_chambers(inputs.actuators, options, drawing);
+  draw_chambers(inputs.actuators, drawing);
   if (inputs.target) {
     draw_target(*inputs.target, options, drawing);
     draw_error(inputs.measured.names.empty() ? inputs.simulated : inputs.measured, *inputs.target, options, drawing);

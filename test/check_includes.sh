@@ -5,6 +5,7 @@ set -euo pipefail
 root=$1
 declare -A allowed=(
   [settings]="settings"
+  [vision]="vision settings"
   [sim]="sim settings"
   [design]="design settings"
   [actuators]="actuators sim settings"

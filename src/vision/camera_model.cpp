@@ -79,7 +79,7 @@ bool CameraModel::sees(const Eigen::Vector2d& pixel) const {
 }
 
 CameraModel d415_camera(int width_px, int height_px) {
-  if (width_px <= 0 || height_px <= 0 || std::abs(width_px * 9 - height_px * 16) > 16)
+  if (width_px <= 0 || height_px <= 0 || std::abs(width_px - height_px * 16 / 9) > 8)
     throw std::invalid_argument("a D415's image of " + std::to_string(width_px) + " x " + std::to_string(height_px) +
                                 " pixels; allowed: 16:9, as 848 x 480 or 1280 x 720");
   const double half_angle = 0.5 * 69.4 * M_PI / 180;

@@ -30,7 +30,7 @@ struct CameraModel {
 };
 
 // An Intel RealSense D415's colour camera: 69.4 degrees across 16:9 (data sheet 337029, table 3-11), no distortion after its
-// own rectification. Throws std::invalid_argument unless the size is 16:9 within a pixel.
+// own rectification. Throws std::invalid_argument unless the width is that of 16:9 within 8 pixels.
 CameraModel d415_camera(int width_px, int height_px);
 
 }  // namespace soft_robot_lab

@@ -21,7 +21,8 @@ Lens distort(const std::array<double, 5>& coefficients, const Eigen::Vector2d& i
   const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
   const double slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));  // d radial / d ideal = slope * ideal
   Lens lens;
-  lens.point = radial * ideal + Eigen::Vector2d(2 * p1 * x * y + p2 * (r2 + 2 * x * x), p1 * (r2 + 2 * y * y) + 2 * p2 * x * y);
+  lens.point =
+      radial * ideal + Eigen::Vector2d(2 * p1 * x * y + p2 * (r2 + 2 * x * x), p1 * (r2 + 2 * y * y) + 2 * p2 * x * y);
   lens.gradient = radial * Eigen::Matrix2d::Identity() + slope * ideal * ideal.transpose();
   lens.gradient(0, 0) += 2 * p1 * y + 6 * p2 * x;
   lens.gradient(0, 1) += 2 * p1 * x + 2 * p2 * y;
@@ -67,7 +68,9 @@ Eigen::Vector3d CameraModel::ray(const Eigen::Vector2d& pixel) const {
   for (int iteration = 0; iteration < 20; ++iteration) {
     const Lens lens = distort(distortion, ideal);
     const Eigen::Vector2d miss = lens.point - seen;
-    if (miss.norm() < 1e-12) return {ideal.x(), ideal.y(), 1};
+    // Beyond the fold the lens turns inside out: that is another pixel's ray.
+    const bool folded = lens.gradient.determinant() <= 0 || lens.gradient.trace() <= 0;
+    if (miss.norm() < 1e-12 && !folded) return {ideal.x(), ideal.y(), 1};
     ideal -= lens.gradient.inverse() * miss;
   }
   throw std::domain_error("pixel (" + std::to_string(pixel.x()) + ", " + std::to_string(pixel.y()) +

@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kFewestSteps = 10;      // in time, however long a time step is
 constexpr double kRightPlace = 0.01;  // of the body's size: how far a marker may be off
-constexpr double kCpuLimit_s = 20.0;  // of a cell
 constexpr int kCarefulStages = 20;    // of the reference's command change
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -54,12 +53,18 @@ std::string merged(const std::vector<std::string>& all) {
   return sum.dump();
 }
 
-// The scene's cables or chambers, each with the changes: a list in a scene replaces another, it does not merge.
+// The scene's cables or chambers, each with the changes: a list in a scene replaces another, it does not merge, nor does
+// a drive whose `model` changes.
 std::string changed_drives(const std::string& file, const std::string& kind, const std::vector<std::string>& changes) {
   const SettingsNode change = SettingsNode::parse(merged(changes), "changes");
   std::string text = kind + ":\n";
-  for (const SettingsNode& drive : SettingsNode::load_file(file).sequence(kind))
-    text += "  - " + merge_settings(drive, change).dump() + "\n";
+  for (const SettingsNode& drive : SettingsNode::load_file(file).sequence(kind)) {
+    text += "  - {";
+    for (const std::string& key : drive.keys())
+      if (!change.has(key)) text += key + ": " + drive.child(key).dump() + ", ";
+    for (const std::string& key : change.keys()) text += key + ": " + change.child(key).dump() + ", ";
+    text += "}\n";
+  }
   return text;
 }
 
@@ -90,7 +95,7 @@ Scene StabilityBench::load(const StabilityBody& body, const StabilityMethod& met
   const std::string file = config_folder_ + "/" + body.scene;
   SceneOptions options = options_;
   options.changes = merged({changed_drives(file, body.chamber ? "chambers" : "cables",
-                                           {hard_case.drive_changes, method.drive_changes(body)}),
+                                           {method.drive_changes(body), hard_case.drive_changes}),
                             body.changes, hard_case.changes, method.body_changes, method.solver_changes});
   options.change_mesh = hard_case.change_mesh;
   return load_scene(file, options);
@@ -175,10 +180,11 @@ StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMeth
       cell.outcome = Outcome::not_finite;
       return cell;
     }
-    if (cell.cpu_s > kCpuLimit_s && cell.solves < solves) {
-      cell.outcome = Outcome::too_slow;
-      cell.message = "given up after " + std::to_string(static_cast<int>(kCpuLimit_s)) + " s of CPU time, " +
-                     std::to_string(cell.solves) + " of " + std::to_string(solves) + " steps";
+    if (cell.cpu_s > method.cpu_limit_s && cell.solves < solves) {
+      cell.outcome = last.converged ? Outcome::too_slow : Outcome::reported;
+      cell.message += (cell.message.empty() ? "" : "; ") + std::string("given up after ") +
+                      std::to_string(static_cast<int>(cell.cpu_s)) + " s of CPU time, " + std::to_string(cell.solves) +
+                      " of " + std::to_string(solves) + " steps";
       return cell;
     }
   }

@@ -15,7 +15,7 @@ enum class Outcome {
   survived,   // every solve converged, no element is inverted at the end, and the markers are in the right place
   recovered,  // the same at the end, but on the way a solve failed, or the start was no shape at all
   reported,   // failed, and said so
-  too_slow,   // not done within the limit of CPU time
+  too_slow,   // no failure, but not done within the limit of CPU time
   silent,     // failed without a word: inverted elements, or markers in the wrong place, called converged
   not_finite  // NaN or infinity left the solver
 };
@@ -39,6 +39,7 @@ struct StabilityMethod {
   std::string cable_changes{};    // over each cable
   std::string chamber_changes{};  // over each chamber
   double duration_s = 2.0;        // in time: in which a body must have recovered
+  double cpu_limit_s = 60.0;      // of a cell
 
   const std::string& drive_changes(const StabilityBody& body) const {
     return body.chamber ? chamber_changes : cable_changes;

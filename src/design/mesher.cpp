@@ -12,8 +12,9 @@
 #include <unistd.h>
 
 #include "soft_robot_lab/design/content_hash.h"
-#include "soft_robot_lab/design/timed_process.h"
 #include "soft_robot_lab/design/solid.h"
+#include "soft_robot_lab/design/timed_process.h"
+#include "soft_robot_lab/settings/find_program.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -96,25 +97,14 @@ std::string cache_key(const MeshRequest& request, const std::string& text) {
   return hash.hex();
 }
 
-bool is_program(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored) && access(path.c_str(), X_OK) == 0;
-}
-
-std::string find_program(const MesherOptions& options) {
+std::string find_mesher(const MesherOptions& options) {
   if (!options.program.empty()) {
     if (is_program(options.program)) return fs::absolute(options.program);
     throw std::runtime_error("mesher: '" + options.program + "' is not a program");
   }
-  std::error_code ignored;
-  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  std::vector<fs::path> folders = {here, here / ".." / "lib" / "soft_robot_lab"};
-  std::istringstream path(std::getenv("PATH") ? std::getenv("PATH") : "");
-  for (std::string folder; std::getline(path, folder, ':');) folders.push_back(folder);
-  for (const fs::path& folder : folders) {
-    if (is_program(folder / "mesh_robot")) return folder / "mesh_robot";
-  }
-  throw std::runtime_error("mesh_robot was found neither in " + here.string() + " nor on PATH");
+  const std::string found = find_program("mesh_robot");
+  if (found.empty()) throw std::runtime_error("mesh_robot was found neither in " + program_folder() + " nor on PATH");
+  return found;
 }
 
 // Files with names of their own, removed when they go out of scope.
@@ -186,7 +176,7 @@ std::string mesh_file_for(const MeshRequest& request, const MesherOptions& optio
   const TemporaryFile request_file(own + ".yaml"), output(own + ".part"), errors(own + ".errors");
   std::ofstream(request_file.path()) << text;
   const ProcessEnd end =
-      run_with_limit({find_program(options), request_file.path(), output.path()}, errors.path(), options.time_limit_s);
+      run_with_limit({find_mesher(options), request_file.path(), output.path()}, errors.path(), options.time_limit_s);
   require_success(end, read_text(errors.path()), options);
   fs::rename(output.path(), mesh);  // whole or not at all, also for a second process
   return mesh;

@@ -1,9 +1,18 @@
 #include "experiment/cable_experiments.h"
 #include "experiment/cantilever_experiment.h"
 #include "experiment/chamber_experiments.h"
+#include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/experiment/experiment.h"
 
 namespace soft_robot_lab {
+
+SceneOptions ExperimentContext::scene_options(const std::string& changes) const {
+  SceneOptions options;
+  options.mesher = mesher;
+  options.actuator_factory = make_actuator;
+  options.changes = changes;
+  return options;
+}
 
 std::vector<Experiment> simulation_experiments() {
   return {

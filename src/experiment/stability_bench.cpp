@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <sstream>
 #include <stdexcept>
 
 #include "soft_robot_lab/experiment/stability.h"
+#include "soft_robot_lab/settings/cpu_time.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
 namespace soft_robot_lab {
@@ -13,8 +13,6 @@ namespace {
 constexpr int kFewestSteps = 10;      // in time, however long a time step is
 constexpr double kRightPlace = 0.01;  // of the body's size: how far a marker may be off
 constexpr int kCarefulStages = 20;    // of the reference's command change
-
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 Eigen::Matrix3Xd markers_of(const Simulation& simulation) {
   const int count = static_cast<int>(simulation.markers().size());
@@ -165,7 +163,7 @@ StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMeth
   }
   give_commands(simulation, hard_case.commands(body), 1.0);
 
-  const double start_s = cpu_seconds();
+  const double start_s = cpu_time_s();
   const int in_time =
       std::max(kFewestSteps, static_cast<int>(std::ceil(method.duration_s / simulation.options().time_step_s - 1e-6)));
   const int solves = method.equilibrium ? 1 : in_time;
@@ -175,7 +173,7 @@ StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMeth
     ++cell.solves;
     if (!last.converged) ++cell.failed_solves;
     if (!last.converged || last.inverted_elements > 0) cell.message = last.message;
-    cell.cpu_s = cpu_seconds() - start_s;
+    cell.cpu_s = cpu_time_s() - start_s;
     if (!all_finite(simulation, last)) {
       cell.outcome = Outcome::not_finite;
       return cell;

@@ -1,8 +1,6 @@
 // bullet_peer SCENE.yaml: a scene by Bullet's deformable solver, for comparison (chart_speed_accuracy).
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <string>
@@ -10,9 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "programs/bullet/bullet_body.h"
+#include "programs/command_line.h"
 #include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/experiment/cpu_time.h"
 #include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/settings/cpu_time.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
 namespace {
@@ -37,6 +36,7 @@ struct Arguments {
   double duration_s = 1.0;
   double judged_s = 0.0;
   double cpu_limit_s = 60.0;
+  bool help = false;
 };
 
 Arguments parse(int count, char** values) {
@@ -47,7 +47,9 @@ Arguments parse(int count, char** values) {
       if (++i == count) throw std::invalid_argument(word + " needs a value");
       return values[i];
     };
-    if (word == "--changes") {
+    if (word == "-h" || word == "--help") {
+      arguments.help = true;
+    } else if (word == "--changes") {
       arguments.changes = value();
     } else if (word == "--settings") {
       arguments.settings = value();
@@ -67,7 +69,7 @@ Arguments parse(int count, char** values) {
       throw std::invalid_argument("unknown argument " + word);
     }
   }
-  if (arguments.scene.empty()) throw std::invalid_argument("no scene given");
+  if (arguments.scene.empty() && !arguments.help) throw std::invalid_argument("no scene given");
   return arguments;
 }
 
@@ -133,27 +135,11 @@ int run(const Arguments& arguments) {
   if (arguments.result.empty()) {
     std::cout << result.dump(2) << "\n";
   } else {
-    std::ofstream file(arguments.result);
-    file << result.dump(2) << "\n" << std::flush;
-    if (!file) throw std::runtime_error(arguments.result + ": cannot be written");
+    write_text(arguments.result, result.dump(2) + "\n");
   }
   return ended ? 0 : 1;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  Arguments arguments;
-  try {
-    arguments = parse(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "bullet_peer: " << error.what() << "\n" << kUsage;
-    return 2;
-  }
-  try {
-    return run(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "bullet_peer: " << error.what() << "\n";
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return run_program("bullet_peer", kUsage, argc, argv, parse, run); }

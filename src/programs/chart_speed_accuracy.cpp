@@ -1,17 +1,15 @@
 // chart_speed_accuracy: draws error against CPU time of our methods and of Bullet's, without a ROS master.
-#include <cerrno>
-#include <cstring>
-#include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <string>
 
-#include "soft_robot_lab/settings/config_folder.h"
+#include "programs/command_line.h"
 #include "programs/progress_bar.h"
 #include "soft_robot_lab/experiment/report.h"
 #include "soft_robot_lab/experiment/speed_accuracy.h"
+#include "soft_robot_lab/settings/config_folder.h"
+#include "soft_robot_lab/settings/find_program.h"
 
 namespace {
 
@@ -63,22 +61,10 @@ Arguments parse(int count, char** values) {
   return arguments;
 }
 
-// bullet_peer stands beside this program where it could be built.
-std::string find_bullet() {
-  const auto path = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "bullet_peer";
-  return std::filesystem::exists(path) ? path.string() : "";
-}
-
-void write(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text << std::flush;
-  if (!file) throw std::runtime_error(path.string() + ": cannot be written: " + std::strerror(errno));
-}
-
 int chart(const Arguments& arguments) {
   std::filesystem::create_directories(arguments.output);
   SpeedAccuracyOptions options = arguments.options;
-  options.bullet_program = find_bullet();
+  options.bullet_program = find_program("bullet_peer");
   if (options.bullet_program.empty()) std::cerr << "chart_speed_accuracy: built without Bullet, so drawn without it\n";
   ExperimentReport report;
   report.name = "speed_accuracy";
@@ -93,30 +79,12 @@ int chart(const Arguments& arguments) {
   }
   print_report(report, std::cout);
   const std::filesystem::path folder(arguments.output);
-  write(folder / "speed_accuracy.json", experiments_json({report}));
-  write(folder / "report.html", experiments_html({report}));
+  write_text(folder / "speed_accuracy.json", experiments_json({report}));
+  write_text(folder / "report.html", experiments_html({report}));
   std::cout << (folder / "report.html").string() << "\n";
-  return report.result.converged ? 0 : 1;
+  return report.result.converged ? kGood : kNotGood;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  Arguments arguments;
-  try {
-    arguments = parse(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "chart_speed_accuracy: " << error.what() << "\n" << kUsage;
-    return 2;
-  }
-  if (arguments.help) {
-    std::cout << kUsage;
-    return 0;
-  }
-  try {
-    return chart(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "chart_speed_accuracy: " << error.what() << "\n";
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return run_program("chart_speed_accuracy", kUsage, argc, argv, parse, chart); }

@@ -1,9 +1,6 @@
 // chart_stability: every method in every hard case, drawn as a grid.
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -11,10 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "soft_robot_lab/settings/config_folder.h"
+#include "programs/command_line.h"
 #include "programs/progress_bar.h"
 #include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/experiment/stability.h"
+#include "soft_robot_lab/settings/config_folder.h"
 
 namespace {
 
@@ -30,8 +28,6 @@ constexpr const char* kUsage =
     "Exit status: 0 the default solver survived or recovered everywhere and all was finite, 1 not so, 2 bad "
     "arguments,\n"
     "or the chart could not be made.\n";
-
-enum ExitStatus { kGood = 0, kFailedCells = 1, kError = 2 };
 
 struct Arguments {
   bool quick = false, help = false;
@@ -85,12 +81,6 @@ std::vector<StabilityCell> known_cells(const std::string& table) {
   }
 }
 
-void write_table(const std::string& table, const std::vector<StabilityCell>& cells) {
-  std::ofstream file(table);
-  file << stability_csv(cells) << std::flush;
-  if (!file) throw std::runtime_error(table + ": cannot be written: " + std::strerror(errno));
-}
-
 template <class Item>
 std::size_t place_of(const std::string& name, const std::vector<Item>& all) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const Item& item) { return item.name == name; });
@@ -130,7 +120,7 @@ std::vector<StabilityCell> run(const Arguments& arguments, const std::string& ta
         });
         if (known || !method.fits(body) || hard_case.commands(body).empty()) continue;
         cells.push_back(bench.run(body, method, hard_case));
-        write_table(table, cells);
+        write_text(table, stability_csv(cells));
       }
     }
   }
@@ -155,27 +145,9 @@ int chart(const Arguments& arguments) {
   plot.name = name;
   const PlotFiles files = write_plot(plot, arguments.output);
   std::cout << good << " of " << cells.size() << " cells survived or recovered; " << files.png << "\n";
-  return bad == 0 ? kGood : kFailedCells;
+  return bad == 0 ? kGood : kNotGood;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  Arguments arguments;
-  try {
-    arguments = parse(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "chart_stability: " << error.what() << "\n" << kUsage;
-    return kError;
-  }
-  if (arguments.help) {
-    std::cout << kUsage;
-    return kGood;
-  }
-  try {
-    return chart(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "chart_stability: " << error.what() << "\n";
-    return kError;
-  }
-}
+int main(int argc, char** argv) { return run_program("chart_stability", kUsage, argc, argv, parse, chart); }

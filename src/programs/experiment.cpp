@@ -1,16 +1,13 @@
 // experiment NAME: repeats an experiment, prints its table and draws its pictures, without a ROS master.
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "programs/command_line.h"
 #include "programs/progress_bar.h"
 #include "soft_robot_lab/experiment/experiment.h"
 #include "soft_robot_lab/experiment/report.h"
@@ -28,8 +25,6 @@ constexpr const char* kUsage =
     "Runs experiments, prints their tables, and writes pictures (SVG, PNG, CSV) and report.html to FOLDER, by default\n"
     "experiments/ where it is started; --result writes the numbers as JSON.\n"
     "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or an experiment could not run.\n";
-
-enum ExitStatus { kConverged = 0, kNotConverged = 1, kFailed = 2 };
 
 // Every part's experiments, in the order of a report.
 std::vector<Experiment> all_experiments() {
@@ -113,30 +108,24 @@ ExperimentReport run(const Experiment& experiment, const std::string& output_fol
   return report;
 }
 
-void write(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text << std::flush;
-  if (!file) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
-}
-
 // One experiment that cannot run does not take the others with it.
 int run_all(const std::vector<Experiment>& chosen, const Arguments& arguments) {
   std::filesystem::create_directories(arguments.output);
-  int status = kConverged;
+  int status = kGood;
   std::vector<ExperimentReport> reports;
   for (const Experiment& experiment : chosen) {
     try {
       reports.push_back(run(experiment, arguments.output));
-      if (!reports.back().result.converged) status = std::max<int>(status, kNotConverged);
+      if (!reports.back().result.converged) status = std::max<int>(status, kNotGood);
     } catch (const std::exception& error) {
       std::cerr << "experiment: " << experiment.name << ": " << error.what() << "\n";
       status = kFailed;
     }
   }
   if (reports.empty()) return status;
-  if (!arguments.result.empty()) write(arguments.result, experiments_json(reports));
+  if (!arguments.result.empty()) write_text(arguments.result, experiments_json(reports));
   const std::string page = (std::filesystem::path(arguments.output) / "report.html").string();
-  write(page, experiments_html(reports));
+  write_text(page, experiments_html(reports));
   std::cout << page << "\n";
   return status;
 }
@@ -145,29 +134,11 @@ int experiment(const Arguments& arguments) {
   const std::vector<Experiment> all = all_experiments();
   if (arguments.list) {
     for (const Experiment& one : all) std::cout << one.name << ": " << one.summary << "\n";
-    return kConverged;
+    return kGood;
   }
   return run_all(choose(all, arguments.names), arguments);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  Arguments arguments;
-  try {
-    arguments = parse(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "experiment: " << error.what() << "\n" << kUsage;
-    return kFailed;
-  }
-  if (arguments.help) {
-    std::cout << kUsage;
-    return kConverged;
-  }
-  try {
-    return experiment(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "experiment: " << error.what() << "\n";
-    return kFailed;
-  }
-}
+int main(int argc, char** argv) { return run_program("experiment", kUsage, argc, argv, parse, experiment); }

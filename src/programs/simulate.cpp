@@ -1,17 +1,16 @@
 // simulate SCENE.yaml [--result FILE] [--estimate-error]: runs a scene from the shell, without a ROS master.
-#include <cerrno>
-#include <cstring>
-#include <exception>
-#include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <string>
 
+#include "programs/command_line.h"
 #include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/scene/run_scene.h"
 #include "soft_robot_lab/scene/scene.h"
 
 namespace {
+
+using namespace soft_robot_lab;
 
 constexpr const char* kUsage =
     "usage: simulate SCENE.yaml [--result FILE] [--estimate-error]\n"
@@ -19,8 +18,6 @@ constexpr const char* kUsage =
     "--estimate-error  also tells how wrong the scene's mesh and time step make the markers.\n"
     "Exit status: 0 converged, 1 ran but did not converge or did not meet the scene's fidelity (the result is still\n"
     "written), 2 bad scene or arguments.\n";
-
-enum ExitStatus { kConverged = 0, kNotConverged = 1, kBadScene = 2 };
 
 struct Arguments {
   std::string scene;
@@ -52,14 +49,7 @@ Arguments parse(int count, char** values) {
   return arguments;
 }
 
-void write(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text << std::flush;
-  if (!file) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
-}
-
 int simulate(const Arguments& arguments) {
-  using namespace soft_robot_lab;
   SceneOptions options;
   options.actuator_factory = make_actuator;
   options.estimate_error = arguments.estimate_error;
@@ -69,33 +59,15 @@ int simulate(const Arguments& arguments) {
   if (arguments.result.empty()) {
     std::cout << result_json(scene, report) << std::flush;
   } else {
-    write(arguments.result, result_json(scene, report));
+    write_text(arguments.result, result_json(scene, report));
     std::cout << result_summary(scene, report);
   }
   if (!report.solve.converged) std::cerr << "simulate: did not converge: " << report.solve.message << "\n";
   const bool met = !scene.fidelity || scene.fidelity->met;
   if (!met) std::cerr << "simulate: expected error of the markers: " << expected_error_text(*scene.fidelity) << "\n";
-  return report.solve.converged && met ? kConverged : kNotConverged;
+  return report.solve.converged && met ? kGood : kNotGood;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  Arguments arguments;
-  try {
-    arguments = parse(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "simulate: " << error.what() << "\n" << kUsage;
-    return kBadScene;
-  }
-  if (arguments.help) {
-    std::cout << kUsage;
-    return kConverged;
-  }
-  try {
-    return simulate(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "simulate: " << error.what() << "\n";
-    return kBadScene;
-  }
-}
+int main(int argc, char** argv) { return run_program("simulate", kUsage, argc, argv, parse, simulate); }

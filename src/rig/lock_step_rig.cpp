@@ -1,19 +1,14 @@
 #include "soft_robot_lab/rig/lock_step_rig.h"
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
-#include <unistd.h>
-
 #include "rig/answers.h"
 #include "rig/child_process.h"
-
-namespace fs = std::filesystem;
+#include "soft_robot_lab/settings/find_program.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -35,25 +30,12 @@ void append_hex(const std::string& text, std::vector<std::uint8_t>& bytes) {
 }
 
 std::vector<std::string> command(const std::string& program, int motors, std::uint64_t seed) {
-  const std::string found = program.empty() ? find_rig_emulator() : program;
+  const std::string found = program.empty() ? find_program("rig_emulator") : program;
   if (found.empty()) throw std::runtime_error("rig_emulator was not found beside this program, nor on PATH");
   return {found, "--lock-step", "--motors", std::to_string(motors), "--seed", std::to_string(seed)};
 }
 
 }  // namespace
-
-std::string find_rig_emulator() {
-  std::error_code ignored;
-  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  std::vector<fs::path> folders = {here, here / ".." / "lib" / "soft_robot_lab"};
-  std::istringstream path(std::getenv("PATH") ? std::getenv("PATH") : "");
-  for (std::string folder; std::getline(path, folder, ':');) folders.push_back(folder);
-  for (const fs::path& folder : folders) {
-    const fs::path program = folder / "rig_emulator";
-    if (fs::is_regular_file(program, ignored) && access(program.c_str(), X_OK) == 0) return program;
-  }
-  return "";
-}
 
 class LockStepRig::Process : public ChildProcess {
   using ChildProcess::ChildProcess;

@@ -25,6 +25,7 @@ namespace soft_robot_lab {
 namespace {
 
 const std::string scenes = SOFT_ROBOT_LAB_SOURCE "/test/data/scenes/";
+const double cable_compliance_m_n = 1.0e-5;  // of cable_bar.yaml
 
 class Session : public testing::Test {
  protected:
@@ -116,6 +117,9 @@ TEST_F(Session, PublishesCablesSurfaceAndOverlay) {
   ASSERT_EQ(actuators->cables.size(), 2u);
   EXPECT_NEAR(actuators->cables[0].rest_length_m, 0.1, 1e-6);
   EXPECT_GE(actuators->cables[0].tension_n, 0.0);
+  EXPECT_NEAR(actuators->cables[0].stretch_m, cable_compliance_m_n * actuators->cables[0].tension_n, 1e-9);
+  EXPECT_GE(actuators->cables[0].slack_m, 0.0);
+  EXPECT_EQ(actuators->cables[0].pretension_n, 0.0);
   EXPECT_GE(actuators->cables[0].path.size(), 2u);
   const auto surface = hear<visualization_msgs::Marker>(topics::simulator_surface);
   EXPECT_GT(surface->points.size(), 0u);

@@ -44,7 +44,4 @@ class LockStepRig {
   bool plugged_ = true;
 };
 
-// Where rig_emulator is: beside the running program, in the package's lib folder, or on PATH. Empty: nowhere.
-std::string find_rig_emulator();
-
 }  // namespace soft_robot_lab

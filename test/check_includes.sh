@@ -6,6 +6,7 @@ root=$1
 declare -A allowed=(
   [settings]="settings"
   [vision]="vision settings"
+  [render]="render vision settings"
   [sim]="sim settings"
   [design]="design settings"
   [actuators]="actuators sim settings"

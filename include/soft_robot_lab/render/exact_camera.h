@@ -1,0 +1,58 @@
+// Pictures as a perfect pinhole camera behind a perfect lens would take them.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
+
+#include "soft_robot_lab/render/stage.h"
+#include "soft_robot_lab/vision/camera_model.h"
+
+namespace soft_robot_lab {
+
+struct ExactImage {
+  cv::Mat colour;  // CV_32FC3, red first, 0 to 1 (brighter than 1 where lights add up)
+  cv::Mat depth;   // CV_32FC1 [m] along z at the pixels' middles; 0 where nothing is met
+};
+
+class ExactCamera {
+ public:
+  // Draws the surroundings once; they stand still. Throws std::domain_error where the lens folds within the image.
+  ExactCamera(const CameraModel& model, const Eigen::Isometry3d& world_from_camera, const Stage& stage);
+
+  const CameraModel& model() const { return model_; }
+  const Eigen::Isometry3d& world_from_camera() const { return world_from_camera_; }
+  const ExactImage& background() const { return background_; }
+
+  // Where the robot may be seen.
+  cv::Rect robot_bounds(const Stage& stage) const;
+  // The least depth of its skin and stickers, at least 1 cm; infinite where there is none.
+  double robot_depth_m(const Stage& stage) const;
+  // Draws robot and surroundings in `area`, nothing elsewhere. Pixels with an edge in or beside them and those about a
+  // sticker are the mean of 25 rays each, others are one ray.
+  void draw(const Stage& stage, const cv::Rect& area, float gloss, ExactImage& image) const;
+
+ private:
+  enum class Sees { surroundings, all };
+  // Of a ray through a place of a pixel: (0, 0) is its upper left corner, (1, 1) its lower right one. Frame world,
+  // depth 1 along z.
+  Eigen::Vector3f direction(cv::Point pixel, float right, float down) const;
+  Glance glance(const Stage& stage, Sees sees, const Eigen::Vector3f& direction, float gloss) const;
+  Eigen::Vector3f mean_colour(const Stage& stage, Sees sees, cv::Point pixel, float gloss) const;
+  void draw_area(const Stage& stage, Sees sees, const cv::Rect& area, const std::vector<cv::Rect>& fine, float gloss,
+                 ExactImage& image) const;
+  std::vector<cv::Rect> sticker_bounds(const Stage& stage) const;
+  cv::Rect image_area() const { return {0, 0, model_.width_px, model_.height_px}; }
+
+  CameraModel model_;
+  Eigen::Isometry3d world_from_camera_;
+  Eigen::Matrix3f rotation_;
+  Eigen::Vector3f origin_m_;
+  cv::Mat
+      rays_;  // CV_32FC2: x, y at z = 1 of the rays through the pixels' corners; one row and column more than pixels
+  ExactImage background_;
+};
+
+}  // namespace soft_robot_lab

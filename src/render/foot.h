@@ -1,0 +1,15 @@
+// The place of a skin that is nearest to a point.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace soft_robot_lab {
+
+struct Foot {
+  int triangle = -1;  // -1 where there is no skin
+  double distance_m = 0;
+};
+
+Foot find_foot(const Eigen::Vector3d& point_m, const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles);
+
+}  // namespace soft_robot_lab

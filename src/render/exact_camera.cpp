@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include <opencv2/core.hpp>
@@ -9,7 +10,6 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int samples_a_side = 5;
 constexpr float edge_contrast = 0.02f;     // between neighbours; of white
 constexpr float edge_depth_ratio = 0.01f;  // of the depth
 constexpr double nearest_sight_m = 0.01;   // along z
@@ -18,6 +18,8 @@ constexpr int margin_px = 2;
 ExactImage empty_image(cv::Size size) { return {cv::Mat::zeros(size, CV_32FC3), cv::Mat::zeros(size, CV_32FC1)}; }
 
 cv::Vec3f to_pixel(const Eigen::Vector3f& colour) { return {colour.x(), colour.y(), colour.z()}; }
+
+Eigen::Vector3f from_pixel(const cv::Vec3f& pixel) { return {pixel[0], pixel[1], pixel[2]}; }
 
 bool differ(const ExactImage& image, cv::Point a, cv::Point b) {
   const cv::Vec3f& first = image.colour.at<cv::Vec3f>(a);
@@ -63,8 +65,7 @@ ExactCamera::ExactCamera(const CameraModel& model, const Eigen::Isometry3d& worl
       const Eigen::Vector3d ray = model_.ray({u - 0.5, v - 0.5});
       rays_.at<cv::Vec2f>(v, u) = {static_cast<float>(ray.x()), static_cast<float>(ray.y())};
     }
-  background_ = empty_image(image_area().size());
-  draw_area(stage, Sees::surroundings, image_area(), {}, 0, background_);
+  draw_background(stage);
 }
 
 Eigen::Vector3f ExactCamera::direction(cv::Point pixel, float right, float down) const {
@@ -75,47 +76,71 @@ Eigen::Vector3f ExactCamera::direction(cv::Point pixel, float right, float down)
   return rotation_ * Eigen::Vector3f(ray[0], ray[1], 1);
 }
 
-Glance ExactCamera::glance(const Stage& stage, Sees sees, const Eigen::Vector3f& direction, float gloss) const {
-  const Glance still = stage.glance_at_surroundings(origin_m_, direction);
-  if (sees == Sees::surroundings) return still;
+Glance ExactCamera::glance(const Stage& stage, cv::Point pixel, const Eigen::Vector3f& direction, float gloss) const {
   const Glance robot = stage.glance_at_robot(origin_m_, direction, gloss);
+  if (background_edges_.at<std::uint8_t>(pixel) == 0) {
+    // Here the background is one thing: what was drawn of it serves every ray of the pixel.
+    const float depth = background_.depth.at<float>(pixel);
+    if (robot.depth <= 0) return {depth, from_pixel(background_.colour.at<cv::Vec3f>(pixel))};
+    if (depth <= 0 || robot.depth < (1 - 2 * edge_depth_ratio) * depth) return robot;
+  }
+  const Glance still = stage.glance_at_surroundings(origin_m_, direction);
   return robot.depth > 0 && !(still.depth > 0 && still.depth < robot.depth) ? robot : still;
 }
 
-Eigen::Vector3f ExactCamera::mean_colour(const Stage& stage, Sees sees, cv::Point pixel, float gloss) const {
+template <typename Look>
+Eigen::Vector3f ExactCamera::mean_colour(cv::Point pixel, int samples_a_side, const Look& look) const {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (int i = 0; i < samples_a_side * samples_a_side; ++i) {
-    const float right = (static_cast<float>(i % samples_a_side) + 0.5f) / samples_a_side;
-    const float down = (static_cast<float>(i / samples_a_side) + 0.5f) / samples_a_side;
-    sum += glance(stage, sees, direction(pixel, right, down), gloss).colour;
+    const float right = (static_cast<float>(i % samples_a_side) + 0.5f) / static_cast<float>(samples_a_side);
+    const float down = (static_cast<float>(i / samples_a_side) + 0.5f) / static_cast<float>(samples_a_side);
+    sum += look(pixel, direction(pixel, right, down)).colour;
   }
-  return sum / (samples_a_side * samples_a_side);
+  return sum / static_cast<float>(samples_a_side * samples_a_side);
 }
 
-void ExactCamera::draw_area(const Stage& stage, Sees sees, const cv::Rect& area, const std::vector<cv::Rect>& fine,
-                            float gloss, ExactImage& image) const {
-  const cv::Rect wide = grown(area, 1) & image_area();  // edges show by the neighbours
-  ExactImage sharp = empty_image(wide.size());
-  for (int v = 0; v < wide.height; ++v)
-    for (int u = 0; u < wide.width; ++u) {
-      const Glance seen = glance(stage, sees, direction({wide.x + u, wide.y + v}, 0.5f, 0.5f), gloss);
+template <typename Look>
+ExactImage ExactCamera::sharp_image(const cv::Rect& area, const Look& look) const {
+  ExactImage sharp = empty_image(area.size());
+  for (int v = 0; v < area.height; ++v)
+    for (int u = 0; u < area.width; ++u) {
+      const cv::Point pixel(area.x + u, area.y + v);
+      const Glance seen = look(pixel, direction(pixel, 0.5f, 0.5f));
       sharp.colour.at<cv::Vec3f>(v, u) = to_pixel(seen.colour);
       sharp.depth.at<float>(v, u) = seen.depth;
     }
-  for (int v = area.y; v < area.y + area.height; ++v)
-    for (int u = area.x; u < area.x + area.width; ++u) {
-      const cv::Point pixel(u, v), local = pixel - wide.tl();
-      image.depth.at<float>(pixel) = sharp.depth.at<float>(local);
-      const bool many = at_edge(sharp, local) || std::any_of(fine.begin(), fine.end(), [&](const cv::Rect& bounds) {
-                          return bounds.contains(pixel);
-                        });
-      image.colour.at<cv::Vec3f>(pixel) =
-          many ? to_pixel(mean_colour(stage, sees, pixel, gloss)) : sharp.colour.at<cv::Vec3f>(local);
+  return sharp;
+}
+
+void ExactCamera::draw_background(const Stage& stage) {
+  const auto look = [&](cv::Point, const Eigen::Vector3f& ray) { return stage.glance_at_surroundings(origin_m_, ray); };
+  const ExactImage sharp = sharp_image(image_area(), look);
+  background_ = {sharp.colour.clone(), sharp.depth};
+  background_edges_ = cv::Mat::zeros(image_area().size(), CV_8UC1);
+  for (int v = 0; v < background_edges_.rows; ++v)
+    for (int u = 0; u < background_edges_.cols; ++u) {
+      if (!at_edge(sharp, {u, v})) continue;
+      background_edges_.at<std::uint8_t>(v, u) = 1;
+      background_.colour.at<cv::Vec3f>(v, u) = to_pixel(mean_colour({u, v}, most_samples_a_side, look));
     }
 }
 
-void ExactCamera::draw(const Stage& stage, const cv::Rect& area, float gloss, ExactImage& image) const {
-  draw_area(stage, Sees::all, area & image_area(), sticker_bounds(stage), gloss, image);
+void ExactCamera::draw(const Stage& stage, const cv::Rect& area, float gloss, ExactImage& image,
+                       int samples_a_side) const {
+  const auto look = [&](cv::Point pixel, const Eigen::Vector3f& ray) { return glance(stage, pixel, ray, gloss); };
+  const cv::Rect inside = area & image_area(), wide = grown(inside, 1) & image_area();  // edges show by the neighbours
+  const ExactImage sharp = sharp_image(wide, look);
+  const std::vector<cv::Rect> fine = sticker_bounds(stage);
+  for (int v = inside.y; v < inside.y + inside.height; ++v)
+    for (int u = inside.x; u < inside.x + inside.width; ++u) {
+      const cv::Point pixel(u, v), local = pixel - wide.tl();
+      const bool many = at_edge(sharp, local) || std::any_of(fine.begin(), fine.end(), [&](const cv::Rect& bounds) {
+                          return bounds.contains(pixel);
+                        });
+      image.depth.at<float>(pixel) = sharp.depth.at<float>(local);
+      image.colour.at<cv::Vec3f>(pixel) =
+          many ? to_pixel(mean_colour(pixel, samples_a_side, look)) : sharp.colour.at<cv::Vec3f>(local);
+    }
 }
 
 cv::Rect ExactCamera::robot_bounds(const Stage& stage) const {

@@ -31,20 +31,29 @@ double distance2(const Eigen::Vector3d& point, const Eigen::Vector3d& a, const E
 
 }  // namespace
 
-Foot find_foot(const Eigen::Vector3d& point_m, const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles) {
+Foot find_foot(const Eigen::Vector3d& point_m, const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles,
+               int guess) {
   Foot foot;
   double best2 = std::numeric_limits<double>::infinity();
-  for (int t = 0; t < triangles.cols(); ++t) {
-    const Eigen::Vector3d a = vertices_m.col(triangles(0, t)), b = vertices_m.col(triangles(1, t)),
-                          c = vertices_m.col(triangles(2, t));
-    // No place of the triangle is further from its first corner than its longer side there.
-    const double reach = std::sqrt(std::max((b - a).squaredNorm(), (c - a).squaredNorm()));
-    const double least = (point_m - a).norm() - reach;
-    if (least > 0 && least * least > best2) continue;
-    const double found2 = distance2(point_m, a, b, c);
-    if (found2 >= best2) continue;
+  const auto look_at = [&](int t) {
+    const double found2 = distance2(point_m, vertices_m.col(triangles(0, t)), vertices_m.col(triangles(1, t)),
+                                    vertices_m.col(triangles(2, t)));
+    if (found2 >= best2) return;
     best2 = found2;
     foot = {t, std::sqrt(found2)};
+  };
+  if (guess >= 0) look_at(guess);
+  for (int t = 0; t < triangles.cols(); ++t) {
+    // A box about the triangle that is further off than the best so far holds no better one.
+    double box2 = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = vertices_m(axis, triangles(0, t)), b = vertices_m(axis, triangles(1, t)),
+                   c = vertices_m(axis, triangles(2, t));
+      const double off = std::max({std::min({a, b, c}) - point_m[axis], point_m[axis] - std::max({a, b, c}), 0.0});
+      box2 += off * off;
+      if (box2 >= best2) break;
+    }
+    if (box2 < best2) look_at(t);
   }
   return foot;
 }

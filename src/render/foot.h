@@ -10,6 +10,8 @@ struct Foot {
   double distance_m = 0;
 };
 
-Foot find_foot(const Eigen::Vector3d& point_m, const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles);
+// Begins at the triangle `guess`, if it is one: the nearer it is, the quicker.
+Foot find_foot(const Eigen::Vector3d& point_m, const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles,
+               int guess);
 
 }  // namespace soft_robot_lab

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double still_px =
     0.1;  // what moves less within a row's exposure, or from one band of rows to the next, is still
-constexpr int most_bands = 32;      // of rows that are drawn as if exposed at once
-constexpr int most_exposures = 16;  // moments that make up a smeared row
+constexpr int most_bands = 32;     // of rows that are drawn as if exposed at once
+constexpr int most_exposures = 9;  // moments that make up a smeared row
 
 SeenState state_at(const SeenMotion& motion, double after_stamp_s) {
   const double steps = after_stamp_s / motion.interval_s;
@@ -85,6 +85,9 @@ void RenderedCamera::draw_moving(Stage& stage, const SeenMotion& motion) {
   const int bands =
       pieces(model_.readout_time_s * drawn_.height / rows, std::min(most_bands, std::max(1, drawn_.height)));
   const int exposures = pieces(model_.exposure_time_s, most_exposures);
+  // Together the exposures of a pixel have about as many rays as one of something at rest.
+  const int samples_a_side =
+      static_cast<int>(std::ceil(ExactCamera::most_samples_a_side / std::sqrt(static_cast<double>(exposures))));
   for (int band = 0; band < bands; ++band) {
     const int first = drawn_.y + drawn_.height * band / bands, end = drawn_.y + drawn_.height * (band + 1) / bands;
     const cv::Rect area(drawn_.x, first, drawn_.width, end - first);
@@ -92,7 +95,7 @@ void RenderedCamera::draw_moving(Stage& stage, const SeenMotion& motion) {
     cv::Mat sum = cv::Mat::zeros(area.size(), CV_32FC3), depth;
     for (int i = 0; i < exposures; ++i) {
       stage.show(state_at(motion, middle_s + model_.exposure_time_s * ((i + 0.5) / exposures - 0.5)));
-      camera_.draw(stage, area, gloss, canvas_);
+      camera_.draw(stage, area, gloss, canvas_, samples_a_side);
       sum += canvas_.colour(area);
       if (i == exposures / 2) depth = canvas_.depth(area).clone();  // matched about where it was in the middle
     }

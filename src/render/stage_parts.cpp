@@ -49,9 +49,10 @@ void Stage::Parts::move(const SeenState& next) {
   state = next;
   skin.move(state.vertices_m);
   normals.update(state.vertices_m);
-  feet.clear();
-  for (Eigen::Index i = 0; i < state.stickers_m.cols(); ++i)
-    feet.push_back(find_foot(state.stickers_m.col(i), state.vertices_m, robot.triangles));
+  feet.resize(robot.stickers.size());
+  for (std::size_t i = 0; i < feet.size(); ++i)
+    feet[i] = find_foot(state.stickers_m.col(static_cast<Eigen::Index>(i)), state.vertices_m, robot.triangles,
+                        feet[i].triangle);
 }
 
 bool Stage::Parts::is_ball(std::size_t sticker) const {

@@ -31,18 +31,23 @@ class ExactCamera {
   // The least depth of its skin and stickers, at least 1 cm; infinite where there is none.
   double robot_depth_m(const Stage& stage) const;
   // Draws robot and surroundings in `area`, nothing elsewhere. Pixels with an edge in or beside them and those about a
-  // sticker are the mean of 25 rays each, others are one ray.
-  void draw(const Stage& stage, const cv::Rect& area, float gloss, ExactImage& image) const;
+  // sticker are the mean of samples_a_side^2 rays each, others are one ray.
+  void draw(const Stage& stage, const cv::Rect& area, float gloss, ExactImage& image,
+            int samples_a_side = most_samples_a_side) const;
+
+  static constexpr int most_samples_a_side = 5;
 
  private:
-  enum class Sees { surroundings, all };
   // Of a ray through a place of a pixel: (0, 0) is its upper left corner, (1, 1) its lower right one. Frame world,
   // depth 1 along z.
   Eigen::Vector3f direction(cv::Point pixel, float right, float down) const;
-  Glance glance(const Stage& stage, Sees sees, const Eigen::Vector3f& direction, float gloss) const;
-  Eigen::Vector3f mean_colour(const Stage& stage, Sees sees, cv::Point pixel, float gloss) const;
-  void draw_area(const Stage& stage, Sees sees, const cv::Rect& area, const std::vector<cv::Rect>& fine, float gloss,
-                 ExactImage& image) const;
+  Glance glance(const Stage& stage, cv::Point pixel, const Eigen::Vector3f& direction, float gloss) const;
+  // `look` gives the Glance of a pixel's ray.
+  template <typename Look>
+  Eigen::Vector3f mean_colour(cv::Point pixel, int samples_a_side, const Look& look) const;
+  template <typename Look>
+  ExactImage sharp_image(const cv::Rect& area, const Look& look) const;
+  void draw_background(const Stage& stage);
   std::vector<cv::Rect> sticker_bounds(const Stage& stage) const;
   cv::Rect image_area() const { return {0, 0, model_.width_px, model_.height_px}; }
 
@@ -53,6 +58,7 @@ class ExactCamera {
   cv::Mat
       rays_;  // CV_32FC2: x, y at z = 1 of the rays through the pixels' corners; one row and column more than pixels
   ExactImage background_;
+  cv::Mat background_edges_;  // CV_8UC1: 1 where the background differs from a neighbour
 };
 
 }  // namespace soft_robot_lab

@@ -26,16 +26,18 @@ void require_usable(const RgbdFrame& frame, const CameraModel& camera) {
                                   " for colour and depth");
 }
 
-MeanPicture mean_picture(const std::vector<RgbdFrame>& frames, const CameraModel& camera, const std::string& kind) {
+MeanPicture mean_picture(const std::vector<RgbdFrame>& frames, const CameraModel& camera, const DepthSettings& depths,
+                         const std::string& kind) {
   if (frames.empty()) throw std::invalid_argument("there is no picture " + kind + " balls; at least one is needed");
   const cv::Size size(camera.width_px, camera.height_px);
   cv::Mat colour(size, CV_32FC3, cv::Scalar::all(0)), depth(size, CV_32FC1, cv::Scalar(0));
   cv::Mat count(size, CV_32FC1, cv::Scalar(0));
   for (const RgbdFrame& frame : frames) {
     require_usable(frame, camera);
+    const cv::Mat measured = (frame.depth >= 1000 * depths.min_m) & (frame.depth <= 1000 * depths.max_m);
     cv::accumulate(frame.colour, colour);
-    cv::accumulate(frame.depth, depth);
-    cv::add(count, 1, count, frame.depth > 0);
+    cv::accumulate(frame.depth, depth, measured);
+    cv::add(count, 1, count, measured);
   }
   const double frame_count = static_cast<double>(frames.size());
   MeanPicture mean;
@@ -49,8 +51,8 @@ MeanPicture mean_picture(const std::vector<RgbdFrame>& frames, const CameraModel
 
 BallChange find_change(const std::vector<RgbdFrame>& without_balls, const std::vector<RgbdFrame>& with_balls,
                        const CameraModel& camera, const BallFinderSettings& settings) {
-  const MeanPicture before = mean_picture(without_balls, camera, "without");
-  const MeanPicture after = mean_picture(with_balls, camera, "with");
+  const MeanPicture before = mean_picture(without_balls, camera, settings.depth, "without");
+  const MeanPicture after = mean_picture(with_balls, camera, settings.depth, "with");
   BallChange change;
   change.depth_m = after.depth_m;
   change.depth_count = static_cast<int>(with_balls.size());

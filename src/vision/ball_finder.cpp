@@ -17,7 +17,6 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double depth_step_m = 0.001;         // of 16UC1
 constexpr double inner_share = 0.85;           // of a ball's apparent radius: depths further out slip off its edge
 constexpr double cluster_step = 0.35;          // of a ball's radius
 constexpr double sphere_sigmas = 3;            // within which a point is on a sphere
@@ -31,8 +30,8 @@ std::string place_text(const Eigen::Vector3d& point_m, const CameraModel& camera
 }
 
 double depth_sigma_m(double depth_m, int count, const BallFinderSettings& settings) {
-  const double noise_m = settings.depth_noise_per_m * depth_m * depth_m / std::sqrt(count);
-  return std::hypot(noise_m, depth_step_m / std::sqrt(12.0));
+  const double noise_m = settings.depth.noise_per_m * depth_m * depth_m / std::sqrt(count);
+  return std::hypot(noise_m, settings.depth.quantisation_m / std::sqrt(12.0));
 }
 
 Eigen::Matrix3Xd changed_points(const BallChange& change, const CameraModel& camera) {
@@ -87,7 +86,7 @@ class BallJudge {
         inner.push_back(static_cast<int>(i));
     measured.points_m = columns(points_m, inner);
     measured.depth_sigmas_m = measured.points_m.row(2).transpose().unaryExpr([&](double depth_m) {
-      return settings_.depth_correlation_px * depth_sigma_m(depth_m, change_.depth_count, settings_);
+      return settings_.depth.correlation_px * depth_sigma_m(depth_m, change_.depth_count, settings_);
     });
     const auto outline = find_outline(change_.brightness, camera_, centre_m, radius_m, settings_.colour_change);
     measured.outline.resize(3, static_cast<Eigen::Index>(outline.size()));
@@ -177,8 +176,9 @@ void BallFinderSettings::validate() const {
   require("min_points", min_points, {10, 1e6});
   require("min_sphere_share", min_sphere_share, {0, 1, true, false});
   require("min_outline_share", min_outline_share, {0, 1, true, false});
-  require("depth_noise_per_m", depth_noise_per_m, AllowedRange::not_negative());
-  require("depth_correlation_px", depth_correlation_px, AllowedRange::positive());
+  require("depth.noise_per_m", depth.noise_per_m, AllowedRange::not_negative());
+  require("depth.correlation_px", depth.correlation_px, AllowedRange::positive());
+  require("depth.quantisation_m", depth.quantisation_m, AllowedRange::positive());
   require("edge_noise_px", edge_noise_px, AllowedRange::positive());
   require("centre_floor_px", centre_floor_px, AllowedRange::not_negative());
   require("outline_bias_px", outline_bias_px, AllowedRange::positive());

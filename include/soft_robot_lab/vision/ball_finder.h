@@ -8,6 +8,7 @@
 
 #include "soft_robot_lab/vision/camera_model.h"
 #include "soft_robot_lab/vision/rgbd_frame.h"
+#include "soft_robot_lab/vision/tracker_settings.h"
 
 namespace soft_robot_lab {
 
@@ -21,12 +22,11 @@ struct BallFinderSettings {
   double min_outline_share = 0.6;  // (0, 1]; of the outline that shows as an edge
 
   // Standard deviations, of one picture.
-  double depth_noise_per_m = 0.0025;  // times depth^2: 0.9 mm at 0.6 m
-  double depth_correlation_px = 3;    // > 0; depths of pixels nearer than this err alike
-  double edge_noise_px = 0.1;         // of a place of the outline
-  double centre_floor_px = 0.03;      // of the whole outline, by uneven light
-  double outline_bias_px = 0.3;       // by which an outline looks too large or too small all round
-  double depth_bias = 0.001;          // of the distance, of a whole ball
+  DepthSettings depth;
+  double edge_noise_px = 0.1;     // of a place of the outline
+  double centre_floor_px = 0.03;  // of the whole outline, by uneven light
+  double outline_bias_px = 0.3;   // by which an outline looks too large or too small all round
+  double depth_bias = 0.001;      // of the distance, of a whole ball
 
   void validate() const;  // throws std::invalid_argument: field, value, allowed range
 };

@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "soft_robot_lab/settings/settings_node.h"
 
@@ -29,6 +30,10 @@ Eigen::Matrix<double, 3, 6> slope_at(const Eigen::Vector3d& arm_m) {
   Eigen::Matrix<double, 3, 6> slope;
   slope << 0, arm_m.z(), -arm_m.y(), 1, 0, 0, -arm_m.z(), 0, arm_m.x(), 0, 1, 0, arm_m.y(), -arm_m.x(), 0, 0, 0, 1;
   return slope;
+}
+
+Eigen::Matrix3d weight_of(const Eigen::Matrix3d& covariance_m2) {
+  return (covariance_m2 + sigma_floor_m * sigma_floor_m * Eigen::Matrix3d::Identity()).inverse();
 }
 
 }  // namespace
@@ -83,8 +88,8 @@ std::vector<CameraWatch::Difference> CameraWatch::between(const Pair& cameras) c
     for (const CameraSight& first : moment.sights)
       for (const CameraSight& second : moment.sights)
         if (first.camera == cameras.first && second.camera == cameras.second && first.marker == second.marker)
-          differences.push_back(
-              {first.expected_m, first.measured_m - second.measured_m, first.covariance_m2 + second.covariance_m2});
+          differences.push_back({first.expected_m, first.measured_m - second.measured_m,
+                                 weight_of(first.covariance_m2 + second.covariance_m2)});
   return differences;
 }
 
@@ -93,32 +98,29 @@ std::vector<CameraWatch::Difference> CameraWatch::against_expected(const std::st
   for (const Moment& moment : window_)
     for (const CameraSight& sight : moment.sights)
       if (sight.camera == camera)
-        differences.push_back({sight.expected_m, sight.measured_m - sight.expected_m, sight.covariance_m2});
+        differences.push_back({sight.expected_m, sight.measured_m - sight.expected_m, weight_of(sight.covariance_m2)});
   return differences;
 }
 
-// Weighted least squares, twice: the second time outliers of the first weigh less (Huber).
+// Weighted least squares, thrice: outliers of the time before weigh less (Huber).
 SmallMotion CameraWatch::fit(const std::vector<Difference>& differences) {
   SmallMotion motion;
   for (const Difference& difference : differences)
     motion.about_m += difference.place_m / static_cast<double>(differences.size());
-  std::vector<double> trust(differences.size(), 1);
   for (int round = 0; round < 3; ++round) {
     Vector6d beliefs;
     beliefs << Eigen::Vector3d::Constant(1 / (turn_sigma * turn_sigma)),
         Eigen::Vector3d::Constant(1 / (shift_sigma_m * shift_sigma_m));
     Matrix6d matrix = beliefs.asDiagonal();
     Vector6d right = Vector6d::Zero();
-    for (std::size_t i = 0; i < differences.size(); ++i) {
-      const Difference& difference = differences[i];
-      const Eigen::LDLT<Eigen::Matrix3d> covariance(difference.covariance_m2 +
-                                                    sigma_floor_m * sigma_floor_m * Eigen::Matrix3d::Identity());
+    for (const Difference& difference : differences) {
       const auto slope = slope_at(difference.place_m - motion.about_m);
       const Eigen::Vector3d miss = difference.value_m - motion.at(difference.place_m);
-      const double sigmas = std::sqrt(std::max(0.0, miss.dot(covariance.solve(miss))));
-      trust[i] = round == 0 || sigmas <= outlier_sigmas ? 1 : outlier_sigmas / sigmas;
-      matrix += trust[i] * slope.transpose() * covariance.solve(slope);
-      right += trust[i] * slope.transpose() * covariance.solve(difference.value_m);
+      const double sigmas = std::sqrt(std::max(0.0, miss.dot(difference.weight * miss)));
+      const double trust = round == 0 || sigmas <= outlier_sigmas ? 1 : outlier_sigmas / sigmas;
+      const Eigen::Matrix<double, 6, 3> weighted = trust * slope.transpose() * difference.weight;
+      matrix += weighted * slope;
+      right += weighted * difference.value_m;
     }
     const Vector6d solution = matrix.ldlt().solve(right);
     motion.turn = solution.head<3>();

@@ -80,7 +80,7 @@ TEST(BallFinder, TellsBallsThatTouch) {
 }
 
 TEST(BallFinder, TellsABallThatIsCutByTheImagesEdge) {
-  const BallSearch search = find({two_balls[0], ball_at(0.26, 0, 0)});
+  const BallSearch search = find({two_balls[0], ball_at(0.274, 0, 0)});
   EXPECT_EQ(search.balls.size(), 1u);
   expect_rejected(search, "of its outline");
 }

@@ -45,7 +45,7 @@ BallView view_of(const BallPlacement& placement, const CameraPose& pose, std::ui
   for (auto ball = placement.balls.rbegin(); ball != placement.balls.rend(); ++ball) {
     if (ball->name == hidden) continue;
     FoundBall found;
-    const Eigen::Vector3d sigma_m(0.00003, 0.00003, 0.0005);
+    const Eigen::Vector3d sigma_m(0.00003, 0.00003, 0.0002);
     found.covariance_m2 = sigma_m.cwiseAbs2().asDiagonal();
     found.centre_m = pose.world_from_camera.inverse() * ball->position_m +
                      sigma_m.cwiseProduct(Eigen::Vector3d::NullaryExpr([&] { return normal(random); }));

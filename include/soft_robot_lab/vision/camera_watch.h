@@ -60,7 +60,7 @@ class CameraWatch {
  private:
   struct Difference {
     Eigen::Vector3d place_m, value_m;
-    Eigen::Matrix3d covariance_m2;
+    Eigen::Matrix3d weight;
   };
   struct Calm {
     double stamp_s;

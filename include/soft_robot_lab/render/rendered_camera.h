@@ -28,6 +28,7 @@ class RenderedCamera {
                  int samples_a_side = ExactCamera::most_samples_a_side);
   ~RenderedCamera();
   RenderedCamera(RenderedCamera&&) noexcept;
+  RenderedCamera& operator=(RenderedCamera&&) noexcept;
 
   const std::string& name() const { return name_; }
   const ExactCamera& camera() const { return camera_; }

@@ -31,11 +31,11 @@ bool differ(const ExactImage& image, cv::Point a, cv::Point b) {
   return std::abs(depth - image.depth.at<float>(b)) > edge_depth_ratio * depth;
 }
 
-// Whether a pixel differs from one of its eight neighbours.
+// Whether a pixel differs from one of its four neighbours.
 bool at_edge(const ExactImage& image, cv::Point pixel) {
-  for (int y = std::max(0, pixel.y - 1); y <= std::min(image.depth.rows - 1, pixel.y + 1); ++y)
-    for (int x = std::max(0, pixel.x - 1); x <= std::min(image.depth.cols - 1, pixel.x + 1); ++x)
-      if (differ(image, pixel, {x, y})) return true;
+  const cv::Rect area(cv::Point(0, 0), image.depth.size());
+  for (const cv::Point& step : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)})
+    if (area.contains(pixel + step) && differ(image, pixel, pixel + step)) return true;
   return false;
 }
 

@@ -46,7 +46,7 @@ SegmentationExperiment read_experiment(const ExperimentContext& context, const s
   return experiment;
 }
 
-// Of one marker, over all frames.
+// Of one marker, over all frames in which the camera sees its middle.
 struct Finding {
   int frames = 0, found = 0;
   double sum_px = 0, sum_2_px2 = 0;
@@ -81,9 +81,11 @@ std::vector<Finding> find_in(const std::vector<FilmMoment>& film, const CameraRi
   for (const FilmMoment& moment : film) {
     const RgbdFrame frame = crew.take(moment).front();
     const auto blobs = detect_markers(frame.colour, {{0, 0}, frame.colour.size()}, settings);
-    for (std::size_t i = 0; i < findings.size(); ++i)
+    for (std::size_t i = 0; i < findings.size(); ++i) {
+      if (!crew.stage().sight(static_cast<int>(i), camera.pose.world_from_camera.translation()).centre_seen) continue;
       count(blobs, camera, moment.motion.present.stickers_m.col(static_cast<Eigen::Index>(i)),
             0.5 * robot.stickers[i].diameter_m, findings[i]);
+    }
   }
   return findings;
 }
@@ -94,7 +96,8 @@ void add_method(const std::string& method, const std::vector<Finding>& findings,
   Finding all;
   for (std::size_t i = 0; i < findings.size(); ++i) {
     const Finding& one = findings[i];
-    result.table.rows.push_back({method, robot.stickers[i].name, one.ratio(), one.mean_px(), one.deviation_px()});
+    result.table.rows.push_back(
+        {method, robot.stickers[i].name, double(one.frames), one.ratio(), one.mean_px(), one.deviation_px()});
     result.numbers[method]["markers"][robot.stickers[i].name] = {
         {"ratio", one.ratio()}, {"mean_px", one.mean_px()}, {"deviation_px", one.deviation_px()}};
     series.x.push_back(double(i));
@@ -104,7 +107,7 @@ void add_method(const std::string& method, const std::vector<Finding>& findings,
     all.sum_px += one.sum_px;
     all.sum_2_px2 += one.sum_2_px2;
   }
-  result.table.rows.push_back({method, "all", all.ratio(), all.mean_px(), all.deviation_px()});
+  result.table.rows.push_back({method, "all", double(all.frames), all.ratio(), all.mean_px(), all.deviation_px()});
   result.numbers[method]["ratio"] = all.ratio();
   result.numbers[method]["mean_px"] = all.mean_px();
   result.numbers[method]["deviation_px"] = all.deviation_px();
@@ -125,7 +128,8 @@ ExperimentResult run(const ExperimentContext& context, const std::string& name, 
 
   ExperimentResult result;
   result.title = "Markers found in " + std::to_string(film.size()) + " frames of " + how + " Spinebot";
-  result.table.columns = {{"method"}, {"marker"}, {"found"}, {"mean distance [px]", 3}, {"deviation [px]", 3}};
+  result.table.columns = {{"method"},           {"marker"}, {"frames"}, {"found"}, {"mean distance [px]", 3},
+                          {"deviation [px]", 3}};
   Plot plot{name, "Share of frames in which a marker is found: " + how + " robot", {}, {}};
   plot.x.label = "marker";
   plot.y.label = "share of frames";
@@ -143,8 +147,11 @@ ExperimentResult run(const ExperimentContext& context, const std::string& name, 
       "Its robot, lens and light are not known here.";
   result.we_find =
       "Distances are those of the blob's centre from the marker's true image; a marker counts as found where a blob is "
-      "within the sticker's radius. Contrast looks for dark stickers as holes in the bright robot, so it misses those "
-      "at the robot's outline.";
+      "within the sticker's radius, of the frames in which the camera sees its middle. Contrast looks for dark "
+      "stickers "
+      "as holes in the bright robot: it finds them as long as silicone surrounds them in the image, and misses those "
+      "that come to the robot's outline. Brightness also changes where skin turns away from the light, which draws its "
+      "centres aside.";
   return result;
 }
 

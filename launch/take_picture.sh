@@ -1,8 +1,9 @@
 #!/bin/bash
-# take_picture.sh OUTPUT.png: what rviz shows of the running session, drawn on a hidden screen.
+# take_picture.sh OUTPUT.png [VIEW]: what rviz shows of the running session, drawn on a hidden screen. VIEW: `session`, or
+# `session_cameras`.
 set -euo pipefail
 output=$1
-view=$(cd "$(dirname "$0")/../config/rviz" && pwd)/session.rviz
+view=$(cd "$(dirname "$0")/../config/rviz" && pwd)/${2:-session}.rviz
 export LIBGL_ALWAYS_SOFTWARE=1 output view
 xvfb-run -a -s "-screen 0 1280x800x24" bash -c '
   rviz --fullscreen -d "$view" __name:=picture >/dev/null 2>&1 &

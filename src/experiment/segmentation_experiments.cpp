@@ -2,8 +2,9 @@
 #include <limits>
 #include <sstream>
 
-#include "experiment/film.h"
+#include "experiment/pulled_motion.h"
 #include "experiment/vision_experiments.h"
+#include "soft_robot_lab/experiment/film.h"
 #include "soft_robot_lab/scene/scene.h"
 #include "soft_robot_lab/settings/settings_node.h"
 #include "soft_robot_lab/vision/marker_detector.h"
@@ -59,46 +60,43 @@ struct Finding {
 };
 
 // Distance of the blob nearest to where the marker truly is in the image; found where within its radius.
-void count(const std::vector<MarkerBlob>& blobs, const RigCamera& camera, const Eigen::Vector3d& truth_m,
-           double radius_m, Finding& finding) {
-  const Eigen::Vector3d in_camera = camera.pose.world_from_camera.inverse() * truth_m;
-  const Eigen::Vector2d pixel = camera.model.project(in_camera);
+void count(const std::vector<MarkerBlob>& blobs, const MarkerView& view, double radius_px, Finding& finding) {
+  if (!view.centre_seen) return;
   double distance_px = std::numeric_limits<double>::infinity();
-  for (const MarkerBlob& blob : blobs) distance_px = std::min(distance_px, (blob.centre_px - pixel).norm());
+  for (const MarkerBlob& blob : blobs) distance_px = std::min(distance_px, (blob.centre_px - view.pixel).norm());
   ++finding.frames;
-  if (distance_px > radius_m * camera.model.focal_x_px / in_camera.z()) return;
+  if (distance_px > radius_px) return;
   ++finding.found;
   finding.sum_px += distance_px;
   finding.sum_2_px2 += distance_px * distance_px;
 }
 
-std::vector<Finding> find_in(const std::vector<FilmMoment>& film, const CameraRig& rig, const SeenRobot& robot,
-                             const SeenState& rest, const DetectorSettings& settings) {
-  constexpr std::uint64_t kSeed = 3;
-  FilmCrew crew(rig, robot, rest, kSeed);
-  const RigCamera& camera = rig.cameras.front();
-  std::vector<Finding> findings(robot.stickers.size());
-  for (const FilmMoment& moment : film) {
-    const RgbdFrame frame = crew.take(moment).front();
-    const auto blobs = detect_markers(frame.colour, {{0, 0}, frame.colour.size()}, settings);
+std::vector<Finding> find_in(const std::vector<Moment>& moments, const Simulation& simulation, const CameraRig& rig,
+                             const DetectorSettings& settings) {
+  Film film(simulation, rig);
+  std::vector<Finding> findings(simulation.markers().size());
+  for (const Moment& moment : moments) {
+    const Shot shot = film.take(moment.previous, moment.present, moment.time_s);
+    const cv::Mat& image = shot.frames.front().colour;
+    const auto blobs = detect_markers(image, {{0, 0}, image.size()}, settings);
     for (std::size_t i = 0; i < findings.size(); ++i) {
-      if (!crew.stage().sight(static_cast<int>(i), camera.pose.world_from_camera.translation()).centre_seen) continue;
-      count(blobs, camera, moment.motion.present.stickers_m.col(static_cast<Eigen::Index>(i)),
-            0.5 * robot.stickers[i].diameter_m, findings[i]);
+      const MarkerView& view = shot.views.front()[i];
+      const double focal_px = rig.cameras.front().model.focal_x_px;
+      count(blobs, view, 0.5 * rig.markers.diameter_m * focal_px / view.depth_m, findings[i]);
     }
   }
   return findings;
 }
 
-void add_method(const std::string& method, const std::vector<Finding>& findings, const SeenRobot& robot,
+void add_method(const std::string& method, const std::vector<Finding>& findings, const std::vector<Marker>& markers,
                 ExperimentResult& result, Plot& plot) {
   Series series{method, {}, {}, SeriesStyle::bars};
   Finding all;
   for (std::size_t i = 0; i < findings.size(); ++i) {
     const Finding& one = findings[i];
     result.table.rows.push_back(
-        {method, robot.stickers[i].name, double(one.frames), one.ratio(), one.mean_px(), one.deviation_px()});
-    result.numbers[method]["markers"][robot.stickers[i].name] = {
+        {method, markers[i].name(), double(one.frames), one.ratio(), one.mean_px(), one.deviation_px()});
+    result.numbers[method]["markers"][markers[i].name()] = {
         {"ratio", one.ratio()}, {"mean_px", one.mean_px()}, {"deviation_px", one.deviation_px()}};
     series.x.push_back(double(i));
     series.y.push_back(one.ratio());
@@ -119,15 +117,15 @@ ExperimentResult run(const ExperimentContext& context, const std::string& name, 
   std::ostringstream step;
   step << "solver: {time_step_s: " << 0.5 / experiment.rate_hz << "}";
   const Scene scene = load_scene(experiment.robot, context.scene_options(step.str()));
-  const SeenState rest = seen_state(*scene.simulation);
   const double hold_s = (experiment.frames / experiment.rate_hz + 1e-9) / double(experiment.moves.size());
-  const auto film = move_through(*scene.simulation, experiment.moves, hold_s, experiment.rate_hz);
-  const SeenRobot coloured = seen_robot(*scene.simulation, experiment.rig);
-  SeenRobot dark = coloured;
-  for (Sticker& sticker : dark.stickers) sticker.colour = experiment.contrast_marker_colour;
+  const auto moments = move_through(*scene.simulation, experiment.moves, hold_s, experiment.rate_hz);
+  const std::vector<Marker>& markers = scene.simulation->markers();
+  CameraRig dark = experiment.rig;
+  dark.markers.colour = experiment.contrast_marker_colour;
+  dark.marker_overrides.clear();
 
   ExperimentResult result;
-  result.title = "Markers found in " + std::to_string(film.size()) + " frames of " + how + " Spinebot";
+  result.title = "Markers found in " + std::to_string(moments.size()) + " frames of " + how + " Spinebot";
   result.table.columns = {{"method"},           {"marker"}, {"frames"}, {"found"}, {"mean distance [px]", 3},
                           {"deviation [px]", 3}};
   Plot plot{name, "Share of frames in which a marker is found: " + how + " robot", {}, {}};
@@ -135,12 +133,11 @@ ExperimentResult run(const ExperimentContext& context, const std::string& name, 
   plot.y.label = "share of frames";
   plot.y.min = 0;
   plot.y.max = 1.1;
-  for (std::size_t i = 0; i < coloured.stickers.size(); ++i)
-    plot.x.ticks.push_back({double(i), coloured.stickers[i].name});
+  for (std::size_t i = 0; i < markers.size(); ++i) plot.x.ticks.push_back({double(i), markers[i].name()});
   context.tell(0.2, "contrast");
-  add_method("contrast", find_in(film, experiment.rig, dark, rest, experiment.contrast), dark, result, plot);
+  add_method("contrast", find_in(moments, *scene.simulation, dark, experiment.contrast), markers, result, plot);
   context.tell(0.6, "colour");
-  add_method("colour", find_in(film, experiment.rig, coloured, rest, experiment.colour), coloured, result, plot);
+  add_method("colour", find_in(moments, *scene.simulation, experiment.rig, experiment.colour), markers, result, plot);
   result.plots = {plot};
   result.source_reports =
       "Segmentation by colour found all markers; segmentation by contrast missed those near the tip and near the base. "

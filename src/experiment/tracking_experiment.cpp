@@ -106,10 +106,8 @@ ExperimentResult run_tracking_experiment(const ExperimentContext& context) {
   step << "solver: {time_step_s: " << 0.5 / experiment.rate_hz << "}";
   const Scene scene = load_scene(experiment.robot, context.scene_options(step.str()));
   Simulation& simulation = *scene.simulation;
-  const SeenState rest = seen_state(simulation);
   context.tell(0, "moving");
-  const std::vector<FilmMoment> film =
-      move_through(simulation, experiment.pulls, experiment.hold_s, experiment.rate_hz);
+  const std::vector<Moment> moments = move_through(simulation, experiment.pulls, experiment.hold_s, experiment.rate_hz);
   const std::vector<TrackedMarker> markers = tracked_markers(simulation);
   ExperimentResult result;
   result.title = "Spinebot tracked by two cameras through its table of contractions";
@@ -135,9 +133,8 @@ ExperimentResult run_tracking_experiment(const ExperimentContext& context) {
     const auto progress = [&](double share) {
       context.tell((double(i) + share) / double(experiment.runs.size()), run.name);
     };
-    const auto end = film.begin() + static_cast<std::ptrdiff_t>(run.share * double(film.size()));
-    const TrackingScore score =
-        track({film.begin(), end}, rig, seen_robot(simulation, rig), rest, settings, markers, progress);
+    const auto end = moments.begin() + static_cast<std::ptrdiff_t>(run.share * double(moments.size()));
+    const TrackingScore score = track({moments.begin(), end}, simulation, rig, settings, progress);
     add_run(run, score, markers, experiment.rate_hz, result);
     cpu_cores = std::max(cpu_cores, score.cpu_cores(experiment.rate_hz));
   }

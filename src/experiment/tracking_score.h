@@ -3,7 +3,9 @@
 #include <functional>
 #include <vector>
 
-#include "experiment/film.h"
+#include "experiment/pulled_motion.h"
+#include "soft_robot_lab/render/camera_rig.h"
+#include "soft_robot_lab/vision/tracker.h"
 
 namespace soft_robot_lab {
 
@@ -33,9 +35,10 @@ struct TrackingScore {
   double cpu_cores(double rate_hz) const;  // CPU-seconds a second of film
 };
 
-// Films the moments and tracks them; `progress` gets the share done.
-TrackingScore track(const std::vector<FilmMoment>& film, const CameraRig& rig, const SeenRobot& robot,
-                    const SeenState& rest, const TrackerSettings& settings, const std::vector<TrackedMarker>& markers,
-                    const std::function<void(double)>& progress);
+std::vector<TrackedMarker> tracked_markers(const Simulation& simulation);
+
+// Films the moments of the simulation and tracks them; `progress` gets the share done.
+TrackingScore track(const std::vector<Moment>& moments, const Simulation& simulation, const CameraRig& rig,
+                    const TrackerSettings& settings, const std::function<void(double)>& progress);
 
 }  // namespace soft_robot_lab

@@ -106,6 +106,8 @@ CameraRig read_camera_rig(const std::string& path) {
   const SettingsNode file = SettingsNode::load_file(path);
   CameraRig rig;
   rig.surroundings = read_surroundings(file);
+  for (const SettingsNode& node : file.optional_sequence("calibration_balls"))
+    rig.calibration_balls.push_back(read_ball(node));
   std::set<std::string> names;
   for (const SettingsNode& node : file.sequence("cameras")) {
     rig.cameras.push_back(read_camera(node));

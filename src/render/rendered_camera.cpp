@@ -50,6 +50,7 @@ RenderedCamera::RenderedCamera(std::string name, const ExactCamera& camera, cons
       canvas_{camera.background().colour.clone(), camera.background().depth.clone()} {}
 RenderedCamera::~RenderedCamera() = default;
 RenderedCamera::RenderedCamera(RenderedCamera&&) noexcept = default;
+RenderedCamera& RenderedCamera::operator=(RenderedCamera&&) noexcept = default;
 
 RgbdFrame RenderedCamera::take(Stage& stage, const SeenMotion& motion, double stamp_s, std::uint64_t frame) {
   check(motion);

@@ -19,13 +19,12 @@ TrackingScore track_spinebot(const SensorModel& sensor) {
   options.changes = "solver: {time_step_s: 0.0166667}";
   const Scene scene = load_scene(kConfig + "robots/spinebot.yaml", options);
   Simulation& simulation = *scene.simulation;
-  const SeenState rest = seen_state(simulation);
-  const auto film = move_through(simulation, {{0.8, 1.1}, {1, 1}}, 4 / kRate_hz + 1e-9, kRate_hz);
+  const auto moments = move_through(simulation, {{0.8, 1.1}, {1, 1}}, 4 / kRate_hz + 1e-9, kRate_hz);
   CameraRig rig = read_camera_rig(kConfig + "cameras/box.yaml");
   for (RigCamera& camera : rig.cameras) camera.sensor = sensor;
   TrackerSettings settings = load_tracker(kConfig + "trackers/spinebot.yaml");
   settings.readout_s = sensor.readout_time_s;
-  return track(film, rig, seen_robot(simulation, rig), rest, settings, tracked_markers(simulation), [](double) {});
+  return track(moments, simulation, rig, settings, [](double) {});
 }
 
 TEST(Tracking, FollowsSpinebotThroughExactImagesWithinATenthOfAMillimetre) {

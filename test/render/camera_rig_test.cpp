@@ -42,6 +42,7 @@ TEST(CameraRig, ReadsItsKeys) {
            "quaternion_xyzw: [0, 0, 0, 1], distortion: [0.1, 0, 0, 0, 0], sensor: {base: d415, gloss: 0}}\n"
            "markers: {diameter_m: 0.005, overrides: {tip: {colour: [1, 0, 0]}}}\n"
            "balls: [{center_m: [0, 0, 0.1]}]\n"
+           "calibration_balls: [{center_m: [0.1, 0, 0]}, {center_m: [0, 0.1, 0], radius_m: 0.01}]\n"
            "lighting: {shaded: false}\n");
   EXPECT_EQ(rig.cameras[1].model.width_px, 1280);
   EXPECT_EQ(rig.cameras[1].model.distortion[0], 0.1);
@@ -51,6 +52,8 @@ TEST(CameraRig, ReadsItsKeys) {
   EXPECT_GT(rig.cameras[1].sensor.disparity_noise_px, 0);
   EXPECT_EQ(rig.cameras[0].sensor.disparity_noise_px, 0);
   EXPECT_EQ(rig.surroundings.balls.size(), 1u);
+  ASSERT_EQ(rig.calibration_balls.size(), 2u);
+  EXPECT_EQ(rig.calibration_balls[1].radius_m, 0.01);
   EXPECT_FALSE(rig.surroundings.lighting.shaded);
   const auto stickers = rig.stickers({"base", "tip"});
   EXPECT_EQ(stickers[0].colour, Sticker{}.colour);

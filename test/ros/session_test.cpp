@@ -2,8 +2,6 @@
 #include <cmath>
 #include <future>
 #include <limits>
-#include <optional>
-#include <stdexcept>
 #include <string>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -18,6 +16,7 @@
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include "ros/session_ears.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/topics.h"
 
@@ -29,27 +28,14 @@ const double cable_compliance_m_n = 1.0e-5;  // of cable_bar.yaml
 
 class Session : public testing::Test {
  protected:
-  // The next message, or, of a latched topic, the last.
   template <typename Message>
   typename Message::ConstPtr hear(const std::string& topic) {
-    std::optional<typename Message::ConstPtr> heard;
-    const ros::Subscriber subscriber = node_.subscribe<Message>(
-        topic, 1, boost::function<void(const typename Message::ConstPtr&)>([&](const auto& m) { heard = m; }));
-    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(20.0);
-    while (!heard && ros::WallTime::now() < limit) {
-      ros::spinOnce();
-      ros::WallDuration(0.002).sleep();
-    }
-    if (!heard) throw std::runtime_error("nothing on " + topic);
-    return *heard;
+    return soft_robot_lab::hear<Message>(node_, topic);
   }
 
   template <typename Service>
   typename Service::Response ask(const std::string& name, const typename Service::Request& request = {}) {
-    if (!ros::service::waitForService(name, 20000)) throw std::runtime_error("no service " + name);
-    typename Service::Response response;
-    if (!node_.serviceClient<Service>(name).call(request, response)) throw std::runtime_error("no answer of " + name);
-    return response;
+    return soft_robot_lab::ask<Service>(node_, name, request);
   }
 
   void expect_goes_on() {

@@ -25,7 +25,8 @@ struct MarkerLook {
 
 struct CameraRig {
   std::vector<RigCamera> cameras;
-  Surroundings surroundings;  // box, blocks, calibration balls, lights
+  Surroundings surroundings;            // box, blocks, balls, lights
+  std::vector<Ball> calibration_balls;  // put among them to calibrate
   Eigen::Vector3d robot_colour = SeenRobot{}.colour;
   MarkerLook markers;
   std::map<std::string, MarkerLook> marker_overrides;  // by a marker's name
@@ -45,6 +46,7 @@ struct CameraRig {
 // box: {size_m: [x, y, z], center_m: [x, y, z], colour: [r, g, b]}      # seen from inside; optional
 // blocks: [{size_m, center_m, colour}, ...]                             # optional
 // balls: [{center_m: [x, y, z], radius_m: 0.02, colour: [r, g, b]}]     # optional
+// calibration_balls: as balls; not among the surroundings                # optional
 // lighting: {shaded: true, ambient: 0.45, lights: [{position_m, strength}]}
 // markers: {diameter_m: 0.006, colour: [r, g, b], overrides: {NAME: {diameter_m, colour}}}
 // robot_colour: [r, g, b]

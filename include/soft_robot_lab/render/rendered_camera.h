@@ -26,6 +26,7 @@ class RenderedCamera {
   RenderedCamera(std::string name, const ExactCamera& camera, const SensorModel& sensor, std::uint64_t seed);
   ~RenderedCamera();
   RenderedCamera(RenderedCamera&&) noexcept;
+  RenderedCamera& operator=(RenderedCamera&&) noexcept;
 
   const std::string& name() const { return name_; }
   const ExactCamera& camera() const { return camera_; }

@@ -25,6 +25,7 @@ constexpr char show_balls[] = "rendered_cameras/show_balls";
 constexpr char move_camera[] = "rendered_cameras/move";
 constexpr char optimise_policy[] = "controller/optimise_policy";
 constexpr char execute_policy[] = "controller/execute_policy";
+constexpr char calibrate[] = "tracker/calibrate";
 
 constexpr char world_frame[] = "world";
 constexpr char robot_frame[] = "robot_base";

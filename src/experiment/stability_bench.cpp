@@ -51,8 +51,8 @@ std::string merged(const std::vector<std::string>& all) {
   return sum.dump();
 }
 
-// The scene's cables or chambers, each with the changes: a list in a scene replaces another, it does not merge, nor does
-// a drive whose `model` changes.
+// The scene's cables or chambers, each with the changes: a list in a scene replaces another, it does not merge, nor
+// does a drive whose `model` changes.
 std::string changed_drives(const std::string& file, const std::string& kind, const std::vector<std::string>& changes) {
   const SettingsNode change = SettingsNode::parse(merged(changes), "changes");
   std::string text = kind + ":\n";
@@ -81,8 +81,8 @@ std::string settle(Simulation& simulation) {
 }  // namespace
 
 const char* name_of(Outcome outcome) {
-  constexpr const char* kNames[kOutcomes] = {"survived", "recovered", "failed and said so", "too slow",
-                                             "failed silently", "not finite"};
+  constexpr const char* kNames[kOutcomes] = {"survived", "recovered",       "failed and said so",
+                                             "too slow", "failed silently", "not finite"};
   return kNames[static_cast<int>(outcome)];
 }
 

@@ -68,7 +68,7 @@ Plot stability_plot(const std::vector<StabilityCell>& cells) {
   }
   plot.x = axis_of(grid.cases);
   plot.y = grid.y();
-  plot.width_px = 340 + 28 * static_cast<int>(grid.cases.size());
+  plot.width_px = 440 + 28 * static_cast<int>(grid.cases.size());
   plot.height_px = 340 + 24 * static_cast<int>(grid.rows.size());
   return plot;
 }

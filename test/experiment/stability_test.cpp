@@ -62,13 +62,17 @@ TEST(Stability, DefaultSolverUnfoldsThePulledAndTheScrambledCantilever) {
 
 TEST(Stability, NoMethodLeavesTheFiniteNumbers) {
   StabilityBench bench = make_bench();
-  const StabilityBody body = small_bodies().front();
-  for (const StabilityMethod& method : stability_methods()) {
-    for (const HardCase& hard_case : hard_cases(true)) {
-      const bool hard = hard_case.name == "time step 1 s" || hard_case.name == "scrambled nodes, driven";
-      if (method.ours || !method.fits(body) || !hard) continue;
-      const StabilityCell cell = bench.run(body, method, hard_case);
-      EXPECT_NE(cell.outcome, Outcome::not_finite) << cell.method << ", " << cell.hard_case;
+  for (const StabilityBody& body : small_bodies()) {
+    for (const StabilityMethod& method : stability_methods()) {
+      for (const HardCase& hard_case : hard_cases(true)) {
+        const bool hard = hard_case.name == "time step 1 s" || hard_case.name == "scrambled nodes, driven";
+        if (method.ours || !method.fits(body) || !hard) continue;
+        const StabilityCell cell = bench.run(body, method, hard_case);
+        EXPECT_NE(cell.outcome, Outcome::not_finite) << cell.body << ", " << cell.method << ", " << cell.hard_case;
+        if (method.name == "explicit coupling") {
+          EXPECT_FALSE(is_good(cell.outcome)) << cell.hard_case;
+        }
+      }
     }
   }
 }

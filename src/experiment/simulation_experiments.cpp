@@ -1,6 +1,7 @@
 #include "experiment/cable_experiments.h"
 #include "experiment/cantilever_experiment.h"
 #include "experiment/chamber_experiments.h"
+#include "experiment/policy_experiments.h"
 #include "soft_robot_lab/experiment/experiment.h"
 
 namespace soft_robot_lab {
@@ -19,6 +20,8 @@ std::vector<Experiment> simulation_experiments() {
       {"6.3.4", "Bubblefinger inflated to beta 2.57, on a coarse and a fine mesh", run_bubblefinger_experiment},
       {"6.3.5", "a chamber of Bubblebot inflated to beta 5, and what the elements go through",
        run_bubblebot_experiment},
+      {"7.3.1", "ten random targets for Hammerbot, all methods", run_random_targets_experiment},
+      {"7.3.2", "how the methods converge on a near and a far target", run_convergence_experiment},
   };
 }
 

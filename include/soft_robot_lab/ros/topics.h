@@ -23,6 +23,7 @@ constexpr char motor_clear[] = "motor/clear";  // faults and the emergency stop
 constexpr char rig_command[] = "rig/command";
 constexpr char optimise_policy[] = "controller/optimise_policy";
 constexpr char execute_policy[] = "controller/execute_policy";
+constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
 
 constexpr char world_frame[] = "world";
 constexpr char robot_frame[] = "robot_base";

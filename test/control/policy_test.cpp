@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/policy_player.h"
+#include "soft_robot_lab/control/policy.h"
 
 #include <cmath>
 
@@ -7,15 +7,15 @@
 namespace soft_robot_lab {
 namespace {
 
-PolicyStep step(double time_s, const std::vector<double>& values) {
-  PolicyStep result;
+TimedCommandValues step(double time_s, const std::vector<double>& values) {
+  TimedCommandValues result;
   result.time_s = time_s;
   result.values = values;
   return result;
 }
 
-Policy two_steps() {
-  Policy policy;
+CommandPolicy two_steps() {
+  CommandPolicy policy;
   policy.names = {"left", "right"};
   policy.steps = {step(1.0, {0.8, 1.0}), step(3.0, {0.9, 0.7})};
   return policy;
@@ -35,7 +35,7 @@ TEST(PolicyPlayer, MovesLinearlyFromTheStartThroughEachStepAndStays) {
 }
 
 TEST(PolicyPlayer, JumpsAtAStepOfTimeZero) {
-  Policy policy = two_steps();
+  CommandPolicy policy = two_steps();
   policy.steps = {step(0.0, {0.75, 0.75})};
   EXPECT_EQ(PolicyPlayer(policy, {1.0, 1.0}).values_at(0.0), (std::vector<double>{0.75, 0.75}));
 }
@@ -45,22 +45,22 @@ TEST(PolicyValidation, TakesAGoodPolicy) { EXPECT_NO_THROW(validate(two_steps(),
 TEST(PolicyValidation, RefusesEachWrongField) {
   struct Case {
     const char* words;  // expected in the message
-    void (*spoil)(Policy&);
+    void (*spoil)(CommandPolicy&);
   };
   const Case cases[] = {
-      {"policy.names: empty", [](Policy& p) { p.names.clear(); }},
-      {"'tail' is not one of left, right", [](Policy& p) { p.names[0] = "tail"; }},
-      {"'right' is given twice", [](Policy& p) { p.names[0] = "right"; }},
-      {"policy.steps: empty", [](Policy& p) { p.steps.clear(); }},
-      {"policy.steps[0].time_s: -1 is not in [0, inf)", [](Policy& p) { p.steps[0].time_s = -1.0; }},
-      {"policy.steps[0].time_s: nan", [](Policy& p) { p.steps[0].time_s = NAN; }},
-      {"policy.steps[1].time_s: 0.5 is not in [1, inf)", [](Policy& p) { p.steps[1].time_s = 0.5; }},
-      {"policy.steps[1].values: 1 values for 2 names", [](Policy& p) { p.steps[1].values.pop_back(); }},
-      {"0.5 for 'left' is not in [0.7, 1]", [](Policy& p) { p.steps[0].values[0] = 0.5; }},
-      {"nan for 'right' is not in [0.7, 1]", [](Policy& p) { p.steps[0].values[1] = NAN; }},
+      {"policy.names: empty", [](CommandPolicy& p) { p.names.clear(); }},
+      {"'tail' is not one of left, right", [](CommandPolicy& p) { p.names[0] = "tail"; }},
+      {"'right' is given twice", [](CommandPolicy& p) { p.names[0] = "right"; }},
+      {"policy.steps: empty", [](CommandPolicy& p) { p.steps.clear(); }},
+      {"policy.steps[0].time_s: -1 is not in [0, inf)", [](CommandPolicy& p) { p.steps[0].time_s = -1.0; }},
+      {"policy.steps[0].time_s: nan", [](CommandPolicy& p) { p.steps[0].time_s = NAN; }},
+      {"policy.steps[1].time_s: 0.5 is not in [1, inf)", [](CommandPolicy& p) { p.steps[1].time_s = 0.5; }},
+      {"policy.steps[1].values: 1 values for 2 names", [](CommandPolicy& p) { p.steps[1].values.pop_back(); }},
+      {"0.5 for 'left' is not in [0.7, 1]", [](CommandPolicy& p) { p.steps[0].values[0] = 0.5; }},
+      {"nan for 'right' is not in [0.7, 1]", [](CommandPolicy& p) { p.steps[0].values[1] = NAN; }},
   };
   for (const Case& wrong : cases) {
-    Policy policy = two_steps();
+    CommandPolicy policy = two_steps();
     wrong.spoil(policy);
     try {
       validate(policy, limits);

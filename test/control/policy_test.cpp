@@ -1,8 +1,11 @@
 #include "soft_robot_lab/control/policy.h"
 
 #include <cmath>
+#include <fstream>
 
 #include <gtest/gtest.h>
+
+#include "soft_robot_lab/settings/settings_node.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -67,6 +70,42 @@ TEST(PolicyValidation, RefusesEachWrongField) {
       ADD_FAILURE() << "took: " << wrong.words;
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find(wrong.words), std::string::npos) << error.what();
+    }
+  }
+}
+
+std::string written(const std::string& text) {
+  const std::string path = testing::TempDir() + "policy_test.yaml";
+  std::ofstream(path) << text;
+  return path;
+}
+
+TEST(PolicyFile, ReadsWhatItWroteToTheLastDigit) {
+  CommandPolicy policy = two_steps();
+  policy.steps[0].values[0] = 0.1 + 0.7;
+  const CommandPolicy read = load_policy(written(policy_yaml(policy)));
+  EXPECT_EQ(read.names, policy.names);
+  ASSERT_EQ(read.steps.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.steps[i].time_s, policy.steps[i].time_s);
+    EXPECT_EQ(read.steps[i].values, policy.steps[i].values);
+  }
+}
+
+TEST(PolicyFile, IsReadStrictly) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"names: [left]\nsteps: [{time_s: 1, values: [0.9], speed: 2}]\n", "speed"},
+      {"names: [left]\nsteps: [{time_s: -1, values: [0.9]}]\n", "time_s"},
+      {"names: [left]\nsteps: [{time_s: 1, values: [fast]}]\n", "values"},
+      {"names: [left]\n", "steps"},
+      {"steps: []\n", "names"},
+  };
+  for (const auto& [text, words] : cases) {
+    try {
+      load_policy(written(text));
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const SettingsError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
     }
   }
 }

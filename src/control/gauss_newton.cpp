@@ -82,6 +82,19 @@ Eigen::VectorXd damped_step(const LocalModel& model, double damping, const Eigen
   return step;
 }
 
+// The damped step in which no command moves by more than kLargestStep of its range: each kept to it by itself, or where
+// that would not lead down, as the columns are alike, all shortened together. Empty where the curvature needs more
+// damping.
+Eigen::VectorXd short_step(const LocalModel& model, double damping, const ReachProblem& problem,
+                           const Eigen::VectorXd& commands) {
+  const Eigen::VectorXd least = problem.min - commands, most = problem.max - commands;
+  const Eigen::VectorXd reach = kLargestStep * (problem.max - problem.min);
+  Eigen::VectorXd step = damped_step(model, damping, least.cwiseMax(-reach), most.cwiseMin(reach));
+  if (step.size() == 0 || step.isZero(0.0) || model.change(step) < 0.0) return step;
+  step = damped_step(model, damping, least, most);
+  return step / std::max(1.0, step.cwiseQuotient(reach).cwiseAbs().maxCoeff());
+}
+
 // Dennis, Gay and Welsch's update of the second-order part after a step, sized so that it never remembers more
 // curvature than the step has seen.
 void learn(const Evaluation& before, const Evaluation& after, Eigen::MatrixXd& second_order) {
@@ -110,17 +123,17 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, Eige
   while (here.residuals.norm() >= tolerance_m) {
     if (search.iterations() >= max_iterations) return kIterationLimit;
     const LocalModel model = model_at(here, second_order);
-    const Eigen::VectorXd reach = kLargestStep * (problem.max - problem.min);
-    const Eigen::VectorXd step = damped_step(model, damping, (problem.min - commands).cwiseMax(-reach),
-                                             (problem.max - commands).cwiseMin(reach));
-    if (step.size() == 0) {
-      damping = std::max(2.0 * damping, 1.0e-3);
+    const Eigen::VectorXd step = short_step(model, damping, problem, commands);
+    const bool some_way = step.size() > 0;
+    if (some_way && step.isZero(0.0)) return kConverged;
+    const double promised = some_way ? -model.change(step) : 0.0;
+    if (promised <= 0.0) {  // the curvature, or a bound that a command was put to, asks for more damping
+      damping = std::max(4.0 * damping, 1.0e-3);
       if (damping > kMostDamping) return kConverged;
       continue;
     }
-    const double promised = -model.change(step);
     const double worth_m2 = kSettled * tolerance_m * here.residuals.norm();  // what so small a gain changes
-    if (step.isZero(0.0) || promised < 0.01 * worth_m2) return kConverged;
+    if (promised < 0.01 * worth_m2) return kConverged;
     const Eigen::VectorXd next = (commands + step).cwiseMax(problem.min).cwiseMin(problem.max);
     found = search.evaluate(next, false);
     const double gained = found && found->allowed ? here.objective_m2() - found->objective_m2() : -promised;

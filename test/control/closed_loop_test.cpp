@@ -35,7 +35,8 @@ double nearest_m() {
   Reality reality;
   ReachProblem problem;
   problem.goals = {Goal{kTarget}};
-  problem.start = problem.max = Eigen::Vector2d(1.0, 1.0);
+  problem.max = Eigen::Vector2d(1.0, 1.0);
+  problem.start = Eigen::Vector2d(0.97, 0.97);  // taut, so that differences tell a slope
   problem.min = Eigen::Vector2d(0.7, 0.7);
   problem.names = {"left", "right"};
   problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {

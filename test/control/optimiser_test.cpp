@@ -169,7 +169,7 @@ TEST(GaussNewton, GoesOnWhereTheModelFailsBeyondAPoint) {
   int failures = 0;
   problem.model = model_of([&failures](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
     const double pull = 1.0 - commands[0];
-    if (pull > 0.151) {
+    if (pull > 0.1501) {
       ++failures;
       throw ForwardModelError("buckled");
     }
@@ -429,8 +429,8 @@ TEST(GaussNewton, LearnsTheCurvatureOfAValleyBesideATargetOutOfReach) {
   problem.goals = {Goal{{0.05, 0.0, -1.0}}};
   const OptimisationSummary summary = optimise(problem, method("gauss_newton"));
   EXPECT_EQ(summary.stop_reason, "converged");
-  EXPECT_NEAR(summary.commands[0], 0.5, 1e-3);
-  EXPECT_NEAR(summary.commands[1], 0.25, 1e-3);
+  EXPECT_NEAR(summary.commands[0], 0.5, 3e-3);
+  EXPECT_NEAR(summary.commands[1], 0.25, 3e-3);
 }
 
 TEST(PidProjected, ReachesAReachableTarget) {

@@ -3,6 +3,7 @@
 #include "experiment/chamber_experiments.h"
 #include "experiment/vision_experiments.h"
 #include "soft_robot_lab/actuators/factory.h"
+#include "experiment/policy_experiments.h"
 #include "soft_robot_lab/experiment/experiment.h"
 
 namespace soft_robot_lab {
@@ -34,6 +35,8 @@ std::vector<Experiment> simulation_experiments() {
        run_bubblebot_experiment},
       {"tracking", "Spinebot tracked by two rendered cameras: exact, as a D415's, blurred, in poor light",
        run_tracking_experiment},
+      {"7.3.1", "ten random targets for Hammerbot, all methods", run_random_targets_experiment},
+      {"7.3.2", "how the methods converge on a near and a far target", run_convergence_experiment},
   };
 }
 

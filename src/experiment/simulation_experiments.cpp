@@ -1,9 +1,9 @@
 #include "experiment/cable_experiments.h"
 #include "experiment/cantilever_experiment.h"
 #include "experiment/chamber_experiments.h"
+#include "experiment/policy_experiments.h"
 #include "experiment/vision_experiments.h"
 #include "soft_robot_lab/actuators/factory.h"
-#include "experiment/policy_experiments.h"
 #include "soft_robot_lab/experiment/experiment.h"
 
 namespace soft_robot_lab {

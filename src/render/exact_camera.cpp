@@ -137,7 +137,10 @@ cv::Mat ExactCamera::fine_pixels(const Stage& stage, const ExactImage& sharp, co
   for (int v = 0; v < area.height; ++v)
     for (int u = 0; u < area.width; ++u)
       if (at_edge(sharp, {u, v})) fine.at<std::uint8_t>(v, u) = 255;
-  for (const cv::Rect& bounds : sticker_bounds(stage)) fine((bounds & area) - area.tl()).setTo(255);
+  for (const cv::Rect& bounds : sticker_bounds(stage)) {
+    const cv::Rect seen = bounds & area;
+    if (!seen.empty()) fine(seen - area.tl()).setTo(255);
+  }
   const int reach = static_cast<int>(std::ceil(0.5 * smear_px));
   if (reach > 0) cv::dilate(fine, fine, cv::Mat::ones(2 * reach + 1, 2 * reach + 1, CV_8UC1));
   return fine;
@@ -186,7 +189,7 @@ cv::Rect ExactCamera::robot_bounds(const Stage& stage) const {
   }
   cv::Rect bounds = pixels_between(least, largest, image_area());
   for (const cv::Rect& sticker : sticker_bounds(stage)) bounds |= sticker;
-  return bounds;
+  return bounds & image_area();
 }
 
 double ExactCamera::robot_depth_m(const Stage& stage) const {

@@ -1,44 +1,106 @@
 #include "soft_robot_lab/control/forward_model.h"
 
-namespace soft_robot_lab {
+#include <algorithm>
+#include <cmath>
 
-ForwardModel::ForwardModel(Simulation& simulation, const std::string& marker, const std::vector<std::string>& actuators)
-    : simulation_(simulation), marker_(simulation.marker_index(marker)) {
-  for (const std::string& actuator : actuators) actuators_.push_back(simulation.actuator_index(actuator));
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kStagesOfRange = 20.0;  // into so many a command's range would be cut
+constexpr size_t kRemembered = 8;        // equilibria to start from, beside the first
+
+}  // namespace
+
+ForwardModel::ForwardModel(Simulation& simulation, const std::vector<std::string>& markers,
+                           const std::vector<std::string>& actuators)
+    : simulation_(simulation) {
+  for (const std::string& marker : markers) markers_.push_back(simulation.marker_index(marker));
+  for (const std::string& name : actuators) actuators_.push_back(simulation.actuator_index(name));
 }
 
-Eigen::Vector3d ForwardModel::marker(const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
-  if (commands.size() != static_cast<Eigen::Index>(actuators_.size())) {
+const Actuator& ForwardModel::actuator(Eigen::Index command) const {
+  return *simulation_.actuators()[static_cast<size_t>(actuators_[static_cast<size_t>(command)])];
+}
+
+Prediction ForwardModel::predict(const Eigen::VectorXd& commands, bool with_derivatives) {
+  const Eigen::Index count = static_cast<Eigen::Index>(actuators_.size());
+  if (commands.size() != count) {
     throw std::invalid_argument("commands: " + std::to_string(commands.size()) + " given, must be " +
-                                std::to_string(actuators_.size()));
+                                std::to_string(count));
   }
+  Prediction prediction;
   const SimulationState last_good = simulation_.state();
   try {
-    for (size_t i = 0; i < actuators_.size(); ++i) {
-      simulation_.set_command(simulation_.actuators()[actuators_[i]]->name(), commands[static_cast<Eigen::Index>(i)]);
-    }
-    const SolveReport report = simulation_.solve_equilibrium();
-    if (!report.converged) throw ForwardModelError(report.message);
-    if (jacobian) *jacobian = sensitivities();
+    start_near(commands);
+    settle(commands);
+    if (with_derivatives) add_derivatives(prediction);
   } catch (...) {
     simulation_.set_state(last_good);
     throw;
   }
-  return simulation_.marker_position(marker_);
+  remember(commands);
+  prediction.markers_m.resize(3, static_cast<Eigen::Index>(markers_.size()));
+  for (size_t m = 0; m < markers_.size(); ++m)
+    prediction.markers_m.col(static_cast<Eigen::Index>(m)) = simulation_.marker_position(markers_[m]);
+  prediction.tensions_n.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    prediction.tensions_n[i] =
+        simulation_.actuator_state(actuators_[static_cast<size_t>(i)]).tension_n.value_or(0.0);
+  return prediction;
 }
 
-Eigen::Matrix3Xd ForwardModel::sensitivities() const {
-  Eigen::MatrixXd all;
+double ForwardModel::distance(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+  double largest = 0.0;
+  for (Eigen::Index i = 0; i < to.size(); ++i) {
+    const CommandLimits& limits = actuator(i).limits();
+    largest = std::max(largest, std::abs(to[i] - from[i]) / (limits.max - limits.min));
+  }
+  return largest;
+}
+
+void ForwardModel::start_near(const Eigen::VectorXd& commands) {
+  const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const Known& a, const Known& b) {
+    return distance(a.commands, commands) < distance(b.commands, commands);
+  });
+  if (nearest != known_.end()) simulation_.set_state(nearest->state);
+}
+
+void ForwardModel::remember(const Eigen::VectorXd& commands) {
+  const auto same = std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.commands == commands; });
+  if (same != known_.end()) {
+    same->state = simulation_.state();
+    return;
+  }
+  if (known_.size() > kRemembered) known_.erase(known_.begin() + 1);
+  known_.push_back({commands, simulation_.state()});
+}
+
+void ForwardModel::settle(const Eigen::VectorXd& commands) {
+  Eigen::VectorXd from(commands.size());
+  for (Eigen::Index i = 0; i < commands.size(); ++i) from[i] = actuator(i).command();
+  double stages = std::ceil(std::max(1.0, kStagesOfRange * distance(from, commands)));
+  if (!(stages <= 2.0 * kStagesOfRange)) stages = 1.0;  // beyond the limits, to be refused
+  for (double stage = 1.0; stage <= stages; ++stage) {
+    const Eigen::VectorXd there = stage == stages ? commands : Eigen::VectorXd(from + stage / stages * (commands - from));
+    for (Eigen::Index i = 0; i < commands.size(); ++i) simulation_.set_command(actuator(i).name(), there[i]);
+    const SolveReport report = simulation_.solve_equilibrium();
+    if (!report.converged) throw ForwardModelError(report.message);
+  }
+}
+
+void ForwardModel::add_derivatives(Prediction& prediction) const {
+  Eigen::MatrixXd markers, tensions;
   try {
-    all = simulation_.marker_sensitivities();
+    markers = simulation_.marker_sensitivities(&tensions);
   } catch (const std::runtime_error& error) {
     throw ForwardModelError(error.what());
   }
-  Eigen::Matrix3Xd picked(3, actuators_.size());
-  for (size_t i = 0; i < actuators_.size(); ++i) {
-    picked.col(static_cast<Eigen::Index>(i)) = all.block<3, 1>(3 * marker_, actuators_[i]);
-  }
-  return picked;
+  prediction.marker_jacobian.resize(3 * static_cast<Eigen::Index>(markers_.size()),
+                                    static_cast<Eigen::Index>(actuators_.size()));
+  for (size_t m = 0; m < markers_.size(); ++m)
+    prediction.marker_jacobian.middleRows<3>(3 * static_cast<Eigen::Index>(m)) =
+        markers(Eigen::seqN(3 * markers_[m], 3), actuators_);
+  prediction.tension_jacobian = tensions(actuators_, actuators_);
 }
 
 }  // namespace soft_robot_lab

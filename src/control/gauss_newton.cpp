@@ -1,164 +1,209 @@
-// Levenberg-Marquardt in a trust region with bounds (Ceres), on the residual target - marker and its exact Jacobian.
-#include "control/search.h"
-
+// Levenberg-Marquardt with bounds on exact derivatives, for nonlinear least squares of a few variables. Beside targets
+// out of reach, where residuals stay large, J^T J alone zigzags through curved valleys; so the second-order part
+// sum r grad^2 r is learnt by secants, as in NL2SOL (Dennis, Gay, Welsch 1981, ACM TOMS 7, eqs. 2.9 to 3.1).
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include <ceres/ceres.h>
+#include <Eigen/Dense>
+
+#include "control/search.h"
 
 namespace soft_robot_lab {
 namespace {
 
-// Beside a target out of reach the steps shrink by a constant factor each, about two on a bending robot: stopping at
-// the tolerance itself would leave about as much again to gain.
+// A step, or two in a row, that gain less than this share of the tolerance end the search: beside a target out of
+// reach steps shrink by a constant factor each, so that stopping at the tolerance itself would leave as much to gain.
 constexpr double kSettled = 0.1;
 
-// The first step is damped by 1 / radius of each column's own weight. Two cables that pull against each other have
-// almost opposite columns: an undamped step throws both to their limits, where the way back leads along the slack
-// cable's kink.
-constexpr double kFirstRadius = 0.5;
+// Of each column's own weight. Two cables that pull against each other have almost opposite columns: an undamped
+// first step throws both to their limits, where the way back leads along the slack cable's kink.
+constexpr double kFirstDamping = 2.0;
+constexpr double kLeastDamping = 1.0e-8;
 
-// Residual (target - marker) / tolerance: dimensionless, so that Ceres' own small constants mean the same for any
-// robot. Each command is a parameter block of its own, so that single ones can be held.
-class ReachCost : public ceres::CostFunction {
- public:
-  ReachCost(Search& search, double tolerance_m) : search_(search), tolerance_m_(tolerance_m) {
-    set_num_residuals(3);
-    mutable_parameter_block_sizes()->assign(search.problem().start.size(), 1);
+// Of a command's range: a body that buckles looks harmless from before, and the model follows larger steps in stages of
+// about this size anyhow.
+constexpr double kLargestStep = 0.05;
+constexpr double kMostDamping = 1.0e8;
+
+struct LocalModel {  // of the objective about the present commands
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd curvature;  // J^T J and what the secants add
+  Eigen::VectorXd scale;      // of the damping
+
+  double change(const Eigen::VectorXd& step) const {
+    return gradient.dot(step) + 0.5 * step.dot(curvature * step);
   }
+};
 
-  // False, where there is no equilibrium, makes Ceres take the step back and shrink the trust region.
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    Eigen::VectorXd commands(search_.problem().start.size());
-    for (Eigen::Index i = 0; i < commands.size(); ++i) commands[i] = *parameters[i];
-    const Evaluation* here = search_.evaluate(commands, jacobians != nullptr);
-    if (!here) return false;
-    Eigen::Map<Eigen::Vector3d>(residuals, 3) = (search_.problem().target_m - here->marker_m) / tolerance_m_;
-    for (Eigen::Index i = 0; jacobians && i < commands.size(); ++i) {
-      if (jacobians[i]) Eigen::Map<Eigen::Vector3d>(jacobians[i], 3) = -here->jacobian.col(i) / tolerance_m_;
+LocalModel model_at(const Evaluation& here, const Eigen::MatrixXd& second_order) {
+  const Eigen::MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+  const Eigen::VectorXd weights = normal.diagonal();
+  constexpr double least = 1.0e-6;  // of the largest weight, so that idle commands have one too
+  return {here.jacobian.transpose() * here.residuals, normal + second_order,
+          weights.cwiseMax(least * weights.maxCoeff())};
+}
+
+// The damped step within the bounds: commands that it would push beyond a bound go to that bound, and the others are
+// chosen again. Empty where the curvature needs more damping.
+Eigen::VectorXd damped_step(const LocalModel& model, double damping, const Eigen::VectorXd& least,
+                            const Eigen::VectorXd& most) {
+  const Eigen::Index count = model.gradient.size();
+  Eigen::MatrixXd curvature = model.curvature;
+  curvature.diagonal() += damping * model.scale;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(count);
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const bool blocked = (model.gradient[i] >= 0.0 && least[i] >= 0.0) || (model.gradient[i] <= 0.0 && most[i] <= 0.0);
+    if (!blocked) free.push_back(i);
+  }
+  while (!free.empty()) {
+    const Eigen::VectorXd slope = model.gradient + curvature * step;
+    const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(curvature(free, free)));
+    if (factor.info() != Eigen::Success) return {};
+    const Eigen::VectorXd move = factor.solve(-slope(free));
+    std::vector<Eigen::Index> inside;
+    for (size_t k = 0; k < free.size(); ++k) {
+      const Eigen::Index i = free[k];
+      const double there = move[static_cast<Eigen::Index>(k)];
+      if (there < least[i] || there > most[i]) {
+        step[i] = std::clamp(there, least[i], most[i]);
+      } else {
+        inside.push_back(i);
+      }
     }
-    return true;
+    if (inside.size() == free.size()) {
+      for (size_t k = 0; k < free.size(); ++k) step[free[k]] = move[static_cast<Eigen::Index>(k)];
+      break;
+    }
+    free = inside;
   }
-
- private:
-  Search& search_;
-  double tolerance_m_;
-};
-
-// Tells the progress, and stops once a step changes the distance by far less than the tolerance, or the target is
-// reached.
-class Watch : public ceres::IterationCallback {
- public:
-  Watch(Search& search, const Eigen::VectorXd& commands, double tolerance_m)
-      : search_(search), commands_(commands), tolerance_m_(tolerance_m) {}
-
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    const double distance_m = std::sqrt(2.0 * summary.cost) * tolerance_m_;
-    const bool settled = summary.step_is_successful && std::abs(distance_m_ - distance_m) < kSettled * tolerance_m_;
-    const bool first = summary.iteration == 0;
-    distance_m_ = distance_m;
-    if (!first && !search_.finish_iteration(commands_, distance_m)) return ceres::SOLVER_ABORT;
-    if (distance_m < tolerance_m_ || (settled && !first)) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
-    return ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  Search& search_;
-  const Eigen::VectorXd& commands_;
-  double tolerance_m_;
-  double distance_m_ = 0.0;
-};
-
-ceres::Solver::Options solver_options(int max_iterations) {
-  ceres::Solver::Options options;
-  options.max_num_iterations = max_iterations;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.logging_type = ceres::SILENT;
-  options.update_state_every_iteration = true;  // Watch reads the commands
-  options.function_tolerance = 0.0;             // Watch decides
-  options.parameter_tolerance = 1.0e-10;
-  options.line_search_interpolation_type = ceres::QUADRATIC;  // CUBIC would want the Jacobian of every trial
-  options.initial_trust_region_radius = kFirstRadius;
-  options.num_threads = 1;
-  return options;
+  return step;
 }
 
-// The commands at a limit beyond which the target lies.
-std::vector<bool> blocked_commands(const ReachProblem& problem, const Evaluation& here) {
-  const Eigen::VectorXd downhill = here.jacobian.transpose() * (problem.target_m - here.marker_m);
-  std::vector<bool> blocked(downhill.size());
-  for (Eigen::Index i = 0; i < downhill.size(); ++i) {
-    blocked[i] = (downhill[i] <= 0.0 && here.commands[i] <= problem.min[i]) ||
-                 (downhill[i] >= 0.0 && here.commands[i] >= problem.max[i]);
-  }
-  return blocked;
+// The damped step in which no command moves by more than kLargestStep of its range: each kept to it by itself, or where
+// that would not lead down, as the columns are alike, all shortened together. Empty where the curvature needs more
+// damping.
+Eigen::VectorXd short_step(const LocalModel& model, double damping, const ReachProblem& problem,
+                           const Eigen::VectorXd& commands) {
+  const Eigen::VectorXd least = problem.min - commands, most = problem.max - commands;
+  const Eigen::VectorXd reach = kLargestStep * (problem.max - problem.min);
+  Eigen::VectorXd step = damped_step(model, damping, least.cwiseMax(-reach), most.cwiseMin(reach));
+  if (step.size() == 0 || step.isZero(0.0) || model.change(step) < 0.0) return step;
+  step = damped_step(model, damping, least, most);
+  return step / std::max(1.0, step.cwiseQuotient(reach).cwiseAbs().maxCoeff());
 }
 
-// Moves the commands that are not held; returns why it stopped.
-std::string solve_free_commands(Search& search, const std::vector<bool>& held, int max_iterations, double tolerance_m,
-                                Eigen::VectorXd& commands) {
-  std::vector<double*> blocks;
-  for (Eigen::Index i = 0; i < commands.size(); ++i) blocks.push_back(&commands[i]);
-  ceres::Problem problem;
-  problem.AddResidualBlock(new ReachCost(search, tolerance_m), nullptr, blocks);
-  for (size_t i = 0; i < blocks.size(); ++i) {
-    problem.SetParameterLowerBound(blocks[i], 0, search.problem().min[static_cast<Eigen::Index>(i)]);
-    problem.SetParameterUpperBound(blocks[i], 0, search.problem().max[static_cast<Eigen::Index>(i)]);
-    if (held[i]) problem.SetParameterBlockConstant(blocks[i]);
-  }
-  Watch watch(search, commands, tolerance_m);
-  ceres::Solver::Options options = solver_options(max_iterations);
-  options.callbacks.push_back(&watch);
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  if (summary.termination_type == ceres::USER_FAILURE) return kCancelled;
-  if (summary.termination_type == ceres::NO_CONVERGENCE) return kIterationLimit;
-  if (!search.failure().empty()) return search.failure();
-  return summary.IsSolutionUsable() ? kConverged : summary.message;
+// Dennis, Gay and Welsch's update of the second-order part after a step, sized so that it never remembers more
+// curvature than the step has seen.
+void learn(const Evaluation& before, const Evaluation& after, Eigen::MatrixXd& second_order) {
+  const Eigen::VectorXd step = after.commands - before.commands;
+  const Eigen::VectorXd change = (after.jacobian - before.jacobian).transpose() * after.residuals;
+  const Eigen::VectorXd slope_change =
+      after.jacobian.transpose() * after.residuals - before.jacobian.transpose() * before.residuals;
+  const double along = slope_change.dot(step);
+  if (!(std::abs(along) > 1.0e-12 * slope_change.norm() * step.norm())) return;
+  const double known = step.dot(second_order * step);
+  if (known != 0.0) second_order *= std::min(1.0, std::abs(step.dot(change) / known));
+  const Eigen::VectorXd missing = change - second_order * step;
+  second_order += (missing * slope_change.transpose() + slope_change * missing.transpose()) / along -
+                  missing.dot(step) / (along * along) * slope_change * slope_change.transpose();
 }
 
-// Ceres projects its steps on the bounds, which creeps where one command is at a limit and another has to make up for
-// it. So the blocked commands are held while the others move, until nothing is to be held or freed any more.
+// Descends from `commands`, which become the best found; returns why it stopped.
 std::string descend(Search& search, int max_iterations, double tolerance_m, Eigen::VectorXd& commands) {
-  std::vector<bool> held;
-  double distance_m = std::numeric_limits<double>::infinity();
-  for (;;) {
-    const Evaluation* here = search.evaluate(commands, true);
-    if (!here) return search.failure();
-    const std::vector<bool> blocked = blocked_commands(search.problem(), *here);
-    const bool all_blocked = std::find(blocked.begin(), blocked.end(), false) == blocked.end();
-    if (all_blocked || blocked == held || distance_m - here->distance_m < tolerance_m) return kConverged;
-    if (search.iterations() == max_iterations) return kIterationLimit;
-    held = blocked;
-    distance_m = here->distance_m;
-    const std::string reason =
-        solve_free_commands(search, held, max_iterations - search.iterations(), tolerance_m, commands);
-    if (reason != kConverged) return reason;
+  const ReachProblem& problem = search.problem();
+  const Evaluation* found = search.evaluate(commands, true);
+  if (!found) return search.failure();
+  Evaluation here = *found;
+  Eigen::MatrixXd second_order = Eigen::MatrixXd::Zero(commands.size(), commands.size());
+  double damping = kFirstDamping, growth = 2.0;
+  int small_steps = 0;
+  while (here.residuals.norm() >= tolerance_m) {
+    if (search.iterations() >= max_iterations) return kIterationLimit;
+    const LocalModel model = model_at(here, second_order);
+    const Eigen::VectorXd step = short_step(model, damping, problem, commands);
+    const bool some_way = step.size() > 0;
+    if (some_way && step.isZero(0.0)) return kConverged;
+    const double promised = some_way ? -model.change(step) : 0.0;
+    if (promised <= 0.0) {  // the curvature, or a bound that a command was put to, asks for more damping
+      damping = std::max(4.0 * damping, 1.0e-3);
+      if (damping > kMostDamping) return kConverged;
+      continue;
+    }
+    const double worth_m2 = kSettled * tolerance_m * here.residuals.norm();  // what so small a gain changes
+    if (promised < 0.01 * worth_m2) return kConverged;
+    const Eigen::VectorXd next = (commands + step).cwiseMax(problem.min).cwiseMin(problem.max);
+    found = search.evaluate(next, false);
+    const double gained = found && found->allowed ? here.objective_m2() - found->objective_m2() : -promised;
+    const bool better = gained > 0.0;
+    if (better) found = search.evaluate(next, true);
+    if (better && found) {
+      learn(here, *found, second_order);
+      small_steps = gained < worth_m2 ? small_steps + 1 : 0;
+      here = *found;
+      commands = next;
+      damping = std::max(kLeastDamping, damping * std::max(1.0 / 5.0, 1.0 - std::pow(2.0 * gained / promised - 1.0, 3)));
+      growth = 2.0;
+    } else {
+      damping *= growth;
+      growth *= 2.0;
+    }
+    if (!search.finish_iteration(commands, here.distance_m)) return kCancelled;
+    if (small_steps >= 2 || damping > kMostDamping) return kConverged;
   }
+  return kConverged;
 }
 
-bool idle(const Evaluation& here, Eigen::Index command) { return here.jacobian.col(command).isZero(0.0); }
+bool idle(const Evaluation& here, Eigen::Index command) {
+  return here.prediction.marker_jacobian.col(command).isZero(0.0);
+}
 
-// Moves a command that is idle at `rest`, further and further to either side, until the marker answers; true where that
-// way leads nearer, otherwise the command is as it was. The marker stays at rest up to the point where the command
-// begins to act, so that the rest's distance from the target is the one to compare with.
+// The nearest command on the way to `limit` that moves the markers, at the others' present values; null where none does.
+// Up to there nothing changes, so that small steps cost next to nothing, and large ones beyond would cost much.
+const Evaluation* first_effect(Search& search, const Evaluation& rest, Eigen::Index command, double limit) {
+  constexpr int steps = 40, halvings = 3;
+  constexpr double still_m = 1.0e-9;
+  Eigen::VectorXd commands = rest.commands;
+  const auto moves = [&](double value) {
+    commands[command] = value;
+    const Evaluation* here = search.evaluate(commands, false);
+    return here && !(here->prediction.markers_m - rest.prediction.markers_m).isZero(still_m);
+  };
+  const double from = rest.commands[command];
+  double still_at = from, moves_at = from;
+  for (int i = 1; i <= steps && moves_at == still_at; ++i) {
+    const double value = i == steps ? limit : from + (limit - from) * i / steps;
+    moves_at = value;
+    if (!moves(value)) still_at = value;
+  }
+  if (moves_at == still_at) return nullptr;
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (still_at + moves_at);
+    (moves(middle) ? moves_at : still_at) = middle;
+  }
+  commands[command] = moves_at;
+  return search.evaluate(commands, true);
+}
+
+// Moves a command that is idle at `rest` to where it does something and that leads nearer; otherwise the command is as it
+// was. First to where it begins to act; then to where the search started, where a body that buckles may be in another
+// shape.
 bool wake(Search& search, const Evaluation& rest, Eigen::Index command, Eigen::VectorXd& commands) {
   const ReachProblem& problem = search.problem();
   const double from = commands[command];
-  for (const double share : {1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0, 1.0}) {
-    for (const double limit : {problem.min[command], problem.max[command]}) {
-      if (limit == from) continue;
-      commands[command] = from + share * (limit - from);
-      const Evaluation* here = search.evaluate(commands, true);
-      if (!here || idle(*here, command)) continue;
-      const double along = here->jacobian.col(command).dot(problem.target_m - rest.marker_m) * (limit - from);
-      if (along <= 0.0) commands[command] = from;
-      return along > 0.0;
-    }
+  for (const double limit : {problem.min[command], problem.max[command]}) {
+    if (limit == from) continue;
+    const Evaluation* edge = first_effect(search, rest, command, limit);
+    if (!edge) continue;
+    commands[command] = edge->commands[command];
+    if (edge->jacobian.col(command).dot(rest.residuals) * (limit - from) < 0.0) return true;
+    commands[command] = problem.start[command];
+    const Evaluation* other = commands[command] != from ? search.evaluate(commands, false) : nullptr;
+    if (other && other->allowed && other->objective_m2() < rest.objective_m2()) return true;
+    commands[command] = from;
   }
-  commands[command] = from;
   return false;
 }
 
@@ -169,15 +214,15 @@ bool wake(Search& search, const Evaluation& rest, Eigen::Index command, Eigen::V
 // to come nearer, and does.
 std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m) {
   Eigen::VectorXd commands = search.problem().start;
-  double distance_m = std::numeric_limits<double>::infinity();
+  double last_m = std::numeric_limits<double>::infinity();
   for (;;) {
     const std::string reason = descend(search, max_iterations, tolerance_m, commands);
     const Evaluation* found = search.evaluate(search.best()->commands, true);
     if (!found) return search.failure();
     const Evaluation best = *found;
-    const bool nearer = distance_m - best.distance_m >= tolerance_m;
-    if (reason != kConverged || best.distance_m < tolerance_m || !nearer) return reason;
-    distance_m = best.distance_m;
+    const double left_m = best.residuals.norm();
+    if (reason != kConverged || left_m < tolerance_m || last_m - left_m < tolerance_m) return reason;
+    last_m = left_m;
     commands = best.commands;
     bool woken = false;
     for (Eigen::Index i = 0; i < commands.size(); ++i)

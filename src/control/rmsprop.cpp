@@ -14,7 +14,6 @@ namespace {
 constexpr double kGamma = 0.9;          // memory of the mean square
 constexpr double kEpsilon = 1.0e-6;     // [m^4 per command^2]
 constexpr double kEta = 0.001;          // step [command]
-constexpr double kDifference = 1.0e-3;  // [command]; 0.08 mm of pull on an 80 mm cable
 
 // One backward difference per command; forward where a backward one would leave the bounds.
 std::optional<Eigen::VectorXd> gradient(Search& search, const Eigen::VectorXd& commands, double objective_m2) {
@@ -43,10 +42,12 @@ std::string search_rmsprop(Search& search, int max_iterations) {
     const std::optional<Eigen::VectorXd> slope = gradient(search, commands, here->objective_m2());
     if (!slope) return search.failure();
     mean_square = kGamma * mean_square + (1.0 - kGamma) * slope->array().square();
-    commands.array() -= kEta * slope->array() / (mean_square + kEpsilon).sqrt();
-    commands = commands.cwiseMax(problem.min).cwiseMin(problem.max);
-    const Evaluation* there = search.evaluate(commands, false);
+    Eigen::VectorXd next = commands;
+    next.array() -= kEta * slope->array() / (mean_square + kEpsilon).sqrt();
+    next = next.cwiseMax(problem.min).cwiseMin(problem.max);
+    const Evaluation* there = search.approach(commands, next, false);
     if (!there) return search.failure();
+    commands = there->commands;
     if (!search.finish_iteration(commands, there->distance_m)) return kCancelled;
   }
   return kIterationLimit;

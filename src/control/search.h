@@ -8,13 +8,21 @@
 
 namespace soft_robot_lab {
 
+// Residuals, whose squares the objective halves and sums [m]: weighted target - marker, three rows a goal; effort; and
+// what keeps tensions from their limits.
 struct Evaluation {
   Eigen::VectorXd commands;
-  Eigen::Vector3d marker_m;
-  Eigen::Matrix3Xd jacobian;  // 3 x commands [m per command]; empty where none was asked for
-  double distance_m = 0.0;    // from the target
-  double objective_m2() const { return 0.5 * distance_m * distance_m; }
+  Prediction prediction;
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;  // of the residuals; empty where no derivatives were asked for
+  double distance_m = 0.0;   // markers from targets
+  bool allowed = true;       // no tension is beyond its limit
+  double objective_m2() const { return 0.5 * residuals.squaredNorm(); }
 };
+
+// A tension is let into the last part of its limit at a price that grows to a distance's order of magnitude.
+inline constexpr double kTensionBand = 0.02;    // of the limit
+inline constexpr double kTensionPrice_m = 0.1;  // at the limit
 
 class Search {
  public:
@@ -26,17 +34,24 @@ class Search {
   // asking for one's Jacobian later starts from a solved equilibrium.
   const Evaluation* evaluate(const Eigen::VectorXd& commands, bool with_jacobian);
 
+  // The same on the way to `to`, which is cut in halves until no tension is beyond its limit; null also where that
+  // leads nowhere.
+  const Evaluation* approach(const Eigen::VectorXd& from, const Eigen::VectorXd& to, bool with_jacobian);
+
   // Counts an iteration that ended at `commands`; false when the caller cancels.
   bool finish_iteration(const Eigen::VectorXd& commands, double distance_m);
 
-  const std::optional<Evaluation>& best() const { return best_; }
-  const std::string& failure() const { return failure_; }  // of the last evaluation; empty when it succeeded
+  const std::optional<Evaluation>& best() const { return best_; }  // of what is allowed, by the objective
+  const std::string& failure() const { return failure_; }          // of the last evaluation; empty when it succeeded
   int iterations() const { return iterations_; }
   int evaluations() const { return evaluations_; }
 
  private:
+  void judge(Evaluation& here) const;
+
   const ReachProblem& problem_;
   const ProgressCallback& progress_;
+  Eigen::VectorXd shares_;  // square roots of the goals' weights, whose sum is 1
   std::optional<Evaluation> last_;
   std::optional<Evaluation> best_;
   std::string failure_;
@@ -47,6 +62,13 @@ class Search {
 // A method starts at problem().start, which has been evaluated, and returns why it stopped.
 std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m);
 std::string search_rmsprop(Search& search, int max_iterations);
+std::string search_pid(Search& search, int max_iterations, double tolerance_m);
+std::string search_pid_projected(Search& search, int max_iterations, double tolerance_m);
+// `kind`: cma_es or differential_evolution; an iteration is a generation.
+std::string search_by_population(Search& search, const std::string& kind, int max_iterations, int population,
+                                 unsigned int seed, double tolerance_m);
+
+inline constexpr double kDifference = 1.0e-3;  // [command], of methods that know no derivatives
 
 inline constexpr const char* kConverged = "converged";
 inline constexpr const char* kIterationLimit = "iteration limit";

@@ -2,6 +2,7 @@
 //
 // Parameters: ~scene (path; absent in simulated sessions, where the simulator tells which scene runs), ~ramp_s (how
 // long an optimised policy takes to reach its commands).
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <map>
@@ -15,12 +16,11 @@
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 #include <std_msgs/String.h>
+#include <std_srvs/Trigger.h>
 
-#include "soft_robot_lab/control/forward_model.h"
-#include "soft_robot_lab/control/optimiser.h"
+#include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/policy_player.h"
 #include "soft_robot_lab/ros/policy_request.h"
 #include "soft_robot_lab/ros/rest_detector.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -44,6 +44,7 @@ struct Execution {
   MarkerObservations markers;
   bool sent = false;  // the last command
   bool rested = false;
+  bool cancelled = false;
 
   bool done() const { return sent && (rested || !wait_until_rest); }
   bool overdue() const { return elapsed_s > time_limit_s; }
@@ -64,15 +65,19 @@ class ControllerNode {
   bool execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response);
   void execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response);
   Execution new_execution(const ExecutePolicy::Request& request) const;
-  bool publish_progress(const OptimisePolicy::Request& request, const ReachProblem& problem,
-                        const OptimisationProgress& progress) const;
-  void publish_target(const OptimisePolicy::Request& request) const;
+  bool cancel(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  PolicyAnswer find(const PolicyTask& task, const OptimiserOptions& options);
+  void publish_progress(const std::string& method, const std::string& marker,
+                        const std::vector<std::string>& actuators, const OptimisationProgress& progress) const;
+  void publish_target(const MarkerGoal& goal) const;
 
   SceneOptions scene_options_;
   double ramp_s_ = 2.0;
 
   std::mutex model_mutex_;  // held while the model computes
   std::unique_ptr<Simulation> model_;
+  std::atomic<bool> optimising_{false};
+  std::atomic<bool> cancel_optimisation_{false};
 
   std::mutex mutex_;  // guards what follows; held briefly
   CommandLimitsByName limits_;
@@ -111,14 +116,14 @@ void ControllerNode::offer_services() {
   services_ = {
       node_.advertiseService(topics::optimise_policy, &ControllerNode::optimise_policy, this),
       node_.advertiseService(topics::execute_policy, &ControllerNode::execute_policy, this),
+      node_.advertiseService(topics::cancel_policy, &ControllerNode::cancel, this),
   };
 }
 
 // Throws what load_scene throws; the old model then stays.
 void ControllerNode::load(const std::string& path) {
   Scene scene = load_scene(path, scene_options_);
-  CommandLimitsByName limits;
-  for (const auto& actuator : scene.simulation->actuators()) limits[actuator->name()] = actuator->limits();
+  CommandLimitsByName limits = limits_of(*scene.simulation);
   const std::scoped_lock lock(model_mutex_, mutex_);
   model_ = std::move(scene.simulation);
   limits_ = std::move(limits);
@@ -144,21 +149,13 @@ bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimiseP
   try {
     const std::unique_lock lock(model_mutex_, std::try_to_lock);
     if (!lock) throw std::runtime_error("busy with another optimisation; ask again when it ended");
-    model_->reset();
-    ReachProblem problem = reach_problem(request, *model_);
-    const OptimiserOptions options = optimiser_options(request);
-    ForwardModel forward_model(*model_, request.marker, problem.names);
-    problem.marker = [&](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
-      return forward_model.marker(commands, jacobian);
-    };
-    problem.validate();
-    publish_target(request);
-    const OptimisationSummary summary =
-        optimise(problem, options, [&](const auto& progress) { return publish_progress(request, problem, progress); });
-    response.summary = to_message(summary);
-    response.success = summary.usable;
-    response.message = summary.stop_reason;
-    if (summary.usable) response.policy = policy_of(problem.names, summary.commands, ramp_s_);
+    const PolicyTask task = policy_task(request, ramp_s_);
+    const PolicyAnswer answer = find(task, optimiser_options(request));
+    for (const OptimisationSummary& summary : answer.summaries) response.poses.push_back(to_message(summary));
+    response.summary = response.poses.back();
+    response.success = answer.success;
+    response.message = response.summary.stop_reason;
+    if (answer.success) response.policy = to_message(answer.policy);
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
@@ -167,27 +164,53 @@ bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimiseP
   return true;
 }
 
-void ControllerNode::publish_target(const OptimisePolicy::Request& request) const {
+// From the rest state without commands, whatever the model was asked before.
+PolicyAnswer ControllerNode::find(const PolicyTask& task, const OptimiserOptions& options) {
+  model_->reset();
+  cancel_optimisation_ = false;
+  std::optional<size_t> told;
+  optimising_ = true;
+  const std::shared_ptr<void> no_longer(nullptr, [this](void*) { optimising_ = false; });
+  return find_policy(*model_, task, options, [&](size_t pose, const auto& actuators, const auto& progress) {
+    const MarkerGoal& goal = task.poses[pose].goals.front();
+    if (told != pose) publish_target(goal);
+    told = pose;
+    publish_progress(options.method, goal.marker, actuators, progress);
+    return ros::ok() && !cancel_optimisation_;
+  });
+}
+
+bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  const std::lock_guard lock(mutex_);
+  response.success = optimising_ || execution_;
+  response.message = response.success ? "" : "nothing is optimised or executed now";
+  if (optimising_) cancel_optimisation_ = true;
+  if (execution_) execution_->cancelled = true;
+  execution_changed_.notify_all();
+  return true;
+}
+
+void ControllerNode::publish_target(const MarkerGoal& goal) const {
   Target target;
   target.header.stamp = ros::Time::now();
   target.header.frame_id = topics::robot_frame;
-  target.marker = request.marker;
-  target.position = request.target;
+  target.marker = goal.marker;
+  target.position = to_message(goal.target_m);
   target_publisher_.publish(target);
 }
 
-bool ControllerNode::publish_progress(const OptimisePolicy::Request& request, const ReachProblem& problem,
+void ControllerNode::publish_progress(const std::string& method, const std::string& marker,
+                                      const std::vector<std::string>& actuators,
                                       const OptimisationProgress& progress) const {
   PolicyProgress message;
   message.header.stamp = ros::Time::now();
-  message.method = request.method;
-  message.marker = request.marker;
+  message.method = method;
+  message.marker = marker;
   message.iteration = progress.iteration;
   message.distance_m = progress.distance_m;
-  message.names = problem.names;
+  message.names = actuators;
   message.values.assign(progress.commands.data(), progress.commands.data() + progress.commands.size());
   progress_publisher_.publish(message);
-  return ros::ok();
 }
 
 bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
@@ -203,13 +226,14 @@ bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePoli
 
 Execution ControllerNode::new_execution(const ExecutePolicy::Request& request) const {
   if (execution_) throw std::runtime_error("busy with another policy; ask again when it ended");
-  validate(request.policy, limits_);
+  const CommandPolicy policy = from_message(request.policy);
+  validate(policy, limits_);
   std::vector<double> start_values;
-  for (const std::string& name : request.policy.names) {
+  for (const std::string& name : policy.names) {
     const auto seen = commands_.find(name);
     start_values.push_back(seen != commands_.end() ? seen->second : limits_.at(name).rest);
   }
-  return {PolicyPlayer(request.policy, start_values), request.wait_until_rest != 0, execution_time_limit_s(request)};
+  return {PolicyPlayer(policy, start_values), request.wait_until_rest != 0, execution_time_limit_s(request)};
 }
 
 // Waits while the marker messages drive the policy on, in whatever time the session runs.
@@ -218,14 +242,15 @@ void ControllerNode::execute(const ExecutePolicy::Request& request, ExecutePolic
   std::unique_lock lock(mutex_);
   execution_.emplace(new_execution(request));
   const auto silent = [&] { return (ros::WallTime::now() - execution_->heard).toSec() > silence_s; };
-  while (ros::ok() && !execution_->done() && !execution_->overdue() && !silent()) {
+  while (ros::ok() && !execution_->done() && !execution_->overdue() && !execution_->cancelled && !silent()) {
     execution_changed_.wait_for(lock, std::chrono::milliseconds(100));
   }
   response.success = execution_->done();
   if (!response.success) {
-    response.message = execution_->overdue() ? "not at rest within " + std::to_string(execution_->time_limit_s) + " s"
-                       : ros::ok()           ? "no markers came for 10 s"
-                                             : "cancelled: the session ends";
+    response.message = execution_->cancelled   ? "cancelled"
+                       : execution_->overdue() ? "not at rest within " + std::to_string(execution_->time_limit_s) + " s"
+                       : ros::ok()             ? "no markers came for 10 s"
+                                               : "cancelled: the session ends";
   }
   response.duration_s = execution_->elapsed_s;
   response.markers = execution_->markers;
@@ -234,7 +259,7 @@ void ControllerNode::execute(const ExecutePolicy::Request& request, ExecutePolic
 
 void ControllerNode::on_markers(const MarkerObservations& markers) {
   const std::lock_guard lock(mutex_);
-  if (!execution_) return;
+  if (!execution_ || execution_->cancelled) return;
   Execution& execution = *execution_;
   const double now_s = markers.header.stamp.toSec();
   if (!execution.start_s) execution.start_s = now_s;

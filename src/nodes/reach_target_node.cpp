@@ -13,6 +13,7 @@
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 
+#include "soft_robot_lab/control/optimiser.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/rest_detector.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -33,7 +34,7 @@ Task read_task(const std::string& path) {
   Task task;
   task.marker = file.text("marker");
   task.target_m = file.vector3("target_m");
-  task.method = file.choice("method", {"gauss_newton", "rmsprop"});
+  task.method = file.choice("method", optimiser_methods());
   task.accepted_distance_m = file.number("accepted_distance_m", AllowedRange::positive());
   file.require_all_read();
   return task;

@@ -71,6 +71,8 @@ RigCamera read_camera(const SettingsNode& node) {
   camera.pose.world_from_camera = read_world_from_camera(node);
   camera.model = read_model(node);
   camera.rate_hz = node.number_or("rate_hz", camera.rate_hz, {0, 1000, true, false});
+  if (node.has("samples_a_side"))
+    camera.samples_a_side = node.integer("samples_a_side", 3, ExactCamera::most_samples_a_side);
   if (const auto sensor = node.optional_child("sensor")) camera.sensor = read_sensor_model(*sensor);
   return camera;
 }
@@ -130,7 +132,8 @@ CameraRig read_camera_rig(const std::string& path) {
 RenderedCamera make_camera(const RigCamera& camera, const Stage& stage, std::uint64_t seed) {
   std::uint64_t own_seed = seed;
   for (const char letter : camera.pose.name) own_seed = scramble(own_seed, static_cast<unsigned char>(letter), 0);
-  return {camera.pose.name, ExactCamera(camera.model, camera.pose.world_from_camera, stage), camera.sensor, own_seed};
+  return {camera.pose.name, ExactCamera(camera.model, camera.pose.world_from_camera, stage), camera.sensor, own_seed,
+          camera.samples_a_side};
 }
 
 }  // namespace soft_robot_lab

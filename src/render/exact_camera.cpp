@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace soft_robot_lab {
 namespace {
@@ -89,14 +90,19 @@ Glance ExactCamera::glance(const Stage& stage, cv::Point pixel, const Eigen::Vec
 }
 
 template <typename Look>
-Eigen::Vector3f ExactCamera::mean_colour(cv::Point pixel, int samples_a_side, const Look& look) const {
+Eigen::Vector3f ExactCamera::mean_colour(cv::Point pixel, int samples_a_side, const Look& look, int moment,
+                                         int moments) const {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  int count = 0;
   for (int i = 0; i < samples_a_side * samples_a_side; ++i) {
-    const float right = (static_cast<float>(i % samples_a_side) + 0.5f) / static_cast<float>(samples_a_side);
-    const float down = (static_cast<float>(i / samples_a_side) + 0.5f) / static_cast<float>(samples_a_side);
+    const int column = i % samples_a_side, row = i / samples_a_side;
+    if ((column + 2 * row) % moments != moment) continue;  // every moment has rays all over the pixel
+    const float right = (static_cast<float>(column) + 0.5f) / static_cast<float>(samples_a_side);
+    const float down = (static_cast<float>(row) + 0.5f) / static_cast<float>(samples_a_side);
     sum += look(pixel, direction(pixel, right, down)).colour;
+    ++count;
   }
-  return sum / static_cast<float>(samples_a_side * samples_a_side);
+  return sum / static_cast<float>(count);
 }
 
 template <typename Look>
@@ -125,22 +131,46 @@ void ExactCamera::draw_background(const Stage& stage) {
     }
 }
 
+cv::Mat ExactCamera::fine_pixels(const Stage& stage, const ExactImage& sharp, const cv::Rect& area,
+                                 double smear_px) const {
+  cv::Mat fine = cv::Mat::zeros(area.size(), CV_8UC1);
+  for (int v = 0; v < area.height; ++v)
+    for (int u = 0; u < area.width; ++u)
+      if (at_edge(sharp, {u, v})) fine.at<std::uint8_t>(v, u) = 255;
+  for (const cv::Rect& bounds : sticker_bounds(stage)) fine((bounds & area) - area.tl()).setTo(255);
+  const int reach = static_cast<int>(std::ceil(0.5 * smear_px));
+  if (reach > 0) cv::dilate(fine, fine, cv::Mat::ones(2 * reach + 1, 2 * reach + 1, CV_8UC1));
+  return fine;
+}
+
 void ExactCamera::draw(const Stage& stage, const cv::Rect& area, float gloss, ExactImage& image,
                        int samples_a_side) const {
+  draw(stage, {1, 0, [](int) {}}, area, gloss, image, samples_a_side);
+}
+
+void ExactCamera::draw(const Stage& stage, const Exposure& exposure, const cv::Rect& area, float gloss,
+                       ExactImage& image, int samples_a_side) const {
   const auto look = [&](cv::Point pixel, const Eigen::Vector3f& ray) { return glance(stage, pixel, ray, gloss); };
   const cv::Rect inside = area & image_area(), wide = grown(inside, 1) & image_area();  // edges show by the neighbours
+  if (inside.empty()) return;
+  samples_a_side = std::max(samples_a_side, (exposure.moments + 4) / 3);  // so that every moment has a ray: mean_colour
+  exposure.show(exposure.moments / 2);
   const ExactImage sharp = sharp_image(wide, look);
-  const std::vector<cv::Rect> fine = sticker_bounds(stage);
-  for (int v = inside.y; v < inside.y + inside.height; ++v)
-    for (int u = inside.x; u < inside.x + inside.width; ++u) {
-      const cv::Point pixel(u, v), local = pixel - wide.tl();
-      const bool many = at_edge(sharp, local) || std::any_of(fine.begin(), fine.end(), [&](const cv::Rect& bounds) {
-                          return bounds.contains(pixel);
-                        });
-      image.depth.at<float>(pixel) = sharp.depth.at<float>(local);
-      image.colour.at<cv::Vec3f>(pixel) =
-          many ? to_pixel(mean_colour(pixel, samples_a_side, look)) : sharp.colour.at<cv::Vec3f>(local);
-    }
+  const cv::Rect local(inside.tl() - wide.tl(), inside.size());
+  const cv::Mat fine = fine_pixels(stage, sharp, wide, exposure.smear_px)(local);
+  sharp.depth(local).copyTo(image.depth(inside));
+  sharp.colour(local).copyTo(image.colour(inside));
+  image.colour(inside).setTo(cv::Scalar::all(0), fine);
+  for (int moment = 0; moment < exposure.moments; ++moment) {
+    exposure.show(moment);
+    for (int v = 0; v < fine.rows; ++v)
+      for (int u = 0; u < fine.cols; ++u) {
+        if (fine.at<std::uint8_t>(v, u) == 0) continue;
+        const cv::Point pixel = inside.tl() + cv::Point(u, v);
+        const Eigen::Vector3f mean = mean_colour(pixel, samples_a_side, look, moment, exposure.moments);
+        image.colour.at<cv::Vec3f>(pixel) += to_pixel(mean / static_cast<float>(exposure.moments));
+      }
+  }
 }
 
 cv::Rect ExactCamera::robot_bounds(const Stage& stage) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -11,15 +12,35 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double still_px =
-    0.1;  // what moves less within a row's exposure, or from one band of rows to the next, is still
-constexpr int most_bands = 32;     // of rows that are drawn as if exposed at once
-constexpr int most_exposures = 9;  // moments that make up a smeared row
+constexpr double moment_px = 0.5;  // how far a thing may go from one moment of an exposure to the next
+constexpr int most_moments = 9;    // of an exposure
 
-SeenState state_at(const SeenMotion& motion, double after_stamp_s) {
-  const double steps = after_stamp_s / motion.interval_s;
-  return {motion.present.vertices_m + steps * (motion.present.vertices_m - motion.before.vertices_m),
-          motion.present.stickers_m + steps * (motion.present.stickers_m - motion.before.stickers_m)};
+// The image's row of a point; without the lens where the image does not show it.
+double row_px(const ExactCamera& camera, const Eigen::Isometry3d& camera_from_world, const Eigen::Vector3d& point_m) {
+  const CameraModel& model = camera.model();
+  const Eigen::Vector3d point = camera_from_world * point_m;
+  const double depth_m = std::max(point.z(), 0.01);
+  const double straight_px = model.focal_y_px * point.y() / depth_m + model.centre_y_px;
+  if (!(straight_px > 0 && straight_px < model.height_px)) return straight_px;
+  return model.project({point.x(), point.y(), depth_m}).y();
+}
+
+// The robot with every point where it is when the point's row is exposed: one shape that shows what a rolling shutter
+// does. `late_s` after the row's middle exposure.
+Eigen::Matrix3Xd rolled(const ExactCamera& camera, double readout_time_s, double late_s, double interval_s,
+                        const Eigen::Matrix3Xd& present_m, const Eigen::Matrix3Xd& before_m) {
+  const Eigen::Isometry3d camera_from_world = camera.world_from_camera().inverse();
+  const double rows = camera.model().height_px;
+  Eigen::Matrix3Xd points_m = present_m;
+  for (Eigen::Index i = 0; i < points_m.cols(); ++i) {
+    const Eigen::Vector3d velocity_m_s = (present_m.col(i) - before_m.col(i)) / interval_s;
+    for (int pass = 0; pass < 3; ++pass) {  // as it moves it comes into another row
+      const double row = row_px(camera, camera_from_world, points_m.col(i));
+      const double after_stamp_s = readout_time_s * (row - 0.5 * (rows - 1)) / rows + late_s;
+      points_m.col(i) = present_m.col(i) + after_stamp_s * velocity_m_s;
+    }
+  }
+  return points_m;
 }
 
 double largest_step_m(const SeenMotion& motion) {
@@ -42,8 +63,9 @@ void check(const SeenMotion& motion) {
 }  // namespace
 
 RenderedCamera::RenderedCamera(std::string name, const ExactCamera& camera, const SensorModel& sensor,
-                               std::uint64_t seed)
-    : name_(std::move(name)),
+                               std::uint64_t seed, int samples_a_side)
+    : samples_a_side_(samples_a_side),
+      name_(std::move(name)),
       camera_(camera),
       model_(sensor),
       sensor_(std::make_unique<Sensor>(sensor, camera.background().depth.size(), seed)),
@@ -60,49 +82,31 @@ RgbdFrame RenderedCamera::take(Stage& stage, const SeenMotion& motion, double st
   }
   stage.show(motion.present);
   drawn_ = camera_.robot_bounds(stage);
-  if (drawn_.empty()) {
-  } else if (model_.moves() && motion.interval_s > 0) {
+  if (model_.moves() && motion.interval_s > 0 && largest_step_m(motion) > 0)
     draw_moving(stage, motion);
-  } else {
-    camera_.draw(stage, drawn_, static_cast<float>(model_.gloss), canvas_);
-  }
+  else
+    camera_.draw(stage, drawn_, static_cast<float>(model_.gloss), canvas_, samples_a_side_);
   return {name_, stamp_s, sensor_->colour(canvas_, frame), sensor_->depth(canvas_, frame)};
 }
 
 void RenderedCamera::draw_moving(Stage& stage, const SeenMotion& motion) {
-  const float gloss = static_cast<float>(model_.gloss);
-  const double half_s = 0.5 * (model_.readout_time_s + model_.exposure_time_s);
-  for (const double end_s : {-half_s, half_s}) {
-    stage.show(state_at(motion, end_s));
-    drawn_ |= camera_.robot_bounds(stage);
-  }
-  // As fine as the fastest point asks for, seen from as near as the robot comes.
   const double px_per_m = camera_.model().focal_x_px / camera_.robot_depth_m(stage);
-  const double speed_px_s = largest_step_m(motion) / motion.interval_s * px_per_m;
-  const auto pieces = [&](double time_s, int most) {
-    return std::clamp(static_cast<int>(std::ceil(speed_px_s * time_s / still_px)), 1, most);
-  };
-  const double rows = camera_.model().height_px;
-  const int bands =
-      pieces(model_.readout_time_s * drawn_.height / rows, std::min(most_bands, std::max(1, drawn_.height)));
-  const int exposures = pieces(model_.exposure_time_s, most_exposures);
-  // Together the exposures of a pixel have about as many rays as one of something at rest.
-  const int samples_a_side =
-      static_cast<int>(std::ceil(ExactCamera::most_samples_a_side / std::sqrt(static_cast<double>(exposures))));
-  for (int band = 0; band < bands; ++band) {
-    const int first = drawn_.y + drawn_.height * band / bands, end = drawn_.y + drawn_.height * (band + 1) / bands;
-    const cv::Rect area(drawn_.x, first, drawn_.width, end - first);
-    const double middle_s = model_.readout_time_s * (0.5 * (first + end - 1) - 0.5 * (rows - 1)) / rows;
-    cv::Mat sum = cv::Mat::zeros(area.size(), CV_32FC3), depth;
-    for (int i = 0; i < exposures; ++i) {
-      stage.show(state_at(motion, middle_s + model_.exposure_time_s * ((i + 0.5) / exposures - 0.5)));
-      camera_.draw(stage, area, gloss, canvas_, samples_a_side);
-      sum += canvas_.colour(area);
-      if (i == exposures / 2) depth = canvas_.depth(area).clone();  // matched about where it was in the middle
-    }
-    cv::Mat(sum / exposures).copyTo(canvas_.colour(area));
-    depth.copyTo(canvas_.depth(area));
+  const double smear_px = largest_step_m(motion) / motion.interval_s * px_per_m * model_.exposure_time_s;
+  const int moments = std::clamp(static_cast<int>(std::ceil(smear_px / moment_px)), 1, most_moments);
+  std::vector<SeenState> states;
+  for (int i = 0; i < moments; ++i) {
+    const double late_s = model_.exposure_time_s * ((i + 0.5) / moments - 0.5);
+    const auto at = [&](const Eigen::Matrix3Xd& present_m, const Eigen::Matrix3Xd& before_m) {
+      return rolled(camera_, model_.readout_time_s, late_s, motion.interval_s, present_m, before_m);
+    };
+    states.push_back({at(motion.present.vertices_m, motion.before.vertices_m),
+                      at(motion.present.stickers_m, motion.before.stickers_m)});
+    stage.show(states.back());
+    drawn_ = i == 0 ? camera_.robot_bounds(stage) : drawn_ | camera_.robot_bounds(stage);
   }
+  const ExactCamera::Exposure exposure{moments, smear_px,
+                                       [&](int i) { stage.show(states[static_cast<std::size_t>(i)]); }};
+  camera_.draw(stage, exposure, drawn_, static_cast<float>(model_.gloss), canvas_, samples_a_side_);
   stage.show(motion.present);
 }
 

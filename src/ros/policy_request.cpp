@@ -1,6 +1,5 @@
 #include "soft_robot_lab/ros/policy_request.h"
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -10,46 +9,53 @@
 namespace soft_robot_lab {
 namespace {
 
-void narrow(ReachProblem& problem, int index, const ActuatorLimits& asked) {
-  const double min = problem.min[index];
-  const double max = problem.max[index];
-  if (!(asked.min >= min && asked.min <= asked.max && asked.max <= max)) {
-    std::ostringstream message;
-    message << "limits: [" << asked.min << ", " << asked.max << "] for '" << asked.name
-            << "' is not an interval within [" << min << ", " << max << "]";
-    throw std::invalid_argument(message.str());
-  }
-  problem.min[index] = asked.min;
-  problem.max[index] = asked.max;
-  problem.start[index] = std::clamp(problem.start[index], asked.min, asked.max);
+Pose pose_of(const PolicyPose& asked, double ramp_s) {
+  if (asked.targets.size() != asked.markers.size())
+    throw std::invalid_argument("poses.targets: " + std::to_string(asked.targets.size()) + " targets for " +
+                                std::to_string(asked.markers.size()) + " markers");
+  if (!asked.weights.empty() && asked.weights.size() != asked.markers.size())
+    throw std::invalid_argument("poses.weights: " + std::to_string(asked.weights.size()) + " weights for " +
+                                std::to_string(asked.markers.size()) + " markers");
+  Pose pose;
+  for (size_t i = 0; i < asked.markers.size(); ++i)
+    pose.goals.push_back({asked.markers[i], from_message(asked.targets[i], "poses.targets"),
+                          asked.weights.empty() ? 1.0 : asked.weights[i]});
+  pose.duration_s = asked.duration_s == 0.0 ? ramp_s : asked.duration_s;
+  pose.actuators = asked.actuators;
+  return pose;
+}
+
+ActuatorBounds bounds_of(const ActuatorLimits& asked) {
+  ActuatorBounds bounds;
+  bounds.actuator = asked.name;
+  bounds.min = asked.min;
+  bounds.max = asked.max;
+  if (asked.max_tension_n != 0.0) bounds.max_tension_n = asked.max_tension_n;
+  if (asked.max_rate_per_s != 0.0) bounds.max_rate_per_s = asked.max_rate_per_s;
+  return bounds;
 }
 
 }  // namespace
 
-ReachProblem reach_problem(const OptimisePolicy::Request& request, const Simulation& simulation) {
-  simulation.marker_index(request.marker);
-  ReachProblem problem;
-  problem.target_m = from_message(request.target, "target");
-  const auto& actuators = simulation.actuators();
-  const int count = static_cast<int>(actuators.size());
-  if (count == 0) throw std::invalid_argument("the scene has no actuators to optimise");
-  problem.start.resize(count);
-  problem.min.resize(count);
-  problem.max.resize(count);
-  for (int i = 0; i < count; ++i) {
-    const CommandLimits& limits = actuators[i]->limits();
-    problem.names.push_back(actuators[i]->name());
-    problem.start[i] = limits.rest;
-    problem.min[i] = limits.min;
-    problem.max[i] = limits.max;
+PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s) {
+  PolicyTask task;
+  for (const PolicyPose& pose : request.poses) task.poses.push_back(pose_of(pose, ramp_s));
+  if (task.poses.empty()) {
+    task.poses.push_back({{{request.marker, from_message(request.target, "target"), 1.0}}, ramp_s, {}});
+  } else if (!request.marker.empty()) {
+    throw std::invalid_argument("marker: '" + request.marker + "' beside poses; give one or the other");
   }
-  for (const ActuatorLimits& asked : request.limits) narrow(problem, simulation.actuator_index(asked.name), asked);
-  return problem;
+  for (const ActuatorLimits& limits : request.limits) task.bounds.push_back(bounds_of(limits));
+  task.effort_m = request.effort_m;
+  return task;
 }
 
 OptimiserOptions optimiser_options(const OptimisePolicy::Request& request) {
   OptimiserOptions options;
   options.method = request.method;
+  options.max_iterations = request.max_iterations;
+  if (request.tolerance_m != 0.0) options.tolerance_m = request.tolerance_m;
+  if (request.seed != 0) options.seed = request.seed;
   options.validate();
   return options;
 }
@@ -66,13 +72,22 @@ double execution_time_limit_s(const ExecutePolicy::Request& request) {
   return request.time_limit_s;
 }
 
-Policy policy_of(const std::vector<std::string>& names, const Eigen::VectorXd& commands, double ramp_s) {
-  Policy policy;
-  policy.names = names;
-  policy.steps.resize(1);
-  policy.steps[0].time_s = ramp_s;
-  policy.steps[0].values.assign(commands.data(), commands.data() + commands.size());
+CommandPolicy from_message(const Policy& message) {
+  CommandPolicy policy;
+  policy.names = message.names;
+  for (const PolicyStep& step : message.steps) policy.steps.push_back({step.time_s, step.values});
   return policy;
+}
+
+Policy to_message(const CommandPolicy& policy) {
+  Policy message;
+  message.names = policy.names;
+  for (const TimedCommandValues& step : policy.steps) {
+    message.steps.emplace_back();
+    message.steps.back().time_s = step.time_s;
+    message.steps.back().values = step.values;
+  }
+  return message;
 }
 
 PolicySummary to_message(const OptimisationSummary& summary) {
@@ -82,7 +97,7 @@ PolicySummary to_message(const OptimisationSummary& summary) {
   message.stop_reason = summary.stop_reason;
   message.initial_distance_m = summary.initial_distance_m;
   message.final_distance_m = summary.final_distance_m;
-  message.marker = to_message(summary.marker_m);
+  if (summary.markers_m.cols() > 0) message.marker = to_message(Eigen::Vector3d(summary.markers_m.col(0)));
   message.iterations = summary.iterations;
   message.evaluations = summary.evaluations;
   message.cpu_s = summary.cpu_s;

@@ -443,7 +443,7 @@ std::vector<JunctionBound> NewtonSolver::junctions_at(const Eigen::Matrix3Xd& po
 
 // Along the equilibria that the commands move through: S dy + D dq = d offset on active constraints, dy given on the
 // others; at a junction dq = 0, or where it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx.
-Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
+Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers) {
   if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return {};
   const int count = constraint_count(), junctions = junction_count();
   const Eigen::VectorXd& y = state.constraint_multipliers;
@@ -486,7 +486,9 @@ Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state) {
     matrix(row, first) += slip > 0 ? 1.0 : -ratio;
     matrix(row, second) += slip > 0 ? -ratio : 1.0;
   }
-  return -border_solved_ * matrix.fullPivLu().solve(drive).topRows(count);
+  const Eigen::MatrixXd multiplier_changes = matrix.fullPivLu().solve(drive).topRows(count);
+  if (multipliers) *multipliers = multiplier_changes;
+  return -border_solved_ * multiplier_changes;
 }
 
 }  // namespace soft_robot_lab

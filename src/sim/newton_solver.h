@@ -91,7 +91,8 @@ class NewtonSolver {
 
   // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint; a constraint's command is that
   // of its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
-  Eigen::MatrixXd sensitivities(const NewtonState& state);
+  // `multipliers`, where given, becomes d multiplier / d command, constraints x constraints.
+  Eigen::MatrixXd sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers = nullptr);
 
   // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
   double rest_residual(const NewtonState& state) const;

@@ -52,6 +52,31 @@ void refuse_beyond_gauss_seidel(const Body& body) {
         "rayleigh_mass_per_s, or method global");
 }
 
+// d tension / d command of the actuators, from d multiplier / d command of the constraints: a tension is linear in its
+// actuator's multipliers, and every constraint follows its actuator's command.
+Eigen::MatrixXd tension_changes(const SimulationParts& parts, const Eigen::MatrixXd& multipliers) {
+  const Eigen::Index count = static_cast<Eigen::Index>(parts.actuators.size());
+  Eigen::MatrixXd changes = Eigen::MatrixXd::Zero(count, count);
+  std::vector<Eigen::Index> first(parts.actuators.size() + 1, 0);
+  for (std::size_t i = 0; i < parts.actuators.size(); ++i)
+    first[i + 1] = first[i] + static_cast<Eigen::Index>(parts.actuators[i]->constraints().size());
+  for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
+    const auto tension_n = [&](const std::vector<double>& of) {
+      return parts.actuators[i]->observe(parts.state.positions_m, of).tension_n;
+    };
+    std::vector<double> here = parts.multipliers_of(i);
+    if (!tension_n(here)) continue;
+    for (std::size_t a = 0; a < parts.actuators.size(); ++a) {
+      std::vector<double> there = here;
+      for (Eigen::Index column = first[a]; column < first[a + 1]; ++column)
+        for (std::size_t k = 0; k < there.size(); ++k)
+          there[k] += multipliers(first[i] + static_cast<Eigen::Index>(k), column);
+      changes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(a)) = *tension_n(there) - *tension_n(here);
+    }
+  }
+  return changes;
+}
+
 }  // namespace
 
 Simulation::Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
@@ -113,13 +138,15 @@ SolveReport Simulation::solve_equilibrium() {
   return report;
 }
 
-Eigen::MatrixXd Simulation::marker_sensitivities() {
+Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {
   SimulationParts& p = *parts_;
   p.begin_step();
-  const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns());
+  Eigen::MatrixXd multipliers;
+  const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns(), &multipliers);
   p.remember();
   if (motions.rows() == 0 && p.solver.constraint_count() > 0)
     throw std::runtime_error("no sensitivity: the present state is not a stable equilibrium");
+  if (tensions_n) *tensions_n = tension_changes(p, multipliers);
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(p.markers.size()),
                                                  static_cast<Eigen::Index>(p.actuators.size()));
   Eigen::Index column = 0;

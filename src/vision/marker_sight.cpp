@@ -28,7 +28,6 @@ std::vector<MarkerSight> look(const RgbdFrame& frame, const TrackerCamera& camer
     sight.pixel = blob.centre_px;
     sight.pixel_sigma = blob.sigma_px;
     sight.colour = blob.colour;
-    sight.contrast = blob.contrast;
     sight.partial = blob.partial;
     const double row = blob.centre_px.y() / camera.model.height_px;
     sight.later_s = frame.stamp_s + (row - 0.5) * settings.readout_s - time_s;

@@ -20,7 +20,6 @@ struct MarkerSight {
   double depth_sigma_m = 0;
   double later_s = 0;  // exposed so much later than the time positions are wanted at
   int colour = -1;     // -1: unknown
-  double contrast = 0;
   bool partial = false;
 
   Eigen::Vector3d point_m() const;  // in the world; only with a depth

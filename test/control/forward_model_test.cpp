@@ -1,45 +1,22 @@
-// The forward model, and the optimiser on it, with a bar of 100 x 20 x 20 mm and a cable on either side.
+// The forward model, and the optimiser on it.
 #include "soft_robot_lab/control/forward_model.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "sim/box_mesh.h"
-#include "soft_robot_lab/actuators/factory.h"
+#include "control/cabled_bar.h"
 #include "soft_robot_lab/control/optimiser.h"
-#include "soft_robot_lab/settings/settings_node.h"
 
 namespace soft_robot_lab {
 namespace {
 
-std::unique_ptr<Actuator> cable(const std::string& name, double y_m, const Body& body, const MeshLocator& locator) {
-  const std::string y = std::to_string(y_m);
-  auto actuator = make_actuator("soft_robot_lab/Cable");
-  actuator->initialise(
-      SettingsNode::parse("{name: " + name + ", points_m: [[0, " + y + ", 0], [0.1, " + y + ", 0]]}", "test"), body,
-      locator);
-  return actuator;
-}
-
-Simulation bar(SolverOptions options = {}) {
-  Body body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {5, 2, 1}), Material{264200.0, 0.499, 1070.0});
-  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
-  const MeshLocator locator(body.mesh());
-  std::vector<std::unique_ptr<Actuator>> actuators;
-  actuators.push_back(cable("left", -0.007, body, locator));
-  actuators.push_back(cable("right", 0.007, body, locator));
-  std::vector<Marker> markers;
-  markers.emplace_back("middle", Eigen::Vector3d(0.05, 0.0, 0.0), body.mesh(), locator);
-  markers.emplace_back("tip", Eigen::Vector3d(0.1, 0.0, 0.0), body.mesh(), locator);
-  return Simulation(std::move(body), std::move(actuators), std::move(markers), options);
-}
-
 TEST(ForwardModel, TakesCommandsInTheOrderOfItsNames) {
   Simulation simulation = bar();
   const Eigen::Vector2d left_pulled(0.95, 1.0);
-  const Eigen::Vector3d one = ForwardModel(simulation, "tip", {"left", "right"}).marker(left_pulled, nullptr);
-  const Eigen::Vector3d other = ForwardModel(simulation, "tip", {"right", "left"}).marker(left_pulled, nullptr);
+  const Eigen::Vector3d one = ForwardModel(simulation, {"tip"}, {"left", "right"}).predict(left_pulled, false).markers_m;
+  const Eigen::Vector3d other =
+      ForwardModel(simulation, {"tip"}, {"right", "left"}).predict(left_pulled, false).markers_m;
   EXPECT_LT(one.y(), -0.005);
   EXPECT_NEAR(one.y(), -other.y(), 1e-3);
 }
@@ -48,16 +25,21 @@ TEST(ForwardModel, KnowsItsDerivative) {
   SolverOptions options;
   options.tolerance = 1e-9;
   Simulation simulation = bar(options);
-  ForwardModel model(simulation, "tip", {"right", "left"});
+  ForwardModel model(simulation, {"tip", "middle"}, {"right", "left"});
   const Eigen::Vector2d at(0.97, 0.93);
-  Eigen::Matrix3Xd jacobian;
-  model.marker(at, &jacobian);
-  ASSERT_EQ(jacobian.cols(), 2);
+  const Prediction here = model.predict(at, true);
+  ASSERT_EQ(here.marker_jacobian.rows(), 6);
+  ASSERT_EQ(here.marker_jacobian.cols(), 2);
   for (int i = 0; i < 2; ++i) {
     const Eigen::Vector2d step = 1e-4 * Eigen::Vector2d::Unit(i);
-    const Eigen::Vector3d difference = (model.marker(at + step, nullptr) - model.marker(at - step, nullptr)) / 2e-4;
-    EXPECT_LT((jacobian.col(i) - difference).norm(), 1e-3 * jacobian.norm());
+    const Prediction there = model.predict(at + step, false), back = model.predict(at - step, false);
+    const Eigen::Matrix<double, 3, 2> markers = (there.markers_m - back.markers_m) / 2e-4;
+    const Eigen::Map<const Eigen::VectorXd> slopes(markers.data(), 6);
+    EXPECT_LT((here.marker_jacobian.col(i) - slopes).norm(), 1e-3 * here.marker_jacobian.norm());
+    const Eigen::VectorXd tensions = (there.tensions_n - back.tensions_n) / 2e-4;
+    EXPECT_LT((here.tension_jacobian.col(i) - tensions).norm(), 1e-3 * here.tension_jacobian.norm());
   }
+  EXPECT_GT(here.tensions_n.minCoeff(), 0.0);
 }
 
 TEST(ForwardModel, RefusesUnknownNamesAndListsTheKnown) {
@@ -65,7 +47,7 @@ TEST(ForwardModel, RefusesUnknownNamesAndListsTheKnown) {
   for (const auto& [marker, actuator, words] :
        {std::tuple("tipp", "left", "middle, tip"), std::tuple("tip", "top", "left, right")}) {
     try {
-      ForwardModel(simulation, marker, {actuator});
+      ForwardModel(simulation, {marker}, {actuator});
       ADD_FAILURE() << marker << " " << actuator;
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
@@ -75,11 +57,11 @@ TEST(ForwardModel, RefusesUnknownNamesAndListsTheKnown) {
 
 TEST(ForwardModel, LeavesTheStateWhereARequestIsRefused) {
   Simulation simulation = bar();
-  ForwardModel model(simulation, "tip", {"left", "right"});
-  model.marker(Eigen::Vector2d(0.97, 1.0), nullptr);
+  ForwardModel model(simulation, {"tip"}, {"left", "right"});
+  model.predict(Eigen::Vector2d(0.97, 1.0), false);
   const SimulationState before = simulation.state();
-  EXPECT_THROW(model.marker(Eigen::Vector2d(0.95, 7.0), nullptr), std::invalid_argument);
-  EXPECT_THROW(model.marker(Eigen::VectorXd::Ones(3), nullptr), std::invalid_argument);
+  EXPECT_THROW(model.predict(Eigen::Vector2d(0.95, 7.0), false), std::invalid_argument);
+  EXPECT_THROW(model.predict(Eigen::VectorXd::Ones(3), false), std::invalid_argument);
   EXPECT_EQ(simulation.state().commands, before.commands);
   EXPECT_EQ(simulation.state().positions_m, before.positions_m);
 }
@@ -89,9 +71,9 @@ TEST(ForwardModel, GoesBackToTheLastGoodStateWhereItFindsNoEquilibrium) {
   options.tolerance = 1e-300;  // nothing moves at rest, so that alone is met
   options.max_iterations = 3;
   Simulation simulation = bar(options);
-  ForwardModel model(simulation, "tip", {"left", "right"});
+  ForwardModel model(simulation, {"tip"}, {"left", "right"});
   const SimulationState before = simulation.state();
-  EXPECT_THROW(model.marker(Eigen::Vector2d(0.9, 1.0), nullptr), ForwardModelError);
+  EXPECT_THROW(model.predict(Eigen::Vector2d(0.9, 1.0), false), ForwardModelError);
   EXPECT_EQ(simulation.state().commands, before.commands);
   EXPECT_EQ(simulation.state().actuated_commands, before.actuated_commands);
   EXPECT_EQ(simulation.state().positions_m, before.positions_m);
@@ -99,13 +81,13 @@ TEST(ForwardModel, GoesBackToTheLastGoodStateWhereItFindsNoEquilibrium) {
 
 TEST(GaussNewton, BringsTheTipToAReachableTarget) {
   Simulation simulation = bar();
-  ForwardModel model(simulation, "tip", {"left", "right"});
+  ForwardModel model(simulation, {"tip"}, {"left", "right"});
   const Eigen::Vector2d goal(0.92, 0.98);
   ReachProblem problem;
-  problem.marker = [&](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
-    return model.marker(commands, jacobian);
+  problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
+    return model.predict(commands, with_derivatives);
   };
-  problem.target_m = model.marker(goal, nullptr);
+  problem.goals = {Goal{model.predict(goal, false).markers_m}};
   problem.start = problem.max = Eigen::Vector2d(1.0, 1.0);
   problem.min = Eigen::Vector2d(0.8, 0.8);
   problem.names = {"left", "right"};

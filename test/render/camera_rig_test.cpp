@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "soft_robot_lab/vision/calibration.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -33,6 +35,16 @@ TEST(CameraRig, StandsAtSixtyCentimetresInTheDefaultBox) {
   ASSERT_EQ(rig.cameras.size(), 2u);
   for (const RigCamera& camera : rig.cameras)
     EXPECT_NEAR((camera.pose.world_from_camera.translation() - Eigen::Vector3d(0, 0, -0.05)).norm(), 0.6, 0.01);
+}
+
+TEST(CameraRig, HangsTheBallsWhereTheCalibrationExpectsThem) {
+  const CameraRig rig = read_camera_rig(SOFT_ROBOT_LAB_SOURCE "/config/cameras/box.yaml");
+  const BallPlacement placement = read_ball_placement(SOFT_ROBOT_LAB_SOURCE "/config/calibration/balls.yaml");
+  ASSERT_EQ(rig.calibration_balls.size(), placement.balls.size());
+  for (std::size_t i = 0; i < placement.balls.size(); ++i) {
+    EXPECT_EQ(rig.calibration_balls[i].centre_m, placement.balls[i].position_m);
+    EXPECT_EQ(rig.calibration_balls[i].radius_m, placement.radius_m);
+  }
 }
 
 TEST(CameraRig, ReadsItsKeys) {

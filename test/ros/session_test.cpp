@@ -224,7 +224,28 @@ TEST_F(Session, RefusesASecondOptimisationWhileOneRuns) {
   const auto second = ask<OptimisePolicy>(topics::optimise_policy, good_request());
   EXPECT_FALSE(second.success);
   EXPECT_NE(second.message.find("busy"), std::string::npos) << second.message;
-  EXPECT_TRUE(first.get().success);
+  EXPECT_TRUE(ask<std_srvs::Trigger>(topics::cancel_policy).success);
+  const auto cancelled = first.get();
+  EXPECT_TRUE(cancelled.success);
+  EXPECT_EQ(cancelled.message, "cancelled");
+  EXPECT_EQ(cancelled.policy.steps.size(), 1u);
+  EXPECT_FALSE(ask<std_srvs::Trigger>(topics::cancel_policy).success);
+}
+
+TEST_F(Session, FindsAPathOfPoses) {
+  OptimisePolicy::Request request = good_request();
+  request.marker.clear();
+  request.poses.resize(2);
+  for (size_t i = 0; i < 2; ++i) {
+    request.poses[i].markers = {"tip"};
+    request.poses[i].targets = {to_message(Eigen::Vector3d(i == 0 ? 0.02 : -0.02, 0.0, -0.095))};
+  }
+  const auto response = ask<OptimisePolicy>(topics::optimise_policy, request);
+  EXPECT_TRUE(response.success) << response.message;
+  ASSERT_EQ(response.policy.steps.size(), 2u);
+  ASSERT_EQ(response.poses.size(), 2u);
+  EXPECT_GT(response.poses[0].marker.x, 0.01);
+  EXPECT_LT(response.poses[1].marker.x, -0.01);
 }
 
 TEST_F(Session, RefusesBadPolicies) {

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "soft_robot_lab/control/reach_problem.h"
 #include "soft_robot_lab/sim/simulation.h"
 
 namespace soft_robot_lab {
@@ -20,20 +21,34 @@ class ForwardModelError : public std::runtime_error {
 
 class ForwardModel {
  public:
-  // `marker` and `actuators` are names in the simulation; throws std::invalid_argument listing the known ones.
-  ForwardModel(Simulation& simulation, const std::string& marker, const std::vector<std::string>& actuators);
+  // Names in the simulation; throws std::invalid_argument listing the known ones.
+  ForwardModel(Simulation& simulation, const std::vector<std::string>& markers,
+               const std::vector<std::string>& actuators);
 
-  // Equilibrium from the last one found (warm start), so neighbouring queries are cheap. Throws ForwardModelError where
-  // none was found, or where it is not stable, and std::invalid_argument for a command beyond an actuator's limits; the
-  // simulation is then as it was before.
-  Eigen::Vector3d marker(const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian);
+  // Equilibrium from the nearest of the last ones found (warm start), so neighbouring queries are cheap, also after a
+  // step that went too far; a large change of commands is followed in stages, as a body that buckles may lose its way
+  // in one. Throws ForwardModelError where none was found,
+  // or where it is not stable, and std::invalid_argument for a command beyond an actuator's limits; the simulation is
+  // then as it was before.
+  Prediction predict(const Eigen::VectorXd& commands, bool with_derivatives);
 
  private:
-  Eigen::Matrix3Xd sensitivities() const;  // d marker / d command, 3 x commands
+  struct Known {
+    Eigen::VectorXd commands;
+    SimulationState state;
+  };
+
+  double distance(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;  // of commands, in their ranges
+  void start_near(const Eigen::VectorXd& commands);
+  void remember(const Eigen::VectorXd& commands);
+  void settle(const Eigen::VectorXd& commands);
+  void add_derivatives(Prediction& prediction) const;
+  const Actuator& actuator(Eigen::Index command) const;
 
   Simulation& simulation_;
-  int marker_;
+  std::vector<int> markers_;
   std::vector<int> actuators_;
+  std::vector<Known> known_;  // the first stays
 };
 
 }  // namespace soft_robot_lab

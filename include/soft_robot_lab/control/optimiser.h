@@ -1,4 +1,4 @@
-// Finds the actuation that brings a marker to a target: 1/2 |target - marker(commands)|^2 over bounded commands.
+// Solves a reach problem (control/reach_problem.h) by one of several methods.
 #pragma once
 
 #include <functional>
@@ -7,26 +7,23 @@
 
 #include <Eigen/Core>
 
+#include "soft_robot_lab/control/reach_problem.h"
+
 namespace soft_robot_lab {
 
-// A bounded reach problem. `marker` returns the marker's equilibrium position [m] for commands, and, where `jacobian`
-// is given, its derivative (3 x commands). It throws ForwardModelError where no equilibrium was found.
-struct ReachProblem {
-  std::function<Eigen::Vector3d(const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian)> marker;
-  Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
-  Eigen::VectorXd start;  // commands, within the bounds
-  Eigen::VectorXd min;
-  Eigen::VectorXd max;
-  std::vector<std::string> names;  // of the commands, for messages
-
-  void validate() const;  // throws std::invalid_argument: field, value, allowed range
-};
+// gauss_newton           exact derivatives, second order by secants, bounds (default)
+// rmsprop, pid           as published, for comparison
+// pid_projected          PID on the error projected by the model's Jacobian
+// cma_es, differential_evolution   populations, for objectives with many minima
+const std::vector<std::string>& optimiser_methods();
 
 struct OptimiserOptions {
-  std::string method = "gauss_newton";  // or rmsprop
-  int max_iterations = 0;               // 0: the method's own (gauss_newton 50, rmsprop 1000)
+  std::string method = "gauss_newton";
+  int max_iterations = 0;  // 0: the method's own (gauss_newton 60, rmsprop and pids 1000, populations 50 generations)
   // The target counts as reached within it; gauss_newton stops when a step gains less than a tenth of it.
   double tolerance_m = 1.0e-5;
+  int population = 12;     // [5, 1000], of the methods that have one
+  unsigned int seed = 1;   // of their random numbers
   void validate() const;
 };
 
@@ -42,14 +39,15 @@ struct OptimisationSummary {
   bool usable = false;       // commands are within the bounds and no worse than the start
   std::string stop_reason;   // "converged", "iteration limit", "cancelled", or what failed
   Eigen::VectorXd commands;  // the best found
-  Eigen::Vector3d marker_m = Eigen::Vector3d::Zero();
-  double initial_distance_m = 0.0;
+  Eigen::Matrix3Xd markers_m;  // where they rest then, one column per goal: where it converged, the nearest that is in
+                               // reach of the start
+  double initial_distance_m = 0.0;  // of several goals the weighted root mean square
   double final_distance_m = 0.0;
   int iterations = 0;
-  int evaluations = 0;  // equilibria solved
+  int evaluations = 0;  // equilibria asked for
   double cpu_s = 0.0;
   double wall_s = 0.0;
-  std::vector<std::string> active_limits;  // "left at its minimum 0.7"
+  std::vector<std::string> active_limits;  // "left at its minimum 0.7", "left near its largest tension 8 N"
   bool target_reached = false;             // final distance below the tolerance
 };
 

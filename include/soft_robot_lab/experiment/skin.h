@@ -16,7 +16,7 @@ class Skin {
  public:
   // The mesh's faces must cover its boundary (complete_boundary). Cuts of a quadratic face's side: [1, 64], else
   // std::invalid_argument.
-  explicit Skin(const TetMesh& mesh, int cuts = 8);
+  explicit Skin(const TetMesh& mesh, int cuts = 4);
 
   const Eigen::Matrix3Xi& triangles() const { return triangles_; }  // outward, index the columns of vertices_m
   Eigen::Matrix3Xd vertices_m(const Eigen::Matrix3Xd& positions_m) const { return positions_m * weights_; }

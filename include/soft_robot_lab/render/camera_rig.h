@@ -16,6 +16,7 @@ struct RigCamera {
   CameraModel model;
   double rate_hz = 30;
   SensorModel sensor;
+  int samples_a_side = ExactCamera::most_samples_a_side;  // squared: rays of a pixel at an edge or a sticker
 };
 
 struct MarkerLook {
@@ -42,6 +43,7 @@ struct CameraRig {
 //     position_m: [x, y, z] # within the box; with look_at_m or quaternion_xyzw (of the optical frame)
 //     look_at_m: [x, y, z]
 //     distortion: [k1, k2, p1, p2, k3]   # optional
+//     samples_a_side: 5     # [3, 5]; fewer rays at edges are quicker
 //     sensor: exact         # or d415, or a map (read_sensor_model)
 // box: {size_m: [x, y, z], center_m: [x, y, z], colour: [r, g, b]}      # seen from inside; optional
 // blocks: [{size_m, center_m, colour}, ...]                             # optional

@@ -1,6 +1,7 @@
 // Pictures as a perfect pinhole camera behind a perfect lens would take them.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -34,6 +35,15 @@ class ExactCamera {
   // sticker are the mean of samples_a_side^2 rays each, others are one ray.
   void draw(const Stage& stage, const cv::Rect& area, float gloss, ExactImage& image,
             int samples_a_side = most_samples_a_side) const;
+  // The same of something that moves by `smear_px` at most: those pixels' rays are shared among the moments, all else
+  // is the middle one. `show` moves the stage to moment i.
+  struct Exposure {
+    int moments = 1;
+    double smear_px = 0;
+    std::function<void(int moment)> show;
+  };
+  void draw(const Stage& stage, const Exposure& exposure, const cv::Rect& area, float gloss, ExactImage& image,
+            int samples_a_side = most_samples_a_side) const;
 
   static constexpr int most_samples_a_side = 5;
 
@@ -42,12 +52,15 @@ class ExactCamera {
   // depth 1 along z.
   Eigen::Vector3f direction(cv::Point pixel, float right, float down) const;
   Glance glance(const Stage& stage, cv::Point pixel, const Eigen::Vector3f& direction, float gloss) const;
-  // `look` gives the Glance of a pixel's ray.
+  // `look` gives the Glance of a pixel's ray. Of the pixel's rays those that are due at one of several moments.
   template <typename Look>
-  Eigen::Vector3f mean_colour(cv::Point pixel, int samples_a_side, const Look& look) const;
+  Eigen::Vector3f mean_colour(cv::Point pixel, int samples_a_side, const Look& look, int moment = 0,
+                              int moments = 1) const;
   template <typename Look>
   ExactImage sharp_image(const cv::Rect& area, const Look& look) const;
   void draw_background(const Stage& stage);
+  // Of `area`: 255 where many rays are due.
+  cv::Mat fine_pixels(const Stage& stage, const ExactImage& sharp, const cv::Rect& area, double smear_px) const;
   std::vector<cv::Rect> sticker_bounds(const Stage& stage) const;
   cv::Rect image_area() const { return {0, 0, model_.width_px, model_.height_px}; }
 

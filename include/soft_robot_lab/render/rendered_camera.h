@@ -22,8 +22,10 @@ struct SeenMotion {
 
 class RenderedCamera {
  public:
-  // The seed makes the sensor's noise. The stage's surroundings are drawn once.
-  RenderedCamera(std::string name, const ExactCamera& camera, const SensorModel& sensor, std::uint64_t seed);
+  // The seed makes the sensor's noise. The stage's surroundings are drawn once. Edges and stickers have
+  // samples_a_side^2 rays a pixel.
+  RenderedCamera(std::string name, const ExactCamera& camera, const SensorModel& sensor, std::uint64_t seed,
+                 int samples_a_side = ExactCamera::most_samples_a_side);
   ~RenderedCamera();
   RenderedCamera(RenderedCamera&&) noexcept;
   RenderedCamera& operator=(RenderedCamera&&) noexcept;
@@ -38,6 +40,7 @@ class RenderedCamera {
  private:
   void draw_moving(Stage& stage, const SeenMotion& motion);
 
+  int samples_a_side_;
   std::string name_;
   ExactCamera camera_;
   SensorModel model_;

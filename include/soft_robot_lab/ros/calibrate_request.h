@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <geometry_msgs/TransformStamped.h>
-#include <ros/time.h>
 #include <soft_robot_lab/Calibrate.h>
 
 #include "soft_robot_lab/vision/calibration_session.h"
@@ -16,8 +14,5 @@ namespace soft_robot_lab {
 // taken, or the answer says what is wrong.
 std::vector<CameraPose> calibrate(const Calibrate::Request& request, CalibrationSession& session,
                                   const std::string& file, Calibrate::Response& answer);
-
-// From the world to CAMERA_color_optical_frame, as realsense2_camera names it.
-geometry_msgs::TransformStamped to_transform(const CameraPose& pose, const ros::Time& stamp);
 
 }  // namespace soft_robot_lab

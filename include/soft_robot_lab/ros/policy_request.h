@@ -1,29 +1,26 @@
-// Service requests of the controller to problems and options of the core, and summaries back.
+// Service requests of the controller to tasks and options of the core, and policies and summaries back.
 #pragma once
-
-#include <string>
-#include <vector>
 
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 
-#include "soft_robot_lab/control/optimiser.h"
+#include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/ros/messages.h"
-#include "soft_robot_lab/sim/simulation.h"
 
 namespace soft_robot_lab {
 
-// The problem without its model: target, and all actuators within their own and the requested limits, from their rest
-// commands. Throws std::invalid_argument naming field, value and allowed range.
-ReachProblem reach_problem(const OptimisePolicy::Request& request, const Simulation& simulation);
+// `ramp_s`: of poses that do not say how long they take. Throws std::invalid_argument for lists of different lengths and
+// targets that are not finite; what names and values mean is checked by find_policy.
+PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s);
 
-// Throws std::invalid_argument for an unknown method.
+// Throws std::invalid_argument for an unknown method, or values out of range.
 OptimiserOptions optimiser_options(const OptimisePolicy::Request& request);
 
 // [s] of session time; throws std::invalid_argument where the request's limit is not beyond the policy's end.
 double execution_time_limit_s(const ExecutePolicy::Request& request);
 
-Policy policy_of(const std::vector<std::string>& names, const Eigen::VectorXd& commands, double ramp_s);
+CommandPolicy from_message(const Policy& message);
+Policy to_message(const CommandPolicy& policy);
 
 PolicySummary to_message(const OptimisationSummary& summary);
 

@@ -26,6 +26,7 @@ constexpr char move_camera[] = "rendered_cameras/move";
 constexpr char optimise_policy[] = "controller/optimise_policy";
 constexpr char execute_policy[] = "controller/execute_policy";
 constexpr char calibrate[] = "tracker/calibrate";
+constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
 
 constexpr char world_frame[] = "world";
 constexpr char robot_frame[] = "robot_base";

@@ -39,8 +39,9 @@ class Simulation {
   SolveReport solve_equilibrium();
 
   // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack
-  // cable). Where friction tells going on from turning back, what slipped last goes on.
-  Eigen::MatrixXd marker_sensitivities();
+  // cable). Where friction tells going on from turning back, what slipped last goes on. `tensions_n`, where given,
+  // becomes d tension / d command, actuators x actuators; zero where there is no tension.
+  Eigen::MatrixXd marker_sensitivities(Eigen::MatrixXd* tensions_n = nullptr);
 
   void reset();  // rest shape, rest commands, time zero
   const SimulationState& state() const;

@@ -25,13 +25,13 @@ struct PlacedBall {
 
 struct BallPlacement {
   double radius_m = 0.02;
-  double position_sigma_m = 0.0002;  // >= 0; standard deviation of the positions below
-  double tolerance_m = 0.004;        // > 0, of positions; placements are ambiguous that differ by less
+  double position_sigma_m = 0.00005;  // >= 0; standard deviation of the positions below
+  double tolerance_m = 0.004;         // > 0, of positions; placements are ambiguous that differ by less
   std::vector<PlacedBall> balls;
 };
 
 // radius_m: 0.02
-// position_sigma_m: 0.0002   # optional
+// position_sigma_m: 0.00005  # optional
 // tolerance_m: 0.004         # optional
 // balls:                # at least five
 //   - {name: low_left, position_m: [x, y, z]}

@@ -1,0 +1,140 @@
+#include "soft_robot_lab/control/closed_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "control/pose_problem.h"
+
+namespace soft_robot_lab {
+namespace {
+
+void require(bool good, const char* field, double value, const char* range) {
+  if (good) return;
+  std::ostringstream text;
+  text << field << ": " << value << " is out of range " << range;
+  throw std::invalid_argument(text.str());
+}
+
+bool positive(double value) { return std::isfinite(value) && value > 0.0; }
+
+}  // namespace
+
+void ClosedLoopOptions::validate() const {
+  require(gain > 0.0 && gain <= 1.0, "gain", gain, "(0, 1]");
+  require(largest_change > 0.0 && largest_change <= 1.0, "largest_change", largest_change, "(0, 1]");
+  require(positive(settled_m), "settled_m", settled_m, "(0, inf)");
+  require(positive(lost_after_s), "lost_after_s", lost_after_s, "(0, inf)");
+  require(positive(error_growth_m), "error_growth_m", error_growth_m, "(0, inf)");
+  require(max_corrections >= 1 && max_corrections <= 10000, "max_corrections", max_corrections, "[1, 10000]");
+}
+
+ClosedLoop::ClosedLoop(Simulation& model, PolicyTask task, const ClosedLoopOptions& options)
+    : model_(model), task_(std::move(task)), options_(options) {
+  options_.validate();
+  require_task(model_, task_);
+  require(task_.poses.size() == 1, "poses", static_cast<double>(task_.poses.size()), "[1, 1] in closed loop");
+  const ReachProblem problem = pose_problem(model_, task_, task_.poses.front());
+  actuators_ = problem.names;
+  commands_ = problem.start;
+}
+
+LoopStep ClosedLoop::stop(LoopEnd end, const std::string& reason, std::optional<double> distance_m) const {
+  return {end, reason, commands_, distance_m};
+}
+
+LoopStep ClosedLoop::correct(double time_s, const MeasuredMarkers& measured, const std::string& fault) {
+  const std::optional<double> distance_m = measured_distance_m(measured);
+  if (!fault.empty()) return stop(LoopEnd::fault, "fault: " + fault, distance_m);
+  if (!measured.empty() || !last_seen_s_) last_seen_s_ = time_s;
+  if (time_s - *last_seen_s_ >= options_.lost_after_s) return stop(LoopEnd::tracking_lost, "tracking lost", distance_m);
+  if (measured.empty()) return {LoopEnd::none, "", commands_, distance_m};
+
+  if (distance_m) {
+    if (nearest_m_ && *distance_m > *nearest_m_ + options_.error_growth_m) {
+      std::ostringstream text;
+      text << "the error grows: " << 1e3 * *distance_m << " mm after " << 1e3 * *nearest_m_ << " mm";
+      return stop(LoopEnd::error_grows, text.str(), distance_m);
+    }
+    const bool nearer = !nearest_m_ || *distance_m < *nearest_m_ - options_.settled_m;
+    idle_corrections_ = nearer ? 0 : idle_corrections_ + 1;
+    nearest_m_ = std::min(nearest_m_.value_or(*distance_m), *distance_m);
+    if (idle_corrections_ >= 2) return stop(LoopEnd::settled, "settled", distance_m);
+  }
+  if (corrections_++ == options_.max_corrections) return stop(LoopEnd::correction_limit, "correction limit", distance_m);
+
+  std::string why_not;
+  const std::optional<Eigen::VectorXd> next = [&] {
+    try {
+      update_offsets(measured);
+      return next_commands(why_not);
+    } catch (const ForwardModelError& error) {
+      why_not = error.what();
+      return std::optional<Eigen::VectorXd>();
+    }
+  }();
+  if (!next) return stop(LoopEnd::no_equilibrium, "the model has no answer: " + why_not, distance_m);
+  commands_ = *next;
+  return {LoopEnd::none, "", commands_, distance_m};
+}
+
+// The model goes to the robot's commands, where what it expects is compared with what is seen.
+void ClosedLoop::update_offsets(const MeasuredMarkers& measured) {
+  ForwardModel(model_, {}, actuators_).predict(commands_, false);
+  for (const auto& [name, position_m] : measured) {
+    const Eigen::Vector3d seen_m = position_m - model_.marker_position(model_.marker_index(name));
+    const auto known = offsets_m_.find(name);
+    if (known == offsets_m_.end()) {
+      offsets_m_[name] = seen_m;
+    } else {
+      known->second += options_.gain * (seen_m - known->second);
+    }
+  }
+}
+
+// Of a marker that was never seen, the mean of those that were.
+Eigen::Vector3d ClosedLoop::offset_of(const std::string& marker) const {
+  const auto known = offsets_m_.find(marker);
+  if (known != offsets_m_.end()) return known->second;
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+  for (const auto& [unused, offset_m] : offsets_m_) sum_m += offset_m;
+  return offsets_m_.empty() ? sum_m : Eigen::Vector3d(sum_m / static_cast<double>(offsets_m_.size()));
+}
+
+std::optional<double> ClosedLoop::measured_distance_m(const MeasuredMarkers& measured) const {
+  double sum_m2 = 0.0, weights = 0.0;
+  for (const MarkerGoal& goal : task_.poses.front().goals) {
+    const auto seen = measured.find(goal.marker);
+    if (seen == measured.end()) return std::nullopt;
+    sum_m2 += goal.weight * (seen->second - goal.target_m).squaredNorm();
+    weights += goal.weight;
+  }
+  return std::sqrt(sum_m2 / weights);
+}
+
+// Absent where the model has no equilibrium at its present commands.
+std::optional<Eigen::VectorXd> ClosedLoop::next_commands(std::string& why_not) {
+  const Pose& pose = task_.poses.front();
+  ReachProblem problem = pose_problem(model_, task_, pose);
+  for (size_t k = 0; k < problem.goals.size(); ++k) problem.goals[k].target_m -= offset_of(pose.goals[k].marker);
+  for (Eigen::Index i = 0; i < commands_.size(); ++i) {
+    const CommandLimits& own =
+        model_.actuators()[static_cast<size_t>(model_.actuator_index(actuators_[static_cast<size_t>(i)]))]->limits();
+    const double reach = options_.largest_change * (own.max - own.min);
+    problem.min[i] = std::max(problem.min[i], commands_[i] - reach);
+    problem.max[i] = std::min(problem.max[i], commands_[i] + reach);
+  }
+  ForwardModel model(model_, markers_of(pose), actuators_);
+  problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
+    return model.predict(commands, with_derivatives);
+  };
+  OptimiserOptions options;
+  options.tolerance_m = 0.1 * options_.settled_m;
+  const OptimisationSummary summary = optimise(problem, options);
+  if (summary.usable) return summary.commands;
+  why_not = summary.stop_reason;
+  return std::nullopt;
+}
+
+}  // namespace soft_robot_lab

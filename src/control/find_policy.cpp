@@ -1,0 +1,82 @@
+#include "soft_robot_lab/control/find_policy.h"
+
+#include <sstream>
+
+#include "control/pose_problem.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// Leaves the simulation at the answer, on the way on which the policy is played.
+void go_to_answer(Simulation& simulation, const SimulationState& before, const Pose& pose,
+                  const std::vector<std::string>& names, OptimisationSummary& summary) {
+  simulation.set_state(before);
+  const Eigen::Matrix3Xd found_m = summary.markers_m;
+  const std::vector<double> values(summary.commands.data(), summary.commands.data() + summary.commands.size());
+  summary.markers_m = replay(simulation, {names, {{pose.duration_s, values}}}, markers_of(pose)).front();
+  const double apart_m = (summary.markers_m - found_m).colwise().norm().maxCoeff();
+  constexpr double same_m = 1.0e-4;
+  if (apart_m <= same_m) return;
+  summary.usable = false;
+  std::ostringstream text;
+  text << summary.stop_reason << ", but played from the start it ends " << 1.0e3 * apart_m
+       << " mm elsewhere: the body has more than one rest state there";
+  summary.stop_reason = text.str();
+}
+
+OptimisationSummary find_step(Simulation& simulation, const PolicyTask& task, size_t index,
+                              const OptimiserOptions& options, const PoseProgress& progress, bool& cancelled) {
+  const Pose& pose = task.poses[index];
+  const SimulationState before = simulation.state();
+  ReachProblem problem = pose_problem(simulation, task, pose);
+  ForwardModel model(simulation, markers_of(pose), problem.names);
+  problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
+    return model.predict(commands, with_derivatives);
+  };
+  OptimisationSummary summary = optimise(problem, options, [&](const OptimisationProgress& now) {
+    cancelled = progress && !progress(index, problem.names, now);
+    return !cancelled;
+  });
+  if (!summary.usable) return summary;
+  try {
+    go_to_answer(simulation, before, pose, problem.names, summary);
+  } catch (const ForwardModelError& error) {
+    summary.usable = false;
+    summary.stop_reason += std::string(", but it cannot be played from the start: ") + error.what();
+  }
+  return summary;
+}
+
+// All actuators, at each step as commanded then.
+void add_step(const Simulation& simulation, double time_s, CommandPolicy& policy) {
+  std::vector<double> values;
+  policy.names.clear();
+  for (const auto& actuator : simulation.actuators()) {
+    policy.names.push_back(actuator->name());
+    values.push_back(actuator->command());
+  }
+  policy.steps.push_back({time_s, values});
+}
+
+}  // namespace
+
+PolicyAnswer find_policy(Simulation& simulation, const PolicyTask& task, const OptimiserOptions& options,
+                         const PoseProgress& progress) {
+  options.validate();
+  require_task(simulation, task);
+  pose_problem(simulation, task, task.poses.front());  // refuses what the bounds make impossible
+  simulation.solve_equilibrium();  // a failure is found again, and told, by the first evaluation
+  PolicyAnswer answer;
+  double time_s = 0.0;
+  bool cancelled = false;
+  for (size_t i = 0; i < task.poses.size() && !cancelled; ++i) {
+    answer.summaries.push_back(find_step(simulation, task, i, options, progress, cancelled));
+    if (!answer.summaries.back().usable) break;
+    time_s += task.poses[i].duration_s;
+    add_step(simulation, time_s, answer.policy);
+  }
+  answer.success = answer.policy.steps.size() == task.poses.size();
+  return answer;
+}
+
+}  // namespace soft_robot_lab

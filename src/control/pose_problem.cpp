@@ -1,0 +1,109 @@
+#include "control/pose_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace soft_robot_lab {
+namespace {
+
+template <typename... Parts>
+[[noreturn]] void refuse(const Parts&... parts) {
+  std::ostringstream message;
+  (message << ... << parts);
+  throw std::invalid_argument(message.str());
+}
+
+std::vector<std::string> movable(const Simulation& simulation, const Pose& pose) {
+  if (!pose.actuators.empty()) return pose.actuators;
+  std::vector<std::string> all;
+  for (const auto& actuator : simulation.actuators()) all.push_back(actuator->name());
+  return all;
+}
+
+void require_bounds(const Simulation& simulation, const ActuatorBounds& asked) {
+  const CommandLimits& own = simulation.actuators()[static_cast<size_t>(simulation.actuator_index(asked.actuator))]->limits();
+  if (!(asked.min >= own.min && asked.min < asked.max && asked.max <= own.max)) {
+    refuse("limits: [", asked.min, ", ", asked.max, "] for '", asked.actuator, "' is not an interval within [", own.min,
+           ", ", own.max, "]");
+  }
+  if (!(asked.max_tension_n > 0.0))
+    refuse("limits: max_tension_n ", asked.max_tension_n, " for '", asked.actuator, "' is not in (0, inf]");
+  if (!(asked.max_rate_per_s > 0.0))
+    refuse("limits: max_rate_per_s ", asked.max_rate_per_s, " for '", asked.actuator, "' is not in (0, inf]");
+}
+
+}  // namespace
+
+void require_task(const Simulation& simulation, const PolicyTask& task) {
+  if (simulation.actuators().empty()) refuse("the scene has no actuators to optimise");
+  if (task.poses.empty()) refuse("poses: empty; give at least one");
+  for (const Pose& pose : task.poses) {
+    if (pose.goals.empty()) refuse("goals: empty; give at least one");
+    for (const MarkerGoal& goal : pose.goals) {
+      simulation.marker_index(goal.marker);
+      if (!goal.target_m.allFinite()) refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] must be finite");
+      if (!(goal.weight > 0.0 && std::isfinite(goal.weight)))
+        refuse("weight of ", goal.marker, ": ", goal.weight, " is not in (0, inf)");
+    }
+    for (const std::string& name : pose.actuators) simulation.actuator_index(name);
+    if (!(pose.duration_s > 0.0 && std::isfinite(pose.duration_s)))
+      refuse("duration_s: ", pose.duration_s, " is not in (0, inf)");
+  }
+  for (const ActuatorBounds& asked : task.bounds) require_bounds(simulation, asked);
+  if (!(task.effort_m >= 0.0 && std::isfinite(task.effort_m))) refuse("effort_m: ", task.effort_m, " is not in [0, inf)");
+}
+
+namespace {
+
+void narrow(ReachProblem& problem, Eigen::Index i, const ActuatorBounds& asked, double duration_s, double before) {
+  problem.min[i] = asked.min;
+  problem.max[i] = asked.max;
+  problem.max_tension_n[i] = asked.max_tension_n;
+  problem.start[i] = std::clamp(problem.start[i], asked.min, asked.max);
+  if (!std::isfinite(asked.max_rate_per_s)) return;
+  const double reach = asked.max_rate_per_s * duration_s;
+  if (before + reach < problem.min[i] || before - reach > problem.max[i])
+    refuse("limits: '", asked.actuator, "' at ", before, " cannot come within [", asked.min, ", ", asked.max, "] in ",
+           duration_s, " s at ", asked.max_rate_per_s, " a second");
+  const bool slower = before - reach > problem.min[i] || before + reach < problem.max[i];
+  problem.min[i] = std::max(problem.min[i], before - reach);
+  problem.max[i] = std::min(problem.max[i], before + reach);
+  problem.start[i] = std::clamp(problem.start[i], problem.min[i], problem.max[i]);
+  if (slower) problem.bound_words[static_cast<size_t>(i)] = "rate " + std::to_string(asked.max_rate_per_s) + " a second";
+}
+
+}  // namespace
+
+ReachProblem pose_problem(const Simulation& simulation, const PolicyTask& task, const Pose& pose) {
+  ReachProblem problem;
+  for (const MarkerGoal& goal : pose.goals) problem.goals.push_back({goal.target_m, goal.weight});
+  problem.names = movable(simulation, pose);
+  problem.effort_m = task.effort_m;
+  const Eigen::Index count = static_cast<Eigen::Index>(problem.names.size());
+  for (Eigen::VectorXd* values : {&problem.start, &problem.min, &problem.max, &problem.rest}) values->resize(count);
+  problem.max_tension_n = Eigen::VectorXd::Constant(count, std::numeric_limits<double>::infinity());
+  problem.bound_words.resize(problem.names.size());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::string& name = problem.names[static_cast<size_t>(i)];
+    const Actuator& actuator = *simulation.actuators()[static_cast<size_t>(simulation.actuator_index(name))];
+    const CommandLimits& own = actuator.limits();
+    problem.rest[i] = own.rest;
+    problem.min[i] = own.min;
+    problem.max[i] = own.max;
+    problem.start[i] = actuator.command();
+    for (const ActuatorBounds& asked : task.bounds)
+      if (asked.actuator == name) narrow(problem, i, asked, pose.duration_s, actuator.command());
+  }
+  if ((problem.max_tension_n.array() == std::numeric_limits<double>::infinity()).all()) problem.max_tension_n.resize(0);
+  return problem;
+}
+
+std::vector<std::string> markers_of(const Pose& pose) {
+  std::vector<std::string> markers;
+  for (const MarkerGoal& goal : pose.goals) markers.push_back(goal.marker);
+  return markers;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,80 @@
+#include "experiment/policy_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "soft_robot_lab/experiment/cpu_time.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// Counts the turns of each command's way.
+class Reversals {
+ public:
+  int count = 0;
+
+  void see(const Eigen::VectorXd& commands) {
+    constexpr double still = 1.0e-4;
+    if (last_.size() == 0) {
+      last_ = commands;
+      heading_ = Eigen::VectorXd::Zero(commands.size());
+      return;
+    }
+    for (Eigen::Index i = 0; i < commands.size(); ++i) {
+      const double move = commands[i] - last_[i];
+      if (std::abs(move) < still) continue;
+      if (move * heading_[i] < 0.0) ++count;
+      heading_[i] = move;
+      last_[i] = commands[i];
+    }
+  }
+
+ private:
+  Eigen::VectorXd last_, heading_;
+};
+
+}  // namespace
+
+std::optional<double> PolicyRun::cpu_until_s(double distance_m_asked) const {
+  for (size_t i = 0; i < distance_m.size(); ++i)
+    if (distance_m[i] <= distance_m_asked) return cpu_s[i];
+  return std::nullopt;
+}
+
+MethodIterations read_iterations(const SettingsNode& node) {
+  MethodIterations iterations;
+  for (const std::string& method : node.keys()) {
+    const std::vector<std::string>& known = optimiser_methods();
+    if (std::find(known.begin(), known.end(), method) == known.end()) node.fail("'" + method + "' is not a method");
+    iterations.emplace_back(method, node.integer(method, 0, 1000000));
+  }
+  return iterations;
+}
+
+PolicyRun run_policy_method(Simulation& simulation, const SimulationState& hanging, const MarkerGoal& goal,
+                            const std::string& method, int iterations) {
+  simulation.set_state(hanging);
+  PolicyRun run;
+  run.method = method;
+  OptimiserOptions options;
+  options.method = method;
+  options.max_iterations = iterations;
+  Reversals reversals;
+  const double start_s = cpu_time_s();
+  const PolicyAnswer answer =
+      find_policy(simulation, {{{{goal}, 2.0, {}}}, {}, 0.0}, options,
+                  [&](size_t, const std::vector<std::string>&, const OptimisationProgress& now) {
+                    run.distance_m.push_back(now.distance_m);
+                    run.cpu_s.push_back(cpu_time_s() - start_s);
+                    reversals.see(now.commands);
+                    return true;
+                  });
+  run.summary = answer.summaries.front();
+  run.reversals = reversals.count;
+  if (run.distance_m.empty()) return run;
+  const auto nearest = std::min_element(run.distance_m.begin(), run.distance_m.end());
+  run.fell_back_m = *std::max_element(nearest, run.distance_m.end()) - *nearest;
+  return run;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,151 @@
+// The closed loop on a reality that is another simulation: softer by 15 %, and with cables that are longer than told.
+#include "soft_robot_lab/control/closed_loop.h"
+
+#include <gtest/gtest.h>
+
+#include "control/cabled_bar.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// What the robot makes of commands.
+class Reality {
+ public:
+  Reality() : simulation_(bar({}, 0.85 * 264200.0)) {}
+
+  MeasuredMarkers markers_at(const Eigen::VectorXd& commands) {
+    const Eigen::Vector2d slack(0.012, 0.008);
+    ForwardModel(simulation_, {}, {"left", "right"}).predict(commands + slack, false);
+    MeasuredMarkers seen;
+    for (const std::string name : {"tip", "middle"})
+      seen[name] = simulation_.marker_position(simulation_.marker_index(name)) + Eigen::Vector3d(0.001, -0.002, 0.001);
+    return seen;
+  }
+
+ private:
+  Simulation simulation_;
+};
+
+PolicyTask reach(const Eigen::Vector3d& target_m) { return {{{{{"tip", target_m, 1.0}}, 2.0, {}}}, {}, 0.0}; }
+
+const Eigen::Vector3d kTarget{0.09, -0.035, 0.004};  // some millimetres off what can be reached
+
+// The nearest that reality itself can come, by the optimiser on its measurements.
+double nearest_m() {
+  Reality reality;
+  ReachProblem problem;
+  problem.goals = {Goal{kTarget}};
+  problem.max = Eigen::Vector2d(1.0, 1.0);
+  problem.start = Eigen::Vector2d(0.97, 0.97);  // taut, so that differences tell a slope
+  problem.min = Eigen::Vector2d(0.7, 0.7);
+  problem.names = {"left", "right"};
+  problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
+    Prediction prediction;
+    prediction.markers_m = reality.markers_at(commands).at("tip");
+    prediction.marker_jacobian.resize(3, 2);
+    for (int i = 0; i < 2 && with_derivatives; ++i) {
+      const Eigen::Vector2d step = 1e-4 * Eigen::Vector2d::Unit(i);
+      prediction.marker_jacobian.col(i) =
+          (reality.markers_at(commands).at("tip") - reality.markers_at(commands - step).at("tip")) / 1e-4;
+    }
+    return prediction;
+  };
+  return optimise(problem, {}).final_distance_m;
+}
+
+LoopStep run(ClosedLoop& loop, Reality& reality, const std::string& hidden = "") {
+  LoopStep step = loop.correct(0.0, reality.markers_at(Eigen::Vector2d(1.0, 1.0)), "");
+  for (double time_s = 0.5; step.end == LoopEnd::none; time_s += 0.5) {
+    MeasuredMarkers seen = reality.markers_at(step.commands);
+    if (time_s > 1.0 && time_s < 3.0) seen.erase(hidden);
+    step = loop.correct(time_s, seen, "");
+  }
+  return step;
+}
+
+TEST(ClosedLoop, ComesAsNearAsRealityCanThoughItsModelIsWrong) {
+  Simulation model = bar();
+  Reality reality;
+  PolicyTask task = reach(kTarget);
+  const PolicyAnswer planned = find_policy(model, task, {});
+  const std::vector<double>& values = planned.policy.steps.back().values;
+  const Eigen::Vector3d replayed_m = reality.markers_at(Eigen::Vector2d(values[0], values[1])).at("tip");
+  model.reset();
+  ClosedLoop loop(model, task, {});
+  const LoopStep end = run(loop, reality);
+  const double nearest = nearest_m();
+  EXPECT_EQ(end.end, LoopEnd::settled) << end.reason;
+  ASSERT_TRUE(end.distance_m.has_value());
+  EXPECT_LT(*end.distance_m, nearest + 2.0e-4);
+  EXPECT_GT((replayed_m - kTarget).norm(), nearest + 1.0e-3);  // so there was something to correct
+}
+
+TEST(ClosedLoop, WorksWhileAMarkerIsMissing) {
+  for (const std::string hidden : {"tip", "middle"}) {
+    Simulation model = bar();
+    Reality reality;
+    ClosedLoop loop(model, reach(kTarget), {});
+    const LoopStep end = run(loop, reality, hidden);
+    EXPECT_EQ(end.end, LoopEnd::settled) << hidden << ": " << end.reason;
+    EXPECT_LT(end.distance_m.value_or(1.0), nearest_m() + 3.0e-4) << hidden;
+  }
+}
+
+TEST(ClosedLoop, StopsWhenTrackingIsLost) {
+  Simulation model = bar();
+  Reality reality;
+  ClosedLoop loop(model, reach(kTarget), {});
+  const LoopStep first = loop.correct(0.0, reality.markers_at(Eigen::Vector2d(1.0, 1.0)), "");
+  const LoopStep waiting = loop.correct(0.5, {}, "");
+  EXPECT_EQ(waiting.end, LoopEnd::none);
+  EXPECT_EQ(waiting.commands, first.commands);
+  const LoopStep lost = loop.correct(1.1, {}, "");
+  EXPECT_EQ(lost.end, LoopEnd::tracking_lost);
+  EXPECT_EQ(lost.reason, "tracking lost");
+  EXPECT_EQ(lost.commands, first.commands);
+  EXPECT_FALSE(lost.safe());
+}
+
+TEST(ClosedLoop, StopsAtAFaultAndHolds) {
+  Simulation model = bar();
+  Reality reality;
+  ClosedLoop loop(model, reach(kTarget), {});
+  const LoopStep first = loop.correct(0.0, reality.markers_at(Eigen::Vector2d(1.0, 1.0)), "");
+  const LoopStep end = loop.correct(0.5, reality.markers_at(first.commands), "left stalled");
+  EXPECT_EQ(end.end, LoopEnd::fault);
+  EXPECT_EQ(end.reason, "fault: left stalled");
+  EXPECT_EQ(end.commands, first.commands);
+}
+
+TEST(ClosedLoop, StopsWhenTheErrorGrows) {
+  Simulation model = bar();
+  Reality reality;
+  ClosedLoop loop(model, reach(kTarget), {});
+  MeasuredMarkers seen = reality.markers_at(Eigen::Vector2d(1.0, 1.0));
+  loop.correct(0.0, seen, "");
+  seen.at("tip") += 0.5 * (seen.at("tip") - kTarget).normalized();
+  const LoopStep end = loop.correct(0.5, seen, "");
+  EXPECT_EQ(end.end, LoopEnd::error_grows);
+  EXPECT_NE(end.reason.find("the error grows"), std::string::npos);
+}
+
+TEST(ClosedLoop, RefusesOptionsOutOfRange) {
+  Simulation model = bar();
+  const std::vector<void (*)(ClosedLoopOptions&)> spoilt = {
+      [](ClosedLoopOptions& o) { o.gain = 0.0; },          [](ClosedLoopOptions& o) { o.gain = 1.1; },
+      [](ClosedLoopOptions& o) { o.largest_change = 0.0; }, [](ClosedLoopOptions& o) { o.settled_m = 0.0; },
+      [](ClosedLoopOptions& o) { o.lost_after_s = -1.0; },  [](ClosedLoopOptions& o) { o.error_growth_m = NAN; },
+      [](ClosedLoopOptions& o) { o.max_corrections = 0; },
+  };
+  for (const auto& spoil : spoilt) {
+    ClosedLoopOptions options;
+    spoil(options);
+    EXPECT_THROW(ClosedLoop(model, reach(kTarget), options), std::invalid_argument);
+  }
+  PolicyTask path = reach(kTarget);
+  path.poses.push_back(path.poses.front());
+  EXPECT_THROW(ClosedLoop(model, path, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

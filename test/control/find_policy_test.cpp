@@ -1,0 +1,132 @@
+// Tasks of several poses, bounds and limits on a bar with two cables.
+#include "soft_robot_lab/control/find_policy.h"
+
+#include <gtest/gtest.h>
+
+#include "control/cabled_bar.h"
+
+namespace soft_robot_lab {
+namespace {
+
+Eigen::Vector3d tip_at(Simulation& simulation, double left, double right) {
+  simulation.reset();
+  return ForwardModel(simulation, {"tip"}, {"left", "right"}).predict(Eigen::Vector2d(left, right), false).markers_m;
+}
+
+PolicyTask reach(const Eigen::Vector3d& target_m) { return {{{{{"tip", target_m, 1.0}}, 2.0, {}}}, {}, 0.0}; }
+
+TEST(FindPolicy, GoesFromPoseToPoseAndLeavesTheModelThere) {
+  Simulation simulation = bar();
+  const Eigen::Vector3d first_m = tip_at(simulation, 0.95, 1.0), second_m = tip_at(simulation, 1.0, 0.96);
+  simulation.reset();
+  PolicyTask task = reach(first_m);
+  task.poses.push_back({{{"tip", second_m, 1.0}}, 3.0, {}});
+  const PolicyAnswer answer = find_policy(simulation, task, {});
+  ASSERT_TRUE(answer.success);
+  ASSERT_EQ(answer.policy.steps.size(), 2u);
+  EXPECT_EQ(answer.policy.names, (std::vector<std::string>{"left", "right"}));
+  EXPECT_EQ(answer.policy.steps[1].time_s, 5.0);
+  EXPECT_LT((answer.summaries[0].markers_m.col(0) - first_m).norm(), 1e-4);
+  EXPECT_LT((simulation.marker_position(simulation.marker_index("tip")) - second_m).norm(), 1e-4);
+}
+
+TEST(FindPolicy, ReplaysToWhereItSaid) {
+  Simulation simulation = bar();
+  PolicyTask task = reach(tip_at(simulation, 0.93, 1.0));
+  simulation.reset();
+  const PolicyAnswer answer = find_policy(simulation, task, {});
+  simulation.reset();
+  const auto places = replay(simulation, answer.policy, {"tip"});
+  EXPECT_LT((places.back().col(0) - answer.summaries.back().markers_m.col(0)).norm(), 1e-6);
+}
+
+TEST(FindPolicy, PullsInTheOrderAskedFor) {
+  Simulation simulation = bar();
+  PolicyTask task = reach(tip_at(simulation, 0.95, 0.98));
+  simulation.reset();
+  task.poses.insert(task.poses.begin(), task.poses.front());
+  task.poses[0].actuators = {"right"};
+  task.poses[1].actuators = {"left"};
+  const PolicyAnswer answer = find_policy(simulation, task, {});
+  ASSERT_EQ(answer.policy.steps.size(), 2u);
+  EXPECT_EQ(answer.policy.steps[0].values[0], 1.0);
+  EXPECT_EQ(answer.policy.steps[1].values[1], answer.policy.steps[0].values[1]);
+  EXPECT_LT(answer.policy.steps[1].values[0], 1.0);
+}
+
+TEST(FindPolicy, NeverMovesACommandFasterThanItsRate) {
+  Simulation simulation = bar();
+  PolicyTask task = reach(tip_at(simulation, 0.9, 1.0));
+  simulation.reset();
+  task.bounds.push_back({"left", 0.7, 1.0});
+  task.bounds.back().max_rate_per_s = 0.02;
+  const PolicyAnswer answer = find_policy(simulation, task, {});
+  ASSERT_TRUE(answer.success);
+  EXPECT_GE(answer.policy.steps[0].values[0], 0.96 - 1e-12);
+  ASSERT_FALSE(answer.summaries[0].active_limits.empty());
+  EXPECT_NE(answer.summaries[0].active_limits[0].find("rate"), std::string::npos) << answer.summaries[0].active_limits[0];
+}
+
+TEST(FindPolicy, KeepsTheTensionBelowItsLimitAtEveryIterate) {
+  Simulation simulation = bar();
+  const Eigen::Vector3d target_m = tip_at(simulation, 0.9, 1.0);
+  const double free_n = *simulation.actuator_state(0).tension_n;
+  simulation.reset();
+  PolicyTask task = reach(target_m);
+  const double limit_n = 0.5 * free_n;
+  task.bounds.push_back({"left", 0.7, 1.0, limit_n});
+  const PolicyAnswer answer = find_policy(simulation, task, {});
+  ASSERT_TRUE(answer.success);
+  const double tension_n = *simulation.actuator_state(simulation.actuator_index("left")).tension_n;
+  EXPECT_LE(tension_n, limit_n * (1.0 + 1e-6));
+  EXPECT_GT(tension_n, 0.97 * limit_n);
+}
+
+TEST(FindPolicy, KeepsTheBestWhenItIsCancelled) {
+  Simulation simulation = bar();
+  PolicyTask task = reach(tip_at(simulation, 0.9, 1.0));
+  simulation.reset();
+  task.poses.push_back(task.poses.front());
+  const PolicyAnswer answer = find_policy(
+      simulation, task, {}, [](size_t, const auto&, const OptimisationProgress& now) { return now.iteration < 2; });
+  EXPECT_FALSE(answer.success);
+  ASSERT_EQ(answer.summaries.size(), 1u);
+  EXPECT_EQ(answer.summaries[0].stop_reason, "cancelled");
+  EXPECT_EQ(answer.policy.steps.size(), 1u);
+  EXPECT_LT(answer.summaries[0].final_distance_m, answer.summaries[0].initial_distance_m);
+}
+
+TEST(FindPolicy, RefusesWhatItCannotDo) {
+  struct Case {
+    const char* words;
+    void (*spoil)(PolicyTask&);
+  };
+  const Case cases[] = {
+      {"poses: empty", [](PolicyTask& t) { t.poses.clear(); }},
+      {"goals: empty", [](PolicyTask& t) { t.poses[0].goals.clear(); }},
+      {"unknown marker 'tail'", [](PolicyTask& t) { t.poses[0].goals[0].marker = "tail"; }},
+      {"target of tip", [](PolicyTask& t) { t.poses[0].goals[0].target_m.x() = NAN; }},
+      {"weight of tip: -1", [](PolicyTask& t) { t.poses[0].goals[0].weight = -1.0; }},
+      {"duration_s: 0", [](PolicyTask& t) { t.poses[0].duration_s = 0.0; }},
+      {"unknown actuator 'top'", [](PolicyTask& t) { t.poses[0].actuators = {"top"}; }},
+      {"limits: [-1, 1] for 'left'", [](PolicyTask& t) { t.bounds.push_back({"left", -1.0, 1.0}); }},
+      {"max_tension_n 0", [](PolicyTask& t) { t.bounds.push_back({"left", 0.8, 1.0, 0.0}); }},
+      {"max_rate_per_s -1", [](PolicyTask& t) { t.bounds.push_back({"left", 0.8, 1.0, 1.0, -1.0}); }},
+      {"cannot come within", [](PolicyTask& t) { t.bounds.push_back({"left", 0.8, 0.9, 1.0, 0.01}); }},
+      {"effort_m: -1", [](PolicyTask& t) { t.effort_m = -1.0; }},
+  };
+  Simulation simulation = bar();
+  for (const Case& refused : cases) {
+    PolicyTask task = reach({0.1, 0.0, 0.0});
+    refused.spoil(task);
+    try {
+      find_policy(simulation, task, {});
+      ADD_FAILURE() << "accepted: " << refused.words;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(refused.words), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,11 +1,14 @@
 #!/bin/bash
-# take_picture.sh OUTPUT.png: what rviz shows of the running session, drawn on a hidden screen.
+# take_picture.sh OUTPUT.png [VIEW]: what rviz shows of the running session, drawn on a hidden screen. VIEW: `session`, or
+# `session_cameras`, whose docked image a full screen would hide.
 set -euo pipefail
 output=$1
-view=$(cd "$(dirname "$0")/../config/rviz" && pwd)/session.rviz
-export LIBGL_ALWAYS_SOFTWARE=1 output view
+view=$(cd "$(dirname "$0")/../config/rviz" && pwd)/${2:-session}.rviz
+screen=--fullscreen
+[[ ${2:-session} == session ]] || screen=
+export LIBGL_ALWAYS_SOFTWARE=1 output view screen
 xvfb-run -a -s "-screen 0 1280x800x24" bash -c '
-  rviz --fullscreen -d "$view" __name:=picture >/dev/null 2>&1 &
+  rviz $screen -d "$view" __name:=picture >/dev/null 2>&1 &
   rviz=$!
   trap "kill $rviz 2>/dev/null; wait $rviz 2>/dev/null" EXIT
   sleep "${PICTURE_DELAY_S:-12}" # until it has drawn

@@ -3,7 +3,6 @@
 #include <sstream>
 
 #include "experiment/cable_experiments.h"
-#include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/scene/scene.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
@@ -90,12 +89,9 @@ void measure(const StiffnessSettings& settings, StiffnessRun& run) {
 
 StiffnessRun pull(const ExperimentContext& context, const StiffnessSettings& settings, Model model,
                   double stiffness_n_m) {
-  SceneOptions options;
-  options.mesher = context.mesher;
-  options.actuator_factory = make_actuator;
-  const Scene robot = load_scene(settings.robot, options);
-  options.changes = cable_yaml(settings, *robot.simulation, model, stiffness_n_m);
-  const Scene scene = load_scene(settings.robot, options);
+  const Scene robot = load_scene(settings.robot, context.scene_options());
+  const Scene scene =
+      load_scene(settings.robot, context.scene_options(cable_yaml(settings, *robot.simulation, model, stiffness_n_m)));
   Simulation& simulation = *scene.simulation;
   StiffnessRun run;
   run.model = model;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/experiment/reference_table.h"
 #include "soft_robot_lab/scene/run_scene.h"
 #include "soft_robot_lab/settings/settings_node.h"
@@ -36,14 +35,10 @@ struct Sag {
 
 Sag find_sag(const ExperimentContext& context, const Settings& settings, const std::string& element,
              const std::string& poissons_ratio) {
-  SceneOptions options;
-  options.mesher = context.mesher;
-  options.actuator_factory = make_actuator;
   std::ostringstream changes;
   changes << "body: {element: " << element << ", element_size_m: " << settings.element_size_m
           << ", material: {poissons_ratio: " << poissons_ratio << "}}\n";
-  options.changes = changes.str();
-  Scene scene = load_scene(settings.scene, options);
+  Scene scene = load_scene(settings.scene, context.scene_options(changes.str()));
   const RunReport report = run_scene(scene);
   const Simulation& simulation = *scene.simulation;
   const double sag_m = (simulation.markers().at(0).rest_position_m() - simulation.marker_position(0)).y();

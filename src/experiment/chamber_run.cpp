@@ -6,7 +6,6 @@
 #include <sstream>
 #include <utility>
 
-#include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
 namespace soft_robot_lab {
@@ -63,10 +62,7 @@ std::vector<ChamberRun> run_chambers(const ExperimentContext& context, const Cha
   double done = 0.0;
   for (const auto& [mesh, file] : settings.meshes) {
     context.tell(done / count, mesh + " mesh");
-    SceneOptions options;
-    options.mesher = context.mesher;
-    options.actuator_factory = make_actuator;
-    ChamberRun run{mesh, load_scene(file, options), {}};
+    ChamberRun run{mesh, load_scene(file, context.scene_options()), {}};
     Simulation& simulation = *run.scene.simulation;
     const int actuator = settings.chamber.empty() ? 0 : simulation.actuator_index(settings.chamber);
     for (const double beta : settings.betas) {

@@ -5,7 +5,6 @@
 
 #include "experiment/cable_experiments.h"
 #include "experiment/marker_line.h"
-#include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/scene/scene.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
@@ -111,10 +110,7 @@ std::string words(const Tips& tips, const Eigen::Vector3d& hanging_m) {
 ExperimentResult run_contractions(const ExperimentContext& context, const std::string& name, const std::string& robot,
                                   const std::string& source_reports) {
   const ContractionSettings settings = read_settings(context, name);
-  SceneOptions options;
-  options.mesher = context.mesher;
-  options.actuator_factory = make_actuator;
-  const Scene scene = load_scene(settings.robot, options);
+  const Scene scene = load_scene(settings.robot, context.scene_options());
   Simulation& simulation = *scene.simulation;
   simulation.solve_equilibrium();
   const SimulationState hanging = simulation.state();

@@ -14,6 +14,7 @@ namespace {
 constexpr std::array<const char*, 8> kPalette = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                                  "#E69F00", "#56B4E9", "#000000", "#B8A800"};
 constexpr std::array<int, 8> kMarks = {7, 5, 9, 11, 13, 6, 4, 8};  // of gnuplot: circle, square, triangles, ...
+constexpr std::size_t kMostBeside = 5, kMostSlanted = 12;          // words below the x axis
 constexpr int kMostBelow = 6;                                      // a longer legend stands beside the picture
 
 std::string quoted(const std::string& text) {
@@ -62,7 +63,8 @@ void write_axis(std::ostream& script, const char* name, const Axis& axis) {
   for (std::size_t i = 0; i < axis.ticks.size(); ++i) {
     script << (i ? ", " : "") << quoted(axis.ticks[i].second) << " " << axis.ticks[i].first;
   }
-  script << ")" << (name[0] == 'x' && axis.ticks.size() > 5 ? " rotate by 30 right" : "") << "\n";
+  const bool many = axis.ticks.size() > kMostBeside, crowded = axis.ticks.size() > kMostSlanted;
+  script << ")" << (name[0] != 'x' || !many ? "" : crowded ? " rotate by 90 right" : " rotate by 30 right") << "\n";
 }
 
 void write_guides(std::ostream& script, const Plot& plot) {

@@ -4,7 +4,6 @@
 
 #include "experiment/cable_experiments.h"
 #include "experiment/marker_line.h"
-#include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/scene/scene.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
@@ -109,13 +108,9 @@ OrderRun observe(const Simulation& simulation, const OrderSettings& settings, co
 }
 
 Scene load(const ExperimentContext& context, const OrderSettings& settings, double tilt) {
-  SceneOptions options;
-  options.mesher = context.mesher;
-  options.actuator_factory = make_actuator;
   std::ostringstream gravity;
   gravity << "gravity_m_s2: [0, " << 9.81 * tilt << ", -9.81]\n";
-  options.changes = gravity.str();
-  return load_scene(settings.robot, options);
+  return load_scene(settings.robot, context.scene_options(gravity.str()));
 }
 
 // Pulled while tilted, then put level again: the rest state that it keeps.

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/experiment/cpu_time.h"
 #include "soft_robot_lab/experiment/reference_table.h"
 #include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/settings/cpu_time.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -60,11 +59,7 @@ Curve run(const ExperimentContext& context, const ReleaseProblem& release, const
   std::ostringstream changes;
   changes << "body: {element_size_m: " << release.element_size_m << ", material: {poissons_ratio: " << kPoissonsRatio
           << "}}\nsolver: {integrator: " << integrator << ", time_step_s: " << result.step_s << "}\n";
-  SceneOptions options;
-  options.mesher = context.mesher;
-  options.actuator_factory = make_actuator;
-  options.changes = changes.str();
-  const Scene scene = load_scene(release.scene, options);
+  const Scene scene = load_scene(release.scene, context.scene_options(changes.str()));
   Simulation& simulation = *scene.simulation;
   const double rest_m = simulation.markers().at(0).rest_position_m().y();
   Curve curve{{0.0}, {0.0}};

@@ -2,13 +2,26 @@
 #include "experiment/cantilever_experiment.h"
 #include "experiment/chamber_experiments.h"
 #include "experiment/policy_experiments.h"
+#include "experiment/vision_experiments.h"
+#include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/experiment/experiment.h"
 
 namespace soft_robot_lab {
 
+SceneOptions ExperimentContext::scene_options(const std::string& changes) const {
+  SceneOptions options;
+  options.mesher = mesher;
+  options.actuator_factory = make_actuator;
+  options.changes = changes;
+  return options;
+}
+
 std::vector<Experiment> simulation_experiments() {
   return {
       {"cantilever", "sag of a silicone bar over Poisson's ratio: which elements lock", run_cantilever_experiment},
+      {"3.3.1", "markers found by contrast and by colour on the hanging Spinebot", run_segmentation_at_rest_experiment},
+      {"3.3.2", "markers found by contrast and by colour on the moving Spinebot",
+       run_segmentation_in_motion_experiment},
       {"4.3.2", "stiffness of the cable on the hanging bar: final length and oscillation",
        run_cable_stiffness_experiment},
       {"5.3.1", "inflation of the hollow cuboid: volume and pressure over gas", run_inflation_experiment},
@@ -22,6 +35,8 @@ std::vector<Experiment> simulation_experiments() {
        run_bubblebot_experiment},
       {"7.3.1", "ten random targets for Hammerbot, all methods", run_random_targets_experiment},
       {"7.3.2", "how the methods converge on a near and a far target", run_convergence_experiment},
+      {"tracking", "Spinebot tracked by two rendered cameras: exact, as a D415's, blurred, in poor light",
+       run_tracking_experiment},
   };
 }
 

@@ -93,6 +93,8 @@ Plot plot_convergence(const SpeedProblem& problem, const std::vector<SpeedRun>& 
     series.x.push_back(1.0e3 * run.size_m);
     series.y.push_back(percent(run.error));
   }
+  const auto single = [](const Series& series) { return series.x.size() < 2; };
+  plot.series.erase(std::remove_if(plot.series.begin(), plot.series.end(), single), plot.series.end());
   return plot;
 }
 

@@ -13,8 +13,8 @@
 
 #include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/design/timed_process.h"
-#include "soft_robot_lab/experiment/cpu_time.h"
 #include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/settings/cpu_time.h"
 #include "soft_robot_lab/settings/settings_node.h"
 #include "soft_robot_lab/sim/modal.h"
 

@@ -1,22 +1,18 @@
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <sstream>
 #include <stdexcept>
 
 #include "soft_robot_lab/experiment/stability.h"
+#include "soft_robot_lab/settings/cpu_time.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kDuration_s = 2.0;   // in which a body must have recovered in time
-constexpr int kFewestSteps = 10;      // however long a time step is
+constexpr int kFewestSteps = 10;      // in time, however long a time step is
 constexpr double kRightPlace = 0.01;  // of the body's size: how far a marker may be off
-constexpr double kCpuLimit_s = 60.0;  // of a cell
 constexpr int kCarefulStages = 20;    // of the reference's command change
-
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 Eigen::Matrix3Xd markers_of(const Simulation& simulation) {
   const int count = static_cast<int>(simulation.markers().size());
@@ -55,12 +51,18 @@ std::string merged(const std::vector<std::string>& all) {
   return sum.dump();
 }
 
-// The scene's cables or chambers, each with the changes: a list in a scene replaces another, it does not merge.
+// The scene's cables or chambers, each with the changes: a list in a scene replaces another, it does not merge, nor
+// does a drive whose `model` changes.
 std::string changed_drives(const std::string& file, const std::string& kind, const std::vector<std::string>& changes) {
   const SettingsNode change = SettingsNode::parse(merged(changes), "changes");
   std::string text = kind + ":\n";
-  for (const SettingsNode& drive : SettingsNode::load_file(file).sequence(kind))
-    text += "  - " + merge_settings(drive, change).dump() + "\n";
+  for (const SettingsNode& drive : SettingsNode::load_file(file).sequence(kind)) {
+    text += "  - {";
+    for (const std::string& key : drive.keys())
+      if (!change.has(key)) text += key + ": " + drive.child(key).dump() + ", ";
+    for (const std::string& key : change.keys()) text += key + ": " + change.child(key).dump() + ", ";
+    text += "}\n";
+  }
   return text;
 }
 
@@ -79,8 +81,8 @@ std::string settle(Simulation& simulation) {
 }  // namespace
 
 const char* name_of(Outcome outcome) {
-  constexpr const char* kNames[kOutcomes] = {"survived", "recovered", "failed and said so", "failed silently",
-                                             "not finite"};
+  constexpr const char* kNames[kOutcomes] = {"survived", "recovered",       "failed and said so",
+                                             "too slow", "failed silently", "not finite"};
   return kNames[static_cast<int>(outcome)];
 }
 
@@ -91,7 +93,7 @@ Scene StabilityBench::load(const StabilityBody& body, const StabilityMethod& met
   const std::string file = config_folder_ + "/" + body.scene;
   SceneOptions options = options_;
   options.changes = merged({changed_drives(file, body.chamber ? "chambers" : "cables",
-                                           {hard_case.drive_changes, method.drive_changes(body)}),
+                                           {method.drive_changes(body), hard_case.drive_changes}),
                             body.changes, hard_case.changes, method.body_changes, method.solver_changes});
   options.change_mesh = hard_case.change_mesh;
   return load_scene(file, options);
@@ -161,9 +163,9 @@ StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMeth
   }
   give_commands(simulation, hard_case.commands(body), 1.0);
 
-  const double start_s = cpu_seconds();
+  const double start_s = cpu_time_s();
   const int in_time =
-      std::max(kFewestSteps, static_cast<int>(std::ceil(kDuration_s / simulation.options().time_step_s - 1e-6)));
+      std::max(kFewestSteps, static_cast<int>(std::ceil(method.duration_s / simulation.options().time_step_s - 1e-6)));
   const int solves = method.equilibrium ? 1 : in_time;
   SolveReport last;
   while (cell.solves < solves) {
@@ -171,13 +173,16 @@ StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMeth
     ++cell.solves;
     if (!last.converged) ++cell.failed_solves;
     if (!last.converged || last.inverted_elements > 0) cell.message = last.message;
-    cell.cpu_s = cpu_seconds() - start_s;
+    cell.cpu_s = cpu_time_s() - start_s;
     if (!all_finite(simulation, last)) {
       cell.outcome = Outcome::not_finite;
       return cell;
     }
-    if (cell.cpu_s > kCpuLimit_s && cell.solves < solves) {
-      cell.message = "given up after " + std::to_string(static_cast<int>(kCpuLimit_s)) + " s of CPU time";
+    if (cell.cpu_s > method.cpu_limit_s && cell.solves < solves) {
+      cell.outcome = last.converged ? Outcome::too_slow : Outcome::reported;
+      cell.message += (cell.message.empty() ? "" : "; ") + std::string("given up after ") +
+                      std::to_string(static_cast<int>(cell.cpu_s)) + " s of CPU time, " + std::to_string(cell.solves) +
+                      " of " + std::to_string(solves) + " steps";
       return cell;
     }
   }

@@ -1,7 +1,8 @@
 // Simulates a scene in real time, or as fast as possible, behind the topics that a rig has too.
 //
 // Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
-// gravity before the first step).
+// gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
+// often as they film).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -35,10 +36,14 @@ struct SimulatorOptions {
   std::string scene;
   double real_time_factor = 1.0;  // [0, 1000]; 0: as fast as possible
   bool start_at_rest = true;
+  double surface_rate_hz = 15.0;  // (0, 1000]
 
   void validate() const {
     if (!(real_time_factor >= 0.0 && real_time_factor <= 1000.0)) {
       throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) + " is not in [0, 1000]");
+    }
+    if (!(surface_rate_hz > 0.0 && surface_rate_hz <= 1000.0)) {
+      throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz) + " is not in (0, 1000]");
     }
   }
 };
@@ -48,6 +53,7 @@ SimulatorOptions read_options(const ros::NodeHandle& node) {
   if (!node.getParam("scene", options.scene)) throw std::invalid_argument("scene: missing; give the path of a scene");
   node.getParam("real_time_factor", options.real_time_factor);
   node.getParam("start_at_rest", options.start_at_rest);
+  node.getParam("surface_rate_hz", options.surface_rate_hz);
   options.validate();
   return options;
 }
@@ -109,8 +115,8 @@ class SimulatorNode {
 
   std::mutex mutex_;  // guards what follows between stepping and loading
   std::unique_ptr<RunningScene> scene_;
-  double session_s_ = 0.0;  // never goes back, unlike the scene's own time at a reset
-  double surface_due_s_ = 0.0;
+  double session_s_ = 0.0;        // never goes back, unlike the scene's own time at a reset
+  double surface_period_ = -1.0;  // number of the period of session time in which the skin was last published
   SolveReport last_report_;
   int unconverged_steps_ = 0;           // since the last diagnosis
   std::vector<SolveWarning> warnings_;  // likewise
@@ -184,7 +190,7 @@ void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
   {
     const std::lock_guard lock(mutex_);
     scene_ = std::move(scene);
-    surface_due_s_ = session_s_;
+    surface_period_ = -1.0;
   }
   scene_path_.publish(path);
 }
@@ -232,10 +238,11 @@ void SimulatorNode::publish() {
   markers_.publish(marker_observations(simulation, stamp));
   actuators_.publish(actuator_states(simulation, stamp));
 
-  constexpr double surface_period_s = 1.0 / 15.0;
-  if (session_s_ >= surface_due_s_ && scene_->surface.moved(simulation.state().positions_m)) {
+  constexpr double rounding = 1.0e-6;
+  const double period = std::floor(session_s_ * options_.surface_rate_hz + rounding);
+  if (period > surface_period_ && scene_->surface.moved(simulation.state().positions_m)) {
     surface_.publish(scene_->surface.message(simulation.state().positions_m, stamp, gauge_pressures_pa(simulation)));
-    surface_due_s_ = session_s_ + surface_period_s;
+    surface_period_ = period;
   }
 }
 

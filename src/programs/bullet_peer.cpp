@@ -10,8 +10,8 @@
 #include "programs/bullet/bullet_body.h"
 #include "programs/command_line.h"
 #include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/experiment/cpu_time.h"
 #include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/settings/cpu_time.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
 namespace {

@@ -1,5 +1,6 @@
 // chart_stability: every method in every hard case, drawn as a grid.
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -80,6 +81,25 @@ std::vector<StabilityCell> known_cells(const std::string& table) {
   }
 }
 
+template <class Item>
+std::size_t place_of(const std::string& name, const std::vector<Item>& all) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Item& item) { return item.name == name; });
+  return static_cast<std::size_t>(found - all.begin());
+}
+
+// As in the lists, whatever order they were run in.
+void sort_cells(bool quick, std::vector<StabilityCell>& cells) {
+  const auto bodies = stability_bodies(quick);
+  const auto methods = stability_methods();
+  const auto cases = hard_cases(quick);
+  const auto place = [&](const StabilityCell& cell) {
+    return std::array<std::size_t, 3>{place_of(cell.body, bodies), place_of(cell.method, methods),
+                                      place_of(cell.hard_case, cases)};
+  };
+  std::stable_sort(cells.begin(), cells.end(),
+                   [&](const StabilityCell& a, const StabilityCell& b) { return place(a) < place(b); });
+}
+
 std::vector<StabilityCell> run(const Arguments& arguments, const std::string& table) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
@@ -110,8 +130,9 @@ std::vector<StabilityCell> run(const Arguments& arguments, const std::string& ta
 int chart(const Arguments& arguments) {
   const std::string name = arguments.quick ? "stability_quick" : "stability";
   std::filesystem::create_directories(arguments.output);
-  const std::vector<StabilityCell> cells =
+  std::vector<StabilityCell> cells =
       run(arguments, (std::filesystem::path(arguments.output) / (name + "_cells.csv")).string());
+  sort_cells(arguments.quick, cells);
   int good = 0, bad = 0;
   for (const StabilityCell& cell : cells) {
     if (is_good(cell.outcome)) ++good;

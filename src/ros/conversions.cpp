@@ -16,6 +16,9 @@ CableState cable_state(const ActuatorReading& state) {
   cable.length_m = *state.length_m;
   cable.rest_length_m = state.rest_length_m.value_or(*state.length_m);
   cable.tension_n = state.tension_n.value_or(0.0);
+  cable.stretch_m = state.stretch_m.value_or(0.0);
+  cable.slack_m = state.slack_m.value_or(0.0);
+  cable.pretension_n = state.pretension_n.value_or(0.0);
   for (const Eigen::Vector3d& point_m : state.path_m) cable.path.push_back(to_message(point_m));
   return cable;
 }

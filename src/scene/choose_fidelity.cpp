@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <sstream>
@@ -9,6 +8,7 @@
 
 #include "scene/fidelity.h"
 #include "soft_robot_lab/design/content_hash.h"
+#include "soft_robot_lab/settings/cpu_time.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -23,8 +23,6 @@ constexpr double kLeastShrinking = 0.8;  // of the size, from rung to rung
 constexpr double kMostShrinking = 0.5;
 constexpr double kWorthTrying = 1.15;  // more nodes than the rung before: small features may rule the mesh
 constexpr double kShareOfTime = 0.5;   // of the tolerance, in a dynamic run
-
-double cpu_now_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 std::string body_choice(double size_m) {
   std::ostringstream text;
@@ -213,11 +211,11 @@ std::optional<FidelityReport> settle_fidelity(const SettingsNode& settings, cons
   const bool kept = !options.change_mesh;  // which the key does not know
   if (std::optional<FidelityReport> known; kept && (known = find_fidelity(key, options))) return known;
 
-  const double start_s = cpu_now_s();
+  const double start_s = cpu_time_s();
   const SettingsNode judged = lay_over(settings, kMethod);
   FidelityReport report = request ? choose(judged, *request, dynamic, options) : judge(judged, dynamic, options);
   report.left_out = left_out(settings, dynamic);
-  report.cpu_s = cpu_now_s() - start_s;
+  report.cpu_s = cpu_time_s() - start_s;
   if (kept) keep_fidelity(key, report, options);
   return report;
 }

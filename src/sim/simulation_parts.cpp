@@ -101,6 +101,7 @@ void SimulationParts::forget_previous_step() {
 
 void SimulationParts::forget_motion() {
   state.rest_residual.reset();
+  state.folded_steps = 0;
   forget_previous_step();
   state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
   state.branch_stress_pa = Eigen::VectorXd::Zero(body.viscosity().hysteresis_ratio > 0.0 ? solver.strain_count() : 0);

@@ -65,6 +65,14 @@ void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report)
   }
 }
 
+void tell_unfolded(int elements, SolveReport& report) {
+  SolveWarning warning;
+  warning.kind = "unfolded";
+  warning.size = elements;
+  warning.text = std::to_string(elements) + " elements, those inverted before and around them, were laid out anew";
+  add_warning(warning, report.warnings);
+}
+
 void add_warning(const SolveWarning& warning, std::vector<SolveWarning>& all) {
   const auto same = std::find_if(all.begin(), all.end(), [&](const SolveWarning& other) {
     return other.kind == warning.kind && other.actuator == warning.actuator;

@@ -9,4 +9,7 @@ namespace soft_robot_lab {
 // How a solve ended, with place and size of what is wrong.
 void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report);
 
+// That nodes did not move by the laws of mechanics: inverted elements and those around them were laid out anew.
+void tell_unfolded(int elements, SolveReport& report);
+
 }  // namespace soft_robot_lab

@@ -27,6 +27,7 @@ void check_state(const SimulationState& state, const SimulationState& now) {
   if (!sizes || !previous_sizes) throw std::invalid_argument("state: its sizes are not those of this simulation");
   require(state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0, "state.previous_step_s", state.previous_step_s,
           "[0, 1]");
+  require(state.folded_steps >= 0, "state.folded_steps", state.folded_steps, "zero or more");
   if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
       !state.previous_element_multipliers_pa.allFinite() || !state.previous_constraint_multipliers.allFinite() ||
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||

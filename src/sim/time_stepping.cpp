@@ -6,6 +6,8 @@
 #include "backward_difference.h"
 #include "prediction.h"
 #include "rest.h"
+#include "solve_ending.h"
+#include "unfold.h"
 #include "viscous_step.h"
 
 namespace soft_robot_lab {
@@ -99,11 +101,35 @@ void advance(SimulationParts& parts, double h, const CommandPath& path, const Pa
   report.converged = report.converged && first;
 }
 
+bool is_power_of_two(int number) { return number > 0 && (number & (number - 1)) == 0; }
+
+// A step from a shape whose inverted elements are laid out anew, with ever more of their surroundings the longer they
+// have been so; kept only where they stay unfolded.
+bool advance_unfolded(SimulationParts& parts, double h, SolveReport& report) {
+  SimulationState& state = parts.state;
+  const SimulationState before = state;
+  const Unfolded unfolded = unfold(parts.body, state.folded_steps, state.positions_m);
+  if (unfolded.nodes.empty()) return false;
+  for (const int node : unfolded.nodes) state.velocities_m_s.col(node).setZero();
+  state.element_multipliers_pa.setZero();
+  parts.forget_previous_step();
+  advance(parts, h, CommandPath(parts, h), Part(), report);
+  if (report.converged && report.inverted_elements == 0) {
+    tell_unfolded(static_cast<int>(unfolded.elements.size()), report);
+    return true;
+  }
+  parts.restore(before);
+  return false;
+}
+
 }  // namespace
 
 void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
   if (sleep_on(parts, h, report)) return;
-  advance(parts, h, CommandPath(parts, h), Part(), report);
+  const int folded_steps = parts.state.folded_steps;
+  if (!is_power_of_two(folded_steps) || !advance_unfolded(parts, h, report))
+    advance(parts, h, CommandPath(parts, h), Part(), report);
+  parts.state.folded_steps = report.inverted_elements > 0 ? folded_steps + 1 : 0;
   fall_asleep_where_still(parts, h, report);
 }
 

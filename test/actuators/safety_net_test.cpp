@@ -2,6 +2,7 @@
 // solution shows in where a body comes to rest.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <sstream>
@@ -85,6 +86,24 @@ TEST(SafetyNet, UntanglesABodyInTime) {
     }
     EXPECT_TRUE(report.converged) << report.message;
     EXPECT_EQ(report.inverted_elements, 0);
+  }
+}
+
+// A step tries it where the last 1, 2, 4, 8, ... have ended so.
+TEST(SafetyNet, LaysOutAnewWhatStaysInverted) {
+  for (const int folded_steps : {1, 3}) {
+    Simulation bar = make_bar({});
+    SimulationState folded = bar.state();
+    folded.positions_m.rightCols(8).row(0).array() -= 0.05;  // the tip into the middle
+    folded.folded_steps = folded_steps;
+    bar.set_state(folded);
+    const SolveReport report = bar.step();
+    EXPECT_TRUE(report.converged) << report.message;
+    const bool told = std::any_of(report.warnings.begin(), report.warnings.end(),
+                                  [](const SolveWarning& warning) { return warning.kind == "unfolded"; });
+    EXPECT_EQ(told, folded_steps == 1);
+    EXPECT_EQ(bar.state().folded_steps, report.inverted_elements > 0 ? folded_steps + 1 : 0);
+    EXPECT_TRUE(!told || report.inverted_elements == 0);
   }
 }
 

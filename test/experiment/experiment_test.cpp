@@ -1,39 +1,20 @@
 // The program `experiment` as a user runs it.
-#include <sys/wait.h>
-
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/scene_files.h"
+#include "run_program.h"
 
 namespace soft_robot_lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string contents(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
-struct Outcome {
-  int exit_status;
-  std::string out, err;
-};
-
 Outcome experiment(const SceneFolder& folder, const std::string& arguments) {
-  const std::string out = folder.path("out"), err = folder.path("err");
-  const int status =
-      std::system((std::string(SOFT_ROBOT_LAB_EXPERIMENT) + " " + arguments + " >" + out + " 2>" + err).c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(out), contents(err)};
+  return run_program(SOFT_ROBOT_LAB_EXPERIMENT, folder, arguments);
 }
 
 TEST(Experiment, RepeatsTheCantilever) {

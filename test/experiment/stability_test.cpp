@@ -32,9 +32,7 @@ TEST(Stability, DefaultSolverSurvivesOrRecoversEverywhere) {
     for (const StabilityMethod& method : stability_methods()) {
       for (const HardCase& hard_case : hard_cases(true)) {
         const bool other_integrator = !method.solver_changes.empty();  // in safety_net_test
-        // A chamber without any volume, in time, takes too long for a test, and is not known to recover.
-        const bool slow = body.chamber && !method.equilibrium && hard_case.name == "collapsed to a point, driven";
-        if (!method.ours || other_integrator || slow || hard_case.commands(body).empty()) continue;
+        if (!method.ours || other_integrator || hard_case.commands(body).empty()) continue;
         const StabilityCell cell = bench.run(body, method, hard_case);
         EXPECT_TRUE(is_good(cell.outcome)) << cell.body << ", " << cell.method << ", " << cell.hard_case << ": "
                                            << name_of(cell.outcome) << ": " << cell.message;
@@ -45,15 +43,36 @@ TEST(Stability, DefaultSolverSurvivesOrRecoversEverywhere) {
   EXPECT_GE(cells, 30);
 }
 
+// On the mesh as it is, in time, these ended with inverted elements.
+TEST(Stability, DefaultSolverUnfoldsThePulledAndTheScrambledCantilever) {
+  StabilityBench bench = make_bench();
+  int cells = 0;
+  for (const StabilityMethod& method : stability_methods()) {
+    for (const HardCase& hard_case : hard_cases(false)) {
+      const bool once_bad = hard_case.name == "contraction 1 to 0.5 at once" ||
+                            hard_case.name == "the same, rigid cable" || hard_case.name == "scrambled nodes";
+      if (method.name != "global, in time" || !once_bad) continue;
+      const StabilityCell cell = bench.run(stability_bodies(false).front(), method, hard_case);
+      EXPECT_TRUE(is_good(cell.outcome)) << cell.hard_case << ": " << name_of(cell.outcome) << ": " << cell.message;
+      ++cells;
+    }
+  }
+  EXPECT_EQ(cells, 3);
+}
+
 TEST(Stability, NoMethodLeavesTheFiniteNumbers) {
   StabilityBench bench = make_bench();
-  const StabilityBody body = small_bodies().front();
-  for (const StabilityMethod& method : stability_methods()) {
-    for (const HardCase& hard_case : hard_cases(true)) {
-      const bool hard = hard_case.name == "time step 1 s" || hard_case.name == "scrambled nodes, driven";
-      if (method.ours || !method.fits(body) || !hard) continue;
-      const StabilityCell cell = bench.run(body, method, hard_case);
-      EXPECT_NE(cell.outcome, Outcome::not_finite) << cell.method << ", " << cell.hard_case;
+  for (const StabilityBody& body : small_bodies()) {
+    for (const StabilityMethod& method : stability_methods()) {
+      for (const HardCase& hard_case : hard_cases(true)) {
+        const bool hard = hard_case.name == "time step 1 s" || hard_case.name == "scrambled nodes, driven";
+        if (method.ours || !method.fits(body) || !hard) continue;
+        const StabilityCell cell = bench.run(body, method, hard_case);
+        EXPECT_NE(cell.outcome, Outcome::not_finite) << cell.body << ", " << cell.method << ", " << cell.hard_case;
+        if (method.name == "explicit coupling") {
+          EXPECT_FALSE(is_good(cell.outcome)) << cell.hard_case;
+        }
+      }
     }
   }
 }

@@ -1,4 +1,6 @@
-// The motors of an emulated rig behind their topics and services: the table of the thesis, an emergency stop, a stall.
+// The motors of an emulated rig behind their topics and services: the table of the thesis, an emergency stop, a stall,
+// a killed node.
+#include <csignal>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -6,6 +8,8 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
+#include <ros/master.h>
+#include <ros/network.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/ActuatorCommand.h>
 #include <soft_robot_lab/MotorState.h>
@@ -13,6 +17,7 @@
 #include <soft_robot_lab/ShaftState.h>
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_srvs/Trigger.h>
+#include <xmlrpcpp/XmlRpc.h>
 
 #include "soft_robot_lab/ros/topics.h"
 
@@ -84,13 +89,31 @@ class Motors : public testing::Test {
     return response;
   }
 
+  static pid_t process_of(const std::string& node) {
+    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(30.0);
+    XmlRpc::XmlRpcValue request, response, process;
+    request[0] = request[1] = node;
+    std::string host;
+    std::uint32_t port = 0;
+    while (ros::WallTime::now() < limit) {
+      if (ros::master::execute("lookupNode", request, response, process, false) &&
+          ros::network::splitURI(process, host, port)) {
+        XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
+        if (client.execute("getPid", request, response) && static_cast<int>(response[0]) == 1)
+          return static_cast<int>(response[2]);
+      }
+      ros::WallDuration(0.1).sleep();
+    }
+    throw std::runtime_error("nobody knows the process of " + node);
+  }
+
   MotorState state;
   ShaftState truth;
   int level = -1;  // of the diagnostics
+  ros::Publisher publisher_;
 
  private:
   ros::NodeHandle node_;
-  ros::Publisher publisher_;
   std::vector<ros::Subscriber> subscribers_;
 };
 
@@ -144,6 +167,26 @@ TEST_F(Motors, LatchAStallUntilClearedAndZeroed) {
   command_until("the shaft", {0.9, 1.0},
                 [this] { return truth.position_steps.at(0) > 100 && truth.moving.at(0) == 0; });
   EXPECT_EQ(state.fault.at(0), "");
+}
+
+// The board notices the silence; the node comes back by roslaunch and reads where the shafts are.
+TEST_F(Motors, StopWhenTheirNodeIsKilledAndMoveFromThereWhenItIsBack) {
+  expect_shafts({1.0, 1.0}, {0, 0});
+  const auto first_node = process_of("/motor");
+  command_until("motion", {0.7, 0.7}, [this] { return truth.position_steps.at(0) > 20; });
+  ASSERT_EQ(kill(first_node, SIGKILL), 0);
+  wait_for("the watchdog's stop", [this] { return truth.moving == std::vector<std::uint8_t>{0, 0}; });
+  const auto stopped_at = truth.position_steps;
+  EXPECT_LT(stopped_at.at(0), 386);  // short of the command
+
+  state = {};
+  wait_for("the node to be back", [this] {
+    return state.linked && state.known == std::vector<std::uint8_t>{1, 1} && publisher_.getNumSubscribers() > 0;
+  });
+  EXPECT_NE(process_of("/motor"), first_node);
+  EXPECT_EQ(state.position_steps, stopped_at);
+  EXPECT_EQ(truth.position_steps, stopped_at);
+  expect_shafts({1.0, 1.0}, {0, 0});
 }
 
 TEST_F(Motors, RefuseUnknownRigCommandsAndMotors) {

@@ -2,8 +2,6 @@
 #include <cmath>
 #include <future>
 #include <limits>
-#include <optional>
-#include <stdexcept>
 #include <string>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -18,6 +16,7 @@
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include "ros/session_ears.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/topics.h"
 
@@ -25,30 +24,18 @@ namespace soft_robot_lab {
 namespace {
 
 const std::string scenes = SOFT_ROBOT_LAB_SOURCE "/test/data/scenes/";
+const double cable_compliance_m_n = 1.0e-5;  // of cable_bar.yaml
 
 class Session : public testing::Test {
  protected:
-  // The next message, or, of a latched topic, the last.
   template <typename Message>
   typename Message::ConstPtr hear(const std::string& topic) {
-    std::optional<typename Message::ConstPtr> heard;
-    const ros::Subscriber subscriber = node_.subscribe<Message>(
-        topic, 1, boost::function<void(const typename Message::ConstPtr&)>([&](const auto& m) { heard = m; }));
-    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(20.0);
-    while (!heard && ros::WallTime::now() < limit) {
-      ros::spinOnce();
-      ros::WallDuration(0.002).sleep();
-    }
-    if (!heard) throw std::runtime_error("nothing on " + topic);
-    return *heard;
+    return soft_robot_lab::hear<Message>(node_, topic);
   }
 
   template <typename Service>
   typename Service::Response ask(const std::string& name, const typename Service::Request& request = {}) {
-    if (!ros::service::waitForService(name, 20000)) throw std::runtime_error("no service " + name);
-    typename Service::Response response;
-    if (!node_.serviceClient<Service>(name).call(request, response)) throw std::runtime_error("no answer of " + name);
-    return response;
+    return soft_robot_lab::ask<Service>(node_, name, request);
   }
 
   void expect_goes_on() {
@@ -116,6 +103,9 @@ TEST_F(Session, PublishesCablesSurfaceAndOverlay) {
   ASSERT_EQ(actuators->cables.size(), 2u);
   EXPECT_NEAR(actuators->cables[0].rest_length_m, 0.1, 1e-6);
   EXPECT_GE(actuators->cables[0].tension_n, 0.0);
+  EXPECT_NEAR(actuators->cables[0].stretch_m, cable_compliance_m_n * actuators->cables[0].tension_n, 1e-9);
+  EXPECT_GE(actuators->cables[0].slack_m, 0.0);
+  EXPECT_EQ(actuators->cables[0].pretension_n, 0.0);
   EXPECT_GE(actuators->cables[0].path.size(), 2u);
   const auto surface = hear<visualization_msgs::Marker>(topics::simulator_surface);
   EXPECT_GT(surface->points.size(), 0u);

@@ -101,8 +101,8 @@ Eigen::Vector3d hanging_bar_displacement_m(const ReferenceRow& row, const std::s
                                            const std::string& command) {
   std::string points = "[0.007, 0, 0], ";
   for (int i = 1; i <= 12; ++i) points += "[0.007, " + std::to_string(-0.01 * i) + ", 0], ";
-  return displacement_m("../robots/hanging_bar",
-                        "body: {material: {poissons_ratio: " + row.text("nu") +
+  return displacement_m("cable_bar",
+                        "body: {element_size_m: 0.009, material: {poissons_ratio: " + row.text("nu") +
                             "}}\ncables: [{name: cable, spread_box_m: 0.006, points_m: [" + points +
                             "[0.007, -0.127, 0]], " + model + "}]\nrun: {commands: [{cable: " + command + "}]}\n",
                         15);

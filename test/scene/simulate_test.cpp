@@ -1,9 +1,5 @@
 // The program `simulate` as a user runs it.
-#include <sys/wait.h>
-
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <sstream>
 #include <string>
 
@@ -11,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reference_table.h"
-#include "scene/scene_files.h"
+#include "run_program.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -20,22 +16,8 @@ using Json = nlohmann::ordered_json;
 
 const std::string kCantilever = std::string(SOFT_ROBOT_LAB_SOURCE) + "/config/scenes/cantilever.yaml";
 
-std::string contents(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
-struct Outcome {
-  int exit_status;
-  std::string out, err;
-};
-
 Outcome simulate(const SceneFolder& folder, const std::string& arguments) {
-  const std::string out = folder.path("out"), err = folder.path("err");
-  const int status =
-      std::system((std::string(SOFT_ROBOT_LAB_SIMULATE) + " " + arguments + " >" + out + " 2>" + err).c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(out), contents(err)};
+  return run_program(SOFT_ROBOT_LAB_SIMULATE, folder, arguments);
 }
 
 double reference_sag_m(const std::string& poissons_ratio) {

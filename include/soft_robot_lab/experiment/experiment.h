@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "soft_robot_lab/experiment/plot.h"
+#include "soft_robot_lab/scene/scene.h"
 
 namespace soft_robot_lab {
 
@@ -33,6 +34,8 @@ struct ExperimentContext {
   void tell(double share, const std::string& what) const {
     if (progress) progress(share, what);
   }
+  // To load a scene with our actuators, `changes` laid over it.
+  SceneOptions scene_options(const std::string& changes = "") const;
   // The experiment's settings: config/experiments/NAME.yaml.
   std::string settings_file(const std::string& name) const { return config_folder + "/experiments/" + name + ".yaml"; }
 };

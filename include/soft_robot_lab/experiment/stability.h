@@ -15,10 +15,11 @@ enum class Outcome {
   survived,   // every solve converged, no element is inverted at the end, and the markers are in the right place
   recovered,  // the same at the end, but on the way a solve failed, or the start was no shape at all
   reported,   // failed, and said so
+  too_slow,   // no failure, but not done within the limit of CPU time
   silent,     // failed without a word: inverted elements, or markers in the wrong place, called converged
   not_finite  // NaN or infinity left the solver
 };
-inline constexpr int kOutcomes = 5;
+inline constexpr int kOutcomes = 6;
 const char* name_of(Outcome outcome);
 inline bool is_good(Outcome outcome) { return outcome == Outcome::survived || outcome == Outcome::recovered; }
 
@@ -37,6 +38,8 @@ struct StabilityMethod {
   bool ours = false;              // the default solver, which must not fail
   std::string cable_changes{};    // over each cable
   std::string chamber_changes{};  // over each chamber
+  double duration_s = 2.0;        // in time: in which a body must have recovered
+  double cpu_limit_s = 60.0;      // of a cell
 
   const std::string& drive_changes(const StabilityBody& body) const {
     return body.chamber ? chamber_changes : cable_changes;

@@ -21,9 +21,12 @@ constexpr char motor_zero[] = "motor/zero";
 constexpr char motor_stop[] = "motor/stop";    // at once; holds until motor/clear
 constexpr char motor_clear[] = "motor/clear";  // faults and the emergency stop
 constexpr char rig_command[] = "rig/command";
+constexpr char show_balls[] = "rendered_cameras/show_balls";
+constexpr char move_camera[] = "rendered_cameras/move";
 constexpr char optimise_policy[] = "controller/optimise_policy";
 constexpr char execute_policy[] = "controller/execute_policy";
 constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
+constexpr char calibrate[] = "tracker/calibrate";
 
 constexpr char world_frame[] = "world";
 constexpr char robot_frame[] = "robot_base";

@@ -26,6 +26,8 @@ struct SimulationState {
 
   std::optional<double> rest_residual;  // where the body is at rest: it sleeps until something changes
 
+  int folded_steps = 0;  // time steps, up to now, that ended with inverted elements
+
   // What a time step knows of the one before; zero and empty where there is none.
   double previous_step_s = 0.0;           // its length
   Eigen::Matrix3Xd previous_positions_m;  // at its start

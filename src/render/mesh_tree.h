@@ -1,0 +1,31 @@
+// A mesh that rays are cast at: Embree's tree, which is built once and refitted where the vertices move.
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+namespace soft_robot_lab {
+
+struct MeshHit {
+  int triangle = -1;   // -1 where nothing is met
+  float depth = 0;     // in units of the ray's direction
+  float u = 0, v = 0;  // weights of the triangle's corners 1 and 2
+};
+
+class MeshTree {
+ public:
+  enum class Use { still, moving };
+
+  MeshTree(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles, Use use);
+  ~MeshTree();
+
+  void move(const Eigen::Matrix3Xd& vertices_m);
+  MeshHit cast(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction) const;
+
+ private:
+  struct Embree;
+  std::unique_ptr<Embree> embree_;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,72 @@
+#include "soft_robot_lab/render/sensor_model.h"
+
+#include <stdexcept>
+
+namespace soft_robot_lab {
+namespace {
+
+struct Field {
+  const char* name;
+  double SensorModel::*value;
+  AllowedRange range;
+};
+
+const Field fields[] = {
+    {"exposure_gain", &SensorModel::exposure_gain, AllowedRange::positive()},
+    {"light_gradient", &SensorModel::light_gradient, {0, 1}},
+    {"gloss", &SensorModel::gloss, {0, 1}},
+    {"blur_px", &SensorModel::blur_px, {0, 50}},
+    {"exposure_time_s", &SensorModel::exposure_time_s, {0, 1}},
+    {"readout_time_s", &SensorModel::readout_time_s, {0, 1}},
+    {"electrons_at_white", &SensorModel::electrons_at_white, AllowedRange::not_negative()},
+    {"read_noise", &SensorModel::read_noise, {0, 1}},
+    {"baseline_m", &SensorModel::baseline_m, AllowedRange::positive()},
+    {"field_of_view_deg", &SensorModel::field_of_view_deg, {0, 180, true, true}},
+    {"disparity_noise_px", &SensorModel::disparity_noise_px, {0, 10}},
+    {"noise_correlation_px", &SensorModel::noise_correlation_px, {0, 20}},
+    {"disparity_step_px", &SensorModel::disparity_step_px, {0, 10}},
+    {"edge_hole_px", &SensorModel::edge_hole_px, {0, 50}},
+    {"low_texture_level", &SensorModel::low_texture_level, {0, 1}},
+};
+
+}  // namespace
+
+SensorModel SensorModel::d415() {
+  SensorModel model;
+  model.light_gradient = 0.1;
+  model.gloss = 0.5;
+  model.blur_px = 0.6;
+  model.exposure_time_s = 0.008;
+  model.readout_time_s = 0.030;
+  model.electrons_at_white = 5000;
+  model.read_noise = 0.006;
+  model.disparity_noise_px = 0.08;
+  model.noise_correlation_px = 1.5;
+  model.disparity_step_px = 1.0 / 32;
+  model.edge_hole_px = 1.5;
+  model.stereo_shadow = true;
+  model.low_texture_level = 0.1;
+  return model;
+}
+
+void SensorModel::validate() const {
+  for (const Field& field : fields)
+    if (!field.range.contains(this->*field.value))
+      throw std::invalid_argument("sensor." + std::string(field.name) + " is " + std::to_string(this->*field.value) +
+                                  "; allowed: " + field.range.to_string());
+}
+
+SensorModel read_sensor_model(const SettingsNode& node) {
+  const auto named = [](const std::string& name) { return name == "d415" ? SensorModel::d415() : SensorModel{}; };
+  if (!node.is_map()) {
+    const std::string name = node.as_text();
+    if (name != "exact" && name != "d415") node.fail("'" + name + "' is not one of exact, d415, nor a map of keys");
+    return named(name);
+  }
+  SensorModel model = named(node.choice_or("base", "exact", {"exact", "d415"}));
+  for (const Field& field : fields) model.*field.value = node.number_or(field.name, model.*field.value, field.range);
+  model.stereo_shadow = node.boolean_or("stereo_shadow", model.stereo_shadow);
+  return model;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "soft_robot_lab/vision/tracker_settings.h"
+#include "vision/hidden_markers.h"
+#include "vision/marker_motion.h"
+#include "vision/marker_sight.h"
+#include "vision/sight_fusion.h"
+
+namespace soft_robot_lab {
+
+// Where all markers are believed to be, through time.
+class MarkerBeliefs {
+ public:
+  // `colours`: of each marker, or -1 for any.
+  MarkerBeliefs(const MotionSettings& settings, const std::vector<Eigen::Vector3d>& rest_positions_m,
+                const std::vector<int>& colours);
+
+  // Simulated positions from now on, in place of the rest shape.
+  void set_reference(const std::vector<Eigen::Vector3d>& positions_m) { reference_m_ = positions_m; }
+  // As if no marker had ever been seen.
+  void restart();
+
+  // Time goes on, never back. Where all markers are lost, starts again.
+  void advance(double to_s);
+  double time_s() const { return *time_s_; }
+  bool started() const { return time_s_.has_value(); }
+
+  std::vector<MarkerPrediction> predictions() const;
+  const std::vector<std::vector<int>>& neighbours() const { return neighbours_; }
+
+  // What all cameras saw of each marker. Sights that contradict each other, the prediction or what silicone can
+  // stretch are left out; markers without any are estimated from their past and their neighbours.
+  void correct(const std::vector<std::vector<MarkerSight>>& sights);
+
+  const MarkerMotion& motion(std::size_t marker) const { return beliefs_[marker].motion; }
+  int cameras(std::size_t marker) const { return beliefs_[marker].cameras; }  // that saw it at the last correction
+  bool lost(std::size_t marker) const;
+
+ private:
+  struct Belief {
+    MarkerMotion motion;
+    int cameras = 0;
+    double last_seen_s = -std::numeric_limits<double>::infinity();
+    MarkerShape shape_when_seen;  // of all markers
+    MarkerMotion motion_when_seen;
+  };
+
+  void expect_hidden();
+  Belief expected_hidden(std::size_t marker, const MarkerShape& now) const;
+  void forget_stretched(const std::vector<Belief>& before, const std::vector<double>& surprises);
+  MarkerShape shape() const;
+
+  MotionSettings settings_;
+  std::vector<Eigen::Vector3d> rest_m_;
+  std::vector<int> colours_;
+  std::vector<std::vector<int>> neighbours_;
+  std::vector<Eigen::Vector3d> reference_m_;  // rest shape or simulation
+  std::vector<Belief> beliefs_;
+  std::optional<double> time_s_;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,48 @@
+// Rendered cameras film Spinebot, and the tracker finds its markers.
+#include "experiment/tracking_score.h"
+
+#include <gtest/gtest.h>
+
+#include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/scene/scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const std::string kConfig = SOFT_ROBOT_LAB_SOURCE "/config/";
+
+TrackingScore track_spinebot(const SensorModel& sensor) {
+  constexpr double kRate_hz = 30;
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  options.changes = "solver: {time_step_s: 0.0166667}";
+  const Scene scene = load_scene(kConfig + "robots/spinebot.yaml", options);
+  Simulation& simulation = *scene.simulation;
+  const auto moments = move_through(simulation, {{0.8, 1.1}, {1, 1}}, 4 / kRate_hz + 1e-9, kRate_hz);
+  CameraRig rig = read_camera_rig(kConfig + "cameras/box.yaml");
+  for (RigCamera& camera : rig.cameras) camera.sensor = sensor;
+  TrackerSettings settings = load_tracker(kConfig + "trackers/spinebot.yaml");
+  settings.readout_s = sensor.readout_time_s;
+  return track(moments, simulation, rig, settings, [](double) {});
+}
+
+TEST(Tracking, FollowsSpinebotThroughExactImagesWithinATenthOfAMillimetre) {
+  const TrackingScore score = track_spinebot({});
+  EXPECT_EQ(score.frames, 8);
+  EXPECT_GT(score.visible, 40);
+  EXPECT_EQ(score.missed, 0);
+  EXPECT_EQ(score.swaps, 0);
+  EXPECT_LT(score.rms_m(), 1e-4);
+}
+
+TEST(Tracking, FollowsSpinebotThroughAD415sImagesWithinAMillimetre) {
+  const TrackingScore score = track_spinebot(SensorModel::d415());
+  EXPECT_LE(score.missed, 1);
+  EXPECT_EQ(score.swaps, 0);
+  EXPECT_EQ(score.wrong, 0);
+  EXPECT_LT(score.rms_m(), 1e-3);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

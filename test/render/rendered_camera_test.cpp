@@ -1,0 +1,269 @@
+#include "soft_robot_lab/render/rendered_camera.h"
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "render/seen_things.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// One frame of something at rest.
+RgbdFrame take(const Seen& seen, const SensorModel& sensor, double distance_m, std::uint64_t seed = 1,
+               std::uint64_t frame = 0) {
+  Stage stage = seen.stage();
+  RenderedCamera camera("camera", ExactCamera(small_camera(), facing_pose(distance_m), stage), sensor, seed);
+  return camera.take(stage, {seen.state, {}, 0}, 1.5, frame);
+}
+
+bool same(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+
+double deviation_m(const cv::Mat& depth_mm) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(depth_mm, mean, deviation);
+  return 0.001 * deviation[0];
+}
+
+TEST(RenderedCamera, IsExactUnlessToldOtherwise) {
+  Seen seen = facing_wall();
+  add_sticker(seen, {0, 0, 0});
+  const RgbdFrame frame = take(seen, {}, 0.6004);
+  EXPECT_EQ(frame.camera, "camera");
+  EXPECT_EQ(frame.stamp_s, 1.5);
+  EXPECT_EQ(frame.colour.type(), CV_8UC3);
+  EXPECT_EQ(frame.depth.type(), CV_16UC1);
+  EXPECT_EQ(cv::countNonZero(frame.depth != 600), 0);
+  EXPECT_EQ(frame.colour.at<cv::Vec3b>(10, 10), cv::Vec3b(255, 255, 255));
+  const RgbdFrame again = take(seen, {}, 0.6004, 2, 5);  // no noise, so neither seed nor frame matter
+  EXPECT_TRUE(same(frame.colour, again.colour));
+  EXPECT_TRUE(same(frame.depth, again.depth));
+}
+
+TEST(RenderedCamera, RepeatsItsNoiseFromSeedAndFrameOnly) {
+  Seen seen = facing_wall();
+  seen.robot.colour.setConstant(0.6);
+  const SensorModel sensor = SensorModel::d415();
+  const RgbdFrame first = take(seen, sensor, 0.6, 1, 7);
+  EXPECT_TRUE(same(first.colour, take(seen, sensor, 0.6, 1, 7).colour));
+  EXPECT_TRUE(same(first.depth, take(seen, sensor, 0.6, 1, 7).depth));
+  for (const RgbdFrame& other : {take(seen, sensor, 0.6, 2, 7), take(seen, sensor, 0.6, 1, 8)}) {
+    EXPECT_FALSE(same(first.colour, other.colour));
+    EXPECT_FALSE(same(first.depth, other.depth));
+  }
+}
+
+TEST(RenderedCamera, DrawsEachFrameAsIfItWereTheFirst) {
+  Seen seen = facing_wall(0.05, 0.05);
+  seen.surroundings.cuboids.push_back({{-1, -1, -1}, {1, 1, 1}, {0.2, 0.2, 0.2}});
+  Stage stage = seen.stage();
+  const ExactCamera exact(small_camera(), facing_pose(0.6), stage);
+  RenderedCamera used("camera", exact, SensorModel::d415(), 1), fresh("camera", exact, SensorModel::d415(), 1);
+  SeenState moved = seen.state;
+  moved.vertices_m.row(0).array() += 0.05;
+  used.take(stage, {moved, {}, 0}, 0, 0);
+  const RgbdFrame expected = fresh.take(stage, {seen.state, {}, 0}, 0, 1);
+  const RgbdFrame frame = used.take(stage, {seen.state, {}, 0}, 0, 1);
+  EXPECT_TRUE(same(frame.colour, expected.colour));
+  EXPECT_TRUE(same(frame.depth, expected.depth));
+}
+
+TEST(DepthNoise, GrowsWithTheSquareOfDistance) {
+  SensorModel sensor;
+  sensor.disparity_noise_px = 2;  // large, lest rounding to millimetres matters
+  sensor.noise_correlation_px = 1;
+  const double focal_px = 0.5 * 212 / std::tan(0.5 * 65 * M_PI / 180);
+  for (double distance_m : {0.4, 0.6, 0.8}) {
+    const double expected_m = distance_m * distance_m * 2 / (focal_px * 0.055);
+    EXPECT_NEAR(deviation_m(take(facing_wall(), sensor, distance_m).depth) / expected_m, 1, 0.1 + expected_m);
+  }
+}
+
+TEST(DepthNoise, HangsTogetherOverPixelsAsFarAsAsked) {
+  SensorModel sensor;
+  sensor.disparity_noise_px = 2;
+  const auto correlation = [&](double length_px, int apart_px) {
+    sensor.noise_correlation_px = length_px;
+    cv::Mat depth;
+    take(facing_wall(), sensor, 0.4).depth.convertTo(depth, CV_32FC1);
+    depth -= cv::mean(depth)[0];
+    const cv::Mat left = depth.colRange(0, depth.cols - apart_px), right = depth.colRange(apart_px, depth.cols);
+    return left.dot(right) / left.dot(left);
+  };
+  EXPECT_NEAR(correlation(0, 1), 0, 0.05);
+  EXPECT_NEAR(correlation(2, 2), std::exp(-0.25), 0.05);  // exp(-d^2 / (4 s^2))
+  EXPECT_NEAR(correlation(2, 12), 0, 0.06);
+}
+
+TEST(DepthNoise, QuantisesDisparity) {
+  Seen seen;
+  add_rectangle(seen, {-1, -0.2, -1}, {2, 0.4, 0}, {0, 0, 2});  // its depth falls from left to right
+  SensorModel sensor;
+  sensor.disparity_step_px = 0.5;
+  const RgbdFrame frame = take(seen, sensor, 0.6);
+  const double focal_baseline = 0.5 * 212 / std::tan(0.5 * 65 * M_PI / 180) * 0.055;
+  std::set<std::uint16_t> depths_mm(frame.depth.begin<std::uint16_t>(), frame.depth.end<std::uint16_t>());
+  ASSERT_GT(depths_mm.size(), 3u);
+  for (const std::uint16_t depth_mm : depths_mm) {
+    const double steps = focal_baseline / (0.001 * depth_mm) / 0.5;
+    EXPECT_NEAR(1000 * focal_baseline / (0.5 * std::round(steps)), depth_mm, 0.51);
+  }
+}
+
+Seen before_a_wall() {
+  Seen seen = facing_wall(0.06, 0.06);
+  seen.robot.colour.setConstant(0.8);
+  seen.surroundings.cuboids.push_back({{-2, 0.4, -2}, {2, 0.5, 2}, {0.8, 0.8, 0.8}});
+  return seen;
+}
+
+TEST(DepthHoles, LieAlongEdges) {
+  SensorModel sensor;
+  sensor.edge_hole_px = 2;
+  const cv::Mat depth = take(before_a_wall(), sensor, 0.6).depth;
+  const double half_px = 0.03 / 0.6 * small_camera().focal_x_px;  // 30.6
+  EXPECT_EQ(depth.at<std::uint16_t>(60, 106), 600);
+  EXPECT_EQ(depth.at<std::uint16_t>(60, static_cast<int>(105.5 + half_px)), 0);
+  EXPECT_EQ(depth.at<std::uint16_t>(60, static_cast<int>(105.5 + half_px) + 2), 0);
+  EXPECT_EQ(depth.at<std::uint16_t>(60, static_cast<int>(105.5 + half_px) - 4), 600);
+  EXPECT_EQ(depth.at<std::uint16_t>(60, static_cast<int>(105.5 + half_px) + 5), 1000);
+  EXPECT_EQ(depth.at<std::uint16_t>(5, 5), 1000);
+}
+
+TEST(DepthHoles, LieInTheSecondImagersShadow) {
+  SensorModel sensor;
+  sensor.stereo_shadow = true;
+  const cv::Mat depth = take(before_a_wall(), sensor, 0.6).depth;
+  const double focal_px = 0.5 * 212 / std::tan(0.5 * 65 * M_PI / 180);
+  const double shadow_px = focal_px * 0.055 * (1 / 0.6 - 1 / 1.0);  // left of what is near
+  const int row = 60, left_edge = static_cast<int>(std::ceil(105.5 - 0.03 / 0.6 * small_camera().focal_x_px));
+  const cv::Mat holes = depth.row(row) == 0;
+  EXPECT_NEAR(cv::countNonZero(holes), shadow_px, 1.5);
+  EXPECT_EQ(cv::countNonZero(holes.colRange(0, left_edge)), cv::countNonZero(holes));
+}
+
+TEST(DepthHoles, BlotOutTheDark) {
+  SensorModel sensor;
+  sensor.low_texture_level = 0.1;
+  sensor.noise_correlation_px = 1.5;
+  Seen seen = facing_wall();
+  const auto hole_ratio = [&](double brightness) {
+    seen.robot.colour.setConstant(brightness);
+    const cv::Mat depth = take(seen, sensor, 0.6).depth;
+    return 1 - cv::countNonZero(depth) / static_cast<double>(depth.total());
+  };
+  EXPECT_NEAR(hole_ratio(0), 0.5, 0.05);
+  EXPECT_NEAR(hole_ratio(0.1 / 3), 0.16, 0.05);  // beyond one deviation
+  EXPECT_EQ(hole_ratio(0.11), 0);
+}
+
+TEST(ColourNoise, IsThatOfPhotons) {
+  SensorModel sensor;
+  sensor.electrons_at_white = 1000;
+  Seen seen = facing_wall();
+  for (double brightness : {0.2, 0.7}) {
+    seen.robot.colour.setConstant(brightness);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(take(seen, sensor, 0.6).colour, mean, deviation);
+    EXPECT_NEAR(mean[0], 255 * brightness, 0.5);
+    EXPECT_NEAR(deviation[0] / (255 * std::sqrt(brightness / 1000)), 1, 0.05);
+  }
+}
+
+TEST(Light, FollowsGainAndGradient) {
+  SensorModel sensor;
+  sensor.exposure_gain = 1.5;
+  sensor.light_gradient = 0.5;
+  Seen seen = facing_wall();
+  seen.robot.colour.setConstant(0.4);
+  const cv::Mat colour = take(seen, sensor, 0.6).colour;
+  EXPECT_EQ(colour.at<cv::Vec3b>(60, 0)[0], 153);
+  EXPECT_NEAR(colour.at<cv::Vec3b>(60, 211)[0], 153 * (1 - 0.5 * 211 / 212), 1);
+}
+
+TEST(Light, MirrorsLampsOnSiliconeOnly) {
+  Seen seen = facing_wall();
+  add_sticker(seen, {0.05, 0, 0}, 0.02);
+  seen.robot.colour.setConstant(0.4);
+  seen.surroundings.lighting.shaded = true;
+  seen.surroundings.lighting.lights.push_back({{0, -0.6, 0}, 0.5});
+  SensorModel sensor;
+  const cv::Mat matt = take(seen, sensor, 0.6).colour;
+  sensor.gloss = 0.5;
+  const cv::Mat glossy = take(seen, sensor, 0.6).colour;
+  EXPECT_NEAR(glossy.at<cv::Vec3b>(60, 105)[0] - matt.at<cv::Vec3b>(60, 105)[0], 0.25 * 255, 2);
+  EXPECT_EQ(glossy.at<cv::Vec3b>(60, 156), matt.at<cv::Vec3b>(60, 156));
+}
+
+// A white board, 1 m/s to the right, before black.
+struct MovingBoard {
+  Seen seen = facing_wall(0.05, 2);
+  SeenMotion motion;
+  MovingBoard() {
+    motion.present = motion.before = seen.state;
+    motion.before.vertices_m.row(0).array() -= 0.01;
+    motion.interval_s = 0.01;
+  }
+  double edge_px(const SensorModel& sensor, int row) const {  // where the left edge is: by the light right of it
+    Stage stage = seen.stage();
+    RenderedCamera camera("camera", ExactCamera(small_camera(), facing_pose(0.6), stage), sensor, 1);
+    const cv::Mat colour = camera.take(stage, motion, 0, 0).colour;
+    double light = 0;
+    for (int u = 0; u < 106; ++u) light += colour.at<cv::Vec3b>(row, u)[0] / 255.0;
+    return 105.5 - light;
+  }
+};
+
+TEST(RollingShutter, ShowsLaterRowsLater) {
+  SensorModel sensor;
+  sensor.readout_time_s = 0.02;
+  const MovingBoard board;
+  const double px_per_s = small_camera().focal_x_px / 0.6;
+  const double middle_px = board.edge_px({}, 60);
+  EXPECT_NEAR(board.edge_px(sensor, 60), middle_px, 0.6);
+  EXPECT_NEAR(board.edge_px(sensor, 0) - middle_px, -0.01 * px_per_s, 0.6);
+  EXPECT_NEAR(board.edge_px(sensor, 119) - middle_px, 0.01 * px_per_s, 0.6);
+}
+
+TEST(MotionBlur, SmearsWhatMoves) {
+  SensorModel sensor;
+  sensor.exposure_time_s = 0.008;
+  const MovingBoard board;
+  Stage stage = board.seen.stage();
+  RenderedCamera camera("camera", ExactCamera(small_camera(), facing_pose(0.6), stage), sensor, 1);
+  const auto grey_count = [](const cv::Mat& colour) {
+    int count = 0;
+    for (int u = 0; u < 106; ++u) count += colour.at<cv::Vec3b>(60, u)[0] > 5 && colour.at<cv::Vec3b>(60, u)[0] < 250;
+    return count;
+  };
+  const double smear_px = 0.008 * small_camera().focal_x_px / 0.6;
+  EXPECT_NEAR(grey_count(camera.take(stage, board.motion, 0, 0).colour), smear_px, 1.5);
+  EXPECT_LE(grey_count(camera.take(stage, {board.seen.state, {}, 0}, 0, 0).colour), 1);
+  EXPECT_NEAR(board.edge_px(sensor, 60), board.edge_px({}, 60), 0.1);  // about the stamp
+}
+
+TEST(Blur, SpreadsEdges) {
+  SensorModel sensor;
+  sensor.blur_px = 2;
+  const cv::Mat colour = take(facing_wall(0.05, 2), sensor, 0.6).colour;
+  const double edge_px = 105.5 - 0.025 / 0.6 * small_camera().focal_x_px;
+  const int u = static_cast<int>(std::ceil(edge_px));
+  const double expected = 0.5 * std::erfc(-(u - edge_px) / 2 / std::sqrt(2.0));
+  EXPECT_NEAR(colour.at<cv::Vec3b>(60, u)[0] / 255.0, expected, 0.02);
+}
+
+TEST(RenderedCamera, RefusesMotionsThatDoNotMatch) {
+  const Seen seen = facing_wall();
+  Stage stage = seen.stage();
+  RenderedCamera camera("camera", ExactCamera(small_camera(), facing_pose(0.6), stage), SensorModel::d415(), 1);
+  EXPECT_THROW(camera.take(stage, {seen.state, {}, 0.01}, 0, 0), std::invalid_argument);
+  EXPECT_THROW(camera.take(stage, {seen.state, seen.state, -1}, 0, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

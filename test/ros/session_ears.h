@@ -1,0 +1,41 @@
+// What tests of running sessions hear and ask.
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <ros/ros.h>
+
+namespace soft_robot_lab {
+
+template <typename Condition>
+bool spin_until(const Condition& condition, double limit_s = 20.0) {
+  const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(limit_s);
+  while (!condition() && ros::WallTime::now() < limit) {
+    ros::spinOnce();
+    ros::WallDuration(0.002).sleep();
+  }
+  return condition();
+}
+
+// The next message, or, of a latched topic, the last.
+template <typename Message>
+typename Message::ConstPtr hear(ros::NodeHandle& node, const std::string& topic) {
+  std::optional<typename Message::ConstPtr> heard;
+  const ros::Subscriber subscriber = node.subscribe<Message>(
+      topic, 1, boost::function<void(const typename Message::ConstPtr&)>([&](const auto& m) { heard = m; }));
+  if (!spin_until([&] { return heard.has_value(); })) throw std::runtime_error("nothing on " + topic);
+  return *heard;
+}
+
+template <typename Service>
+typename Service::Response ask(ros::NodeHandle& node, const std::string& name,
+                               const typename Service::Request& request = {}) {
+  if (!ros::service::waitForService(name, 20000)) throw std::runtime_error("no service " + name);
+  typename Service::Response response;
+  if (!node.serviceClient<Service>(name).call(request, response)) throw std::runtime_error("no answer of " + name);
+  return response;
+}
+
+}  // namespace soft_robot_lab

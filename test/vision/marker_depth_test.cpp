@@ -1,0 +1,91 @@
+#include "soft_robot_lab/vision/marker_depth.h"
+
+#include <cstdint>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "vision/drawn_scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using namespace test;
+
+// A marker of radius 4 px at pixel (20.3, 19.6) on a plane with 0.6 m there and slopes [m/px].
+struct Plane {
+  double slope_x = 0, slope_y = 0;
+  double depth_m(double x, double y) const { return 0.6 + slope_x * (x - 20.3) + slope_y * (y - 19.6); }
+};
+
+MarkerBlob blob() {
+  cv::Mat image = plain_image(40, 40, kSkin);
+  draw_disc(image, {20.3, 19.6}, 4, kBlue);
+  DetectorSettings settings;
+  settings.colours = {{"blue", {{200, 260, 0.45, 1, 0.12, 1}}}};
+  return detect_markers(image, {0, 0, 40, 40}, settings).at(0);
+}
+
+cv::Mat depth_image(const Plane& plane, double noise_m = 0, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, 1);
+  cv::Mat depth(40, 40, CV_16U);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x)
+      depth.at<std::uint16_t>(y, x) =
+          static_cast<std::uint16_t>(std::lround(1e3 * (plane.depth_m(x, y) + noise_m * normal(random))));
+  return depth;
+}
+
+TEST(MarkerDepth, TakesATiltedPlaneAtTheCentre) {
+  for (const Plane& plane : {Plane{}, Plane{0.00083, 0}, Plane{-0.0007, 0.0011}}) {
+    const auto depth = measure_depth(depth_image(plane), blob(), {});
+    ASSERT_TRUE(depth);
+    EXPECT_NEAR(depth->depth_m, 0.6, 1e-4) << plane.slope_x;
+    EXPECT_FALSE(depth->cut);
+  }
+}
+
+TEST(MarkerDepth, DoesNotTakeHolesAndOutliersForSkin) {
+  cv::Mat depth = depth_image({0.0005, 0});
+  for (int y = 16; y < 24; y += 2) depth.at<std::uint16_t>(y, 19) = 0;
+  for (int y = 17; y < 24; y += 2) depth.at<std::uint16_t>(y, 22) = 950;  // the background shows through
+  depth.at<std::uint16_t>(20, 20) = 65535;
+  const auto measured = measure_depth(depth, blob(), {});
+  ASSERT_TRUE(measured);
+  EXPECT_NEAR(measured->depth_m, 0.6, 2e-4);
+}
+
+TEST(MarkerDepth, SaysHowFarNoiseMovesIt) {
+  const MarkerBlob marker = blob();
+  DepthSettings settings;
+  settings.correlation_px = 1;
+  double sum_2 = 0, sigma_m = 0;
+  constexpr int kImages = 200;
+  for (unsigned seed = 0; seed < kImages; ++seed) {
+    const auto depth = measure_depth(depth_image({0.0004, 0.0002}, 0.0009, seed), marker, settings);
+    ASSERT_TRUE(depth);
+    sum_2 += std::pow(depth->depth_m - 0.6, 2);
+    sigma_m += depth->sigma_m / kImages;
+  }
+  EXPECT_NEAR(std::sqrt(sum_2 / kImages), sigma_m, 0.35 * sigma_m);
+}
+
+TEST(MarkerDepth, SeesThatSomethingNearerHidesAPart) {
+  cv::Mat depth = depth_image({});
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 18; ++x) depth.at<std::uint16_t>(y, x) = 570;
+  const auto measured = measure_depth(depth, blob(), {});
+  ASSERT_TRUE(measured);
+  EXPECT_NEAR(measured->depth_m, 0.6, 5e-4);
+  EXPECT_TRUE(measured->cut);
+}
+
+TEST(MarkerDepth, SaysNothingWhereNothingWasMeasured) {
+  EXPECT_FALSE(measure_depth(cv::Mat::zeros(40, 40, CV_16U), blob(), {}));
+  cv::Mat far(40, 40, CV_16U, cv::Scalar(65535));
+  EXPECT_FALSE(measure_depth(far, blob(), {}));
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,239 @@
+#include "soft_robot_lab/vision/tracker.h"
+
+#include <limits>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "soft_robot_lab/vision/annotate.h"
+#include "vision/drawn_scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using namespace test;
+
+constexpr double kFrame_s = 1 / 30.0;
+
+// Four blue markers in a line, filmed by two cameras.
+class TrackerOfALine : public testing::Test {
+ protected:
+  TrackerOfALine() {
+    for (int i = 0; i < 4; ++i) {
+      DrawnMarker marker;
+      marker.position_m = {0, -0.012, -0.02 - 0.016 * i};
+      scene_.push_back(marker);
+      markers_.push_back({"m" + std::to_string(i), marker.position_m});
+    }
+    settings_.detector.colours = {{"blue", {{200, 260, 0.45, 1, 0.12, 1}}}, {"red", {{340, 20, 0.5, 1, 0.2, 1}}}};
+  }
+  Tracker tracker() const {
+    Tracker tracker(settings_, markers_);
+    tracker.set_camera(left_);
+    tracker.set_camera(right_);
+    return tracker;
+  }
+  std::vector<RgbdFrame> film_both(double time_s) const {
+    return {film(left_, scene_, time_s), film(right_, scene_, time_s)};
+  }
+  void expect_seen(const TrackerReport& report, double tolerance_m, int cameras = 2) const {
+    ASSERT_EQ(report.markers.size(), scene_.size());
+    for (std::size_t i = 0; i < scene_.size(); ++i) {
+      EXPECT_EQ(report.markers[i].source, MarkerSource::seen) << i;
+      EXPECT_EQ(report.markers[i].cameras, cameras) << i;
+      EXPECT_LT((report.markers[i].position_m - scene_[i].position_m).norm(), tolerance_m) << i;
+    }
+  }
+  void move(const Eigen::Vector3d& step_m) {
+    for (DrawnMarker& marker : scene_) marker.position_m += step_m;
+  }
+  TrackerCamera left_ = camera_at("left", {-0.3, -0.52, 0.05}, {0, 0, -0.05});
+  TrackerCamera right_ = camera_at("right", {0.3, -0.52, 0.05}, {0, 0, -0.05});
+  std::vector<DrawnMarker> scene_;
+  std::vector<TrackedMarker> markers_;
+  TrackerSettings settings_;
+};
+
+TEST_F(TrackerOfALine, FindsMarkersWithinATenthOfAMillimetreFromTheFirstFrameOn) {
+  Tracker tracker = this->tracker();
+  move({0.004, 0.002, -0.003});
+  for (int frame = 0; frame < 6; ++frame) {
+    expect_seen(tracker.update(film_both(frame * kFrame_s)), 1e-4);
+    move({0.002, 0.0005, 0.001});
+  }
+}
+
+TEST_F(TrackerOfALine, GoesOnWithTheOtherCameraAndSaysWhatIsWrong) {
+  Tracker tracker = this->tracker();
+  tracker.update(film_both(0));
+  std::vector<RgbdFrame> frames = film_both(1 * kFrame_s);
+  frames[1].depth = frames[1].depth(cv::Rect(0, 0, 424, 480)).clone();
+  TrackerReport report = tracker.update(frames);
+  expect_seen(report, 5e-4, 1);
+  ASSERT_EQ(report.problems.size(), 1u);
+  EXPECT_NE(report.problems[0].find("424 x 480"), std::string::npos) << report.problems[0];
+  for (int frame = 2; frame < 20; ++frame) report = tracker.update({film(left_, scene_, frame * kFrame_s)});
+  expect_seen(report, 5e-4, 1);
+  ASSERT_EQ(report.problems.size(), 1u);
+  EXPECT_NE(report.problems[0].find("right"), std::string::npos) << report.problems[0];
+}
+
+TEST_F(TrackerOfALine, LeavesOutFramesThatCannotBeUsed) {
+  Tracker tracker = this->tracker();
+  tracker.update(film_both(0));
+  const RgbdFrame good = film(left_, scene_, kFrame_s);
+  std::vector<RgbdFrame> bad(6, good);
+  bad[0].camera = "somebody";
+  bad[1].stamp_s = std::numeric_limits<double>::quiet_NaN();
+  bad[2].colour = cv::Mat();
+  bad[3].depth = cv::Mat::zeros(480, 848, CV_32F);
+  bad[4].colour = plain_image(640, 480, kDark);
+  bad[4].depth = cv::Mat::zeros(480, 640, CV_16U);
+  bad[5].stamp_s = -1;
+  for (const RgbdFrame& frame : bad) {
+    const TrackerReport report = tracker.update({frame});
+    EXPECT_EQ(report.problems.size(), 1u);
+    EXPECT_EQ(report.stamp_s, 0);
+  }
+  EXPECT_EQ(tracker.update({}).late_frames, 1);
+  expect_seen(tracker.update({good}), 5e-4, 1);
+}
+
+TEST_F(TrackerOfALine, FindsMarkersWithoutAnyDepthAsLongAsBothCamerasSeeThem) {
+  Tracker tracker = this->tracker();
+  for (int frame = 0; frame < 3; ++frame) {
+    std::vector<RgbdFrame> frames = film_both(frame * kFrame_s);
+    for (RgbdFrame& each : frames) each.depth = 0;
+    expect_seen(tracker.update(frames), 1e-4);
+  }
+}
+
+TEST_F(TrackerOfALine, InterpolatesAHiddenMarkerWithGrowingCovarianceAndReportsItLost) {
+  settings_.motion.lost_after_s = 0.5;
+  Tracker tracker = this->tracker();
+  int frame = 0;
+  for (; frame < 3; ++frame) tracker.update(film_both(frame * kFrame_s));
+  DrawnMarker hidden = scene_[1];
+  scene_.erase(scene_.begin() + 1);
+  double last_variance_m2 = 0;
+  for (; frame < 17; ++frame) {
+    move({0.0015, 0, 0});
+    hidden.position_m += Eigen::Vector3d(0.0015, 0, 0);
+    const TrackerReport report = tracker.update(film_both(frame * kFrame_s));
+    ASSERT_EQ(report.markers.size(), 4u);
+    EXPECT_EQ(report.markers[1].source, MarkerSource::interpolated);
+    EXPECT_EQ(report.markers[2].source, MarkerSource::seen);
+    EXPECT_LT((report.markers[1].position_m - hidden.position_m).norm(), 1e-3);
+    EXPECT_GT(report.markers[1].covariance_m2.trace(), last_variance_m2);
+    last_variance_m2 = report.markers[1].covariance_m2.trace();
+  }
+  for (; frame < 21; ++frame) tracker.update(film_both(frame * kFrame_s));
+  const TrackerReport report = tracker.update(film_both(frame++ * kFrame_s));
+  EXPECT_EQ(report.lost, std::vector<std::string>{"m1"});
+  EXPECT_EQ(report.markers.size(), 3u);
+  scene_.insert(scene_.begin() + 1, hidden);
+  expect_seen(tracker.update(film_both(frame * kFrame_s)), 1e-4);
+}
+
+TEST_F(TrackerOfALine, ReportsAllAsLostBeforeItHasSeenAny) {
+  Tracker tracker = this->tracker();
+  scene_.clear();
+  const TrackerReport report = tracker.update(film_both(0));
+  EXPECT_EQ(report.lost.size(), 4u);
+  EXPECT_TRUE(report.markers.empty());
+}
+
+// Two markers pass each other, in one camera's image right before one another, where the nearer hides the farther.
+TEST_F(TrackerOfALine, KeepsIdentitiesWhereMarkersCross) {
+  scene_.resize(3);
+  markers_.resize(3);
+  scene_[1].position_m = {-0.03, -0.012, -0.03};
+  scene_[2].position_m = {0.03, -0.03, -0.03};
+  for (DrawnMarker& marker : scene_) marker.skin_radius_m = 0.004;
+  for (int i = 0; i < 3; ++i) markers_[i].rest_position_m = scene_[i].position_m;
+  settings_.motion.max_stretch = 5;
+  Tracker tracker = this->tracker();
+  TrackerReport report;
+  int interpolated = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    report = tracker.update(film_both(frame * kFrame_s));
+    ASSERT_EQ(report.markers.size(), 3u);
+    for (int i = 0; i < 3; ++i) {
+      const bool seen = report.markers[i].source == MarkerSource::seen;
+      interpolated += !seen;
+      EXPECT_LT((report.markers[i].position_m - scene_[i].position_m).norm(), 2e-3) << i << " at frame " << frame;
+    }
+    scene_[1].position_m.x() += 0.0015;
+    scene_[2].position_m.x() -= 0.0015;
+  }
+  EXPECT_LT(interpolated, 12);
+  expect_seen(report, 10, 2);
+}
+
+TEST_F(TrackerOfALine, LooksWhereASimulationHasTheMarkers) {
+  move({0.05, 0, 0.02});
+  Tracker tracker = this->tracker();
+  EXPECT_EQ(tracker.update(film_both(0)).lost.size(), 4u);
+  std::vector<Eigen::Vector3d> simulated_m;
+  for (const DrawnMarker& marker : scene_)
+    simulated_m.push_back(marker.position_m + Eigen::Vector3d(0.003, 0.002, -0.002));
+  tracker.set_simulated(simulated_m);
+  expect_seen(tracker.update(film_both(kFrame_s)), 1e-4);
+  simulated_m.pop_back();
+  EXPECT_THROW(tracker.set_simulated(simulated_m), std::invalid_argument);
+}
+
+TEST_F(TrackerOfALine, StartsAgainAfterAResetWithAnOlderClock) {
+  Tracker tracker = this->tracker();
+  expect_seen(tracker.update(film_both(100)), 1e-4);
+  EXPECT_EQ(tracker.update(film_both(1)).problems.size(), 2u);
+  tracker.reset();
+  expect_seen(tracker.update(film_both(1)), 1e-4);
+}
+
+TEST_F(TrackerOfALine, IsTheSameAfterFramesWereDropped) {
+  Tracker tracker = this->tracker();
+  tracker.update(film_both(0));
+  tracker.update(film_both(kFrame_s));
+  move({0.004, 0, 0});
+  expect_seen(tracker.update(film_both(6 * kFrame_s)), 1e-4);
+}
+
+TEST_F(TrackerOfALine, DrawsWhatItKnowsIntoTheImage) {
+  Tracker tracker = this->tracker();
+  tracker.update(film_both(0));
+  scene_.pop_back();
+  const RgbdFrame frame = film(left_, scene_, kFrame_s);
+  const TrackerReport report = tracker.update({frame});
+  const cv::Mat image = annotate(frame, left_, report, settings_.marker_radius_m);
+  const auto differs = [&](const MarkerObservation& marker) {
+    const Eigen::Vector2d pixel = left_.model.project(left_.world_from_camera.inverse() * marker.position_m);
+    const cv::Rect around(static_cast<int>(pixel.x()) - 20, static_cast<int>(pixel.y()) - 20, 40, 40);
+    return cv::norm(image(around), frame.colour(around), cv::NORM_INF) > 0;
+  };
+  for (const MarkerObservation& marker : report.markers) EXPECT_TRUE(differs(marker)) << marker.name;
+}
+
+TEST_F(TrackerOfALine, RefusesWhatItCannotTrack) {
+  EXPECT_THROW(Tracker(settings_, {}), std::invalid_argument);
+  EXPECT_THROW(Tracker(settings_, {markers_[0], markers_[0]}), std::invalid_argument);
+  auto wrong = markers_;
+  wrong[1].rest_position_m.y() = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(Tracker(settings_, wrong), std::invalid_argument);
+  settings_.marker_colours = {{"nose", "red"}};
+  EXPECT_THROW(Tracker(settings_, markers_), std::invalid_argument);
+  settings_.marker_colours = {{"m1", "green"}};
+  EXPECT_THROW(Tracker(settings_, markers_), std::invalid_argument);
+  settings_.marker_colours.clear();
+  TrackerCamera bent = left_;
+  bent.world_from_camera.linear() *= 1.1;
+  EXPECT_THROW(tracker().set_camera(bent), std::invalid_argument);
+  bent = left_;
+  bent.model.width_px = 0;
+  EXPECT_THROW(tracker().set_camera(bent), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "soft_robot_lab/experiment/cpu_time.h"
+#include "soft_robot_lab/settings/cpu_time.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -130,12 +130,12 @@ OptimisationSummary reach(const std::string& method) {
   Scene scene = spinebot();
   Simulation& simulation = *scene.simulation;
   const std::vector<std::string> names = actuator_names(simulation);
-  ForwardModel model(simulation, task.text("marker"), names);
+  ForwardModel model(simulation, {task.text("marker")}, names);
   ReachProblem problem;
-  problem.marker = [&](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
-    return model.marker(commands, jacobian);
+  problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
+    return model.predict(commands, with_derivatives);
   };
-  problem.target_m = task.vector3("target_m");
+  problem.goals = {{task.vector3("target_m")}};
   problem.names = names;
   const auto count = static_cast<Eigen::Index>(names.size());
   problem.start = problem.min = problem.max = Eigen::VectorXd(count);

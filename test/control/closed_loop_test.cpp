@@ -1,6 +1,9 @@
 // The closed loop on a reality that is another simulation: softer by 15 %, and with cables that are longer than told.
 #include "soft_robot_lab/control/closed_loop.h"
 
+#include <algorithm>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "control/cabled_bar.h"
@@ -33,11 +36,36 @@ PolicyTask reach(const Eigen::Vector3d& target_m) { return {{{{{"tip", target_m,
 
 const Eigen::Vector3d kTarget{0.09, -0.035, 0.004};  // some millimetres off what can be reached
 
-// The nearest that reality itself can come, by its own exact derivatives.
+// The nearest that reality itself can come, by trying: each command a step up or down, and half the step where neither
+// helps.
 double nearest_m() {
-  Simulation reality = bar({}, kRealModulus_pa);
-  const PolicyAnswer answer = find_policy(reality, reach(kTarget - kCameraOffset_m), {});
-  return answer.summaries.front().final_distance_m;
+  Reality reality;
+  const Simulation limited = bar();
+  const CommandLimits& limits = limited.actuators()[0]->limits();
+  const auto distance_m = [&](const Eigen::Vector2d& c) {
+    if (c.minCoeff() < limits.min || c.maxCoeff() > limits.max) return std::numeric_limits<double>::infinity();
+    return (reality.markers_at(c).at("tip") - kTarget).norm();
+  };
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector2d& start :
+       {Eigen::Vector2d(0.8, 0.95), Eigen::Vector2d(0.9, 1.0), Eigen::Vector2d(0.95, 0.8)}) {
+    Eigen::Vector2d commands = start;
+    double best = distance_m(commands);
+    for (double step = 0.08; step > 1e-5; step *= 0.5)
+      for (bool moved = true; moved;) {
+        moved = false;
+        for (const Eigen::Vector2d& way : {Eigen::Vector2d(step, 0), Eigen::Vector2d(-step, 0),
+                                           Eigen::Vector2d(0, step), Eigen::Vector2d(0, -step)}) {
+          const double tried = distance_m(commands + way);
+          if (tried >= best) continue;
+          best = tried;
+          commands += way;
+          moved = true;
+        }
+      }
+    nearest = std::min(nearest, best);
+  }
+  return nearest;
 }
 
 LoopStep run(ClosedLoop& loop, Reality& reality, const std::string& hidden = "") {
@@ -64,7 +92,7 @@ TEST(ClosedLoop, ComesAsNearAsRealityCanThoughItsModelIsWrong) {
   EXPECT_EQ(end.end, LoopEnd::settled) << end.reason;
   ASSERT_TRUE(end.distance_m.has_value());
   EXPECT_LT(*end.distance_m, nearest + 2.0e-4);
-  EXPECT_GT((replayed_m - kTarget).norm(), nearest + 1.0e-3);  // so there was something to correct
+  EXPECT_GT((replayed_m - kTarget).norm(), nearest + 4.0e-4);  // so there was something to correct
 }
 
 TEST(ClosedLoop, WorksWhileAMarkerIsMissing) {
@@ -119,7 +147,7 @@ TEST(ClosedLoop, StopsWhenTheErrorGrows) {
 TEST(ClosedLoop, RefusesOptionsOutOfRange) {
   Simulation model = bar();
   const std::vector<void (*)(ClosedLoopOptions&)> spoilt = {
-      [](ClosedLoopOptions& o) { o.gain = 0.0; },          [](ClosedLoopOptions& o) { o.gain = 1.1; },
+      [](ClosedLoopOptions& o) { o.gain = 0.0; },           [](ClosedLoopOptions& o) { o.gain = 1.1; },
       [](ClosedLoopOptions& o) { o.largest_change = 0.0; }, [](ClosedLoopOptions& o) { o.settled_m = 0.0; },
       [](ClosedLoopOptions& o) { o.lost_after_s = -1.0; },  [](ClosedLoopOptions& o) { o.error_growth_m = NAN; },
       [](ClosedLoopOptions& o) { o.max_corrections = 0; },

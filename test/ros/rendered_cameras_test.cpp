@@ -28,7 +28,7 @@ namespace {
 
 const Eigen::Vector3d ball_m(0.08, 0, -0.1);  // of test/data/cameras/bar.yaml
 constexpr double ball_radius_m = 0.01;
-const std::array<int, 3> marker_blue{0, 0, 255}, ball_white{255, 255, 255}, box_black{0, 0, 0};
+const std::array<int, 3> ball_white{255, 255, 255}, box_black{0, 0, 0};
 
 struct Frame {
   sensor_msgs::Image::ConstPtr colour, depth;
@@ -105,7 +105,8 @@ class RenderedCameras : public testing::Test {
 
   void expect_marker_in_its_place(const Frame& frame) const {
     const Pixel pixel = at(frame, *frame.tip_m);
-    EXPECT_EQ(pixel.colour, marker_blue);
+    // The face turns steep as the bar bends, so a part of the pixel may be silicone.
+    EXPECT_GT(pixel.colour[2], 3 * std::max(pixel.colour[0], pixel.colour[1]));
     // Half a millimetre of rounding, and half a pixel (0.5 mm) on a face that turns steep as the bar bends.
     EXPECT_NEAR(pixel.depth_m, in_camera_m(*frame.tip_m).z(), 2.5e-3);
   }
@@ -229,13 +230,15 @@ TEST_F(RenderedCameras, RefuseBadMoves) {
 TEST_F(RenderedCameras, TellWhatFramesCost) {
   film();
   std::map<std::string, double> values;
-  ASSERT_TRUE(spin_until([&] {
-    const auto diagnostics = hear<diagnostic_msgs::DiagnosticArray>(node_, "/diagnostics");
-    for (const auto& status : diagnostics->status)
-      if (status.name.find("rendered cameras") != std::string::npos)
-        for (const auto& value : status.values) values[value.key] = std::stod(value.value);
-    return values["eye frames"] > 0;
-  }));
+  using Diagnostics = diagnostic_msgs::DiagnosticArray;
+  // Of all nodes that tell some: the next message may be another's each time.
+  const ros::Subscriber subscriber = node_.subscribe<Diagnostics>(
+      "/diagnostics", 10, boost::function<void(const Diagnostics::ConstPtr&)>([&](const auto& diagnostics) {
+        for (const auto& status : diagnostics->status)
+          if (status.name.find("rendered cameras") != std::string::npos)
+            for (const auto& value : status.values) values[value.key] = std::stod(value.value);
+      }));
+  ASSERT_TRUE(spin_until([&] { return values["eye frames"] > 0; }));
   EXPECT_GT(values["eye CPU time per frame [ms]"], 0);
   EXPECT_EQ(values.count("eye dropped frames"), 1u);
 }

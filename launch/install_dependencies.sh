@@ -11,8 +11,8 @@ packages=(
   python3-std-srvs python3-geometry-msgs python3-visualization-msgs python3-diagnostic-msgs rosout rosbash
   rviz xvfb xauth imagemagick libgl1-mesa-dri gnuplot-nox
   libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libgmsh-dev libceres-dev libpagmo-dev libopenblas-serial-dev libmetis-dev
-  libbullet-dev libopencv-dev libcv-bridge-dev libpcl-dev libembree-dev
-  libimage-transport-dev libmessage-filters-dev libdynamic-reconfigure-config-init-mutex-dev ros-sensor-msgs libsensor-msgs-dev python3-sensor-msgs
+  libbullet-dev libopencv-dev libpcl-dev libembree-dev
+  libmessage-filters-dev ros-sensor-msgs libsensor-msgs-dev python3-sensor-msgs
   gcc-avr avr-libc libsimavr-dev libelf-dev
   libgtest-dev librostest-dev python3-rostest libbenchmark-dev
 )

@@ -37,6 +37,16 @@ TEST(CameraRig, StandsAtSixtyCentimetresInTheDefaultBox) {
     EXPECT_NEAR((camera.pose.world_from_camera.translation() - Eigen::Vector3d(0, 0, -0.05)).norm(), 0.6, 0.01);
 }
 
+TEST(CameraRig, StandsWhereTheTrackerBelievesIt) {
+  const CameraRig rig = read_camera_rig(SOFT_ROBOT_LAB_SOURCE "/config/cameras/box.yaml");
+  const auto believed = read_camera_poses(SOFT_ROBOT_LAB_SOURCE "/config/calibration/box_poses.yaml");
+  ASSERT_EQ(believed.size(), rig.cameras.size());
+  for (std::size_t i = 0; i < believed.size(); ++i) {
+    EXPECT_EQ(believed[i].name, rig.cameras[i].pose.name);
+    EXPECT_TRUE(believed[i].world_from_camera.isApprox(rig.cameras[i].pose.world_from_camera, 1e-12));
+  }
+}
+
 TEST(CameraRig, HangsTheBallsWhereTheCalibrationExpectsThem) {
   const CameraRig rig = read_camera_rig(SOFT_ROBOT_LAB_SOURCE "/config/cameras/box.yaml");
   const BallPlacement placement = read_ball_placement(SOFT_ROBOT_LAB_SOURCE "/config/calibration/balls.yaml");

@@ -1,0 +1,76 @@
+// The tracker behind messages, of a session and of a recording alike.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <ros/time.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+
+#include "soft_robot_lab/ros/messages.h"
+#include "soft_robot_lab/vision/camera_pose.h"
+#include "soft_robot_lab/vision/frame_joiner.h"
+#include "soft_robot_lab/vision/tracker.h"
+
+namespace soft_robot_lab {
+
+struct TrackingOptions {
+  std::vector<std::string> cameras;  // by the first part of their topics; at least one
+  double slop_s = 0.016;             // frames within it are one moment: half a frame at 30 Hz
+  double patience_s = 0.1;           // waited for a camera's frame, by the others' stamps
+  // Where a simulation has the markers is asked for so long before a frame, that its message has come for certain: so
+  // the answer does not depend on who was faster.
+  double simulated_before_s = 0.05;
+  void validate() const;  // throws std::invalid_argument: field, value, allowed range
+};
+
+class MarkerTracking {
+ public:
+  struct Result {
+    TrackerReport report;
+    MarkerObservations observations;  // stamp: of the newest frame; frame_id: robot_base
+    std::vector<RgbdFrame> frames;
+  };
+
+  MarkerTracking(const TrackingOptions& options, const TrackerSettings& settings,
+                 const std::vector<TrackedMarker>& markers);
+
+  void set_poses(const std::vector<CameraPose>& poses);
+  void add_info(const std::string& camera, const sensor_msgs::CameraInfo& info);
+  void add_simulated(const MarkerObservations& message);
+  // What came of frames that are complete now. Throws std::invalid_argument for images that cannot be used; the others
+  // of that camera and all other cameras go on. Frames of a camera whose pose or lens is not known yet are left out and
+  // counted.
+  std::vector<Result> add(const std::string& camera, const sensor_msgs::Image& colour, const sensor_msgs::Image& depth);
+  std::vector<Result> finish();
+  void reset();  // for a clock that goes back
+
+  const std::map<std::string, TrackerCamera>& cameras() const { return ready_; }
+  long unusable_frames() const { return unusable_frames_; }
+
+ private:
+  std::vector<Result> track(std::vector<std::vector<RgbdFrame>> groups);
+  void refer(double stamp_s);
+  void introduce(const std::string& camera);
+
+  struct Simulated {
+    double stamp_s;
+    std::vector<Eigen::Vector3d> positions_m;  // in the order of the markers
+  };
+
+  TrackingOptions options_;
+  std::vector<TrackedMarker> markers_;
+  Tracker tracker_;
+  FrameJoiner joiner_;
+  std::map<std::string, Eigen::Isometry3d> poses_;
+  std::map<std::string, CameraModel> lenses_;
+  std::map<std::string, TrackerCamera> ready_;  // both known
+  std::deque<Simulated> simulated_;
+  long unusable_frames_ = 0;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,197 @@
+// The tracker behind messages: drawn images of two cameras as realsense2_camera would send them.
+#include "soft_robot_lab/ros/marker_tracking.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/image_messages.h"
+#include "vision/drawn_scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Results = std::vector<MarkerTracking::Result>;
+
+constexpr char settings_yaml[] =
+    "detector: {colours: {blue: [{hue_deg: [200, 260], saturation: [0.45, 1], value: [0.12, 1]}]}}\n";
+const Eigen::Vector3d lower_m(0, -0.01, -0.08), upper_m(0, -0.01, -0.03);
+
+std::vector<TrackerCamera> two_cameras() {
+  return {test::camera_at("left", {-0.2, -0.5, -0.1}, {0, 0, -0.05}),
+          test::camera_at("right", {0.2, -0.5, -0.1}, {0, 0, -0.05})};
+}
+
+MarkerTracking make_tracking() {
+  TrackingOptions options;
+  options.cameras = {"left", "right"};
+  MarkerTracking tracking(options, parse_tracker(settings_yaml, "test"), {{"upper", upper_m}, {"lower", lower_m}});
+  std::vector<CameraPose> poses;
+  for (const TrackerCamera& camera : two_cameras()) poses.push_back({camera.name, camera.world_from_camera, {}});
+  tracking.set_poses(poses);
+  return tracking;
+}
+
+Eigen::Vector3d lower_at(double time_s) { return lower_m + Eigen::Vector3d(0.02 * time_s, 0, 0); }
+
+FrameMessages messages(const TrackerCamera& camera, int index) {
+  const double stamp_s = 1 + index / 30.0;
+  return frame_messages(test::film(camera, {{upper_m}, {lower_at(stamp_s - 1)}}, stamp_s), camera.model,
+                        ros::Time(stamp_s));
+}
+
+MarkerObservations simulated(int index) {
+  MarkerObservations message;
+  message.header.stamp = ros::Time(1 + index / 30.0);
+  message.names = {"lower", "upper"};
+  message.positions = {to_message(lower_at(index / 30.0) + Eigen::Vector3d(0.002, 0, 0)), to_message(upper_m)};
+  return message;
+}
+
+void append(Results& all, Results more) {
+  for (auto& result : more) all.push_back(std::move(result));
+}
+
+TEST(MarkerTracking, FindsTheMarkersOfTwoCameras) {
+  MarkerTracking tracking = make_tracking();
+  Results results;
+  for (int i = 0; i < 3; ++i)
+    for (const TrackerCamera& camera : two_cameras()) {
+      const FrameMessages frame = messages(camera, i);
+      tracking.add_info(camera.name, frame.info);
+      append(results, tracking.add(camera.name, frame.colour, frame.depth));
+    }
+  ASSERT_EQ(results.size(), 3u);
+  const MarkerObservations& last = results.back().observations;
+  EXPECT_EQ(last.header.frame_id, "robot_base");
+  EXPECT_EQ(last.header.stamp, ros::Time(1 + 2 / 30.0));
+  EXPECT_EQ(last.names, (std::vector<std::string>{"upper", "lower"}));
+  EXPECT_EQ(last.covariances.size(), 18u);
+  EXPECT_EQ(last.sources, (std::vector<std::uint8_t>{MarkerObservations::SEEN, MarkerObservations::SEEN}));
+  EXPECT_LT((position_of(last, "upper") - upper_m).norm(), 2e-4);
+  EXPECT_LT((position_of(last, "lower") - lower_at(2 / 30.0)).norm(), 2e-4);
+}
+
+// A recording plays in another order, and faster than its session ran.
+TEST(MarkerTracking, GivesTheSameInWhateverOrderMessagesCome) {
+  const std::vector<TrackerCamera> cameras = two_cameras();
+  Results live, replayed;
+  MarkerTracking first = make_tracking(), second = make_tracking();
+  for (const TrackerCamera& camera : cameras)
+    for (MarkerTracking* tracking : {&first, &second}) tracking->add_info(camera.name, messages(camera, 0).info);
+  for (int i = 0; i < 4; ++i) {
+    first.add_simulated(simulated(i));
+    for (const TrackerCamera& camera : cameras) {
+      const FrameMessages frame = messages(camera, i);
+      append(live, first.add(camera.name, frame.colour, frame.depth));
+    }
+  }
+  for (int i = 0; i < 4; ++i) second.add_simulated(simulated(i));
+  for (const std::string name : {"right", "left"})
+    for (int i = 0; i < 4; ++i) {
+      const FrameMessages frame = messages(cameras[name == "left" ? 0 : 1], i);
+      append(replayed, second.add(name, frame.colour, frame.depth));
+    }
+  append(live, first.finish());
+  append(replayed, second.finish());
+  ASSERT_EQ(live.size(), 4u);
+  ASSERT_EQ(replayed.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(live[i].observations, replayed[i].observations) << i;
+}
+
+TEST(MarkerTracking, CountsFramesOfCamerasThatItDoesNotKnowYet) {
+  MarkerTracking tracking = make_tracking();
+  const FrameMessages frame = messages(two_cameras()[0], 0);
+  EXPECT_TRUE(tracking.add("left", frame.colour, frame.depth).empty());
+  EXPECT_EQ(tracking.unusable_frames(), 1);
+  EXPECT_TRUE(tracking.cameras().empty());
+}
+
+TEST(MarkerTracking, GoesOnWithTheOtherCamera) {
+  MarkerTracking tracking = make_tracking();
+  Results results;
+  for (int i = 0; i < 6; ++i)
+    for (const TrackerCamera& camera : two_cameras()) {
+      FrameMessages frame = messages(camera, i);
+      tracking.add_info(camera.name, frame.info);
+      if (camera.name == "left") frame.colour.encoding = "yuv422";
+      if (camera.name == "left")
+        EXPECT_THROW(tracking.add(camera.name, frame.colour, frame.depth), std::invalid_argument);
+      else
+        append(results, tracking.add(camera.name, frame.colour, frame.depth));
+    }
+  append(results, tracking.finish());
+  ASSERT_EQ(results.size(), 6u);
+  EXPECT_LT((position_of(results.back().observations, "lower") - lower_at(5 / 30.0)).norm(), 1e-3);
+}
+
+TEST(ImageMessages, ComeBackAsTheyWere) {
+  const TrackerCamera camera = two_cameras()[0];
+  const RgbdFrame frame = test::film(camera, {{upper_m}}, 1.5);
+  FrameMessages message = frame_messages(frame, camera.model, ros::Time(1.5));
+  const RgbdFrame back = rgbd_frame("left", message.colour, message.depth);
+  EXPECT_EQ(back.camera, "left");
+  EXPECT_DOUBLE_EQ(back.stamp_s, 1.5);
+  EXPECT_EQ(cv::norm(back.colour, frame.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(back.depth, frame.depth, cv::NORM_INF), 0);
+  EXPECT_EQ(camera_model(message.info).focal_x_px, camera.model.focal_x_px);
+
+  message.colour.encoding = "bgr8";
+  EXPECT_EQ(rgbd_frame("left", message.colour, message.depth).colour.at<cv::Vec3b>(0, 0)[0], test::kDark[2]);
+}
+
+TEST(ImageMessages, TakeDepthInMetresAndLeaveOutWhatIsNone) {
+  const FrameMessages message = messages(two_cameras()[0], 0);
+  sensor_msgs::Image metres = message.depth;
+  metres.encoding = "32FC1";
+  metres.step = 4 * metres.width;
+  metres.data.assign(static_cast<std::size_t>(metres.step) * metres.height, 0);
+  auto* values = reinterpret_cast<float*>(metres.data.data());
+  values[0] = 0.5994F;
+  values[1] = std::numeric_limits<float>::quiet_NaN();
+  values[2] = std::numeric_limits<float>::infinity();
+  values[3] = -1;
+  const cv::Mat depth = rgbd_frame("left", message.colour, metres).depth;
+  EXPECT_EQ(depth.at<std::uint16_t>(0, 0), 599);
+  for (int column : {1, 2, 3}) EXPECT_EQ(depth.at<std::uint16_t>(0, column), 0);
+}
+
+std::string refusal(const sensor_msgs::Image& colour, const sensor_msgs::Image& depth) {
+  try {
+    rgbd_frame("left", colour, depth);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ImageMessages, RefuseWhatTheyCannotBe) {
+  const FrameMessages good = messages(two_cameras()[0], 0);
+  FrameMessages bad = good;
+  bad.colour.encoding = "mono8";
+  EXPECT_EQ(refusal(bad.colour, good.depth), "colour: encoding 'mono8' is not one of rgb8, bgr8");
+  bad.depth.encoding = "mono16";
+  EXPECT_EQ(refusal(good.colour, bad.depth), "depth: encoding 'mono16' is not one of 16UC1, 32FC1");
+  bad = good;
+  bad.depth.data.resize(10);
+  EXPECT_NE(refusal(good.colour, bad.depth).find("data holds 10 bytes"), std::string::npos);
+  bad = good;
+  bad.colour.width = 0;
+  EXPECT_NE(refusal(bad.colour, good.depth).find("0 x 480"), std::string::npos);
+
+  sensor_msgs::CameraInfo info = good.info;
+  info.K[0] = 0;
+  EXPECT_THROW(camera_model(info), std::invalid_argument);
+  info = good.info;
+  info.D = {0.1, 0, 0, 0};
+  EXPECT_THROW(camera_model(info), std::invalid_argument);
+  info.distortion_model = "equidistant";
+  info.D = {0.1, 0, 0, 0, 0};
+  EXPECT_THROW(camera_model(info), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

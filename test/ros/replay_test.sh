@@ -1,0 +1,58 @@
+#!/bin/bash
+# A session with rendered cameras: the tracker finds the tip where the simulator has it, and its recording, read twice, gives
+# the same markers to the last digit, each as the session's where that had the same frames.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+data=$here/../data
+. "$here/../../launch/environment.sh"
+bags=$(mktemp -d)
+session=
+cleanup() {
+  [[ -z $session ]] || kill -INT "$session" 2>/dev/null || true
+  wait || true
+  rm -rf "$bags"
+}
+trap cleanup EXIT
+
+cameras=(camera_names:='[eye]' camera_poses:="$data/cameras/bar_poses.yaml" tracker:="$data/cameras/bar_tracker.yaml")
+set -m
+roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$data/scenes/cable_bar.yaml" rviz:=false \
+  cameras:=rendered camera_rig:="$data/cameras/bar.yaml" "${cameras[@]}" \
+  record:=true record_images:=true bag_folder:="$bags" &
+session=$!
+set +m
+until timeout 5 rostopic echo -n 1 /tracker/markers >/dev/null 2>&1; do
+  kill -0 "$session"
+  sleep 0.2
+done
+rostopic pub -1 /actuators/command soft_robot_lab/ActuatorCommand '{names: [right], values: [0.95]}' >/dev/null
+sleep 3
+kill -INT "$session"
+wait "$session" || { echo "roslaunch ended with status $?"; exit 1; }
+session=
+
+for run in first second; do
+  roslaunch -p "$master_port" soft_robot_lab replay.launch bag:="$(echo "$bags"/*_spinebot.bag)" output:="$bags/$run.bag" \
+    cameras:='[eye]' poses:="$data/cameras/bar_poses.yaml" tracker:="$data/cameras/bar_tracker.yaml"
+done
+/usr/bin/python3 - "$bags"/*_spinebot.bag "$bags/first.bag" "$bags/second.bag" <<'PYTHON'
+import math, sys
+import rosbag
+
+def markers(path, topic="/tracker/markers"):
+    with rosbag.Bag(path) as bag:
+        return {m.header.stamp.to_nsec(): m for _, m, _ in bag.read_messages(topics=[topic])}
+
+def positions(message):
+    return {n: (p.x, p.y, p.z) for n, p in zip(message.names, message.positions)}
+
+session, first, second = (markers(path) for path in sys.argv[1:])
+truth = markers(sys.argv[1], "/simulator/markers")
+assert len(first) >= 15, "only %d times markers" % len(first)
+assert first.keys() == second.keys()
+for stamp, message in first.items():
+    assert positions(message) == positions(second[stamp]) and message.covariances == second[stamp].covariances, stamp
+off = [math.dist(positions(m)["tip"], positions(truth[s])["tip"]) for s, m in first.items() if s in truth and "tip" in m.names]
+print("%d frames; tip off by at most %.2f mm; %d of the session" % (len(off), 1e3 * max(off), len(session)))
+assert len(off) >= 15 and max(off) < 3e-3
+PYTHON

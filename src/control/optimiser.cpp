@@ -5,8 +5,8 @@
 #include <cmath>
 #include <ctime>
 #include <sstream>
-#include <stdexcept>
 
+#include "control/refuse.h"
 #include "control/search.h"
 
 namespace soft_robot_lab {
@@ -22,13 +22,6 @@ double thread_cpu_s() {
 }
 
 double wall_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
-template <typename... Parts>
-[[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream text;
-  (text << ... << parts);
-  throw std::invalid_argument(text.str());
-}
 
 void require_size(const char* field, Eigen::Index size, Eigen::Index count) {
   if (size != count) refuse(field, " has ", size, " entries, must have ", count, ", one per command");
@@ -60,8 +53,7 @@ std::string run_method(Search& search, const OptimiserOptions& options) {
   if (options.method == "rmsprop") return search_rmsprop(search, limit(1000));
   if (options.method == "pid") return search_pid(search, limit(1000), options.tolerance_m);
   if (options.method == "pid_projected") return search_pid_projected(search, limit(1000), options.tolerance_m);
-  return search_by_population(search, options.method, limit(50), options.population, options.seed,
-                              options.tolerance_m);
+  return search_by_population(search, options.method, limit(50), options.population, options.seed, options.tolerance_m);
 }
 
 void require_bounds(const ReachProblem& problem) {
@@ -71,7 +63,8 @@ void require_bounds(const ReachProblem& problem) {
     if (!std::isfinite(min)) refuse("min of ", name, ": ", min, " must be finite");
     if (!std::isfinite(max)) refuse("max of ", name, ": ", max, " must be finite");
     if (min >= max) refuse("min of ", name, ": ", min, " must be below its max ", max);
-    if (!(start >= min && start <= max)) refuse("start of ", name, ": ", start, " is out of range [", min, ", ", max, "]");
+    if (!(start >= min && start <= max))
+      refuse("start of ", name, ": ", start, " is out of range [", min, ", ", max, "]");
     if (problem.max_tension_n.size() > 0 && !(problem.max_tension_n[i] > 0.0))
       refuse("max_tension_n of ", name, ": ", problem.max_tension_n[i], " is out of range (0, inf]");
   }
@@ -85,7 +78,8 @@ void ReachProblem::validate() const {
   if (goals.empty()) refuse("goals: none is given");
   for (const Goal& goal : goals) {
     if (!goal.target_m.allFinite()) refuse("target_m [", goal.target_m.transpose(), "] must be finite");
-    if (!(goal.weight > 0.0 && std::isfinite(goal.weight))) refuse("weight: ", goal.weight, " is out of range (0, inf)");
+    if (!(goal.weight > 0.0 && std::isfinite(goal.weight)))
+      refuse("weight: ", goal.weight, " is out of range (0, inf)");
   }
   if (count == 0) refuse("start has no entries, must have at least 1");
   require_size("min", min.size(), count);

@@ -11,7 +11,6 @@
 // pseudo-inverse J^+. Its gains are chosen so: with J right, e shrinks by 1 - kp an iteration; ki and kd are small
 // beside kp, the integral for what the Jacobian gets wrong, the derivative against overshoot in curved valleys. The
 // integral rests while a command is at its limit, and a step is at most kLargestStep of the command's range.
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -29,8 +28,8 @@ struct Gains {
 constexpr Gains kPublished{0.05, 0.00075, 150.0};  // [command per m^2], over iterations
 constexpr Gains kProjected{0.4, 0.01, 0.1};        // [1], over iterations
 
-constexpr double kDamping = 0.01;       // of the pseudo-inverse, relative to the largest diagonal entry of J^T J
-constexpr double kLargestStep = 0.025;  // of the command's range
+constexpr double kDamping = 0.01;        // of the pseudo-inverse, relative to the largest diagonal entry of J^T J
+constexpr double kLargestStep = 0.025;   // of the command's range
 constexpr double kSettledStep = 1.0e-6;  // of the command's range
 
 // Simpson's rule over equally spaced values, one iteration apart; an interval left over at the end by the trapezoid.
@@ -76,9 +75,7 @@ std::optional<Eigen::MatrixXd> start_directions(Search& search, const Evaluation
   const Eigen::VectorXd commands = start.commands, residuals = start.residuals;  // `start` may be forgotten meanwhile
   Eigen::MatrixXd directions(residuals.size(), commands.size());
   for (Eigen::Index i = 0; i < commands.size(); ++i) {
-    Eigen::VectorXd probe = commands;
-    probe[i] -= kDifference;
-    if (probe[i] < problem.min[i]) probe[i] = std::min(commands[i] + kDifference, problem.max[i]);
+    const Eigen::VectorXd probe = difference_probe(problem, commands, i);
     const Evaluation* there = search.evaluate(probe, false);
     if (!there) return std::nullopt;
     directions.col(i) = ((there->residuals - residuals) / (probe[i] - commands[i])).stableNormalized();

@@ -4,20 +4,13 @@
 #include <iomanip>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
 
+#include "control/refuse.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
 namespace soft_robot_lab {
 namespace {
-
-template <typename... Parts>
-[[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream message;
-  (message << ... << parts);
-  throw std::invalid_argument(message.str());
-}
 
 std::string known_names(const CommandLimitsByName& limits) {
   std::string names;

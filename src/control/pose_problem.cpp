@@ -2,18 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
+
+#include "control/refuse.h"
 
 namespace soft_robot_lab {
 namespace {
-
-template <typename... Parts>
-[[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream message;
-  (message << ... << parts);
-  throw std::invalid_argument(message.str());
-}
 
 std::vector<std::string> movable(const Simulation& simulation, const Pose& pose) {
   if (!pose.actuators.empty()) return pose.actuators;
@@ -23,7 +16,8 @@ std::vector<std::string> movable(const Simulation& simulation, const Pose& pose)
 }
 
 void require_bounds(const Simulation& simulation, const ActuatorBounds& asked) {
-  const CommandLimits& own = simulation.actuators()[static_cast<size_t>(simulation.actuator_index(asked.actuator))]->limits();
+  const CommandLimits& own =
+      simulation.actuators()[static_cast<size_t>(simulation.actuator_index(asked.actuator))]->limits();
   if (!(asked.min >= own.min && asked.min < asked.max && asked.max <= own.max)) {
     refuse("limits: [", asked.min, ", ", asked.max, "] for '", asked.actuator, "' is not an interval within [", own.min,
            ", ", own.max, "]");
@@ -43,7 +37,8 @@ void require_task(const Simulation& simulation, const PolicyTask& task) {
     if (pose.goals.empty()) refuse("goals: empty; give at least one");
     for (const MarkerGoal& goal : pose.goals) {
       simulation.marker_index(goal.marker);
-      if (!goal.target_m.allFinite()) refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] must be finite");
+      if (!goal.target_m.allFinite())
+        refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] must be finite");
       if (!(goal.weight > 0.0 && std::isfinite(goal.weight)))
         refuse("weight of ", goal.marker, ": ", goal.weight, " is not in (0, inf)");
     }
@@ -52,7 +47,8 @@ void require_task(const Simulation& simulation, const PolicyTask& task) {
       refuse("duration_s: ", pose.duration_s, " is not in (0, inf)");
   }
   for (const ActuatorBounds& asked : task.bounds) require_bounds(simulation, asked);
-  if (!(task.effort_m >= 0.0 && std::isfinite(task.effort_m))) refuse("effort_m: ", task.effort_m, " is not in [0, inf)");
+  if (!(task.effort_m >= 0.0 && std::isfinite(task.effort_m)))
+    refuse("effort_m: ", task.effort_m, " is not in [0, inf)");
 }
 
 namespace {
@@ -71,7 +67,8 @@ void narrow(ReachProblem& problem, Eigen::Index i, const ActuatorBounds& asked, 
   problem.min[i] = std::max(problem.min[i], before - reach);
   problem.max[i] = std::min(problem.max[i], before + reach);
   problem.start[i] = std::clamp(problem.start[i], problem.min[i], problem.max[i]);
-  if (slower) problem.bound_words[static_cast<size_t>(i)] = "rate " + std::to_string(asked.max_rate_per_s) + " a second";
+  if (slower)
+    problem.bound_words[static_cast<size_t>(i)] = "rate " + std::to_string(asked.max_rate_per_s) + " a second";
 }
 
 }  // namespace

@@ -4,25 +4,22 @@
 // once the gradient falls below about 1e-3 m^2 per unit of command.
 #include "control/search.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kGamma = 0.9;          // memory of the mean square
-constexpr double kEpsilon = 1.0e-6;     // [m^4 per command^2]
-constexpr double kEta = 0.001;          // step [command]
+constexpr double kGamma = 0.9;       // memory of the mean square
+constexpr double kEpsilon = 1.0e-6;  // [m^4 per command^2]
+constexpr double kEta = 0.001;       // step [command]
 
 // One backward difference per command; forward where a backward one would leave the bounds.
 std::optional<Eigen::VectorXd> gradient(Search& search, const Eigen::VectorXd& commands, double objective_m2) {
   const ReachProblem& problem = search.problem();
   Eigen::VectorXd slope(commands.size());
   for (Eigen::Index i = 0; i < commands.size(); ++i) {
-    Eigen::VectorXd probe = commands;
-    probe[i] -= kDifference;
-    if (probe[i] < problem.min[i]) probe[i] = std::min(commands[i] + kDifference, problem.max[i]);
+    const Eigen::VectorXd probe = difference_probe(problem, commands, i);
     const Evaluation* there = search.evaluate(probe, false);
     if (!there) return std::nullopt;
     slope[i] = (there->objective_m2() - objective_m2) / (probe[i] - commands[i]);

@@ -107,4 +107,11 @@ bool Search::finish_iteration(const Eigen::VectorXd& commands, double distance_m
   return !progress_ || progress_({iterations_, distance_m, commands});
 }
 
+Eigen::VectorXd difference_probe(const ReachProblem& problem, const Eigen::VectorXd& commands, Eigen::Index moved) {
+  Eigen::VectorXd probe = commands;
+  probe[moved] -= kDifference;
+  if (probe[moved] < problem.min[moved]) probe[moved] = std::min(commands[moved] + kDifference, problem.max[moved]);
+  return probe;
+}
+
 }  // namespace soft_robot_lab

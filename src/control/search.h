@@ -69,6 +69,8 @@ std::string search_by_population(Search& search, const std::string& kind, int ma
                                  unsigned int seed, double tolerance_m);
 
 inline constexpr double kDifference = 1.0e-3;  // [command], of methods that know no derivatives
+// These commands with one of them moved by a difference: back, or forward where back would leave the bounds.
+Eigen::VectorXd difference_probe(const ReachProblem& problem, const Eigen::VectorXd& commands, Eigen::Index moved);
 
 inline constexpr const char* kConverged = "converged";
 inline constexpr const char* kIterationLimit = "iteration limit";

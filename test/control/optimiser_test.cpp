@@ -193,17 +193,22 @@ TEST(Rmsprop, DescendsAndComesNearTheTarget) {
   EXPECT_LT(summary.final_distance_m, 0.1 * summary.initial_distance_m);
 }
 
-// The first step by hand: g = J^T (x - y) for small differences, E = 0.1 g^2, step 0.001 g / sqrt(E + 1e-6).
-TEST(Rmsprop, TakesThePublishedStep) {
+// One command that moves the marker along a line, 0.1 m per unit.
+ReachProblem line_problem() {
   ReachProblem problem = arc_problem({1.0, 1.0});
   problem.names = {"left"};
   problem.start = Eigen::VectorXd::Constant(1, 0.9);
   problem.min = Eigen::VectorXd::Constant(1, 0.5);
   problem.max = Eigen::VectorXd::Constant(1, 1.0);
   problem.goals[0].target_m = {0.05, 0.0, 0.0};
-  problem.model = model_of([](const Eigen::VectorXd& commands, Eigen::Matrix3Xd*) {
-    return Eigen::Vector3d(0.1 * commands[0], 0.0, 0.0);
-  });
+  problem.model = model_of(
+      [](const Eigen::VectorXd& commands, Eigen::Matrix3Xd*) { return Eigen::Vector3d(0.1 * commands[0], 0.0, 0.0); });
+  return problem;
+}
+
+// The first step by hand: g = J^T (x - y) for small differences, E = 0.1 g^2, step 0.001 g / sqrt(E + 1e-6).
+TEST(Rmsprop, TakesThePublishedStep) {
+  const ReachProblem problem = line_problem();
   OptimiserOptions options = method("rmsprop");
   options.max_iterations = 1;
   Eigen::VectorXd after;
@@ -441,15 +446,7 @@ TEST(PidProjected, ReachesAReachableTarget) {
 
 // The first output by hand: e = 1/2 |r| (d . r), and of integral and difference nothing yet.
 TEST(Pid, TakesThePublishedStep) {
-  ReachProblem problem = arc_problem({1.0, 1.0});
-  problem.names = {"left"};
-  problem.start = Eigen::VectorXd::Constant(1, 0.9);
-  problem.min = Eigen::VectorXd::Constant(1, 0.5);
-  problem.max = Eigen::VectorXd::Constant(1, 1.0);
-  problem.goals[0].target_m = {0.05, 0.0, 0.0};
-  problem.model = model_of([](const Eigen::VectorXd& commands, Eigen::Matrix3Xd*) {
-    return Eigen::Vector3d(0.1 * commands[0], 0.0, 0.0);
-  });
+  const ReachProblem problem = line_problem();
   OptimiserOptions options = method("pid");
   options.max_iterations = 3;
   std::vector<double> after = {0.9};
@@ -470,8 +467,8 @@ TEST(CmaEs, FindsTheBetterOfTwoValleys) {
   ReachProblem problem = arc_problem({1.0, 1.0});
   problem.model = model_of([](const Eigen::VectorXd& c, Eigen::Matrix3Xd* jacobian) {
     if (jacobian) jacobian->setZero(3, 2);
-    const double well = 0.02 - 0.01 * std::exp(-400.0 * std::pow(c[0] - 0.95, 2)) -
-                        0.02 * std::exp(-400.0 * std::pow(c[0] - 0.75, 2));
+    const double well =
+        0.02 - 0.01 * std::exp(-400.0 * std::pow(c[0] - 0.95, 2)) - 0.02 * std::exp(-400.0 * std::pow(c[0] - 0.75, 2));
     return Eigen::Vector3d(well, c[1] - 0.9, 0.0);
   });
   problem.goals = {Goal{Eigen::Vector3d::Zero()}};
@@ -500,7 +497,8 @@ TEST(Optimiser, RefusesWhatItCannotUse) {
       {"min of left: 1 must be below its max 1", [](auto& p, auto&) { p.min[0] = 1.0; }},
       {"start of left: 1.01 is out of range [0.7, 1]", [](auto& p, auto&) { p.start[0] = 1.01; }},
       {"start of right: nan is out of range [0.7, 1]", [](auto& p, auto&) { p.start[1] = kNan; }},
-      {"method: 'newton' is not one of gauss_newton, rmsprop, pid, pid_projected", [](auto&, auto& o) { o.method = "newton"; }},
+      {"method: 'newton' is not one of gauss_newton, rmsprop, pid, pid_projected",
+       [](auto&, auto& o) { o.method = "newton"; }},
       {"max_iterations: -1 is out of range [0, 1000000]", [](auto&, auto& o) { o.max_iterations = -1; }},
       {"max_iterations: 1000001 is out of range", [](auto&, auto& o) { o.max_iterations = 1000001; }},
       {"tolerance_m: 0 is out of range (0, inf)", [](auto&, auto& o) { o.tolerance_m = 0.0; }},

@@ -41,28 +41,24 @@ struct Arguments {
 
 Arguments parse(int count, char** values) {
   Arguments arguments;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = values[i];
-    const auto value = [&]() -> std::string {
-      if (++i == count) throw std::invalid_argument(word + " needs a value");
-      return values[i];
-    };
+  for (Words words(count, values); words.next();) {
+    const std::string word = words.word();
     if (word == "-h" || word == "--help") {
       arguments.help = true;
     } else if (word == "--changes") {
-      arguments.changes = value();
+      arguments.changes = words.value();
     } else if (word == "--settings") {
-      arguments.settings = value();
+      arguments.settings = words.value();
     } else if (word == "--mesher") {
-      arguments.mesher = value();
+      arguments.mesher = words.value();
     } else if (word == "--result") {
-      arguments.result = value();
+      arguments.result = words.value();
     } else if (word == "--duration") {
-      arguments.duration_s = std::stod(value());
+      arguments.duration_s = std::stod(words.value());
     } else if (word == "--judged") {
-      arguments.judged_s = std::stod(value());
+      arguments.judged_s = std::stod(words.value());
     } else if (word == "--cpu-limit") {
-      arguments.cpu_limit_s = std::stod(value());
+      arguments.cpu_limit_s = std::stod(words.value());
     } else if (arguments.scene.empty() && word[0] != '-') {
       arguments.scene = word;
     } else {

@@ -34,12 +34,8 @@ struct Arguments {
 
 Arguments parse(int count, char** values) {
   Arguments arguments;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = values[i];
-    const auto value = [&]() -> std::string {
-      if (++i == count) throw std::invalid_argument(word + " needs a value");
-      return values[i];
-    };
+  for (Words words(count, values); words.next();) {
+    const std::string word = words.word();
     if (word == "-h" || word == "--help") {
       arguments.help = true;
     } else if (word == "--quick") {
@@ -47,13 +43,13 @@ Arguments parse(int count, char** values) {
     } else if (word == "--reuse-bullet-only") {
       arguments.options.reuse_bullet_only = true;
     } else if (word == "--output") {
-      arguments.output = value();
+      arguments.output = words.value();
     } else if (word == "--problem") {
-      arguments.options.problems.push_back(value());
+      arguments.options.problems.push_back(words.value());
     } else if (word == "--poissons-ratio") {
-      arguments.options.poissons_ratios.push_back(value());
+      arguments.options.poissons_ratios.push_back(words.value());
     } else if (word == "--reuse") {
-      arguments.options.reuse.push_back(value());
+      arguments.options.reuse.push_back(words.value());
     } else {
       throw std::invalid_argument("unknown argument " + word);
     }

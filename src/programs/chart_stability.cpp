@@ -36,24 +36,20 @@ struct Arguments {
 
 Arguments parse(int count, char** values) {
   Arguments arguments;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = values[i];
-    const auto value = [&] {
-      if (++i == count) throw std::invalid_argument(word + " needs a value");
-      return values[i];
-    };
+  for (Words words(count, values); words.next();) {
+    const std::string word = words.word();
     if (word == "-h" || word == "--help") {
       arguments.help = true;
     } else if (word == "--quick") {
       arguments.quick = true;
     } else if (word == "--output") {
-      arguments.output = value();
+      arguments.output = words.value();
     } else if (word == "--body") {
-      arguments.body = value();
+      arguments.body = words.value();
     } else if (word == "--method") {
-      arguments.method = value();
+      arguments.method = words.value();
     } else if (word == "--case") {
-      arguments.hard_case = value();
+      arguments.hard_case = words.value();
     } else {
       throw std::invalid_argument("unknown argument " + word);
     }

@@ -19,6 +19,28 @@ inline void write_text(const std::string& path, const std::string& text) {
   if (!file) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
 }
 
+// The words after a program's name, one after the other.
+class Words {
+ public:
+  Words(int count, char** values) : count_(count), values_(values) {}
+
+  bool next() {
+    word_ = ++at_;
+    return at_ < count_;
+  }
+  std::string word() const { return values_[word_]; }
+  // The next of what follows this word; throws std::invalid_argument where nothing does.
+  std::string value() {
+    if (++at_ >= count_) throw std::invalid_argument(word() + " needs a value");
+    return values_[at_];
+  }
+
+ private:
+  int count_;
+  char** values_;
+  int word_ = 0, at_ = 0;
+};
+
 // Runs `run(arguments)` with what `parse(argc, argv)` read, or says on the error stream what was wrong and returns
 // kFailed. Arguments with `help` set print the usage.
 template <class Parse, class Run>

@@ -50,20 +50,16 @@ struct Arguments {
 
 Arguments parse(int count, char** values) {
   Arguments arguments;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = values[i];
-    const auto value = [&] {
-      if (++i == count) throw std::invalid_argument(word + " needs a value");
-      return values[i];
-    };
+  for (Words words(count, values); words.next();) {
+    const std::string word = words.word();
     if (word == "-h" || word == "--help") {
       arguments.help = true;
     } else if (word == "--list") {
       arguments.list = true;
     } else if (word == "--result") {
-      arguments.result = value();
+      arguments.result = words.value();
     } else if (word == "--output") {
-      arguments.output = value();
+      arguments.output = words.value();
     } else if (!word.empty() && word[0] == '-') {
       throw std::invalid_argument("unknown option " + word);
     } else {

@@ -24,7 +24,8 @@ constexpr const char* kUsage =
     "                [--method METHOD] [--max-tension N] [--max-rate R] [--duration S] [--effort M]\n"
     "                [--tolerance M] [--iterations N] [--seed N] [--result FILE] [--policy FILE]\n"
     "       optimise ROBOT.yaml --replay POLICY.yaml --marker NAME [--target X Y Z] [--result FILE]\n"
-    "Finds the commands that bring markers to targets [m, robot_base]; --then begins the next pose of a path. Writes the\n"
+    "Finds the commands that bring markers to targets [m, robot_base]; --then begins the next pose of a path. Writes "
+    "the\n"
     "answer as JSON to --result and the policy as YAML to --policy; --replay tells where a policy takes the markers.\n"
     "Methods: gauss_newton (default), rmsprop, pid, pid_projected, cma_es, differential_evolution.\n"
     "Limits, of every actuator: --max-tension [N], --max-rate [command per second]; --duration [s] of a pose (2).\n"
@@ -68,17 +69,13 @@ MarkerGoal& last_goal(Arguments& arguments, const std::string& option) {
 Arguments parse(int count, char** values) {
   Arguments arguments;
   arguments.task.poses.resize(1);
-  for (int i = 1; i < count; ++i) {
-    const std::string word = values[i];
-    const auto next = [&]() -> std::string {
-      if (++i == count) throw std::invalid_argument(word + " needs a value");
-      return values[i];
-    };
-    const auto next_number = [&] { return number(word, next()); };
+  for (Words words(count, values); words.next();) {
+    const std::string word = words.word();
+    const auto next_number = [&] { return number(word, words.value()); };
     if (word == "-h" || word == "--help") {
       arguments.help = true;
     } else if (word == "--marker") {
-      arguments.task.poses.back().goals.push_back({next(), Eigen::Vector3d::Constant(std::nan("")), 1.0});
+      arguments.task.poses.back().goals.push_back({words.value(), Eigen::Vector3d::Constant(std::nan("")), 1.0});
     } else if (word == "--target") {
       MarkerGoal& goal = last_goal(arguments, word);
       for (int axis = 0; axis < 3; ++axis) goal.target_m[axis] = next_number();
@@ -87,7 +84,7 @@ Arguments parse(int count, char** values) {
     } else if (word == "--then") {
       arguments.task.poses.emplace_back();
     } else if (word == "--method") {
-      arguments.options.method = next();
+      arguments.options.method = words.value();
     } else if (word == "--max-tension") {
       arguments.max_tension_n = next_number();
     } else if (word == "--max-rate") {
@@ -99,15 +96,15 @@ Arguments parse(int count, char** values) {
     } else if (word == "--tolerance") {
       arguments.options.tolerance_m = next_number();
     } else if (word == "--iterations") {
-      arguments.options.max_iterations = whole_number(word, next());
+      arguments.options.max_iterations = whole_number(word, words.value());
     } else if (word == "--seed") {
-      arguments.options.seed = static_cast<unsigned int>(whole_number(word, next()));
+      arguments.options.seed = static_cast<unsigned int>(whole_number(word, words.value()));
     } else if (word == "--result") {
-      arguments.result = next();
+      arguments.result = words.value();
     } else if (word == "--policy") {
-      arguments.policy = next();
+      arguments.policy = words.value();
     } else if (word == "--replay") {
-      arguments.replay = next();
+      arguments.replay = words.value();
     } else if (!word.empty() && word[0] == '-') {
       throw std::invalid_argument("unknown option " + word);
     } else if (arguments.robot.empty()) {
@@ -144,15 +141,16 @@ nlohmann::ordered_json json_of(const OptimisationSummary& summary, const Pose& p
 }
 
 void tell(const OptimisationSummary& summary, const Pose& pose) {
-  std::printf("%s: %.3f mm before, %.3f mm after %d iterations, %d equilibria, %.2f s CPU\n", summary.stop_reason.c_str(),
-              1e3 * summary.initial_distance_m, 1e3 * summary.final_distance_m, summary.iterations, summary.evaluations,
-              summary.cpu_s);
+  std::printf("%s: %.3f mm before, %.3f mm after %d iterations, %d equilibria, %.2f s CPU\n",
+              summary.stop_reason.c_str(), 1e3 * summary.initial_distance_m, 1e3 * summary.final_distance_m,
+              summary.iterations, summary.evaluations, summary.cpu_s);
   for (Eigen::Index k = 0; k < summary.markers_m.cols(); ++k) {
     const Eigen::Vector3d at_mm = 1e3 * summary.markers_m.col(k);
     std::printf("  %s rests at (%.2f, %.2f, %.2f) mm\n", pose.goals[static_cast<size_t>(k)].marker.c_str(), at_mm.x(),
                 at_mm.y(), at_mm.z());
   }
-  if (!summary.target_reached && summary.usable) std::printf("  the target was not reached: that is the nearest found\n");
+  if (!summary.target_reached && summary.usable)
+    std::printf("  the target was not reached: that is the nearest found\n");
   for (const std::string& limit : summary.active_limits) std::printf("  limit: %s\n", limit.c_str());
 }
 
@@ -170,7 +168,8 @@ int replay_policy(const Arguments& arguments, Simulation& simulation) {
       const Eigen::Vector3d at_m = places[step].col(static_cast<Eigen::Index>(k));
       std::printf("%g s: %s rests at (%.2f, %.2f, %.2f) mm", policy.steps[step].time_s, markers[k].c_str(),
                   1e3 * at_m.x(), 1e3 * at_m.y(), 1e3 * at_m.z());
-      if (goals[k].target_m.allFinite()) std::printf(", %.3f mm from its target", 1e3 * (at_m - goals[k].target_m).norm());
+      if (goals[k].target_m.allFinite())
+        std::printf(", %.3f mm from its target", 1e3 * (at_m - goals[k].target_m).norm());
       std::printf("\n");
       result["steps"][step][markers[k]] = array_of(at_m);
     }
@@ -200,17 +199,16 @@ int optimise_robot(const Arguments& arguments) {
   {
     ProgressBar bar("optimise");
     double first_m = 0.0;
-    answer = find_policy(*scene.simulation, task, arguments.options,
-                         [&](size_t pose, const auto&, const OptimisationProgress& now) {
-                           first_m = now.iteration == 1 ? now.distance_m : first_m;
-                           const double come = first_m > 0.0 ? 1.0 - now.distance_m / first_m : 1.0;
-                           std::ostringstream text;
-                           text.precision(3);
-                           text << "pose " << pose + 1 << ", iteration " << now.iteration << ", "
-                                << 1e3 * now.distance_m << " mm";
-                           bar.show(come, text.str());
-                           return interrupted == 0;
-                         });
+    answer = find_policy(
+        *scene.simulation, task, arguments.options, [&](size_t pose, const auto&, const OptimisationProgress& now) {
+          first_m = now.iteration == 1 ? now.distance_m : first_m;
+          const double come = first_m > 0.0 ? 1.0 - now.distance_m / first_m : 1.0;
+          std::ostringstream text;
+          text.precision(3);
+          text << "pose " << pose + 1 << ", iteration " << now.iteration << ", " << 1e3 * now.distance_m << " mm";
+          bar.show(come, text.str());
+          return interrupted == 0;
+        });
   }
   nlohmann::ordered_json result;
   for (size_t i = 0; i < answer.summaries.size(); ++i) {
@@ -221,7 +219,8 @@ int optimise_robot(const Arguments& arguments) {
   for (const TimedCommandValues& step : answer.policy.steps)
     result["policy"]["steps"].push_back({{"time_s", step.time_s}, {"values", step.values}});
   if (!arguments.result.empty()) write_text(arguments.result, result.dump(2) + "\n");
-  if (!arguments.policy.empty() && !answer.policy.steps.empty()) write_text(arguments.policy, policy_yaml(answer.policy));
+  if (!arguments.policy.empty() && !answer.policy.steps.empty())
+    write_text(arguments.policy, policy_yaml(answer.policy));
   return answer.success && interrupted == 0 ? kGood : kNotGood;
 }
 

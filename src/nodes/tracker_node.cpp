@@ -111,10 +111,10 @@ class TrackingInput {
   void add_simulated(const MarkerObservations& message) {
     if (tracking_ && options_.use_simulated) tracking_->add_simulated(message);
   }
-  void add_pair(const std::string& camera, const Image& colour, const Image& depth) {
-    ++frames_[camera];
+  void add_frame(const RgbdFrame& frame) {
+    ++frames_[frame.camera];
     if (!tracking_) return;
-    for (const auto& result : tracking_->add(camera, colour, depth)) on_result_(result);
+    for (const auto& result : tracking_->add(frame)) on_result_(result);
   }
   void finish() {
     if (!tracking_) return;
@@ -153,14 +153,12 @@ class TrackerNode {
   void subscribe(const std::string& camera);
   void publish(const MarkerTracking::Result& result);
   void broadcast(const std::vector<CameraPose>& poses);
-  void keep_for_calibration(const std::string& camera, const Image& colour, const Image& depth);
   bool calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   NodeOptions options_;
   TrackingInput input_;
   std::unique_ptr<CalibrationSession> calibration_;
-  std::map<std::string, CameraModel> lenses_;
   std::string problem_;              // the last, since the last diagnosis
   std::vector<std::string> lost_;    // as last reported
   std::vector<double> latencies_s_;  // from stamp to markers, since the last diagnosis
@@ -206,7 +204,7 @@ void TrackerNode::subscribe(const std::string& camera) {
       node_.subscribe<CameraInfo>(info_topic(camera), 5, [this, camera](const CameraInfo::ConstPtr& info) {
         attempt(info_topic(camera), [&] {
           input_.add_info(camera, *info);
-          lenses_[camera] = camera_model(*info);
+          if (calibration_) calibration_->set_camera({camera, camera_model(*info), Eigen::Isometry3d::Identity()});
         });
       });
   subscribers.colour.subscribe(node_, colour_topic(camera), kWaitingImages);
@@ -215,8 +213,9 @@ void TrackerNode::subscribe(const std::string& camera) {
   const boost::function<void(const Image::ConstPtr&, const Image::ConstPtr&)> on_pair =
       [this, camera](const Image::ConstPtr& colour, const Image::ConstPtr& depth) {
         attempt(camera, [&] {
-          keep_for_calibration(camera, *colour, *depth);
-          input_.add_pair(camera, *colour, *depth);
+          const RgbdFrame frame = rgbd_frame(camera, *colour, *depth);
+          if (calibration_) calibration_->add(frame);
+          input_.add_frame(frame);
         });
       };
   subscribers.pair.registerCallback(boost::bind<void>(on_pair, boost::placeholders::_1, boost::placeholders::_2));
@@ -251,13 +250,6 @@ void TrackerNode::broadcast(const std::vector<CameraPose>& poses) {
   for (const CameraPose& pose : poses)
     messages.push_back(transform_message(topics::world_frame, optical_frame(pose.name), pose.world_from_camera));
   if (!messages.empty()) frames_.sendTransform(messages);
-}
-
-void TrackerNode::keep_for_calibration(const std::string& camera, const Image& colour, const Image& depth) {
-  const auto lens = lenses_.find(camera);
-  if (!calibration_ || lens == lenses_.end()) return;
-  calibration_->set_camera({camera, lens->second, Eigen::Isometry3d::Identity()});
-  calibration_->add(rgbd_frame(camera, colour, depth));
 }
 
 bool TrackerNode::calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response) {
@@ -311,7 +303,9 @@ int replay(const NodeOptions& options) {
   for (const std::string& camera : options.tracking.cameras) {
     pairs[camera] = std::make_unique<ImagePair>(kWaitingImages);
     const boost::function<void(const Image::ConstPtr&, const Image::ConstPtr&)> on_pair =
-        [&input, camera](const auto& colour, const auto& depth) { input.add_pair(camera, *colour, *depth); };
+        [&input, camera](const auto& colour, const auto& depth) {
+          input.add_frame(rgbd_frame(camera, *colour, *depth));
+        };
     pairs[camera]->registerCallback(boost::bind<void>(on_pair, boost::placeholders::_1, boost::placeholders::_2));
   }
   const double start_s = cpu_time_s();

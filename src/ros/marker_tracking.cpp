@@ -84,13 +84,12 @@ void MarkerTracking::add_simulated(const MarkerObservations& message) {
   if (simulated_.size() > most_simulated) simulated_.pop_front();
 }
 
-std::vector<MarkerTracking::Result> MarkerTracking::add(const std::string& camera, const sensor_msgs::Image& colour,
-                                                        const sensor_msgs::Image& depth) {
-  if (ready_.count(camera) == 0) {
+std::vector<MarkerTracking::Result> MarkerTracking::add(const RgbdFrame& frame) {
+  if (ready_.count(frame.camera) == 0) {
     ++unusable_frames_;
     return {};
   }
-  return track(joiner_.add(rgbd_frame(camera, colour, depth)));
+  return track(joiner_.add(frame));
 }
 
 std::vector<MarkerTracking::Result> MarkerTracking::finish() { return track(joiner_.finish()); }

@@ -63,7 +63,7 @@ TEST(MarkerTracking, FindsTheMarkersOfTwoCameras) {
     for (const TrackerCamera& camera : two_cameras()) {
       const FrameMessages frame = messages(camera, i);
       tracking.add_info(camera.name, frame.info);
-      append(results, tracking.add(camera.name, frame.colour, frame.depth));
+      append(results, tracking.add(rgbd_frame(camera.name, frame.colour, frame.depth)));
     }
   ASSERT_EQ(results.size(), 3u);
   const MarkerObservations& last = results.back().observations;
@@ -87,14 +87,14 @@ TEST(MarkerTracking, GivesTheSameInWhateverOrderMessagesCome) {
     first.add_simulated(simulated(i));
     for (const TrackerCamera& camera : cameras) {
       const FrameMessages frame = messages(camera, i);
-      append(live, first.add(camera.name, frame.colour, frame.depth));
+      append(live, first.add(rgbd_frame(camera.name, frame.colour, frame.depth)));
     }
   }
   for (int i = 0; i < 3; ++i) second.add_simulated(simulated(i));
   for (const std::string name : {"right", "left"})
     for (int i = 0; i < 3; ++i) {
       const FrameMessages frame = messages(cameras[name == "left" ? 0 : 1], i);
-      append(replayed, second.add(name, frame.colour, frame.depth));
+      append(replayed, second.add(rgbd_frame(name, frame.colour, frame.depth)));
     }
   append(live, first.finish());
   append(replayed, second.finish());
@@ -106,7 +106,7 @@ TEST(MarkerTracking, GivesTheSameInWhateverOrderMessagesCome) {
 TEST(MarkerTracking, CountsFramesOfCamerasThatItDoesNotKnowYet) {
   MarkerTracking tracking = make_tracking();
   const FrameMessages frame = messages(two_cameras()[0], 0);
-  EXPECT_TRUE(tracking.add("left", frame.colour, frame.depth).empty());
+  EXPECT_TRUE(tracking.add(rgbd_frame("left", frame.colour, frame.depth)).empty());
   EXPECT_EQ(tracking.unusable_frames(), 1);
   EXPECT_TRUE(tracking.cameras().empty());
 }
@@ -120,9 +120,9 @@ TEST(MarkerTracking, GoesOnWithTheOtherCamera) {
       tracking.add_info(camera.name, frame.info);
       if (camera.name == "left") frame.colour.encoding = "yuv422";
       if (camera.name == "left")
-        EXPECT_THROW(tracking.add(camera.name, frame.colour, frame.depth), std::invalid_argument);
+        EXPECT_THROW(tracking.add(rgbd_frame(camera.name, frame.colour, frame.depth)), std::invalid_argument);
       else
-        append(results, tracking.add(camera.name, frame.colour, frame.depth));
+        append(results, tracking.add(rgbd_frame(camera.name, frame.colour, frame.depth)));
     }
   append(results, tracking.finish());
   ASSERT_EQ(results.size(), 6u);

@@ -9,7 +9,6 @@
 
 #include <ros/time.h>
 #include <sensor_msgs/CameraInfo.h>
-#include <sensor_msgs/Image.h>
 
 #include "soft_robot_lab/ros/messages.h"
 #include "soft_robot_lab/vision/camera_pose.h"
@@ -42,10 +41,9 @@ class MarkerTracking {
   void set_poses(const std::vector<CameraPose>& poses);
   void add_info(const std::string& camera, const sensor_msgs::CameraInfo& info);
   void add_simulated(const MarkerObservations& message);
-  // What came of frames that are complete now. Throws std::invalid_argument for images that cannot be used; the others
-  // of that camera and all other cameras go on. Frames of a camera whose pose or lens is not known yet are left out and
+  // What came of frames that are complete now. Frames of a camera whose pose or lens is not known yet are left out and
   // counted.
-  std::vector<Result> add(const std::string& camera, const sensor_msgs::Image& colour, const sensor_msgs::Image& depth);
+  std::vector<Result> add(const RgbdFrame& frame);
   std::vector<Result> finish();
   void reset();  // for a clock that goes back
 

@@ -15,6 +15,7 @@
 #include <std_srvs/SetBool.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include "nodes/run_node.h"
 #include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/ros/rendered_rig.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -192,14 +193,9 @@ void CameraNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "cameras");
-  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be told
-  try {
-    soft_robot_lab::CameraNode node(soft_robot_lab::read_options(ros::NodeHandle("~")));
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "cameras", [] {
+    CameraNode node(read_options(ros::NodeHandle("~")));
     node.run();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 2;
-  }
-  return 0;
+  });
 }

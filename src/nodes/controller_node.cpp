@@ -18,6 +18,7 @@
 #include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
 
+#include "nodes/run_node.h"
 #include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/conversions.h"
@@ -67,8 +68,8 @@ class ControllerNode {
   Execution new_execution(const ExecutePolicy::Request& request) const;
   bool cancel(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   PolicyAnswer find(const PolicyTask& task, const OptimiserOptions& options);
-  void publish_progress(const std::string& method, const std::string& marker,
-                        const std::vector<std::string>& actuators, const OptimisationProgress& progress) const;
+  void publish_progress(const std::string& method, const std::string& marker, const std::vector<std::string>& actuators,
+                        const OptimisationProgress& progress) const;
   void publish_target(const MarkerGoal& goal) const;
 
   SceneOptions scene_options_;
@@ -287,17 +288,12 @@ void ControllerNode::play(Execution& execution) {
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "controller");
-  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be told
-  try {
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "controller", [] {
     // One thread each for an optimisation, an execution, a scene being loaded, and the topics.
     ros::AsyncSpinner spinner(4);
-    soft_robot_lab::ControllerNode node;
+    ControllerNode node;
     spinner.start();
     ros::waitForShutdown();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 2;
-  }
-  return 0;
+  });
 }

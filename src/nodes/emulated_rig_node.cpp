@@ -8,6 +8,7 @@
 #include <ros/ros.h>
 #include <soft_robot_lab/RigCommand.h>
 
+#include "nodes/run_node.h"
 #include "soft_robot_lab/motor/rig_settings.h"
 #include "soft_robot_lab/rig/rig_control.h"
 #include "soft_robot_lab/ros/motor_messages.h"
@@ -76,14 +77,9 @@ class EmulatedRigNode {
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "emulated_rig");
-  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be told
-  try {
-    soft_robot_lab::EmulatedRigNode node(ros::NodeHandle("~"));
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "emulated_rig", [] {
+    EmulatedRigNode node(ros::NodeHandle("~"));
     ros::spin();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 2;
-  }
-  return 0;
+  });
 }

@@ -13,6 +13,7 @@
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_srvs/Trigger.h>
 
+#include "nodes/run_node.h"
 #include "soft_robot_lab/motor/motor_driver.h"
 #include "soft_robot_lab/motor/serial_port.h"
 #include "soft_robot_lab/ros/motor_messages.h"
@@ -148,14 +149,9 @@ class MotorNode {
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "motor");
-  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be told
-  try {
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "motor", [] {
     const ros::NodeHandle node("~");
-    soft_robot_lab::MotorNode(soft_robot_lab::read_rig(node), soft_robot_lab::read_options(node)).run();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 2;
-  }
-  return 0;
+    MotorNode(read_rig(node), read_options(node)).run();
+  });
 }

@@ -21,6 +21,7 @@
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include "nodes/run_node.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/surface_marker.h"
@@ -310,14 +311,9 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "simulator");
-  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be told
-  try {
-    soft_robot_lab::SimulatorNode node(soft_robot_lab::read_options(ros::NodeHandle("~")));
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "simulator", [] {
+    SimulatorNode node(read_options(ros::NodeHandle("~")));
     node.run();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 2;
-  }
-  return 0;
+  });
 }

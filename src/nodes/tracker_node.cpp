@@ -23,6 +23,7 @@
 #include <std_msgs/String.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include "nodes/run_node.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/calibrate_request.h"
 #include "soft_robot_lab/ros/image_messages.h"
@@ -291,7 +292,7 @@ void TrackerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) 
 }
 
 // Reads a recording in its own order; nothing waits for a clock.
-int replay(const NodeOptions& options) {
+void replay(const NodeOptions& options) {
   rosbag::Bag bag(options.bag, rosbag::bagmode::Read);
   rosbag::Bag output(options.output, rosbag::bagmode::Write);
   long written = 0;
@@ -325,23 +326,17 @@ int replay(const NodeOptions& options) {
   if (written == 0)
     throw std::runtime_error(options.bag + ": has no images of " + options.tracking.cameras.front() +
                              " that could be used: it needs images, camera_info and a scene");
-  return 0;
 }
 
 }  // namespace
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "tracker");
-  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be told
-  try {
-    const soft_robot_lab::NodeOptions options = soft_robot_lab::read_options(ros::NodeHandle("~"));
-    if (!options.bag.empty()) return soft_robot_lab::replay(options);
-    const soft_robot_lab::TrackerNode node(options);
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "tracker", [] {
+    const NodeOptions options = read_options(ros::NodeHandle("~"));
+    if (!options.bag.empty()) return replay(options);
+    const TrackerNode node(options);
     ros::spin();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 2;
-  }
-  return 0;
+  });
 }

@@ -3,14 +3,11 @@
 #include "scene/fidelity.h"
 
 namespace soft_robot_lab {
-namespace {
 
 SettingsNode read_settings(const std::string& path, const std::string& changes) {
   const SettingsNode settings = load_settings_with_includes(path);
   return changes.empty() ? settings : merge_settings(settings, SettingsNode::parse(changes, path + " (with changes)"));
 }
-
-}  // namespace
 
 Scene build_scene(const SettingsNode& settings, TetMesh mesh, const SceneOptions& options) {
   refuse_contact(settings);

@@ -17,6 +17,9 @@ namespace soft_robot_lab {
 // The file with those it includes merged below it.
 SettingsNode load_settings_with_includes(const std::string& path);
 
+// The same with YAML text laid over it, unless that is empty.
+SettingsNode read_settings(const std::string& path, const std::string& changes);
+
 // The scene on this mesh, whatever mesh its file asks for.
 Scene build_scene(const SettingsNode& settings, TetMesh mesh, const SceneOptions& options);
 

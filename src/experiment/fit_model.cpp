@@ -158,6 +158,17 @@ ModelGap gap_of(const std::vector<MeasuredPose>& poses,
   return gap;
 }
 
+// Of a marker's residual, from the median of all; at least the one expected.
+double typical_deviation(ceres::Problem& problem) {
+  constexpr double median_of_length = 1.538;  // of three normal numbers of unit deviation
+  std::vector<double> residuals, lengths;
+  problem.Evaluate({}, nullptr, &residuals, nullptr, nullptr);
+  for (std::size_t i = 0; i + 2 < residuals.size(); i += 3)
+    lengths.push_back(std::hypot(residuals[i], residuals[i + 1], residuals[i + 2]));
+  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
+  return std::max(1.0, lengths[lengths.size() / 2] / median_of_length);
+}
+
 ceres::Solver::Options solver_options(const FitRequest& request) {
   ceres::Solver::Options options;
   options.max_num_iterations = request.max_iterations;
@@ -190,14 +201,16 @@ FitResult fit_model(const std::string& scene, const SceneOptions& options, const
 
   ceres::Problem::Options problem_options;
   problem_options.evaluation_callback = &predictor;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
+  ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);
   int residuals = 0;
   for (std::size_t p = 0; p < poses.size(); ++p) {
     for (std::size_t m = 0; m < poses[p].markers.size(); ++m, residuals += 3)
       problem.AddResidualBlock(
           new MarkerResidual(predictor, p, static_cast<Eigen::Index>(m), poses[p].markers[m], request.model_error_m,
                              unknown_count),
-          new ceres::HuberLoss(request.outlier_deviations), unknowns.data());
+          &loss, unknowns.data());
   }
   require(residuals > unknown_count, "poses: " + std::to_string(residuals) + " coordinates cannot tell " +
                                          std::to_string(unknown_count) + " parameters");
@@ -217,11 +230,15 @@ FitResult fit_model(const std::string& scene, const SceneOptions& options, const
   ceres::Solver::Options solver = solver_options(request);
   Teller teller(request, [&] { return gap_now().rms_m; });
   solver.callbacks.push_back(&teller);
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
-  result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.message = summary.message;
-  result.iterations = static_cast<int>(summary.iterations.size());
+  // Least squares first: far from the solution everything would count as an outlier.
+  for (const bool robust : {false, true}) {
+    if (robust) loss.Reset(new ceres::HuberLoss(request.outlier_deviations * typical_deviation(problem)), ceres::TAKE_OWNERSHIP);
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    result.converged = summary.termination_type == ceres::CONVERGENCE;
+    result.message = summary.message;
+    result.iterations += static_cast<int>(summary.iterations.size());
+  }
 
   ceres::CRSMatrix jacobian;
   std::vector<double> scaled;

@@ -13,7 +13,7 @@ namespace soft_robot_lab {
 namespace {
 
 const char* const kKnown =
-    "youngs_modulus_pa, friction_coefficient, compliance_m_n, offset_m (each with .CABLE for one cable), "
+    "youngs_modulus_pa, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for one cable), "
     "camera_to_base, damping";
 
 constexpr double kCableCompliance = 1.0e-5;  // of a scene that says none (actuators/cable.h)
@@ -44,7 +44,10 @@ std::string material_yaml(const Material& material, double youngs_modulus_pa) {
 
 std::string lay_over(const std::string& base, const std::string& top) {
   if (base.empty() || top.empty()) return base + top;
-  return merge_settings(SettingsNode::parse(base, "changes"), SettingsNode::parse(top, "fit")).dump() + "\n";
+  const SettingsNode merged = merge_settings(SettingsNode::parse(base, "changes"), SettingsNode::parse(top, "fit"));
+  std::string text;
+  for (const std::string& key : merged.keys()) text += key + ": " + merged.child(key).dump() + "\n";
+  return text;
 }
 
 Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
@@ -92,19 +95,19 @@ void FitParameters::add(const FitParameter& asked, const std::string& cable) {
       add_number(number, asked);
       ++number.axis;
     }
-  } else if (key == "friction_coefficient" || key == "compliance_m_n" || key == "offset_m") {
+  } else if (key == "friction_coefficient" || key == "compliance_m_n" || key == "length_offset_m") {
     number.kind = FitNumber::Kind::of_cables;
     const std::vector<std::string> all = cable.empty() ? cables_.names() : std::vector<std::string>{cable};
     if (all.empty()) throw std::invalid_argument("parameters: " + key + ": the scene has no cables");
     if (!cable.empty()) SceneCables(cables_).set(cable, key, "0");  // refuses unknown names
     std::vector<std::vector<std::string>> groups = {all};
-    if (key == "offset_m") {
+    if (key == "length_offset_m") {
       groups.clear();
       for (const std::string& one : all) groups.push_back({one});
     }
     for (const std::vector<std::string>& group : groups) {
       number.cables = group;
-      number.name = key + (group.size() < cables_.names().size() || key == "offset_m" ? "." + group[0] : "");
+      number.name = key + (group.size() < cables_.names().size() || key == "length_offset_m" ? "." + group[0] : "");
       if (key == "friction_coefficient") {
         number.start = std::max(0.02, present(group[0], key, 0.1));
         number.size = 0.1;

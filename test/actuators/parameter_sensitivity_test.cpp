@@ -21,7 +21,7 @@ Simulation two_cable_bar(const Values& v, const std::string& model) {
   std::vector<std::unique_ptr<Actuator>> actuators;
   for (const double side : {-1.0, 1.0}) {
     std::ostringstream settings;
-    settings << "{name: " << (side < 0 ? "left" : "right") << ", model: " << model << ", offset_m: " << std::setprecision(17)
+    settings << "{name: " << (side < 0 ? "left" : "right") << ", model: " << model << ", length_offset_m: " << std::setprecision(17)
              << v.offset_m << ", compliance_m_n: " << v.compliance_m_n << ", pretension_n: 0.05, ";
     if (model == "friction") settings << "friction_coefficient: " << v.friction_coefficient << ", ";
     settings << "sheath_radius_m: 0.002, plug_radius_m: 0.003, points_m: [";
@@ -80,14 +80,14 @@ const Way kPull = {{1.0, 1.0}, {0.95, 1.0}, {0.9, 0.97}};
 
 TEST(ParameterSensitivity, MatchesDifferencesForSlidingCables) {
   expect_exact("sliding", kPull, "youngs_modulus_pa", &Values::youngs_modulus_pa, 200.0);
-  expect_exact("sliding", kPull, "offset_m", &Values::offset_m, 1e-5);
+  expect_exact("sliding", kPull, "length_offset_m", &Values::offset_m, 1e-5);
   expect_exact("sliding", kPull, "compliance_m_n", &Values::compliance_m_n, 1e-6);
 }
 
 TEST(ParameterSensitivity, IsZeroForACableThatIsSlack) {
   Simulation simulation = two_cable_bar({}, "sliding");
   Eigen::MatrixXd exact;
-  walk(simulation, {{1.05, 1.05}}, {{"offset_m", {0}}, {"youngs_modulus_pa", {}}}, &exact);
+  walk(simulation, {{1.05, 1.05}}, {{"length_offset_m", {0}}, {"youngs_modulus_pa", {}}}, &exact);
   EXPECT_EQ(exact.col(0).norm(), 0.0);
   EXPECT_GT(exact.col(1).norm(), 0.0);
 }
@@ -97,7 +97,7 @@ TEST(ParameterSensitivity, FollowsFrictionThroughPullAndRelease) {
   for (const Way& way : {kPull, release}) {
     expect_exact("friction", way, "friction_coefficient", &Values::friction_coefficient, 1e-3);
     expect_exact("friction", way, "youngs_modulus_pa", &Values::youngs_modulus_pa, 200.0);
-    expect_exact("friction", way, "offset_m", &Values::offset_m, 1e-5);
+    expect_exact("friction", way, "length_offset_m", &Values::offset_m, 1e-5);
     expect_exact("friction", way, "compliance_m_n", &Values::compliance_m_n, 1e-6);
   }
 }

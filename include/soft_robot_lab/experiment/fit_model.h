@@ -5,7 +5,7 @@
 //   youngs_modulus_pa     all moduli of the material grow with it
 //   friction_coefficient  of cables, which then are of model friction; depends on the order of the poses
 //   compliance_m_n        of cables: their own stretch and the plug's sinking in beyond the model's
-//   offset_m              one for each cable: what it is longer (slack) or shorter than commanded
+//   length_offset_m       one for each cable: what it is longer (slack) or shorter than commanded
 //   camera_to_base        six: measured = R p + t of a point p of robot_base, t [m] and R's rotation vector [rad]
 //   damping               accepted, and left as it is with a warning: markers at rest know nothing of it
 #pragma once

@@ -70,7 +70,7 @@ void Cable::on_initialise(const SettingsNode& settings, const Body& body, const 
   pretension_n_ = settings.number_or("pretension_n", 0.0, AllowedRange::not_negative());
   if (pretension_n_ > 0.0 && model_->compliance_m_n() == 0.0)
     settings.child("pretension_n").fail("a cable with compliance_m_n 0 has no tension of its own at rest; must be 0");
-  offset_m_ = settings.number_or("offset_m", 0.0, {-0.5 * rest_length_m_, 0.5 * rest_length_m_});
+  length_offset_m_ = settings.number_or("length_offset_m", 0.0, {-0.1 * rest_length_m_, 0.1 * rest_length_m_});
   const double pull_speed_m_s = settings.number_or("pull_speed_m_s", 0.0, AllowedRange::not_negative());
   start_delay_s_ = settings.number_or("pull_delay_s", 0.0, AllowedRange::not_negative());
   if (kind_ == Command::contraction) {
@@ -83,7 +83,7 @@ void Cable::on_initialise(const SettingsNode& settings, const Body& body, const 
 }
 
 void Cable::actuate(double command) {
-  const double added_m = offset_m_ - pretension_n_ * model_->compliance_m_n();
+  const double added_m = length_offset_m_ - pretension_n_ * model_->compliance_m_n();
   switch (kind_) {
     case Command::contraction:
       unloaded_length_m_ = command * rest_length_m_ + added_m;
@@ -116,7 +116,7 @@ std::optional<LawChange> Cable::law_change(const std::string& key, const Eigen::
     by_length[static_cast<Eigen::Index>(i)] =
         all[i]->law(all[i]->value(positions_m), multipliers[i]).offset_per_command /
         (kind_ == Command::contraction ? rest_length_m_ : 1.0);
-  if (key == "offset_m" && kind_ != Command::tension)
+  if (key == "length_offset_m" && kind_ != Command::tension)
     return LawChange{by_length, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(junctions().size()))};
   std::optional<LawChange> change = model_->law_change(key, positions_m, multipliers);
   if (change && key == "compliance_m_n") change->offsets -= pretension_n_ * by_length;

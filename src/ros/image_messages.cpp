@@ -89,8 +89,17 @@ FrameMessages frame_messages(const RgbdFrame& frame, const CameraModel& model, c
           image_message(frame.depth, header, sensor_msgs::image_encodings::TYPE_16UC1), camera_info(model, header)};
 }
 
+cv::Mat colour_image(const sensor_msgs::Image& message) {
+  if (message.encoding == sensor_msgs::image_encodings::RGB8) return view(message, CV_8UC3, "colour").clone();
+  if (message.encoding != sensor_msgs::image_encodings::BGR8)
+    throw std::invalid_argument("colour: encoding '" + message.encoding + "' is not one of rgb8, bgr8");
+  cv::Mat colour;
+  cv::cvtColor(view(message, CV_8UC3, "colour"), colour, cv::COLOR_BGR2RGB);
+  return colour;
+}
+
 RgbdFrame rgbd_frame(const std::string& camera, const sensor_msgs::Image& colour, const sensor_msgs::Image& depth) {
-  return {camera, colour.header.stamp.toSec(), colour_of(colour), depth_of(depth)};
+  return {camera, colour.header.stamp.toSec(), colour_image(colour), depth_of(depth)};
 }
 
 CameraModel camera_model(const sensor_msgs::CameraInfo& info) {

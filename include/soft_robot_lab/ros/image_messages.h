@@ -25,6 +25,7 @@ sensor_msgs::Image colour_message(const cv::Mat& colour, const std_msgs::Header&
 cv::Mat colour_of(const sensor_msgs::Image& message);                                      // as rgbd_frame's
 // And back; the frame owns its pixels. Colour as rgb8 or bgr8, depth as 16UC1 [mm] or 32FC1 [m]; NaN, zero and what 16
 // bits do not hold are not measured. Throws std::invalid_argument: field, value, allowed values.
+cv::Mat colour_image(const sensor_msgs::Image& message);
 RgbdFrame rgbd_frame(const std::string& camera, const sensor_msgs::Image& colour, const sensor_msgs::Image& depth);
 // Throws std::invalid_argument: a lens other than plumb_bob with five coefficients or none, a matrix that is no
 // camera's.

@@ -22,6 +22,7 @@ class CableModel;
 //   compliance_m_n >= 0 of the whole cable (0: inextensible); of springs stiffness_n_m > 0 of each, damping_n_s_m >= 0,
 //     integration: implicit, or explicit (forces of the step's start), coupling: transpose, or pseudo_inverse (explicit
 //     only: forces reach the nodes by the pseudo-inverse of the interpolation, which multiplies them)
+//   length_offset_m: by which the cable is longer than commanded, as where a drive's zero is off
 //   pretension_n: tension it is mounted with in the rest shape
 //   sheath_radius_m and plug_radius_m over which points and plug spread, or spread_box_m for every point
 //   pull_speed_m_s and pull_delay_s: the drive's speed (0: no limit) and its delay before it starts
@@ -49,6 +50,7 @@ class Cable : public Actuator {
   Command kind_ = Command::contraction;
   double rest_length_m_ = 0.0;
   double unloaded_length_m_ = 0.0;  // as commanded
+  double length_offset_m_ = 0.0;
   double pretension_n_ = 0.0;
   std::vector<EmbeddedPoint> points_;
   std::vector<PathChange> path_changes_;

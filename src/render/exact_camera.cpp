@@ -8,6 +8,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "render/rectangles.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -37,10 +39,6 @@ bool at_edge(const ExactImage& image, cv::Point pixel) {
   for (const cv::Point& step : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)})
     if (area.contains(pixel + step) && differ(image, pixel, pixel + step)) return true;
   return false;
-}
-
-cv::Rect grown(const cv::Rect& area, int by) {
-  return {area.x - by, area.y - by, area.width + 2 * by, area.height + 2 * by};
 }
 
 // The pixels from the least to the largest place, and some more.

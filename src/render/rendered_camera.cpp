@@ -7,7 +7,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "render/sensor.h"
+#include "render/colour_sensor.h"
+#include "render/depth_sensor.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -67,8 +68,9 @@ RenderedCamera::RenderedCamera(std::string name, const ExactCamera& camera, cons
     : samples_a_side_(samples_a_side),
       name_(std::move(name)),
       camera_(camera),
-      model_(sensor),
-      sensor_(std::make_unique<Sensor>(sensor, camera.background().depth.size(), seed)),
+      model_((sensor.validate(), sensor)),
+      colour_(std::make_unique<ColourSensor>(sensor, camera.background().colour, seed)),
+      depth_(std::make_unique<DepthSensor>(sensor, camera.background(), seed)),
       canvas_{camera.background().colour.clone(), camera.background().depth.clone()} {}
 RenderedCamera::~RenderedCamera() = default;
 RenderedCamera::RenderedCamera(RenderedCamera&&) noexcept = default;
@@ -86,7 +88,7 @@ RgbdFrame RenderedCamera::take(Stage& stage, const SeenMotion& motion, double st
     draw_moving(stage, motion);
   else
     camera_.draw(stage, drawn_, static_cast<float>(model_.gloss), canvas_, samples_a_side_);
-  return {name_, stamp_s, sensor_->colour(canvas_, frame), sensor_->depth(canvas_, frame)};
+  return {name_, stamp_s, colour_->image(canvas_.colour, drawn_, frame), depth_->image(canvas_, drawn_, frame)};
 }
 
 void RenderedCamera::draw_moving(Stage& stage, const SeenMotion& motion) {

@@ -14,8 +14,8 @@
 
 namespace soft_robot_lab {
 
-// The file with those it includes merged below it.
-SettingsNode load_settings_with_includes(const std::string& path);
+// The settings with the files they include merged below them.
+SettingsNode with_includes(const SettingsNode& settings);
 
 // The same with YAML text laid over it, unless that is empty.
 SettingsNode read_settings(const std::string& path, const std::string& changes);

@@ -73,11 +73,11 @@ TEST_F(TrackerOfALine, GoesOnWithTheOtherCameraAndSaysWhatIsWrong) {
   TrackerReport report = tracker.update(frames);
   expect_seen(report, 5e-4, 1);
   ASSERT_EQ(report.problems.size(), 1u);
-  EXPECT_NE(report.problems[0].find("424 x 480"), std::string::npos) << report.problems[0];
+  EXPECT_NE(report.problems[0].message.find("424 x 480"), std::string::npos) << report.problems[0].message;
   for (int frame = 2; frame < 20; ++frame) report = tracker.update({film(left_, scene_, frame * kFrame_s)});
   expect_seen(report, 5e-4, 1);
   ASSERT_EQ(report.problems.size(), 1u);
-  EXPECT_NE(report.problems[0].find("right"), std::string::npos) << report.problems[0];
+  EXPECT_NE(report.problems[0].message.find("right"), std::string::npos) << report.problems[0].message;
 }
 
 TEST_F(TrackerOfALine, LeavesOutFramesThatCannotBeUsed) {

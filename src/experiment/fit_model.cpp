@@ -173,8 +173,8 @@ ceres::Solver::Options solver_options(const FitRequest& request) {
   ceres::Solver::Options options;
   options.max_num_iterations = request.max_iterations;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.function_tolerance = 1e-8;
-  options.parameter_tolerance = 1e-6;
+  options.function_tolerance = 1e-6;
+  options.parameter_tolerance = 1e-5;
   options.logging_type = ceres::SILENT;
   options.update_state_every_iteration = true;
   return options;

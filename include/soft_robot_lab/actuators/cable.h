@@ -53,7 +53,6 @@ class Cable : public Actuator {
   Command kind_ = Command::contraction;
   double rest_length_m_ = 0.0;
   double unloaded_length_m_ = 0.0;  // as commanded
-  double length_offset_m_ = 0.0;
   double pretension_n_ = 0.0;
   double length_offset_m_ = 0.0;
   std::vector<EmbeddedPoint> points_;

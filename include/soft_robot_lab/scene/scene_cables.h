@@ -1,11 +1,9 @@
-// The cables that a scene file lists, and YAML that gives them other numbers: lists replace each other as a whole
-// (scene.h), so a change of one number has to repeat all of them.
+// The cables that a scene file lists, and YAML that gives them other numbers.
 #pragma once
 
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace soft_robot_lab {
@@ -15,22 +13,20 @@ class SceneCables {
   // `changes`: as SceneOptions::changes. Throws SettingsError.
   SceneCables(const std::string& scene_path, const std::string& changes);
 
-  std::vector<std::string> names() const;
-  std::optional<std::string> value(const std::string& cable, const std::string& key) const;  // a scalar
+  const std::vector<std::string>& names() const { return names_; }
+  std::optional<std::string> value(const std::string& cable, const std::string& key) const;  // as YAML
   // Throws std::invalid_argument listing the names.
   void set(const std::string& cable, const std::string& key, const std::string& value);
-  std::string yaml() const;  // "cables: [...]" with what was set; empty where nothing was
+  // To be laid over the file: all that differs from it, also by the changes; empty where nothing does.
+  std::string yaml() const;
 
  private:
-  using Entry = std::pair<std::string, std::string>;  // key, its value as YAML
-  struct Cable {
-    std::string name;
-    std::vector<Entry> entries;
-  };
-  Cable& find(const std::string& cable);
+  using Entries = std::map<std::string, std::map<std::string, std::string>>;  // by cable and key
 
-  std::vector<Cable> cables_;
-  bool changed_ = false;
+  static Entries read(const std::string& scene_path, const std::string& changes, std::vector<std::string>& names);
+
+  std::vector<std::string> names_;
+  Entries in_file_, now_;
 };
 
 }  // namespace soft_robot_lab

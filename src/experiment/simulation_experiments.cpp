@@ -1,6 +1,7 @@
 #include "experiment/cable_experiments.h"
 #include "experiment/cantilever_experiment.h"
 #include "experiment/chamber_experiments.h"
+#include "experiment/fit_experiment.h"
 #include "experiment/policy_experiments.h"
 #include "experiment/vision_experiments.h"
 #include "soft_robot_lab/actuators/factory.h"
@@ -37,6 +38,8 @@ std::vector<Experiment> simulation_experiments() {
        run_tracking_experiment},
       {"7.3.1", "ten random targets for Hammerbot, all methods", run_random_targets_experiment},
       {"7.3.2", "how the methods converge on a near and a far target", run_convergence_experiment},
+      {"fit", "Spinebot's model fitted to its table of contractions, and tried on poses it has not seen",
+       run_fit_experiment},
   };
 }
 

@@ -16,6 +16,7 @@ constexpr double kStep_s = 1.0 / 60.0;  // robot and rig tell each other where t
 constexpr double kLook_s = 0.5;         // at rest: no marker moved by kStill_m in this time
 constexpr double kStill_m = 5.0e-5;
 constexpr double kLimit_s = 60.0;
+const Eigen::Vector3d kWhite(0.9, 0.9, 0.9);
 
 std::vector<TrackedMarker> tracked(const Simulation& simulation) {
   std::vector<TrackedMarker> markers;
@@ -96,8 +97,8 @@ void EmulatedLab::calibrate(const BallPlacement& placement) {
   for (const RigCamera& camera : settings_.cameras.cameras)
     calibration.set_camera({camera.pose.name, camera.model, believed_.at(camera.pose.name)});
   CameraRig with_balls = real_cameras_;
-  auto& balls = with_balls.surroundings.balls;
-  balls.insert(balls.end(), with_balls.calibration_balls.begin(), with_balls.calibration_balls.end());
+  for (const PlacedBall& ball : placement.balls)
+    with_balls.surroundings.balls.push_back({ball.position_m, placement.radius_m, kWhite});
   Film film_of_balls(reality_.simulation(), with_balls, settings_.film);
   for (int i = 0; i < settings_.frames; ++i)
     for (const RgbdFrame& frame : take(film_).frames) calibration.add(frame);

@@ -12,8 +12,8 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr int kLevels = 4;  // of the smooth problem with linear elements; quadratic ones are as fine a level before
-constexpr double kCoarsest_m = 0.1;  // elements of the cantilever, which are then cut
-constexpr int kCuts = 4;            // of its linear elements; of quadratic ones one less
+constexpr double kCoarsest_m = 0.02;  // elements of the cantilever, which are then cut
+constexpr int kCuts = 3;              // of its linear elements; of quadratic ones one less
 constexpr double kSwing_s = 0.096;    // to its first minimum
 constexpr double kLongestStep_s = 0.016;
 constexpr int kHalvings = 4;
@@ -48,7 +48,7 @@ ConvergenceSeries cantilever(const ExperimentContext& context, const SpeedProble
   changes << "body: {element: " << (quadratic ? "quadratic" : "linear") << ", element_size_m: " << kCoarsest_m
           << ", material: {poissons_ratio: " << problem.poissons_ratios[nu] << "}}";
   const Eigen::Vector3d& reference_m = problem.references_m[nu];
-  for (int cuts = 0; cuts <= kCuts - (quadratic ? 1 : 0) - (quick ? 2 : 0); ++cuts) {
+  for (int cuts = 0; cuts <= kCuts - (quadratic ? 1 : 0) - (quick ? 1 : 0); ++cuts) {
     SceneOptions options = context.scene_options(changes.str());
     options.change_mesh = [cuts](TetMesh& mesh) {
       for (int i = 0; i < cuts; ++i) mesh = subdivide(mesh).mesh;

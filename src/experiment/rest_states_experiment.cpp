@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <sstream>
 #include <utility>
 
@@ -25,7 +26,7 @@ struct RestMethod {
 };
 
 struct Settings {
-  double rayleigh_mass_per_s, still_m, still_for_s, longest_s;
+  double rayleigh_mass_per_s, start_share, still_m, still_for_s, longest_s;
   std::vector<RestBody> bodies;
   std::vector<RestMethod> methods;
 };
@@ -41,6 +42,7 @@ Settings read_settings(const ExperimentContext& context) {
   const SettingsNode node = SettingsNode::load_file(context.settings_file("rest_states"));
   Settings settings;
   settings.rayleigh_mass_per_s = node.number("rayleigh_mass_per_s", AllowedRange::not_negative());
+  settings.start_share = node.number("start_share", {0.0, 1.0});
   settings.still_m = node.number("still_m", AllowedRange::positive());
   settings.still_for_s = node.number("still_for_s", AllowedRange::positive());
   settings.longest_s = node.number("longest_s", AllowedRange::positive());
@@ -82,9 +84,36 @@ Scene load(const ExperimentContext& context, const Settings& settings, const Res
   SettingsNode changes = SettingsNode::parse(body.changes, "changes");
   changes = merge_settings(changes, SettingsNode::parse(damping.str(), "damping"));
   changes = merge_settings(changes, SettingsNode::parse("solver: " + solver, "method"));
-  Scene scene = load_scene(body.scene, context.scene_options(changes.dump()));
-  for (const auto& [name, value] : body.commands) scene.simulation->set_command(name, value);
-  return scene;
+  return load_scene(body.scene, context.scene_options(changes.dump()));
+}
+
+// This share of the way from the actuators' rest to the commands.
+void give_commands(const RestBody& body, double share, Simulation& simulation) {
+  for (const auto& [name, value] : body.commands) {
+    const double rest =
+        simulation.actuators()[static_cast<std::size_t>(simulation.actuator_index(name))]->limits().rest;
+    simulation.set_command(name, rest + share * (value - rest));
+  }
+}
+
+SimulationState equilibrium(const RestBody& body, double share, Simulation& simulation) {
+  give_commands(body, share, simulation);
+  const SolveReport report = simulation.solve_equilibrium();
+  if (!report.converged) throw std::runtime_error(body.name + ": " + report.message);
+  return simulation.state();
+}
+
+// A body with commands begins at rest near its end; one without, in its rest shape.
+void start(const RestBody& body, const SimulationState& near, Simulation& simulation) {
+  if (body.commands.empty()) return;
+  SimulationState state = simulation.state();
+  state.positions_m = near.positions_m;
+  state.element_multipliers_pa = near.element_multipliers_pa;
+  state.constraint_multipliers = near.constraint_multipliers;
+  state.commands = near.commands;
+  state.actuated_commands = near.actuated_commands;
+  simulation.set_state(state);
+  give_commands(body, 1.0, simulation);
 }
 
 struct Settled {
@@ -111,7 +140,7 @@ Settled settle(const Settings& settings, Simulation& simulation) {
   }
   settled.time_s = simulation.state().time_s;
   settled.cpu_s = cpu_time_s() - start_s;
-  if (!settled.still && settled.message.empty()) settled.message = "still moves";
+  if (!settled.still && settled.message.empty()) settled.message = "moves";
   return settled;
 }
 
@@ -141,14 +170,15 @@ ExperimentResult run_rest_states_experiment(const ExperimentContext& context) {
   for (const RestBody& body : settings.bodies) {
     const Scene still = load(context, settings, body, "{}");
     const Eigen::Matrix3Xd start_m = markers_of(*still.simulation);
-    const SolveReport report = still.simulation->solve_equilibrium();
-    if (!report.converged) throw std::runtime_error(body.name + ": " + report.message);
+    const SimulationState near = equilibrium(body, settings.start_share, *still.simulation);
+    equilibrium(body, 1.0, *still.simulation);
     const Eigen::Matrix3Xd rest_m = markers_of(*still.simulation);
     for (const RestMethod& method : settings.methods) {
       context.tell(done++ / static_cast<double>(settings.bodies.size() * settings.methods.size()),
                    body.name + ", " + method.name);
       for (std::size_t i = 0; i < method.steps_s.size(); ++i) {
         const Scene scene = load(context, settings, body, solver_of(method, i));
+        start(body, near, *scene.simulation);
         const Settled settled = settle(settings, *scene.simulation);
         const double off_m = largest_distance(settled.markers_m, rest_m);
         worst_m = std::max(worst_m, off_m);

@@ -8,6 +8,7 @@
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 
+#include "soft_robot_lab/ros/gap_meter.h"
 #include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/settings/cpu_time.h"
@@ -49,16 +50,24 @@ ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::st
   rosbag::Bag bag(bag_path, rosbag::bagmode::Read);
   rosbag::Bag output(output_path, rosbag::bagmode::Write);
   ReplaySummary summary;
+  GapMeter gap([&](const RealityGap& found) {
+    output.write("/" + std::string(topics::reality_gap), found.header.stamp, found);
+  });
   TrackingInput input(options, [&](const MarkerTracking::Result& result) {
     if (!result.report.updated) return;
     output.write("/" + std::string(topics::tracker_markers), result.observations.header.stamp, result.observations);
+    gap.add_measured(result.observations);
     ++summary.written;
   });
   const auto pairs = pair_up(options.tracking.cameras, input);
   const double start_s = cpu_time_s();
   for (const rosbag::MessageInstance& message : rosbag::View(bag)) {
     const std::string topic = message.getTopic().substr(message.getTopic().front() == '/' ? 1 : 0);
-    if (topic == topics::simulator_markers) input.add_simulated(*message.instantiate<MarkerObservations>());
+    if (topic == topics::simulator_markers) {
+      const auto simulated = message.instantiate<MarkerObservations>();
+      input.add_simulated(*simulated);
+      gap.add_simulated(*simulated);
+    }
     if (topic == topics::simulator_scene && options.scene.empty())
       input.start(message.instantiate<std_msgs::String>()->data);
     for (const auto& [camera, pair] : pairs) {

@@ -7,22 +7,21 @@ namespace soft_robot_lab {
 namespace {
 
 // `open_files`: those that led here, to find circles.
-SettingsNode load(const std::string& path, std::vector<std::string> open_files) {
-  const SettingsNode settings = SettingsNode::load_file(path);
+SettingsNode resolve(const SettingsNode& settings, std::vector<std::string> open_files) {
   const std::optional<SettingsNode> include = settings.optional_child("include");
   if (!include) return settings;
-  open_files.push_back(std::filesystem::weakly_canonical(path).string());
+  open_files.push_back(std::filesystem::weakly_canonical(settings.source()).string());
   const std::string base = beside(*include, include->as_text());
   if (std::find(open_files.begin(), open_files.end(), std::filesystem::weakly_canonical(base)) != open_files.end()) {
     include->fail("'" + include->as_text() + "' includes itself");
   }
   if (!std::filesystem::is_regular_file(base)) include->fail("there is no file " + base);
-  return merge_settings(load(base, open_files), settings);
+  return merge_settings(resolve(SettingsNode::load_file(base), open_files), settings);
 }
 
 }  // namespace
 
-SettingsNode load_settings_with_includes(const std::string& path) { return load(path, {}); }
+SettingsNode with_includes(const SettingsNode& settings) { return resolve(settings, {}); }
 
 std::string beside(const SettingsNode& node, const std::string& file) {
   return std::filesystem::absolute(std::filesystem::path(node.source()).parent_path() / file)

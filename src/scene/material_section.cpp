@@ -42,11 +42,18 @@ Material read_model(const SettingsNode& node) {
                               material.poissons_ratio, material.density_kg_m3);
 }
 
+// A share of every modulus, whatever the model.
+void scale(Material& material, double ratio) {
+  for (double* modulus_pa : {&material.youngs_modulus_pa, &material.c01_pa, &material.c2_pa, &material.c3_pa})
+    *modulus_pa *= ratio;
+}
+
 }  // namespace
 
 // The constants of mooney_rivlin and yeoh say the shear modulus, so Young's modulus follows Poisson's ratio with them.
 Material read_material(const SettingsNode& node) {
   Material material = node.has("preset") ? read_preset(node) : read_model(node);
+  scale(material, node.number_or("stiffness_ratio", 1.0, AllowedRange::positive()));
   const double mu_pa = material.lame_mu_pa();
   material.poissons_ratio = node.number_or("poissons_ratio", material.poissons_ratio);
   material.density_kg_m3 = node.number_or("density_kg_m3", material.density_kg_m3);

@@ -3,14 +3,12 @@
 #include "scene/fidelity.h"
 
 namespace soft_robot_lab {
-namespace {
 
-SettingsNode read_settings(const std::string& path, const std::string& changes) {
-  const SettingsNode settings = load_settings_with_includes(path);
-  return changes.empty() ? settings : merge_settings(settings, SettingsNode::parse(changes, path + " (with changes)"));
+SettingsNode lay_changes_over(const SettingsNode& scene, const std::string& changes) {
+  const SettingsNode settings = with_includes(scene);
+  if (changes.empty()) return settings;
+  return merge_settings(settings, SettingsNode::parse(changes, scene.source() + " (with changes)"));
 }
-
-}  // namespace
 
 Scene build_scene(const SettingsNode& settings, TetMesh mesh, const SceneOptions& options) {
   refuse_contact(settings);
@@ -29,13 +27,17 @@ Scene build_scene(const SettingsNode& settings, TetMesh mesh, const SceneOptions
 }
 
 Scene load_scene(const std::string& path, const SceneOptions& options) {
-  const SettingsNode stated = read_settings(path, options.changes);
+  return load_scene(SettingsNode::load_file(path), options);
+}
+
+Scene load_scene(const SettingsNode& node, const SceneOptions& options) {
+  const SettingsNode stated = lay_changes_over(node, options.changes);
   std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
   const bool chosen = fidelity && !fidelity->choice.empty();
   const SettingsNode settings = chosen ? lay_over(stated, fidelity->choice) : stated;
   Scene scene = build_scene(settings, read_mesh(settings, options), options);
   settings.require_all_read();
-  scene.file = path;
+  scene.file = node.source();
   scene.fidelity = std::move(fidelity);
   return scene;
 }

@@ -178,6 +178,26 @@ TEST(MergeSettings, ReplacesAMapByOneThatNamesItsPresetOrModel) {
   EXPECT_EQ(merge_settings(robot, parse("material: {colour: red}\n")).child("material").keys().size(), 3u);
 }
 
+TEST(MergeSettings, ChangesItemsOfAListByTheirNames) {
+  const SettingsNode robot =
+      SettingsNode::parse("cables:\n  - {name: left, points: 3}\n  - {name: right, points: 4}\n", "robot.yaml");
+  const SettingsNode both = merge_settings(robot, parse("cables: {right: {model: friction}}\n"));
+  const std::vector<SettingsNode> cables = both.sequence("cables");
+  ASSERT_EQ(cables.size(), 2u);
+  EXPECT_FALSE(cables[0].has("model"));
+  EXPECT_EQ(cables[1].text("model"), "friction");
+  EXPECT_EQ(cables[1].number("points"), 4.0);
+  EXPECT_FALSE(robot.sequence("cables")[1].has("model"));
+
+  const auto refusal = [&](const std::string& changes) {
+    return error_of([&] { merge_settings(robot, SettingsNode::parse(changes, "lab.yaml")); });
+  };
+  EXPECT_EQ(refusal("\ncables: {rigth: {points: 5}}\n"), "lab.yaml:2: cables.rigth: 'rigth' is not one of left, right");
+  EXPECT_EQ(refusal("cables: {left: 5}\n"), "lab.yaml:1: cables.left: must hold keys and values that change 'left'");
+  EXPECT_EQ(error_of([&] { merge_settings(parse("list: [1, 2]\n"), parse("list: {a: {b: 1}}\n")); }),
+            "scene.yaml:1: list: has items without a name, so that they cannot be changed by it");
+}
+
 TEST(MergeSettings, KeepsTheFileAndLineOfEachMember) {
   const SettingsNode robot = SettingsNode::parse("body:\n  size: 1\n  colour: blue\n", "robot.yaml");
   const SettingsNode scene = SettingsNode::parse("\n\nbody:\n  density: -1\n", "scene.yaml");

@@ -22,6 +22,7 @@ class CableModel;
 //   compliance_m_n >= 0 of the whole cable (0: inextensible); of springs stiffness_n_m > 0 of each, damping_n_s_m >= 0,
 //     integration: implicit, or explicit (forces of the step's start), coupling: transpose, or pseudo_inverse (explicit
 //     only: forces reach the nodes by the pseudo-inverse of the interpolation, which multiplies them)
+//   length_offset_m: by which the cable is longer than commanded, as where a drive's zero is off
 //   pretension_n: tension it is mounted with in the rest shape
 //   sheath_radius_m and plug_radius_m over which points and plug spread, or spread_box_m for every point
 //   pull_speed_m_s and pull_delay_s: the drive's speed (0: no limit) and its delay before it starts
@@ -35,6 +36,9 @@ class Cable : public Actuator {
   void begin_step(const StepStart& start) override;
   void end_step(const std::vector<double>& flows_m) override;
   std::string why_no_equilibrium() const override;
+  // Keys: length_offset_m, and by model compliance_m_n, friction_coefficient.
+  std::optional<LawChange> law_change(const std::string& key, const Eigen::Matrix3Xd& positions_m,
+                                      const std::vector<double>& multipliers) const override;
   ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const override;
 
  protected:
@@ -50,6 +54,7 @@ class Cable : public Actuator {
   double rest_length_m_ = 0.0;
   double unloaded_length_m_ = 0.0;  // as commanded
   double pretension_n_ = 0.0;
+  double length_offset_m_ = 0.0;
   std::vector<EmbeddedPoint> points_;
   std::vector<PathChange> path_changes_;
   std::unique_ptr<CableModel> model_;

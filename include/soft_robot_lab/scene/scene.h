@@ -1,6 +1,6 @@
 // Scene and robot files (README, "Scene files"): strict reading, and building a simulation from them.
 // A robot file is a scene without a run. `include: other.yaml` names settings that the rest of the file overrides: maps
-// merge key by key, lists replace.
+// merge key by key, lists replace, and `cables: {left: {...}}` changes keys of the cable of that name.
 #pragma once
 
 #include <functional>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "soft_robot_lab/scene/fidelity.h"
+#include "soft_robot_lab/settings/settings_node.h"
 #include "soft_robot_lab/sim/simulation.h"
 
 namespace soft_robot_lab {
@@ -56,5 +57,7 @@ struct SceneOptions {
 // Throws SettingsError (file, line, key, value, allowed range) or std::invalid_argument from a part, with the section
 // named.
 Scene load_scene(const std::string& path, const SceneOptions& options);
+// The same of a scene that stands within another document; relative file names start at that one's folder.
+Scene load_scene(const SettingsNode& scene, const SceneOptions& options);
 
 }  // namespace soft_robot_lab

@@ -89,7 +89,8 @@ class SettingsNode {
 };
 
 // The base with the overlay's keys over it: maps merge key by key, everything else replaces. So does a map that names a
-// `preset` or `model`, for its other keys belong to that.
+// `preset` or `model`, for its other keys belong to that. Over a list of items with names, a map {name: {key: value}}
+// changes keys of those items. Throws SettingsError where no item has the name.
 SettingsNode merge_settings(const SettingsNode& base, const SettingsNode& overlay);
 
 }  // namespace soft_robot_lab

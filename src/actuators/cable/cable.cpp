@@ -70,6 +70,7 @@ void Cable::on_initialise(const SettingsNode& settings, const Body& body, const 
   pretension_n_ = settings.number_or("pretension_n", 0.0, AllowedRange::not_negative());
   if (pretension_n_ > 0.0 && model_->compliance_m_n() == 0.0)
     settings.child("pretension_n").fail("a cable with compliance_m_n 0 has no tension of its own at rest; must be 0");
+  length_offset_m_ = settings.number_or("length_offset_m", 0.0, {-0.1 * rest_length_m_, 0.1 * rest_length_m_});
   const double pull_speed_m_s = settings.number_or("pull_speed_m_s", 0.0, AllowedRange::not_negative());
   start_delay_s_ = settings.number_or("pull_delay_s", 0.0, AllowedRange::not_negative());
   if (kind_ == Command::contraction) {
@@ -82,14 +83,14 @@ void Cable::on_initialise(const SettingsNode& settings, const Body& body, const 
 }
 
 void Cable::actuate(double command) {
-  const double stretched_m = pretension_n_ * model_->compliance_m_n();
+  const double added_m = length_offset_m_ - pretension_n_ * model_->compliance_m_n();
   switch (kind_) {
     case Command::contraction:
-      unloaded_length_m_ = command * rest_length_m_ - stretched_m;
+      unloaded_length_m_ = command * rest_length_m_ + added_m;
       model_->command_length(unloaded_length_m_, rest_length_m_);
       break;
     case Command::length:
-      unloaded_length_m_ = command - stretched_m;
+      unloaded_length_m_ = command + added_m;
       model_->command_length(unloaded_length_m_, 1.0);
       break;
     case Command::tension:
@@ -105,6 +106,22 @@ void Cable::end_step(const std::vector<double>& flows_m) { model_->end_step(flow
 std::string Cable::why_no_equilibrium() const { return model_->why_no_equilibrium(); }
 Eigen::VectorXd Cable::own_memory() const { return model_->memory(); }
 void Cable::recall(const Eigen::VectorXd& own_memory) { model_->recall(own_memory); }
+
+std::optional<LawChange> Cable::law_change(const std::string& key, const Eigen::Matrix3Xd& positions_m,
+                                           const std::vector<double>& multipliers) const {
+  // How the offsets change per metre of cable.
+  const std::vector<const Constraint*> all = constraints();
+  Eigen::VectorXd by_length(static_cast<Eigen::Index>(all.size()));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    by_length[static_cast<Eigen::Index>(i)] =
+        all[i]->law(all[i]->value(positions_m), multipliers[i]).offset_per_command /
+        (kind_ == Command::contraction ? rest_length_m_ : 1.0);
+  if (key == "length_offset_m" && kind_ != Command::tension)
+    return LawChange{by_length, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(junctions().size()))};
+  std::optional<LawChange> change = model_->law_change(key, positions_m, multipliers);
+  if (change && key == "compliance_m_n") change->offsets -= pretension_n_ * by_length;
+  return change;
+}
 
 ActuatorReading Cable::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const {
   ActuatorReading state;

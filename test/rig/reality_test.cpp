@@ -1,0 +1,125 @@
+// A second simulation that plays reality.
+#include "soft_robot_lab/rig/reality.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "scene/scene_files.h"
+#include "soft_robot_lab/actuators/factory.h"
+
+namespace soft_robot_lab {
+namespace {
+
+SceneOptions options() {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  return options;
+}
+
+const char* const kStiffer = R"(robot:
+  include: bar.yaml
+  body: {material: {stiffness_ratio: 1.5}}
+  cables: {left: {model: friction, friction_coefficient: 0.1, length_offset_m: 0.001}}
+backlash_steps: {left: 4}
+cameras: {camera_left: {translation_m: [0.002, 0, 0], rotation_deg: [0, 0, 90]}}
+)";
+
+class RealityTest : public testing::Test {
+ protected:
+  RealitySettings settings(const std::string& text) const { return load_reality(folder_.write("reality.yaml", text)); }
+  Reality reality(const std::string& text = kStiffer) const { return {settings(text), options()}; }
+
+  std::string refusal(const std::string& text) const {
+    try {
+      reality(text);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  SceneFolder folder_;
+};
+
+TEST_F(RealityTest, DiffersFromTheModelAsItsFileSays) {
+  const Reality stiffer = reality();
+  const Scene model = load_scene(folder_.path("bar.yaml"), options());
+  EXPECT_NEAR(stiffer.simulation().body().material().youngs_modulus_pa, 1.5 * 264200, 1e-6);
+  EXPECT_EQ(stiffer.simulation().body().material().density_kg_m3, 1070);
+  const ActuatorReading left = stiffer.simulation().actuator_state(0);
+  EXPECT_EQ(left.path_m.size(), 2u);  // as the model's
+  EXPECT_NEAR(*left.slack_m, *left.rest_length_m + 0.001 - *left.length_m, 1e-9);
+  model.simulation->solve_equilibrium();
+  const double sag_m = -stiffer.markers_m().at("tip").y(), model_sag_m = -model.simulation->marker_position(0).y();
+  EXPECT_NEAR(sag_m / model_sag_m, 1 / 1.5, 0.1);
+}
+
+TEST_F(RealityTest, FollowsTheShaftsInItsOwnTime) {
+  Reality stiffer = reality();
+  const double rest_m = *stiffer.simulation().actuator_state(1).length_m;
+  stiffer.advance(0.01, {"right"}, {0.95});  // less than a time step
+  EXPECT_EQ(stiffer.present().time_s, 0.0);
+  for (int i = 0; i < 99; ++i) stiffer.advance(0.01, {"right"}, {0.95});
+  EXPECT_NEAR(stiffer.present().time_s, 1.0, stiffer.simulation().options().time_step_s);
+  EXPECT_NEAR(stiffer.previous().time_s, stiffer.present().time_s - stiffer.simulation().options().time_step_s, 1e-12);
+  EXPECT_NEAR(*stiffer.simulation().actuator_state(1).length_m, 0.95 * rest_m, 0.01 * rest_m);
+  EXPECT_EQ(stiffer.failed_steps(), 0);
+}
+
+TEST_F(RealityTest, RefusesWhatNoShaftTells) {
+  Reality stiffer = reality();
+  const Eigen::Vector3d tip_m = stiffer.markers_m().at("tip");
+  EXPECT_THROW(stiffer.advance(1.0, {"right", "left"}, {0.9, 3.0}), std::invalid_argument);
+  EXPECT_THROW(stiffer.advance(1.0, {"right"}, {NAN}), std::invalid_argument);
+  EXPECT_THROW(stiffer.advance(1.0, {"middle"}, {0.9}), std::invalid_argument);
+  EXPECT_THROW(stiffer.advance(1.0, {"right"}, {}), std::invalid_argument);
+  EXPECT_THROW(stiffer.advance(-1.0, {}, {}), std::invalid_argument);
+  stiffer.advance(0.1, {}, {});
+  EXPECT_NEAR((stiffer.markers_m().at("tip") - tip_m).norm(), 0.0, 1e-5);
+}
+
+TEST_F(RealityTest, MovesCamerasFromWhereTheyAreBelieved) {
+  CameraRig believed;
+  believed.cameras.resize(2);
+  believed.cameras[0].pose.name = "camera_left";
+  believed.cameras[0].pose.world_from_camera.translation() = Eigen::Vector3d(1, 2, 3);
+  believed.cameras[1].pose.name = "camera_right";
+  const CameraRig real = settings(kStiffer).shifted(believed);
+  EXPECT_NEAR((real.cameras[0].pose.world_from_camera * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1.002, 3, 3)).norm(),
+              0.0, 1e-12);
+  EXPECT_TRUE(real.cameras[1].pose.world_from_camera.isApprox(Eigen::Isometry3d::Identity()));
+  believed.cameras.erase(believed.cameras.begin());
+  EXPECT_THROW(settings(kStiffer).shifted(believed), std::invalid_argument);
+}
+
+TEST_F(RealityTest, IsReadStrictly) {
+  EXPECT_EQ(settings(kStiffer).backlash_steps.at("left"), 4.0);
+  const std::pair<const char*, const char*> cases[] = {
+      {"backlash_steps: {left: 4}", "key 'robot' is missing"},
+      {"robot: {include: bar.yaml}\nbacklash: {left: 4}", "unknown key 'backlash'"},
+      {"robot: {include: bar.yaml}\nbacklash_steps: {left: -1}", "reality.yaml:2: backlash_steps.left: -1 is out of"},
+      {"robot: {include: bar.yaml}\ncameras: {camera_left: {rotation_rad: [0, 0, 1]}}", "unknown key 'rotation_rad'"},
+      {"robot: {include: bar.yaml, body: {colour: blue}}", "unknown key 'colour'"},
+      {"robot: {include: bar.yaml, cables: {middle: {compliance_m_n: 0}}}", "'middle' is not one of left, right"},
+      {"robot: {include: bar.yaml, body: {material: {stiffness_ratio: 0}}}", "stiffness_ratio: 0 is out of range"},
+      {"robot: {include: bar.yaml, cables: {left: {length_offset_m: 0.011}}}", "length_offset_m: 0.011 is out of"},
+  };
+  for (const auto& [text, words] : cases)
+    EXPECT_NE(refusal(text).find(words), std::string::npos) << text << "\n" << refusal(text);
+}
+
+TEST_F(RealityTest, ReadsEveryFileThatIsShipped) {
+  for (const char* robot : {"spinebot", "hammerbot"}) {
+    const std::string config = SOFT_ROBOT_LAB_SOURCE "/config/";
+    const RealitySettings real = load_reality(config + "reality/" + robot + ".yaml");
+    EXPECT_NO_THROW(real.shifted(read_camera_rig(config + "cameras/box.yaml")));
+    Reality hanging(real, options());
+    hanging.advance(0.1, {"left", "right"}, {0.95, 1.05});
+    EXPECT_EQ(hanging.failed_steps(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,7 +1,10 @@
 // Films the simulated robot with rendered RGB-D cameras, behind the topics of realsense2_camera.
 //
 // Parameters: ~cameras (path of a rig, config/cameras/*.yaml), ~seed (of the sensors' noise), ~show_balls (the rig's
-// calibration balls, from the start).
+// calibration balls, from the start), ~max_rate_hz (slower than the rig says, for machines with few cores), ~reality
+// (path: by how much the cameras really stand elsewhere).
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -16,6 +19,7 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "nodes/run_node.h"
+#include "soft_robot_lab/rig/reality.h"
 #include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/ros/rendered_rig.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -24,12 +28,15 @@ namespace soft_robot_lab {
 namespace {
 
 struct CameraOptions {
-  std::string cameras;
+  std::string cameras, reality;
   int seed = 1;  // >= 0
   bool show_balls = false;
+  double max_rate_hz = std::numeric_limits<double>::infinity();  // > 0
 
   void validate() const {
     if (seed < 0) throw std::invalid_argument("seed: " + std::to_string(seed) + " is not in [0, 2147483647]");
+    if (!(max_rate_hz > 0.0))
+      throw std::invalid_argument("max_rate_hz: " + std::to_string(max_rate_hz) + " is not in (0, inf)");
   }
 };
 
@@ -39,8 +46,17 @@ CameraOptions read_options(const ros::NodeHandle& node) {
     throw std::invalid_argument("cameras: missing; give the path of a rig of cameras");
   node.getParam("seed", options.seed);
   node.getParam("show_balls", options.show_balls);
+  node.getParam("max_rate_hz", options.max_rate_hz);
+  node.getParam("reality", options.reality);
   options.validate();
   return options;
+}
+
+CameraRig read_rig(const CameraOptions& options) {
+  CameraRig rig = read_camera_rig(options.cameras);
+  if (!options.reality.empty()) rig = load_reality(options.reality).shifted(std::move(rig));
+  for (RigCamera& camera : rig.cameras) camera.rate_hz = std::min(camera.rate_hz, options.max_rate_hz);
+  return rig;
 }
 
 class CameraPublishers {
@@ -95,7 +111,7 @@ class CameraNode {
 };
 
 CameraNode::CameraNode(const CameraOptions& options)
-    : rig_(read_camera_rig(options.cameras), static_cast<std::uint64_t>(options.seed)) {
+    : rig_(read_rig(options), static_cast<std::uint64_t>(options.seed)) {
   rig_.show_balls(options.show_balls);
   for (const RigCamera& camera : rig_.cameras()) publishers_.emplace_back(node_, camera.pose.name);
   publish_true_poses();

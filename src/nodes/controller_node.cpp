@@ -1,10 +1,8 @@
-// Finds policies on a model of its own and plays them on whatever listens to the actuator commands.
+// Finds policies on a model of its own, and plays and corrects them on whatever listens to the actuator commands.
 //
-// Parameters: ~scene (path; absent in simulated sessions, where the simulator tells which scene runs), ~ramp_s (how
-// long an optimised policy takes to reach its commands).
+// Parameters: ~scene (path; absent where the simulator tells which scene runs), ~ramp_s (how long an optimised policy
+// takes to reach its commands), ~markers_topic (what corrects a policy).
 #include <atomic>
-#include <chrono>
-#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -22,34 +20,14 @@
 #include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/execution.h"
+#include "soft_robot_lab/ros/fit_service.h"
 #include "soft_robot_lab/ros/policy_request.h"
-#include "soft_robot_lab/ros/rest_detector.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/scene/scene.h"
 
 namespace soft_robot_lab {
 namespace {
-
-// A policy on its way, from the first marker message after its start to the last command, and to rest.
-struct Execution {
-  Execution(PolicyPlayer policy_player, bool wait, double limit_s)
-      : player(std::move(policy_player)), wait_until_rest(wait), time_limit_s(limit_s) {}
-
-  PolicyPlayer player;
-  bool wait_until_rest;
-  double time_limit_s;  // of session time
-  RestDetector rest;
-  std::optional<double> start_s;  // stamp of that first message
-  double elapsed_s = 0.0;
-  ros::WallTime heard = ros::WallTime::now();
-  MarkerObservations markers;
-  bool sent = false;  // the last command
-  bool rested = false;
-  bool cancelled = false;
-
-  bool done() const { return sent && (rested || !wait_until_rest); }
-  bool overdue() const { return elapsed_s > time_limit_s; }
-};
 
 class ControllerNode {
  public:
@@ -60,12 +38,12 @@ class ControllerNode {
   void offer_services();  // once there is a model to answer with
   void on_scene(const std_msgs::String& path);
   void on_actuators(const ActuatorState& actuators);
-  void on_markers(const MarkerObservations& markers);
-  void play(Execution& execution);
+  void send(const std::vector<std::string>& names, const std::vector<double>& values) const;
   bool optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response);
   bool execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response);
   void execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response);
-  Execution new_execution(const ExecutePolicy::Request& request) const;
+  ExecutionOrder order_of(const ExecutePolicy::Request& request) const;
+  ClosedLoop loop_of(const ExecutePolicy::Request& request, const CommandPolicy& policy);
   bool cancel(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   PolicyAnswer find(const PolicyTask& task, const OptimiserOptions& options);
   void publish_progress(const std::string& method, const std::string& marker, const std::vector<std::string>& actuators,
@@ -80,16 +58,19 @@ class ControllerNode {
   std::atomic<bool> optimising_{false};
   std::atomic<bool> cancel_optimisation_{false};
 
-  std::mutex mutex_;  // guards what follows; held briefly
+  mutable std::mutex mutex_;  // guards what follows; held briefly
   CommandLimitsByName limits_;
   std::map<std::string, double> commands_;  // as the actuators last said, whoever sent them
-  std::optional<Execution> execution_;
-  std::condition_variable execution_changed_;
+  std::optional<PolicyTask> found_;         // the last task that a policy was found for
+
+  const ClosedLoopOptions loop_options_;
+  Execution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
 
   ros::NodeHandle node_;
   ros::Publisher command_publisher_, progress_publisher_, target_publisher_;
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
+  std::unique_ptr<FitService> fit_service_;
 };
 
 ControllerNode::ControllerNode() {
@@ -108,8 +89,12 @@ ControllerNode::ControllerNode() {
   subscribers_ = {
       node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
       node_.subscribe(topics::simulator_actuators, 1, &ControllerNode::on_actuators, this),
-      node_.subscribe(topics::simulator_markers, 100, &ControllerNode::on_markers, this),
+      node_.subscribe(topics::simulator_markers, 100, &Execution::add_simulated, &execution_),
+      node_.subscribe(parameters.param<std::string>("markers_topic", topics::tracker_markers), 100,
+                      &Execution::add_measured, &execution_),
+      node_.subscribe(topics::motor_state, 100, &Execution::add_motors, &execution_),
   };
+  fit_service_ = std::make_unique<FitService>(node_, scene_options_, scene);
   if (model_) offer_services();
 }
 
@@ -129,6 +114,7 @@ void ControllerNode::load(const std::string& path) {
   model_ = std::move(scene.simulation);
   limits_ = std::move(limits);
   commands_.clear();
+  found_.reset();
 }
 
 void ControllerNode::on_scene(const std_msgs::String& path) {
@@ -149,14 +135,18 @@ void ControllerNode::on_actuators(const ActuatorState& actuators) {
 bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response) {
   try {
     const std::unique_lock lock(model_mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("busy with another optimisation; ask again when it ended");
+    if (!lock) throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
     const PolicyTask task = policy_task(request, ramp_s_);
     const PolicyAnswer answer = find(task, optimiser_options(request));
     for (const OptimisationSummary& summary : answer.summaries) response.poses.push_back(to_message(summary));
     response.summary = response.poses.back();
     response.success = answer.success;
-    response.message = response.summary.stop_reason;
-    if (answer.success) response.policy = to_message(answer.policy);
+    response.message = told(answer.summaries.back(), task.poses[answer.summaries.size() - 1]);
+    if (answer.success) {
+      response.policy = to_message(answer.policy);
+      const std::lock_guard found_lock(mutex_);
+      found_ = task;
+    }
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
@@ -182,12 +172,10 @@ PolicyAnswer ControllerNode::find(const PolicyTask& task, const OptimiserOptions
 }
 
 bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  const std::lock_guard lock(mutex_);
-  response.success = optimising_ || execution_;
+  const bool executing = execution_.cancel();
+  response.success = optimising_ || executing;
   response.message = response.success ? "" : "nothing is optimised or executed now";
   if (optimising_) cancel_optimisation_ = true;
-  if (execution_) execution_->cancelled = true;
-  execution_changed_.notify_all();
   return true;
 }
 
@@ -225,63 +213,53 @@ bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePoli
   return true;
 }
 
-Execution ControllerNode::new_execution(const ExecutePolicy::Request& request) const {
-  if (execution_) throw std::runtime_error("busy with another policy; ask again when it ended");
-  const CommandPolicy policy = from_message(request.policy);
-  validate(policy, limits_);
-  std::vector<double> start_values;
-  for (const std::string& name : policy.names) {
-    const auto seen = commands_.find(name);
-    start_values.push_back(seen != commands_.end() ? seen->second : limits_.at(name).rest);
-  }
-  return {PolicyPlayer(policy, start_values), request.wait_until_rest != 0, execution_time_limit_s(request)};
-}
-
-// Waits while the marker messages drive the policy on, in whatever time the session runs.
 void ControllerNode::execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
-  constexpr double silence_s = 10.0;  // of wall time without markers
-  std::unique_lock lock(mutex_);
-  execution_.emplace(new_execution(request));
-  const auto silent = [&] { return (ros::WallTime::now() - execution_->heard).toSec() > silence_s; };
-  while (ros::ok() && !execution_->done() && !execution_->overdue() && !execution_->cancelled && !silent()) {
-    execution_changed_.wait_for(lock, std::chrono::milliseconds(100));
+  ExecutionOrder order = order_of(request);
+  std::unique_lock model_lock(model_mutex_, std::defer_lock);
+  std::optional<ClosedLoop> loop;
+  if (request.closed_loop) {
+    if (!model_lock.try_lock())
+      throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
+    loop.emplace(loop_of(request, order.policy));
+    order.loop = &*loop;
   }
-  response.success = execution_->done();
-  if (!response.success) {
-    response.message = execution_->cancelled   ? "cancelled"
-                       : execution_->overdue() ? "not at rest within " + std::to_string(execution_->time_limit_s) + " s"
-                       : ros::ok()             ? "no markers came for 10 s"
-                                               : "cancelled: the session ends";
-  }
-  response.duration_s = execution_->elapsed_s;
-  response.markers = execution_->markers;
-  execution_.reset();
+  response = execution_.execute(order);
 }
 
-void ControllerNode::on_markers(const MarkerObservations& markers) {
+ExecutionOrder ControllerNode::order_of(const ExecutePolicy::Request& request) const {
+  if (execution_.running()) throw std::runtime_error("busy with another policy; ask again when it ended");
   const std::lock_guard lock(mutex_);
-  if (!execution_ || execution_->cancelled) return;
-  Execution& execution = *execution_;
-  const double now_s = markers.header.stamp.toSec();
-  if (!execution.start_s) execution.start_s = now_s;
-  execution.elapsed_s = now_s - *execution.start_s;
-  execution.heard = ros::WallTime::now();
-  execution.markers = markers;
-  if (!execution.sent) {
-    play(execution);
-  } else {
-    execution.rested = execution.rest.update(now_s, markers.positions);
+  ExecutionOrder order;
+  order.policy = from_message(request.policy);
+  validate(order.policy, limits_);
+  for (const std::string& name : order.policy.names) {
+    const auto seen = commands_.find(name);
+    order.start_values.push_back(seen != commands_.end() ? seen->second : limits_.at(name).rest);
   }
-  if (execution.done() || execution.overdue()) execution_changed_.notify_all();
+  order.wait_until_rest = request.wait_until_rest || request.closed_loop;
+  order.time_limit_s = execution_time_limit_s(request);
+  return order;
 }
 
-void ControllerNode::play(Execution& execution) {
+// The model goes where the policy takes the robot.
+ClosedLoop ControllerNode::loop_of(const ExecutePolicy::Request& request, const CommandPolicy& policy) {
+  std::unique_lock lock(mutex_);
+  const PolicyTask task = correction_task(request, found_);
+  const std::map<std::string, double> commands = commands_;
+  lock.unlock();
+  model_->reset();
+  for (const auto& [name, value] : commands) model_->set_command(name, value);
+  model_->solve_equilibrium();
+  replay(*model_, policy, {});
+  return ClosedLoop(*model_, task, loop_options_);
+}
+
+void ControllerNode::send(const std::vector<std::string>& names, const std::vector<double>& values) const {
   ActuatorCommand command;
   command.header.stamp = ros::Time::now();
-  command.names = execution.player.names();
-  command.values = execution.player.values_at(execution.elapsed_s);
+  command.names = names;
+  command.values = values;
   command_publisher_.publish(command);
-  execution.sent = execution.elapsed_s >= execution.player.end_s();
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Tells where the shafts of an emulated rig really are, and passes requests for faults on to it.
 //
-// Parameters: ~rig (path), ~control (the emulator's socket).
+// Parameters: ~rig (path), ~control (the emulator's socket), ~reality (path: the backlash that its motors really have;
+// absent: none).
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "nodes/run_node.h"
 #include "soft_robot_lab/motor/rig_settings.h"
+#include "soft_robot_lab/rig/reality.h"
 #include "soft_robot_lab/rig/rig_control.h"
 #include "soft_robot_lab/ros/motor_messages.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -40,12 +42,21 @@ class EmulatedRigNode {
  public:
   explicit EmulatedRigNode(const ros::NodeHandle& node)
       : rig_(load_rig(required(node, "rig"))), control_(connect(required(node, "control"))) {
+    if (const auto path = node.param<std::string>("reality", ""); !path.empty()) set_backlash(load_reality(path));
     shafts_ = node_.advertise<ShaftState>(topics::rig_shafts, 10);
     command_ = node_.advertiseService(topics::rig_command, &EmulatedRigNode::command, this);
     timer_ = node_.createWallTimer(ros::WallDuration(0.01), [this](const auto&) { publish(); });
   }
 
  private:
+  void set_backlash(const RealitySettings& reality) {
+    for (std::size_t i = 0; i < rig_.motors.size(); ++i) {
+      const auto steps = reality.backlash_steps.find(rig_.motors[i].name);
+      if (steps != reality.backlash_steps.end())
+        control_->ask("backlash " + std::to_string(i) + " " + std::to_string(steps->second));
+    }
+  }
+
   void publish() {
     try {
       shafts_.publish(shaft_state(rig_, control_->shafts(), ros::Time::now()));

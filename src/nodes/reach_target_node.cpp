@@ -13,6 +13,7 @@
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 
+#include "nodes/session_client.h"
 #include "soft_robot_lab/control/optimiser.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/rest_detector.h"
@@ -83,30 +84,19 @@ class ReachTarget {
     return *last_markers_;
   }
 
-  template <typename Service>
-  typename Service::Response call(const char* name, const typename Service::Request& request) {
-    ros::service::waitForService(name, 60000);
-    typename Service::Response response;
-    if (!node_.serviceClient<Service>(name).call(request, response)) {
-      throw std::runtime_error(std::string(name) + ": no answer");
-    }
-    if (!response.success) throw std::runtime_error(std::string(name) + ": " + response.message);
-    return response;
-  }
-
   OptimisePolicy::Response optimise() {
     OptimisePolicy::Request request;
     request.method = task_.method;
     request.marker = task_.marker;
     request.target = to_message(task_.target_m);
-    return call<OptimisePolicy>(topics::optimise_policy, request);
+    return call<OptimisePolicy>(node_, topics::optimise_policy, request);
   }
 
   ExecutePolicy::Response execute(const Policy& policy) {
     ExecutePolicy::Request request;
     request.policy = policy;
     request.wait_until_rest = true;
-    return call<ExecutePolicy>(topics::execute_policy, request);
+    return call<ExecutePolicy>(node_, topics::execute_policy, request);
   }
 
   void report(double before_m, const OptimisePolicy::Response& optimised, double after_m, double real_time_factor) {

@@ -2,7 +2,7 @@
 //
 // Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 // gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
-// often as they film).
+// often as they film), ~publish_clock (false beside a rig: time is then the wall's).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -38,6 +38,7 @@ struct SimulatorOptions {
   double real_time_factor = 1.0;  // [0, 1000]; 0: as fast as possible
   bool start_at_rest = true;
   double surface_rate_hz = 15.0;  // (0, 1000]
+  bool publish_clock = true;
 
   void validate() const {
     if (!(real_time_factor >= 0.0 && real_time_factor <= 1000.0)) {
@@ -45,6 +46,10 @@ struct SimulatorOptions {
     }
     if (!(surface_rate_hz > 0.0 && surface_rate_hz <= 1000.0)) {
       throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz) + " is not in (0, 1000]");
+    }
+    if (!publish_clock && real_time_factor != 1.0) {
+      throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) +
+                                  " is not 1, as it has to be where publish_clock is false");
     }
   }
 };
@@ -55,6 +60,7 @@ SimulatorOptions read_options(const ros::NodeHandle& node) {
   node.getParam("real_time_factor", options.real_time_factor);
   node.getParam("start_at_rest", options.start_at_rest);
   node.getParam("surface_rate_hz", options.surface_rate_hz);
+  node.getParam("publish_clock", options.publish_clock);
   options.validate();
   return options;
 }
@@ -139,7 +145,7 @@ class SimulatorNode {
 
 SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options) {
   scene_options_.actuator_factory = actuators_from_plugins();
-  clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
+  if (options_.publish_clock) clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
   markers_ = node_.advertise<MarkerObservations>(topics::simulator_markers, 10);
   actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
   surface_ = node_.advertise<visualization_msgs::Marker>(topics::simulator_surface, 1, true);
@@ -224,7 +230,7 @@ double SimulatorNode::step() {
   if (!last_report_.converged) ++unconverged_steps_;
   for (const SolveWarning& warning : last_report_.warnings) add_warning(warning, warnings_);
   const double time_step_s = scene_->simulation->options().time_step_s;
-  session_s_ += time_step_s;
+  session_s_ = options_.publish_clock ? session_s_ + time_step_s : ros::WallTime::now().toSec();
   real_time_factor_.update(session_s_);
   publish();
   return time_step_s;
@@ -233,9 +239,11 @@ double SimulatorNode::step() {
 void SimulatorNode::publish() {
   const Simulation& simulation = *scene_->simulation;
   const ros::Time stamp = session_time();
-  rosgraph_msgs::Clock clock;
-  clock.clock = stamp;
-  clock_.publish(clock);
+  if (options_.publish_clock) {
+    rosgraph_msgs::Clock clock;
+    clock.clock = stamp;
+    clock_.publish(clock);
+  }
   markers_.publish(marker_observations(simulation, stamp));
   actuators_.publish(actuator_states(simulation, stamp));
 

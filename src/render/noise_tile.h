@@ -1,6 +1,7 @@
 // Normally distributed numbers in a square without seams, drawn once and read from another place each time.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -16,9 +17,13 @@ class NoiseTile {
 
   class Window {
    public:
-    float at(int u, int v) const {
-      return values_[((static_cast<std::size_t>(v) + down_) & mask) * size +
-                     ((static_cast<std::size_t>(u) + right_) & mask)];
+    // `count` numbers of row v from column u on; at most as many as the tile is wide.
+    void read(int u, int v, int count, float* to) const {
+      const float* row = values_ + ((static_cast<std::size_t>(v) + down_) & mask) * size;
+      const std::size_t start = (static_cast<std::size_t>(u) + right_) & mask;
+      const std::size_t before_seam = std::min(static_cast<std::size_t>(count), size - start);
+      std::copy_n(row + start, before_seam, to);
+      std::copy_n(row, static_cast<std::size_t>(count) - before_seam, to + before_seam);
     }
 
    private:
@@ -28,8 +33,10 @@ class NoiseTile {
   };
   Window window(std::uint64_t place) const;
 
+  static constexpr std::size_t size = 1024;
+
  private:
-  static constexpr std::size_t size = 1024, mask = size - 1;
+  static constexpr std::size_t mask = size - 1;
   std::vector<float> values_;  // row by row
 };
 

@@ -49,15 +49,6 @@ cv::Mat view(const sensor_msgs::Image& message, int type, const std::string& wha
                  const_cast<std::uint8_t*>(message.data.data()), message.step);
 }
 
-cv::Mat colour_of(const sensor_msgs::Image& message) {
-  if (message.encoding == sensor_msgs::image_encodings::RGB8) return view(message, CV_8UC3, "colour").clone();
-  if (message.encoding != sensor_msgs::image_encodings::BGR8)
-    throw std::invalid_argument("colour: encoding '" + message.encoding + "' is not one of rgb8, bgr8");
-  cv::Mat colour;
-  cv::cvtColor(view(message, CV_8UC3, "colour"), colour, cv::COLOR_BGR2RGB);
-  return colour;
-}
-
 cv::Mat depth_of(const sensor_msgs::Image& message) {
   if (message.encoding == sensor_msgs::image_encodings::TYPE_16UC1) return view(message, CV_16UC1, "depth").clone();
   if (message.encoding != sensor_msgs::image_encodings::TYPE_32FC1)
@@ -75,18 +66,40 @@ cv::Mat depth_of(const sensor_msgs::Image& message) {
 
 }  // namespace
 
+cv::Mat colour_of(const sensor_msgs::Image& message) {
+  if (message.encoding == sensor_msgs::image_encodings::RGB8) return view(message, CV_8UC3, "colour").clone();
+  if (message.encoding != sensor_msgs::image_encodings::BGR8)
+    throw std::invalid_argument("colour: encoding '" + message.encoding + "' is not one of rgb8, bgr8");
+  cv::Mat colour;
+  cv::cvtColor(view(message, CV_8UC3, "colour"), colour, cv::COLOR_BGR2RGB);
+  return colour;
+}
+
 std::string optical_frame(const std::string& camera) { return camera + "_color_optical_frame"; }
+
+sensor_msgs::Image colour_message(const cv::Mat& colour, const std_msgs::Header& header) {
+  return image_message(colour, header, sensor_msgs::image_encodings::RGB8);
+}
 
 FrameMessages frame_messages(const RgbdFrame& frame, const CameraModel& model, const ros::Time& stamp) {
   std_msgs::Header header;
   header.stamp = stamp;
   header.frame_id = optical_frame(frame.camera);
-  return {image_message(frame.colour, header, sensor_msgs::image_encodings::RGB8),
+  return {colour_message(frame.colour, header),
           image_message(frame.depth, header, sensor_msgs::image_encodings::TYPE_16UC1), camera_info(model, header)};
 }
 
+cv::Mat colour_image(const sensor_msgs::Image& message) {
+  if (message.encoding == sensor_msgs::image_encodings::RGB8) return view(message, CV_8UC3, "colour").clone();
+  if (message.encoding != sensor_msgs::image_encodings::BGR8)
+    throw std::invalid_argument("colour: encoding '" + message.encoding + "' is not one of rgb8, bgr8");
+  cv::Mat colour;
+  cv::cvtColor(view(message, CV_8UC3, "colour"), colour, cv::COLOR_BGR2RGB);
+  return colour;
+}
+
 RgbdFrame rgbd_frame(const std::string& camera, const sensor_msgs::Image& colour, const sensor_msgs::Image& depth) {
-  return {camera, colour.header.stamp.toSec(), colour_of(colour), depth_of(depth)};
+  return {camera, colour.header.stamp.toSec(), colour_image(colour), depth_of(depth)};
 }
 
 CameraModel camera_model(const sensor_msgs::CameraInfo& info) {
@@ -126,6 +139,12 @@ geometry_msgs::TransformStamped transform_message(const std::string& parent, con
   message.transform.rotation.z = rotation.z();
   message.transform.rotation.w = rotation.w();
   return message;
+}
+
+Eigen::Isometry3d isometry(const geometry_msgs::Transform& message) {
+  const auto& t = message.translation;
+  const auto& r = message.rotation;
+  return Eigen::Translation3d(t.x, t.y, t.z) * Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized();
 }
 
 }  // namespace soft_robot_lab

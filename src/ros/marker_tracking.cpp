@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t most_simulated = 600;  // ten seconds at 60 Hz
 
-MarkerObservations observations(const TrackerReport& report, const ros::Time& stamp) {
+MarkerObservations observations(const TrackerReport& report) {
   MarkerObservations message;
-  message.header.stamp = stamp;
+  message.header.stamp = ros::Time(report.stamp_s);
   message.header.frame_id = topics::robot_frame;
   for (const MarkerObservation& marker : report.markers) {
     message.names.push_back(marker.name);
@@ -54,6 +54,7 @@ void MarkerTracking::set_poses(const std::vector<CameraPose>& poses) {
     poses_[pose.name] = pose.world_from_camera;
     introduce(pose.name);
   }
+  watch_.reset();
 }
 
 void MarkerTracking::add_info(const std::string& camera, const sensor_msgs::CameraInfo& info) {
@@ -97,6 +98,7 @@ std::vector<MarkerTracking::Result> MarkerTracking::finish() { return track(join
 void MarkerTracking::reset() {
   tracker_.reset();
   joiner_.reset();
+  watch_.reset();
   simulated_.clear();
 }
 
@@ -108,7 +110,10 @@ std::vector<MarkerTracking::Result> MarkerTracking::track(std::vector<std::vecto
     refer(newest_s - options_.simulated_before_s);
     Result result;
     result.report = tracker_.update(group);
-    result.observations = observations(result.report, ros::Time(newest_s));
+    if (result.report.updated) {
+      result.observations = observations(result.report);
+      watch_.add(result.report.stamp_s, result.report.sights);
+    }
     result.frames = std::move(group);
     results.push_back(std::move(result));
   }

@@ -119,6 +119,25 @@ void draw_target(const Target& target, const OverlayOptions& options, Drawing& d
   drawing.sphere("target", target.position, options.target_radius_m, target_colour);
 }
 
+// A line from each simulated to its measured marker, with its length, where cameras see it.
+void draw_gap(const RealityGap& gap, const OverlayOptions& options, Drawing& drawing) {
+  for (size_t i = 0; i < gap.names.size(); ++i) {
+    if (gap.seen[i] == 0) continue;
+    const geometry_msgs::Point& measured = gap.measured[i];
+    geometry_msgs::Point simulated = measured;
+    simulated.x -= gap.gaps[i].x;
+    simulated.y -= gap.gaps[i].y;
+    simulated.z -= gap.gaps[i].z;
+    drawing.line("gap", {simulated, measured}, 0.5 * options.cable_width_m, error_colour);
+    geometry_msgs::Point beside = measured;
+    beside.x += 3.0 * options.text_height_m;
+    drawing.text("gap_text", beside, text_of(1e3 * gap.distances_m[i], "%.2f mm"));
+  }
+  geometry_msgs::Point above;
+  above.z = 3.0 * options.text_height_m;
+  drawing.text("gap_text", above, text_of(1e3 * gap.rms_m, "gap %.2f mm rms"));
+}
+
 void draw_error(const MarkerObservations& markers, const Target& target, const OverlayOptions& options,
                 Drawing& drawing) {
   const auto found = std::find(markers.names.begin(), markers.names.end(), target.marker);
@@ -139,6 +158,7 @@ visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const Ov
   Drawing drawing(options, stamp);
   draw_markers(inputs.simulated, "simulated", simulated_colour, options, drawing);
   draw_markers(inputs.measured, "measured", measured_colour, options, drawing);
+  if (inputs.gap) draw_gap(*inputs.gap, options, drawing);
   draw_cables(inputs.actuators, options, drawing);
   draw_chambers(inputs.actuators, drawing);
   if (inputs.target) {

@@ -50,6 +50,31 @@ PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s) {
   return task;
 }
 
+PolicyTask correction_task(const ExecutePolicy::Request& request, const std::optional<PolicyTask>& found) {
+  if (!request.goal.markers.empty()) {
+    PolicyTask task;
+    task.poses.push_back(pose_of(request.goal, Pose().duration_s));
+    for (const ActuatorLimits& limits : request.limits) task.bounds.push_back(bounds_of(limits));
+    return task;
+  }
+  if (!request.limits.empty()) throw std::invalid_argument("limits: given without a goal");
+  if (!found) throw std::invalid_argument("goal.markers: none, and no policy was found yet whose goal could be taken");
+  PolicyTask task = *found;
+  task.poses = {found->poses.back()};
+  return task;
+}
+
+std::string told(const OptimisationSummary& summary, const Pose& pose) {
+  if (!summary.usable || summary.target_reached || summary.stop_reason != "converged") return summary.stop_reason;
+  std::ostringstream text;
+  text << summary.stop_reason << "; out of reach by " << 1e3 * summary.final_distance_m << " mm, nearest:";
+  for (Eigen::Index k = 0; k < summary.markers_m.cols(); ++k)
+    text << " " << pose.goals[static_cast<size_t>(k)].marker << " at [" << summary.markers_m.col(k).transpose()
+         << "] m";
+  for (const std::string& limit : summary.active_limits) text << "; " << limit;
+  return text.str();
+}
+
 OptimiserOptions optimiser_options(const OptimisePolicy::Request& request) {
   OptimiserOptions options;
   options.method = request.method;
@@ -61,7 +86,7 @@ OptimiserOptions optimiser_options(const OptimisePolicy::Request& request) {
 }
 
 double execution_time_limit_s(const ExecutePolicy::Request& request) {
-  constexpr double default_settling_s = 30.0;
+  const double default_settling_s = request.closed_loop ? 180.0 : 30.0;
   const double end_s = request.policy.steps.back().time_s;
   if (request.time_limit_s == 0.0) return end_s + default_settling_s;
   if (!(request.time_limit_s > end_s)) {

@@ -1,6 +1,7 @@
 #include "soft_robot_lab/vision/camera_pose.h"
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <stdexcept>
@@ -63,6 +64,8 @@ std::vector<CameraPose> read_camera_poses(const std::string& path) {
 }
 
 void write_camera_poses(const std::string& path, const std::vector<CameraPose>& poses) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder);
   std::ofstream file(path);
   file.precision(17);
   file << "cameras:\n";

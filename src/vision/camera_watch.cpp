@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -58,6 +57,7 @@ void CameraWatch::reset() {
   disputes_.clear();
   calm_.clear();
   warnings_.clear();
+  watched_.clear();
 }
 
 void CameraWatch::add(double stamp_s, const std::vector<CameraSight>& sights) {
@@ -139,6 +139,7 @@ void CameraWatch::check() {
   const double now_s = window_.back().stamp_s;
   const std::vector<std::string> names = cameras();
   std::set<std::string> agreeing(names.begin(), names.end());
+  watched_.clear();
   for (std::size_t i = 0; i < names.size(); ++i)
     for (std::size_t j = i + 1; j < names.size(); ++j) {
       const Pair pair{names[i], names[j]};
@@ -149,6 +150,7 @@ void CameraWatch::check() {
       if (!enough || displacement_m > calm_share * settings_.threshold_m)
         for (const std::string& name : {pair.first, pair.second}) agreeing.erase(name);
       if (!enough) continue;
+      watched_.insert({pair.first, pair.second});
       if (displacement_m <= settings_.threshold_m)
         disputes_.erase(pair);
       else

@@ -46,12 +46,12 @@ std::string FrameGate::refuse(const RgbdFrame& frame) {
   return {};
 }
 
-std::vector<UsableFrame> FrameGate::pass(const std::vector<RgbdFrame>& frames, std::vector<std::string>& problems) {
+std::vector<UsableFrame> FrameGate::pass(const std::vector<RgbdFrame>& frames, std::vector<CameraProblem>& problems) {
   std::vector<UsableFrame> usable;
   for (const RgbdFrame& frame : frames) {
     const std::string reason = refuse(frame);
     if (!reason.empty()) {
-      problems.push_back("a frame of camera '" + frame.camera + "' was left out: " + reason);
+      problems.push_back({frame.camera, "a frame of camera '" + frame.camera + "' was left out: " + reason});
       continue;
     }
     Known& known = known_.at(frame.camera);
@@ -63,12 +63,12 @@ std::vector<UsableFrame> FrameGate::pass(const std::vector<RgbdFrame>& frames, s
   return usable;
 }
 
-void FrameGate::report_silence(double time_s, double timeout_s, std::vector<std::string>& problems) const {
+void FrameGate::report_silence(double time_s, double timeout_s, std::vector<CameraProblem>& problems) const {
   if (!started_) return;
   for (const auto& [name, known] : known_)
     if (time_s - std::max(known.last_stamp_s, first_stamp_s_) > timeout_s)
-      problems.push_back("camera '" + name + "' has sent nothing usable for more than " + std::to_string(timeout_s) +
-                         " s");
+      problems.push_back(
+          {name, "camera '" + name + "' has sent nothing usable for more than " + std::to_string(timeout_s) + " s"});
 }
 
 void FrameGate::reset() {

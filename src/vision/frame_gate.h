@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "soft_robot_lab/vision/rgbd_frame.h"
+#include "soft_robot_lab/vision/tracker.h"
 #include "soft_robot_lab/vision/tracker_camera.h"
 
 namespace soft_robot_lab {
@@ -19,10 +20,10 @@ class FrameGate {
  public:
   void set_camera(const TrackerCamera& camera);
 
-  // Refused frames are left out, each with a line in `problems`.
-  std::vector<UsableFrame> pass(const std::vector<RgbdFrame>& frames, std::vector<std::string>& problems);
-  // Adds a line for each camera without a usable frame for so long before `time_s`.
-  void report_silence(double time_s, double timeout_s, std::vector<std::string>& problems) const;
+  // Refused frames are left out, each with its reason in `problems`.
+  std::vector<UsableFrame> pass(const std::vector<RgbdFrame>& frames, std::vector<CameraProblem>& problems);
+  // Adds a problem for each camera without a usable frame for so long before `time_s`.
+  void report_silence(double time_s, double timeout_s, std::vector<CameraProblem>& problems) const;
   int late_frames() const { return late_frames_; }
   void reset();
 

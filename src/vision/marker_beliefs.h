@@ -23,6 +23,7 @@ class MarkerBeliefs {
 
   // Simulated positions from now on, in place of the rest shape.
   void set_reference(const std::vector<Eigen::Vector3d>& positions_m) { reference_m_ = positions_m; }
+  const std::vector<Eigen::Vector3d>& reference_m() const { return reference_m_; }
   // As if no marker had ever been seen.
   void restart();
 

@@ -4,6 +4,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "vision/camera_sights.h"
 #include "vision/frame_gate.h"
 #include "vision/marker_beliefs.h"
 #include "vision/marker_identity.h"
@@ -52,7 +53,8 @@ struct Tracker::Parts {
   FrameGate gate;
   MarkerBeliefs beliefs;
 
-  std::vector<std::vector<MarkerSight>> find_markers(const std::vector<UsableFrame>& frames) const;
+  std::vector<std::vector<MarkerSight>> find_markers(const std::vector<UsableFrame>& frames,
+                                                     std::vector<CameraSight>& by_camera) const;
   TrackerReport report() const;
 };
 
@@ -74,18 +76,21 @@ void Tracker::set_simulated(const std::vector<Eigen::Vector3d>& positions_m) {
 }
 
 TrackerReport Tracker::update(const std::vector<RgbdFrame>& frames) {
-  std::vector<std::string> problems;
+  std::vector<CameraProblem> problems;
+  std::vector<CameraSight> by_camera;
   const std::vector<UsableFrame> usable = parts_->gate.pass(frames, problems);
   if (!usable.empty()) {
     const auto newest = std::max_element(usable.begin(), usable.end(), [](const UsableFrame& a, const UsableFrame& b) {
       return a.frame->stamp_s < b.frame->stamp_s;
     });
     parts_->beliefs.advance(newest->frame->stamp_s);
-    parts_->beliefs.correct(parts_->find_markers(usable));
+    parts_->beliefs.correct(parts_->find_markers(usable, by_camera));
     parts_->gate.report_silence(parts_->beliefs.time_s(), parts_->settings.camera_timeout_s, problems);
   }
   TrackerReport report = parts_->report();
+  report.updated = !usable.empty();
   report.problems = std::move(problems);
+  report.sights = std::move(by_camera);
   return report;
 }
 
@@ -95,15 +100,24 @@ void Tracker::reset() {
 }
 
 // What each marker's sights are in these frames, camera by camera.
-std::vector<std::vector<MarkerSight>> Tracker::Parts::find_markers(const std::vector<UsableFrame>& frames) const {
+std::vector<std::vector<MarkerSight>> Tracker::Parts::find_markers(const std::vector<UsableFrame>& frames,
+                                                                   std::vector<CameraSight>& by_camera) const {
   const std::vector<MarkerPrediction> expected = beliefs.predictions();
+  const double gate_2 = settings.motion.gate;
   std::vector<std::vector<MarkerSight>> sights_of(markers.size());
   for (const UsableFrame& each : frames) {
     const cv::Rect region = search_region(*each.camera, expected, settings);
     const std::vector<MarkerSight> sights = look(*each.frame, *each.camera, region, beliefs.time_s(), settings);
-    const std::vector<int> chosen = identify(sights, expected, beliefs.neighbours(), settings.motion.gate);
+    const std::vector<int> chosen = identify(sights, expected, beliefs.neighbours(), gate_2);
     for (std::size_t i = 0; i < chosen.size(); ++i)
       if (chosen[i] >= 0) sights_of[i].push_back(sights[static_cast<std::size_t>(chosen[i])]);
+    const auto alone = camera_sights(sights, chosen, expected, beliefs.neighbours(), gate_2);
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+      if (!alone[i]) continue;
+      by_camera.push_back(*alone[i]);
+      by_camera.back().marker = markers[i].name;
+      by_camera.back().expected_m = beliefs.reference_m()[i];
+    }
   }
   return sights_of;
 }

@@ -1,6 +1,5 @@
 // The motors of an emulated rig behind their topics and services: the table of the thesis, an emergency stop, a stall,
 // a killed node.
-#include <csignal>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -8,8 +7,6 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
-#include <ros/master.h>
-#include <ros/network.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/ActuatorCommand.h>
 #include <soft_robot_lab/MotorState.h>
@@ -17,8 +14,8 @@
 #include <soft_robot_lab/ShaftState.h>
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_srvs/Trigger.h>
-#include <xmlrpcpp/XmlRpc.h>
 
+#include "ros/node_process.h"
 #include "soft_robot_lab/ros/topics.h"
 
 namespace soft_robot_lab {
@@ -87,24 +84,6 @@ class Motors : public testing::Test {
       throw std::runtime_error("no answer of " + name);
     }
     return response;
-  }
-
-  static pid_t process_of(const std::string& node) {
-    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(30.0);
-    XmlRpc::XmlRpcValue request, response, process;
-    request[0] = request[1] = node;
-    std::string host;
-    std::uint32_t port = 0;
-    while (ros::WallTime::now() < limit) {
-      if (ros::master::execute("lookupNode", request, response, process, false) &&
-          ros::network::splitURI(process, host, port)) {
-        XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
-        if (client.execute("getPid", request, response) && static_cast<int>(response[0]) == 1)
-          return static_cast<int>(response[2]);
-      }
-      ros::WallDuration(0.1).sleep();
-    }
-    throw std::runtime_error("nobody knows the process of " + node);
   }
 
   MotorState state;

@@ -1,6 +1,6 @@
 #!/bin/bash
 # A session with rendered cameras: the tracker finds the tip where the simulator has it, and its recording, read twice, gives
-# the same markers to the last digit, each as the session's where that had the same frames.
+# the same markers and gaps to the last digit, each as the session's where that had the same frames.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 data=$here/../data
@@ -52,6 +52,14 @@ assert len(first) >= 15, "only %d times markers" % len(first)
 assert first.keys() == second.keys()
 for stamp, message in first.items():
     assert positions(message) == positions(second[stamp]) and message.covariances == second[stamp].covariances, stamp
+def gaps(path):
+    return {s: (m.names, m.distances_m, m.seen, m.rms_m) for s, m in markers(path, "/reality_gap").items()}
+
+live, replayed = gaps(sys.argv[1]), gaps(sys.argv[2])
+assert len(replayed) >= 15 and replayed == gaps(sys.argv[3])
+same = [s for s in replayed if s in live and s in session and positions(session[s]) == positions(first[s])]
+print("%d gaps, rms %.3f mm at most; %d of the session's are the same" % (len(replayed), 1e3 * max(g[3] for g in replayed.values()), len(same)))
+assert len(same) >= 10 and all(live[s] == replayed[s] for s in same)
 off = [math.dist(positions(m)["tip"], positions(truth[s])["tip"]) for s, m in first.items() if s in truth and "tip" in m.names]
 print("%d frames; tip off by at most %.2f mm; %d of the session" % (len(off), 1e3 * max(off), len(session)))
 assert len(off) >= 15 and max(off) < 3e-3

@@ -32,7 +32,7 @@ TEST(CameraPose, SurvivesItsFile) {
   left.residual_m = 0.00021;
   right.name = "camera_right";
   right.world_from_camera = look_at({-0.1, -0.5, 0.3}, {0, 0, -0.05});
-  const std::string path = testing::TempDir() + "written_poses.yaml";
+  const std::string path = testing::TempDir() + "a_new_folder/written_poses.yaml";
   write_camera_poses(path, {left, right});
   const std::vector<CameraPose> poses = read_camera_poses(path);
   ASSERT_EQ(poses.size(), 2u);
@@ -54,7 +54,7 @@ TEST(CameraPose, RefusesAWrongFile) {
                SettingsError);
   EXPECT_THROW(read_camera_poses(write(start + "quaternion_xyzw: [0, 0, 0, 1], residual_m: -1}\n")), SettingsError);
   EXPECT_THROW(read_camera_poses(write(start + "quaternion_xyzw: [0, 0, 0, 1], roll: 1}\n")), SettingsError);
-  EXPECT_THROW(write_camera_poses("/no_such_folder/poses.yaml", {}), std::runtime_error);
+  EXPECT_THROW(write_camera_poses("/dev/null/no_folder/poses.yaml", {}), std::runtime_error);
 }
 
 }  // namespace

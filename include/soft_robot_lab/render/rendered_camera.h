@@ -11,7 +11,8 @@
 
 namespace soft_robot_lab {
 
-class Sensor;
+class ColourSensor;
+class DepthSensor;
 
 // Two moments of the robot: how it moves about the frame's stamp.
 struct SeenMotion {
@@ -44,7 +45,8 @@ class RenderedCamera {
   std::string name_;
   ExactCamera camera_;
   SensorModel model_;
-  std::unique_ptr<Sensor> sensor_;
+  std::unique_ptr<ColourSensor> colour_;
+  std::unique_ptr<DepthSensor> depth_;
   ExactImage canvas_;  // the background outside `drawn_`
   cv::Rect drawn_;
 };

@@ -12,6 +12,7 @@
 
 #include "soft_robot_lab/ros/messages.h"
 #include "soft_robot_lab/vision/camera_pose.h"
+#include "soft_robot_lab/vision/camera_watch.h"
 #include "soft_robot_lab/vision/frame_joiner.h"
 #include "soft_robot_lab/vision/tracker.h"
 
@@ -31,7 +32,7 @@ class MarkerTracking {
  public:
   struct Result {
     TrackerReport report;
-    MarkerObservations observations;  // stamp: of the newest frame; frame_id: robot_base
+    MarkerObservations observations;  // frame_id: robot_base; only where report.updated
     std::vector<RgbdFrame> frames;
   };
 
@@ -48,6 +49,7 @@ class MarkerTracking {
   void reset();  // for a clock that goes back
 
   const std::map<std::string, TrackerCamera>& cameras() const { return ready_; }
+  const CameraWatch& watch() const { return watch_; }
   long unusable_frames() const { return unusable_frames_; }
 
  private:
@@ -64,6 +66,7 @@ class MarkerTracking {
   std::vector<TrackedMarker> markers_;
   Tracker tracker_;
   FrameJoiner joiner_;
+  CameraWatch watch_{{}};
   std::map<std::string, Eigen::Isometry3d> poses_;
   std::map<std::string, CameraModel> lenses_;
   std::map<std::string, TrackerCamera> ready_;  // both known

@@ -1,8 +1,10 @@
-// What rviz draws over the body: markers, target, cables by tension, chambers' pressures, and the remaining error.
+// What rviz draws over the body: markers, simulated and measured, and the gap between them, target, cables by tension,
+// chambers' pressures, and the remaining error.
 #pragma once
 
 #include <optional>
 
+#include <soft_robot_lab/RealityGap.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include "soft_robot_lab/ros/messages.h"
@@ -14,6 +16,7 @@ struct OverlayInputs {
   MarkerObservations measured;  // empty without a tracker
   ActuatorState actuators;
   std::optional<Target> target;
+  std::optional<RealityGap> gap;
 };
 
 struct OverlayOptions {

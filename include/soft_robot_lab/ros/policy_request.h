@@ -1,6 +1,9 @@
 // Service requests of the controller to tasks and options of the core, and policies and summaries back.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 
@@ -9,9 +12,16 @@
 
 namespace soft_robot_lab {
 
-// `ramp_s`: of poses that do not say how long they take. Throws std::invalid_argument for lists of different lengths and
-// targets that are not finite; what names and values mean is checked by find_policy.
+// `ramp_s`: of poses that do not say how long they take. Throws std::invalid_argument for lists of different lengths
+// and targets that are not finite; what names and values mean is checked by find_policy.
 PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s);
+
+// What a closed loop brings markers to: the request's goal, or else the last pose of the last task that a policy was
+// found for. Throws std::invalid_argument as policy_task does, and where there is neither.
+PolicyTask correction_task(const ExecutePolicy::Request& request, const std::optional<PolicyTask>& found);
+
+// Why it stopped, and, where the target is out of reach, what is nearest to it and what holds the markers back.
+std::string told(const OptimisationSummary& summary, const Pose& pose);
 
 // Throws std::invalid_argument for an unknown method, or values out of range.
 OptimiserOptions optimiser_options(const OptimisePolicy::Request& request);

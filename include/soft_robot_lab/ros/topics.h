@@ -13,8 +13,12 @@ constexpr char simulator_scene[] = "simulator/scene";  // std_msgs/String, latch
 constexpr char controller_progress[] = "controller/progress";
 constexpr char controller_target[] = "controller/target";  // latched: what the last accepted request asked for
 constexpr char overlay[] = "overlay";
+constexpr char overlay_image[] = "overlay/image";  // what a camera sees, with the simulated robot over it
+constexpr char reality_gap[] = "reality_gap";      // tracked less simulated markers
 constexpr char motor_state[] = "motor/state";
-constexpr char rig_shafts[] = "rig/shafts";  // of an emulated rig: the truth
+constexpr char rig_shafts[] = "rig/shafts";            // of an emulated rig: the truth
+constexpr char reality_markers[] = "reality/markers";  // of the robot that it moves: the truth
+constexpr char reality_surface[] = "reality/surface";
 
 constexpr char simulator_reset[] = "simulator/reset";
 constexpr char simulator_load[] = "simulator/load";
@@ -26,6 +30,7 @@ constexpr char show_balls[] = "rendered_cameras/show_balls";
 constexpr char move_camera[] = "rendered_cameras/move";
 constexpr char optimise_policy[] = "controller/optimise_policy";
 constexpr char execute_policy[] = "controller/execute_policy";
+constexpr char fit_model[] = "controller/fit_model";
 constexpr char calibrate[] = "tracker/calibrate";
 constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
 

@@ -28,7 +28,8 @@ Eigen::Isometry3d read_world_from_camera(const SettingsNode& node);
 //     - {name: camera_left, position_m: [x, y, z], quaternion_xyzw: [x, y, z, w], residual_m: 0.0002}
 // Throws SettingsError; names must be unlike. Residuals are optional.
 std::vector<CameraPose> read_camera_poses(const std::string& path);
-// Numbers are written so that reading gives the same ones. Throws std::runtime_error where the file cannot be written.
+// Numbers are written so that reading gives the same ones; a folder is made where there is none. Throws
+// std::runtime_error where the file cannot be written.
 void write_camera_poses(const std::string& path, const std::vector<CameraPose>& poses);
 
 }  // namespace soft_robot_lab

@@ -3,11 +3,14 @@
 
 #include <deque>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "soft_robot_lab/vision/camera_sight.h"
 
 namespace soft_robot_lab {
 
@@ -19,15 +22,6 @@ struct CameraWatchSettings {
   int min_sights = 50;          // >= 6; of markers in a window, by both cameras
 
   void validate() const;  // throws std::invalid_argument: field, value, allowed range
-};
-
-// A marker as one camera alone has it, in the world by the camera's calibrated pose.
-struct CameraSight {
-  std::string camera, marker;
-  Eigen::Vector3d measured_m = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
-  // By a simulation or a model of the motion, not by cameras. It may be wrong by much, but alike for all cameras.
-  Eigen::Vector3d expected_m = Eigen::Vector3d::Zero();
 };
 
 struct CameraWarning {
@@ -55,6 +49,8 @@ class CameraWatch {
   // not finite are left out.
   void add(double stamp_s, const std::vector<CameraSight>& sights);
   const std::vector<CameraWarning>& warnings() const { return warnings_; }
+  // Of the last look: cameras that saw enough markers together with another one. Nothing is known of the others.
+  const std::set<std::string>& watched() const { return watched_; }
   void reset();  // after a calibration
 
  private:
@@ -93,6 +89,7 @@ class CameraWatch {
   std::map<Pair, Dispute> disputes_;
   std::map<std::string, std::deque<Calm>> calm_;  // of cameras that agreed with all others, oldest first
   std::vector<CameraWarning> warnings_;
+  std::set<std::string> watched_;
 };
 
 }  // namespace soft_robot_lab

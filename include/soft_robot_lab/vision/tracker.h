@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "soft_robot_lab/vision/camera_sight.h"
 #include "soft_robot_lab/vision/rgbd_frame.h"
 #include "soft_robot_lab/vision/tracker_camera.h"
 #include "soft_robot_lab/vision/tracker_settings.h"
@@ -29,11 +30,17 @@ struct MarkerObservation {
   int cameras = 0;  // that saw it
 };
 
+struct CameraProblem {
+  std::string camera, message;  // the message names the camera too
+};
+
 struct TrackerReport {
   double stamp_s = 0;
+  bool updated = false;                    // else no frame could be used, and all below is as it was before
   std::vector<MarkerObservation> markers;  // in the order they were given in, without the lost ones
   std::vector<std::string> lost;           // not seen for MotionSettings::lost_after_s, or never
-  std::vector<std::string> problems;       // frames refused and silent cameras, each with its reason
+  std::vector<CameraProblem> problems;     // frames refused and silent cameras, each with its reason
+  std::vector<CameraSight> sights;         // markers as single cameras measured them, for CameraWatch
   int late_frames = 0;                     // refused so far because newer ones had come before
 };
 

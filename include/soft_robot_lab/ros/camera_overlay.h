@@ -1,0 +1,20 @@
+// What a camera sees, with the simulated robot drawn over it.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <opencv2/core/mat.hpp>
+#include <soft_robot_lab/RealityGap.h>
+#include <visualization_msgs/Marker.h>
+
+#include "soft_robot_lab/vision/camera_model.h"
+
+namespace soft_robot_lab {
+
+// A copy of the colour image (rgb), tinted where the surface's triangles (robot_base) are seen, with their outline.
+// Triangles behind the camera are left out. With a gap also lines from simulated to measured markers, and their rms.
+cv::Mat draw_robot(const cv::Mat& colour, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot,
+                   const visualization_msgs::Marker& surface, const std::optional<RealityGap>& gap);
+
+}  // namespace soft_robot_lab

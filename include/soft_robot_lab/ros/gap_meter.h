@@ -1,0 +1,32 @@
+// Compares tracked markers with simulated ones at the same instant.
+#pragma once
+
+#include <deque>
+#include <functional>
+
+#include <soft_robot_lab/RealityGap.h>
+
+#include "soft_robot_lab/ros/messages.h"
+
+namespace soft_robot_lab {
+
+// The same messages give the same gaps to the last digit, in whatever order the two topics were heard.
+class GapMeter {
+ public:
+  using OnGap = std::function<void(const RealityGap&)>;
+
+  explicit GapMeter(OnGap on_gap) : on_gap_(std::move(on_gap)) {}
+
+  // Each in order of time. A tracked observation is compared as soon as there are simulated ones at its stamp or on
+  // both sides of it.
+  void add_simulated(const MarkerObservations& markers);
+  void add_measured(const MarkerObservations& markers);
+
+ private:
+  void compare();
+
+  OnGap on_gap_;
+  std::deque<MarkerObservations> simulated_, measured_;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,27 @@
+// Tells from motor/state whether the drives may move.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <ros/time.h>
+#include <soft_robot_lab/MotorState.h>
+
+namespace soft_robot_lab {
+
+class MotorWatch {
+ public:
+  void add(const MotorState& state, const ros::WallTime& now);
+
+  // Why one of the actuators may not move, and what to do about it. Empty where all may, and where no motors ever told
+  // of themselves, as in a simulated session.
+  std::string fault(const std::vector<std::string>& actuators, const ros::WallTime& now) const;
+  bool moving() const;
+
+ private:
+  std::optional<MotorState> state_;
+  ros::WallTime heard_;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,123 @@
+// Plays the robot that an emulated rig moves: a second simulation, not quite the model, whose cables the rig's shafts
+// pull. What it publishes is the truth, for rendered cameras to see and for reports, not for controller or tracker.
+//
+// Parameters: ~reality (path: how it differs from the model), ~surface_rate_hz (how often its skin is published while
+// it moves; cameras need it as often as they film).
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/ShaftState.h>
+
+#include "nodes/run_node.h"
+#include "soft_robot_lab/rig/reality.h"
+#include "soft_robot_lab/ros/actuator_plugins.h"
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/surface_marker.h"
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+Reality load(const ros::NodeHandle& parameters) {
+  std::string path;
+  if (!parameters.getParam("reality", path)) throw std::invalid_argument("reality: missing; give its file's path");
+  SceneOptions options;
+  options.actuator_factory = actuators_from_plugins();
+  return Reality(load_reality(path), options);
+}
+
+class RealityNode {
+ public:
+  explicit RealityNode(const ros::NodeHandle& parameters)
+      : reality_(load(parameters)), surface_(reality_.simulation().body().mesh()) {
+    parameters.getParam("surface_rate_hz", surface_rate_hz_);
+    if (!(surface_rate_hz_ > 0.0 && surface_rate_hz_ <= 1000.0))
+      throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz_) + " is not in (0, 1000]");
+    markers_publisher_ = node_.advertise<MarkerObservations>(topics::reality_markers, 10);
+    surface_publisher_ = node_.advertise<visualization_msgs::Marker>(topics::reality_surface, 1, true);
+    shafts_subscriber_ = node_.subscribe(topics::rig_shafts, 1, &RealityNode::on_shafts, this);
+    diagnostics_.setHardwareID("emulated");
+    diagnostics_.add("reality", this, &RealityNode::diagnose);
+    diagnostics_timer_ =
+        node_.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+  }
+
+  void run() {
+    constexpr double poll_s = 0.005, longest_s = 0.1;  // time beyond that is lost
+    ros::WallTime then = ros::WallTime::now();
+    while (ros::ok()) {
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(poll_s));
+      const ros::WallTime now = ros::WallTime::now();
+      const double passed_s = (now - then).toSec();
+      then = now;
+      lost_s_ += std::max(0.0, passed_s - longest_s);
+      const double before_s = reality_.present().time_s;
+      advance(std::min(passed_s, longest_s));
+      if (reality_.present().time_s > before_s) publish(ros::Time::now());
+    }
+  }
+
+ private:
+  void on_shafts(const ShaftState& shafts) { shafts_ = shafts; }
+
+  // A shaft that turned beyond what the robot's cables allow stays where it was.
+  void advance(double duration_s) {
+    try {
+      reality_.advance(duration_s, shafts_.names, shafts_.values);
+    } catch (const std::invalid_argument& error) {
+      refusal_ = error.what();
+      ROS_WARN_THROTTLE(1.0, "%s: %s", topics::rig_shafts, error.what());
+    }
+  }
+
+  void publish(const ros::Time& stamp) {
+    const Simulation& simulation = reality_.simulation();
+    markers_publisher_.publish(marker_observations(simulation, stamp));
+    const double period = std::floor(stamp.toSec() * surface_rate_hz_);
+    if (period > surface_period_ && surface_.moved(simulation.state().positions_m)) {
+      surface_publisher_.publish(surface_.message(simulation.state().positions_m, stamp));
+      surface_period_ = period;
+    }
+  }
+
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    using Status = diagnostic_msgs::DiagnosticStatus;
+    if (!refusal_.empty())
+      status.summary(Status::WARN, refusal_);
+    else if (lost_s_ > 0.1)
+      status.summary(Status::WARN, "slower than real time");
+    else
+      status.summary(Status::OK, "runs");
+    status.add("time lost [s]", lost_s_);
+    status.add("steps not converged", reality_.failed_steps());
+    refusal_.clear();
+    lost_s_ = 0.0;
+  }
+
+  Reality reality_;
+  SurfaceMarker surface_;
+  double surface_rate_hz_ = 15.0;
+  double surface_period_ = -1.0;
+  ShaftState shafts_;
+  double lost_s_ = 0.0;  // since the last diagnosis
+  std::string refusal_;  // likewise
+  ros::NodeHandle node_;
+  ros::Publisher markers_publisher_, surface_publisher_;
+  ros::Subscriber shafts_subscriber_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "reality", [] { RealityNode(ros::NodeHandle("~")).run(); });
+}

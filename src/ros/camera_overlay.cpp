@@ -1,0 +1,86 @@
+#include "soft_robot_lab/ros/camera_overlay.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "soft_robot_lab/ros/conversions.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const cv::Scalar robot_colour(30, 90, 255), measured_colour(230, 40, 200), error_colour(255, 40, 40);
+constexpr int kFractionBits = 4;  // of drawn coordinates
+
+class Drawing {
+ public:
+  Drawing(const cv::Mat& colour, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot)
+      : image_(colour.clone()), model_(model), camera_from_robot_(camera_from_robot) {}
+
+  void robot(const visualization_msgs::Marker& surface) {
+    cv::Mat mask(image_.size(), CV_8UC1, cv::Scalar(0));
+    for (size_t i = 0; i + 2 < surface.points.size(); i += 3) {
+      std::array<cv::Point, 3> corners;
+      bool seen = true;
+      for (size_t k = 0; k < 3; ++k) {
+        const std::optional<cv::Point> corner = pixel(from_message(surface.points[i + k], "points"));
+        seen = seen && corner;
+        if (corner) corners[k] = *corner;
+      }
+      if (seen) cv::fillConvexPoly(mask, corners.data(), 3, cv::Scalar(255), cv::LINE_8, kFractionBits);
+    }
+    cv::Mat tinted;
+    cv::addWeighted(image_, 0.65, cv::Mat(image_.size(), image_.type(), robot_colour), 0.35, 0.0, tinted);
+    tinted.copyTo(image_, mask);
+    std::vector<std::vector<cv::Point>> outlines;
+    cv::findContours(mask, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+    cv::drawContours(image_, outlines, -1, robot_colour, 1, cv::LINE_AA);
+  }
+
+  void gap(const RealityGap& gap) {
+    for (size_t i = 0; i < gap.names.size(); ++i) {
+      if (gap.seen[i] == 0) continue;
+      const Eigen::Vector3d measured_m = from_message(gap.measured[i], "measured");
+      const Eigen::Vector3d gap_m(gap.gaps[i].x, gap.gaps[i].y, gap.gaps[i].z);
+      const auto from = pixel(measured_m - gap_m), to = pixel(measured_m);
+      if (!from || !to) continue;
+      cv::line(image_, *from, *to, error_colour, 1, cv::LINE_AA, kFractionBits);
+      cv::circle(image_, *from, 3 << kFractionBits, robot_colour, 1, cv::LINE_AA, kFractionBits);
+      cv::circle(image_, *to, 3 << kFractionBits, measured_colour, 1, cv::LINE_AA, kFractionBits);
+    }
+    char text[64];
+    std::snprintf(text, sizeof text, "gap %.2f mm rms", 1e3 * gap.rms_m);
+    cv::putText(image_, text, {8, 18}, cv::FONT_HERSHEY_SIMPLEX, 0.5, error_colour, 1, cv::LINE_AA);
+  }
+
+  cv::Mat finished() const { return image_; }
+
+ private:
+  std::optional<cv::Point> pixel(const Eigen::Vector3d& point_m) const {
+    const Eigen::Vector3d in_camera = camera_from_robot_ * point_m;
+    if (!(in_camera.z() > 0.0)) return std::nullopt;
+    const Eigen::Vector2d place_px = model_.project(in_camera) * (1 << kFractionBits);
+    constexpr double far_px = 1e6;  // what OpenCV's coordinates hold
+    if (!(place_px.cwiseAbs().maxCoeff() < far_px)) return std::nullopt;
+    return cv::Point(static_cast<int>(std::lround(place_px.x())), static_cast<int>(std::lround(place_px.y())));
+  }
+
+  cv::Mat image_;
+  const CameraModel& model_;
+  Eigen::Isometry3d camera_from_robot_;
+};
+
+}  // namespace
+
+cv::Mat draw_robot(const cv::Mat& colour, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot,
+                   const visualization_msgs::Marker& surface, const std::optional<RealityGap>& gap) {
+  Drawing drawing(colour, model, camera_from_robot);
+  drawing.robot(surface);
+  if (gap) drawing.gap(*gap);
+  return drawing.finished();
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,91 @@
+#include "soft_robot_lab/ros/gap_meter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "soft_robot_lab/ros/conversions.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kept_s = 5.0;  // of simulated markers: longer than a tracker takes
+using Places = std::map<std::string, Eigen::Vector3d>;
+
+Places places_of(const MarkerObservations& markers) {
+  Places places;
+  for (size_t i = 0; i < markers.names.size(); ++i)
+    places[markers.names[i]] = from_message(markers.positions.at(i), "positions");
+  return places;
+}
+
+Places between(const MarkerObservations& before, const MarkerObservations& after, const ros::Time& stamp) {
+  Places places = places_of(before);
+  if (stamp == before.header.stamp) return places;
+  const double share = (stamp - before.header.stamp).toSec() / (after.header.stamp - before.header.stamp).toSec();
+  const Places then = places_of(after);
+  for (auto& [name, place_m] : places)
+    if (const auto found = then.find(name); found != then.end()) place_m += share * (found->second - place_m);
+  return places;
+}
+
+// Absent where no marker that is simulated was seen.
+std::optional<RealityGap> gap_of(const MarkerObservations& measured, const Places& simulated) {
+  RealityGap gap;
+  gap.header = measured.header;
+  double sum_m2 = 0.0;
+  int seen = 0;
+  for (size_t i = 0; i < measured.names.size(); ++i) {
+    const auto place = simulated.find(measured.names[i]);
+    if (place == simulated.end()) continue;
+    const Eigen::Vector3d gap_m = from_message(measured.positions.at(i), "positions") - place->second;
+    gap.names.push_back(measured.names[i]);
+    gap.measured.push_back(measured.positions[i]);
+    gap.gaps.emplace_back();
+    gap.gaps.back().x = gap_m.x();
+    gap.gaps.back().y = gap_m.y();
+    gap.gaps.back().z = gap_m.z();
+    gap.distances_m.push_back(gap_m.norm());
+    gap.seen.push_back(measured.sources.at(i) == MarkerObservations::SEEN);
+    if (gap.seen.back() == 0) continue;
+    sum_m2 += gap_m.squaredNorm();
+    ++seen;
+  }
+  if (seen == 0) return std::nullopt;
+  gap.rms_m = std::sqrt(sum_m2 / seen);
+  return gap;
+}
+
+}  // namespace
+
+void GapMeter::add_simulated(const MarkerObservations& markers) {
+  simulated_.push_back(markers);
+  while ((markers.header.stamp - simulated_.front().header.stamp).toSec() > kept_s) simulated_.pop_front();
+  compare();
+}
+
+void GapMeter::add_measured(const MarkerObservations& markers) {
+  measured_.push_back(markers);
+  compare();
+}
+
+void GapMeter::compare() {
+  const auto later = [](const MarkerObservations& markers, const ros::Time& stamp) {
+    return markers.header.stamp < stamp;
+  };
+  while (!measured_.empty()) {
+    const ros::Time stamp = measured_.front().header.stamp;
+    const auto after = std::lower_bound(simulated_.begin(), simulated_.end(), stamp, later);
+    if (after == simulated_.end()) return;
+    const bool known = after->header.stamp == stamp || after != simulated_.begin();
+    if (known) {
+      const auto& before = after->header.stamp == stamp ? *after : *std::prev(after);
+      if (const auto gap = gap_of(measured_.front(), between(before, *after, stamp))) on_gap_(*gap);
+    }
+    measured_.pop_front();
+  }
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,52 @@
+#include "soft_robot_lab/ros/measured_rest.h"
+
+#include "soft_robot_lab/ros/conversions.h"
+
+namespace soft_robot_lab {
+
+void MeasuredRest::start(double time_s) {
+  start_s_ = window_start_s_ = last_seen_s_ = time_s;
+  observations_ = 0;
+  sums_.clear();
+  before_.clear();
+  at_rest_.reset();
+}
+
+void MeasuredRest::add(const MarkerObservations& markers) {
+  const double time_s = markers.header.stamp.toSec();
+  if (time_s < start_s_) return;
+  bool seen = false;
+  for (size_t i = 0; i < markers.names.size(); ++i) {
+    if (markers.sources.at(i) != MarkerObservations::SEEN) continue;
+    Sum& sum = sums_[markers.names[i]];
+    sum.sum_m += from_message(markers.positions.at(i), "positions");
+    ++sum.count;
+    seen = true;
+  }
+  if (!seen) return;
+  last_seen_s_ = time_s;
+  ++observations_;
+  if (time_s - window_start_s_ >= criterion_.window_s && observations_ >= criterion_.observations) end_window();
+  if (observations_ == 0) window_start_s_ = time_s;
+}
+
+void MeasuredRest::end_window() {
+  MeasuredMarkers means;
+  for (const auto& [name, sum] : sums_) means[name] = sum.sum_m / sum.count;
+  bool compared = false, moved = false;
+  for (const auto& [name, mean_m] : means) {
+    const auto then = before_.find(name);
+    if (then == before_.end()) continue;
+    compared = true;
+    moved = moved || (mean_m - then->second).norm() > criterion_.motion_m;
+  }
+  if (compared && !moved)
+    at_rest_ = means;
+  else
+    at_rest_.reset();
+  before_ = means;
+  sums_.clear();
+  observations_ = 0;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,81 @@
+// A closed loop whose cameras are unplugged one after the other: it goes on with the second, and holds without any.
+#include <csignal>
+#include <future>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/ActuatorCommand.h>
+#include <soft_robot_lab/ExecutePolicy.h>
+
+#include "ros/node_process.h"
+#include "ros/session_ears.h"
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+ExecutePolicy::Request closed_loop() {
+  ExecutePolicy::Request request;
+  request.policy.names = {"left", "right"};
+  request.policy.steps.resize(1);
+  request.policy.steps[0].time_s = 0.5;
+  request.policy.steps[0].values = {1.0, 0.97};
+  request.closed_loop = true;
+  request.goal.markers = {"tip"};
+  request.goal.targets = {to_message(Eigen::Vector3d(0.01, 0.0, -0.098))};
+  return request;
+}
+
+class UnpluggedCameras : public testing::Test {
+ protected:
+  UnpluggedCameras() {
+    commands_ = node_.subscribe<ActuatorCommand>(
+        topics::actuator_command, 100,
+        boost::function<void(const ActuatorCommand::ConstPtr&)>([this](const auto&) { ++commands; }));
+  }
+
+  ExecutePolicy::Response execute_and_unplug(const std::string& camera) {
+    const pid_t process = process_of(camera);
+    hear<MarkerObservations>(node_, topics::tracker_markers);
+    commands = 0;
+    auto answer = std::async(std::launch::async,
+                             [this] { return ask<ExecutePolicy>(node_, topics::execute_policy, closed_loop()); });
+    EXPECT_TRUE(spin_until([this] { return commands > 5; }));
+    EXPECT_EQ(kill(process, SIGKILL), 0);
+    const auto ready = [&] { return answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready; };
+    EXPECT_TRUE(spin_until(ready, 60.0));
+    return answer.get();
+  }
+
+  int commands = 0;
+  ros::NodeHandle node_;
+
+ private:
+  ros::Subscriber commands_;
+};
+
+TEST_F(UnpluggedCameras, LeaveALoopThatGoesOnWithTheOtherAndThenHolds) {
+  const auto corrected = execute_and_unplug("/other");
+  EXPECT_TRUE(corrected.success) << corrected.message;
+  EXPECT_EQ(corrected.message, "settled");
+  EXPECT_GE(corrected.final_distance_m, 0.0);
+
+  const auto stopped = execute_and_unplug("/eye");
+  EXPECT_FALSE(stopped.success);
+  EXPECT_NE(stopped.message.find("tracking lost"), std::string::npos) << stopped.message;
+  const int before = commands;
+  for (int i = 0; i < 20; ++i) hear<MarkerObservations>(node_, topics::simulator_markers);
+  EXPECT_EQ(commands, before);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "camera_faults_test");
+  const ros::NodeHandle keeps_ros_running;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,59 @@
+#include "soft_robot_lab/ros/camera_overlay.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+namespace soft_robot_lab {
+namespace {
+
+// A square of 10 x 10 cm at 1 m, and another one as far behind the camera.
+visualization_msgs::Marker squares() {
+  visualization_msgs::Marker surface;
+  for (const double z : {1.0, -1.0})
+    for (const auto& [x, y] :
+         {std::pair{-0.05, -0.05}, {0.05, -0.05}, {0.05, 0.05}, {-0.05, -0.05}, {0.05, 0.05}, {-0.05, 0.05}}) {
+      surface.points.emplace_back();
+      surface.points.back().x = x;
+      surface.points.back().y = y;
+      surface.points.back().z = z;
+    }
+  return surface;
+}
+
+TEST(CameraOverlay, TintsTheRobotWhereItIsSeenAndNothingElse) {
+  const CameraModel model = d415_camera(848, 480);
+  const cv::Mat dark(480, 848, CV_8UC3, cv::Scalar(10, 10, 10));
+  const cv::Mat drawn = draw_robot(dark, model, Eigen::Isometry3d::Identity(), squares(), std::nullopt);
+  EXPECT_EQ(dark.at<cv::Vec3b>(240, 424), cv::Vec3b(10, 10, 10));
+  const int half_px = static_cast<int>(0.05 * model.focal_x_px);
+  for (const int off_px : {0, half_px - 3}) EXPECT_GT(drawn.at<cv::Vec3b>(240, 424 + off_px)[2], 60) << off_px;
+  EXPECT_EQ(drawn.at<cv::Vec3b>(240, 424 + half_px + 5), cv::Vec3b(10, 10, 10));
+}
+
+TEST(CameraOverlay, FollowsTheCamerasPlace) {
+  const CameraModel model = d415_camera(848, 480);
+  const cv::Mat dark(480, 848, CV_8UC3, cv::Scalar(10, 10, 10));
+  Eigen::Isometry3d camera_from_robot = Eigen::Isometry3d::Identity();
+  camera_from_robot.translation().x() = 0.2;
+  const cv::Mat drawn = draw_robot(dark, model, camera_from_robot, squares(), std::nullopt);
+  EXPECT_EQ(drawn.at<cv::Vec3b>(240, 424), cv::Vec3b(10, 10, 10));
+  EXPECT_GT(drawn.at<cv::Vec3b>(240, 424 + static_cast<int>(0.2 * model.focal_x_px))[2], 60);
+}
+
+TEST(CameraOverlay, DrawsALineFromSimulatedToMeasuredMarkers) {
+  const CameraModel model = d415_camera(848, 480);
+  const cv::Mat dark(480, 848, CV_8UC3, cv::Scalar(10, 10, 10));
+  RealityGap gap;
+  gap.names = {"tip"};
+  gap.measured.resize(1);
+  gap.measured[0].x = 0.05;
+  gap.measured[0].z = 1.0;
+  gap.gaps.resize(1);
+  gap.gaps[0].x = 0.05;
+  gap.seen = {1};
+  const cv::Mat drawn = draw_robot(dark, model, Eigen::Isometry3d::Identity(), {}, gap);
+  EXPECT_GT(drawn.at<cv::Vec3b>(240, 424 + static_cast<int>(0.025 * model.focal_x_px))[0], 60);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

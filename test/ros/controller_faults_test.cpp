@@ -1,0 +1,217 @@
+// What becomes of policies on a robot that is not its model: closed loop, and faults during execution.
+#include <csignal>
+#include <future>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/ExecutePolicy.h>
+#include <soft_robot_lab/OptimisePolicy.h>
+
+#include "ros/node_process.h"
+#include "ros/session_ears.h"
+#include "ros/stub_robot.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const std::string scenes = SOFT_ROBOT_LAB_SOURCE "/test/data/scenes/";
+std::unique_ptr<StubRobot> robot;
+
+PolicyPose goal_at(double x_m, double y_m, double z_m) {
+  PolicyPose goal;
+  goal.markers = {"tip"};
+  goal.targets = {to_message(Eigen::Vector3d(x_m, y_m, z_m))};
+  return goal;
+}
+
+ExecutePolicy::Request pull(double right, double time_s) {
+  ExecutePolicy::Request request;
+  request.policy.names = {"left", "right"};
+  request.policy.steps.resize(1);
+  request.policy.steps[0].time_s = time_s;
+  request.policy.steps[0].values = {1.0, right};
+  request.wait_until_rest = true;
+  request.time_limit_s = 1.0e4;
+  return request;
+}
+
+class Controller : public testing::Test {
+ protected:
+  void SetUp() override {
+    robot->tip_seen = robot->middle_seen = true;
+    robot->stalled = false;
+    robot->knock_m = 0.0;
+    // Back to rest, once the controller has heard that all is well again.
+    ASSERT_TRUE(spin_until([this] { return execute(pull(1.0, 1.0)).success; }, 30.0));
+  }
+
+  ExecutePolicy::Response execute(const ExecutePolicy::Request& request) {
+    return ask<ExecutePolicy>(node_, topics::execute_policy, request);
+  }
+  std::future<ExecutePolicy::Response> execute_meanwhile(const ExecutePolicy::Request& request) {
+    return std::async(std::launch::async, [this, request] { return execute(request); });
+  }
+  void wait_for_commands(int count) {
+    const int before = robot->commands_heard;
+    ASSERT_TRUE(spin_until([&] { return robot->commands_heard >= before + count; }, 30.0));
+  }
+  void expect_commands_are_held() {
+    ros::WallDuration(0.2).sleep();  // what was sent before has come
+    const int before = robot->commands_heard;
+    ros::WallDuration(0.3).sleep();  // three seconds of the session
+    EXPECT_EQ(robot->commands_heard, before);
+  }
+
+  ros::NodeHandle node_;
+};
+
+TEST_F(Controller, CorrectsByWhatTheMarkersShow) {
+  OptimisePolicy::Request search;
+  search.method = "gauss_newton";
+  search.marker = "tip";
+  search.target = to_message(Eigen::Vector3d(0.02, 0.0, -0.093));
+  const auto found = ask<OptimisePolicy>(node_, topics::optimise_policy, search);
+  ASSERT_TRUE(found.success) << found.message;
+  ExecutePolicy::Request request = pull(1.0, 1.0);
+  request.policy = found.policy;
+  const auto replayed = execute(request);
+  ASSERT_TRUE(replayed.success) << replayed.message;
+  EXPECT_EQ(replayed.final_distance_m, -1.0);
+  const Eigen::Vector3d target_m = from_message(search.target, "target");
+  const double replayed_m = (position_of(replayed.measured, "tip") - target_m).norm();
+
+  request.closed_loop = true;  // on the goal of the policy found
+  const auto corrected = execute(request);
+  ASSERT_TRUE(corrected.success) << corrected.message;
+  EXPECT_EQ(corrected.message, "settled");
+  EXPECT_GT(corrected.corrections, 0);
+  EXPECT_LT(corrected.final_distance_m, replayed_m);
+  EXPECT_NEAR(corrected.final_distance_m, (position_of(corrected.measured, "tip") - target_m).norm(), 1e-6);
+}
+
+TEST_F(Controller, GoesOnWithTheMarkersThatAreStillSeen) {
+  ExecutePolicy::Request request = pull(0.9, 1.0);
+  request.closed_loop = true;
+  request.goal = goal_at(0.02, 0.0, -0.093);
+  auto answer = execute_meanwhile(request);
+  wait_for_commands(1);
+  robot->middle_seen = false;
+  const auto corrected = answer.get();
+  EXPECT_TRUE(corrected.success) << corrected.message;
+  EXPECT_EQ(corrected.message, "settled");
+}
+
+TEST_F(Controller, HoldsWhenTrackingIsLost) {
+  ExecutePolicy::Request request = pull(0.9, 1.0);
+  request.closed_loop = true;
+  request.goal = goal_at(0.02, 0.0, -0.093);
+  auto answer = execute_meanwhile(request);
+  wait_for_commands(1);
+  robot->tip_seen = robot->middle_seen = false;
+  const auto stopped = answer.get();
+  EXPECT_FALSE(stopped.success);
+  EXPECT_NE(stopped.message.find("tracking lost"), std::string::npos) << stopped.message;
+  expect_commands_are_held();
+}
+
+TEST_F(Controller, HoldsWhenTheErrorGrows) {
+  ExecutePolicy::Request request = pull(0.9, 1.0);
+  request.closed_loop = true;
+  request.goal = goal_at(0.02, 0.0, -0.093);
+  auto answer = execute_meanwhile(request);
+  std::string message;
+  const int played = robot->commands_heard;
+  ASSERT_TRUE(spin_until([&] { return robot->commands_heard > played + 11; }, 30.0));  // the first correction
+  robot->knock_m = 0.05;
+  const auto stopped = answer.get();
+  EXPECT_FALSE(stopped.success);
+  EXPECT_NE(stopped.message.find("the error grows"), std::string::npos) << stopped.message;
+  expect_commands_are_held();
+}
+
+TEST_F(Controller, HoldsWhenAMotorStalls) {
+  auto answer = execute_meanwhile(pull(0.9, 20.0));
+  wait_for_commands(1);
+  robot->stalled = true;
+  const auto stopped = answer.get();
+  EXPECT_FALSE(stopped.success);
+  EXPECT_NE(stopped.message.find("motor left: stall"), std::string::npos) << stopped.message;
+  expect_commands_are_held();
+
+  const auto refused = execute(pull(0.9, 1.0));
+  EXPECT_FALSE(refused.success);
+  EXPECT_NE(refused.message.find("motor left: stall"), std::string::npos) << refused.message;
+  expect_commands_are_held();
+}
+
+TEST_F(Controller, RefusesASecondPolicyWhileOneIsPlayed) {
+  auto answer = execute_meanwhile(pull(0.9, 20.0));
+  wait_for_commands(1);
+  ExecutePolicy::Request second = pull(0.8, 1.0);
+  EXPECT_NE(execute(second).message.find("busy"), std::string::npos);
+  second.closed_loop = true;
+  second.goal = goal_at(0.02, 0.0, -0.093);
+  EXPECT_NE(execute(second).message.find("busy"), std::string::npos);
+  const auto first = answer.get();
+  EXPECT_TRUE(first.success) << first.message;
+  EXPECT_EQ(first.values, (std::vector<double>{1.0, 0.9}));
+}
+
+TEST_F(Controller, TellsWhatIsNearestToATargetOutOfReach) {
+  OptimisePolicy::Request request;
+  request.method = "gauss_newton";
+  request.marker = "tip";
+  request.target = to_message(Eigen::Vector3d(0.02, 0.0, -0.12));
+  const auto response = ask<OptimisePolicy>(node_, topics::optimise_policy, request);
+  EXPECT_TRUE(response.success) << response.message;
+  EXPECT_FALSE(response.summary.target_reached);
+  EXPECT_NE(response.message.find("out of reach by "), std::string::npos) << response.message;
+  EXPECT_NE(response.message.find("nearest: tip at ["), std::string::npos) << response.message;
+}
+
+TEST_F(Controller, RefusesACorrectionWithoutAGoalThatItKnows) {
+  ExecutePolicy::Request request = pull(0.9, 1.0);
+  request.closed_loop = true;
+  request.goal = goal_at(0.02, 0.0, -0.093);
+  request.goal.markers = {"tail"};
+  EXPECT_NE(execute(request).message.find("'tail'"), std::string::npos);
+  expect_commands_are_held();
+}
+
+// Nothing moves by itself when roslaunch has started it again, and the next request is served.
+TEST_F(Controller, HoldsWhenItsNodeIsKilledAndPlaysAgainWhenItIsBack) {
+  const pid_t killed = process_of("/controller");
+  auto answer = std::async(std::launch::async, [this] {
+    ExecutePolicy::Request request = pull(0.9, 1000.0);
+    ExecutePolicy::Response response;
+    return node_.serviceClient<ExecutePolicy>(topics::execute_policy).call(request, response);
+  });
+  wait_for_commands(3);
+  ASSERT_EQ(kill(killed, SIGKILL), 0);
+  EXPECT_FALSE(answer.get());
+  EXPECT_NE(process_of("/controller"), killed);
+  expect_commands_are_held();
+  ExecutePolicy::Response again;
+  ASSERT_TRUE(spin_until(
+      [&] {
+        ExecutePolicy::Request request = pull(1.0, 1.0);
+        return node_.serviceClient<ExecutePolicy>(topics::execute_policy).call(request, again);
+      },
+      30.0));
+  EXPECT_TRUE(again.success) << again.message;
+}
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "controller_faults_test");
+  const ros::NodeHandle keeps_ros_running;
+  soft_robot_lab::robot = std::make_unique<soft_robot_lab::StubRobot>(soft_robot_lab::scenes);
+  const int result = RUN_ALL_TESTS();
+  soft_robot_lab::robot.reset();
+  return result;
+}

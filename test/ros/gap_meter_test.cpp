@@ -1,0 +1,84 @@
+#include "soft_robot_lab/ros/gap_meter.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace soft_robot_lab {
+namespace {
+
+// Two markers that move along x by one metre a second, the second of them one metre above the first.
+MarkerObservations markers_at(double stamp_s, std::uint8_t source, double off_m = 0.0) {
+  MarkerObservations markers;
+  markers.header.stamp = ros::Time(stamp_s);
+  markers.names = {"low", "high"};
+  markers.positions.resize(2);
+  for (auto& position : markers.positions) position.x = stamp_s - 100.0 + off_m;
+  markers.positions[1].z = 1.0;
+  markers.sources = {source, source};
+  return markers;
+}
+
+class Gaps : public testing::Test {
+ protected:
+  void simulate(double stamp_s) { meter.add_simulated(markers_at(stamp_s, MarkerObservations::SIMULATED)); }
+  void see(double stamp_s, double off_m) { meter.add_measured(markers_at(stamp_s, MarkerObservations::SEEN, off_m)); }
+
+  std::vector<RealityGap> gaps;
+  GapMeter meter{[this](const RealityGap& gap) { gaps.push_back(gap); }};
+};
+
+TEST_F(Gaps, InterpolateTheSimulationAtTheStampOfWhatWasSeen) {
+  simulate(100.0);
+  see(100.25, 0.003);
+  EXPECT_TRUE(gaps.empty());  // the simulation is not there yet
+  simulate(101.0);
+  ASSERT_EQ(gaps.size(), 1u);
+  EXPECT_EQ(gaps[0].header.stamp, ros::Time(100.25));
+  EXPECT_EQ(gaps[0].names, (std::vector<std::string>{"low", "high"}));
+  EXPECT_NEAR(gaps[0].gaps[1].x, 0.003, 1e-12);
+  EXPECT_NEAR(gaps[0].gaps[1].z, 0.0, 1e-12);
+  EXPECT_NEAR(gaps[0].distances_m[0], 0.003, 1e-12);
+  EXPECT_NEAR(gaps[0].rms_m, 0.003, 1e-12);
+}
+
+TEST_F(Gaps, AreTheSameToTheLastDigitInWhateverOrderTheTopicsCame) {
+  std::vector<RealityGap> others;
+  GapMeter other([&](const RealityGap& gap) { others.push_back(gap); });
+  other.add_measured(markers_at(100.1, MarkerObservations::SEEN, 0.001));
+  for (int i = 0; i <= 6; ++i) {
+    simulate(100.0 + i / 30.0);
+    other.add_simulated(markers_at(100.0 + i / 30.0, MarkerObservations::SIMULATED));
+  }
+  see(100.1, 0.001);
+  ASSERT_EQ(gaps.size(), 1u);
+  ASSERT_EQ(others.size(), 1u);
+  EXPECT_EQ(gaps[0].distances_m, others[0].distances_m);
+  EXPECT_EQ(gaps[0].rms_m, others[0].rms_m);
+}
+
+TEST_F(Gaps, CountOnlyMarkersThatWereSeenAndSimulated) {
+  simulate(100.0);
+  MarkerObservations measured = markers_at(100.0, MarkerObservations::SEEN, 0.002);
+  measured.sources[1] = MarkerObservations::INTERPOLATED;
+  measured.positions[1].y = 1.0;
+  measured.names.push_back("unknown");
+  measured.positions.emplace_back();
+  measured.sources.push_back(MarkerObservations::SEEN);
+  meter.add_measured(measured);
+  ASSERT_EQ(gaps.size(), 1u);
+  EXPECT_EQ(gaps[0].names.size(), 2u);
+  EXPECT_EQ(gaps[0].seen, (std::vector<std::uint8_t>{1, 0}));
+  EXPECT_NEAR(gaps[0].rms_m, 0.002, 1e-12);
+  EXPECT_GT(gaps[0].distances_m[1], 0.9);
+}
+
+TEST_F(Gaps, SayNothingWhereNothingWasSeen) {
+  simulate(100.0);
+  meter.add_measured(markers_at(100.0, MarkerObservations::INTERPOLATED, 0.002));
+  EXPECT_TRUE(gaps.empty());
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -397,6 +397,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     };
     bool found = fresh_step();
     if (!convex && (!found || step.slope > 0.0)) {
+      if (task.only_through_stable) return finish("the way leads through an unstable shape");
       convex = true;
       found = fresh_step();
     }
@@ -408,6 +409,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     if (length < 1.0) ++report.shortened;
     if (!accepted && convex) return finish("no step lowers the energy");
     convex = !accepted || (convex && length < 1.0);
+    if (convex && task.only_through_stable) return finish("no step lowers the energy");
     old_factor = accepted && task.reuse_factor && !convex;
   }
   return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");

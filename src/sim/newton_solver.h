@@ -56,6 +56,7 @@ struct NewtonTask {
   double tolerance = 1e-6;
   int min_iterations = 0;
   int max_iterations = 60;
+  bool only_through_stable = false;  // give up where the matrix is not convex, rather than shift it
   bool reuse_factor = false;  // first try what the last factor can still do
 };
 

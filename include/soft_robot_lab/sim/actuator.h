@@ -104,7 +104,7 @@ class Actuator {
   virtual std::vector<const Junction*> junctions() const { return {}; }
 
   // What depends on the past, such as a pump's flow or a damper's rate, takes it from the state that a time step starts
-  // from.
+  // from. A step that is cut begins anew with each part; several may begin before one is accepted.
   virtual void begin_step(const StepStart& /*start*/) {}
 
   // A step was accepted in which these lengths [m] slipped, one per junction.

@@ -129,13 +129,15 @@ class Teller : public ceres::IterationCallback {
  public:
   Teller(const FitRequest& request, std::function<double()> gap) : request_(request), gap_(std::move(gap)) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    if (!request_.progress || request_.progress(summary.iteration, gap_())) return ceres::SOLVER_CONTINUE;
+    if (summary.iteration == 0 || summary.step_is_successful) rms_gap_m_ = gap_();  // else the last one looked at failed
+    if (!request_.progress || request_.progress(summary.iteration, rms_gap_m_)) return ceres::SOLVER_CONTINUE;
     return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
 
  private:
   const FitRequest& request_;
   std::function<double()> gap_;
+  double rms_gap_m_ = 0.0;
 };
 
 ModelGap gap_of(const std::vector<MeasuredPose>& poses,
@@ -173,8 +175,8 @@ ceres::Solver::Options solver_options(const FitRequest& request) {
   ceres::Solver::Options options;
   options.max_num_iterations = request.max_iterations;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.function_tolerance = 1e-6;
-  options.parameter_tolerance = 1e-5;
+  options.function_tolerance = 1e-5;
+  options.parameter_tolerance = 1e-4;
   options.logging_type = ceres::SILENT;
   options.update_state_every_iteration = true;
   return options;

@@ -166,7 +166,8 @@ bool tighten(Search& search, const Evaluation& rest, Eigen::VectorXd& commands) 
   bool tightened = false;
   for (Eigen::Index i = 0; i < rest.prediction.slack.size(); ++i) {
     const double taut = rest.commands[i] - rest.prediction.slack[i] - pull * range[i];
-    if (rest.prediction.slack[i] == 0.0 || taut < problem.min[i]) continue;
+    const bool idle = rest.prediction.marker_jacobian.col(i).isZero(0.0);  // slack, or at its rest length
+    if (!idle || taut < problem.min[i]) continue;
     Eigen::VectorXd there = commands;
     there[i] = taut;
     const Evaluation* found = search.evaluate(there, true);
@@ -184,8 +185,9 @@ bool tighten(Search& search, const Evaluation& rest, Eigen::VectorXd& commands) 
 
 }  // namespace
 
-// The command of a slack cable has no derivative, though the way to the target may lead over pulling it. So a descent
-// is followed by another with such cables taut, as long as that promises to come nearer, and does.
+// The command of a slack cable has no derivative, nor has one at its rest length, though the way to the target may lead
+// over pulling it. So a descent is followed by another with such cables taut, as long as that promises to come nearer,
+// and does.
 std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m) {
   Eigen::VectorXd commands = search.problem().start;
   double last_m = std::numeric_limits<double>::infinity();

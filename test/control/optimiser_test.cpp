@@ -236,7 +236,10 @@ TEST_P(EveryMethod, AsksOnlyForCommandsWithinTheBounds) {
        {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(0.7, 0.7), Eigen::Vector2d(0.7, 1.0)}) {
     ReachProblem problem = recording(arc_problem({0.3, 1.2}), asked);
     problem.start = start;
-    optimise(problem, method(GetParam()));
+    optimise(problem, method(GetParam()), [&](const OptimisationProgress& now) {
+      asked.push_back(now.commands);  // an iterate
+      return true;
+    });
   }
   ASSERT_GT(asked.size(), 5u);
   for (const Eigen::VectorXd& commands : asked) {

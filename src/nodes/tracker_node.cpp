@@ -89,7 +89,7 @@ class TrackerNode {
   bool calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response);
   void diagnose(DiagnosticStatusWrapper& status);
   void diagnose_camera(const std::string& camera, DiagnosticStatusWrapper& status);
-  void diagnose_places(DiagnosticStatusWrapper& status) const;
+  void diagnose_places(DiagnosticStatusWrapper& status);
 
   NodeOptions options_;
   TrackingInput input_;
@@ -274,7 +274,7 @@ void TrackerNode::diagnose_camera(const std::string& camera, DiagnosticStatusWra
 }
 
 // Whether a camera was knocked.
-void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) const {
+void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) {
   status.summary(Status::OK, "what cameras see agrees");
   const MarkerTracking* tracking = input_.tracking();
   for (const std::string& camera : options_.input.tracking.cameras)

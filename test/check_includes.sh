@@ -14,7 +14,7 @@ declare -A allowed=(
   [control]="control sim settings"
   [experiment]="experiment control scene actuators sim design render vision settings"
   [motor]="motor settings"
-  [rig]="rig motor experiment scene sim render settings"
+  [rig]="rig motor experiment control scene sim render vision settings"
   [firmware]="motor"
   [emulator]="emulator motor"
 )

@@ -6,8 +6,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kStagesOfRange = 20.0;  // into so many a command's range would be cut
-constexpr size_t kRemembered = 8;        // equilibria to start from, beside the first
+constexpr double kStagesOfRange = 4.0;  // into so many a command's range would be cut; the simulation cuts further
+constexpr size_t kRemembered = 8;       // equilibria to start from, beside the first
 
 }  // namespace
 
@@ -43,9 +43,13 @@ Prediction ForwardModel::predict(const Eigen::VectorXd& commands, bool with_deri
   for (size_t m = 0; m < markers_.size(); ++m)
     prediction.markers_m.col(static_cast<Eigen::Index>(m)) = simulation_.marker_position(markers_[m]);
   prediction.tensions_n.resize(count);
-  for (Eigen::Index i = 0; i < count; ++i)
-    prediction.tensions_n[i] =
-        simulation_.actuator_state(actuators_[static_cast<size_t>(i)]).tension_n.value_or(0.0);
+  prediction.slack.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ActuatorReading reading = simulation_.actuator_state(actuators_[static_cast<size_t>(i)]);
+    prediction.tensions_n[i] = reading.tension_n.value_or(0.0);
+    const double command_per_m = commands[i] / reading.commanded_length_m.value_or(1.0);
+    prediction.slack[i] = reading.slack_m.value_or(0.0) * command_per_m;
+  }
   return prediction;
 }
 
@@ -81,7 +85,8 @@ void ForwardModel::settle(const Eigen::VectorXd& commands) {
   double stages = std::ceil(std::max(1.0, kStagesOfRange * distance(from, commands)));
   if (!(stages <= 2.0 * kStagesOfRange)) stages = 1.0;  // beyond the limits, to be refused
   for (double stage = 1.0; stage <= stages; ++stage) {
-    const Eigen::VectorXd there = stage == stages ? commands : Eigen::VectorXd(from + stage / stages * (commands - from));
+    const Eigen::VectorXd there =
+        stage == stages ? commands : Eigen::VectorXd(from + stage / stages * (commands - from));
     for (Eigen::Index i = 0; i < commands.size(); ++i) simulation_.set_command(actuator(i).name(), there[i]);
     const SolveReport report = simulation_.solve_equilibrium();
     if (!report.converged) throw ForwardModelError(report.message);

@@ -22,9 +22,9 @@ constexpr double kSettled = 0.1;
 constexpr double kFirstDamping = 2.0;
 constexpr double kLeastDamping = 1.0e-8;
 
-// Of a command's range: a body that buckles looks harmless from before, and the model follows larger steps in stages of
-// about this size anyhow.
-constexpr double kLargestStep = 0.05;
+// Of a command's range, the largest step; a step that failed is followed by one of at most half its size.
+constexpr double kLargestStep = 0.25;
+constexpr double kSmallestStep = 1.0e-5;
 constexpr double kMostDamping = 1.0e8;
 
 struct LocalModel {  // of the objective about the present commands
@@ -32,9 +32,7 @@ struct LocalModel {  // of the objective about the present commands
   Eigen::MatrixXd curvature;  // J^T J and what the secants add
   Eigen::VectorXd scale;      // of the damping
 
-  double change(const Eigen::VectorXd& step) const {
-    return gradient.dot(step) + 0.5 * step.dot(curvature * step);
-  }
+  double change(const Eigen::VectorXd& step) const { return gradient.dot(step) + 0.5 * step.dot(curvature * step); }
 };
 
 LocalModel model_at(const Evaluation& here, const Eigen::MatrixXd& second_order) {
@@ -82,13 +80,13 @@ Eigen::VectorXd damped_step(const LocalModel& model, double damping, const Eigen
   return step;
 }
 
-// The damped step in which no command moves by more than kLargestStep of its range: each kept to it by itself, or where
+// The damped step in which no command moves by more than `largest` of its range: each kept to it by itself, or where
 // that would not lead down, as the columns are alike, all shortened together. Empty where the curvature needs more
 // damping.
-Eigen::VectorXd short_step(const LocalModel& model, double damping, const ReachProblem& problem,
+Eigen::VectorXd short_step(const LocalModel& model, double damping, double largest, const ReachProblem& problem,
                            const Eigen::VectorXd& commands) {
   const Eigen::VectorXd least = problem.min - commands, most = problem.max - commands;
-  const Eigen::VectorXd reach = kLargestStep * (problem.max - problem.min);
+  const Eigen::VectorXd reach = largest * (problem.max - problem.min);
   Eigen::VectorXd step = damped_step(model, damping, least.cwiseMax(-reach), most.cwiseMin(reach));
   if (step.size() == 0 || step.isZero(0.0) || model.change(step) < 0.0) return step;
   step = damped_step(model, damping, least, most);
@@ -118,12 +116,12 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, Eige
   if (!found) return search.failure();
   Evaluation here = *found;
   Eigen::MatrixXd second_order = Eigen::MatrixXd::Zero(commands.size(), commands.size());
-  double damping = kFirstDamping, growth = 2.0;
+  double damping = kFirstDamping, growth = 2.0, largest = kLargestStep;
   int small_steps = 0;
   while (here.residuals.norm() >= tolerance_m) {
     if (search.iterations() >= max_iterations) return kIterationLimit;
     const LocalModel model = model_at(here, second_order);
-    const Eigen::VectorXd step = short_step(model, damping, problem, commands);
+    const Eigen::VectorXd step = short_step(model, damping, largest, problem, commands);
     const bool some_way = step.size() > 0;
     if (some_way && step.isZero(0.0)) return kConverged;
     const double promised = some_way ? -model.change(step) : 0.0;
@@ -144,74 +142,50 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, Eige
       small_steps = gained < worth_m2 ? small_steps + 1 : 0;
       here = *found;
       commands = next;
-      damping = std::max(kLeastDamping, damping * std::max(1.0 / 5.0, 1.0 - std::pow(2.0 * gained / promised - 1.0, 3)));
+      damping =
+          std::max(kLeastDamping, damping * std::max(1.0 / 5.0, 1.0 - std::pow(2.0 * gained / promised - 1.0, 3)));
       growth = 2.0;
+      if (gained > 0.5 * promised) largest = std::min(kLargestStep, 2.0 * largest);
     } else {
       damping *= growth;
       growth *= 2.0;
+      largest = 0.5 * step.cwiseQuotient(problem.max - problem.min).cwiseAbs().maxCoeff();
     }
     if (!search.finish_iteration(commands, here.distance_m)) return kCancelled;
-    if (small_steps >= 2 || damping > kMostDamping) return kConverged;
+    if (small_steps >= 2 || damping > kMostDamping || largest < kSmallestStep) return kConverged;
   }
   return kConverged;
 }
 
-bool idle(const Evaluation& here, Eigen::Index command) {
-  return here.prediction.marker_jacobian.col(command).isZero(0.0);
-}
-
-// The nearest command on the way to `limit` that moves the markers, at the others' present values; null where none does.
-// Up to there nothing changes, so that small steps cost next to nothing, and large ones beyond would cost much.
-const Evaluation* first_effect(Search& search, const Evaluation& rest, Eigen::Index command, double limit) {
-  constexpr int steps = 40, halvings = 3;
-  constexpr double still_m = 1.0e-9;
-  Eigen::VectorXd commands = rest.commands;
-  const auto moves = [&](double value) {
-    commands[command] = value;
-    const Evaluation* here = search.evaluate(commands, false);
-    return here && !(here->prediction.markers_m - rest.prediction.markers_m).isZero(still_m);
-  };
-  const double from = rest.commands[command];
-  double still_at = from, moves_at = from;
-  for (int i = 1; i <= steps && moves_at == still_at; ++i) {
-    const double value = i == steps ? limit : from + (limit - from) * i / steps;
-    moves_at = value;
-    if (!moves(value)) still_at = value;
-  }
-  if (moves_at == still_at) return nullptr;
-  for (int i = 0; i < halvings; ++i) {
-    const double middle = 0.5 * (still_at + moves_at);
-    (moves(middle) ? moves_at : still_at) = middle;
-  }
-  commands[command] = moves_at;
-  return search.evaluate(commands, true);
-}
-
-// Moves a command that is idle at `rest` to where it does something and that leads nearer; otherwise the command is as it
-// was. First to where it begins to act; then to where the search started, where a body that buckles may be in another
-// shape.
-bool wake(Search& search, const Evaluation& rest, Eigen::Index command, Eigen::VectorXd& commands) {
+// Moves the commands of slack cables to where they just pull, where that leads nearer by the derivatives there; else to
+// where the search started, where that is nearer: a body that buckles may be in another shape. False where neither is.
+bool tighten(Search& search, const Evaluation& rest, Eigen::VectorXd& commands) {
+  constexpr double pull = 2.0e-3;  // of the range, so that rounding does not leave it slack
   const ReachProblem& problem = search.problem();
-  const double from = commands[command];
-  for (const double limit : {problem.min[command], problem.max[command]}) {
-    if (limit == from) continue;
-    const Evaluation* edge = first_effect(search, rest, command, limit);
-    if (!edge) continue;
-    commands[command] = edge->commands[command];
-    if (edge->jacobian.col(command).dot(rest.residuals) * (limit - from) < 0.0) return true;
-    commands[command] = problem.start[command];
-    const Evaluation* other = commands[command] != from ? search.evaluate(commands, false) : nullptr;
-    if (other && other->allowed && other->objective_m2() < rest.objective_m2()) return true;
-    commands[command] = from;
+  const Eigen::VectorXd range = problem.max - problem.min;
+  bool tightened = false;
+  for (Eigen::Index i = 0; i < rest.prediction.slack.size(); ++i) {
+    const double taut = rest.commands[i] - rest.prediction.slack[i] - pull * range[i];
+    if (rest.prediction.slack[i] == 0.0 || taut < problem.min[i]) continue;
+    Eigen::VectorXd there = commands;
+    there[i] = taut;
+    const Evaluation* found = search.evaluate(there, true);
+    bool nearer = found && found->allowed && found->jacobian.col(i).dot(found->residuals) > 0.0;
+    if (!nearer && problem.start[i] < taut) {
+      there[i] = problem.start[i];
+      found = search.evaluate(there, false);
+      nearer = found && found->allowed && found->objective_m2() < rest.objective_m2();
+    }
+    if (nearer) commands = there;
+    tightened = tightened || nearer;
   }
-  return false;
+  return tightened;
 }
 
 }  // namespace
 
-// The command of a slack cable has no derivative, nor has one at its rest length, though the way to the target may lead
-// over pulling it. So a descent is followed by another from where such commands do something, as long as that promises
-// to come nearer, and does.
+// The command of a slack cable has no derivative, though the way to the target may lead over pulling it. So a descent
+// is followed by another with such cables taut, as long as that promises to come nearer, and does.
 std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m) {
   Eigen::VectorXd commands = search.problem().start;
   double last_m = std::numeric_limits<double>::infinity();
@@ -224,10 +198,7 @@ std::string search_gauss_newton(Search& search, int max_iterations, double toler
     if (reason != kConverged || left_m < tolerance_m || last_m - left_m < tolerance_m) return reason;
     last_m = left_m;
     commands = best.commands;
-    bool woken = false;
-    for (Eigen::Index i = 0; i < commands.size(); ++i)
-      woken = (idle(best, i) && wake(search, best, i, commands)) || woken;
-    if (!woken) return reason;
+    if (!tighten(search, best, commands)) return reason;
   }
 }
 

@@ -100,6 +100,8 @@ nlohmann::ordered_json json_of(const PolicyRun& run) {
           {"evaluations", run.summary.evaluations},
           {"reversals", run.reversals},
           {"fell_back_m", run.fell_back_m},
+          {"late_turns", run.late_turns},
+          {"late_swing_m", run.late_swing_m},
           {"usable", run.summary.usable},
           {"stop_reason", run.summary.stop_reason}};
 }
@@ -123,14 +125,23 @@ Plot convergence_plot(const std::string& name, const std::string& title, const T
 
 ExperimentResult tables_and_plots(const std::string& name, const std::vector<TargetRuns>& all) {
   ExperimentResult result;
-  result.table.columns = {{"target"},        {"method"},     {"distance [mm]"}, {"iterations"},
-                          {"equilibria"},    {"CPU [s]", 3}, {"reversals"},     {"fell back by [mm]", 3},
+  result.table.columns = {{"target"},
+                          {"method"},
+                          {"distance [mm]"},
+                          {"iterations"},
+                          {"equilibria"},
+                          {"CPU [s]", 3},
+                          {"reversals"},
+                          {"fell back by [mm]", 3},
+                          {"turns of the distance, last 100"},
+                          {"swing, last 100 [mm]", 3},
                           {"why it stopped"}};
   for (const TargetRuns& target : all) {
     for (const PolicyRun& run : target.runs)
       result.table.rows.push_back({target.target.name, run.method, 1e3 * run.summary.final_distance_m,
                                    double(run.summary.iterations), double(run.summary.evaluations), run.summary.cpu_s,
-                                   double(run.reversals), 1e3 * run.fell_back_m, run.summary.stop_reason});
+                                   double(run.reversals), 1e3 * run.fell_back_m, double(run.late_turns),
+                                   1e3 * run.late_swing_m, run.summary.stop_reason});
     result.plots.push_back(
         convergence_plot(name + "_" + target.target.name, "Target " + target.target.name + ", all methods", target));
   }
@@ -159,8 +170,8 @@ std::string compare_gauss_newton(const std::vector<TargetRuns>& all, ExperimentR
   }
   std::ostringstream text;
   text.precision(3);
-  text << "gauss_newton ends at most " << 1e3 * worst_m << " mm farther from a target than the best of all methods, and takes at most "
-       << slowest_s << " s CPU. ";
+  text << "gauss_newton ends at most " << 1e3 * worst_m
+       << " mm farther from a target than the best of all methods, and takes at most " << slowest_s << " s CPU. ";
   if (std::isfinite(least_ratio))
     text << "rmsprop takes at least " << least_ratio << " times the CPU in which gauss_newton was as near. ";
   return text.str();
@@ -171,8 +182,9 @@ std::string tell_pid(const std::vector<TargetRuns>& all) {
   text.precision(3);
   for (const TargetRuns& target : all)
     if (const PolicyRun* pid = find(target, "pid"))
-      text << (text.tellp() == 0 ? "pid as published turns its commands back " : ", ") << pid->reversals
-           << " times on target " << target.target.name << " and falls back by " << 1e3 * pid->fell_back_m << " mm";
+      text << (text.tellp() == 0 ? "In the last 100 iterations of pid as published the distance to target " : ", to ")
+           << target.target.name << " turns " << pid->late_turns << " times and swings by " << 1e3 * pid->late_swing_m
+           << " mm";
   return text.tellp() == 0 ? "" : text.str() + ".";
 }
 

@@ -33,6 +33,23 @@ class Reversals {
   Eigen::VectorXd last_, heading_;
 };
 
+// How the distance swings at the end; turns of less than a micrometre are none.
+void judge_end(PolicyRun& run) {
+  constexpr std::ptrdiff_t late = 100;
+  constexpr double still_m = 1.0e-6;
+  const auto end = run.distance_m.end(), begin = std::max(run.distance_m.begin(), end - late);
+  const auto [least, most] = std::minmax_element(begin, end);
+  run.late_swing_m = *most - *least;
+  double heading_m = 0.0, last_m = *begin;
+  for (auto now = begin; now != end; ++now) {
+    const double move_m = *now - last_m;
+    if (std::abs(move_m) < still_m) continue;
+    if (move_m * heading_m < 0.0) ++run.late_turns;
+    heading_m = move_m;
+    last_m = *now;
+  }
+}
+
 }  // namespace
 
 std::optional<double> PolicyRun::cpu_until_s(double distance_m_asked) const {
@@ -74,6 +91,7 @@ PolicyRun run_policy_method(Simulation& simulation, const SimulationState& hangi
   if (run.distance_m.empty()) return run;
   const auto nearest = std::min_element(run.distance_m.begin(), run.distance_m.end());
   run.fell_back_m = *std::max_element(nearest, run.distance_m.end()) - *nearest;
+  judge_end(run);
   return run;
 }
 

@@ -1,7 +1,9 @@
 #include "experiment/cable_experiments.h"
 #include "experiment/cantilever_experiment.h"
 #include "experiment/chamber_experiments.h"
+#include "experiment/fit_experiment.h"
 #include "experiment/policy_experiments.h"
+#include "experiment/rest_states_experiment.h"
 #include "experiment/vision_experiments.h"
 #include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/experiment/experiment.h"
@@ -19,6 +21,8 @@ SceneOptions ExperimentContext::scene_options(const std::string& changes) const 
 std::vector<Experiment> simulation_experiments() {
   return {
       {"cantilever", "sag of a silicone bar over Poisson's ratio: which elements lock", run_cantilever_experiment},
+      {"rest_states", "rest states reached in time against the equilibrium, by every solver and over time steps",
+       run_rest_states_experiment},
       {"3.3.1", "markers found by contrast and by colour on the hanging Spinebot", run_segmentation_at_rest_experiment},
       {"3.3.2", "markers found by contrast and by colour on the moving Spinebot",
        run_segmentation_in_motion_experiment},
@@ -37,6 +41,8 @@ std::vector<Experiment> simulation_experiments() {
        run_tracking_experiment},
       {"7.3.1", "ten random targets for Hammerbot, all methods", run_random_targets_experiment},
       {"7.3.2", "how the methods converge on a near and a far target", run_convergence_experiment},
+      {"fit", "Spinebot's model fitted to its table of contractions, and tried on poses it has not seen",
+       run_fit_experiment},
   };
 }
 

@@ -57,9 +57,7 @@ Plot plot_speed_accuracy(const SpeedLadder& ladder, const SpeedProblem& problem,
             problem.title + ", Poisson's ratio " + poissons_ratio,
             {},
             {}};
-  plot.x = {settled ? "CPU-seconds per simulated second, 60 Hz"
-                    : "CPU-seconds per equilibrium",
-            true};
+  plot.x = {settled ? "CPU-seconds per simulated second, 60 Hz" : "CPU-seconds per equilibrium", true};
   plot.y = {"error of the displacement [%]", true};
   plot.width_px = 1100;
   if (settled) plot.x.guides = {1.0};
@@ -78,23 +76,6 @@ Plot plot_speed_accuracy(const SpeedLadder& ladder, const SpeedProblem& problem,
   add_bullet(plot, bullet);
   add_chance_hits(plot, bullet);
   if (settled && problem.name == "cantilever") add_elsewhere(plot, ladder, poissons_ratio);
-  return plot;
-}
-
-Plot plot_convergence(const SpeedProblem& problem, const std::vector<SpeedRun>& runs) {
-  Plot plot{"convergence_" + problem.name, problem.title + ": convergence of equilibria", {}, {}};
-  plot.x = {"element size [mm]", true};
-  plot.y = {"error of the displacement [%]", true};
-  plot.y.guides = {1.0};
-  plot.width_px = 1100;
-  for (const SpeedRun& run : runs) {
-    if (run.problem != problem.name || run.mode != "equilibrium" || !run.ended) continue;
-    Series& series = series_of(plot, run.rung + ", " + run.poissons_ratio);
-    series.x.push_back(1.0e3 * run.size_m);
-    series.y.push_back(percent(run.error));
-  }
-  const auto single = [](const Series& series) { return series.x.size() < 2; };
-  plot.series.erase(std::remove_if(plot.series.begin(), plot.series.end(), single), plot.series.end());
   return plot;
 }
 

@@ -11,9 +11,6 @@ namespace soft_robot_lab {
 Plot plot_speed_accuracy(const SpeedLadder& ladder, const SpeedProblem& problem, const std::string& poissons_ratio,
                          const std::vector<SpeedRun>& runs, const std::string& mode);
 
-// Error over element size by equilibria of one problem, a line per element and Poisson's ratio.
-Plot plot_convergence(const SpeedProblem& problem, const std::vector<SpeedRun>& runs);
-
 // CPU time of a simulated second over nodes.
 Plot plot_cost_of_nodes(const SpeedProblem& problem, const std::vector<SpeedRun>& runs);
 

@@ -1,7 +1,6 @@
 #include "experiment/speed_claims.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -78,28 +77,6 @@ std::optional<SpeedRun> cheapest_for_all(const std::vector<SpeedRun>& runs, cons
   return best;
 }
 
-// Order of convergence between the coarsest and the finest equilibrium of each series: error ~ size^order.
-Json orders(const SpeedProblem& problem, const std::vector<SpeedRun>& runs) {
-  Json json;
-  std::map<std::string, std::vector<SpeedRun>> series;
-  for (const SpeedRun& run : runs) {
-    if (run.problem == problem.name && run.mode == "equilibrium" && run.ended)
-      series[run.rung + ", " + run.poissons_ratio].push_back(run);
-  }
-  for (const auto& [name, members] : series) {
-    if (members.size() < 2) continue;
-    // Least squares of log error over log size.
-    double sx = 0, sy = 0, sxx = 0, sxy = 0;
-    for (const SpeedRun& run : members) {
-      const double x = std::log(run.size_m), y = std::log(std::max(run.error, 1e-6));
-      sx += x, sy += y, sxx += x * x, sxy += x * y;
-    }
-    const auto n = static_cast<double>(members.size());
-    json[name] = (n * sxy - sx * sy) / (n * sxx - sx * sx);
-  }
-  return json;
-}
-
 Json frequencies(const std::vector<SpeedRun>& runs, const std::string& nu) {
   Json json = Json::array();
   for (const SpeedRun& run : runs) {
@@ -149,7 +126,6 @@ SpeedClaims check_claims(const SpeedLadder& ladder, const std::vector<SpeedRun>&
         here["elsewhere"].push_back(row);
       }
     }
-    numbers["orders_of_convergence"] = orders(problem, runs);
   }
   claims.words = words.str();
   return claims;

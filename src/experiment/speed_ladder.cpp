@@ -51,6 +51,22 @@ Eigen::Vector3d find_reference(const std::vector<Source>& sources, const SpeedPr
   throw std::runtime_error("no reference for " + problem.name + " at Poisson's ratio " + nu);
 }
 
+// The points of a problem, in the order of the table, and where they move; the first is that of the reference.
+void read_curves(const ExperimentContext& context, const std::string& table, SpeedProblem& problem) {
+  const std::vector<ReferenceRow> rows = read_reference(context.config_folder + "/reference", table);
+  for (const std::string& nu : problem.poissons_ratios) {
+    std::vector<double> points, moved;
+    for (const ReferenceRow& row : rows) {
+      if (row.text("problem") != problem.name || row.text("nu") != nu) continue;
+      points.insert(points.end(), {row.number("x_m"), row.number("y_m"), row.number("z_m")});
+      moved.insert(moved.end(), {row.number("ux_m"), row.number("uy_m"), row.number("uz_m")});
+    }
+    if (points.empty()) throw std::runtime_error("no curve in " + table + " for " + problem.name + " at " + nu);
+    problem.points_m = Eigen::Map<Eigen::Matrix3Xd>(points.data(), 3, static_cast<Eigen::Index>(points.size() / 3));
+    problem.curves_m.emplace_back(Eigen::Map<Eigen::Matrix3Xd>(moved.data(), 3, problem.points_m.cols()));
+  }
+}
+
 SpeedProblem read_problem(const ExperimentContext& context, const SettingsNode& node) {
   SpeedProblem problem;
   problem.name = node.text("name");
@@ -64,6 +80,7 @@ SpeedProblem read_problem(const ExperimentContext& context, const SettingsNode& 
     problem.poissons_ratios.push_back(nu.as_text());
     problem.references_m.push_back(find_reference(sources, problem, problem.poissons_ratios.back()));
   }
+  read_curves(context, node.text("curves"), problem);
   return problem;
 }
 
@@ -111,7 +128,8 @@ SpeedLadder read_speed_ladder(const ExperimentContext& context) {
   for (const SettingsNode& item : node.sequence("bullet")) ladder.rungs.push_back(read_rung(item, true));
   ladder.release = read_release(context, node.child("release"));
   for (const SettingsNode& item : node.sequence("elsewhere")) {
-    ElsewherePoint point{item.text("name"), item.text("nu"), {}, item.number("error_percent", AllowedRange::positive())};
+    ElsewherePoint point{
+        item.text("name"), item.text("nu"), {}, item.number("error_percent", AllowedRange::positive())};
     if (item.has("cost")) point.cost = item.number("cost", AllowedRange::positive());
     ladder.elsewhere.push_back(point);
   }
@@ -148,10 +166,12 @@ SpeedLadder choose_problems(SpeedLadder ladder, const std::vector<std::string>& 
     SpeedProblem part = problem;
     part.poissons_ratios.clear();
     part.references_m.clear();
+    part.curves_m.clear();
     for (std::size_t i = 0; i < problem.poissons_ratios.size(); ++i) {
       if (!std::count(poissons_ratios.begin(), poissons_ratios.end(), problem.poissons_ratios[i])) continue;
       part.poissons_ratios.push_back(problem.poissons_ratios[i]);
       part.references_m.push_back(problem.references_m[i]);
+      part.curves_m.push_back(problem.curves_m[i]);
     }
     if (!part.poissons_ratios.empty()) left.push_back(part);
   }
@@ -164,6 +184,7 @@ SpeedLadder quick_part(SpeedLadder ladder) {
   SpeedProblem& first = ladder.problems.at(0);
   first.poissons_ratios = {first.poissons_ratios.front(), first.poissons_ratios.back()};
   first.references_m = {first.references_m.front(), first.references_m.back()};
+  first.curves_m = {first.curves_m.front(), first.curves_m.back()};
   ladder.problems.resize(1);
   const auto shorten = [](std::vector<double>& values) { values.resize(std::min<std::size_t>(values.size(), 2)); };
   const auto slow = [](const SpeedRung& rung) { return !rung.quick; };

@@ -18,7 +18,9 @@ struct SpeedProblem {
   double size_m = 0.0;                        // thickness of the body
   double duration_s = 0.0;                    // of a run from rest that shall come to rest
   std::vector<std::string> poissons_ratios;   // as the tables write them
-  std::vector<Eigen::Vector3d> references_m;  // per Poisson's ratio: displacement of the first marker
+  std::vector<Eigen::Vector3d> references_m;  // per Poisson's ratio: displacement of the first judged point
+  Eigen::Matrix3Xd points_m;                  // all that are judged, of the rest shape
+  std::vector<Eigen::Matrix3Xd> curves_m;     // per Poisson's ratio: their displacements
 };
 
 struct SpeedRung {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "experiment/speed_ladder.h"
 
@@ -18,7 +19,10 @@ struct SpeedRun {
   // Bullet: whether it came to the rest state of its own equations, which are those of our linear elements. Where its
   // linear solver stops early it does not, and may by chance stand nearer to the truth than its mesh allows.
   bool own_equilibrium = true;
-  double error = 0.0;  // of the first marker's displacement, relative to the reference's length
+  // The larger one of two, so that neither side is exact by chance: the error of the first point's displacement,
+  // relative to the reference's length; and the root mean square over all points, relative to that of the fine curve.
+  double error = 0.0;
+  std::vector<double> curve;  // displacements at the end, x y z of each point, over the norm of the fine curve
   // Settled: CPU-seconds per simulated second, counting only the steps in which the solver iterated, so that a body
   // asleep costs nothing and counts for nothing. Equilibrium: CPU-seconds. Without meshing and reading.
   double cost = 0.0;

@@ -8,7 +8,7 @@
 namespace soft_robot_lab {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SpeedRun, problem, poissons_ratio, rung, mode, bullet, size_m, nodes, elements,
-                                   ended, error, cost, cpu_s, iterations, frequency_error, message)
+                                   ended, error, curve, cost, cpu_s, iterations, frequency_error, message)
 
 void write_runs(const std::string& path, const std::vector<SpeedRun>& runs) {
   std::ofstream file(path);

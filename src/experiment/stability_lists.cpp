@@ -89,8 +89,8 @@ std::vector<StabilityMethod> stability_methods() {
           {"global, in time", "", "", false, true},
           {"global, in time, bdf2", "", bdf2, false, true},
           {"global, linear elements", linear, "", false, false, "", "", 2.0, 20.0},
-          {"gauss_seidel", "", substeps, false, false, "", "", kSlowDuration_s, 20.0},
-          {"gauss_seidel, linear", linear, substeps, false, false, "", "", kSlowDuration_s, 20.0},
+          {"gauss_seidel", "", substeps, false, false, "", "", kSlowDuration_s, 15.0},
+          {"gauss_seidel, linear", linear, substeps, false, false, "", "", kSlowDuration_s, 10.0},
           {"explicit coupling", "", "", false, false, "", "model: explicit", kSlowDuration_s, 6.0}};
 }
 

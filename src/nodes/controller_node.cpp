@@ -22,6 +22,7 @@
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/execution.h"
+#include "soft_robot_lab/ros/fit_service.h"
 #include "soft_robot_lab/ros/policy_request.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/scene/scene.h"
@@ -77,6 +78,7 @@ class ControllerNode {
   ros::Publisher command_publisher_, progress_publisher_, target_publisher_;
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
+  std::unique_ptr<FitService> fit_service_;
 };
 
 ControllerNode::ControllerNode() {
@@ -100,6 +102,7 @@ ControllerNode::ControllerNode() {
                       &Execution::add_measured, &execution_),
       node_.subscribe(topics::motor_state, 100, &Execution::add_motors, &execution_),
   };
+  fit_service_ = std::make_unique<FitService>(node_, scene_options_, scene);
   if (model_) offer_services();
 }
 

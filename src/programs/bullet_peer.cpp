@@ -21,9 +21,9 @@ using namespace soft_robot_lab;
 constexpr const char* kUsage =
     "usage: bullet_peer SCENE.yaml [--changes YAML] [--settings YAML] [--duration SECONDS] [--judged SECONDS]\n"
     "                   [--cpu-limit SECONDS] [--mesher PROGRAM] [--result FILE]\n"
-    "Lets Bullet's deformable solver run the scene from rest, at its first commands, and writes where its first "
-    "marker\n"
-    "was in the last (--judged) seconds and the CPU time it took as JSON. Changes are laid over the scene; settings "
+    "Lets Bullet's deformable solver run the scene from rest, at its first commands, and writes where its markers\n"
+    "were (x, y, z of each) in the last (--judged) seconds and the CPU time it took as JSON. Changes are laid over the "
+    "scene; settings "
     "are Bullet's: model, implicit,\n"
     "line_search, time_step_s, newton_iterations, newton_tolerance, krylov_iterations, krylov_tolerance, damping_s,\n"
     "drag, mass_scale.\n"
@@ -103,7 +103,6 @@ int run(const Arguments& arguments) {
   }
   const BulletSettings settings = read_settings(arguments.settings);
   BulletBody body(simulation, settings);
-  const Marker& marker = simulation.markers().at(0);
   const long steps = std::lround(arguments.duration_s / settings.time_step_s);
   const long judged = std::max(1L, std::lround(arguments.judged_s / settings.time_step_s));
   nlohmann::ordered_json moved_m = nlohmann::ordered_json::array();
@@ -117,8 +116,12 @@ int run(const Arguments& arguments) {
     const Eigen::Matrix3Xd positions_m = body.positions_m();
     finite = positions_m.allFinite() && positions_m.cwiseAbs().maxCoeff() < kFarAway_m;
     if (++done <= steps - judged || !finite) continue;
-    const Eigen::Vector3d moved = marker.position(positions_m) - marker.rest_position_m();
-    moved_m.push_back({moved.x(), moved.y(), moved.z()});
+    nlohmann::ordered_json now_m = nlohmann::ordered_json::array();
+    for (const Marker& marker : simulation.markers()) {
+      const Eigen::Vector3d moved = marker.position(positions_m) - marker.rest_position_m();
+      for (const double part : moved) now_m.push_back(part);
+    }
+    moved_m.push_back(now_m);
   }
   const bool ended = finite && done == steps;
   nlohmann::ordered_json result = {{"ran_to_the_end", ended},

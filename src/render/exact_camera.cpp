@@ -135,7 +135,7 @@ cv::Mat ExactCamera::fine_pixels(const Stage& stage, const ExactImage& sharp, co
   for (int v = 0; v < area.height; ++v)
     for (int u = 0; u < area.width; ++u)
       if (at_edge(sharp, {u, v})) fine.at<std::uint8_t>(v, u) = 255;
-  for (const cv::Rect& bounds : sticker_bounds(stage)) {
+  for (const cv::Rect& bounds : sticker_bounds(stage.robot(), stage.state())) {
     const cv::Rect seen = bounds & area;
     if (!seen.empty()) fine(seen - area.tl()).setTo(255);
   }
@@ -162,8 +162,9 @@ void ExactCamera::draw(const Stage& stage, const Exposure& exposure, const cv::R
   sharp.depth(local).copyTo(image.depth(inside));
   sharp.colour(local).copyTo(image.colour(inside));
   image.colour(inside).setTo(cv::Scalar::all(0), fine);
-  for (int moment = 0; moment < exposure.moments; ++moment) {
-    exposure.show(moment);
+  for (int i = 0; i < exposure.moments; ++i) {
+    const int moment = (i + exposure.moments / 2) % exposure.moments;  // beginning with what is shown now
+    if (i > 0) exposure.show(moment);
     for (int v = 0; v < fine.rows; ++v)
       for (int u = 0; u < fine.cols; ++u) {
         if (fine.at<std::uint8_t>(v, u) == 0) continue;
@@ -174,10 +175,10 @@ void ExactCamera::draw(const Stage& stage, const Exposure& exposure, const cv::R
   }
 }
 
-cv::Rect ExactCamera::robot_bounds(const Stage& stage) const {
+cv::Rect ExactCamera::robot_bounds(const SeenRobot& robot, const SeenState& state) const {
   const Eigen::Isometry3d camera_from_world = world_from_camera_.inverse();
   Eigen::Vector2d least = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()), largest = -least;
-  const Eigen::Matrix3Xd& vertices_m = stage.state().vertices_m;
+  const Eigen::Matrix3Xd& vertices_m = state.vertices_m;
   for (Eigen::Index i = 0; i < vertices_m.cols(); ++i) {
     const Eigen::Vector3d point = camera_from_world * vertices_m.col(i);
     if (point.z() < nearest_sight_m) return image_area();
@@ -186,27 +187,27 @@ cv::Rect ExactCamera::robot_bounds(const Stage& stage) const {
     largest = largest.cwiseMax(pixel);
   }
   cv::Rect bounds = pixels_between(least, largest, image_area());
-  for (const cv::Rect& sticker : sticker_bounds(stage)) bounds |= sticker;
+  for (const cv::Rect& sticker : sticker_bounds(robot, state)) bounds |= sticker;
   return bounds & image_area();
 }
 
-double ExactCamera::robot_depth_m(const Stage& stage) const {
+double ExactCamera::robot_depth_m(const SeenState& state) const {
   const Eigen::Isometry3d camera_from_world = world_from_camera_.inverse();
   const Eigen::RowVector3d ahead = camera_from_world.linear().row(2);
   double depth_m = std::numeric_limits<double>::infinity();
-  for (const Eigen::Matrix3Xd* points_m : {&stage.state().vertices_m, &stage.state().stickers_m})
+  for (const Eigen::Matrix3Xd* points_m : {&state.vertices_m, &state.stickers_m})
     if (points_m->size() > 0)
       depth_m = std::min(depth_m, (ahead * *points_m).minCoeff() + camera_from_world.translation().z());
   return std::max(depth_m, nearest_sight_m);
 }
 
-std::vector<cv::Rect> ExactCamera::sticker_bounds(const Stage& stage) const {
+std::vector<cv::Rect> ExactCamera::sticker_bounds(const SeenRobot& robot, const SeenState& state) const {
   const Eigen::Isometry3d camera_from_world = world_from_camera_.inverse();
   const double focal_px = std::max(model_.focal_x_px, model_.focal_y_px);
   std::vector<cv::Rect> bounds;
-  for (Eigen::Index i = 0; i < stage.state().stickers_m.cols(); ++i) {
-    const Eigen::Vector3d centre = camera_from_world * stage.state().stickers_m.col(i);
-    const double radius_m = 0.5 * stage.robot().stickers[static_cast<std::size_t>(i)].diameter_m;
+  for (Eigen::Index i = 0; i < state.stickers_m.cols(); ++i) {
+    const Eigen::Vector3d centre = camera_from_world * state.stickers_m.col(i);
+    const double radius_m = 0.5 * robot.stickers[static_cast<std::size_t>(i)].diameter_m;
     if (centre.z() < nearest_sight_m + radius_m) continue;
     const Eigen::Vector2d middle = model_.project(centre);
     const auto reach = Eigen::Vector2d::Constant(focal_px * radius_m / (centre.z() - radius_m));

@@ -78,21 +78,27 @@ RenderedCamera& RenderedCamera::operator=(RenderedCamera&&) noexcept = default;
 
 RgbdFrame RenderedCamera::take(Stage& stage, const SeenMotion& motion, double stamp_s, std::uint64_t frame) {
   check(motion);
+  const SeenState& shown = stage.state();
+  if (motion.present.vertices_m.cols() != shown.vertices_m.cols() ||
+      motion.present.stickers_m.cols() != shown.stickers_m.cols())
+    stage.show(motion.present);  // which refuses it
   if (!drawn_.empty()) {
     camera_.background().colour(drawn_).copyTo(canvas_.colour(drawn_));
     camera_.background().depth(drawn_).copyTo(canvas_.depth(drawn_));
   }
-  stage.show(motion.present);
-  drawn_ = camera_.robot_bounds(stage);
-  if (model_.moves() && motion.interval_s > 0 && largest_step_m(motion) > 0)
+  if (model_.moves() && motion.interval_s > 0 && largest_step_m(motion) > 0) {
     draw_moving(stage, motion);
-  else
+    stage.show(motion.present);
+  } else {
+    stage.show(motion.present);
+    drawn_ = camera_.robot_bounds(stage.robot(), motion.present);
     camera_.draw(stage, drawn_, static_cast<float>(model_.gloss), canvas_, samples_a_side_);
+  }
   return {name_, stamp_s, colour_->image(canvas_.colour, drawn_, frame), depth_->image(canvas_, drawn_, frame)};
 }
 
 void RenderedCamera::draw_moving(Stage& stage, const SeenMotion& motion) {
-  const double px_per_m = camera_.model().focal_x_px / camera_.robot_depth_m(stage);
+  const double px_per_m = camera_.model().focal_x_px / camera_.robot_depth_m(motion.present);
   const double smear_px = largest_step_m(motion) / motion.interval_s * px_per_m * model_.exposure_time_s;
   const int moments = std::clamp(static_cast<int>(std::ceil(smear_px / moment_px)), 1, most_moments);
   std::vector<SeenState> states;
@@ -103,13 +109,12 @@ void RenderedCamera::draw_moving(Stage& stage, const SeenMotion& motion) {
     };
     states.push_back({at(motion.present.vertices_m, motion.before.vertices_m),
                       at(motion.present.stickers_m, motion.before.stickers_m)});
-    stage.show(states.back());
-    drawn_ = i == 0 ? camera_.robot_bounds(stage) : drawn_ | camera_.robot_bounds(stage);
+    const cv::Rect bounds = camera_.robot_bounds(stage.robot(), states.back());
+    drawn_ = i == 0 ? bounds : drawn_ | bounds;
   }
   const ExactCamera::Exposure exposure{moments, smear_px,
                                        [&](int i) { stage.show(states[static_cast<std::size_t>(i)]); }};
   camera_.draw(stage, exposure, drawn_, static_cast<float>(model_.gloss), canvas_, samples_a_side_);
-  stage.show(motion.present);
 }
 
 }  // namespace soft_robot_lab

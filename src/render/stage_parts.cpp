@@ -11,7 +11,6 @@ namespace soft_robot_lab {
 namespace {
 
 const float flat_cosine = std::cos(50.0f * static_cast<float>(M_PI) / 180);  // how far a sticker follows an edge
-constexpr float gloss_exponent = 80;                                         // spots about 10 degrees wide
 
 // Two triangles to a side; bit k of a corner's number says whether it is at the maximum of axis k.
 constexpr int cuboid_triangles[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
@@ -32,6 +31,15 @@ Eigen::Matrix3Xi triangles_of(const std::vector<Cuboid>& cuboids) {
   for (Eigen::Index t = 0; t < triangles.cols(); ++t)
     for (int k = 0; k < 3; ++k) triangles(k, t) = static_cast<int>(t / 12) * 8 + cuboid_triangles[t % 12][k];
   return triangles;
+}
+
+// To the power 80: spots about 10 degrees wide.
+float spot(float cosine) {
+  float power = cosine;
+  for (int i = 0; i < 4; ++i) power *= power;  // 16
+  const float of_16 = power;
+  power *= power;  // 32
+  return power * power * of_16;
 }
 
 }  // namespace
@@ -83,9 +91,7 @@ Eigen::Vector3f Stage::Parts::shade(const Eigen::Vector3d& colour, const Eigen::
     const Eigen::Vector3f towards_light = (light.position_m.cast<float>() - point_m).normalized();
     const float strength = static_cast<float>(light.strength);
     matt += strength * std::max(0.0f, normal.dot(towards_light));
-    if (gloss > 0)
-      mirrored +=
-          strength * std::pow(std::max(0.0f, normal.dot((towards_light + towards_eye).normalized())), gloss_exponent);
+    if (gloss > 0) mirrored += strength * spot(std::max(0.0f, normal.dot((towards_light + towards_eye).normalized())));
   }
   return (matt * colour.cast<float>()).array() + gloss * mirrored;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "soft_robot_lab/ros/actuator_plugins.h"
+#include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/scene/scene.h"
 
 namespace soft_robot_lab {
@@ -49,6 +50,7 @@ void TrackingInput::set_poses(const std::vector<CameraPose>& poses) {
 }
 
 void TrackingInput::add_info(const std::string& camera, const sensor_msgs::CameraInfo& info) {
+  camera_model(info);  // refuses a wrong one, also before there is a scene
   if (tracking_) tracking_->add_info(camera, info);
   infos_[camera] = info;
 }

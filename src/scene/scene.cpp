@@ -3,15 +3,12 @@
 #include "scene/fidelity.h"
 
 namespace soft_robot_lab {
-namespace {
 
 SettingsNode lay_changes_over(const SettingsNode& scene, const std::string& changes) {
   const SettingsNode settings = with_includes(scene);
   if (changes.empty()) return settings;
   return merge_settings(settings, SettingsNode::parse(changes, scene.source() + " (with changes)"));
 }
-
-}  // namespace
 
 Scene build_scene(const SettingsNode& settings, TetMesh mesh, const SceneOptions& options) {
   refuse_contact(settings);

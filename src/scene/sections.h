@@ -17,6 +17,9 @@ namespace soft_robot_lab {
 // The settings with the files they include merged below them.
 SettingsNode with_includes(const SettingsNode& settings);
 
+// The same of a scene, with YAML text laid over it, unless that is empty.
+SettingsNode lay_changes_over(const SettingsNode& scene, const std::string& changes);
+
 // The scene on this mesh, whatever mesh its file asks for.
 Scene build_scene(const SettingsNode& settings, TetMesh mesh, const SceneOptions& options);
 

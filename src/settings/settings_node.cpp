@@ -399,7 +399,11 @@ SettingsNode SettingsNode::Data::change_named(const SettingsNode& list, const Se
 SettingsNode merge_settings(const SettingsNode& base, const SettingsNode& overlay) {
   using Data = SettingsNode::Data;
   if (base.is_sequence() && overlay.is_map()) return Data::change_named(base, overlay);
-  if (!base.is_map() || !overlay.is_map() || overlay.has("preset") || overlay.has("model")) return Data::copy(overlay);
+  const auto names = [&](const char* key) {  // without asking, which an error would list as a known key
+    const auto& members = overlay.data_->members;
+    return std::any_of(members.begin(), members.end(), [&](const Data::Member& member) { return member.key == key; });
+  };
+  if (!base.is_map() || !overlay.is_map() || names("preset") || names("model")) return Data::copy(overlay);
   return Data::lay_over(base, overlay);
 }
 

@@ -33,9 +33,11 @@ bool within_budget(const SimulationParts& parts, const SolveReport& report) {
   return report.iterations < kBudget * parts.options.max_iterations;
 }
 
-bool relax(SimulationParts& parts, SolveReport& report) {
+bool relax(SimulationParts& parts, SolveReport& report, bool only_through_stable) {
   NewtonState unknown = parts.unknowns();
-  if (!parts.solve(rest_task(parts), unknown, report).converged) return false;
+  NewtonTask task = rest_task(parts);
+  task.only_through_stable = only_through_stable;
+  if (!parts.solve(task, unknown, report).converged) return false;
   parts.accept(std::move(unknown));
   return true;
 }

@@ -18,13 +18,21 @@ void tell_unfinished(double done, SolveReport& report) {
   report.message = reached.str();
 }
 
-// By Newton, in stages of the command change where one is too far; the share of it that was reached.
+std::vector<double> actuated(const SimulationParts& parts) {
+  std::vector<double> commands;
+  for (const auto& actuator : parts.actuators) commands.push_back(actuator->actuated_command());
+  return commands;
+}
+
+// By Newton, in stages of the command change where one is too far; the share of it that was reached. A stage whose way
+// leads through an unstable shape, as where a body buckles, hardly ever converges: it is cut before it costs anything.
 double follow_commands(SimulationParts& parts, const std::vector<double>& from, SolveReport& report) {
   double done = 0.0, stage = 1.0;
   while (done < 1.0 && stage * kSmallestStage >= 1.0 && within_budget(parts, report)) {
     const double share = std::min(1.0, done + stage);
     parts.move_actuators(from, share);
-    const bool found = relax(parts, report);
+    const bool cuttable = actuated(parts) != from && 0.5 * stage * kSmallestStage >= 1.0;
+    const bool found = relax(parts, report, cuttable);
     if (found) done = share;
     stage *= found ? 2.0 : 0.5;
   }
@@ -38,12 +46,6 @@ void start_from_rest_shape(SimulationParts& parts) {
   parts.state.constraint_multipliers.setZero();
   for (auto& actuator : parts.actuators) actuator->place(actuator->limits().rest);
   parts.begin_step();
-}
-
-std::vector<double> actuated(const SimulationParts& parts) {
-  std::vector<double> commands;
-  for (const auto& actuator : parts.actuators) commands.push_back(actuator->actuated_command());
-  return commands;
 }
 
 }  // namespace

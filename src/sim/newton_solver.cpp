@@ -397,6 +397,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     };
     bool found = fresh_step();
     if (!convex && (!found || step.slope > 0.0)) {
+      if (task.only_through_stable) return finish("the way leads through an unstable shape");
       convex = true;
       found = fresh_step();
     }
@@ -408,6 +409,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     if (length < 1.0) ++report.shortened;
     if (!accepted && convex) return finish("no step lowers the energy");
     convex = !accepted || (convex && length < 1.0);
+    if (convex && task.only_through_stable) return finish("no step lowers the energy");
     old_factor = accepted && task.reuse_factor && !convex;
   }
   return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");
@@ -439,56 +441,6 @@ std::vector<JunctionBound> NewtonSolver::junctions_at(const Eigen::Matrix3Xd& po
   for (const SharedLength& shared : shared_)
     bounds.push_back({shared.first, shared.second, shared.junction->ratio(positions_m)});
   return bounds;
-}
-
-// Along the equilibria that the commands move through: S dy + D dq = d offset on active constraints, dy given on the
-// others; at a junction dq = 0, or where it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx.
-Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers) {
-  if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return {};
-  const int count = constraint_count(), junctions = junction_count();
-  const Eigen::VectorXd& y = state.constraint_multipliers;
-  MultiplierProblem problem;
-  problem.softness = border_.transpose() * border_solved_;
-  problem.junctions = junctions_at(state.positions_m);
-  for (int i = 0; i < count; ++i)
-    problem.laws.push_back(constraints_[i]->law(constraints_[i]->value(state.positions_m), y[i]));
-  for (int i = 0; i < count; ++i) problem.softness(i, i) += problem.laws[i].compliance;
-  if (!stable_under(problem, y)) return {};
-  if (count == 0) return border_solved_;
-
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count + junctions, count + junctions);
-  Eigen::MatrixXd drive = Eigen::MatrixXd::Zero(count + junctions, count);  // columns: commands
-  for (int i = 0; i < count; ++i) {
-    const ConstraintLaw& law = problem.laws[i];
-    if (active(law, y[i])) {
-      matrix.row(i).head(count) = problem.softness.row(i);
-      drive(i, i) = law.offset_per_command;
-    } else {  // dy is known, zero for a slack cable
-      matrix(i, i) = 1.0;
-      drive(i, i) = law.prescribed() ? law.multiplier_per_command : 0.0;
-    }
-  }
-  for (int j = 0; j < junctions; ++j) {
-    const auto& [first, second, ratio] = problem.junctions[j];
-    const int row = count + j;
-    const bool held_first = !active(problem.laws[first], y[first]),
-               held_second = !active(problem.laws[second], y[second]);
-    if (!held_first) matrix(first, row) = 1.0;
-    if (!held_second) matrix(second, row) = -1.0;
-    const int slip = slipping(problem.junctions[j], y);
-    if (slip == 0 || (held_first && held_second)) {
-      matrix(row, row) = 1.0;
-      continue;
-    }
-    Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
-    shared_[j].junction->add_log_ratio_gradient(state.positions_m, ratio * y[slip > 0 ? second : first], gradient);
-    matrix.row(row).head(count) = as_vector(gradient).transpose() * border_solved_;
-    matrix(row, first) += slip > 0 ? 1.0 : -ratio;
-    matrix(row, second) += slip > 0 ? -ratio : 1.0;
-  }
-  const Eigen::MatrixXd multiplier_changes = matrix.fullPivLu().solve(drive).topRows(count);
-  if (multipliers) *multipliers = multiplier_changes;
-  return -border_solved_ * multiplier_changes;
 }
 
 }  // namespace soft_robot_lab

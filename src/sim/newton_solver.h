@@ -56,6 +56,7 @@ struct NewtonTask {
   double tolerance = 1e-6;
   int min_iterations = 0;
   int max_iterations = 60;
+  bool only_through_stable = false;  // give up where the matrix is not convex, rather than shift it
   bool reuse_factor = false;  // first try what the last factor can still do
 };
 
@@ -72,6 +73,19 @@ struct NewtonReport {
   double tolerance = 0.0;
   int worst_node = -1;  // with the largest residual force
   std::string reason;   // empty when converged
+};
+
+// How something moves an equilibrium, one column each: what it adds to the residual force (released, 3*node + axis; may
+// be empty), to the offsets less compliance * y of active constraints, to prescribed multipliers, and to the logarithms
+// of the junctions' ratios (may be empty); all at fixed unknowns.
+struct NewtonDrive {
+  Eigen::MatrixXd forces_n, offsets, multipliers, log_ratios;
+};
+
+// What follows from it, column by column.
+struct NewtonResponse {
+  bool stable = false;  // false: the tangent is not positive definite, there is no stable equilibrium; all else is empty
+  Eigen::MatrixXd motions_m, multipliers, flows_m;
 };
 
 class NewtonSolver {
@@ -93,6 +107,13 @@ class NewtonSolver {
   // of its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
   // `multipliers`, where given, becomes d multiplier / d command, constraints x constraints.
   Eigen::MatrixXd sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers = nullptr);
+
+  // The derivative of an equilibrium along anything else, by the implicit function theorem with the solver's own factor.
+  NewtonResponse respond(const NewtonState& state, const NewtonDrive& drive);
+
+  // What the residual force at an equilibrium gains where all moduli of the body grow by the factor 1 + d: the elastic
+  // force, which loads and constraints balance. Over 3*node + axis.
+  Eigen::VectorXd elastic_force_n(const NewtonState& state) const;
 
   // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
   double rest_residual(const NewtonState& state) const;

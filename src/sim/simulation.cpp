@@ -6,6 +6,7 @@
 
 #include "actuator_warnings.h"
 #include "equilibrium.h"
+#include "parameter_response.h"
 #include "rest.h"
 #include "simulation_parts.h"
 #include "state_check.h"
@@ -157,6 +158,22 @@ Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {
         result.block<3, 1>(3 * static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(a)) +=
             p.markers[m].velocity(p.state.positions_m, motion);
     }
+  }
+  return result;
+}
+
+Eigen::MatrixXd Simulation::parameter_sensitivities(const std::vector<ModelParameter>& parameters,
+                                                    Eigen::MatrixXd& slipped_m) {
+  SimulationParts& p = *parts_;
+  p.begin_step();
+  const Eigen::MatrixXd motions = parameter_motions(p, parameters, slipped_m);
+  p.remember();
+  Eigen::MatrixXd result(3 * static_cast<Eigen::Index>(p.markers.size()), motions.cols());
+  for (Eigen::Index column = 0; column < motions.cols(); ++column) {
+    const Eigen::Map<const Eigen::Matrix3Xd> motion(motions.col(column).data(), 3, p.state.positions_m.cols());
+    for (std::size_t m = 0; m < p.markers.size(); ++m)
+      result.block<3, 1>(3 * static_cast<Eigen::Index>(m), column) =
+          p.markers[m].velocity(p.state.positions_m, motion);
   }
   return result;
 }

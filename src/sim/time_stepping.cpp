@@ -16,7 +16,8 @@ namespace {
 constexpr int kDeepestHalving = 6;  // a time step is cut into at most 2^6 parts
 constexpr int kBudget = 10;         // times max_iterations, for a step; then it takes what it has
 
-// What the actuators do within a time step: they move evenly, also those without a speed limit.
+// What the actuators do within a time step, which begins here for them: they move evenly, also those without a speed
+// limit.
 struct CommandPath {
   std::vector<double> from, to;
 
@@ -91,7 +92,7 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
 // What bdf2 knows of the step before lets halves differ in length; where they grow too fast, as they may afterwards,
 // one step is implicit Euler's. A part that finds no solution at last falls down its energy, which never adds any.
 void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
-  parts.begin_step(part.share() * h);
+  if (part.depth > 0) parts.begin_step(part.share() * h);
   path.move(parts, part.to);
   const bool last_resort = part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
   if (try_step(parts, part.share() * h, last_resort, report)) return;

@@ -30,16 +30,19 @@ SolverOptions gauss_seidel(int substep_count) {
   return options;
 }
 
-Body make_body(const Bar& bar) {
+Body make_body(const Bar& bar, double rayleigh_mass_per_s = 0.0) {
   Body body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, bar.cells, bar.quadratic),
             {264200.0, bar.poissons_ratio, 1070.0});
   body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
   body.set_gravity({0, -9.81, 0});
+  Viscosity viscosity;
+  viscosity.rayleigh_mass_per_s = rayleigh_mass_per_s;
+  body.set_viscosity(viscosity);
   return body;
 }
 
-Simulation make_bar(const Bar& bar, const SolverOptions& options) {
-  Body body = make_body(bar);
+Simulation make_bar(const Bar& bar, const SolverOptions& options, double rayleigh_mass_per_s = 0.0) {
+  Body body = make_body(bar, rayleigh_mass_per_s);
   const MeshLocator locator(body.mesh());
   std::vector<std::unique_ptr<Actuator>> actuators;
   for (const std::string side : {"upper", "lower"}) {
@@ -68,6 +71,34 @@ TEST(GaussSeidel, ComesToRestWhereTheGlobalSolverDoes) {
     EXPECT_LE(report.residual, local.options().tolerance);
     EXPECT_LT((local.marker_position(0) - global.marker_position(0)).norm(), 5e-6);
     EXPECT_EQ(local.state().velocities_m_s.norm(), 0.0);
+  }
+}
+
+// A bar bent by a cable, damped by its mass so that it comes to rest within a second.
+TEST(RestState, IsThatOfTheEquilibriumForEverySolverAndTimeStep) {
+  Bar bar;
+  bar.cells = kCoarse;
+  bar.cables = "compliance_m_n: 1.0e-4";
+  const auto make = [&](SolverOptions options, double step_s, int substeps) {
+    options.time_step_s = step_s;
+    options.substep_count = substeps;
+    Simulation simulation = make_bar(bar, options, 60.0);
+    simulation.set_command("upper", 0.9);
+    return simulation;
+  };
+  Simulation still = make({}, 0.01, 1);
+  ASSERT_TRUE(still.solve_equilibrium().converged);
+  EXPECT_GT((still.marker_position(0) - Eigen::Vector3d(0.1, 0, 0)).norm(), 0.02);
+  SolverOptions bdf2;
+  bdf2.integrator = Integrator::bdf2;
+  for (const auto& [step_s, substeps] : {std::pair(0.001, 5), std::pair(0.02, 50), std::pair(0.1, 500)}) {
+    for (const SolverOptions& options : {SolverOptions(), bdf2, gauss_seidel(1)}) {
+      Simulation moving = make(options, step_s, substeps);
+      for (int i = 0; i < static_cast<int>(std::lround(1.0 / step_s)); ++i) moving.step();
+      EXPECT_LT((moving.marker_position(0) - still.marker_position(0)).norm(), 1e-5)
+          << 1e3 * step_s << " ms, method " << static_cast<int>(options.method) << ", integrator "
+          << static_cast<int>(options.integrator);
+    }
   }
 }
 

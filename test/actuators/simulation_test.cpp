@@ -50,6 +50,32 @@ Simulation make_bar(const Bar& bar) {
   return Simulation(std::move(body), std::move(actuators), std::move(markers), bar.options);
 }
 
+struct CountingCable : Cable {
+  std::vector<double> steps_s;
+  void begin_step(const StepStart& start) override {
+    steps_s.push_back(start.time_step_s);
+    Cable::begin_step(start);
+  }
+};
+
+TEST(Step, BeginsOnceForTheActuators) {
+  Body body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {4, 1, 1}), {264200.0, 0.49, 1070.0});
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  auto cable = std::make_unique<CountingCable>();
+  CountingCable& counting = *cable;
+  actuators.push_back(std::move(cable));
+  actuators.back()->initialise(
+      SettingsNode::parse("{name: cable, points_m: [[0, 0.005, 0], [0.095, 0.005, 0]]}", "bar"), body,
+      MeshLocator(body.mesh()));
+  Simulation simulation(std::move(body), std::move(actuators), {}, {});
+  simulation.set_command("cable", 0.95);
+  counting.steps_s.clear();
+  const SolveReport report = simulation.step();
+  ASSERT_TRUE(report.converged) << report.message;
+  EXPECT_EQ(counting.steps_s, std::vector<double>{simulation.options().time_step_s});
+}
+
 TEST(Equilibrium, NeedsFewIterationsHoweverIncompressible) {
   for (const double poissons_ratio : {0.0, 0.3, 0.45, 0.499, 0.4999, 0.499999}) {
     Bar bar;

@@ -1,5 +1,6 @@
 // The chart of error against CPU time: its ladder, what it concludes from its runs, and the program at its quickest.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "experiment/manufactured_problem.h"
 #include "experiment/speed_claims.h"
 #include "experiment/speed_ladder.h"
 #include "experiment/speed_measurement.h"
@@ -47,6 +49,13 @@ TEST(SpeedLadder, KnowsTheTruthOfEveryProblem) {
     // Silicone hardly changes its volume, so its displacement hardly changes with Poisson's ratio.
     for (const Eigen::Vector3d& reference_m : problem.references_m)
       EXPECT_LT((reference_m - problem.references_m[0]).norm(), 0.02 * reference_m.norm()) << problem.name;
+    // Our own fine meshes, which say how the other points move, meet the independent reference where there is one.
+    ASSERT_EQ(problem.curves_m.size(), problem.poissons_ratios.size());
+    for (std::size_t i = 0; i < problem.curves_m.size(); ++i) {
+      ASSERT_EQ(problem.curves_m[i].cols(), 10);
+      EXPECT_LT((problem.curves_m[i].col(0) - problem.references_m[i]).norm(), 3e-3 * problem.references_m[i].norm())
+          << problem.name << " at " << problem.poissons_ratios[i];
+    }
   }
   EXPECT_NEAR(ladder.problems[0].references_m[0].y(), -0.01475422, 1e-12);
 }
@@ -78,24 +87,54 @@ TEST(SpeedMeasurement, TheBestRunsAreThoseThatNoOtherBeatsInBoth) {
 }
 
 TEST(SpeedMeasurement, AChanceHitOfBulletDoesNotCount) {
-  SpeedRun ours = settled("0.45", false, 0.01, 0.5, 0.01);
-  ours.rung = "linear, Newton";
-  std::vector<SpeedRun> runs = {ours, settled("0.45", true, 0.01, 0.1, 0.1), settled("0.45", true, 0.01, 0.51, 1.0)};
+  std::vector<SpeedRun> runs = {settled("0.45", false, 0.01, 0.5, 0.01), settled("0.45", true, 0.01, 0.1, 0.1),
+                                settled("0.45", true, 0.01, 0.51, 1.0)};
+  runs[0].rung = "linear, Newton";
+  runs[0].curve = {0.0, 0.5};
+  runs[1].curve = {0.0, 0.9};
+  runs[2].curve = {0.01, 0.49};
   judge_equilibria(runs);
   EXPECT_FALSE(runs[1].own_equilibrium);
   EXPECT_TRUE(runs[2].own_equilibrium);
+}
+
+// A chance hit by one point does not make a curve exact.
+TEST(SpeedMeasurement, CountsTheWholeCurve) {
+  SpeedProblem problem = package_ladder().problems.at(0);
+  const MeasuringTools tools{SOFT_ROBOT_LAB_MESHER, "", 1.0 / 60.0, 0.2, 1.0};
+  const SpeedRung rung{"quadratic", "{body: {element: quadratic}}", false, false, true, true, {}, {5.0}};
+  const double error = measure(problem, 0, rung, 5.0, false, tools).error;
+  problem.curves_m[0].col(5) *= 4.0;
+  EXPECT_GT(measure(problem, 0, rung, 5.0, false, tools).error, error + 0.1);
+}
+
+// With one pressure each, quadratic elements are of second order where the pressure matters, of third where it does
+// not; linear ones are of second order, and lock.
+TEST(Convergence, IsOfTheOrderThatElementsPromise) {
+  const auto order = [](double poissons_ratio, bool quadratic, int level) {
+    const ManufacturedRun coarse = solve_manufactured(poissons_ratio, quadratic, level),
+                          fine = solve_manufactured(poissons_ratio, quadratic, level + 1);
+    EXPECT_TRUE(coarse.converged && fine.converged);
+    return std::log2(coarse.error / fine.error);
+  };
+  EXPECT_GT(order(0.3, true, 1), 2.3);
+  EXPECT_GT(order(0.499, true, 1), 1.0);
+  EXPECT_GT(order(0.3, false, 2), 1.2);
+  EXPECT_LT(order(0.499, false, 2), 0.3) << "locks";
 }
 
 TEST(SpeedRuns, AreReadAsTheyWereWritten) {
   const SceneFolder folder;
   SpeedRun run = settled("0.45", true, 0.01, 0.5, 0.01);
   run.message = "why";
+  run.curve = {1.0, 2.0};
   write_runs(folder.path("runs.json"), {run});
   const std::vector<SpeedRun> read = read_runs(folder.path("runs.json"));
   ASSERT_EQ(read.size(), 1u);
   EXPECT_EQ(read[0].rung, run.rung);
   EXPECT_EQ(read[0].message, "why");
   EXPECT_EQ(read[0].error, 0.5);
+  EXPECT_EQ(read[0].curve, run.curve);
   EXPECT_TRUE(read[0].bullet);
   EXPECT_THROW(read_runs(folder.path("missing.json")), std::runtime_error);
 }
@@ -148,7 +187,8 @@ TEST(ChartSpeedAccuracy, DrawsItsQuickPart) {
   ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
   for (const std::string name :
        {"speed_accuracy_cantilever_0.45.svg", "speed_accuracy_cantilever_0.4999.png", "convergence_cantilever.csv",
-        "equilibrium_cantilever_0.45.svg", "cost_of_nodes_cantilever.svg", "release_time_step.svg", "report.html"})
+        "convergence_time.svg", "equilibrium_cantilever_0.45.svg", "cost_of_nodes_cantilever.svg",
+        "release_time_step.svg", "report.html"})
     EXPECT_TRUE(std::filesystem::exists(charts + "/" + name)) << name;
   const Json result = Json::parse(std::ifstream(charts + "/speed_accuracy.json"));
   EXPECT_EQ(result["converged"], true) << result["message"];
@@ -160,7 +200,7 @@ TEST(ChartSpeedAccuracy, DrawsItsQuickPart) {
       continue;
     }
     if (method == "quadratic, Newton") {
-      EXPECT_LT(row["error [%]"].get<double>(), row["elements"] < 20 ? 30.0 : 6.0) << row;
+      EXPECT_LT(row["error [%]"].get<double>(), row["elements"] < 20 ? 35.0 : 7.0) << row;
     }
     if (row["question"] == "equilibrium") {
       EXPECT_LE(row["iterations"].get<double>(), 6.0) << row;
@@ -169,7 +209,7 @@ TEST(ChartSpeedAccuracy, DrawsItsQuickPart) {
   EXPECT_EQ(bullet > 0, std::filesystem::exists(SOFT_ROBOT_LAB_BULLET_PEER));
   for (const std::string nu : {"0.45", "0.4999"}) {
     for (const Json& point : result["cantilever"][nu]["elsewhere"])
-      EXPECT_TRUE(point["ours"].is_object() || point["error_percent"] < 3.0) << point;
+      EXPECT_TRUE(point["ours"].is_object() || point["error_percent"] < 4.0) << point;
   }
 }
 

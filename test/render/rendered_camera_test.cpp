@@ -263,6 +263,12 @@ TEST(RenderedCamera, RefusesMotionsThatDoNotMatch) {
   RenderedCamera camera("camera", ExactCamera(small_camera(), facing_pose(0.6), stage), SensorModel::d415(), 1);
   EXPECT_THROW(camera.take(stage, {seen.state, {}, 0.01}, 0, 0), std::invalid_argument);
   EXPECT_THROW(camera.take(stage, {seen.state, seen.state, -1}, 0, 0), std::invalid_argument);
+  SeenState more = seen.state, before = seen.state;
+  more.stickers_m.conservativeResize(3, more.stickers_m.cols() + 1);
+  more.stickers_m.rightCols<1>().setZero();
+  before.stickers_m = more.stickers_m;
+  before.vertices_m.array() += 0.01;
+  EXPECT_THROW(camera.take(stage, {more, before, 0.01}, 0, 0), std::invalid_argument);
 }
 
 }  // namespace

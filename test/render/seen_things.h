@@ -55,7 +55,7 @@ inline Eigen::Isometry3d facing_pose(double distance_m) { return look_at({0, -di
 
 inline ExactImage exact_picture(const ExactCamera& camera, const Stage& stage) {
   ExactImage image{camera.background().colour.clone(), camera.background().depth.clone()};
-  camera.draw(stage, camera.robot_bounds(stage), 0, image);
+  camera.draw(stage, camera.robot_bounds(stage.robot(), stage.state()), 0, image);
   return image;
 }
 

@@ -96,9 +96,34 @@ TEST_F(TrackerOfALine, LeavesOutFramesThatCannotBeUsed) {
     const TrackerReport report = tracker.update({frame});
     EXPECT_EQ(report.problems.size(), 1u);
     EXPECT_EQ(report.stamp_s, 0);
+    EXPECT_FALSE(report.updated);
+    EXPECT_TRUE(report.sights.empty());
   }
   EXPECT_EQ(tracker.update({}).late_frames, 1);
   expect_seen(tracker.update({good}), 5e-4, 1);
+}
+
+// For the watch over knocked cameras, also where such a camera is too far off for the tracker to believe it.
+TEST_F(TrackerOfALine, TellsWhatEachCameraMeasuresAlone) {
+  for (const double knock_m : {0.0, 0.005, 0.015}) {
+    Tracker tracker = this->tracker();
+    for (int frame = 0; frame < 5; ++frame) tracker.update(film_both(frame * kFrame_s));
+    TrackerCamera knocked = right_;
+    knocked.world_from_camera.translation().x() += knock_m;
+    TrackerReport report;
+    for (int frame = 5; frame < 10; ++frame)
+      report = tracker.update({film(left_, scene_, frame * kFrame_s), film(knocked, scene_, frame * kFrame_s)});
+    EXPECT_TRUE(report.updated);
+    ASSERT_EQ(report.sights.size(), 8u) << knock_m;
+    for (std::size_t i = 0; i < 8; ++i) {
+      const CameraSight& sight = report.sights[i];
+      EXPECT_EQ(sight.camera, i < 4 ? "left" : "right");
+      EXPECT_EQ(sight.marker, markers_[i % 4].name);
+      EXPECT_EQ(sight.expected_m, markers_[i % 4].rest_position_m);
+      const Eigen::Vector3d seen_m = scene_[i % 4].position_m - Eigen::Vector3d(i < 4 ? 0 : knock_m, 0, 0);
+      EXPECT_LT((sight.measured_m - seen_m).norm(), 0.001) << knock_m;
+    }
+  }
 }
 
 TEST_F(TrackerOfALine, FindsMarkersWithoutAnyDepthAsLongAsBothCamerasSeeThem) {

@@ -36,6 +36,9 @@ class Cable : public Actuator {
   void begin_step(const StepStart& start) override;
   void end_step(const std::vector<double>& flows_m) override;
   std::string why_no_equilibrium() const override;
+  // Keys: length_offset_m, and by model compliance_m_n, friction_coefficient.
+  std::optional<LawChange> law_change(const std::string& key, const Eigen::Matrix3Xd& positions_m,
+                                      const std::vector<double>& multipliers) const override;
   ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const override;
 
  protected:
@@ -50,8 +53,8 @@ class Cable : public Actuator {
   Command kind_ = Command::contraction;
   double rest_length_m_ = 0.0;
   double unloaded_length_m_ = 0.0;  // as commanded
-  double length_offset_m_ = 0.0;
   double pretension_n_ = 0.0;
+  double length_offset_m_ = 0.0;
   std::vector<EmbeddedPoint> points_;
   std::vector<PathChange> path_changes_;
   std::unique_ptr<CableModel> model_;

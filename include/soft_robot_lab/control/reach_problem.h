@@ -16,6 +16,7 @@ struct Prediction {
   Eigen::MatrixXd marker_jacobian;   // 3 goals x commands [m per command]
   Eigen::VectorXd tensions_n;        // one per command, 0 for what has none; empty where the model does not know
   Eigen::MatrixXd tension_jacobian;  // commands x commands [N per command]
+  Eigen::VectorXd slack;             // one per command: below it by so much it begins to act; empty where all act
 };
 
 // Throws ForwardModelError where no equilibrium was found.

@@ -27,10 +27,10 @@ class ExactCamera {
   const Eigen::Isometry3d& world_from_camera() const { return world_from_camera_; }
   const ExactImage& background() const { return background_; }
 
-  // Where the robot may be seen.
-  cv::Rect robot_bounds(const Stage& stage) const;
+  // Where a robot may be seen in a state that the stage need not show.
+  cv::Rect robot_bounds(const SeenRobot& robot, const SeenState& state) const;
   // The least depth of its skin and stickers, at least 1 cm; infinite where there is none.
-  double robot_depth_m(const Stage& stage) const;
+  double robot_depth_m(const SeenState& state) const;
   // Draws robot and surroundings in `area`, nothing elsewhere. Pixels with an edge in or beside them and those about a
   // sticker are the mean of samples_a_side^2 rays each, others are one ray.
   void draw(const Stage& stage, const cv::Rect& area, float gloss, ExactImage& image,
@@ -61,7 +61,7 @@ class ExactCamera {
   void draw_background(const Stage& stage);
   // Of `area`: 255 where many rays are due.
   cv::Mat fine_pixels(const Stage& stage, const ExactImage& sharp, const cv::Rect& area, double smear_px) const;
-  std::vector<cv::Rect> sticker_bounds(const Stage& stage) const;
+  std::vector<cv::Rect> sticker_bounds(const SeenRobot& robot, const SeenState& state) const;
   cv::Rect image_area() const { return {0, 0, model_.width_px, model_.height_px}; }
 
   CameraModel model_;

@@ -30,6 +30,7 @@ constexpr char show_balls[] = "rendered_cameras/show_balls";
 constexpr char move_camera[] = "rendered_cameras/move";
 constexpr char optimise_policy[] = "controller/optimise_policy";
 constexpr char execute_policy[] = "controller/execute_policy";
+constexpr char fit_model[] = "controller/fit_model";
 constexpr char calibrate[] = "tracker/calibrate";
 constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
 

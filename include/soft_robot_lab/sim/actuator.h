@@ -55,6 +55,13 @@ struct CommandLimits {
   std::string unit;  // "1" for contraction and beta, "m", "N", "ml", "Pa"
 };
 
+// How the laws of an actuator's constraints change with a number of its settings, for fitting it to measurements; at
+// fixed positions, multipliers, command and slipped lengths.
+struct LawChange {
+  Eigen::VectorXd offsets;     // per constraint: of offset - compliance * y
+  Eigen::VectorXd log_ratios;  // per junction
+};
+
 // Where a step starts. A search for a rest state has an infinite time step.
 struct StepStart {
   double time_step_s;
@@ -97,7 +104,7 @@ class Actuator {
   virtual std::vector<const Junction*> junctions() const { return {}; }
 
   // What depends on the past, such as a pump's flow or a damper's rate, takes it from the state that a time step starts
-  // from.
+  // from. A step that is cut begins anew with each part; several may begin before one is accepted.
   virtual void begin_step(const StepStart& /*start*/) {}
 
   // A step was accepted in which these lengths [m] slipped, one per junction.
@@ -105,6 +112,12 @@ class Actuator {
 
   // Empty, or why there is no rest state to be sought with this actuator.
   virtual std::string why_no_equilibrium() const { return ""; }
+
+  // Per unit of the number with that key, at these multipliers; nullopt where nothing follows from such a number.
+  virtual std::optional<LawChange> law_change(const std::string& /*key*/, const Eigen::Matrix3Xd& /*positions_m*/,
+                                              const std::vector<double>& /*multipliers*/) const {
+    return std::nullopt;
+  }
 
   // `multipliers`: one per constraint, in their order.
   virtual ActuatorReading observe(const Eigen::Matrix3Xd& positions_m,

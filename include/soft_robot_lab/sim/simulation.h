@@ -18,6 +18,12 @@ namespace soft_robot_lab {
 
 struct SimulationParts;
 
+// A number of the scene on which equilibria depend, as a fit to measurements changes it.
+struct ModelParameter {
+  std::string key;             // of these actuators' settings (Actuator::law_change)
+  std::vector<int> actuators;  // empty: the number is youngs_modulus_pa, with which all moduli of the body grow
+};
+
 class Simulation {
  public:
   // Throws std::invalid_argument where no node is fixed, two actuators or markers share a name, or an option is out of
@@ -42,6 +48,12 @@ class Simulation {
   // cable). Where friction tells going on from turning back, what slipped last goes on. `tensions_n`, where given,
   // becomes d tension / d command, actuators x actuators; zero where there is no tension.
   Eigen::MatrixXd marker_sensitivities(Eigen::MatrixXd* tensions_n = nullptr);
+
+  // d marker / d parameter at the present equilibrium and commands: 3*markers x parameters. With friction it depends on
+  // the way here: `slipped_m`, d length slipped so far / d parameter, junctions x parameters, is what equilibria hand on;
+  // start it empty at the rest shape, and ask at every equilibrium on the way. Throws std::invalid_argument for a
+  // parameter that an actuator does not know, std::runtime_error where the equilibrium is not stable.
+  Eigen::MatrixXd parameter_sensitivities(const std::vector<ModelParameter>& parameters, Eigen::MatrixXd& slipped_m);
 
   void reset();  // rest shape, rest commands, time zero
   const SimulationState& state() const;

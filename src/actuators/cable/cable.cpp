@@ -107,6 +107,22 @@ std::string Cable::why_no_equilibrium() const { return model_->why_no_equilibriu
 Eigen::VectorXd Cable::own_memory() const { return model_->memory(); }
 void Cable::recall(const Eigen::VectorXd& own_memory) { model_->recall(own_memory); }
 
+std::optional<LawChange> Cable::law_change(const std::string& key, const Eigen::Matrix3Xd& positions_m,
+                                           const std::vector<double>& multipliers) const {
+  // How the offsets change per metre of cable.
+  const std::vector<const Constraint*> all = constraints();
+  Eigen::VectorXd by_length(static_cast<Eigen::Index>(all.size()));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    by_length[static_cast<Eigen::Index>(i)] =
+        all[i]->law(all[i]->value(positions_m), multipliers[i]).offset_per_command /
+        (kind_ == Command::contraction ? rest_length_m_ : 1.0);
+  if (key == "length_offset_m" && kind_ != Command::tension)
+    return LawChange{by_length, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(junctions().size()))};
+  std::optional<LawChange> change = model_->law_change(key, positions_m, multipliers);
+  if (change && key == "compliance_m_n") change->offsets -= pretension_n_ * by_length;
+  return change;
+}
+
 ActuatorReading Cable::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const {
   ActuatorReading state;
   state.path_m = places_of(points_, positions_m);

@@ -26,6 +26,12 @@ class CableModel {
   virtual Eigen::VectorXd memory() const { return {}; }
   virtual void recall(const Eigen::VectorXd& /*memory*/) {}
 
+  // As Actuator::law_change, of a model's own numbers.
+  virtual std::optional<LawChange> law_change(const std::string& /*key*/, const Eigen::Matrix3Xd& /*positions_m*/,
+                                              const std::vector<double>& /*multipliers*/) const {
+    return std::nullopt;
+  }
+
   // Tensions from the first span on; one value where it is the same along the cable.
   virtual std::vector<double> tensions_n(const std::vector<double>& multipliers) const = 0;
   virtual double compliance_m_n() const = 0;  // of the whole cable

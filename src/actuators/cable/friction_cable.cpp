@@ -24,8 +24,9 @@ class Capstan : public Junction {
   }
 
   double ratio(const Eigen::Matrix3Xd& positions_m) const override {
-    return std::exp(friction_coefficient_ * turn(positions_m).angle);
+    return std::exp(friction_coefficient_ * angle(positions_m));
   }
+  double angle(const Eigen::Matrix3Xd& positions_m) const { return turn(positions_m).angle; }
 
   void add_log_ratio_gradient(const Eigen::Matrix3Xd& positions_m, double scale,
                               Eigen::Matrix3Xd& gradient) const override {
@@ -118,6 +119,22 @@ class FrictionCable : public CableModel {
 
   Eigen::VectorXd memory() const override { return stretches_m_; }
   void recall(const Eigen::VectorXd& memory) override { stretches_m_ = memory; }
+
+  std::optional<LawChange> law_change(const std::string& key, const Eigen::Matrix3Xd& positions_m,
+                                      const std::vector<double>& multipliers) const override {
+    LawChange change{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(spans_.size())),
+                     Eigen::VectorXd::Zero(static_cast<Eigen::Index>(capstans_.size()))};
+    if (key == "compliance_m_n") {
+      for (Eigen::Index k = by_tension_ ? 1 : 0; k < change.offsets.size(); ++k)
+        change.offsets[k] = -multipliers[static_cast<std::size_t>(k)] * rest_lengths_m_[k] / rest_lengths_m_.sum();
+    } else if (key == "friction_coefficient") {
+      for (std::size_t i = 0; i < capstans_.size(); ++i)
+        change.log_ratios[static_cast<Eigen::Index>(i)] = capstans_[i]->angle(positions_m);
+    } else {
+      return std::nullopt;
+    }
+    return change;
+  }
 
   std::vector<double> tensions_n(const std::vector<double>& multipliers) const override { return multipliers; }
   double compliance_m_n() const override { return compliance_m_n_; }

@@ -17,6 +17,11 @@ class SlidingCable : public CableModel {
   void command_tension(double tension_n, double tension_per_command) override {
     path_.command_tension(tension_n, tension_per_command);
   }
+  std::optional<LawChange> law_change(const std::string& key, const Eigen::Matrix3Xd& /*positions_m*/,
+                                      const std::vector<double>& multipliers) const override {
+    if (key != "compliance_m_n") return std::nullopt;
+    return LawChange{Eigen::VectorXd::Constant(1, -multipliers[0]), {}};
+  }
   std::vector<double> tensions_n(const std::vector<double>& multipliers) const override { return multipliers; }
   double compliance_m_n() const override { return compliance_m_n_; }
 

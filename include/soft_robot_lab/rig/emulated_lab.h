@@ -1,0 +1,84 @@
+// A whole lab without its hardware, in lock-step, so that it repeats to the last digit: the motor driver talks to the
+// real firmware on an emulated board, whose shafts pull the cables of a robot that plays reality, which rendered
+// cameras film and the tracker measures. Only frames of the robot at rest are rendered.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "soft_robot_lab/control/closed_loop.h"
+#include "soft_robot_lab/experiment/film.h"
+#include "soft_robot_lab/motor/rig_settings.h"
+#include "soft_robot_lab/rig/reality.h"
+#include "soft_robot_lab/vision/calibration.h"
+#include "soft_robot_lab/vision/tracker_settings.h"
+
+namespace soft_robot_lab {
+
+class EmulatedSession;
+
+struct EmulatedLabSettings {
+  RigSettings rig;
+  RealitySettings reality;
+  CameraRig cameras;  // where they are believed to stand
+  TrackerSettings tracker;
+  FilmOptions film = {};
+  int frames = 8;             // [1, 1000] of each camera for a measurement, 1/30 s apart
+  std::string emulator = {};  // as in LockStepRig
+};
+
+using MarkerPlaces = std::map<std::string, Eigen::Vector3d>;  // robot_base
+
+class EmulatedLab {
+ public:
+  // The robot hangs at rest and its motors are ready. Throws std::runtime_error where they do not get so, and
+  // std::invalid_argument for settings that do not belong together.
+  EmulatedLab(const EmulatedLabSettings& settings, const SceneOptions& options);
+  ~EmulatedLab();
+
+  // Finds the cameras by white balls. Throws CalibrationError; the poses believed before stay then.
+  void calibrate(const BallPlacement& placement);
+
+  // Commands the motors and lets time pass until they and the robot rest. Throws std::invalid_argument as the driver
+  // does, std::runtime_error where it does not rest within a minute or a motor faults.
+  void go(const std::vector<std::string>& names, const std::vector<double>& contractions);
+
+  // Films the resting robot and tracks it, as if it were seen for the first time; of each marker the mean of the frames
+  // that show it. `expected_m`: where a simulation has every marker, which tells which is which.
+  MeasuredMarkers measure(const MarkerPlaces& expected_m);
+
+  const Reality& reality() const { return reality_; }
+  double time_s() const;
+
+ private:
+  void pass(double duration_s);
+  Shot take(Film& film);
+
+  EmulatedLabSettings settings_;
+  Reality reality_;
+  CameraRig real_cameras_;
+  std::map<std::string, Eigen::Isometry3d> believed_;  // world_from_camera by name
+  Film film_;
+  std::unique_ptr<EmulatedSession> session_;
+};
+
+MarkerPlaces marker_places(const Simulation& simulation);
+
+// A recording of robot and model at rest at one set of contractions after the other.
+struct RestRecord {
+  std::vector<std::string> actuators;
+  std::vector<double> contractions;  // as commanded
+  MeasuredMarkers measured_m;
+  MarkerPlaces true_m, simulated_m;
+};
+
+// Each in its turn, from where the one before ended. The model is solved from hanging for each; a robot that has
+// buckled is compared with the model buckled to the nearest side. `leaning`: models with gravity tilted a little to
+// either side, which lead there; may be empty.
+RestRecord record_at_rest(EmulatedLab& lab, Simulation& model, const std::vector<double>& contractions,
+                          const std::vector<Simulation*>& leaning = {});
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,55 @@
+// A recorded session, or one that goes on, as fits and reports need it: who was asked for what, and where markers were.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <soft_robot_lab/RealityGap.h>
+
+#include "soft_robot_lab/experiment/fit_model.h"
+#include "soft_robot_lab/ros/messages.h"
+
+namespace soft_robot_lab {
+
+// Since `time_s`, until the next.
+struct CommandsSince {
+  double time_s;
+  std::map<std::string, double> values;  // of all actuators that were ever commanded until then
+};
+
+struct Recording {
+  std::vector<CommandsSince> commands;  // where they changed
+  std::vector<MarkerObservations> measured, simulated;
+  std::vector<RealityGap> gaps;  // of these two
+  std::string scene;             // that the simulator ran last; empty where it is not told
+  double start_s = 0.0, end_s = 0.0;
+
+  // In order of time; a message older than the one before is left out.
+  void add(const ActuatorCommand& command, double time_s);
+  void add_measured(const MarkerObservations& markers);
+};
+
+// Throws std::runtime_error for a file that is no bag, holds no tracked markers, or is cut off.
+Recording read_recording(const std::string& bag);
+
+struct RestCriteria {
+  double window_s = 0.5;     // > 0; averaged over
+  double motion_m = 5.0e-4;  // > 0; between the means of windows: what noise leaves of them is less
+  double longest_s = 5.0;    // of it no more is averaged
+};
+
+// The robot at rest under commands that do not change.
+struct RestPeriod {
+  double start_s = 0.0, end_s = 0.0;  // averaged between
+  MeasuredPose pose;                  // markers seen, with the covariance of their mean
+};
+
+// In order of time. A marker that cameras saw in less than three observations of a period is not in it.
+std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriteria& criteria = {});
+
+// For a fit: the rest periods, and between them, without markers, commands that were held without rest, so that
+// friction knows the way.
+std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestCriteria& criteria = {});
+
+}  // namespace soft_robot_lab

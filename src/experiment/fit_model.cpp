@@ -1,0 +1,269 @@
+#include "soft_robot_lab/experiment/fit_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include <Eigen/Cholesky>
+#include <ceres/ceres.h>
+
+#include "experiment/fit_parameters.h"
+#include "experiment/fit_statistics.h"
+#include "experiment/pose_model.h"
+#include "soft_robot_lab/settings/cpu_time.h"
+
+namespace soft_robot_lab {
+namespace {
+
+void require(bool ok, const std::string& what) {
+  if (!ok) throw std::invalid_argument(what);
+}
+
+// Predictions at the point where Ceres asks next: all poses at once, as each follows from the one before.
+class Predictor : public ceres::EvaluationCallback {
+ public:
+  Predictor(const FitParameters& parameters, PoseModel& model, const std::vector<double>& unknowns)
+      : parameters_(parameters), model_(model), unknowns_(unknowns) {}
+
+  void PrepareForEvaluation(bool derivatives, bool new_point) override {
+    if (!new_point && good_ && (!derivatives || differentiated_)) return;
+    try {
+      here_ = values(unknowns_);
+      poses_ = model_.predict(parameters_.changes(here_), derivatives
+                                                              ? [this](const Simulation& simulation) {
+                                                                  return parameters_.model_parameters(simulation);
+                                                                }
+                                                              : PoseModel::Parameters{});
+      good_ = true;
+      differentiated_ = derivatives;
+    } catch (const std::runtime_error& error) {  // no equilibrium there; a shorter step may have one
+      good_ = false;
+      trouble_ = error.what();
+    }
+  }
+
+  // Unknowns are measured from the start in steps of about one.
+  Eigen::VectorXd values(const std::vector<double>& unknowns) const {
+    Eigen::VectorXd all(static_cast<Eigen::Index>(unknowns.size()));
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      const FitNumber& number = parameters_.numbers()[i];
+      all[static_cast<Eigen::Index>(i)] =
+          std::clamp(number.start + unknowns[i] * number.size, number.min, number.max);
+    }
+    return all;
+  }
+
+  Eigen::Vector3d measured(std::size_t pose, Eigen::Index marker) const {
+    return parameters_.measured_from_base(here_) * poses_[pose].markers_m.col(marker);
+  }
+
+  // d measured / d unknown.
+  Eigen::Matrix3Xd jacobian(std::size_t pose, Eigen::Index marker) const {
+    Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, here_.size());
+    const Eigen::Matrix3d turn = parameters_.measured_from_base(here_).linear();
+    const Eigen::Matrix<double, 3, 6> camera =
+        parameters_.camera_jacobian(here_, poses_[pose].markers_m.col(marker));
+    Eigen::Index model_column = 0;
+    for (std::size_t i = 0; i < parameters_.numbers().size(); ++i) {
+      const FitNumber& number = parameters_.numbers()[i];
+      const auto column = static_cast<Eigen::Index>(i);
+      if (number.kind == FitNumber::Kind::camera) {
+        all.col(column) = number.size * camera.col(number.axis);
+      } else {
+        all.col(column) =
+            number.size * turn * poses_[pose].jacobian.block<3, 1>(3 * marker, model_column++);
+      }
+    }
+    return all;
+  }
+
+  bool good() const { return good_; }
+  const std::string& trouble() const { return trouble_; }
+
+ private:
+  const FitParameters& parameters_;
+  PoseModel& model_;
+  const std::vector<double>& unknowns_;
+  Eigen::VectorXd here_;
+  std::vector<PosePrediction> poses_;
+  bool good_ = false, differentiated_ = false;
+  std::string trouble_;
+};
+
+// (model - measured) in standard deviations.
+class MarkerResidual : public ceres::CostFunction {
+ public:
+  MarkerResidual(const Predictor& predictor, std::size_t pose, Eigen::Index marker, const MeasuredMarker& measured,
+                 double model_error_m, int unknowns)
+      : predictor_(predictor), pose_(pose), marker_(marker), measured_m_(measured.position_m) {
+    const Eigen::Matrix3d variance =
+        measured.covariance_m2 + model_error_m * model_error_m * Eigen::Matrix3d::Identity();
+    const Eigen::LLT<Eigen::Matrix3d> root(variance);
+    require(root.info() == Eigen::Success && variance.trace() > 0.0,
+            "marker '" + measured.name + "': its covariance is not positive; give model_error_m > 0");
+    weight_ = root.matrixL().solve(Eigen::Matrix3d::Identity());
+    set_num_residuals(3);
+    mutable_parameter_block_sizes()->push_back(unknowns);
+  }
+
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    if (!predictor_.good()) return false;
+    Eigen::Map<Eigen::Vector3d>(residuals, 3) = weight_ * (predictor_.measured(pose_, marker_) - measured_m_);
+    if (jacobians && jacobians[0])
+      Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[0], 3,
+                                                                            parameter_block_sizes()[0]) =
+          weight_ * predictor_.jacobian(pose_, marker_);
+    return true;
+  }
+
+ private:
+  const Predictor& predictor_;
+  std::size_t pose_;
+  Eigen::Index marker_;
+  Eigen::Vector3d measured_m_;
+  Eigen::Matrix3d weight_;
+};
+
+class Teller : public ceres::IterationCallback {
+ public:
+  Teller(const FitRequest& request, std::function<double()> gap) : request_(request), gap_(std::move(gap)) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (summary.iteration == 0 || summary.step_is_successful) rms_gap_m_ = gap_();  // else the last one looked at failed
+    if (!request_.progress || request_.progress(summary.iteration, rms_gap_m_)) return ceres::SOLVER_CONTINUE;
+    return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  const FitRequest& request_;
+  std::function<double()> gap_;
+  double rms_gap_m_ = 0.0;
+};
+
+ModelGap gap_of(const std::vector<MeasuredPose>& poses,
+                const std::function<Eigen::Vector3d(std::size_t, Eigen::Index)>& modelled) {
+  ModelGap gap;
+  std::map<std::string, int> counts;
+  int count = 0;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    for (std::size_t m = 0; m < poses[p].markers.size(); ++m) {
+      const MeasuredMarker& marker = poses[p].markers[m];
+      const double squared = (modelled(p, static_cast<Eigen::Index>(m)) - marker.position_m).squaredNorm();
+      gap.rms_m += squared;
+      gap.marker_rms_m[marker.name] += squared;
+      ++counts[marker.name];
+      ++count;
+    }
+  }
+  gap.rms_m = std::sqrt(gap.rms_m / std::max(1, count));
+  for (auto& [name, rms] : gap.marker_rms_m) rms = std::sqrt(rms / counts[name]);
+  return gap;
+}
+
+// Of a marker's residual, from the median of all; at least the one expected.
+double typical_deviation(ceres::Problem& problem) {
+  constexpr double median_of_length = 1.538;  // of three normal numbers of unit deviation
+  std::vector<double> residuals, lengths;
+  problem.Evaluate({}, nullptr, &residuals, nullptr, nullptr);
+  for (std::size_t i = 0; i + 2 < residuals.size(); i += 3)
+    lengths.push_back(std::hypot(residuals[i], residuals[i + 1], residuals[i + 2]));
+  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
+  return std::max(1.0, lengths[lengths.size() / 2] / median_of_length);
+}
+
+ceres::Solver::Options solver_options(const FitRequest& request) {
+  ceres::Solver::Options options;
+  options.max_num_iterations = request.max_iterations;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.function_tolerance = 1e-5;
+  options.parameter_tolerance = 1e-4;
+  options.logging_type = ceres::SILENT;
+  options.update_state_every_iteration = true;
+  return options;
+}
+
+}  // namespace
+
+void FitRequest::validate() const {
+  require(std::isfinite(model_error_m) && model_error_m >= 0.0, "model_error_m must be in [0, inf)");
+  require(std::isfinite(outlier_deviations) && outlier_deviations > 0.0, "outlier_deviations must be in (0, inf)");
+  require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations must be in [1, 1000]");
+  require(!parameters.empty(), "parameters: none are given");
+}
+
+FitResult fit_model(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
+                    const FitRequest& request) {
+  request.validate();
+  const double start_cpu_s = cpu_time_s();
+  const FitParameters parameters(scene, options, request.parameters);
+  PoseModel model(scene, options, poses);
+  const int unknown_count = static_cast<int>(parameters.numbers().size());
+  std::vector<double> unknowns(parameters.numbers().size(), 0.0);
+  Predictor predictor(parameters, model, unknowns);
+
+  ceres::Problem::Options problem_options;
+  problem_options.evaluation_callback = &predictor;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(problem_options);
+  ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);
+  int residuals = 0;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    for (std::size_t m = 0; m < poses[p].markers.size(); ++m, residuals += 3)
+      problem.AddResidualBlock(
+          new MarkerResidual(predictor, p, static_cast<Eigen::Index>(m), poses[p].markers[m], request.model_error_m,
+                             unknown_count),
+          &loss, unknowns.data());
+  }
+  require(residuals > unknown_count, "poses: " + std::to_string(residuals) + " coordinates cannot tell " +
+                                         std::to_string(unknown_count) + " parameters");
+  for (int i = 0; i < unknown_count; ++i) {
+    const FitNumber& number = parameters.numbers()[static_cast<std::size_t>(i)];
+    problem.SetParameterLowerBound(unknowns.data(), i, (number.min - number.start) / number.size);
+    problem.SetParameterUpperBound(unknowns.data(), i, (number.max - number.start) / number.size);
+  }
+
+  const auto gap_now = [&] {
+    return gap_of(poses, [&](std::size_t p, Eigen::Index m) { return predictor.measured(p, m); });
+  };
+  FitResult result;
+  predictor.PrepareForEvaluation(true, true);
+  if (!predictor.good()) throw std::runtime_error("the scene as it is has no equilibrium: " + predictor.trouble());
+  result.before = gap_now();
+  ceres::Solver::Options solver = solver_options(request);
+  Teller teller(request, [&] { return gap_now().rms_m; });
+  solver.callbacks.push_back(&teller);
+  // Least squares first: far from the solution everything would count as an outlier.
+  for (const bool robust : {false, true}) {
+    if (robust) loss.Reset(new ceres::HuberLoss(request.outlier_deviations * typical_deviation(problem)), ceres::TAKE_OWNERSHIP);
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    result.converged = summary.termination_type == ceres::CONVERGENCE;
+    result.message = summary.message;
+    result.iterations += static_cast<int>(summary.iterations.size());
+  }
+
+  ceres::CRSMatrix jacobian;
+  std::vector<double> scaled;
+  double cost = 0.0;
+  predictor.PrepareForEvaluation(true, true);
+  if (!predictor.good()) throw std::runtime_error("the fitted scene has no equilibrium: " + predictor.trouble());
+  problem.Evaluate({}, &cost, &scaled, nullptr, &jacobian);
+  result.after = gap_now();
+  const Eigen::VectorXd values = predictor.values(unknowns);
+  result.measured_from_base = parameters.measured_from_base(values);
+  result.changes = parameters.changes(values);
+  result.warnings = parameters.warnings();
+  add_statistics(parameters, values, dense(jacobian), scaled, result);
+  result.cpu_s = cpu_time_s() - start_cpu_s;
+  return result;
+}
+
+ModelGap model_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
+                   const Eigen::Isometry3d& measured_from_base) {
+  const std::vector<PosePrediction> predicted = PoseModel(scene, options, poses).predict(options.changes);
+  return gap_of(poses, [&](std::size_t p, Eigen::Index m) -> Eigen::Vector3d {
+    return measured_from_base * predicted[p].markers_m.col(m);
+  });
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,54 @@
+// The numbers that a fit changes: their names, bounds and present values, and the scene that they make.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "soft_robot_lab/experiment/fit_model.h"
+#include "soft_robot_lab/scene/scene_cables.h"
+
+namespace soft_robot_lab {
+
+struct FitNumber {
+  enum class Kind { modulus, of_cables, camera };
+  std::string name;
+  Kind kind = Kind::modulus;
+  std::string key;                  // of_cables
+  std::vector<std::string> cables;  // of_cables
+  int axis = 0;                     // camera: x, y, z, then those of the rotation vector
+  double start = 0.0, min = 0.0, max = 0.0;
+  double size = 1.0;  // what counts as a change of about one
+};
+
+class FitParameters {
+ public:
+  // Throws std::invalid_argument naming the parameter, and what is known or allowed.
+  FitParameters(const std::string& scene, const SceneOptions& options, const std::vector<FitParameter>& asked);
+
+  const std::vector<FitNumber>& numbers() const { return numbers_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }  // of what was asked for in vain
+
+  std::string changes(const Eigen::VectorXd& values) const;  // with those of the scene's options
+  Eigen::Isometry3d measured_from_base(const Eigen::VectorXd& values) const;
+  // Columns of the numbers that are of the model, and what they are there; cables are actuators of the same names.
+  std::vector<std::size_t> model_columns() const;
+  std::vector<ModelParameter> model_parameters(const Simulation& simulation) const;
+  // d measured / d camera numbers at a point of robot_base: columns of axes 0 to 5.
+  Eigen::Matrix<double, 3, 6> camera_jacobian(const Eigen::VectorXd& values, const Eigen::Vector3d& point_m) const;
+
+ private:
+  void add(const FitParameter& asked, const std::string& cable);
+  void add_number(FitNumber number, const FitParameter& asked);
+  double present(const std::string& cable, const std::string& key, double otherwise) const;
+  Eigen::Matrix<double, 6, 1> camera(const Eigen::VectorXd& values) const;
+
+  std::string base_changes_;
+  Material material_;
+  SceneCables cables_;
+  std::vector<FitNumber> numbers_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace soft_robot_lab

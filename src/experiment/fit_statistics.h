@@ -1,0 +1,19 @@
+// How sure a fit is, and what its data cannot tell.
+#pragma once
+
+#include <vector>
+
+#include <ceres/crs_matrix.h>
+
+#include "experiment/fit_parameters.h"
+
+namespace soft_robot_lab {
+
+Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix);
+
+// Fills values, correlations and warnings. Jacobian and residuals at the solution, in standard deviations per `size` of
+// a number.
+void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian,
+                    const std::vector<double>& residuals, FitResult& result);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,92 @@
+// fit_model BAG --parameters A,B,C: fits a robot's scene to a recorded session.
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "programs/command_line.h"
+#include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/ros/recording.h"
+
+namespace {
+
+using namespace soft_robot_lab;
+
+constexpr const char* kUsage =
+    "usage: fit_model BAG --parameters A,B,... [--scene SCENE.yaml] [--output FITTED.yaml] [--model-error METRES]\n"
+    "Fits numbers of the robot's scene to the markers of a recording, wherever the robot was at rest, and writes a scene\n"
+    "with them (fitted.yaml). Exact derivatives, least squares with bounds; says how sure each value is, and what the\n"
+    "data cannot tell.\n"
+    "--parameters   youngs_modulus_pa, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for one\n"
+    "               cable), camera_to_base, damping\n"
+    "--scene        the robot's file, where it is not the one that the recording names\n"
+    "--model-error  by how much the model would still miss a marker's coordinate; 1e-4\n"
+    "Exit status: 0 fitted, 1 stopped before it converged (the file is still written), 2 bad recording or arguments.\n";
+
+struct Arguments {
+  std::string bag, scene, output = "fitted.yaml";
+  FitRequest request;
+  bool help = false;
+};
+
+std::vector<FitParameter> parameters_of(const std::string& list) {
+  std::vector<FitParameter> parameters;
+  std::istringstream names(list);
+  for (std::string name; std::getline(names, name, ',');) parameters.push_back({name, {}, {}, {}});
+  return parameters;
+}
+
+Arguments parse(int count, char** values) {
+  Arguments arguments;
+  Words words(count, values);
+  while (words.next()) {
+    const std::string word = words.word();
+    if (word == "-h" || word == "--help") {
+      arguments.help = true;
+    } else if (word == "--parameters") {
+      arguments.request.parameters = parameters_of(words.value());
+    } else if (word == "--scene") {
+      arguments.scene = words.value();
+    } else if (word == "--output") {
+      arguments.output = words.value();
+    } else if (word == "--model-error") {
+      const std::string text = words.value();
+      std::size_t used = 0;
+      arguments.request.model_error_m = std::stod(text, &used);
+      if (used != text.size()) throw std::invalid_argument("--model-error: '" + text + "' is not a number");
+    } else if (!word.empty() && word[0] == '-') {
+      throw std::invalid_argument("unknown option " + word);
+    } else if (arguments.bag.empty()) {
+      arguments.bag = word;
+    } else {
+      throw std::invalid_argument("more than one recording: " + word);
+    }
+  }
+  if (arguments.help) return arguments;
+  if (arguments.bag.empty()) throw std::invalid_argument("no recording given");
+  arguments.request.validate();
+  return arguments;
+}
+
+int fit(const Arguments& arguments) {
+  const Recording recording = read_recording(arguments.bag);
+  const std::string scene = arguments.scene.empty() ? recording.scene : arguments.scene;
+  if (scene.empty()) throw std::invalid_argument("the recording names no scene; give --scene");
+  SceneOptions options;
+  options.actuator_factory = make_actuator;
+  FitRequest request = arguments.request;
+  request.progress = [](int iteration, double rms_gap_m) {
+    std::cerr << "iteration " << iteration << ": rms gap " << 1e3 * rms_gap_m << " mm\n";
+    return true;
+  };
+  const FitResult result = fit_model(scene, options, measured_poses(recording), request);
+  std::cout << summary(result);
+  write_fitted_scene(result, scene, arguments.output);
+  std::cout << "written: " << arguments.output << "\n";
+  return result.converged ? kGood : kNotGood;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return run_program("fit_model", kUsage, argc, argv, parse, fit); }

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "soft_robot_lab/experiment/experiment.h"
+
+namespace soft_robot_lab {
+
+ExperimentResult run_ball_experiment(const ExperimentContext& context);  // 7.3.3
+
+}  // namespace soft_robot_lab

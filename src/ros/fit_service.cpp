@@ -1,0 +1,140 @@
+#include "soft_robot_lab/ros/fit_service.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kept_s = 1800.0;  // of the running session
+
+std::optional<double> item(const std::vector<double>& list, size_t index, size_t count, const char* field) {
+  if (list.empty()) return std::nullopt;
+  if (list.size() != count)
+    throw std::invalid_argument(std::string(field) + ": " + std::to_string(list.size()) + " given, must be none or " +
+                                std::to_string(count) + ", as many as parameters");
+  return list[index];
+}
+
+template <typename Messages>
+void keep_last(Messages& messages, double from_s) {
+  const auto first = std::find_if(messages.begin(), messages.end(),
+                                  [&](const auto& message) { return message.header.stamp.toSec() >= from_s; });
+  messages.erase(messages.begin(), first);
+}
+
+}  // namespace
+
+FitRequest fit_request(const FitModel::Request& request) {
+  FitRequest fit;
+  const size_t count = request.parameters.size();
+  for (size_t i = 0; i < count; ++i)
+    fit.parameters.push_back({request.parameters[i], item(request.starts, i, count, "starts"),
+                              item(request.mins, i, count, "mins"), item(request.maxs, i, count, "maxs")});
+  if (request.model_error_m != 0.0) fit.model_error_m = request.model_error_m;
+  fit.validate();
+  return fit;
+}
+
+void fill_response(const FitResult& result, FitModel::Response& response) {
+  response.success = result.converged;
+  response.message = result.message;
+  for (const FittedValue& value : result.values) {
+    response.names.push_back(value.name);
+    response.values.push_back(value.value);
+    response.starts.push_back(value.start);
+    response.deviations.push_back(value.deviation);
+    response.lows.push_back(value.low);
+    response.highs.push_back(value.high);
+    response.told.push_back(value.told);
+  }
+  for (Eigen::Index row = 0; row < result.correlations.rows(); ++row)
+    for (Eigen::Index column = 0; column < result.correlations.cols(); ++column)
+      response.correlations.push_back(result.correlations(row, column));
+  response.warnings = result.warnings;
+  response.rms_before_m = result.before.rms_m;
+  response.rms_after_m = result.after.rms_m;
+  for (const auto& [marker, rms_m] : result.before.marker_rms_m) {
+    response.markers.push_back(marker);
+    response.marker_rms_before_m.push_back(rms_m);
+    response.marker_rms_after_m.push_back(result.after.marker_rms_m.at(marker));
+  }
+  const Eigen::Vector3d place_m = result.measured_from_base.translation();
+  const Eigen::Quaterniond turn(result.measured_from_base.linear());
+  response.measured_from_base.position = to_message(place_m);
+  response.measured_from_base.orientation.x = turn.x();
+  response.measured_from_base.orientation.y = turn.y();
+  response.measured_from_base.orientation.z = turn.z();
+  response.measured_from_base.orientation.w = turn.w();
+}
+
+FitService::FitService(ros::NodeHandle& node, SceneOptions options, const std::string& scene)
+    : options_(std::move(options)) {
+  recording_.scene = scene;
+  subscribers_ = {
+      node.subscribe(topics::actuator_command, 100, &FitService::on_command, this),
+      node.subscribe(topics::tracker_markers, 100, &FitService::on_markers, this),
+      node.subscribe(topics::simulator_scene, 1, &FitService::on_scene, this),
+  };
+  service_ = node.advertiseService(topics::fit_model, &FitService::fit, this);
+}
+
+void FitService::on_command(const ActuatorCommand& command) {
+  const std::lock_guard lock(mutex_);
+  recording_.add(command, command.header.stamp.toSec());
+}
+
+void FitService::on_markers(const MarkerObservations& markers) {
+  const std::lock_guard lock(mutex_);
+  try {
+    recording_.add_measured(markers);
+  } catch (const std::runtime_error& error) {
+    ROS_WARN_THROTTLE(10.0, "%s", error.what());
+    return;
+  }
+  const double from_s = markers.header.stamp.toSec() - kept_s;
+  // Now and then, as it moves all that is kept.
+  if (recording_.measured.front().header.stamp.toSec() < from_s - 60.0) keep_last(recording_.measured, from_s);
+}
+
+// Another robot, another recording.
+void FitService::on_scene(const std_msgs::String& path) {
+  const std::lock_guard lock(mutex_);
+  recording_ = Recording{};
+  recording_.scene = path.data;
+}
+
+Recording FitService::heard() const {
+  const std::lock_guard lock(mutex_);
+  if (recording_.measured.empty())
+    throw std::runtime_error(std::string("nothing to fit to: no markers came on ") + topics::tracker_markers);
+  return recording_;
+}
+
+bool FitService::fit(FitModel::Request& request, FitModel::Response& response) {
+  try {
+    const std::unique_lock lock(fitting_, std::try_to_lock);
+    if (!lock) throw std::runtime_error("busy with another fit; ask again when it ended");
+    const FitRequest fit = fit_request(request);
+    const Recording recording = request.bag.empty() ? heard() : read_recording(request.bag);
+    const std::string scene = request.scene.empty() ? recording.scene : request.scene;
+    if (scene.empty()) throw std::invalid_argument("scene: none is given, and the recording does not tell one");
+    const std::vector<MeasuredPose> poses = measured_poses(recording);
+    const FitResult result = fit_model(scene, options_, poses, fit);
+    fill_response(result, response);
+    response.poses = static_cast<int>(std::count_if(poses.begin(), poses.end(), [](const MeasuredPose& pose) {
+      return !pose.markers.empty();
+    }));
+    if (!request.file.empty()) write_fitted_scene(result, scene, request.file);
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  if (!response.success) ROS_WARN("%s refused: %s", topics::fit_model, response.message.c_str());
+  return true;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,63 @@
+#include "soft_robot_lab/ros/recording.h"
+
+#include <stdexcept>
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <std_msgs/String.h>
+
+#include "soft_robot_lab/ros/gap_meter.h"
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+
+void Recording::add(const ActuatorCommand& command, double time_s) {
+  std::map<std::string, double> values = commands.empty() ? std::map<std::string, double>{} : commands.back().values;
+  if (!commands.empty() && time_s < commands.back().time_s) return;
+  for (size_t i = 0; i < command.names.size() && i < command.values.size(); ++i)
+    values[command.names[i]] = command.values[i];
+  if (commands.empty() || values != commands.back().values) commands.push_back({time_s, std::move(values)});
+}
+
+void Recording::add_measured(const MarkerObservations& markers) {
+  if (!measured.empty() && markers.header.stamp <= measured.back().header.stamp) return;
+  const size_t count = markers.names.size();
+  if (markers.positions.size() != count || markers.covariances.size() != 9 * count || markers.sources.size() != count)
+    throw std::runtime_error("tracker/markers: lists of different lengths");
+  measured.push_back(markers);
+}
+
+Recording read_recording(const std::string& path) {
+  Recording recording;
+  try {
+    const rosbag::Bag bag(path, rosbag::bagmode::Read);
+    rosbag::View view(bag);
+    recording.start_s = view.getBeginTime().toSec();
+    recording.end_s = view.getEndTime().toSec();
+    GapMeter gap([&](const RealityGap& found) { recording.gaps.push_back(found); });
+    for (const rosbag::MessageInstance& message : view) {
+      const std::string topic = message.getTopic().substr(message.getTopic().front() == '/' ? 1 : 0);
+      if (topic == topics::actuator_command) {
+        const auto command = message.instantiate<ActuatorCommand>();
+        const double stamp_s = command->header.stamp.toSec();
+        recording.add(*command, stamp_s > 0.0 ? stamp_s : message.getTime().toSec());
+      } else if (topic == topics::tracker_markers) {
+        const auto markers = message.instantiate<MarkerObservations>();
+        recording.add_measured(*markers);
+        gap.add_measured(*markers);
+      } else if (topic == topics::simulator_markers) {
+        recording.simulated.push_back(*message.instantiate<MarkerObservations>());
+        gap.add_simulated(recording.simulated.back());
+      } else if (topic == topics::simulator_scene) {
+        recording.scene = message.instantiate<std_msgs::String>()->data;
+      }
+    }
+  } catch (const rosbag::BagException& error) {
+    throw std::runtime_error(path + ": cannot be read as a bag: " + error.what());
+  }
+  if (recording.measured.empty())
+    throw std::runtime_error(path + ": holds no markers of a tracker (topic " + topics::tracker_markers + ")");
+  return recording;
+}
+
+}  // namespace soft_robot_lab

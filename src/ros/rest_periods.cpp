@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <optional>
+
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/recording.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Positions = std::map<std::string, std::vector<Eigen::Vector3d>>;  // seen, by marker
+
+constexpr size_t kObservations = 3;  // of a marker at least, to know its mean and scatter
+
+Positions seen_between(const Recording& recording, double start_s, double end_s) {
+  const auto first = std::partition_point(recording.measured.begin(), recording.measured.end(), [&](const auto& m) {
+    return m.header.stamp.toSec() < start_s;
+  });
+  Positions seen;
+  for (auto m = first; m != recording.measured.end() && m->header.stamp.toSec() < end_s; ++m)
+    for (size_t i = 0; i < m->names.size(); ++i)
+      if (m->sources[i] == MarkerObservations::SEEN)
+        seen[m->names[i]].push_back(from_message(m->positions[i], "positions"));
+  return seen;
+}
+
+Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& all) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& one : all) sum += one;
+  return sum / static_cast<double>(all.size());
+}
+
+// Of the mean, from the scatter.
+Eigen::Matrix3d covariance_of(const std::vector<Eigen::Vector3d>& all, const Eigen::Vector3d& mean) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& one : all) sum += (one - mean) * (one - mean).transpose();
+  return sum / static_cast<double>(all.size() * (all.size() - 1));
+}
+
+// Whether no marker seen in both moved; false where none was.
+bool same_place(const Positions& a, const Positions& b, double motion_m) {
+  bool compared = false;
+  for (const auto& [name, positions] : a) {
+    const auto other = b.find(name);
+    if (other == b.end() || positions.size() < kObservations || other->second.size() < kObservations) continue;
+    if ((mean_of(positions) - mean_of(other->second)).norm() > motion_m) return false;
+    compared = true;
+  }
+  return compared;
+}
+
+// The end of a hold, as far back as the robot was where it is at the end.
+std::optional<RestPeriod> rest_at_end(const Recording& recording, const CommandsSince& commands, double end_s,
+                                      const RestCriteria& criteria) {
+  const Positions last = seen_between(recording, end_s - criteria.window_s, end_s);
+  double start_s = end_s - criteria.window_s;
+  while (start_s - criteria.window_s >= commands.time_s && end_s - start_s < criteria.longest_s &&
+         same_place(last, seen_between(recording, start_s - criteria.window_s, start_s), criteria.motion_m))
+    start_s -= criteria.window_s;
+  if (end_s - start_s < 1.5 * criteria.window_s) return std::nullopt;
+  RestPeriod period{start_s, end_s, {commands.values, {}}};
+  for (const auto& [name, positions] : seen_between(recording, start_s, end_s)) {
+    if (positions.size() < kObservations) continue;
+    const Eigen::Vector3d mean = mean_of(positions);
+    period.pose.markers.push_back({name, mean, covariance_of(positions, mean)});
+  }
+  return period;
+}
+
+struct Hold {
+  CommandsSince commands;
+  double end_s;
+};
+
+// Commands that did not change for two windows at least; first the time before any.
+std::vector<Hold> holds(const Recording& recording, const RestCriteria& criteria) {
+  std::vector<Hold> all;
+  const double first_s = recording.measured.front().header.stamp.toSec();
+  const double last_s = recording.measured.back().header.stamp.toSec() + 1e-6;
+  std::vector<CommandsSince> since = {{first_s, {}}};
+  since.insert(since.end(), recording.commands.begin(), recording.commands.end());
+  for (size_t i = 0; i < since.size(); ++i) {
+    const double end_s = i + 1 < since.size() ? std::min(last_s, since[i + 1].time_s) : last_s;
+    if (end_s - since[i].time_s >= 2.0 * criteria.window_s) all.push_back({since[i], end_s});
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriteria& criteria) {
+  std::vector<RestPeriod> periods;
+  if (recording.measured.empty()) return periods;
+  for (const Hold& hold : holds(recording, criteria))
+    if (const auto period = rest_at_end(recording, hold.commands, hold.end_s, criteria)) periods.push_back(*period);
+  return periods;
+}
+
+std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestCriteria& criteria) {
+  std::vector<MeasuredPose> poses;
+  if (recording.measured.empty()) return poses;
+  for (const Hold& hold : holds(recording, criteria)) {
+    const auto period = rest_at_end(recording, hold.commands, hold.end_s, criteria);
+    poses.push_back(period ? period->pose : MeasuredPose{hold.commands.values, {}});
+  }
+  return poses;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,119 @@
+#include "soft_robot_lab/ros/session_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "soft_robot_lab/ros/camera_overlay.h"
+#include "soft_robot_lab/ros/image_messages.h"
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+struct Camera {
+  std::optional<CameraModel> lens;
+  size_t next = 0;  // of the times
+};
+
+// What stands before `end`, where that is how the text ends.
+std::optional<std::string> before(const std::string& text, const std::string& end) {
+  if (text.size() <= end.size() || text.compare(text.size() - end.size(), end.size(), end) != 0) return std::nullopt;
+  return text.substr(0, text.size() - end.size());
+}
+
+std::string without_slash(const std::string& name) { return !name.empty() && name[0] == '/' ? name.substr(1) : name; }
+
+Eigen::Isometry3d pose_of(const geometry_msgs::Transform& t) {
+  Eigen::Isometry3d pose(Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z).normalized());
+  pose.translation() << t.translation.x, t.translation.y, t.translation.z;
+  return pose;
+}
+
+std::optional<RealityGap> nearest(const std::vector<RealityGap>& gaps, double time_s) {
+  const auto found = std::min_element(gaps.begin(), gaps.end(), [&](const RealityGap& a, const RealityGap& b) {
+    return std::abs(a.header.stamp.toSec() - time_s) < std::abs(b.header.stamp.toSec() - time_s);
+  });
+  if (found == gaps.end() || std::abs(found->header.stamp.toSec() - time_s) > 0.5) return std::nullopt;
+  return *found;
+}
+
+class Painter {
+ public:
+  Painter(const std::vector<RealityGap>& gaps, std::vector<double> times_s, std::string folder)
+      : gaps_(gaps), times_s_(std::move(times_s)), folder_(std::move(folder)) {}
+
+  void add(const rosbag::MessageInstance& message) {
+    const std::string topic = without_slash(message.getTopic());
+    if (topic == "tf" || topic == "tf_static") {
+      const auto tree = message.instantiate<tf2_msgs::TFMessage>();
+      for (const auto& transform : tree->transforms) place(transform);
+    } else if (topic == topics::simulator_surface) {
+      surface_ = *message.instantiate<visualization_msgs::Marker>();
+    } else if (const auto of_lens = before(topic, "/color/camera_info")) {
+      cameras_[*of_lens].lens = camera_model(*message.instantiate<sensor_msgs::CameraInfo>());
+    } else if (const auto camera = before(topic, "/color/image_raw")) {
+      if (wanted(*camera, message.getTime().toSec())) draw(*camera, *message.instantiate<sensor_msgs::Image>());
+    }
+  }
+
+  const std::vector<SessionPicture>& pictures() const { return pictures_; }
+
+ private:
+  void place(const geometry_msgs::TransformStamped& transform) {
+    const std::string parent = without_slash(transform.header.frame_id), child = without_slash(transform.child_frame_id);
+    if (parent != topics::world_frame) return;
+    if (child == topics::robot_frame) world_from_robot_ = pose_of(transform.transform);
+    poses_[child] = pose_of(transform.transform);
+  }
+
+  bool wanted(const std::string& camera, double time_s) const {
+    const auto found = cameras_.find(camera);
+    return found != cameras_.end() && found->second.lens && poses_.count(optical_frame(camera)) > 0 &&
+           found->second.next < times_s_.size() && time_s >= times_s_[found->second.next];
+  }
+
+  void draw(const std::string& name, const sensor_msgs::Image& image) {
+    Camera& camera = cameras_[name];
+    const double time_s = image.header.stamp.toSec();
+    while (camera.next < times_s_.size() && times_s_[camera.next] <= time_s) ++camera.next;
+    const Eigen::Isometry3d camera_from_robot = poses_.at(optical_frame(name)).inverse() * world_from_robot_;
+    const cv::Mat drawn = draw_robot(colour_image(image), *camera.lens, camera_from_robot, surface_, nearest(gaps_, time_s));
+    cv::Mat bgr;
+    cv::cvtColor(drawn, bgr, cv::COLOR_RGB2BGR);
+    const std::string file = folder_ + "/" + name + "_" + std::to_string(pictures_.size()) + ".png";
+    if (!cv::imwrite(file, bgr)) throw std::runtime_error(file + ": cannot be written");
+    pictures_.push_back({file, name, time_s});
+  }
+
+  const std::vector<RealityGap>& gaps_;
+  std::vector<double> times_s_;
+  std::string folder_;
+  std::map<std::string, Camera> cameras_;
+  std::map<std::string, Eigen::Isometry3d> poses_;  // in the world, by frame
+  Eigen::Isometry3d world_from_robot_ = Eigen::Isometry3d::Identity();
+  visualization_msgs::Marker surface_;
+  std::vector<SessionPicture> pictures_;
+};
+
+}  // namespace
+
+std::vector<SessionPicture> draw_session(const std::string& bag, const std::vector<RealityGap>& gaps,
+                                         const std::vector<double>& times_s, const std::string& folder, int limit) {
+  Painter painter(gaps, times_s, folder);
+  const rosbag::Bag opened(bag, rosbag::bagmode::Read);
+  for (const rosbag::MessageInstance& message : rosbag::View(opened)) {
+    if (static_cast<int>(painter.pictures().size()) >= limit) break;
+    painter.add(message);
+  }
+  return painter.pictures();
+}
+
+}  // namespace soft_robot_lab

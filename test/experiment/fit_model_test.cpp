@@ -1,0 +1,186 @@
+// Fitting, on a coarse bar with two cables whose truth is known.
+#include "soft_robot_lab/experiment/fit_model.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "soft_robot_lab/actuators/factory.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const std::string kScene = std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/scenes/cable_bar.yaml";
+// As if the bar lay on its side: its weight bends it, and tells its stiffness.
+const std::string kLying = "gravity_m_s2: [0, 9.81, 0]\n";
+
+SceneOptions options_with(const std::string& changes) {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  options.changes = changes;
+  return options;
+}
+
+std::string cable(const std::string& name, double x, const std::string& rest) {
+  const std::string place = std::to_string(x);
+  return "{name: " + name + ", points_m: [[" + place + ", 0, 0], [" + place + ", 0, -0.05], [" + place +
+         ", 0, -0.1]], " + rest + "}";
+}
+
+// Rest states of the scene as cameras would measure them.
+std::vector<MeasuredPose> measure(const std::string& changes, const std::vector<std::pair<double, double>>& contractions,
+                                  const Eigen::Isometry3d& measured_from_base, double noise_m, unsigned seed) {
+  const Scene scene = load_scene(kScene, options_with(changes));
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::vector<MeasuredPose> poses;
+  for (const auto& [left, right] : contractions) {
+    scene.simulation->set_command("left", left);
+    scene.simulation->set_command("right", right);
+    EXPECT_TRUE(scene.simulation->solve_equilibrium().converged);
+    MeasuredPose pose{{{"left", left}, {"right", right}}, {}};
+    for (int m = 0; m < 2; ++m) {
+      const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
+      pose.markers.push_back({scene.simulation->markers()[static_cast<std::size_t>(m)].name(),
+                              measured_from_base * scene.simulation->marker_position(m) + noise_m * noise,
+                              std::max(1e-5, noise_m) * std::max(1e-5, noise_m) * Eigen::Matrix3d::Identity()});
+    }
+    poses.push_back(std::move(pose));
+  }
+  return poses;
+}
+
+const std::vector<std::pair<double, double>> kWay = {{1.0, 1.0},  {0.95, 1.0}, {0.9, 1.0},  {0.95, 0.97},
+                                                     {1.0, 0.95}, {1.0, 0.9},  {0.96, 0.93}, {0.93, 1.02}};
+
+const FittedValue& value_of(const FitResult& result, const std::string& name) {
+  for (const FittedValue& value : result.values)
+    if (value.name == name) return value;
+  throw std::out_of_range(name);
+}
+
+void expect_within(const FitResult& result, const std::string& name, double truth) {
+  const FittedValue& value = value_of(result, name);
+  EXPECT_NEAR(value.value, truth, 3.0 * value.deviation) << name << "\n" << summary(result);
+  EXPECT_TRUE(value.told) << name;
+}
+
+bool warns(const FitResult& result, const std::string& of) {
+  for (const std::string& warning : result.warnings)
+    if (warning.find(of) != std::string::npos) return true;
+  return false;
+}
+
+TEST(FitModel, FindsWhatMadeTheData) {
+  const std::string given = kLying + "cables: [" + cable("left", -0.007, "compliance_m_n: 1.0e-5") + ", " +
+                            cable("right", 0.007, "compliance_m_n: 1.0e-5") + "]\n";
+  const std::string truth = kLying + "body: {material: {youngs_modulus_pa: 303830}}\ncables: [" +
+                            cable("left", -0.007, "compliance_m_n: 2.0e-4, length_offset_m: 0.0006") + ", " +
+                            cable("right", 0.007, "compliance_m_n: 2.0e-4, length_offset_m: -0.0004") + "]";
+  Eigen::Isometry3d shifted(Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, 2, -1).normalized()));
+  shifted.translation() << 0.002, -0.001, 0.0015;
+  FitRequest request;
+  request.model_error_m = 0.0;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}},
+                        {"compliance_m_n", {}, {}, {}},
+                        {"length_offset_m", {}, {}, {}},
+                        {"camera_to_base", {}, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(given), measure(truth, kWay, shifted, 5e-5, 1), request);
+  EXPECT_TRUE(result.converged) << result.message;
+  expect_within(result, "youngs_modulus_pa", 303830);
+  EXPECT_LT(value_of(result, "youngs_modulus_pa").deviation, 0.03 * 303830);
+  expect_within(result, "compliance_m_n", 2e-4);
+  expect_within(result, "length_offset_m.left", 6e-4);
+  expect_within(result, "length_offset_m.right", -4e-4);
+  expect_within(result, "camera_to_base.x_m", 0.002);
+  EXPECT_GT(result.before.rms_m, 1e-3);
+  EXPECT_LT(result.after.rms_m, 1.2e-4);
+  EXPECT_GT(result.after.rms_m, 0.5e-4);  // no more than the noise allows
+
+  // Poses that it has not seen, with the scene that it writes.
+  const std::string file = (std::filesystem::temp_directory_path() / "soft_robot_lab_fitted.yaml").string();
+  write_fitted_scene(result, kScene, file);
+  const std::vector<MeasuredPose> unseen = measure(truth, {{0.92, 0.98}, {0.97, 0.9}}, shifted, 0.0, 2);
+  EXPECT_LT(model_gap(file, options_with(""), unseen, result.measured_from_base).rms_m,
+            0.1 * model_gap(kScene, options_with(given), unseen).rms_m);
+  std::filesystem::remove(file);
+}
+
+TEST(FitModel, FindsFrictionFromTheWayThere) {
+  const auto with_friction = [](const std::string& coefficient) {
+    return kLying + "cables: [" + cable("left", -0.007, "model: friction, friction_coefficient: " + coefficient) + ", " +
+           cable("right", 0.007, "model: friction, friction_coefficient: " + coefficient) + "]";
+  };
+  FitRequest request;
+  request.model_error_m = 0.0;
+  request.parameters = {{"friction_coefficient", 0.15, {}, {}}, {"youngs_modulus_pa", {}, {}, {}}};
+  // In small moves, as rigs and fits make them.
+  std::vector<std::pair<double, double>> way;
+  for (double c = 1.0; c > 0.85; c -= 0.02) way.emplace_back(c, 1.0);
+  for (double c = 0.86; c < 0.95; c += 0.02) way.emplace_back(c, 1.0);
+  const std::vector<MeasuredPose> poses =
+      measure(with_friction("0.3"), way, Eigen::Isometry3d::Identity(), 0.0, 1);
+  const FitResult result = fit_model(kScene, options_with(with_friction("0.1")), poses, request);
+  EXPECT_NEAR(value_of(result, "friction_coefficient").value, 0.3, 0.01) << summary(result);
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 264200, 2600) << summary(result);
+}
+
+TEST(FitModel, SaysWhatTheDataCannotTell) {
+  const std::vector<MeasuredPose> slack = measure(kLying, {{1.1, 1.1}, {1.2, 1.1}}, Eigen::Isometry3d::Identity(), 0, 1);
+  FitRequest request;
+  request.parameters = {
+      {"youngs_modulus_pa", {}, {}, {}}, {"compliance_m_n.left", {}, {}, {}}, {"damping", {}, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(kLying), slack, request);
+  EXPECT_TRUE(warns(result, "cannot tell compliance_m_n.left")) << summary(result);
+  EXPECT_TRUE(warns(result, "damping"));
+  EXPECT_FALSE(value_of(result, "compliance_m_n.left").told);
+  EXPECT_TRUE(value_of(result, "youngs_modulus_pa").told);
+  for (const FittedValue& value : result.values) EXPECT_TRUE(std::isfinite(value.deviation)) << value.name;
+}
+
+TEST(FitModel, OutliersHardlyMoveIt) {
+  std::vector<MeasuredPose> poses = measure(kLying, kWay, Eigen::Isometry3d::Identity(), 5e-5, 3);
+  poses[2].markers[0].position_m.y() += 0.02;
+  FitRequest request;
+  request.model_error_m = 0.0;
+  request.parameters = {{"youngs_modulus_pa", 200000.0, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(kLying), poses, request);
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 264200, 0.05 * 264200) << summary(result);
+}
+
+TEST(FitModel, RefusesBadRequests) {
+  const std::vector<MeasuredPose> poses = measure(kLying, {{1.0, 1.0}}, Eigen::Isometry3d::Identity(), 1e-4, 1);
+  const auto refusal = [&](const std::vector<FitParameter>& parameters, const std::vector<MeasuredPose>& data) {
+    FitRequest request;
+    request.parameters = parameters;
+    try {
+      fit_model(kScene, options_with(kLying), data, request);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing refused");
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  has(refusal({{"stiffness", {}, {}, {}}}, poses), "is not one of youngs_modulus_pa");
+  has(refusal({{"compliance_m_n.middle", {}, {}, {}}}, poses), "known: left, right");
+  has(refusal({{"youngs_modulus_pa", 1.0, 2.0, 3.0}}, poses), "is not in [2, 3]");
+  has(refusal({{"youngs_modulus_pa", {}, -1.0, {}}}, poses), "from above 0");
+  has(refusal({{"compliance_m_n", {}, {}, {}}, {"compliance_m_n.left", {}, {}, {}}}, poses), "twice");
+  has(refusal({{"camera_to_base", {}, {}, {}}}, poses), "cannot tell 6 parameters");
+  has(refusal({{"damping", {}, {}, {}}}, poses), "none that data could tell");
+  std::vector<MeasuredPose> strange = poses;
+  strange[0].markers[0].name = "nose";
+  has(refusal({{"youngs_modulus_pa", {}, {}, {}}}, strange), "unknown marker 'nose'");
+  strange = poses;
+  strange[0].markers[0].position_m.x() = std::nan("");
+  has(refusal({{"youngs_modulus_pa", {}, {}, {}}}, strange), "not finite");
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

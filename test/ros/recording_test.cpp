@@ -1,0 +1,165 @@
+// Recordings of sessions: where the robot rested, and the page about them.
+#include "soft_robot_lab/ros/recording.h"
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <std_msgs/String.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "soft_robot_lab/ros/fit_service.h"
+#include "soft_robot_lab/ros/image_messages.h"
+#include "soft_robot_lab/ros/session_report.h"
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+MarkerObservations observation(double time_s, double x_m, double hidden_x_m, uint8_t source) {
+  MarkerObservations markers;
+  markers.header.stamp = ros::Time(time_s);
+  markers.names = {"tip", "middle"};
+  markers.positions.resize(2);
+  markers.positions[0].x = x_m;
+  markers.positions[1].x = hidden_x_m;
+  markers.covariances.assign(18, 0.0);
+  markers.sources = {source, MarkerObservations::INTERPOLATED};
+  return markers;
+}
+
+ActuatorCommand command(double time_s, double left) {
+  ActuatorCommand message;
+  message.header.stamp = ros::Time(time_s);
+  message.names = {"left"};
+  message.values = {left};
+  return message;
+}
+
+// Three seconds at rest, a move of one second with commands all along, three seconds at rest, a move without rest.
+double place_m(double time_s) {
+  return time_s < 13.0 ? 0.0 : time_s < 14.0 ? 0.02 * (time_s - 13.0) : time_s < 17.0 ? 0.02 : 0.02 * (time_s - 16.0);
+}
+
+class Session : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("soft_robot_lab_recording_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string write_bag(bool tracked) const {
+    const std::string path = (folder_ / "session.bag").string();
+    rosbag::Bag bag(path, rosbag::bagmode::Write);
+    std_msgs::String scene;
+    scene.data = std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/scenes/cable_bar.yaml";
+    bag.write("/simulator/scene", ros::Time(10.0), scene);
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise_m(0.0, 1e-4);
+    for (int i = 0; i < 270; ++i) {
+      const double time_s = 10.0 + i / 30.0;
+      if (tracked)
+        bag.write("/tracker/markers", ros::Time(time_s),
+                  observation(time_s, place_m(time_s) + noise_m(random), 5.0, MarkerObservations::SEEN));
+      bag.write("/simulator/markers", ros::Time(time_s),
+                observation(time_s, place_m(time_s) + 0.003, 0.0, MarkerObservations::SIMULATED));
+      if (time_s >= 13.0 && time_s < 14.0)
+        bag.write("/actuators/command", ros::Time(time_s), command(time_s, 1.0 - 0.1 * (time_s - 13.0)));
+    }
+    bag.write("/actuators/command", ros::Time(14.0), command(14.0, 0.9));
+    bag.write("/actuators/command", ros::Time(17.0), command(17.0, 0.8));
+    return path;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Session, FindsWhereTheRobotRested) {
+  const Recording recording = read_recording(write_bag(true));
+  EXPECT_NE(recording.scene.find("cable_bar.yaml"), std::string::npos);
+  const std::vector<RestPeriod> periods = rest_periods(recording);
+  ASSERT_EQ(periods.size(), 2u);
+  EXPECT_TRUE(periods[0].pose.commands.empty());
+  EXPECT_NEAR(periods[1].pose.commands.at("left"), 0.9, 1e-12);
+  EXPECT_GE(periods[1].start_s, 14.0);
+  EXPECT_LE(periods[1].end_s, 17.0);
+  EXPECT_GT(periods[1].end_s - periods[1].start_s, 2.0);
+  ASSERT_EQ(periods[1].pose.markers.size(), 1u) << "the hidden marker was estimated, not measured";
+  const MeasuredMarker& tip = periods[1].pose.markers[0];
+  EXPECT_EQ(tip.name, "tip");
+  EXPECT_NEAR(tip.position_m.x(), 0.02, 5e-5);
+  EXPECT_NEAR(std::sqrt(tip.covariance_m2(0, 0)), 1e-4 / std::sqrt(75.0), 4e-6);
+  EXPECT_EQ(measured_poses(recording).size(), 3u) << "friction has to know of the last move too";
+}
+
+TEST_F(Session, RefusesWhatIsNoRecordingOfASession) {
+  const auto refusal = [](const std::string& path) {
+    try {
+      read_recording(path);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing refused");
+  };
+  EXPECT_NE(refusal((folder_ / "none.bag").string()).find("cannot be read as a bag"), std::string::npos);
+  std::ofstream(folder_ / "text.bag") << "no bag at all, just words that go on for a while";
+  EXPECT_NE(refusal((folder_ / "text.bag").string()).find("cannot be read as a bag"), std::string::npos);
+  EXPECT_NE(refusal(write_bag(false)).find("no markers of a tracker"), std::string::npos);
+}
+
+// A grey picture of a camera half a metre in front.
+void add_images(const std::string& path) {
+  rosbag::Bag bag(path, rosbag::bagmode::Append);
+  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
+  world_from_camera.translation().z() = -0.5;
+  tf2_msgs::TFMessage tree;
+  tree.transforms = {transform_message("world", optical_frame("camera_left"), world_from_camera)};
+  bag.write("/tf_static", ros::Time(10.0), tree);
+  const RgbdFrame frame{"camera_left", 12.5, cv::Mat(36, 64, CV_8UC3, cv::Scalar(99, 99, 99)),
+                        cv::Mat(36, 64, CV_16UC1, cv::Scalar(500))};
+  const FrameMessages messages = frame_messages(frame, d415_camera(64, 36), ros::Time(12.5));
+  bag.write("/camera_left/color/camera_info", ros::Time(12.4), messages.info);
+  bag.write("/camera_left/color/image_raw", ros::Time(12.5), messages.colour);
+}
+
+TEST_F(Session, DrawsWhatCamerasSaw) {
+  const std::string bag = write_bag(true);
+  add_images(bag);
+  const SessionReport report = write_session_report(bag, (folder_ / "report").string());
+  EXPECT_TRUE(fs::exists(folder_ / "report" / "camera_left_0.png"));
+  std::ifstream file(report.page);
+  std::ostringstream page;
+  page << file.rdbuf();
+  EXPECT_NE(page.str().find("camera_left, 2.5 s"), std::string::npos);
+}
+
+TEST_F(Session, IsToldOnOnePage) {
+  const SessionReport report = write_session_report(write_bag(true), (folder_ / "report").string());
+  EXPECT_EQ(report.rest_periods, 2);
+  EXPECT_NEAR(report.rest_rms_m, 0.003, 1e-4);
+  std::ifstream file(report.page);
+  std::ostringstream page;
+  page << file.rdbuf();
+  for (const std::string words : {"Gap by configuration", "left 0.9", "data:image/png;base64,", "youngs_modulus_pa",
+                                  "soft_robot_lab</td>", "no images with lens"})
+    EXPECT_NE(page.str().find(words), std::string::npos) << words;
+}
+
+TEST(FitRequest, RefusesListsOfOtherLengths) {
+  FitModel::Request request;
+  request.parameters = {"youngs_modulus_pa", "compliance_m_n"};
+  request.starts = {2e5};
+  EXPECT_THROW(fit_request(request), std::invalid_argument);
+  request.starts = {2e5, 1e-5};
+  EXPECT_EQ(fit_request(request).parameters[1].start, 1e-5);
+  request.model_error_m = -1.0;
+  EXPECT_THROW(fit_request(request), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

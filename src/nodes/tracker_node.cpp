@@ -275,11 +275,14 @@ void TrackerNode::diagnose_camera(const std::string& camera, DiagnosticStatusWra
 
 // Whether a camera was knocked.
 void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) {
-  status.summary(Status::OK, "what cameras see agrees");
   const MarkerTracking* tracking = input_.tracking();
+  std::string unwatched;
   for (const std::string& camera : options_.input.tracking.cameras)
     if (!tracking || tracking->watch().watched().count(camera) == 0)
-      status.mergeSummary(Status::OK, camera + " is not watched: no other camera sees its markers");
+      unwatched += (unwatched.empty() ? "" : ", ") + camera;
+  status.summary(Status::OK, unwatched.empty()
+                                 ? "what all cameras see agrees"
+                                 : "not watched, for want of markers that another camera sees too: " + unwatched);
   if (!tracking) return;
   for (const CameraWarning& warning : tracking->watch().warnings()) status.mergeSummary(Status::WARN, warning.message);
 }

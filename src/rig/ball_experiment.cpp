@@ -8,10 +8,13 @@
 
 #include "rig/lab_settings.h"
 #include "soft_robot_lab/control/find_policy.h"
+#include "soft_robot_lab/control/forward_model.h"
 #include "soft_robot_lab/scene/scene.h"
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr double kEnough_m = 1.0e-4;
 
 struct BallSettings {
   LabFiles files;
@@ -52,38 +55,48 @@ PolicyAnswer search(Simulation& simulation, const BallSettings& settings, const 
   return answer;
 }
 
-double distance_m(const Simulation& simulation, const std::string& marker, const Eigen::Vector3d& target_m) {
-  return (simulation.marker_position(simulation.marker_index(marker)) - target_m).norm();
-}
-
-void pull(Simulation& simulation, const std::vector<std::string>& names, const Eigen::VectorXd& contractions) {
-  for (std::size_t i = 0; i < names.size(); ++i)
-    simulation.set_command(names[i], contractions[static_cast<Eigen::Index>(i)]);
-  const SolveReport report = simulation.solve_equilibrium();
-  if (!report.converged) throw std::runtime_error("no rest: " + report.message);
-}
-
-// With reality's own robot, which no lab can do: the least distance to which contractions bring it from hanging. With
-// friction it depends on the way there where a body rests, so what a search found is played once more.
-double nearest_reachable_m(const BallSettings& settings, const Eigen::Vector3d& target_m, const SceneOptions& options) {
-  std::vector<std::string> names;
-  for (const MotorSettings& motor : settings.files.lab.rig.motors) names.push_back(motor.name);
-  double nearest_m = std::numeric_limits<double>::infinity();
-  for (const Eigen::VectorXd& start : settings.starts) {
-    const Scene scene = load_scene(settings.files.lab.reality.robot, options);
-    Simulation& real = *scene.simulation;
-    real.solve_equilibrium();
-    const SimulationState hanging = real.state();
-    pull(real, names, start);
-    const PolicyAnswer answer = find_policy(real, task_of(settings, target_m), settings.optimiser);
-    if (answer.summaries.empty() || !answer.summaries.back().commands.allFinite()) continue;
-    real.set_state(hanging);
-    pull(real, names, answer.summaries.back().commands);
-    nearest_m = std::min(nearest_m, distance_m(real, settings.marker, target_m));
+// With reality's own robot, which no lab can do: the least distance to which contractions bring it from hanging, whence
+// all are played, as with friction the way there decides where it rests.
+class RealReach {
+ public:
+  RealReach(const BallSettings& settings, const SceneOptions& options)
+      : settings_(settings), real_(load_scene(settings.files.lab.reality.robot, options).simulation) {
+    real_->solve_equilibrium();
+    hanging_ = real_->state();
   }
-  if (!std::isfinite(nearest_m)) throw std::runtime_error("no search for reality's nearest succeeded");
-  return nearest_m;
-}
+
+  double nearest_m(const Eigen::Vector3d& target_m) {
+    ReachProblem problem;
+    problem.goals = {{target_m, 1.0}};
+    const std::vector<MotorSettings>& motors = settings_.files.lab.rig.motors;
+    problem.min.resize(static_cast<Eigen::Index>(motors.size()));
+    problem.max = problem.min;
+    for (std::size_t i = 0; i < motors.size(); ++i) {
+      problem.names.push_back(motors[i].name);
+      problem.min[static_cast<Eigen::Index>(i)] = motors[i].min_value;
+      problem.max[static_cast<Eigen::Index>(i)] = motors[i].max_value;
+    }
+    problem.model = [&](const Eigen::VectorXd& contractions, bool with_derivatives) {
+      real_->set_state(hanging_);
+      return ForwardModel(*real_, {settings_.marker}, problem.names).predict(contractions, with_derivatives);
+    };
+    OptimiserOptions options = settings_.optimiser;
+    options.tolerance_m = kEnough_m;  // each place is played from hanging, which takes its time
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (const Eigen::VectorXd& start : settings_.starts) {
+      problem.start = start;
+      const OptimisationSummary found = optimise(problem, options);
+      if (found.usable) nearest_m = std::min(nearest_m, found.final_distance_m);
+    }
+    if (!std::isfinite(nearest_m)) throw std::runtime_error("no search for reality's nearest succeeded");
+    return nearest_m;
+  }
+
+ private:
+  const BallSettings& settings_;
+  std::unique_ptr<Simulation> real_;
+  SimulationState hanging_;
+};
 
 struct Attempt {
   std::vector<double> true_m, measured_m;  // distances at rest: hanging, after the replay, after each correction
@@ -191,7 +204,7 @@ struct Reached {
 Reached reach(const BallSettings& settings, const std::string& what, const Eigen::Vector3d& target_m,
               const ExperimentContext& context) {
   context.tell(0.0, what + ": nearest that reality can reach");
-  Reached reached{what, nearest_reachable_m(settings, target_m, context.scene_options()), 0.0, {}, {}};
+  Reached reached{what, RealReach(settings, context.scene_options()).nearest_m(target_m), 0.0, {}, {}};
   context.tell(0.2, what + ": policy on the model");
   Attempts attempts(settings, target_m, context);
   reached.expected_m = attempts.expected_m();

@@ -14,6 +14,8 @@
 namespace soft_robot_lab {
 namespace {
 
+constexpr double kEnough_m = 1.0e-4;
+
 struct BallSettings {
   LabFiles files;
   std::string marker;
@@ -78,10 +80,12 @@ class RealReach {
       real_->set_state(hanging_);
       return ForwardModel(*real_, {settings_.marker}, problem.names).predict(contractions, with_derivatives);
     };
+    OptimiserOptions options = settings_.optimiser;
+    options.tolerance_m = kEnough_m;  // each place is played from hanging, which takes its time
     double nearest_m = std::numeric_limits<double>::infinity();
     for (const Eigen::VectorXd& start : settings_.starts) {
       problem.start = start;
-      const OptimisationSummary found = optimise(problem, settings_.optimiser);
+      const OptimisationSummary found = optimise(problem, options);
       if (found.usable) nearest_m = std::min(nearest_m, found.final_distance_m);
     }
     if (!std::isfinite(nearest_m)) throw std::runtime_error("no search for reality's nearest succeeded");

@@ -68,7 +68,8 @@ class Painter {
 
  private:
   void place(const geometry_msgs::TransformStamped& transform) {
-    const std::string parent = without_slash(transform.header.frame_id), child = without_slash(transform.child_frame_id);
+    const std::string parent = without_slash(transform.header.frame_id),
+                      child = without_slash(transform.child_frame_id);
     if (parent != topics::world_frame) return;
     if (child == topics::robot_frame) world_from_robot_ = pose_of(transform.transform);
     poses_[child] = pose_of(transform.transform);
@@ -85,7 +86,8 @@ class Painter {
     const double time_s = image.header.stamp.toSec();
     while (camera.next < times_s_.size() && times_s_[camera.next] <= time_s) ++camera.next;
     const Eigen::Isometry3d camera_from_robot = poses_.at(optical_frame(name)).inverse() * world_from_robot_;
-    const cv::Mat drawn = draw_robot(colour_image(image), *camera.lens, camera_from_robot, surface_, nearest(gaps_, time_s));
+    const cv::Mat drawn =
+        draw_robot(colour_image(image), *camera.lens, camera_from_robot, surface_, nearest(gaps_, time_s));
     cv::Mat bgr;
     cv::cvtColor(drawn, bgr, cv::COLOR_RGB2BGR);
     const std::string file = folder_ + "/" + name + "_" + std::to_string(pictures_.size()) + ".png";

@@ -274,7 +274,8 @@ SessionReport write_session_report(const std::string& bag, const std::string& fo
   HtmlPage page("Session " + std::filesystem::path(bag).filename().string());
   page.table(facts(bag, recording, scene_file, report.rest_rms_m, periods.size()));
   page.heading("Gap over time");
-  if (recording.gaps.empty()) page.paragraph("No simulated markers at the times of tracked ones: the gap is not known.");
+  if (recording.gaps.empty())
+    page.paragraph("No simulated markers at the times of tracked ones: the gap is not known.");
   add_plot(gap_plot(recording.gaps, recording.start_s), folder, page);
   page.heading("Gap by configuration");
   if (periods.empty()) page.paragraph("The robot was never at rest under commands that did not change.");
@@ -298,7 +299,8 @@ SessionReport write_session_report(const std::string& bag, const std::string& fo
   }
   page.heading("Parameters");
   const std::string settings = scene_file.empty() ? "" : file_text(scene_file);
-  if (settings.empty()) page.paragraph("The scene file is not there to be shown" + (scene_file.empty() ? "." : ": " + scene_file));
+  if (settings.empty())
+    page.paragraph("The scene file is not there to be shown" + (scene_file.empty() ? "." : ": " + scene_file));
   if (!settings.empty()) page.text(settings);
   page.heading("Versions");
   page.table(versions());

@@ -63,6 +63,19 @@ TEST_F(CableTest, GradientAgreesWithCentralDifferences) {
   }
 }
 
+TEST_F(CableTest, IsLongerThanCommandedByItsOffset) {
+  for (const char* model : {", model: sliding", ", model: friction, friction_coefficient: 0.1"}) {
+    const auto loose = side_cable(std::string(model) + ", length_offset_m: 0.001");
+    const ActuatorReading at_rest = loose->observe(body_.mesh().nodes_m, {0, 0, 0});
+    EXPECT_NEAR(*at_rest.slack_m, 0.001, 1e-12);
+    EXPECT_EQ(*at_rest.commanded_length_m, *at_rest.rest_length_m);
+    loose->set_command(0.9);
+    loose->advance(1e9);
+    EXPECT_NEAR(*loose->observe(body_.mesh().nodes_m, {0, 0, 0}).stretch_m, 0.1 * *at_rest.rest_length_m - 0.001,
+                1e-12);
+  }
+}
+
 TEST_F(CableTest, HessianAgreesWithCentralDifferences) {
   const auto side = side_cable();
   const Constraint& length = *side->constraints()[0];

@@ -43,6 +43,17 @@ TEST(MaterialSection, PresetsMayHaveAnotherPoissonsRatioAndDensity) {
   EXPECT_EQ(changed.density_kg_m3, 1000.0);
 }
 
+TEST(MaterialSection, ScalesEveryModulusByItsRatio) {
+  EXPECT_NEAR(read("{youngs_modulus_pa: 1.0e5, stiffness_ratio: 1.15}").youngs_modulus_pa, 1.15e5, 1e-9);
+  const Material rivlin = read("{model: mooney_rivlin, c10_pa: 2.0e4, c01_pa: 1.0e4, stiffness_ratio: 2}");
+  EXPECT_NEAR(rivlin.c10_pa(), 4.0e4, 1e-9);
+  EXPECT_NEAR(rivlin.c01_pa, 2.0e4, 1e-9);
+  const Material yeoh = read("{model: yeoh, c1_pa: 2.0e4, c2_pa: -5.0, c3_pa: 1.0, stiffness_ratio: 0.5}");
+  EXPECT_NEAR(yeoh.c10_pa(), 1.0e4, 1e-9);
+  EXPECT_EQ(yeoh.c2_pa, -2.5);
+  EXPECT_EQ(yeoh.c3_pa, 0.5);
+}
+
 TEST(MaterialSection, RefusesWithTheFixInTheMessage) {
   const std::pair<const char*, const char*> cases[] = {
       {"{preset: ecoflex_00_60}", "dragon_skin_10, dragon_skin_30, ecoflex_00_30, ecoflex_00_50"},

@@ -19,7 +19,7 @@ constexpr double kSettled = 0.1;
 
 // Of each column's own weight. Two cables that pull against each other have almost opposite columns: an undamped
 // first step throws both to their limits, where the way back leads along the slack cable's kink.
-constexpr double kFirstDamping = 0.5;
+constexpr double kFirstDamping = 2.0;
 constexpr double kLeastDamping = 1.0e-8;
 
 // Of a command's range, the largest step; a step that failed is followed by one of at most half its size.
@@ -157,22 +157,27 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, Eige
   return kConverged;
 }
 
-// Moves commands of slack cables to where they just pull, if that leads nearer by the derivatives there; false where
-// none does, with `commands` as they were.
+// Moves the commands of slack cables to where they just pull, where that leads nearer by the derivatives there; else to
+// where the search started, where that is nearer: a body that buckles may be in another shape. False where neither is.
 bool tighten(Search& search, const Evaluation& rest, Eigen::VectorXd& commands) {
   constexpr double pull = 2.0e-3;  // of the range, so that rounding does not leave it slack
   const ReachProblem& problem = search.problem();
-  const Eigen::VectorXd slack = rest.prediction.slack, range = problem.max - problem.min;
+  const Eigen::VectorXd range = problem.max - problem.min;
   bool tightened = false;
-  for (Eigen::Index i = 0; i < slack.size(); ++i) {
-    const double taut = commands[i] - slack[i] - pull * range[i];
-    if (!(slack[i] > 0.0) || taut < problem.min[i]) continue;
+  for (Eigen::Index i = 0; i < rest.prediction.slack.size(); ++i) {
+    const double taut = rest.commands[i] - rest.prediction.slack[i] - pull * range[i];
+    if (rest.prediction.slack[i] == 0.0 || taut < problem.min[i]) continue;
     Eigen::VectorXd there = commands;
     there[i] = taut;
-    const Evaluation* edge = search.evaluate(there, true);
-    if (!edge || !edge->allowed || !(edge->jacobian.col(i).dot(edge->residuals) > 0.0)) continue;
-    commands = there;
-    tightened = true;
+    const Evaluation* found = search.evaluate(there, true);
+    bool nearer = found && found->allowed && found->jacobian.col(i).dot(found->residuals) > 0.0;
+    if (!nearer && problem.start[i] < taut) {
+      there[i] = problem.start[i];
+      found = search.evaluate(there, false);
+      nearer = found && found->allowed && found->objective_m2() < rest.objective_m2();
+    }
+    if (nearer) commands = there;
+    tightened = tightened || nearer;
   }
   return tightened;
 }

@@ -16,8 +16,8 @@ struct FitSettings {
   std::vector<MeasuredPose> table, unseen;  // commands only
   double deviation_m = 0.0;                 // of an averaged marker
   FitRequest request;
-  std::string truth_mesh;                   // changes
-  std::vector<FitParameter> truth;          // `start`: the value
+  std::string truth_mesh;           // changes
+  std::vector<FitParameter> truth;  // `start`: the value
   unsigned seed = 1;
 };
 
@@ -28,7 +28,8 @@ FitSettings read_settings(const ExperimentContext& context) {
   FitSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
   std::vector<double> contractions;
-  for (const SettingsNode& c : node.sequence("contractions")) contractions.push_back(c.as_number(AllowedRange::positive()));
+  for (const SettingsNode& c : node.sequence("contractions"))
+    contractions.push_back(c.as_number(AllowedRange::positive()));
   for (const double left : contractions)
     for (const double right : contractions) settings.table.push_back(pose_of(left, right));
   for (const SettingsNode& pair : node.sequence("unseen")) {
@@ -67,8 +68,10 @@ class Truth {
     const Scene scene = load_scene(settings_.robot, options_);
     for (MeasuredPose& pose : poses)
       for (const Marker& marker : scene.simulation->markers())
-        pose.markers.push_back({marker.name(), Eigen::Vector3d::Zero(), std::pow(settings_.deviation_m, 2) * Eigen::Matrix3d::Identity()});
-    const std::vector<PosePrediction> at = PoseModel(settings_.robot, options_, poses).predict(parameters_.changes(values_));
+        pose.markers.push_back(
+            {marker.name(), Eigen::Vector3d::Zero(), std::pow(settings_.deviation_m, 2) * Eigen::Matrix3d::Identity()});
+    const std::vector<PosePrediction> at =
+        PoseModel(settings_.robot, options_, poses).predict(parameters_.changes(values_));
     const Eigen::Isometry3d measured_from_base = parameters_.measured_from_base(values_);
     std::normal_distribution<double> normal(0.0, noisy ? settings_.deviation_m : 0.0);
     for (std::size_t p = 0; p < poses.size(); ++p) {
@@ -143,8 +146,7 @@ ExperimentResult run_fit_experiment(const ExperimentContext& context) {
   const FitResult fit = fit_model(settings.robot, options, table, request);
   context.tell(0.95, "unseen poses");
   const ModelGap before = model_gap(settings.robot, options, unseen);
-  const ModelGap after =
-      model_gap(settings.robot, context.scene_options(fit.changes), unseen, fit.measured_from_base);
+  const ModelGap after = model_gap(settings.robot, context.scene_options(fit.changes), unseen, fit.measured_from_base);
 
   ExperimentResult result;
   result.title = "Spinebot: the model fitted to its table of contractions";
@@ -161,14 +163,16 @@ ExperimentResult run_fit_experiment(const ExperimentContext& context) {
   }
   result.numbers["warnings"] = fit.warnings;
   result.numbers["fit"] = {{"before", to_json(fit.before)}, {"after", to_json(fit.after)}};
-  result.numbers["unseen"] = {{"before", to_json(before)}, {"after", to_json(after)}, {"ratio", before.rms_m / after.rms_m}};
+  result.numbers["unseen"] = {
+      {"before", to_json(before)}, {"after", to_json(after)}, {"ratio", before.rms_m / after.rms_m}};
   result.numbers["iterations"] = fit.iterations;
   result.numbers["cpu_s"] = fit.cpu_s;
   write_fitted_scene(fit, settings.robot, context.output_folder + "/fitted.yaml");
   std::ostringstream words;
   words.precision(3);
   words << "On poses that the fit has not seen the rms gap falls from " << 1e3 * before.rms_m << " mm to "
-        << 1e3 * after.rms_m << " mm, " << before.rms_m / after.rms_m << " times less. fitted.yaml is the robot with these values.";
+        << 1e3 * after.rms_m << " mm, " << before.rms_m / after.rms_m
+        << " times less. fitted.yaml is the robot with these values.";
   for (const std::string& warning : fit.warnings) words << " Warning: " << warning << ".";
   result.we_find = words.str();
   return result;

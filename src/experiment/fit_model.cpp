@@ -30,11 +30,10 @@ class Predictor : public ceres::EvaluationCallback {
     if (!new_point && good_ && (!derivatives || differentiated_)) return;
     try {
       here_ = values(unknowns_);
-      poses_ = model_.predict(parameters_.changes(here_), derivatives
-                                                              ? [this](const Simulation& simulation) {
-                                                                  return parameters_.model_parameters(simulation);
-                                                                }
-                                                              : PoseModel::Parameters{});
+      poses_ = model_.predict(
+          parameters_.changes(here_),
+          derivatives ? [this](const Simulation& simulation) { return parameters_.model_parameters(simulation); }
+                      : PoseModel::Parameters{});
       good_ = true;
       differentiated_ = derivatives;
     } catch (const std::runtime_error& error) {  // no equilibrium there; a shorter step may have one
@@ -48,8 +47,7 @@ class Predictor : public ceres::EvaluationCallback {
     Eigen::VectorXd all(static_cast<Eigen::Index>(unknowns.size()));
     for (std::size_t i = 0; i < unknowns.size(); ++i) {
       const FitNumber& number = parameters_.numbers()[i];
-      all[static_cast<Eigen::Index>(i)] =
-          std::clamp(number.start + unknowns[i] * number.size, number.min, number.max);
+      all[static_cast<Eigen::Index>(i)] = std::clamp(number.start + unknowns[i] * number.size, number.min, number.max);
     }
     return all;
   }
@@ -62,8 +60,7 @@ class Predictor : public ceres::EvaluationCallback {
   Eigen::Matrix3Xd jacobian(std::size_t pose, Eigen::Index marker) const {
     Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, here_.size());
     const Eigen::Matrix3d turn = parameters_.measured_from_base(here_).linear();
-    const Eigen::Matrix<double, 3, 6> camera =
-        parameters_.camera_jacobian(here_, poses_[pose].markers_m.col(marker));
+    const Eigen::Matrix<double, 3, 6> camera = parameters_.camera_jacobian(here_, poses_[pose].markers_m.col(marker));
     Eigen::Index model_column = 0;
     for (std::size_t i = 0; i < parameters_.numbers().size(); ++i) {
       const FitNumber& number = parameters_.numbers()[i];
@@ -71,8 +68,7 @@ class Predictor : public ceres::EvaluationCallback {
       if (number.kind == FitNumber::Kind::camera) {
         all.col(column) = number.size * camera.col(number.axis);
       } else {
-        all.col(column) =
-            number.size * turn * poses_[pose].jacobian.block<3, 1>(3 * marker, model_column++);
+        all.col(column) = number.size * turn * poses_[pose].jacobian.block<3, 1>(3 * marker, model_column++);
       }
     }
     return all;
@@ -111,9 +107,8 @@ class MarkerResidual : public ceres::CostFunction {
     if (!predictor_.good()) return false;
     Eigen::Map<Eigen::Vector3d>(residuals, 3) = weight_ * (predictor_.measured(pose_, marker_) - measured_m_);
     if (jacobians && jacobians[0])
-      Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[0], 3,
-                                                                            parameter_block_sizes()[0]) =
-          weight_ * predictor_.jacobian(pose_, marker_);
+      Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(
+          jacobians[0], 3, parameter_block_sizes()[0]) = weight_ * predictor_.jacobian(pose_, marker_);
     return true;
   }
 
@@ -129,13 +124,16 @@ class Teller : public ceres::IterationCallback {
  public:
   Teller(const FitRequest& request, std::function<double()> gap) : request_(request), gap_(std::move(gap)) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    if (!request_.progress || request_.progress(summary.iteration, gap_())) return ceres::SOLVER_CONTINUE;
+    if (summary.iteration == 0 || summary.step_is_successful)
+      rms_gap_m_ = gap_();  // else the last one looked at failed
+    if (!request_.progress || request_.progress(summary.iteration, rms_gap_m_)) return ceres::SOLVER_CONTINUE;
     return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
 
  private:
   const FitRequest& request_;
   std::function<double()> gap_;
+  double rms_gap_m_ = 0.0;
 };
 
 ModelGap gap_of(const std::vector<MeasuredPose>& poses,
@@ -173,8 +171,8 @@ ceres::Solver::Options solver_options(const FitRequest& request) {
   ceres::Solver::Options options;
   options.max_num_iterations = request.max_iterations;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.function_tolerance = 1e-6;
-  options.parameter_tolerance = 1e-5;
+  options.function_tolerance = 1e-5;
+  options.parameter_tolerance = 1e-4;
   options.logging_type = ceres::SILENT;
   options.update_state_every_iteration = true;
   return options;
@@ -207,10 +205,9 @@ FitResult fit_model(const std::string& scene, const SceneOptions& options, const
   int residuals = 0;
   for (std::size_t p = 0; p < poses.size(); ++p) {
     for (std::size_t m = 0; m < poses[p].markers.size(); ++m, residuals += 3)
-      problem.AddResidualBlock(
-          new MarkerResidual(predictor, p, static_cast<Eigen::Index>(m), poses[p].markers[m], request.model_error_m,
-                             unknown_count),
-          &loss, unknowns.data());
+      problem.AddResidualBlock(new MarkerResidual(predictor, p, static_cast<Eigen::Index>(m), poses[p].markers[m],
+                                                  request.model_error_m, unknown_count),
+                               &loss, unknowns.data());
   }
   require(residuals > unknown_count, "poses: " + std::to_string(residuals) + " coordinates cannot tell " +
                                          std::to_string(unknown_count) + " parameters");
@@ -232,7 +229,8 @@ FitResult fit_model(const std::string& scene, const SceneOptions& options, const
   solver.callbacks.push_back(&teller);
   // Least squares first: far from the solution everything would count as an outlier.
   for (const bool robust : {false, true}) {
-    if (robust) loss.Reset(new ceres::HuberLoss(request.outlier_deviations * typical_deviation(problem)), ceres::TAKE_OWNERSHIP);
+    if (robust)
+      loss.Reset(new ceres::HuberLoss(request.outlier_deviations * typical_deviation(problem)), ceres::TAKE_OWNERSHIP);
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
     result.converged = summary.termination_type == ceres::CONVERGENCE;

@@ -67,7 +67,8 @@ FitParameters::FitParameters(const std::string& scene, const SceneOptions& optio
     plain.name = parameter.name.substr(0, dot);
     add(plain, dot == std::string::npos ? "" : parameter.name.substr(dot + 1));
   }
-  if (numbers_.empty()) throw std::invalid_argument(std::string("parameters: none that data could tell; known: ") + kKnown);
+  if (numbers_.empty())
+    throw std::invalid_argument(std::string("parameters: none that data could tell; known: ") + kKnown);
 }
 
 double FitParameters::present(const std::string& cable, const std::string& key, double otherwise) const {
@@ -127,7 +128,8 @@ void FitParameters::add(const FitParameter& asked, const std::string& cable) {
       add_number(number, asked);
     }
   } else {
-    throw std::invalid_argument("parameters: '" + key + (cable.empty() ? "" : "." + cable) + "' is not one of " + kKnown);
+    throw std::invalid_argument("parameters: '" + key + (cable.empty() ? "" : "." + cable) + "' is not one of " +
+                                kKnown);
   }
 }
 

@@ -12,10 +12,10 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kOf95Percent = 1.96;
-constexpr double kPart = 0.3;          // of a unit direction: a parameter takes part in it
-constexpr double kTogether = 0.95;     // correlation beyond which two parameters are told together only
-constexpr double kUntold = 0.5;        // share of the variance that the bounds alone would leave
-constexpr double kOnBound = 1e-6;      // of the range
+constexpr double kPart = 0.3;       // of a unit direction: a parameter takes part in it
+constexpr double kTogether = 0.95;  // correlation beyond which two parameters are told together only
+constexpr double kUntold = 0.5;     // share of the variance that the bounds alone would leave
+constexpr double kOnBound = 1e-6;   // of the range
 
 std::string short_text(double value) {
   std::ostringstream text;
@@ -34,8 +34,9 @@ void warn_of_blind_directions(const std::vector<FitNumber>& numbers, const Eigen
       if (std::abs(eigen.eigenvectors()(i, k)) < kPart) continue;
       names += (parts++ ? ", " : "") + numbers[static_cast<std::size_t>(i)].name;
     }
-    result.warnings.push_back(parts == 1 ? "the data cannot tell " + names
-                                         : "the data cannot tell " + names + " apart: some combination of them stays open");
+    result.warnings.push_back(parts == 1
+                                  ? "the data cannot tell " + names
+                                  : "the data cannot tell " + names + " apart: some combination of them stays open");
   }
 }
 
@@ -72,7 +73,8 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
     widths[i] = (number.max - number.min) / (2.0 * kOf95Percent);
     in_sizes[i] = widths[i] / number.size;
   }
-  const double squares = Eigen::Map<const Eigen::VectorXd>(residuals.data(), static_cast<Eigen::Index>(residuals.size())).squaredNorm();
+  const double squares =
+      Eigen::Map<const Eigen::VectorXd>(residuals.data(), static_cast<Eigen::Index>(residuals.size())).squaredNorm();
   const double variance = std::max(1.0, squares / static_cast<double>(jacobian.rows() - count));
   const Eigen::MatrixXd scaled = jacobian * in_sizes.asDiagonal();
   const Eigen::MatrixXd information = scaled.transpose() * scaled / variance;

@@ -8,9 +8,9 @@
 
 #include <Eigen/LU>
 
-#include "sim/shape_functions.h"
 #include "soft_robot_lab/settings/settings_node.h"
 #include "soft_robot_lab/sim/embedding.h"
+#include "soft_robot_lab/sim/shape_functions.h"
 #include "soft_robot_lab/sim/simulation.h"
 #include "soft_robot_lab/sim/subdivide.h"
 

@@ -41,8 +41,8 @@ class Walk {
       return;
     }
     // Each stage one solve, as length slips within each: derivatives follow every one.
-    const int coarsest = from == to ? 1 : kStagesOfMove;
-    double done = 0.0, stage = 1.0 / coarsest;
+    const double longest = from == to ? 1.0 : 1.0 / kStagesOfMove;
+    double done = 0.0, stage = longest;
     while (done < 1.0 - 1e-9) {
       const SimulationState before = simulation_.state();
       const bool in_one = solve(from, to, done + stage) == 1;
@@ -53,6 +53,7 @@ class Walk {
       }
       differentiate();
       done += stage;
+      stage = std::min({longest, 2.0 * stage, 1.0 - done});
     }
   }
 

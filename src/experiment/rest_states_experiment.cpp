@@ -140,7 +140,7 @@ Settled settle(const Settings& settings, Simulation& simulation) {
   }
   settled.time_s = simulation.state().time_s;
   settled.cpu_s = cpu_time_s() - start_s;
-  if (!settled.still && settled.message.empty()) settled.message = "moves";
+  if (!settled.still && settled.message.empty()) settled.message = "not at rest yet";
   return settled;
 }
 

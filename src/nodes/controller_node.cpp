@@ -1,7 +1,8 @@
 // Finds policies on a model of its own, and plays and corrects them on whatever listens to the actuator commands.
 //
 // Parameters: ~scene (path; absent where the simulator tells which scene runs), ~ramp_s (how long an optimised policy
-// takes to reach its commands), ~markers_topic (what corrects a policy).
+// takes to reach its commands), ~markers_topic (what corrects a policy), ~lost_after_s (without any marker for so long
+// a closed loop stops).
 #include <atomic>
 #include <map>
 #include <memory>
@@ -28,6 +29,13 @@
 
 namespace soft_robot_lab {
 namespace {
+
+ClosedLoopOptions read_loop_options() {
+  ClosedLoopOptions options;
+  ros::NodeHandle("~").getParam("lost_after_s", options.lost_after_s);
+  options.validate();
+  return options;
+}
 
 class ControllerNode {
  public:
@@ -63,7 +71,7 @@ class ControllerNode {
   std::map<std::string, double> commands_;  // as the actuators last said, whoever sent them
   std::optional<PolicyTask> found_;         // the last task that a policy was found for
 
-  const ClosedLoopOptions loop_options_;
+  const ClosedLoopOptions loop_options_ = read_loop_options();
   Execution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
 
   ros::NodeHandle node_;

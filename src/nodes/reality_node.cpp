@@ -24,18 +24,22 @@
 namespace soft_robot_lab {
 namespace {
 
-Reality load(const ros::NodeHandle& parameters) {
-  std::string path;
-  if (!parameters.getParam("reality", path)) throw std::invalid_argument("reality: missing; give its file's path");
+SceneOptions scene_options() {
   SceneOptions options;
   options.actuator_factory = actuators_from_plugins();
-  return Reality(load_reality(path), options);
+  return options;
+}
+
+RealitySettings read_reality(const ros::NodeHandle& parameters) {
+  std::string path;
+  if (!parameters.getParam("reality", path)) throw std::invalid_argument("reality: missing; give its file's path");
+  return load_reality(path);
 }
 
 class RealityNode {
  public:
   explicit RealityNode(const ros::NodeHandle& parameters)
-      : reality_(load(parameters)), surface_(reality_.simulation().body().mesh()) {
+      : reality_(read_reality(parameters), scene_options_), surface_(reality_.simulation().body().mesh()) {
     parameters.getParam("surface_rate_hz", surface_rate_hz_);
     if (!(surface_rate_hz_ > 0.0 && surface_rate_hz_ <= 1000.0))
       throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz_) + " is not in (0, 1000]");
@@ -100,6 +104,7 @@ class RealityNode {
     lost_s_ = 0.0;
   }
 
+  SceneOptions scene_options_ = scene_options();  // keeps the plugins loaded
   Reality reality_;
   SurfaceMarker surface_;
   double surface_rate_hz_ = 15.0;

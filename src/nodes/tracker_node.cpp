@@ -184,8 +184,11 @@ bool TrackerNode::attempt(const std::string& what, Action action) {
 void TrackerNode::on_result(const MarkerTracking::Result& result) {
   const TrackerReport& report = result.report;
   for (const CameraProblem& problem : report.problems) {
+    const bool silent = problem.message.find("has sent nothing usable") != std::string::npos;
+    if (silent && !problem_.empty()) continue;  // why it has not is already told
     problem_ = problem.message;
     ROS_WARN_THROTTLE(1.0, "%s", problem_.c_str());
+    if (silent) continue;  // its own diagnosis finds that out
     cameras_.at(problem.camera)->diagnosis.failed(problem.message);
   }
   if (!report.updated) return;
@@ -275,11 +278,14 @@ void TrackerNode::diagnose_camera(const std::string& camera, DiagnosticStatusWra
 
 // Whether a camera was knocked.
 void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) {
-  status.summary(Status::OK, "what cameras see agrees");
   const MarkerTracking* tracking = input_.tracking();
+  std::string unwatched;
   for (const std::string& camera : options_.input.tracking.cameras)
     if (!tracking || tracking->watch().watched().count(camera) == 0)
-      status.mergeSummary(Status::OK, camera + " is not watched: no other camera sees its markers");
+      unwatched += (unwatched.empty() ? "" : ", ") + camera;
+  status.summary(Status::OK, unwatched.empty()
+                                 ? "what all cameras see agrees"
+                                 : "not watched, for want of markers that another camera sees too: " + unwatched);
   if (!tracking) return;
   for (const CameraWarning& warning : tracking->watch().warnings()) status.mergeSummary(Status::WARN, warning.message);
 }

@@ -15,10 +15,12 @@ using namespace soft_robot_lab;
 
 constexpr const char* kUsage =
     "usage: fit_model BAG --parameters A,B,... [--scene SCENE.yaml] [--output FITTED.yaml] [--model-error METRES]\n"
-    "Fits numbers of the robot's scene to the markers of a recording, wherever the robot was at rest, and writes a scene\n"
+    "Fits numbers of the robot's scene to the markers of a recording, wherever the robot was at rest, and writes a "
+    "scene\n"
     "with them (fitted.yaml). Exact derivatives, least squares with bounds; says how sure each value is, and what the\n"
     "data cannot tell.\n"
-    "--parameters   youngs_modulus_pa, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for one\n"
+    "--parameters   youngs_modulus_pa, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for "
+    "one\n"
     "               cable), camera_to_base, damping\n"
     "--scene        the robot's file, where it is not the one that the recording names\n"
     "--model-error  by how much the model would still miss a marker's coordinate; 1e-4\n"

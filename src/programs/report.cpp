@@ -12,7 +12,8 @@ using namespace soft_robot_lab;
 
 constexpr const char* kUsage =
     "usage: report BAG --output FOLDER [--scene SCENE.yaml]\n"
-    "Writes FOLDER/report.html, which holds its pictures: gap over time and by configuration, policy, trajectories, what\n"
+    "Writes FOLDER/report.html, which holds its pictures: gap over time and by configuration, policy, trajectories, "
+    "what\n"
     "the cameras saw, the scene and the versions. The pictures lie in FOLDER too, as PNG, SVG and CSV.\n"
     "--scene  the robot's file, where it is not the one that the recording names.\n"
     "Exit status: 0 written, 2 bad recording or arguments.\n";

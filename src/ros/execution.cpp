@@ -56,6 +56,7 @@ std::string Execution::problem() const {
 std::string Execution::correct(std::unique_lock<std::mutex>& lock) {
   ClosedLoop& loop = *run_->order.loop;
   double asked_s = run_->now_s;
+  run_->seen_s = run_->now_s;
   measured_rest_.start(run_->now_s);
   while (true) {
     if (std::string what = wait(lock, [&] { return may_correct(asked_s); }); !what.empty()) return what;
@@ -85,7 +86,7 @@ std::string Execution::correct(std::unique_lock<std::mutex>& lock) {
 // Markers at rest, or none for so long that the loop has to know.
 bool Execution::may_correct(double after_s) const {
   if (!(run_->now_s > after_s) || !run_->rested || motors_.moving()) return false;
-  return measured_rest_.at_rest() || run_->now_s - measured_rest_.last_seen_s() >= loop_options_.lost_after_s;
+  return measured_rest_.at_rest() || run_->now_s - run_->seen_s >= loop_options_.lost_after_s;
 }
 
 bool Execution::running() const {
@@ -111,9 +112,10 @@ void Execution::add_simulated(const MarkerObservations& markers) {
   run_->answer.markers = markers;
   if (!run_->sent) {
     play();
-  } else if (const bool rests = run_->rest.update(run_->now_s, markers.positions); rests && !motors_.moving()) {
-    if (!run_->rested) measured_rest_.start(run_->now_s);
-    run_->rested = true;
+  } else if (!run_->rested) {
+    repeat();
+    run_->rested = run_->rest.update(run_->now_s, markers.positions) && !motors_.moving();
+    if (run_->rested) measured_rest_.start(run_->now_s);
   }
   changed_.notify_all();
 }
@@ -122,7 +124,7 @@ void Execution::add_measured(const MarkerObservations& markers) {
   const std::lock_guard lock(mutex_);
   if (!run_) return;
   run_->answer.measured = markers;
-  measured_rest_.add(markers);
+  if (measured_rest_.add(markers)) run_->seen_s = run_->now_s;
   changed_.notify_all();
 }
 
@@ -134,14 +136,25 @@ void Execution::add_motors(const MotorState& state) {
   changed_.notify_all();
 }
 
+// Motors refuse commands that follow one another too fast.
 void Execution::play() {
+  constexpr double least_period_s = 0.01;  // of wall time
+  if (motors_.known() && (ros::WallTime::now() - run_->told).toSec() < least_period_s) return;
   send(run_->player.names(), run_->player.values_at(run_->elapsed_s()));
   run_->sent = run_->elapsed_s() >= run_->player.end_s();
+}
+
+// The last command may have been refused all the same, where two were waiting for the motors' node.
+void Execution::repeat() {
+  constexpr double period_s = 0.2;  // less than what counts as rest
+  if (motors_.known() && run_->now_s - run_->told_s >= period_s) send(run_->answer.names, run_->answer.values);
 }
 
 void Execution::send(const std::vector<std::string>& names, const std::vector<double>& values) {
   run_->answer.names = names;
   run_->answer.values = values;
+  run_->told = ros::WallTime::now();
+  run_->told_s = run_->now_s;
   send_(names, values);
 }
 

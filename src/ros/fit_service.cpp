@@ -125,9 +125,8 @@ bool FitService::fit(FitModel::Request& request, FitModel::Response& response) {
     const std::vector<MeasuredPose> poses = measured_poses(recording);
     const FitResult result = fit_model(scene, options_, poses, fit);
     fill_response(result, response);
-    response.poses = static_cast<int>(std::count_if(poses.begin(), poses.end(), [](const MeasuredPose& pose) {
-      return !pose.markers.empty();
-    }));
+    response.poses = static_cast<int>(
+        std::count_if(poses.begin(), poses.end(), [](const MeasuredPose& pose) { return !pose.markers.empty(); }));
     if (!request.file.empty()) write_fitted_scene(result, scene, request.file);
   } catch (const std::exception& error) {
     response.success = false;

@@ -5,29 +5,31 @@
 namespace soft_robot_lab {
 
 void MeasuredRest::start(double time_s) {
-  start_s_ = window_start_s_ = last_seen_s_ = time_s;
+  start_s_ = window_start_s_ = time_s;
   observations_ = 0;
   sums_.clear();
   before_.clear();
   at_rest_.reset();
 }
 
-void MeasuredRest::add(const MarkerObservations& markers) {
+bool MeasuredRest::add(const MarkerObservations& markers) {
   const double time_s = markers.header.stamp.toSec();
-  if (time_s < start_s_) return;
   bool seen = false;
   for (size_t i = 0; i < markers.names.size(); ++i) {
     if (markers.sources.at(i) != MarkerObservations::SEEN) continue;
+    seen = true;
+    if (time_s < start_s_) break;
     Sum& sum = sums_[markers.names[i]];
     sum.sum_m += from_message(markers.positions.at(i), "positions");
     ++sum.count;
-    seen = true;
   }
-  if (!seen) return;
-  last_seen_s_ = time_s;
+  if (!seen || time_s < start_s_) return seen;
   ++observations_;
-  if (time_s - window_start_s_ >= criterion_.window_s && observations_ >= criterion_.observations) end_window();
-  if (observations_ == 0) window_start_s_ = time_s;
+  if (time_s - window_start_s_ >= criterion_.window_s && observations_ >= criterion_.observations) {
+    end_window();
+    window_start_s_ = time_s;
+  }
+  return true;
 }
 
 void MeasuredRest::end_window() {

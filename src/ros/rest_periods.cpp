@@ -12,9 +12,8 @@ using Positions = std::map<std::string, std::vector<Eigen::Vector3d>>;  // seen,
 constexpr size_t kObservations = 3;  // of a marker at least, to know its mean and scatter
 
 Positions seen_between(const Recording& recording, double start_s, double end_s) {
-  const auto first = std::partition_point(recording.measured.begin(), recording.measured.end(), [&](const auto& m) {
-    return m.header.stamp.toSec() < start_s;
-  });
+  const auto first = std::partition_point(recording.measured.begin(), recording.measured.end(),
+                                          [&](const auto& m) { return m.header.stamp.toSec() < start_s; });
   Positions seen;
   for (auto m = first; m != recording.measured.end() && m->header.stamp.toSec() < end_s; ++m)
     for (size_t i = 0; i < m->names.size(); ++i)

@@ -18,15 +18,15 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr char kColour[] = "/color/image_raw", kInfo[] = "/color/camera_info";
-
 struct Camera {
   std::optional<CameraModel> lens;
   size_t next = 0;  // of the times
 };
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+// What stands before `end`, where that is how the text ends.
+std::optional<std::string> before(const std::string& text, const std::string& end) {
+  if (text.size() <= end.size() || text.compare(text.size() - end.size(), end.size(), end) != 0) return std::nullopt;
+  return text.substr(0, text.size() - end.size());
 }
 
 std::string without_slash(const std::string& name) { return !name.empty() && name[0] == '/' ? name.substr(1) : name; }
@@ -35,17 +35,6 @@ Eigen::Isometry3d pose_of(const geometry_msgs::Transform& t) {
   Eigen::Isometry3d pose(Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z).normalized());
   pose.translation() << t.translation.x, t.translation.y, t.translation.z;
   return pose;
-}
-
-cv::Mat rgb_of(const sensor_msgs::Image& image) {
-  if ((image.encoding != "rgb8" && image.encoding != "bgr8") || image.step < 3 * image.width ||
-      image.data.size() < static_cast<size_t>(image.step) * image.height)
-    throw std::invalid_argument("image: encoding " + image.encoding + ", must be rgb8 or bgr8, with all its rows");
-  const cv::Mat shared(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC3,
-                       const_cast<unsigned char*>(image.data.data()), image.step);
-  cv::Mat rgb = shared.clone();
-  if (image.encoding == "bgr8") cv::cvtColor(shared, rgb, cv::COLOR_BGR2RGB);
-  return rgb;
 }
 
 std::optional<RealityGap> nearest(const std::vector<RealityGap>& gaps, double time_s) {
@@ -64,15 +53,14 @@ class Painter {
   void add(const rosbag::MessageInstance& message) {
     const std::string topic = without_slash(message.getTopic());
     if (topic == "tf" || topic == "tf_static") {
-      for (const auto& transform : message.instantiate<tf2_msgs::TFMessage>()->transforms) place(transform);
+      const auto tree = message.instantiate<tf2_msgs::TFMessage>();
+      for (const auto& transform : tree->transforms) place(transform);
     } else if (topic == topics::simulator_surface) {
       surface_ = *message.instantiate<visualization_msgs::Marker>();
-    } else if (ends_with(topic, kInfo)) {
-      cameras_[topic.substr(0, topic.size() - sizeof kInfo + 1)].lens =
-          camera_model(*message.instantiate<sensor_msgs::CameraInfo>());
-    } else if (ends_with(topic, kColour)) {
-      const std::string camera = topic.substr(0, topic.size() - sizeof kColour + 1);
-      if (wanted(camera, message.getTime().toSec())) draw(camera, *message.instantiate<sensor_msgs::Image>());
+    } else if (const auto of_lens = before(topic, "/color/camera_info")) {
+      cameras_[*of_lens].lens = camera_model(*message.instantiate<sensor_msgs::CameraInfo>());
+    } else if (const auto camera = before(topic, "/color/image_raw")) {
+      if (wanted(*camera, message.getTime().toSec())) draw(*camera, *message.instantiate<sensor_msgs::Image>());
     }
   }
 
@@ -80,7 +68,8 @@ class Painter {
 
  private:
   void place(const geometry_msgs::TransformStamped& transform) {
-    const std::string parent = without_slash(transform.header.frame_id), child = without_slash(transform.child_frame_id);
+    const std::string parent = without_slash(transform.header.frame_id),
+                      child = without_slash(transform.child_frame_id);
     if (parent != topics::world_frame) return;
     if (child == topics::robot_frame) world_from_robot_ = pose_of(transform.transform);
     poses_[child] = pose_of(transform.transform);
@@ -97,7 +86,8 @@ class Painter {
     const double time_s = image.header.stamp.toSec();
     while (camera.next < times_s_.size() && times_s_[camera.next] <= time_s) ++camera.next;
     const Eigen::Isometry3d camera_from_robot = poses_.at(optical_frame(name)).inverse() * world_from_robot_;
-    const cv::Mat drawn = draw_robot(rgb_of(image), *camera.lens, camera_from_robot, surface_, nearest(gaps_, time_s));
+    const cv::Mat drawn =
+        draw_robot(colour_image(image), *camera.lens, camera_from_robot, surface_, nearest(gaps_, time_s));
     cv::Mat bgr;
     cv::cvtColor(drawn, bgr, cv::COLOR_RGB2BGR);
     const std::string file = folder_ + "/" + name + "_" + std::to_string(pictures_.size()) + ".png";

@@ -20,16 +20,31 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr size_t kDrawnPoints = 2000;  // of a curve: more cannot be told apart
+constexpr size_t kDrawnPoints = 1000, kDrawnMarks = 150;  // of a curve: more cannot be told apart
 constexpr int kPictures = 12;
 const char* const kAxes = "xyz";
 
 template <typename Item>
-std::vector<Item> thinned(const std::vector<Item>& all) {
-  const size_t every = all.size() / kDrawnPoints + 1;
+std::vector<Item> thinned(const std::vector<Item>& all, size_t count) {
+  const size_t every = all.size() / count + 1;
   std::vector<Item> some;
   for (size_t i = 0; i < all.size(); i += every) some.push_back(all[i]);
   return some;
+}
+
+// Means over spans of time, so that noise does not hide the curve.
+void smooth(Series& series) {
+  const size_t every = series.x.size() / kDrawnMarks + 1;
+  std::vector<double> x, y;
+  for (size_t i = 0; i < series.x.size(); i += every) {
+    const size_t end = std::min(series.x.size(), i + every);
+    double sum_x = 0.0, sum_y = 0.0;
+    for (size_t k = i; k < end; ++k) sum_x += series.x[k], sum_y += series.y[k];
+    x.push_back(sum_x / static_cast<double>(end - i));
+    y.push_back(sum_y / static_cast<double>(end - i));
+  }
+  series.x = std::move(x);
+  series.y = std::move(y);
 }
 
 std::string number(double value, int digits = 3) {
@@ -73,7 +88,7 @@ Plot policy_plot(const Recording& recording) {
 void add_track(const std::vector<MarkerObservations>& all, double start_s, size_t axis, bool seen_only,
                const std::string& suffix, SeriesStyle style, Plot& plot) {
   std::map<std::string, Series> by_name;
-  for (const MarkerObservations& at : thinned(all)) {
+  for (const MarkerObservations& at : thinned(all, seen_only ? kDrawnMarks : kDrawnPoints)) {
     for (size_t i = 0; i < at.names.size(); ++i) {
       if (seen_only && at.sources.at(i) != MarkerObservations::SEEN) continue;
       Series& series = by_name.try_emplace(at.names[i], Series{at.names[i] + suffix, {}, {}, style}).first->second;
@@ -111,20 +126,21 @@ Plot gap_plot(const std::vector<RealityGap>& gaps, double start_s) {
   plot.y.min = 0.0;
   Series rms{"rms", {}, {}, SeriesStyle::lines};
   std::map<std::string, Series> by_name;
-  for (const RealityGap& gap : thinned(gaps)) {
+  for (const RealityGap& gap : gaps) {
     const double time_s = gap.header.stamp.toSec() - start_s;
     rms.x.push_back(time_s);
     rms.y.push_back(1e3 * gap.rms_m);
     for (size_t i = 0; i < gap.names.size(); ++i) {
       if (gap.seen[i] == 0) continue;
       Series& series =
-          by_name.try_emplace(gap.names[i], Series{gap.names[i], {}, {}, SeriesStyle::points}).first->second;
+          by_name.try_emplace(gap.names[i], Series{gap.names[i], {}, {}, SeriesStyle::dashes}).first->second;
       series.x.push_back(time_s);
       series.y.push_back(1e3 * gap.distances_m[i]);
     }
   }
   plot.series.push_back(std::move(rms));
   for (auto& [name, series] : by_name) plot.series.push_back(std::move(series));
+  for (Series& series : plot.series) smooth(series);
   return plot;
 }
 
@@ -258,7 +274,8 @@ SessionReport write_session_report(const std::string& bag, const std::string& fo
   HtmlPage page("Session " + std::filesystem::path(bag).filename().string());
   page.table(facts(bag, recording, scene_file, report.rest_rms_m, periods.size()));
   page.heading("Gap over time");
-  if (recording.gaps.empty()) page.paragraph("No simulated markers at the times of tracked ones: the gap is not known.");
+  if (recording.gaps.empty())
+    page.paragraph("No simulated markers at the times of tracked ones: the gap is not known.");
   add_plot(gap_plot(recording.gaps, recording.start_s), folder, page);
   page.heading("Gap by configuration");
   if (periods.empty()) page.paragraph("The robot was never at rest under commands that did not change.");
@@ -282,7 +299,8 @@ SessionReport write_session_report(const std::string& bag, const std::string& fo
   }
   page.heading("Parameters");
   const std::string settings = scene_file.empty() ? "" : file_text(scene_file);
-  if (settings.empty()) page.paragraph("The scene file is not there to be shown" + (scene_file.empty() ? "." : ": " + scene_file));
+  if (settings.empty())
+    page.paragraph("The scene file is not there to be shown" + (scene_file.empty() ? "." : ": " + scene_file));
   if (!settings.empty()) page.text(settings);
   page.heading("Versions");
   page.table(versions());

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "shape_functions.h"
+#include "soft_robot_lab/sim/shape_functions.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-#include "shape_functions.h"
+#include "soft_robot_lab/sim/shape_functions.h"
 
 namespace soft_robot_lab {
 

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-#include "shape_functions.h"
+#include "soft_robot_lab/sim/shape_functions.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -11,8 +11,8 @@ Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
 
 }  // namespace
 
-// S dy + D dq = d offset - B' A^-1 d force on active constraints, dy given on the others; at a junction dq = 0, or where
-// it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx. Then dx = -A^-1 (d force + B dy).
+// S dy + D dq = d offset - B' A^-1 d force on active constraints, dy given on the others; at a junction dq = 0, or
+// where it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx. Then dx = -A^-1 (d force + B dy).
 NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive& drive) {
   if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return {};
   const int count = constraint_count(), junctions = junction_count();
@@ -63,8 +63,7 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
     if (drive.log_ratios.size() > 0) right.row(row) += scale * drive.log_ratios.row(j);
     if (forced) right.row(row) += as_vector(gradient).transpose() * response.motions_m;
   }
-  const Eigen::MatrixXd solved =
-      count > 0 ? Eigen::MatrixXd(matrix.fullPivLu().solve(right)) : Eigen::MatrixXd(right);
+  const Eigen::MatrixXd solved = count > 0 ? Eigen::MatrixXd(matrix.fullPivLu().solve(right)) : Eigen::MatrixXd(right);
   response.multipliers = solved.topRows(count);
   response.flows_m = solved.bottomRows(junctions);
   response.motions_m -= border_solved_ * response.multipliers;

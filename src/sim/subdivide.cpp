@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "shape_functions.h"
+#include "soft_robot_lab/sim/shape_functions.h"
 
 namespace soft_robot_lab {
 namespace {

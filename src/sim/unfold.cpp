@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 
-#include "shape_functions.h"
+#include "soft_robot_lab/sim/shape_functions.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -21,8 +21,9 @@ Simulation two_cable_bar(const Values& v, const std::string& model) {
   std::vector<std::unique_ptr<Actuator>> actuators;
   for (const double side : {-1.0, 1.0}) {
     std::ostringstream settings;
-    settings << "{name: " << (side < 0 ? "left" : "right") << ", model: " << model << ", length_offset_m: " << std::setprecision(17)
-             << v.offset_m << ", compliance_m_n: " << v.compliance_m_n << ", pretension_n: 0.05, ";
+    settings << "{name: " << (side < 0 ? "left" : "right") << ", model: " << model
+             << ", length_offset_m: " << std::setprecision(17) << v.offset_m << ", compliance_m_n: " << v.compliance_m_n
+             << ", pretension_n: 0.05, ";
     if (model == "friction") settings << "friction_coefficient: " << v.friction_coefficient << ", ";
     settings << "sheath_radius_m: 0.002, plug_radius_m: 0.003, points_m: [";
     for (const double y : {0.0, 0.02, 0.04, 0.06, 0.08, 0.095})
@@ -57,7 +58,8 @@ Eigen::VectorXd walk(Simulation& simulation, const Way& way, const std::vector<M
   return markers;
 }
 
-void expect_exact(const std::string& model, const Way& way, const std::string& key, double Values::*value, double step) {
+void expect_exact(const std::string& model, const Way& way, const std::string& key, double Values::*value,
+                  double step) {
   Simulation simulation = two_cable_bar({}, model);
   const std::vector<ModelParameter> parameters = {
       {key, key == "youngs_modulus_pa" ? std::vector<int>{} : std::vector<int>{0, 1}}};
@@ -67,8 +69,7 @@ void expect_exact(const std::string& model, const Way& way, const std::string& k
   more.*value += step;
   less.*value -= step;
   Simulation above = two_cable_bar(more, model), below = two_cable_bar(less, model);
-  const Eigen::VectorXd difference =
-      (walk(above, way, {}, nullptr) - walk(below, way, {}, nullptr)) / (2.0 * step);
+  const Eigen::VectorXd difference = (walk(above, way, {}, nullptr) - walk(below, way, {}, nullptr)) / (2.0 * step);
   EXPECT_GT(difference.norm() * std::abs(step), 1e-9) << key << " does nothing";
   // The solver softens the second derivative of cables by less than 1e-3.
   EXPECT_LT((exact - difference).norm(), 2e-3 * difference.norm()) << key << ", " << model << "\n"

@@ -134,7 +134,7 @@ TEST(GaussNewton, FindsTheBestFreeCommandBesideABoundOne) {
 // Two cables that are slack at first: each does nothing above its own command, where its derivative is zero.
 TEST(GaussNewton, PullsCablesThatAreSlackAtTheStart) {
   ReachProblem problem = arc_problem({1.0, 1.0});
-  problem.model = model_of([](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
+  const Model markers = model_of([](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
     const double left = std::max(0.0, 0.98 - commands[0]), right = std::max(0.0, 0.85 - commands[1]);
     if (jacobian) {
       jacobian->setZero(3, 2);
@@ -143,6 +143,11 @@ TEST(GaussNewton, PullsCablesThatAreSlackAtTheStart) {
     }
     return Eigen::Vector3d(0.1, 0.2 * left - 0.1 * right, -0.05 * left - 0.05 * right);
   });
+  problem.model = [markers](const Eigen::VectorXd& commands, bool with_derivatives) {
+    Prediction prediction = markers(commands, with_derivatives);
+    prediction.slack = (commands - Eigen::Vector2d(0.98, 0.85)).cwiseMax(0.0);
+    return prediction;
+  };
   problem.goals[0].target_m = problem.model(Eigen::Vector2d(0.8, 0.75), false).markers_m.col(0);
   const OptimisationSummary summary = optimise(problem, method("gauss_newton"));
   EXPECT_TRUE(summary.target_reached) << summary.stop_reason;

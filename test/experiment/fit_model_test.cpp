@@ -32,7 +32,8 @@ std::string cable(const std::string& name, double x, const std::string& rest) {
 }
 
 // Rest states of the scene as cameras would measure them.
-std::vector<MeasuredPose> measure(const std::string& changes, const std::vector<std::pair<double, double>>& contractions,
+std::vector<MeasuredPose> measure(const std::string& changes,
+                                  const std::vector<std::pair<double, double>>& contractions,
                                   const Eigen::Isometry3d& measured_from_base, double noise_m, unsigned seed) {
   const Scene scene = load_scene(kScene, options_with(changes));
   std::mt19937 random(seed);
@@ -54,7 +55,7 @@ std::vector<MeasuredPose> measure(const std::string& changes, const std::vector<
   return poses;
 }
 
-const std::vector<std::pair<double, double>> kWay = {{1.0, 1.0},  {0.95, 1.0}, {0.9, 1.0},  {0.95, 0.97},
+const std::vector<std::pair<double, double>> kWay = {{1.0, 1.0},  {0.95, 1.0}, {0.9, 1.0},   {0.95, 0.97},
                                                      {1.0, 0.95}, {1.0, 0.9},  {0.96, 0.93}, {0.93, 1.02}};
 
 const FittedValue& value_of(const FitResult& result, const std::string& name) {
@@ -112,8 +113,8 @@ TEST(FitModel, FindsWhatMadeTheData) {
 
 TEST(FitModel, FindsFrictionFromTheWayThere) {
   const auto with_friction = [](const std::string& coefficient) {
-    return kLying + "cables: [" + cable("left", -0.007, "model: friction, friction_coefficient: " + coefficient) + ", " +
-           cable("right", 0.007, "model: friction, friction_coefficient: " + coefficient) + "]";
+    return kLying + "cables: [" + cable("left", -0.007, "model: friction, friction_coefficient: " + coefficient) +
+           ", " + cable("right", 0.007, "model: friction, friction_coefficient: " + coefficient) + "]";
   };
   FitRequest request;
   request.model_error_m = 0.0;
@@ -122,15 +123,15 @@ TEST(FitModel, FindsFrictionFromTheWayThere) {
   std::vector<std::pair<double, double>> way;
   for (double c = 1.0; c > 0.85; c -= 0.02) way.emplace_back(c, 1.0);
   for (double c = 0.86; c < 0.95; c += 0.02) way.emplace_back(c, 1.0);
-  const std::vector<MeasuredPose> poses =
-      measure(with_friction("0.3"), way, Eigen::Isometry3d::Identity(), 0.0, 1);
+  const std::vector<MeasuredPose> poses = measure(with_friction("0.3"), way, Eigen::Isometry3d::Identity(), 0.0, 1);
   const FitResult result = fit_model(kScene, options_with(with_friction("0.1")), poses, request);
   EXPECT_NEAR(value_of(result, "friction_coefficient").value, 0.3, 0.01) << summary(result);
   EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 264200, 2600) << summary(result);
 }
 
 TEST(FitModel, SaysWhatTheDataCannotTell) {
-  const std::vector<MeasuredPose> slack = measure(kLying, {{1.1, 1.1}, {1.2, 1.1}}, Eigen::Isometry3d::Identity(), 0, 1);
+  const std::vector<MeasuredPose> slack =
+      measure(kLying, {{1.1, 1.1}, {1.2, 1.1}}, Eigen::Isometry3d::Identity(), 0, 1);
   FitRequest request;
   request.parameters = {
       {"youngs_modulus_pa", {}, {}, {}}, {"compliance_m_n.left", {}, {}, {}}, {"damping", {}, {}, {}}};

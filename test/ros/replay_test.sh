@@ -1,6 +1,7 @@
 #!/bin/bash
-# A session with rendered cameras: the tracker finds the tip where the simulator has it, and its recording, read twice, gives
-# the same markers and gaps to the last digit, each as the session's where that had the same frames.
+# replay_test.sh [emulated]: a session with rendered cameras, of the simulated robot or of the one that an emulated rig moves. The
+# tracker finds the tip where it is, and its recording, read twice, gives the same markers and gaps to the last digit, each as
+# the session's where that had the same frames.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 data=$here/../data
@@ -14,10 +15,14 @@ cleanup() {
 }
 trap cleanup EXIT
 
+robot=(cameras:=rendered) truth=/simulator/markers
+if [[ ${1:-} == emulated ]]; then
+  robot=(emulated:=true rig:="$data/../../config/rigs/spinebot.yaml" reality:="$data/reality/bar.yaml") truth=/reality/markers
+fi
 cameras=(camera_names:='[eye]' camera_poses:="$data/cameras/bar_poses.yaml" tracker:="$data/cameras/bar_tracker.yaml")
 set -m
 roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$data/scenes/cable_bar.yaml" rviz:=false \
-  cameras:=rendered camera_rig:="$data/cameras/bar.yaml" "${cameras[@]}" \
+  "${robot[@]}" camera_rig:="$data/cameras/bar.yaml" "${cameras[@]}" \
   record:=true record_images:=true bag_folder:="$bags" &
 session=$!
 set +m
@@ -25,8 +30,7 @@ until timeout 5 rostopic echo -n 1 /tracker/markers >/dev/null 2>&1; do
   kill -0 "$session"
   sleep 0.2
 done
-rostopic pub -1 /actuators/command soft_robot_lab/ActuatorCommand '{names: [right], values: [0.95]}' >/dev/null
-sleep 3
+rosrun soft_robot_lab run_table_node "$data/bar_table.yaml"
 kill -INT "$session"
 wait "$session" || { echo "roslaunch ended with status $?"; exit 1; }
 session=
@@ -35,7 +39,7 @@ for run in first second; do
   roslaunch -p "$master_port" soft_robot_lab replay.launch bag:="$(echo "$bags"/*_spinebot.bag)" output:="$bags/$run.bag" \
     cameras:='[eye]' poses:="$data/cameras/bar_poses.yaml" tracker:="$data/cameras/bar_tracker.yaml"
 done
-/usr/bin/python3 - "$bags"/*_spinebot.bag "$bags/first.bag" "$bags/second.bag" <<'PYTHON'
+/usr/bin/python3 - "$bags"/*_spinebot.bag "$bags/first.bag" "$bags/second.bag" $truth <<'PYTHON'
 import math, sys
 import rosbag
 
@@ -46,8 +50,8 @@ def markers(path, topic="/tracker/markers"):
 def positions(message):
     return {n: (p.x, p.y, p.z) for n, p in zip(message.names, message.positions)}
 
-session, first, second = (markers(path) for path in sys.argv[1:])
-truth = markers(sys.argv[1], "/simulator/markers")
+session, first, second = (markers(path) for path in sys.argv[1:4])
+truth = markers(sys.argv[1], sys.argv[4])
 assert len(first) >= 15, "only %d times markers" % len(first)
 assert first.keys() == second.keys()
 for stamp, message in first.items():

@@ -45,10 +45,18 @@ class StubRobot {
   std::atomic<bool> stalled{false};  // the left motor
   std::atomic<double> knock_m{0.0};  // by which all is seen elsewhere
   std::atomic<int> commands_heard{0};
+  std::atomic<double> left{1.0}, right{1.0};  // as commanded
+  std::atomic<double> refused{0.0};           // the next command with this value of the right cable is
 
  private:
   void on_command(const ActuatorCommand& command) {
     ++commands_heard;
+    if (command.values.back() == refused) {
+      refused = 0.0;
+      return;
+    }
+    left = command.values.front();
+    right = command.values.back();
     apply_command(command, *robot_);
     robot_->solve_equilibrium();
   }

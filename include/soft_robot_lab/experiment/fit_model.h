@@ -41,7 +41,7 @@ struct FitParameter {
 
 struct FitRequest {
   std::vector<FitParameter> parameters;
-  double model_error_m = 1.0e-4;  // >= 0; by how much a perfect fit would still miss a coordinate, beside the noise
+  double model_error_m = 1.0e-4;    // >= 0; by how much a perfect fit would still miss a coordinate, beside the noise
   double outlier_deviations = 3.0;  // > 0; beyond, a residual counts linearly (Huber 1964)
   int max_iterations = 30;          // [1, 1000]
   std::function<bool(int iteration, double rms_gap_m)> progress;  // may be empty; false stops with the best so far
@@ -51,7 +51,7 @@ struct FitRequest {
 struct FittedValue {
   std::string name;
   double start = 0.0, value = 0.0;
-  double deviation = 0.0;     // standard
+  double deviation = 0.0;        // standard
   double low = 0.0, high = 0.0;  // of 95 %, within the bounds
   double min = 0.0, max = 0.0;
   bool told = true;  // by the data; otherwise the interval is all that the bounds leave

@@ -24,11 +24,11 @@ class MeasuredRest {
 
   // Forgets what it heard; observations before that time do not count.
   void start(double time_s);
-  void add(const MarkerObservations& markers);  // those not seen by cameras do not count
+  // Those not seen by cameras do not count; false where none was.
+  bool add(const MarkerObservations& markers);
 
   // Means of the last window, where they are those of the window before.
   const std::optional<MeasuredMarkers>& at_rest() const { return at_rest_; }
-  double last_seen_s() const { return last_seen_s_; }  // the start where nothing was seen since
 
  private:
   void end_window();
@@ -39,7 +39,7 @@ class MeasuredRest {
   };
 
   MeasuredRestCriterion criterion_;
-  double start_s_ = 0.0, window_start_s_ = 0.0, last_seen_s_ = 0.0;
+  double start_s_ = 0.0, window_start_s_ = 0.0;
   int observations_ = 0;
   std::map<std::string, Sum> sums_;
   MeasuredMarkers before_;  // means of the window before

@@ -17,6 +17,7 @@ class MotorWatch {
   // Why one of the actuators may not move, and what to do about it. Empty where all may, and where no motors ever told
   // of themselves, as in a simulated session.
   std::string fault(const std::vector<std::string>& actuators, const ros::WallTime& now) const;
+  bool known() const { return state_.has_value(); }  // motors ever told of themselves
   bool moving() const;
 
  private:

@@ -15,11 +15,11 @@
 namespace soft_robot_lab {
 
 struct CameraWatchSettings {
-  double window_s = 2;          // > 0; over which sights are taken together
+  double window_s = 4;          // > 0; over which sights are taken together
   double check_period_s = 0.2;  // >= 0; between two looks at the window
   double threshold_m = 0.0025;  // > 0; root mean square by which two cameras' markers may differ
   double confirm_s = 0.5;       // >= 0; for how long they differ before it is told
-  int min_sights = 50;          // >= 6; of markers in a window, by both cameras
+  int min_sights = 40;          // >= 6; of markers in a window, by both cameras: six markers at 1.7 Hz
 
   void validate() const;  // throws std::invalid_argument: field, value, allowed range
 };

@@ -20,6 +20,8 @@ constexpr double kSettled = 0.1;
 // Of each column's own weight. Two cables that pull against each other have almost opposite columns: an undamped
 // first step throws both to their limits, where the way back leads along the slack cable's kink.
 constexpr double kFirstDamping = 2.0;
+// Of a descent that starts where a slack cable just pulls: more would lead back to where it is slack.
+constexpr double kTautDamping = 0.01;
 constexpr double kLeastDamping = 1.0e-8;
 
 // Of a command's range, the largest step; a step that failed is followed by one of at most half its size.
@@ -110,13 +112,13 @@ void learn(const Evaluation& before, const Evaluation& after, Eigen::MatrixXd& s
 }
 
 // Descends from `commands`, which become the best found; returns why it stopped.
-std::string descend(Search& search, int max_iterations, double tolerance_m, Eigen::VectorXd& commands) {
+std::string descend(Search& search, int max_iterations, double tolerance_m, double damping, Eigen::VectorXd& commands) {
   const ReachProblem& problem = search.problem();
   const Evaluation* found = search.evaluate(commands, true);
   if (!found) return search.failure();
   Evaluation here = *found;
   Eigen::MatrixXd second_order = Eigen::MatrixXd::Zero(commands.size(), commands.size());
-  double damping = kFirstDamping, growth = 2.0, largest = kLargestStep;
+  double growth = 2.0, largest = kLargestStep;
   int small_steps = 0;
   while (here.residuals.norm() >= tolerance_m) {
     if (search.iterations() >= max_iterations) return kIterationLimit;
@@ -157,6 +159,15 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, Eige
   return kConverged;
 }
 
+// Whether the way to the target leads over pulling command i more.
+bool asks_for_pull(const Evaluation& here, Eigen::Index i, const ReachProblem& problem) {
+  if (here.jacobian.col(i).dot(here.residuals) > 0.0) return true;
+  const LocalModel model = model_at(here, Eigen::MatrixXd::Zero(here.commands.size(), here.commands.size()));
+  const Eigen::VectorXd step =
+      damped_step(model, kTautDamping, problem.min - here.commands, problem.max - here.commands);
+  return step.size() > 0 && step[i] < 0.0;
+}
+
 // Moves the commands of slack cables to where they just pull, where that leads nearer by the derivatives there; else to
 // where the search started, where that is nearer: a body that buckles may be in another shape. False where neither is.
 bool tighten(Search& search, const Evaluation& rest, Eigen::VectorXd& commands) {
@@ -171,7 +182,7 @@ bool tighten(Search& search, const Evaluation& rest, Eigen::VectorXd& commands) 
     Eigen::VectorXd there = commands;
     there[i] = taut;
     const Evaluation* found = search.evaluate(there, true);
-    bool nearer = found && found->allowed && found->jacobian.col(i).dot(found->residuals) > 0.0;
+    bool nearer = found && found->allowed && asks_for_pull(*found, i, problem);
     if (!nearer && problem.start[i] < taut) {
       there[i] = problem.start[i];
       found = search.evaluate(there, false);
@@ -191,8 +202,8 @@ bool tighten(Search& search, const Evaluation& rest, Eigen::VectorXd& commands) 
 std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m) {
   Eigen::VectorXd commands = search.problem().start;
   double last_m = std::numeric_limits<double>::infinity();
-  for (;;) {
-    const std::string reason = descend(search, max_iterations, tolerance_m, commands);
+  for (double damping = kFirstDamping;; damping = kTautDamping) {
+    const std::string reason = descend(search, max_iterations, tolerance_m, damping, commands);
     const Evaluation* found = search.evaluate(search.best()->commands, true);
     if (!found) return search.failure();
     const Evaluation best = *found;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "vision/marker_identity.h"
 
 namespace soft_robot_lab {
@@ -54,7 +56,15 @@ std::vector<MarkerPrediction> MarkerBeliefs::predictions() const {
   std::vector<MarkerPrediction> predictions;
   for (std::size_t i = 0; i < beliefs_.size(); ++i) {
     const MarkerMotion& motion = beliefs_[i].motion;
-    predictions.push_back({motion.position_m(), motion.velocity_m_s(), motion.position_covariance_m2(), colours_[i]});
+    MarkerPrediction expected{motion.position_m(), motion.velocity_m_s(), motion.position_covariance_m2(), colours_[i]};
+    if (simulated_) {  // a second measurement, that is off by what simulations are off
+      const double variance_m2 = settings_.start_sigma_m * settings_.start_sigma_m;
+      const Eigen::Matrix3d spread = expected.covariance_m2 + variance_m2 * Eigen::Matrix3d::Identity();
+      const Eigen::Matrix3d gain = spread.ldlt().solve(expected.covariance_m2).transpose();
+      expected.position_m += gain * (reference_m_[i] - expected.position_m);
+      expected.covariance_m2 = variance_m2 * gain;
+    }
+    predictions.push_back(expected);
   }
   return predictions;
 }

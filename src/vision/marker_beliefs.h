@@ -22,7 +22,10 @@ class MarkerBeliefs {
                 const std::vector<int>& colours);
 
   // Simulated positions from now on, in place of the rest shape.
-  void set_reference(const std::vector<Eigen::Vector3d>& positions_m) { reference_m_ = positions_m; }
+  void set_reference(const std::vector<Eigen::Vector3d>& positions_m) {
+    reference_m_ = positions_m;
+    simulated_ = true;
+  }
   const std::vector<Eigen::Vector3d>& reference_m() const { return reference_m_; }
   // As if no marker had ever been seen.
   void restart();
@@ -32,6 +35,8 @@ class MarkerBeliefs {
   double time_s() const { return *time_s_; }
   bool started() const { return time_s_.has_value(); }
 
+  // Of where markers are to be looked for: by their motion and, where there is one, the simulation. After a long gap
+  // between frames the motion tells next to nothing.
   std::vector<MarkerPrediction> predictions() const;
   const std::vector<std::vector<int>>& neighbours() const { return neighbours_; }
 
@@ -62,6 +67,7 @@ class MarkerBeliefs {
   std::vector<int> colours_;
   std::vector<std::vector<int>> neighbours_;
   std::vector<Eigen::Vector3d> reference_m_;  // rest shape or simulation
+  bool simulated_ = false;
   std::vector<Belief> beliefs_;
   std::optional<double> time_s_;
 };

@@ -209,6 +209,7 @@ FitResult fit_model(const std::string& scene, const SceneOptions& options, const
                                                   request.model_error_m, unknown_count),
                                &loss, unknowns.data());
   }
+  require(residuals > 0, "poses: the robot is nowhere at rest with markers seen; allowed: at least one such pose");
   require(residuals > unknown_count, "poses: " + std::to_string(residuals) + " coordinates cannot tell " +
                                          std::to_string(unknown_count) + " parameters");
   for (int i = 0; i < unknown_count; ++i) {

@@ -20,6 +20,8 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double ramp_s = 1.0, hold_s = 1.5;
+constexpr int least_gaps = 3;
+constexpr double patience_s = 10.0;  // for so many
 
 // Root mean square of all gaps heard while the robot rests.
 class RestingGap {
@@ -32,7 +34,8 @@ class RestingGap {
     count_ = 0;
     sum_m2_ = 0.0;
     begin_ = ros::Time::now();
-    while (ros::ok() && (ros::Time::now() - begin_).toSec() < hold_s)
+    for (double held_s = 0.0; ros::ok() && (held_s < hold_s || (count_ < least_gaps && held_s < patience_s));
+         held_s = (ros::Time::now() - begin_).toSec())
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
     return count_ > 0 ? std::sqrt(sum_m2_ / count_) : -1.0;
   }

@@ -49,8 +49,9 @@ Arguments parse(int count, char** values) {
 
 int report(const Arguments& arguments) {
   const SessionReport written = write_session_report(arguments.bag, arguments.output, arguments.scene);
-  std::printf("%s: %d configurations at rest, rms gap %.3f mm\n", written.page.c_str(), written.rest_periods,
-              1e3 * written.rest_rms_m);
+  std::printf("%s: %d configurations at rest", written.page.c_str(), written.rest_periods);
+  if (written.rest_periods > 0) std::printf(", rms gap %.3f mm", 1e3 * written.rest_rms_m);
+  std::printf("\n");
   return kGood;
 }
 

@@ -174,6 +174,7 @@ TEST(FitModel, RefusesBadRequests) {
   has(refusal({{"youngs_modulus_pa", {}, -1.0, {}}}, poses), "from above 0");
   has(refusal({{"compliance_m_n", {}, {}, {}}, {"compliance_m_n.left", {}, {}, {}}}, poses), "twice");
   has(refusal({{"camera_to_base", {}, {}, {}}}, poses), "cannot tell 6 parameters");
+  has(refusal({{"youngs_modulus_pa", {}, {}, {}}}, {}), "nowhere at rest");
   has(refusal({{"damping", {}, {}, {}}}, poses), "none that data could tell");
   std::vector<MeasuredPose> strange = poses;
   strange[0].markers[0].name = "nose";

@@ -19,7 +19,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double ramp_s = 1.0, hold_s = 1.5;
+constexpr double ramp_s = 1.0, hold_s = 3.0;
 constexpr int least_gaps = 3;
 constexpr double patience_s = 10.0;  // for so many
 

@@ -65,6 +65,18 @@ std::optional<RestPeriod> rest_at_end(const Recording& recording, const Commands
   return period;
 }
 
+// Windows as long as it takes to see a marker often enough, however few frames a second there were.
+RestCriteria for_frames_of(const Recording& recording, RestCriteria criteria) {
+  std::vector<double> periods_s;
+  for (size_t i = 1; i < recording.measured.size(); ++i)
+    periods_s.push_back((recording.measured[i].header.stamp - recording.measured[i - 1].header.stamp).toSec());
+  if (periods_s.empty()) return criteria;
+  const auto median = periods_s.begin() + static_cast<std::ptrdiff_t>(periods_s.size() / 2);
+  std::nth_element(periods_s.begin(), median, periods_s.end());
+  criteria.window_s = std::max(criteria.window_s, (static_cast<double>(kObservations) + 0.5) * *median);
+  return criteria;
+}
+
 struct Hold {
   CommandsSince commands;
   double end_s;
@@ -86,17 +98,19 @@ std::vector<Hold> holds(const Recording& recording, const RestCriteria& criteria
 
 }  // namespace
 
-std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriteria& criteria) {
+std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriteria& asked) {
   std::vector<RestPeriod> periods;
   if (recording.measured.empty()) return periods;
+  const RestCriteria criteria = for_frames_of(recording, asked);
   for (const Hold& hold : holds(recording, criteria))
     if (const auto period = rest_at_end(recording, hold.commands, hold.end_s, criteria)) periods.push_back(*period);
   return periods;
 }
 
-std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestCriteria& criteria) {
+std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestCriteria& asked) {
   std::vector<MeasuredPose> poses;
   if (recording.measured.empty()) return poses;
+  const RestCriteria criteria = for_frames_of(recording, asked);
   for (const Hold& hold : holds(recording, criteria)) {
     const auto period = rest_at_end(recording, hold.commands, hold.end_s, criteria);
     poses.push_back(period ? period->pose : MeasuredPose{hold.commands.values, {}});

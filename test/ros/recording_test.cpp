@@ -79,6 +79,17 @@ class Session : public ::testing::Test {
   fs::path folder_;
 };
 
+TEST(RestPeriods, AreFoundHoweverFewFramesASecondCame) {
+  for (const double rate_hz : {30.0, 5.0, 3.0}) {
+    Recording recording;
+    for (int i = 0; i < static_cast<int>(12.0 * rate_hz); ++i)
+      recording.add_measured(observation(10.0 + i / rate_hz, 0.001, 5.0, MarkerObservations::SEEN));
+    recording.add(command(10.0, 1.0), 10.0);
+    recording.add(command(16.0, 0.9), 16.0);
+    EXPECT_EQ(rest_periods(recording).size(), 2u) << rate_hz;
+  }
+}
+
 TEST_F(Session, FindsWhereTheRobotRested) {
   const Recording recording = read_recording(write_bag(true));
   EXPECT_NE(recording.scene.find("cable_bar.yaml"), std::string::npos);

@@ -34,7 +34,7 @@ struct Recording {
 Recording read_recording(const std::string& bag);
 
 struct RestCriteria {
-  double window_s = 0.5;     // > 0; averaged over
+  double window_s = 0.5;     // > 0; averaged over; longer where fewer frames came
   double motion_m = 5.0e-4;  // > 0; between the means of windows: what noise leaves of them is less
   double longest_s = 5.0;    // of it no more is averaged
 };

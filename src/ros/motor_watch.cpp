@@ -10,7 +10,7 @@ void MotorWatch::add(const MotorState& state, const ros::WallTime& now) {
 }
 
 std::string MotorWatch::fault(const std::vector<std::string>& actuators, const ros::WallTime& now) const {
-  constexpr double silence_s = 2.0;  // a hundred states
+  constexpr double silence_s = 1.0;  // fifty states; a motors' node that roslaunch starts anew is back soon after
   if (!state_) return "";
   if ((now - heard_).toSec() > silence_s) return "the motors' node is silent";
   if (!state_->linked) return "no link to the motors' board";

@@ -130,6 +130,7 @@ ExperimentResult run_tracking_experiment(const ExperimentContext& context) {
     for (RigCamera& camera : rig.cameras) camera.sensor = run.sensor;
     TrackerSettings settings = experiment.tracker;
     settings.readout_s = run.sensor.readout_time_s;
+    settings.depth.quantisation_m = run.sensor.depth_step_m;
     const auto progress = [&](double share) {
       context.tell((double(i) + share) / double(experiment.runs.size()), run.name);
     };

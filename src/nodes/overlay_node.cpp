@@ -67,7 +67,7 @@ class OverlayNode {
     try {
       const auto pose = frames_.lookupTransform(optical_frame_, topics::robot_frame, ros::Time(0));
       const CameraModel model = camera_model(*info_);
-      const cv::Mat drawn = draw_robot(colour_of(colour), model, isometry(pose.transform), *surface_, inputs_.gap);
+      const cv::Mat drawn = draw_robot(colour_image(colour), model, isometry(pose.transform), *surface_, inputs_.gap);
       image_publisher_.publish(colour_message(drawn, colour.header));
     } catch (const std::exception& error) {
       ROS_WARN_THROTTLE(5.0, "%s: %s", topics::overlay_image, error.what());

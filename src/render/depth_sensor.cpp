@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
+#include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "render/rectangles.h"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr std::uint64_t tile = 1, depth_noise = 3, dark_blots = 4;  // purposes of chance; see scramble()
 constexpr float edge_jump_ratio = 0.02f;                            // of the depth
+constexpr double finest_step_m = 1e-6;                              // of a float of some metres
 
 float focal_baseline_px_m(const SensorModel& model, int width_px) {
   const double focal_px = 0.5 * width_px / std::tan(0.5 * model.field_of_view_deg * M_PI / 180);
@@ -27,23 +29,38 @@ void read(const NoiseTile::Window& noise, int v, std::vector<float>& values) {
   for (int u = 0; u < count; u += most) noise.read(u, v, std::min(count - u, most), values.data() + u);
 }
 
+// Depths in steps to metres, each the nearest whole step; 0 where they are negative or infinite.
+void round_to_steps(const float* steps, int count, float step_m, float* depth_m) {
+  int i = 0;
+#if CV_SIMD
+  constexpr int lanes = cv::v_float32::nlanes;
+  for (; i + lanes <= count; i += lanes) {  // infinity is rounded to the most negative number
+    const cv::v_int32 whole = cv::v_max(cv::v_round(cv::vx_load(steps + i)), cv::vx_setzero_s32());
+    cv::v_store(depth_m + i, cv::v_cvt_f32(whole) * cv::vx_setall_f32(step_m));
+  }
+#endif
+  for (; i < count; ++i) depth_m[i] = steps[i] < 1e9f ? step_m * static_cast<float>(std::max(cvRound(steps[i]), 0)) : 0;
+}
+
 }  // namespace
 
 DepthSensor::DepthSensor(const SensorModel& model, const ExactImage& background, std::uint64_t seed)
     : model_(model),
       seed_(seed),
       focal_baseline_px_m_(focal_baseline_px_m(model, background.depth.cols)),
-      edge_reach_px_(static_cast<int>(std::ceil(model.edge_hole_px))) {
+      edge_reach_px_(static_cast<int>(std::ceil(model.edge_hole_px))),
+      noisy_(model.disparity_noise_px > 0 || model.disparity_step_px > 0),
+      rounded_(model.depth_step_m >= finest_step_m) {
   if (model.disparity_noise_px > 0 || model.low_texture_level > 0)
     correlated_ = std::make_unique<NoiseTile>(scramble(seed, 0, tile), model.noise_correlation_px);
   const cv::Size size = background.depth.size();
   match_.disparity_px.create(size, CV_32FC1);
-  match_.quiet_mm.create(size, CV_16UC1);
+  if (!noisy_) match_.quiet_m.create(size, CV_32FC1);
   match_.edges.create(size, CV_8UC1);
   match_.holes.create(size, CV_8UC1);
   if (model.low_texture_level > 0) match_.blots.create(size, CV_32FC1);
   match(background, {{0, 0}, size});
-  background_ = {match_.disparity_px.clone(), match_.quiet_mm.clone(), match_.edges.clone(), match_.holes.clone(),
+  background_ = {match_.disparity_px.clone(), match_.quiet_m.clone(), match_.edges.clone(), match_.holes.clone(),
                  match_.blots.clone()};
 }
 
@@ -52,7 +69,7 @@ cv::Mat DepthSensor::image(const ExactImage& exact, const cv::Rect& changed, std
     if (!from.empty() && !changed_.empty()) from(changed_).copyTo(to(changed_));
   };
   restore(background_.disparity_px, match_.disparity_px);
-  restore(background_.quiet_mm, match_.quiet_mm);
+  restore(background_.quiet_m, match_.quiet_m);
   restore(background_.edges, match_.edges);
   restore(background_.holes, match_.holes);
   restore(background_.blots, match_.blots);
@@ -60,15 +77,14 @@ cv::Mat DepthSensor::image(const ExactImage& exact, const cv::Rect& changed, std
   changed_ = grown(changed, edge_reach_px_) & cv::Rect({0, 0}, exact.depth.size());
   changed_.x = 0, changed_.width = exact.depth.cols;  // shadows fall far to the left
 
-  cv::Mat image(exact.depth.size(), CV_16UC1);
+  cv::Mat image(exact.depth.size(), CV_32FC1);
   std::vector<float> values(static_cast<std::size_t>(image.cols));
-  const bool noisy = model_.disparity_noise_px > 0 || model_.disparity_step_px > 0;
-  if (!noisy) match_.quiet_mm.copyTo(image);
+  if (!noisy_) match_.quiet_m.copyTo(image);
   const auto noise = correlated_ ? correlated_->window(scramble(seed_, frame, depth_noise)) : NoiseTile::Window{};
   const auto blots = correlated_ ? correlated_->window(scramble(seed_, frame, dark_blots)) : NoiseTile::Window{};
   cv::Mat holes;
   for (int v = 0; v < image.rows; ++v) {
-    if (noisy) measure_row(v, noise, values, image);
+    if (noisy_) measure_row(v, noise, values, image);
     cv::Mat row = image.row(v);
     row.setTo(0, match_.holes.row(v));
     if (match_.blots.empty()) continue;
@@ -92,9 +108,21 @@ void DepthSensor::measure_row(int v, const NoiseTile::Window& noise, std::vector
     disparity.convertTo(steps, CV_32S, 1 / model_.disparity_step_px);
     steps.convertTo(disparity, CV_32F, model_.disparity_step_px);
   }
-  // Infinite disparities have become zero depths or negative ones, which a depth image has not.
-  cv::divide(1000.0 * static_cast<double>(focal_baseline_px_m_), disparity, disparity);
-  disparity.convertTo(image.row(v), CV_16U);
+  // Infinite disparities become zero depths or negative ones, and those of zero infinite ones.
+  if (rounded_) {
+    cv::divide(static_cast<double>(focal_baseline_px_m_) / model_.depth_step_m, disparity, disparity);
+    round_to_steps(values.data(), image.cols, static_cast<float>(model_.depth_step_m), image.ptr<float>(v));
+  } else {
+    cv::divide(static_cast<double>(focal_baseline_px_m_), disparity, image.row(v));
+    image.row(v).setTo(0, (image.row(v) < 0) | (image.row(v) == std::numeric_limits<double>::infinity()));
+  }
+}
+
+void DepthSensor::measure_quietly(const cv::Mat& exact_m, cv::Mat depth_m) const {
+  if (!rounded_) return exact_m.copyTo(depth_m);
+  const cv::Mat steps = exact_m / model_.depth_step_m;
+  for (int v = 0; v < steps.rows; ++v)
+    round_to_steps(steps.ptr<float>(v), steps.cols, static_cast<float>(model_.depth_step_m), depth_m.ptr<float>(v));
 }
 
 void DepthSensor::match(const ExactImage& exact, const cv::Rect& changed) {
@@ -103,7 +131,7 @@ void DepthSensor::match(const ExactImage& exact, const cv::Rect& changed) {
   for (int v = 0; v < changed.height; ++v)
     for (int u = 0; u < changed.width; ++u)
       disparity_px.at<float>(v, u) = focal_baseline_px_m_ / depth_m.at<float>(v, u);
-  depth_m.convertTo(match_.quiet_mm(changed), CV_16UC1, 1000);
+  if (!noisy_) measure_quietly(depth_m, match_.quiet_m(changed));
   const cv::Rect reached = grown(changed, edge_reach_px_) & cv::Rect({0, 0}, exact.depth.size());
   find_edges(exact.depth, reached);
   match_.edges.rowRange(reached.y, reached.br().y).copyTo(match_.holes.rowRange(reached.y, reached.br().y));

@@ -18,13 +18,13 @@ class DepthSensor {
  public:
   DepthSensor(const SensorModel& model, const ExactImage& background, std::uint64_t seed);
 
-  // CV_16UC1 [mm]. `exact` is the background but for `changed`.
+  // As RgbdFrame's depth_m. `exact` is the background but for `changed`.
   cv::Mat image(const ExactImage& exact, const cv::Rect& changed, std::uint64_t frame);
 
  private:
   struct Match {
     cv::Mat disparity_px;  // CV_32FC1, infinite where nothing is met
-    cv::Mat quiet_mm;      // CV_16UC1: without noise and steps
+    cv::Mat quiet_m;       // CV_32FC1, as it is measured without noise; only of a sensor that has none
     cv::Mat edges;         // CV_8UC1: 255 beside a jump of depth
     cv::Mat holes;         // CV_8UC1: 255 at edges and in shadows
     cv::Mat blots;         // CV_32FC1: noise above this makes a hole in the dark; infinite where it is light
@@ -34,11 +34,14 @@ class DepthSensor {
   void find_shadows(int first_row, int last_row);
   void find_blots(const cv::Mat& colour, const cv::Rect& area);
   void measure_row(int v, const NoiseTile::Window& noise, std::vector<float>& values, cv::Mat& image) const;
+  void measure_quietly(const cv::Mat& exact_m, cv::Mat depth_m) const;
 
   SensorModel model_;
   std::uint64_t seed_;
   float focal_baseline_px_m_;
   int edge_reach_px_;
+  bool noisy_;    // its disparities
+  bool rounded_;  // its depths
   std::unique_ptr<NoiseTile> correlated_;
   Match background_, match_;
   cv::Rect changed_;  // where the two differ

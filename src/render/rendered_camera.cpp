@@ -94,7 +94,8 @@ RgbdFrame RenderedCamera::take(Stage& stage, const SeenMotion& motion, double st
     drawn_ = camera_.robot_bounds(stage.robot(), motion.present);
     camera_.draw(stage, drawn_, static_cast<float>(model_.gloss), canvas_, samples_a_side_);
   }
-  return {name_, stamp_s, colour_->image(canvas_.colour, drawn_, frame), depth_->image(canvas_, drawn_, frame)};
+  return {name_, stamp_s, colour_->image(canvas_.colour, drawn_, frame), depth_->image(canvas_, drawn_, frame),
+          model_.depth_step_m};
 }
 
 void RenderedCamera::draw_moving(Stage& stage, const SeenMotion& motion) {

@@ -25,6 +25,7 @@ const Field fields[] = {
     {"disparity_noise_px", &SensorModel::disparity_noise_px, {0, 10}},
     {"noise_correlation_px", &SensorModel::noise_correlation_px, {0, 20}},
     {"disparity_step_px", &SensorModel::disparity_step_px, {0, 10}},
+    {"depth_step_m", &SensorModel::depth_step_m, {0, 0.1}},
     {"edge_hole_px", &SensorModel::edge_hole_px, {0, 50}},
     {"low_texture_level", &SensorModel::low_texture_level, {0, 1}},
 };

@@ -1,8 +1,10 @@
 #include "soft_robot_lab/ros/image_messages.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
+#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/distortion_models.h>
 #include <sensor_msgs/image_encodings.h>
@@ -41,7 +43,8 @@ cv::Mat view(const sensor_msgs::Image& message, int type, const std::string& wha
   if (message.width == 0 || message.height == 0)
     throw std::invalid_argument(what + ": an image of " + std::to_string(message.width) + " x " +
                                 std::to_string(message.height) + " pixels; allowed: at least 1 x 1");
-  if (message.step < row || message.data.size() < static_cast<std::size_t>(message.step) * message.height)
+  if (message.step < row || message.step % CV_ELEM_SIZE1(type) != 0 ||
+      message.data.size() < static_cast<std::size_t>(message.step) * message.height)
     throw std::invalid_argument(what + ": data holds " + std::to_string(message.data.size()) + " bytes in rows of " +
                                 std::to_string(message.step) + "; its size needs rows of " + std::to_string(row));
   if (message.is_bigendian) throw std::invalid_argument(what + ": is_bigendian is set; allowed: little-endian pixels");
@@ -49,31 +52,38 @@ cv::Mat view(const sensor_msgs::Image& message, int type, const std::string& wha
                  const_cast<std::uint8_t*>(message.data.data()), message.step);
 }
 
-cv::Mat depth_of(const sensor_msgs::Image& message) {
-  if (message.encoding == sensor_msgs::image_encodings::TYPE_16UC1) return view(message, CV_16UC1, "depth").clone();
-  if (message.encoding != sensor_msgs::image_encodings::TYPE_32FC1)
+constexpr double millimetre_m = 0.001;
+constexpr double most_depth_m = 65.535;  // that 16 bits hold
+
+bool is_whole_millimetres(double step_m) {
+  const double steps = step_m / millimetre_m;
+  return steps > 0.5 && std::abs(steps - std::round(steps)) < 1e-9 * steps;
+}
+
+sensor_msgs::Image depth_message(const RgbdFrame& frame, const std_msgs::Header& header) {
+  if (!is_whole_millimetres(frame.depth_step_m))
+    return image_message(frame.depth_m, header, sensor_msgs::image_encodings::TYPE_32FC1);
+  cv::Mat depth;
+  cv::threshold(frame.depth_m, depth, most_depth_m, 0, cv::THRESH_TOZERO_INV);
+  depth.convertTo(depth, CV_16U, 1 / millimetre_m);
+  return image_message(depth, header, sensor_msgs::image_encodings::TYPE_16UC1);
+}
+
+// The frame's depths and their step.
+void read_depth(const sensor_msgs::Image& message, RgbdFrame& frame) {
+  if (message.encoding == sensor_msgs::image_encodings::TYPE_16UC1) {
+    view(message, CV_16UC1, "depth").convertTo(frame.depth_m, CV_32F, millimetre_m);
+    frame.depth_step_m = millimetre_m;
+  } else if (message.encoding == sensor_msgs::image_encodings::TYPE_32FC1) {
+    const cv::Mat depth_m = view(message, CV_32FC1, "depth");
+    frame.depth_m = cv::Mat::zeros(depth_m.size(), CV_32FC1);
+    depth_m.copyTo(frame.depth_m, (depth_m > 0) & (depth_m <= most_depth_m));  // no NaN is either
+  } else {
     throw std::invalid_argument("depth: encoding '" + message.encoding + "' is not one of 16UC1, 32FC1");
-  const cv::Mat metres = view(message, CV_32FC1, "depth");
-  cv::Mat depth(metres.size(), CV_16UC1);
-  for (int row = 0; row < metres.rows; ++row)
-    for (int column = 0; column < metres.cols; ++column) {
-      const float mm = 1000.0F * metres.at<float>(row, column);
-      const bool measured = mm >= 0.5F && mm < 65535.0F;  // false for NaN too
-      depth.at<std::uint16_t>(row, column) = measured ? static_cast<std::uint16_t>(mm + 0.5F) : std::uint16_t{0};
-    }
-  return depth;
+  }
 }
 
 }  // namespace
-
-cv::Mat colour_of(const sensor_msgs::Image& message) {
-  if (message.encoding == sensor_msgs::image_encodings::RGB8) return view(message, CV_8UC3, "colour").clone();
-  if (message.encoding != sensor_msgs::image_encodings::BGR8)
-    throw std::invalid_argument("colour: encoding '" + message.encoding + "' is not one of rgb8, bgr8");
-  cv::Mat colour;
-  cv::cvtColor(view(message, CV_8UC3, "colour"), colour, cv::COLOR_BGR2RGB);
-  return colour;
-}
 
 std::string optical_frame(const std::string& camera) { return camera + "_color_optical_frame"; }
 
@@ -85,8 +95,7 @@ FrameMessages frame_messages(const RgbdFrame& frame, const CameraModel& model, c
   std_msgs::Header header;
   header.stamp = stamp;
   header.frame_id = optical_frame(frame.camera);
-  return {colour_message(frame.colour, header),
-          image_message(frame.depth, header, sensor_msgs::image_encodings::TYPE_16UC1), camera_info(model, header)};
+  return {colour_message(frame.colour, header), depth_message(frame, header), camera_info(model, header)};
 }
 
 cv::Mat colour_image(const sensor_msgs::Image& message) {
@@ -99,7 +108,9 @@ cv::Mat colour_image(const sensor_msgs::Image& message) {
 }
 
 RgbdFrame rgbd_frame(const std::string& camera, const sensor_msgs::Image& colour, const sensor_msgs::Image& depth) {
-  return {camera, colour.header.stamp.toSec(), colour_image(colour), depth_of(depth)};
+  RgbdFrame frame{camera, colour.header.stamp.toSec(), colour_image(colour), {}};
+  read_depth(depth, frame);
+  return frame;
 }
 
 CameraModel camera_model(const sensor_msgs::CameraInfo& info) {

@@ -17,9 +17,9 @@ std::string size_text(const cv::Mat& image) { return std::to_string(image.cols) 
 
 void require_usable(const RgbdFrame& frame, const CameraModel& camera) {
   const std::string who = "a picture of " + (frame.camera.empty() ? std::string("a camera") : frame.camera);
-  if (frame.colour.type() != CV_8UC3 || frame.depth.type() != CV_16UC1)
-    throw std::invalid_argument(who + " has an unknown encoding; allowed: rgb8 with depth in 16UC1");
-  for (const cv::Mat* image : {&frame.colour, &frame.depth})
+  if (frame.colour.type() != CV_8UC3 || frame.depth_m.type() != CV_32FC1)
+    throw std::invalid_argument(who + " has an unknown encoding; allowed: rgb8 with depth in metres");
+  for (const cv::Mat* image : {&frame.colour, &frame.depth_m})
     if (image->size() != cv::Size(camera.width_px, camera.height_px))
       throw std::invalid_argument(who + " has " + size_text(*image) + " pixels; allowed: the camera's " +
                                   std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px) +
@@ -30,19 +30,19 @@ MeanPicture mean_picture(const std::vector<RgbdFrame>& frames, const CameraModel
                          const std::string& kind) {
   if (frames.empty()) throw std::invalid_argument("there is no picture " + kind + " balls; at least one is needed");
   const cv::Size size(camera.width_px, camera.height_px);
-  cv::Mat colour(size, CV_32FC3, cv::Scalar::all(0)), depth(size, CV_32FC1, cv::Scalar(0));
+  cv::Mat colour(size, CV_32FC3, cv::Scalar::all(0)), depth_m(size, CV_32FC1, cv::Scalar(0));
   cv::Mat count(size, CV_32FC1, cv::Scalar(0));
   for (const RgbdFrame& frame : frames) {
     require_usable(frame, camera);
-    const cv::Mat measured = (frame.depth >= 1000 * depths.min_m) & (frame.depth <= 1000 * depths.max_m);
+    const cv::Mat measured = (frame.depth_m >= depths.min_m) & (frame.depth_m <= depths.max_m);
     cv::accumulate(frame.colour, colour);
-    cv::accumulate(frame.depth, depth, measured);
+    cv::accumulate(frame.depth_m, depth_m, measured);
     cv::add(count, 1, count, measured);
   }
   const double frame_count = static_cast<double>(frames.size());
   MeanPicture mean;
   mean.colour = colour / (255 * frame_count);
-  cv::divide(depth, count, mean.depth_m, 0.001);  // OpenCV: x / 0 is 0 here
+  cv::divide(depth_m, count, mean.depth_m);
   mean.depth_m.setTo(0, count < 0.5 * frame_count);
   return mean;
 }

@@ -176,9 +176,9 @@ void BallFinderSettings::validate() const {
   require("min_points", min_points, {10, 1e6});
   require("min_sphere_share", min_sphere_share, {0, 1, true, false});
   require("min_outline_share", min_outline_share, {0, 1, true, false});
-  require("depth.noise_per_m", depth.noise_per_m, AllowedRange::not_negative());
+  require("depth.noise_per_m", depth.noise_per_m, AllowedRange::positive());
   require("depth.correlation_px", depth.correlation_px, AllowedRange::positive());
-  require("depth.quantisation_m", depth.quantisation_m, AllowedRange::positive());
+  require("depth.quantisation_m", depth.quantisation_m, AllowedRange::not_negative());
   require("edge_noise_px", edge_noise_px, AllowedRange::positive());
   require("centre_floor_px", centre_floor_px, AllowedRange::not_negative());
   require("outline_bias_px", outline_bias_px, AllowedRange::positive());

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -31,16 +30,16 @@ double noise_m(double depth_m, const DepthSettings& settings) {
   return std::hypot(settings.noise_per_m * depth_m * depth_m, kUniform * settings.quantisation_m);
 }
 
-std::vector<Sample> samples_in(const cv::Mat& depth_mm, const cv::Mat& where, const MarkerBlob& blob,
+std::vector<Sample> samples_in(const cv::Mat& depth_m, const cv::Mat& where, const MarkerBlob& blob,
                                const DepthSettings& settings) {
   std::vector<Sample> samples;
   for (int row = 0; row < where.rows; ++row)
     for (int column = 0; column < where.cols; ++column) {
       if (!where.at<uchar>(row, column)) continue;
       const int y = blob.box.y + row, x = blob.box.x + column;
-      const double depth_m = 1e-3 * depth_mm.at<std::uint16_t>(y, x);
-      if (depth_m < settings.min_m || depth_m > settings.max_m) continue;
-      samples.push_back({{1, x - blob.centre_px.x(), y - blob.centre_px.y()}, depth_m});
+      const double here_m = static_cast<double>(depth_m.at<float>(y, x));
+      if (!(here_m >= settings.min_m && here_m <= settings.max_m)) continue;
+      samples.push_back({{1, x - blob.centre_px.x(), y - blob.centre_px.y()}, here_m});
     }
   return samples;
 }
@@ -84,6 +83,7 @@ Plane facing_plane(const std::vector<Sample>& samples) {
 
 // Quantisation errors of neighbours are alike unless the surface crosses steps of it within the blob.
 double quantisation_m(const std::vector<Sample>& samples, const DepthSettings& settings) {
+  if (settings.quantisation_m == 0) return 0;
   const auto [low, high] = std::minmax_element(samples.begin(), samples.end(),
                                                [](const Sample& a, const Sample& b) { return a.depth_m < b.depth_m; });
   const double steps = (high->depth_m - low->depth_m) / settings.quantisation_m;
@@ -101,12 +101,12 @@ double sigma_of(const std::vector<Sample>& samples, const Plane& plane, double d
 }
 
 // Whether a good part of what surrounds the support is nearer than the plane by more than noise and relief.
-bool cut_by_something_nearer(const cv::Mat& depth_mm, const MarkerBlob& blob, const Plane& plane, double limit_m,
+bool cut_by_something_nearer(const cv::Mat& depth_m, const MarkerBlob& blob, const Plane& plane, double limit_m,
                              const DepthSettings& settings) {
   constexpr double kShare = 0.12;
   cv::Mat wider;
   cv::dilate(blob.support, wider, cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(5, 5)));
-  const auto around = samples_in(depth_mm, wider & ~blob.support, blob, settings);
+  const auto around = samples_in(depth_m, wider & ~blob.support, blob, settings);
   const auto nearer = std::count_if(around.begin(), around.end(), [&](const Sample& sample) {
     return sample.depth_m < plane.depth_at(sample.basis) - limit_m;
   });
@@ -115,10 +115,10 @@ bool cut_by_something_nearer(const cv::Mat& depth_mm, const MarkerBlob& blob, co
 
 }  // namespace
 
-std::optional<MarkerDepth> measure_depth(const cv::Mat& depth_mm, const MarkerBlob& blob,
+std::optional<MarkerDepth> measure_depth(const cv::Mat& depth_m, const MarkerBlob& blob,
                                          const DepthSettings& settings) {
   constexpr double kRelief_m = 0.004;
-  std::vector<Sample> samples = samples_in(depth_mm, blob.support, blob, settings);
+  std::vector<Sample> samples = samples_in(depth_m, blob.support, blob, settings);
   if (samples.size() < kFewest) return std::nullopt;
   Plane plane = facing_plane(samples);
   const double limit_m = kRejection * noise_m(plane.depth_at(Eigen::Vector3d::UnitX()), settings);
@@ -132,7 +132,7 @@ std::optional<MarkerDepth> measure_depth(const cv::Mat& depth_mm, const MarkerBl
   result.depth_m = plane.depth_at(Eigen::Vector3d::UnitX());
   if (!(result.depth_m >= settings.min_m && result.depth_m <= settings.max_m)) return std::nullopt;
   result.sigma_m = sigma_of(samples, plane, result.depth_m, settings);
-  result.cut = cut_by_something_nearer(depth_mm, blob, plane, limit_m + kRelief_m, settings);
+  result.cut = cut_by_something_nearer(depth_m, blob, plane, limit_m + kRelief_m, settings);
   return result;
 }
 

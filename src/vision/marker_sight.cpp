@@ -31,7 +31,7 @@ std::vector<MarkerSight> look(const RgbdFrame& frame, const TrackerCamera& camer
     sight.partial = blob.partial;
     const double row = blob.centre_px.y() / camera.model.height_px;
     sight.later_s = frame.stamp_s + (row - 0.5) * settings.readout_s - time_s;
-    if (const auto depth = measure_depth(frame.depth, blob, settings.depth)) {
+    if (const auto depth = measure_depth(frame.depth_m, blob, settings.depth)) {
       sight.depth_m = depth->depth_m;
       sight.depth_sigma_m = depth->sigma_m;
       sight.partial |= depth->cut || blob.area_px > kTwoInOne * facing_area_px(camera.model, depth->depth_m,

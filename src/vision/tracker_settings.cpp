@@ -63,9 +63,9 @@ DetectorSettings read_detector(const SettingsNode& node) {
 
 DepthSettings read_depth(const SettingsNode& node) {
   DepthSettings depth;
-  depth.noise_per_m = node.number_or("noise_per_m", depth.noise_per_m, {0, 1});
+  depth.noise_per_m = node.number_or("noise_per_m", depth.noise_per_m, {1e-6, 1});
   depth.correlation_px = node.number_or("correlation_px", depth.correlation_px, {1, 50});
-  depth.quantisation_m = node.number_or("quantisation_m", depth.quantisation_m, {1e-5, 0.1});
+  depth.quantisation_m = node.number_or("quantisation_m", depth.quantisation_m, {0, 0.1});
   depth.min_m = node.number_or("min_m", depth.min_m, AllowedRange::positive());
   depth.max_m = node.number_or("max_m", depth.max_m, {depth.min_m, 65.535, true});
   return depth;

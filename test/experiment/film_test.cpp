@@ -65,9 +65,9 @@ TEST(Film, ShowsStickersWhereTheMarkersAre) {
       if (view.share_seen < 1) continue;
       ++compared;
       EXPECT_LT((centre_of_blue(shot.frames[camera].colour, view.pixel) - view.pixel).norm(), 0.1);
-      const auto depth_mm = shot.frames[camera].depth.at<std::uint16_t>(static_cast<int>(std::lround(view.pixel.y())),
-                                                                        static_cast<int>(std::lround(view.pixel.x())));
-      EXPECT_NEAR(depth_mm, 1000 * view.depth_m, 1.0);  // rounded to 1 mm, and up to half a pixel beside it on a slope
+      const float depth_m = shot.frames[camera].depth_m.at<float>(static_cast<int>(std::lround(view.pixel.y())),
+                                                                  static_cast<int>(std::lround(view.pixel.x())));
+      EXPECT_NEAR(depth_m, view.depth_m, 0.001);  // rounded to 1 mm, and up to half a pixel beside it on a slope
     }
   EXPECT_GE(compared, 8);
   EXPECT_EQ(shot.frames[1].stamp_s, 2.5);

@@ -122,5 +122,18 @@ TEST(SensorModel, RefusesNonsense) {
   EXPECT_THROW(sensor.validate(), std::invalid_argument);
 }
 
+TEST(SensorModel, NamesKeyValueAndRangeOfARefusedDepthStep) {
+  EXPECT_EQ(read_sensor_model(SettingsNode::parse("{depth_step_m: 0}", "sensor")).depth_step_m, 0);
+  for (const std::string value : {"-0.001", "0.2"}) {
+    try {
+      read_sensor_model(SettingsNode::parse("{depth_step_m: " + value + "}", "sensor"));
+      FAIL() << value;
+    } catch (const SettingsError& error) {
+      for (const std::string& part : {std::string("depth_step_m"), value, std::string("[0, 0.1]")})
+        EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

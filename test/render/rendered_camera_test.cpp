@@ -24,10 +24,10 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
 }
 
-double deviation_m(const cv::Mat& depth_mm) {
+double deviation_m(const cv::Mat& depth_m) {
   cv::Scalar mean, deviation;
-  cv::meanStdDev(depth_mm, mean, deviation);
-  return 0.001 * deviation[0];
+  cv::meanStdDev(depth_m, mean, deviation);
+  return deviation[0];
 }
 
 TEST(RenderedCamera, IsExactUnlessToldOtherwise) {
@@ -37,12 +37,71 @@ TEST(RenderedCamera, IsExactUnlessToldOtherwise) {
   EXPECT_EQ(frame.camera, "camera");
   EXPECT_EQ(frame.stamp_s, 1.5);
   EXPECT_EQ(frame.colour.type(), CV_8UC3);
-  EXPECT_EQ(frame.depth.type(), CV_16UC1);
-  EXPECT_EQ(cv::countNonZero(frame.depth != 600), 0);
+  EXPECT_EQ(frame.depth_m.type(), CV_32FC1);
+  EXPECT_EQ(cv::countNonZero(frame.depth_m != 0.6F), 0);
+  EXPECT_EQ(frame.depth_step_m, 0.001);
   EXPECT_EQ(frame.colour.at<cv::Vec3b>(10, 10), cv::Vec3b(255, 255, 255));
   const RgbdFrame again = take(seen, {}, 0.6004, 2, 5);  // no noise, so neither seed nor frame matter
   EXPECT_TRUE(same(frame.colour, again.colour));
-  EXPECT_TRUE(same(frame.depth, again.depth));
+  EXPECT_TRUE(same(frame.depth_m, again.depth_m));
+}
+
+// Of a slope of 2 in 3 that every ray meets elsewhere.
+Seen slope() {
+  Seen seen;
+  seen.surroundings.lighting.shaded = false;
+  add_rectangle(seen, {-1, -1, -1.5}, {2, 0, 0}, {0, 2, 3});
+  return seen;
+}
+
+double slope_depth_m(int row) {  // y = 2/3 z
+  const double down = (row - small_camera().centre_y_px) / small_camera().focal_y_px;
+  return 0.6 / (1 + 2 * down / 3);
+}
+
+TEST(RenderedCamera, GivesDepthsOfItsRaysWhereTheyAreNotRounded) {
+  SensorModel sensor;
+  sensor.depth_step_m = 0;
+  const RgbdFrame frame = take(slope(), sensor, 0.6);
+  EXPECT_EQ(frame.depth_step_m, 0);
+  for (int row = 0; row < frame.depth_m.rows; ++row)
+    for (int column = 0; column < frame.depth_m.cols; ++column)
+      ASSERT_NEAR(frame.depth_m.at<float>(row, column), slope_depth_m(row), 1e-6) << row << ' ' << column;
+}
+
+TEST(RenderedCamera, RoundsDepthsToTheSensorsStep) {
+  SensorModel sensor;
+  sensor.depth_step_m = 0.0025;
+  const cv::Mat depth_m = take(slope(), sensor, 0.6).depth_m;
+  for (int row = 0; row < depth_m.rows; ++row) {
+    const double steps = std::round(slope_depth_m(row) / 0.0025);
+    if (std::abs(slope_depth_m(row) / 0.0025 - steps) > 0.499) continue;  // rays are not as exact as that
+    ASSERT_NEAR(depth_m.at<float>(row, 100), 0.0025 * steps, 1e-7) << row;
+  }
+  sensor.disparity_noise_px = 0.08;
+  const cv::Mat noisy_m = take(slope(), sensor, 0.6).depth_m;
+  for (int row = 0; row < noisy_m.rows; ++row) {
+    const double steps = static_cast<double>(noisy_m.at<float>(row, 100)) / 0.0025;
+    ASSERT_NEAR(steps, std::round(steps), 1e-4) << row;
+  }
+}
+
+TEST(RenderedCamera, KeepsItsNoiseWhereDepthsAreNotRounded) {
+  SensorModel sensor = SensorModel::d415();
+  const cv::Mat rounded_m = take(slope(), sensor, 0.6).depth_m;
+  sensor.depth_step_m = 0;
+  const cv::Mat depth_m = take(slope(), sensor, 0.6).depth_m;
+  EXPECT_LT(cv::norm(depth_m, rounded_m, cv::NORM_INF), 0.000501);
+  EXPECT_GT(cv::norm(depth_m, rounded_m, cv::NORM_INF), 0.0004);
+  EXPECT_EQ(cv::countNonZero((depth_m == 0) != (rounded_m == 0)), 0);
+}
+
+TEST(RenderedCamera, MeasuresNothingWhereNothingIsMet) {
+  SensorModel sensor = SensorModel::d415();
+  for (const double step_m : {0.001, 0.0}) {
+    sensor.depth_step_m = step_m;
+    EXPECT_EQ(cv::countNonZero(take({}, sensor, 0.6).depth_m), 0);
+  }
 }
 
 TEST(RenderedCamera, RepeatsItsNoiseFromSeedAndFrameOnly) {
@@ -51,10 +110,10 @@ TEST(RenderedCamera, RepeatsItsNoiseFromSeedAndFrameOnly) {
   const SensorModel sensor = SensorModel::d415();
   const RgbdFrame first = take(seen, sensor, 0.6, 1, 7);
   EXPECT_TRUE(same(first.colour, take(seen, sensor, 0.6, 1, 7).colour));
-  EXPECT_TRUE(same(first.depth, take(seen, sensor, 0.6, 1, 7).depth));
+  EXPECT_TRUE(same(first.depth_m, take(seen, sensor, 0.6, 1, 7).depth_m));
   for (const RgbdFrame& other : {take(seen, sensor, 0.6, 2, 7), take(seen, sensor, 0.6, 1, 8)}) {
     EXPECT_FALSE(same(first.colour, other.colour));
-    EXPECT_FALSE(same(first.depth, other.depth));
+    EXPECT_FALSE(same(first.depth_m, other.depth_m));
   }
 }
 
@@ -70,7 +129,7 @@ TEST(RenderedCamera, DrawsEachFrameAsIfItWereTheFirst) {
   const RgbdFrame expected = fresh.take(stage, {seen.state, {}, 0}, 0, 1);
   const RgbdFrame frame = used.take(stage, {seen.state, {}, 0}, 0, 1);
   EXPECT_TRUE(same(frame.colour, expected.colour));
-  EXPECT_TRUE(same(frame.depth, expected.depth));
+  EXPECT_TRUE(same(frame.depth_m, expected.depth_m));
 }
 
 TEST(DepthNoise, GrowsWithTheSquareOfDistance) {
@@ -80,7 +139,7 @@ TEST(DepthNoise, GrowsWithTheSquareOfDistance) {
   const double focal_px = 0.5 * 212 / std::tan(0.5 * 65 * M_PI / 180);
   for (double distance_m : {0.4, 0.6, 0.8}) {
     const double expected_m = distance_m * distance_m * 2 / (focal_px * 0.055);
-    EXPECT_NEAR(deviation_m(take(facing_wall(), sensor, distance_m).depth) / expected_m, 1, 0.1 + expected_m);
+    EXPECT_NEAR(deviation_m(take(facing_wall(), sensor, distance_m).depth_m) / expected_m, 1, 0.1 + expected_m);
   }
 }
 
@@ -89,8 +148,7 @@ TEST(DepthNoise, HangsTogetherOverPixelsAsFarAsAsked) {
   sensor.disparity_noise_px = 2;
   const auto correlation = [&](double length_px, int apart_px) {
     sensor.noise_correlation_px = length_px;
-    cv::Mat depth;
-    take(facing_wall(), sensor, 0.4).depth.convertTo(depth, CV_32FC1);
+    cv::Mat depth = take(facing_wall(), sensor, 0.4).depth_m;
     depth -= cv::mean(depth)[0];
     const cv::Mat left = depth.colRange(0, depth.cols - apart_px), right = depth.colRange(apart_px, depth.cols);
     return left.dot(right) / left.dot(left);
@@ -107,11 +165,11 @@ TEST(DepthNoise, QuantisesDisparity) {
   sensor.disparity_step_px = 0.5;
   const RgbdFrame frame = take(seen, sensor, 0.6);
   const double focal_baseline = 0.5 * 212 / std::tan(0.5 * 65 * M_PI / 180) * 0.055;
-  std::set<std::uint16_t> depths_mm(frame.depth.begin<std::uint16_t>(), frame.depth.end<std::uint16_t>());
-  ASSERT_GT(depths_mm.size(), 3u);
-  for (const std::uint16_t depth_mm : depths_mm) {
-    const double steps = focal_baseline / (0.001 * depth_mm) / 0.5;
-    EXPECT_NEAR(1000 * focal_baseline / (0.5 * std::round(steps)), depth_mm, 0.51);
+  std::set<float> depths_m(frame.depth_m.begin<float>(), frame.depth_m.end<float>());
+  ASSERT_GT(depths_m.size(), 3u);
+  for (const float depth_m : depths_m) {
+    const double steps = focal_baseline / static_cast<double>(depth_m) / 0.5;
+    EXPECT_NEAR(focal_baseline / (0.5 * std::round(steps)), depth_m, 0.00051);
   }
 }
 
@@ -125,20 +183,20 @@ Seen before_a_wall() {
 TEST(DepthHoles, LieAlongEdges) {
   SensorModel sensor;
   sensor.edge_hole_px = 2;
-  const cv::Mat depth = take(before_a_wall(), sensor, 0.6).depth;
+  const cv::Mat depth = take(before_a_wall(), sensor, 0.6).depth_m;
   const double half_px = 0.03 / 0.6 * small_camera().focal_x_px;  // 30.6
-  EXPECT_EQ(depth.at<std::uint16_t>(60, 106), 600);
-  EXPECT_EQ(depth.at<std::uint16_t>(60, static_cast<int>(105.5 + half_px)), 0);
-  EXPECT_EQ(depth.at<std::uint16_t>(60, static_cast<int>(105.5 + half_px) + 2), 0);
-  EXPECT_EQ(depth.at<std::uint16_t>(60, static_cast<int>(105.5 + half_px) - 4), 600);
-  EXPECT_EQ(depth.at<std::uint16_t>(60, static_cast<int>(105.5 + half_px) + 5), 1000);
-  EXPECT_EQ(depth.at<std::uint16_t>(5, 5), 1000);
+  EXPECT_EQ(depth.at<float>(60, 106), 0.6F);
+  EXPECT_EQ(depth.at<float>(60, static_cast<int>(105.5 + half_px)), 0);
+  EXPECT_EQ(depth.at<float>(60, static_cast<int>(105.5 + half_px) + 2), 0);
+  EXPECT_EQ(depth.at<float>(60, static_cast<int>(105.5 + half_px) - 4), 0.6F);
+  EXPECT_EQ(depth.at<float>(60, static_cast<int>(105.5 + half_px) + 5), 1);
+  EXPECT_EQ(depth.at<float>(5, 5), 1);
 }
 
 TEST(DepthHoles, LieInTheSecondImagersShadow) {
   SensorModel sensor;
   sensor.stereo_shadow = true;
-  const cv::Mat depth = take(before_a_wall(), sensor, 0.6).depth;
+  const cv::Mat depth = take(before_a_wall(), sensor, 0.6).depth_m;
   const double focal_px = 0.5 * 212 / std::tan(0.5 * 65 * M_PI / 180);
   const double shadow_px = focal_px * 0.055 * (1 / 0.6 - 1 / 1.0);  // left of what is near
   const int row = 60, left_edge = static_cast<int>(std::ceil(105.5 - 0.03 / 0.6 * small_camera().focal_x_px));
@@ -154,7 +212,7 @@ TEST(DepthHoles, BlotOutTheDark) {
   Seen seen = facing_wall();
   const auto hole_ratio = [&](double brightness) {
     seen.robot.colour.setConstant(brightness);
-    const cv::Mat depth = take(seen, sensor, 0.6).depth;
+    const cv::Mat depth = take(seen, sensor, 0.6).depth_m;
     return 1 - cv::countNonZero(depth) / static_cast<double>(depth.total());
   };
   EXPECT_NEAR(hole_ratio(0), 0.5, 0.05);

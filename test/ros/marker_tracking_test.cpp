@@ -137,11 +137,33 @@ TEST(ImageMessages, ComeBackAsTheyWere) {
   EXPECT_EQ(back.camera, "left");
   EXPECT_DOUBLE_EQ(back.stamp_s, 1.5);
   EXPECT_EQ(cv::norm(back.colour, frame.colour, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(back.depth, frame.depth, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(back.depth_m, frame.depth_m, cv::NORM_INF), 0);
+  EXPECT_EQ(back.depth_step_m, 0.001);
   EXPECT_EQ(camera_model(message.info).focal_x_px, camera.model.focal_x_px);
 
   message.colour.encoding = "bgr8";
   EXPECT_EQ(rgbd_frame("left", message.colour, message.depth).colour.at<cv::Vec3b>(0, 0)[0], test::kDark[2]);
+}
+
+TEST(ImageMessages, AreWholeMillimetresOnlyWhereTheDepthsAre) {
+  const TrackerCamera camera = two_cameras()[0];
+  RgbdFrame frame = test::film(camera, {{upper_m}}, 1.5);
+  EXPECT_EQ(frame_messages(frame, camera.model, ros::Time(1.5)).depth.encoding, "16UC1");
+  for (const double step_m : {0.0, 0.0001}) {
+    frame.depth_step_m = step_m;
+    frame.depth_m.at<float>(7, 5) = 0.5994F;
+    frame.depth_m.at<float>(7, 6) = 0.59946F;
+    const FrameMessages message = frame_messages(frame, camera.model, ros::Time(1.5));
+    EXPECT_EQ(message.depth.encoding, "32FC1");
+    const RgbdFrame back = rgbd_frame("left", message.colour, message.depth);
+    EXPECT_EQ(cv::norm(back.depth_m, frame.depth_m, cv::NORM_INF), 0);
+    EXPECT_EQ(back.depth_step_m, 0);
+  }
+  frame.depth_step_m = 0.002;
+  frame.depth_m.at<float>(7, 5) = 70;  // more than 16 bits hold
+  const FrameMessages message = frame_messages(frame, camera.model, ros::Time(1.5));
+  EXPECT_EQ(message.depth.encoding, "16UC1");
+  EXPECT_EQ(rgbd_frame("left", message.colour, message.depth).depth_m.at<float>(7, 5), 0);
 }
 
 TEST(ImageMessages, TakeDepthInMetresAndLeaveOutWhatIsNone) {
@@ -155,9 +177,10 @@ TEST(ImageMessages, TakeDepthInMetresAndLeaveOutWhatIsNone) {
   values[1] = std::numeric_limits<float>::quiet_NaN();
   values[2] = std::numeric_limits<float>::infinity();
   values[3] = -1;
-  const cv::Mat depth = rgbd_frame("left", message.colour, metres).depth;
-  EXPECT_EQ(depth.at<std::uint16_t>(0, 0), 599);
-  for (int column : {1, 2, 3}) EXPECT_EQ(depth.at<std::uint16_t>(0, column), 0);
+  values[4] = 70;
+  const cv::Mat depth_m = rgbd_frame("left", message.colour, metres).depth_m;
+  EXPECT_EQ(depth_m.at<float>(0, 0), 0.5994F);
+  for (int column : {1, 2, 3, 4}) EXPECT_EQ(depth_m.at<float>(0, column), 0);
 }
 
 std::string refusal(const sensor_msgs::Image& colour, const sensor_msgs::Image& depth) {
@@ -179,6 +202,11 @@ TEST(ImageMessages, RefuseWhatTheyCannotBe) {
   bad = good;
   bad.depth.data.resize(10);
   EXPECT_NE(refusal(good.colour, bad.depth).find("data holds 10 bytes"), std::string::npos);
+  bad = good;
+  bad.depth.encoding = "32FC1";
+  bad.depth.height = 2;
+  bad.depth.step = 4 * bad.depth.width + 2;
+  EXPECT_NE(refusal(good.colour, bad.depth).find("in rows of 3394"), std::string::npos);
   bad = good;
   bad.colour.width = 0;
   EXPECT_NE(refusal(bad.colour, good.depth).find("0 x 480"), std::string::npos);

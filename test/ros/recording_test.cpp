@@ -132,7 +132,7 @@ void add_images(const std::string& path) {
   tree.transforms = {transform_message("world", optical_frame("camera_left"), world_from_camera)};
   bag.write("/tf_static", ros::Time(10.0), tree);
   const RgbdFrame frame{"camera_left", 12.5, cv::Mat(36, 64, CV_8UC3, cv::Scalar(99, 99, 99)),
-                        cv::Mat(36, 64, CV_16UC1, cv::Scalar(500))};
+                        cv::Mat(36, 64, CV_32FC1, cv::Scalar(0.5)), 0.001};
   const FrameMessages messages = frame_messages(frame, d415_camera(64, 36), ros::Time(12.5));
   bag.write("/camera_left/color/camera_info", ros::Time(12.4), messages.info);
   bag.write("/camera_left/color/image_raw", ros::Time(12.5), messages.colour);

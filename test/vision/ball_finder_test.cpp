@@ -88,7 +88,7 @@ TEST(BallFinder, TellsABallThatIsCutByTheImagesEdge) {
 TEST(BallFinder, TellsABallWithoutDepth) {
   const RigCamera camera = small_ball_camera({});
   BallPictures pictures = film_balls(camera, dark_room(), two_balls, 1);
-  pictures.with[0].depth.colRange(212, 424).setTo(0);
+  pictures.with[0].depth_m.colRange(212, 424).setTo(0);
   const BallSearch search = find_balls(pictures.without, pictures.with, camera.model, {});
   EXPECT_EQ(search.balls.size(), 1u);
   expect_rejected(search, "has only 0 depths");
@@ -106,10 +106,10 @@ TEST(BallFinder, RefusesPicturesItCannotCompare) {
   const std::function<void(BallPictures&)> spoil[] = {
       [](BallPictures& pictures) { pictures.without.clear(); },
       [](BallPictures& pictures) { pictures.with.clear(); },
-      [](BallPictures& pictures) { pictures.with[0].depth = pictures.with[0].depth.colRange(0, 400).clone(); },
+      [](BallPictures& pictures) { pictures.with[0].depth_m = pictures.with[0].depth_m.colRange(0, 400).clone(); },
       [](BallPictures& pictures) { pictures.without[0].colour = cv::Mat(480, 848, CV_8UC3, cv::Scalar::all(0)); },
       [](BallPictures& pictures) { pictures.with[0].colour = cv::Mat(240, 424, CV_8UC1, cv::Scalar(0)); },
-      [](BallPictures& pictures) { pictures.with[0].depth = cv::Mat(240, 424, CV_32FC1, cv::Scalar(0)); },
+      [](BallPictures& pictures) { pictures.with[0].depth_m = cv::Mat(240, 424, CV_16UC1, cv::Scalar(0)); },
   };
   EXPECT_NO_THROW(find_balls(good.without, good.with, camera.model, {}));
   for (const auto& wrong : spoil) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -84,7 +83,7 @@ inline RgbdFrame film(const TrackerCamera& camera, const std::vector<DrawnMarker
   constexpr int kRays = 6;
   const CameraModel& model = camera.model;
   RgbdFrame frame{camera.name, stamp_s, plain_image(model.width_px, model.height_px, kDark),
-                  cv::Mat::zeros(model.height_px, model.width_px, CV_16U)};
+                  cv::Mat::zeros(model.height_px, model.width_px, CV_32F), 0.001};
   cv::Mat near = cv::Mat::zeros(model.height_px, model.width_px, CV_8U);
   for (const DrawnMarker& marker : markers) {
     const Eigen::Vector3d in_camera = camera.world_from_camera.inverse() * marker.position_m;
@@ -104,7 +103,7 @@ inline RgbdFrame film(const TrackerCamera& camera, const std::vector<DrawnMarker
       sum /= kRays * kRays;
       for (int c = 0; c < 3; ++c) frame.colour.at<cv::Vec3b>(row, column)[c] = static_cast<uchar>(std::lround(sum[c]));
       const Hit hit = cast(camera, {double(column), double(row)}, markers);
-      frame.depth.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(std::lround(1e3 * hit.depth_m));
+      frame.depth_m.at<float>(row, column) = static_cast<float>(1e-3 * std::round(1e3 * hit.depth_m));
     }
   return frame;
 }

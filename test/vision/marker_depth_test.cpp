@@ -1,6 +1,7 @@
 #include "soft_robot_lab/vision/marker_depth.h"
 
-#include <cstdint>
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -26,14 +27,16 @@ MarkerBlob blob() {
   return detect_markers(image, {0, 0, 40, 40}, settings).at(0);
 }
 
-cv::Mat depth_image(const Plane& plane, double noise_m = 0, unsigned seed = 1) {
+// Rounded to `step_m`; 0: not.
+cv::Mat depth_image(const Plane& plane, double noise_m = 0, unsigned seed = 1, double step_m = 0.001) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, 1);
-  cv::Mat depth(40, 40, CV_16U);
+  cv::Mat depth(40, 40, CV_32F);
   for (int y = 0; y < 40; ++y)
-    for (int x = 0; x < 40; ++x)
-      depth.at<std::uint16_t>(y, x) =
-          static_cast<std::uint16_t>(std::lround(1e3 * (plane.depth_m(x, y) + noise_m * normal(random))));
+    for (int x = 0; x < 40; ++x) {
+      const double depth_m = plane.depth_m(x, y) + noise_m * normal(random);
+      depth.at<float>(y, x) = static_cast<float>(step_m > 0 ? step_m * std::round(depth_m / step_m) : depth_m);
+    }
   return depth;
 }
 
@@ -46,11 +49,24 @@ TEST(MarkerDepth, TakesATiltedPlaneAtTheCentre) {
   }
 }
 
+TEST(MarkerDepth, IsAsExactAsDepthsThatAreNotRounded) {
+  DepthSettings not_rounded;
+  not_rounded.quantisation_m = 0;
+  const MarkerBlob marker = blob();
+  const cv::Mat depth_m = depth_image({0.0002, 0}, 0, 1, 0);
+  const auto rounded = measure_depth(depth_m, marker, {}), exact = measure_depth(depth_m, marker, not_rounded);
+  ASSERT_TRUE(rounded && exact);
+  EXPECT_NEAR(exact->depth_m, 0.6, 1e-6);
+  EXPECT_GT(exact->sigma_m, 0);
+  EXPECT_LT(exact->sigma_m, rounded->sigma_m);
+}
+
 TEST(MarkerDepth, DoesNotTakeHolesAndOutliersForSkin) {
   cv::Mat depth = depth_image({0.0005, 0});
-  for (int y = 16; y < 24; y += 2) depth.at<std::uint16_t>(y, 19) = 0;
-  for (int y = 17; y < 24; y += 2) depth.at<std::uint16_t>(y, 22) = 950;  // the background shows through
-  depth.at<std::uint16_t>(20, 20) = 65535;
+  for (int y = 16; y < 24; y += 2) depth.at<float>(y, 19) = 0;
+  for (int y = 17; y < 24; y += 2) depth.at<float>(y, 22) = 0.95F;  // the background shows through
+  depth.at<float>(20, 20) = 65.535F;
+  depth.at<float>(21, 20) = std::numeric_limits<float>::quiet_NaN();
   const auto measured = measure_depth(depth, blob(), {});
   ASSERT_TRUE(measured);
   EXPECT_NEAR(measured->depth_m, 0.6, 2e-4);
@@ -74,7 +90,7 @@ TEST(MarkerDepth, SaysHowFarNoiseMovesIt) {
 TEST(MarkerDepth, SeesThatSomethingNearerHidesAPart) {
   cv::Mat depth = depth_image({});
   for (int y = 0; y < 40; ++y)
-    for (int x = 0; x < 18; ++x) depth.at<std::uint16_t>(y, x) = 570;
+    for (int x = 0; x < 18; ++x) depth.at<float>(y, x) = 0.57F;
   const auto measured = measure_depth(depth, blob(), {});
   ASSERT_TRUE(measured);
   EXPECT_NEAR(measured->depth_m, 0.6, 5e-4);
@@ -82,8 +98,8 @@ TEST(MarkerDepth, SeesThatSomethingNearerHidesAPart) {
 }
 
 TEST(MarkerDepth, SaysNothingWhereNothingWasMeasured) {
-  EXPECT_FALSE(measure_depth(cv::Mat::zeros(40, 40, CV_16U), blob(), {}));
-  cv::Mat far(40, 40, CV_16U, cv::Scalar(65535));
+  EXPECT_FALSE(measure_depth(cv::Mat::zeros(40, 40, CV_32F), blob(), {}));
+  cv::Mat far(40, 40, CV_32F, cv::Scalar(65.535));
   EXPECT_FALSE(measure_depth(far, blob(), {}));
 }
 

@@ -69,7 +69,7 @@ TEST_F(TrackerOfALine, GoesOnWithTheOtherCameraAndSaysWhatIsWrong) {
   Tracker tracker = this->tracker();
   tracker.update(film_both(0));
   std::vector<RgbdFrame> frames = film_both(1 * kFrame_s);
-  frames[1].depth = frames[1].depth(cv::Rect(0, 0, 424, 480)).clone();
+  frames[1].depth_m = frames[1].depth_m(cv::Rect(0, 0, 424, 480)).clone();
   TrackerReport report = tracker.update(frames);
   expect_seen(report, 5e-4, 1);
   ASSERT_EQ(report.problems.size(), 1u);
@@ -88,9 +88,9 @@ TEST_F(TrackerOfALine, LeavesOutFramesThatCannotBeUsed) {
   bad[0].camera = "somebody";
   bad[1].stamp_s = std::numeric_limits<double>::quiet_NaN();
   bad[2].colour = cv::Mat();
-  bad[3].depth = cv::Mat::zeros(480, 848, CV_32F);
+  bad[3].depth_m = cv::Mat::zeros(480, 848, CV_16U);
   bad[4].colour = plain_image(640, 480, kDark);
-  bad[4].depth = cv::Mat::zeros(480, 640, CV_16U);
+  bad[4].depth_m = cv::Mat::zeros(480, 640, CV_32F);
   bad[5].stamp_s = -1;
   for (const RgbdFrame& frame : bad) {
     const TrackerReport report = tracker.update({frame});
@@ -152,7 +152,7 @@ TEST_F(TrackerOfALine, FindsMarkersWithoutAnyDepthAsLongAsBothCamerasSeeThem) {
   Tracker tracker = this->tracker();
   for (int frame = 0; frame < 3; ++frame) {
     std::vector<RgbdFrame> frames = film_both(frame * kFrame_s);
-    for (RgbdFrame& each : frames) each.depth = 0;
+    for (RgbdFrame& each : frames) each.depth_m = 0;
     expect_seen(tracker.update(frames), 1e-4);
   }
 }

@@ -7,7 +7,8 @@
 
 namespace soft_robot_lab {
 
-// Everything is off by default: the exact picture, rounded to 1/255 of white and to millimetres.
+// Everything is off by default: the exact picture, rounded to 1/255 of white and, as in realsense2_camera's messages,
+// to millimetres.
 struct SensorModel {
   // Colour.
   double exposure_gain = 1;       // > 0; brightness is this times the scene's, what exceeds white is cut
@@ -26,6 +27,7 @@ struct SensorModel {
   double disparity_noise_px = 0;  // >= 0, standard deviation; that of depth is depth^2 / (focal * baseline) times this
   double noise_correlation_px = 0;  // >= 0: the noise is white noise blurred by a Gaussian of this deviation
   double disparity_step_px = 0;     // >= 0: disparities are rounded to multiples of this; 0: not
+  double depth_step_m = 0.001;      // [0, 0.1]: depths are rounded to multiples of this; 0: not
   double edge_hole_px = 0;          // >= 0: no depth within this distance of an edge (a jump of depth by more than 2 %)
   bool stereo_shadow = false;       // no depth where something nearer hides a place from the second imager
   double low_texture_level = 0;     // [0, 1]: places darker than this lose their depth in blots: one in two where black

@@ -15,16 +15,15 @@ namespace soft_robot_lab {
 
 struct FrameMessages {
   sensor_msgs::Image colour;     // rgb8
-  sensor_msgs::Image depth;      // 16UC1 [mm]
+  sensor_msgs::Image depth;      // 16UC1 [mm] where the frame's depths are whole millimetres, else 32FC1 [m]
   sensor_msgs::CameraInfo info;  // of both
 };
 
 std::string optical_frame(const std::string& camera);
 FrameMessages frame_messages(const RgbdFrame& frame, const CameraModel& model, const ros::Time& stamp);
 sensor_msgs::Image colour_message(const cv::Mat& colour, const std_msgs::Header& header);  // rgb8
-cv::Mat colour_of(const sensor_msgs::Image& message);                                      // as rgbd_frame's
-// And back; the frame owns its pixels. Colour as rgb8 or bgr8, depth as 16UC1 [mm] or 32FC1 [m]; NaN, zero and what 16
-// bits do not hold are not measured. Throws std::invalid_argument: field, value, allowed values.
+// And back; the frame owns its pixels. Colour as rgb8 or bgr8, depth as 16UC1 [mm] or 32FC1 [m] (REP 118); what is not
+// in (0, 65.535] m, as NaN, was not measured. Throws std::invalid_argument: field, value, allowed values.
 cv::Mat colour_image(const sensor_msgs::Image& message);
 RgbdFrame rgbd_frame(const std::string& camera, const sensor_msgs::Image& colour, const sensor_msgs::Image& depth);
 // Throws std::invalid_argument: a lens other than plumb_bob with five coefficients or none, a matrix that is no

@@ -15,10 +15,9 @@ struct MarkerDepth {
   bool cut = false;  // something nearer stands at the blob's edge, so part of the marker is hidden
 };
 
-// From a 16UC1 depth image [mm]: a plane through the depths of the blob's support at its centre, without those that do
-// not belong to it (median absolute deviation). The inverse depth of a plane is linear in the pixel, so it is fitted.
-// Nothing where fewer than 4 depths are left; zeros and values out of range count as not measured.
-std::optional<MarkerDepth> measure_depth(const cv::Mat& depth_mm, const MarkerBlob& blob,
-                                         const DepthSettings& settings);
+// From a depth image as RgbdFrame's: a plane through the depths of the blob's support at its centre, without those that
+// do not belong to it (median absolute deviation). The inverse depth of a plane is linear in the pixel, so it is
+// fitted. Nothing where fewer than 4 depths are left; zeros and values out of range count as not measured.
+std::optional<MarkerDepth> measure_depth(const cv::Mat& depth_m, const MarkerBlob& blob, const DepthSettings& settings);
 
 }  // namespace soft_robot_lab

@@ -38,9 +38,9 @@ struct DetectorSettings {
 
 // Standard deviation of one depth: noise_per_m * depth^2, and quantisation beside it.
 struct DepthSettings {
-  double noise_per_m = 0.0025;  // 0.9 mm at 0.6 m
-  double correlation_px = 3;    // errors of pixels nearer than this are alike
-  double quantisation_m = 0.001;
+  double noise_per_m = 0.0025;     // 0.9 mm at 0.6 m
+  double correlation_px = 3;       // errors of pixels nearer than this are alike
+  double quantisation_m = 0.001;   // 0: depths are not rounded
   double min_m = 0.15, max_m = 3;  // others count as not measured
 };
 

@@ -13,7 +13,8 @@ namespace {
 struct TrackingRun {
   std::string name;
   SensorModel sensor;
-  double share = 1;  // of the film
+  DepthSettings depth;  // what the tracker is told of it
+  double share = 1;     // of the film
 };
 
 struct TrackingExperiment {
@@ -32,6 +33,11 @@ Cuboid read_post(const SettingsNode& node, const CameraRig& rig) {
   return post;
 }
 
+DepthSettings read_depth(const SettingsNode& run, const DepthSettings& otherwise) {
+  const auto depth = run.optional_child("depth");
+  return depth ? read_depth_settings(*depth, otherwise) : otherwise;
+}
+
 TrackingExperiment read_experiment(const ExperimentContext& context) {
   const SettingsNode node = SettingsNode::load_file(context.settings_file("tracking"));
   const auto file = [&](const std::string& key) { return context.config_folder + "/" + node.text(key); };
@@ -47,8 +53,8 @@ TrackingExperiment read_experiment(const ExperimentContext& context) {
   if (const auto post = node.optional_child("post"))
     experiment.rig.surroundings.cuboids.push_back(read_post(*post, experiment.rig));
   for (const SettingsNode& run : node.sequence("runs"))
-    experiment.runs.push_back(
-        {run.text("name"), read_sensor_model(run.child("sensor")), run.number_or("share", 1, {0, 1, true})});
+    experiment.runs.push_back({run.text("name"), read_sensor_model(run.child("sensor")),
+                               read_depth(run, experiment.tracker.depth), run.number_or("share", 1, {0, 1, true})});
   node.require_all_read();
   return experiment;
 }
@@ -130,7 +136,7 @@ ExperimentResult run_tracking_experiment(const ExperimentContext& context) {
     for (RigCamera& camera : rig.cameras) camera.sensor = run.sensor;
     TrackerSettings settings = experiment.tracker;
     settings.readout_s = run.sensor.readout_time_s;
-    settings.depth.quantisation_m = run.sensor.depth_step_m;
+    settings.depth = run.depth;
     const auto progress = [&](double share) {
       context.tell((double(i) + share) / double(experiment.runs.size()), run.name);
     };

@@ -131,6 +131,7 @@ std::optional<MarkerDepth> measure_depth(const cv::Mat& depth_m, const MarkerBlo
   MarkerDepth result;
   result.depth_m = plane.depth_at(Eigen::Vector3d::UnitX());
   if (!(result.depth_m >= settings.min_m && result.depth_m <= settings.max_m)) return std::nullopt;
+  result.slope_m_px = plane.coefficients.tail<2>().norm() * result.depth_m * result.depth_m;
   result.sigma_m = sigma_of(samples, plane, result.depth_m, settings);
   result.cut = cut_by_something_nearer(depth_m, blob, plane, limit_m + kRelief_m, settings);
   return result;

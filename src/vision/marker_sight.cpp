@@ -31,13 +31,19 @@ std::vector<MarkerSight> look(const RgbdFrame& frame, const TrackerCamera& camer
     sight.partial = blob.partial;
     const double row = blob.centre_px.y() / camera.model.height_px;
     sight.later_s = frame.stamp_s + (row - 0.5) * settings.readout_s - time_s;
+    double slope_m_px = 0;
     if (const auto depth = measure_depth(frame.depth_m, blob, settings.depth)) {
       sight.depth_m = depth->depth_m;
       sight.depth_sigma_m = depth->sigma_m;
+      slope_m_px = depth->slope_m_px;
       sight.partial |= depth->cut || blob.area_px > kTwoInOne * facing_area_px(camera.model, depth->depth_m,
                                                                                settings.marker_radius_m);
     }
-    if (sight.partial) sight.pixel_sigma = std::hypot(sight.pixel_sigma, 0.5 * std::sqrt(blob.area_px / M_PI));
+    if (sight.partial) {
+      const double beside_px = 0.5 * std::sqrt(blob.area_px / M_PI);
+      sight.pixel_sigma = std::hypot(sight.pixel_sigma, beside_px);
+      sight.depth_sigma_m = std::hypot(sight.depth_sigma_m, slope_m_px * beside_px);
+    }
     sights.push_back(sight);
   }
   return sights;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "vision/drawn_scene.h"
+#include "vision/marker_sight.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -45,6 +46,7 @@ TEST(MarkerDepth, TakesATiltedPlaneAtTheCentre) {
     const auto depth = measure_depth(depth_image(plane), blob(), {});
     ASSERT_TRUE(depth);
     EXPECT_NEAR(depth->depth_m, 0.6, 1e-4) << plane.slope_x;
+    EXPECT_NEAR(depth->slope_m_px, std::hypot(plane.slope_x, plane.slope_y), 1e-4);
     EXPECT_FALSE(depth->cut);
   }
 }
@@ -101,6 +103,27 @@ TEST(MarkerDepth, SaysNothingWhereNothingWasMeasured) {
   EXPECT_FALSE(measure_depth(cv::Mat::zeros(40, 40, CV_32F), blob(), {}));
   cv::Mat far(40, 40, CV_32F, cv::Scalar(65.535));
   EXPECT_FALSE(measure_depth(far, blob(), {}));
+}
+
+// Its depth is that of the part that shows, beside the marker's middle.
+TEST(MarkerSight, KnowsTheDepthOfAMarkerSeenInPartLessWellOnASlope) {
+  const TrackerCamera camera = camera_at("camera", {0, -0.5, 0}, {0, 0, 0});
+  TrackerSettings settings;
+  settings.detector.colours = {{"blue", {{200, 260, 0.45, 1, 0.12, 1}}}};
+  DrawnMarker cover;  // skin, 30 mm nearer, over the right third of the marker
+  cover.position_m = {0.0075, -0.03, 0};
+  cover.radius_m = 0;
+  const auto sight_of = [&](const Eigen::Vector3d& normal) {
+    DrawnMarker marker;
+    marker.normal = normal.normalized();
+    const auto sights = look(film(camera, {marker, cover}, 0), camera, {0, 0, 848, 480}, 0, settings);
+    return sights.size() == 1 ? sights[0] : MarkerSight{};
+  };
+  const MarkerSight facing = sight_of({0, -1, 0}), tilted = sight_of({-1, -1, 0});
+  ASSERT_TRUE(facing.partial && tilted.partial && facing.depth_m && tilted.depth_m);
+  EXPECT_LT(facing.depth_sigma_m, 0.8e-3);
+  EXPECT_GT(tilted.depth_sigma_m, 0.7e-3);
+  EXPECT_LT(std::abs(*tilted.depth_m - 0.5), 2 * tilted.depth_sigma_m);
 }
 
 }  // namespace

@@ -12,7 +12,8 @@ namespace soft_robot_lab {
 struct MarkerDepth {
   double depth_m = 0;
   double sigma_m = 0;
-  bool cut = false;  // something nearer stands at the blob's edge, so part of the marker is hidden
+  double slope_m_px = 0;  // by which it changes beside the blob's centre
+  bool cut = false;       // something nearer stands at the blob's edge, so part of the marker is hidden
 };
 
 // From a depth image as RgbdFrame's: a plane through the depths of the blob's support at its centre, without those that

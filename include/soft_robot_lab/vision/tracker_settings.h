@@ -7,6 +7,8 @@
 
 namespace soft_robot_lab {
 
+class SettingsNode;
+
 // A box of colours. Hue goes round: a minimum above the maximum crosses red at 0 degrees.
 struct HsvRange {
   double hue_min_deg = 0, hue_max_deg = 360;      // [0, 360]
@@ -70,5 +72,6 @@ struct TrackerSettings {
 // Throw SettingsError: file, line, key, value and allowed range.
 TrackerSettings load_tracker(const std::string& path);
 TrackerSettings parse_tracker(const std::string& text, const std::string& source_name);
+DepthSettings read_depth_settings(const SettingsNode& node, DepthSettings otherwise);
 
 }  // namespace soft_robot_lab

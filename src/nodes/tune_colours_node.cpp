@@ -28,6 +28,8 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr char window[] = "tune_colours";
+constexpr int window_width_px = 1200, window_height_px = 560;  // at first: two pictures and six sliders
+constexpr char help[] = "click: take the colour   c: forget the clicks   s: save   q: end";
 constexpr int sample_radius_px = 2;
 
 struct Slider {
@@ -51,6 +53,10 @@ std::string text_of(const std::string& path) {
   return text.str();
 }
 
+void write(const std::string& text, const cv::Point& place, cv::Mat& view) {
+  cv::putText(view, text, place, cv::FONT_HERSHEY_SIMPLEX, 0.6, {255, 255, 255}, 1, cv::LINE_AA);
+}
+
 class ColourTuner {
  public:
   explicit ColourTuner(const ros::NodeHandle& options);
@@ -61,12 +67,13 @@ class ColourTuner {
   void show_range();
   void read_sliders();
   void click(const cv::Point& place);
-  void save() const;
+  void save();
   static void on_mouse(int event, int x, int y, int, void* tuner);
 
   std::string tracker_, output_;
   TrackerSettings settings_;
   std::size_t colour_ = 0, range_ = 0;
+  std::string told_ = help;  // below the picture
   cv::Mat rgb_;
   std::vector<cv::Vec3b> samples_;
   ros::NodeHandle node_;
@@ -105,21 +112,25 @@ ColourTuner::ColourTuner(const ros::NodeHandle& options) {
 }
 
 void ColourTuner::run() {
-  cv::namedWindow(window, cv::WINDOW_AUTOSIZE);
+  cv::namedWindow(window, cv::WINDOW_NORMAL | cv::WINDOW_KEEPRATIO);
+  cv::resizeWindow(window, window_width_px, window_height_px);
   for (const Slider& slider : sliders) cv::createTrackbar(slider.name, window, nullptr, slider.steps);
   cv::setMouseCallback(window, &ColourTuner::on_mouse, this);
   show_range();
   cv::Mat view(120, 640, CV_8UC3, cv::Scalar::all(0));
-  cv::putText(view, "waits for " + images_.getTopic(), {16, 64}, cv::FONT_HERSHEY_SIMPLEX, 0.5, {255, 255, 255});
+  write("waits for " + images_.getTopic(), {16, 64}, view);
   while (ros::ok()) {
     ros::spinOnce();
     read_sliders();
-    if (!rgb_.empty()) cv::cvtColor(tuning_view(rgb_, settings_.detector, colour_), view, cv::COLOR_RGB2BGR);
+    if (!rgb_.empty()) {
+      cv::cvtColor(tuning_view(rgb_, settings_.detector, colour_), view, cv::COLOR_RGB2BGR);
+      write(told_, {16, view.rows - 16}, view);
+    }
     cv::imshow(window, view);
     const int key = cv::waitKey(30);
     if (key == 's') save();
     if (key == 'c') samples_.clear();
-    if (key == 'q' || key == 27) return;
+    if (key == 'q' || key == 27 || cv::getWindowProperty(window, cv::WND_PROP_VISIBLE) < 1) return;
   }
 }
 
@@ -135,6 +146,7 @@ void ColourTuner::read_sliders() {
 }
 
 void ColourTuner::click(const cv::Point& place) {
+  told_ = help;
   const std::vector<cv::Vec3b> pixels = sample(rgb_, place, sample_radius_px);
   samples_.insert(samples_.end(), pixels.begin(), pixels.end());
   try {
@@ -142,6 +154,7 @@ void ColourTuner::click(const cv::Point& place) {
     show_range();
   } catch (const std::invalid_argument& error) {
     samples_.resize(samples_.size() - pixels.size());
+    told_ = error.what();
     ROS_WARN("%s", error.what());
   }
 }
@@ -151,15 +164,17 @@ void ColourTuner::on_mouse(int event, int x, int y, int, void* tuner) {
   if (event == cv::EVENT_LBUTTONDOWN && !self.rgb_.empty()) self.click({x % self.rgb_.cols, y});
 }
 
-void ColourTuner::save() const {
+void ColourTuner::save() {
   try {
     const std::string text = with_colours(text_of(tracker_), settings_.detector.colours);
     std::ofstream file(output_);
     file << text << std::flush;
     if (!file) throw std::runtime_error(output_ + ": cannot be written");
-    ROS_INFO("saved to %s", output_.c_str());
+    told_ = "saved to " + output_;
+    ROS_INFO("%s", told_.c_str());
   } catch (const std::exception& error) {
-    ROS_ERROR("not saved: %s", error.what());
+    told_ = std::string("not saved: ") + error.what();
+    ROS_ERROR("%s", told_.c_str());
   }
 }
 

@@ -18,7 +18,7 @@ std::string size_text(const cv::Mat& image) { return std::to_string(image.cols) 
 void require_usable(const RgbdFrame& frame, const CameraModel& camera) {
   const std::string who = "a picture of " + (frame.camera.empty() ? std::string("a camera") : frame.camera);
   if (frame.colour.type() != CV_8UC3 || frame.depth_m.type() != CV_32FC1)
-    throw std::invalid_argument(who + " has an unknown encoding; allowed: rgb8 with depth in metres");
+    throw std::invalid_argument(who + " has an unknown encoding; allowed: rgb8 with depth in 32FC1");
   for (const cv::Mat* image : {&frame.colour, &frame.depth_m})
     if (image->size() != cv::Size(camera.width_px, camera.height_px))
       throw std::invalid_argument(who + " has " + size_text(*image) + " pixels; allowed: the camera's " +

@@ -33,7 +33,7 @@ std::string FrameGate::refuse(const RgbdFrame& frame) {
   const CameraModel& model = at->second.camera.model;
   if (!std::isfinite(frame.stamp_s)) return "its stamp is not finite";
   if (frame.colour.type() != CV_8UC3) return "its colour image is not rgb8";
-  if (frame.depth_m.type() != CV_32FC1) return "its depth image is not one of metres";
+  if (frame.depth_m.type() != CV_32FC1) return "its depth image is not 32FC1";
   if (frame.colour.size() != frame.depth_m.size())
     return "colour is " + size_text(frame.colour) + " and depth " + size_text(frame.depth_m) + "; allowed: alike";
   if (frame.colour.cols != model.width_px || frame.colour.rows != model.height_px)

@@ -4,8 +4,9 @@
 set -euo pipefail
 folder=$1 robot=$2 images=${3:-false}
 shift $(($# < 3 ? 2 : 3)) # the rest is for ROS: __name:=..., __log:=...
-topics=(/actuators/command /simulator/markers /simulator/actuators /simulator/surface /simulator/scene /tracker/markers
+topics=(/actuators/command /simulator/markers /simulator/actuators /simulator/surface /simulator/scene /tracker/markers /tracker/steps
   /controller/progress /controller/target /overlay /reality_gap /motor/state /rig/shafts /reality/markers /tf /tf_static /diagnostics /rosout)
 [[ $images != true ]] || topics+=(--regex '/[^/]+/(color|aligned_depth_to_color)/(image_raw|camera_info)')
 mkdir -p "$folder"
-exec rosrun rosbag record --output-name="$folder/$(date +%Y-%m-%d_%H-%M-%S)_$robot.bag" "${topics[@]}" "$@"
+# Whoever replays a recording misses what its buffer [MB] did not hold.
+exec rosrun rosbag record --buffsize=1024 --output-name="$folder/$(date +%Y-%m-%d_%H-%M-%S)_$robot.bag" "${topics[@]}" "$@"

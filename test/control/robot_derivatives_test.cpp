@@ -1,0 +1,64 @@
+// What the methods are told of the package's own robots: derivatives by implicit differentiation beside central
+// differences of the equilibria.
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/control/forward_model.h"
+#include "soft_robot_lab/scene/scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+struct Case {
+  std::string name, robot, marker;
+  Eigen::VectorXd commands;
+};
+
+void PrintTo(const Case& it, std::ostream* os) { *os << it.name; }
+
+Eigen::VectorXd vector(std::initializer_list<double> values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.begin(), static_cast<Eigen::Index>(values.size()));
+}
+
+class RobotDerivatives : public testing::TestWithParam<Case> {};
+
+TEST_P(RobotDerivatives, AreThoseOfTheEquilibria) {
+  const Case& it = GetParam();
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  options.changes = "solver: {tolerance: 1.0e-9}";
+  const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + it.robot + ".yaml", options);
+  std::vector<std::string> names;
+  for (const auto& actuator : scene.simulation->actuators()) names.push_back(actuator->name());
+  ForwardModel model(*scene.simulation, {it.marker}, names);
+  const Prediction here = model.predict(it.commands, true);
+  ASSERT_EQ(here.marker_jacobian.cols(), it.commands.size());
+  EXPECT_GT(here.marker_jacobian.norm(), 1e-3);  // [m per command]: there is something to compare
+  constexpr double step = 1e-4;
+  Eigen::MatrixXd markers(3, it.commands.size()), tensions(it.commands.size(), it.commands.size());
+  for (Eigen::Index i = 0; i < it.commands.size(); ++i) {
+    const Eigen::VectorXd moved = step * Eigen::VectorXd::Unit(it.commands.size(), i);
+    const Prediction there = model.predict(it.commands + moved, false);
+    const Prediction back = model.predict(it.commands - moved, false);
+    markers.col(i) = (there.markers_m - back.markers_m) / (2 * step);
+    tensions.col(i) = (there.tensions_n - back.tensions_n) / (2 * step);
+  }
+  EXPECT_LT((here.marker_jacobian - markers).norm(), 1e-3 * markers.norm());
+  EXPECT_LE((here.tension_jacobian - tensions).norm(), 1e-3 * tensions.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(, RobotDerivatives,
+                         testing::Values(Case{"SpinebotBent", "spinebot", "tip", vector({0.85, 0.97})},
+                                         Case{"SpinebotOneCableSlack", "spinebot", "tip", vector({0.8, 1.1})},
+                                         Case{"HammerbotBent", "hammerbot", "tip", vector({0.9, 1.0})},
+                                         Case{"HammerbotBeforeItBuckles", "hammerbot", "tip", vector({0.84, 1.0})},
+                                         Case{"CuboidInflated", "hollow_cuboid", "skin_x", vector({1.3})},
+                                         Case{"BubblefingerBent", "bubblefinger", "tip", vector({1.2})}),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace soft_robot_lab

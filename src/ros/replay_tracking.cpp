@@ -1,5 +1,6 @@
 #include "soft_robot_lab/ros/replay_tracking.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -69,17 +70,21 @@ std::vector<Message> messages_of(const rosbag::Bag& bag, const std::string& topi
   return messages;
 }
 
-// Of messages at the same time. Numbers that publishers count by are not compared.
+// Of messages at the same time; where a camera's frame came late there are several. Numbers that publishers count by
+// are not compared.
 template <typename Message>
-void compare(std::vector<Message> recorded, const std::vector<Message>& replayed, long& alike, long& other) {
-  std::map<ros::Time, Message> by_stamp;
-  for (Message& message : recorded) {
+void compare(const std::vector<Message>& recorded, const std::vector<Message>& replayed, long& alike, long& other) {
+  std::map<ros::Time, std::vector<Message>> by_stamp;
+  for (Message message : recorded) {
     message.header.seq = 0;
-    by_stamp[message.header.stamp] = std::move(message);
+    by_stamp[message.header.stamp].push_back(std::move(message));
   }
-  for (const Message& message : replayed)
-    if (const auto then = by_stamp.find(message.header.stamp); then != by_stamp.end())
-      ++(then->second == message ? alike : other);
+  for (const Message& message : replayed) {
+    const auto then = by_stamp.find(message.header.stamp);
+    if (then == by_stamp.end()) continue;
+    const bool found = std::find(then->second.begin(), then->second.end(), message) != then->second.end();
+    ++(found ? alike : other);
+  }
 }
 
 template <typename Message>

@@ -33,24 +33,23 @@ class Reversals {
   Eigen::VectorXd last_, heading_;
 };
 
-// How the distance swings at the end; turns of less than a micrometre are none.
-void judge_end(PolicyRun& run) {
-  constexpr std::ptrdiff_t late = 100;
+}  // namespace
+
+void PolicyRun::judge_way() {
   constexpr double still_m = 1.0e-6;
-  const auto end = run.distance_m.end(), begin = std::max(run.distance_m.begin(), end - late);
-  const auto [least, most] = std::minmax_element(begin, end);
-  run.late_swing_m = *most - *least;
-  double heading_m = 0.0, last_m = *begin;
-  for (auto now = begin; now != end; ++now) {
-    const double move_m = *now - last_m;
+  turns = 0;
+  largest_rise_m = 0.0;
+  double heading_m = 0.0, last_m = distance_m.empty() ? 0.0 : distance_m.front(), least_m = last_m;
+  for (const double now_m : distance_m) {
+    least_m = std::min(least_m, now_m);
+    largest_rise_m = std::max(largest_rise_m, now_m - least_m);
+    const double move_m = now_m - last_m;
     if (std::abs(move_m) < still_m) continue;
-    if (move_m * heading_m < 0.0) ++run.late_turns;
+    if (move_m * heading_m < 0.0) ++turns;
     heading_m = move_m;
-    last_m = *now;
+    last_m = now_m;
   }
 }
-
-}  // namespace
 
 std::optional<double> PolicyRun::cpu_until_s(double distance_m_asked) const {
   for (size_t i = 0; i < distance_m.size(); ++i)
@@ -88,10 +87,7 @@ PolicyRun run_policy_method(Simulation& simulation, const SimulationState& hangi
                   });
   run.summary = answer.summaries.front();
   run.reversals = reversals.count;
-  if (run.distance_m.empty()) return run;
-  const auto nearest = std::min_element(run.distance_m.begin(), run.distance_m.end());
-  run.fell_back_m = *std::max_element(nearest, run.distance_m.end()) - *nearest;
-  judge_end(run);
+  run.judge_way();
   return run;
 }
 

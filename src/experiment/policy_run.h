@@ -17,10 +17,11 @@ struct PolicyRun {
   OptimisationSummary summary;
   std::vector<double> distance_m, cpu_s;  // after each iteration, and the thread's time until then
   int reversals = 0;                      // of a command's direction, by more than 1e-4 each way
-  double fell_back_m = 0.0;               // largest distance after the smallest, less that
-  double late_swing_m = 0.0;              // largest less smallest distance in the last 100 iterations
-  int late_turns = 0;                     // of the distance, from growing to falling or back, in those
+  int turns = 0;                // of the distance, from falling to growing or back, by more than a micrometre each way
+  double largest_rise_m = 0.0;  // of the distance above the least before it
 
+  // Of distance_m: turns and largest rise.
+  void judge_way();
   // The first time at which it was as near, or nothing where it never was.
   std::optional<double> cpu_until_s(double distance_m_asked) const;
 };

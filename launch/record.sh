@@ -1,11 +1,12 @@
 #!/bin/bash
 # record.sh FOLDER ROBOT [IMAGES]: records a session into FOLDER/DATE_ROBOT.bag until SIGINT. Everything but /clock, which
-# `rosbag play --clock` makes anew, and the cameras' images unless IMAGES is `true`.
+# `rosbag play --clock` makes anew, and what cameras see and the tracker's steps with it, unless IMAGES is `true`.
 set -euo pipefail
 folder=$1 robot=$2 images=${3:-false}
 shift $(($# < 3 ? 2 : 3)) # the rest is for ROS: __name:=..., __log:=...
 topics=(/actuators/command /simulator/markers /simulator/actuators /simulator/surface /simulator/scene /tracker/markers
   /controller/progress /controller/target /overlay /reality_gap /motor/state /rig/shafts /reality/markers /tf /tf_static /diagnostics /rosout)
-[[ $images != true ]] || topics+=(--regex '/[^/]+/(color|aligned_depth_to_color)/(image_raw|camera_info)')
+[[ $images != true ]] || topics+=(/tracker/steps --regex '/[^/]+/(color|aligned_depth_to_color)/(image_raw|camera_info)')
 mkdir -p "$folder"
-exec rosrun rosbag record --output-name="$folder/$(date +%Y-%m-%d_%H-%M-%S)_$robot.bag" "${topics[@]}" "$@"
+# Whoever replays a recording misses what its buffer [MB] did not hold.
+exec rosrun rosbag record --buffsize=1024 --output-name="$folder/$(date +%Y-%m-%d_%H-%M-%S)_$robot.bag" "${topics[@]}" "$@"

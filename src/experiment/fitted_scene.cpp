@@ -3,6 +3,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <unistd.h>
+
 #include "soft_robot_lab/experiment/fit_model.h"
 
 namespace soft_robot_lab {
@@ -24,6 +26,14 @@ std::string path_from(const std::string& file, const std::string& scene) {
 }
 
 }  // namespace
+
+void require_writable(const std::string& file) {
+  const fs::path path = fs::absolute(file);
+  const fs::path checked = fs::exists(path) ? path : path.parent_path();
+  if (file.empty() || fs::is_directory(path) || access(checked.c_str(), W_OK) != 0)
+    throw std::invalid_argument("file: '" + file +
+                                "' cannot be written; allowed: a file in a folder that exists and may be written to");
+}
 
 void write_fitted_scene(const FitResult& result, const std::string& scene, const std::string& file) {
   std::ofstream out(file);

@@ -146,7 +146,7 @@ class SimulatorNode {
 SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options) {
   scene_options_.actuator_factory = actuators_from_plugins();
   if (options_.publish_clock) clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
-  markers_ = node_.advertise<MarkerObservations>(topics::simulator_markers, 10);
+  markers_ = node_.advertise<MarkerObservations>(topics::simulator_markers, 1000);
   actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
   surface_ = node_.advertise<visualization_msgs::Marker>(topics::simulator_surface, 1, true);
   scene_path_ = node_.advertise<std_msgs::String>(topics::simulator_scene, 1, true);

@@ -100,7 +100,7 @@ class TrackerNode {
   std::vector<std::vector<std::string>> knocked_;  // told in the log
 
   ros::NodeHandle node_;
-  ros::Publisher markers_, image_;
+  ros::Publisher markers_, steps_, image_;
   std::vector<ros::Subscriber> subscribers_;
   std::map<std::string, std::unique_ptr<Camera>> cameras_;
   ros::ServiceServer calibrate_;
@@ -111,7 +111,8 @@ class TrackerNode {
 
 TrackerNode::TrackerNode(const NodeOptions& options)
     : options_(options), input_(options.input, [this](const auto& result) { on_result(result); }) {
-  markers_ = node_.advertise<MarkerObservations>(topics::tracker_markers, 10);
+  markers_ = node_.advertise<MarkerObservations>(topics::tracker_markers, 100);
+  steps_ = node_.advertise<TrackerStep>(topics::tracker_steps, 100);
   image_ = node_.advertise<Image>(topics::tracker_image, 2);
   if (!options_.balls.empty()) {
     calibration_ = std::make_unique<CalibrationSession>(read_ball_placement(options_.balls), BallFinderSettings());
@@ -193,6 +194,7 @@ void TrackerNode::on_result(const MarkerTracking::Result& result) {
   }
   if (!report.updated) return;
   markers_.publish(result.observations);
+  steps_.publish(result.step);
   latencies_s_.push_back((ros::Time::now() - result.observations.header.stamp).toSec());
   lost_ = report.lost;
   for (auto& [name, camera] : cameras_) {
@@ -290,6 +292,16 @@ void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) {
   for (const CameraWarning& warning : tracking->watch().warnings()) status.mergeSummary(Status::WARN, warning.message);
 }
 
+void tell(const ReplaySummary& summary, const std::string& output) {
+  ROS_INFO("%s: %ld times all markers, %.3f CPU-seconds", output.c_str(), summary.written, summary.cpu_s);
+  if (!summary.repeated) return;
+  ROS_INFO("%ld times markers and %ld gaps are the session's to the last digit, %ld and %ld are not",
+           summary.markers_alike, summary.gaps_alike, summary.markers_other, summary.gaps_other);
+  if (summary.without_images > 0)
+    ROS_WARN("%ld of the tracker's steps were left out: the recording lacks their images", summary.without_images);
+  ROS_INFO("%ld times the filters' state was taken from the recording, else from the step before", summary.resumed);
+}
+
 }  // namespace
 }  // namespace soft_robot_lab
 
@@ -298,8 +310,7 @@ int main(int argc, char** argv) {
   return run_node(argc, argv, "tracker", [] {
     const NodeOptions options = read_options(ros::NodeHandle("~"));
     if (!options.bag.empty()) {
-      const ReplaySummary summary = replay_tracking(options.input, options.bag, options.output);
-      ROS_INFO("%s: %ld times all markers, %.3f CPU-seconds", options.output.c_str(), summary.written, summary.cpu_s);
+      tell(replay_tracking(options.input, options.bag, options.output), options.output);
       return;
     }
     const TrackerNode node(options);

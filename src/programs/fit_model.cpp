@@ -72,6 +72,7 @@ Arguments parse(int count, char** values) {
 }
 
 int fit(const Arguments& arguments) {
+  require_writable(arguments.output);
   const Recording recording = read_recording(arguments.bag);
   const std::string scene = arguments.scene.empty() ? recording.scene : arguments.scene;
   if (scene.empty()) throw std::invalid_argument("the recording names no scene; give --scene");

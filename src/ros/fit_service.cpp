@@ -119,6 +119,7 @@ bool FitService::fit(FitModel::Request& request, FitModel::Response& response) {
     const std::unique_lock lock(fitting_, std::try_to_lock);
     if (!lock) throw std::runtime_error("busy with another fit; ask again when it ended");
     const FitRequest fit = fit_request(request);
+    if (!request.file.empty()) require_writable(request.file);
     const Recording recording = request.bag.empty() ? heard() : read_recording(request.bag);
     const std::string scene = request.scene.empty() ? recording.scene : request.scene;
     if (scene.empty()) throw std::invalid_argument("scene: none is given, and the recording does not tell one");

@@ -71,6 +71,15 @@ void GapMeter::add_measured(const MarkerObservations& markers) {
   compare();
 }
 
+std::vector<RealityGap> gaps_between(const std::vector<MarkerObservations>& measured,
+                                     const std::vector<MarkerObservations>& simulated) {
+  std::vector<RealityGap> gaps;
+  GapMeter meter([&](const RealityGap& gap) { gaps.push_back(gap); });
+  for (const MarkerObservations& markers : measured) meter.add_measured(markers);
+  for (const MarkerObservations& markers : simulated) meter.add_simulated(markers);
+  return gaps;
+}
+
 void GapMeter::compare() {
   const auto later = [](const MarkerObservations& markers, const ros::Time& stamp) {
     return markers.header.stamp < stamp;

@@ -29,6 +29,21 @@ MarkerObservations observations(const TrackerReport& report) {
   return message;
 }
 
+constexpr std::size_t pose_numbers = 12;
+
+Eigen::Isometry3d pose_from(const double* row_by_row) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) pose.matrix()(row, column) = *row_by_row++;
+  return pose;
+}
+
+bool alike(const CameraModel& a, const CameraModel& b) {
+  return a.width_px == b.width_px && a.height_px == b.height_px && a.focal_x_px == b.focal_x_px &&
+         a.focal_y_px == b.focal_y_px && a.centre_x_px == b.centre_x_px && a.centre_y_px == b.centre_y_px &&
+         a.distortion == b.distortion;
+}
+
 }  // namespace
 
 void TrackingOptions::validate() const {
@@ -59,21 +74,17 @@ void MarkerTracking::set_poses(const std::vector<CameraPose>& poses) {
 
 void MarkerTracking::add_info(const std::string& camera, const sensor_msgs::CameraInfo& info) {
   const CameraModel model = camera_model(info);
-  const auto known = lenses_.find(camera);
-  if (known != lenses_.end() && known->second.width_px == model.width_px &&
-      known->second.height_px == model.height_px && known->second.focal_x_px == model.focal_x_px &&
-      known->second.focal_y_px == model.focal_y_px && known->second.centre_x_px == model.centre_x_px &&
-      known->second.centre_y_px == model.centre_y_px && known->second.distortion == model.distortion)
-    return;
-  lenses_[camera] = model;
+  const auto known = infos_.find(camera);
+  if (known != infos_.end() && alike(camera_model(known->second), model)) return;
+  infos_[camera] = info;
   introduce(camera);
 }
 
 void MarkerTracking::introduce(const std::string& camera) {
   const auto pose = poses_.find(camera);
-  const auto lens = lenses_.find(camera);
-  if (pose == poses_.end() || lens == lenses_.end()) return;
-  ready_[camera] = {camera, lens->second, pose->second};
+  const auto info = infos_.find(camera);
+  if (pose == poses_.end() || info == infos_.end()) return;
+  ready_[camera] = {camera, camera_model(info->second), pose->second};
   tracker_.set_camera(ready_[camera]);
 }
 
@@ -100,6 +111,7 @@ void MarkerTracking::reset() {
   joiner_.reset();
   watch_.reset();
   simulated_.clear();
+  ++next_step_;  // which then does not follow the one before
 }
 
 std::vector<MarkerTracking::Result> MarkerTracking::track(std::vector<std::vector<RgbdFrame>> groups) {
@@ -107,24 +119,69 @@ std::vector<MarkerTracking::Result> MarkerTracking::track(std::vector<std::vecto
   for (std::vector<RgbdFrame>& group : groups) {
     double newest_s = group.front().stamp_s;
     for (const RgbdFrame& frame : group) newest_s = std::max(newest_s, frame.stamp_s);
-    refer(newest_s - options_.simulated_before_s);
-    Result result;
-    result.report = tracker_.update(group);
-    if (result.report.updated) {
-      result.observations = observations(result.report);
-      watch_.add(result.report.stamp_s, result.report.sights);
-    }
-    result.frames = std::move(group);
-    results.push_back(std::move(result));
+    results.push_back(update(std::move(group), simulated_before(newest_s - options_.simulated_before_s)));
   }
   return results;
 }
 
-// The newest simulated markers that are not newer than this.
-void MarkerTracking::refer(double stamp_s) {
+MarkerTracking::Result MarkerTracking::repeat(const TrackerStep& step, std::vector<RgbdFrame> frames) {
+  const std::size_t cameras = step.cameras.size();
+  if (step.lenses.size() != cameras || step.world_from_camera.size() != pose_numbers * cameras)
+    throw std::invalid_argument(std::string(topics::tracker_steps) + ": lists of different lengths");
+  for (std::size_t i = 0; i < cameras; ++i) {
+    poses_[step.cameras[i]] = pose_from(&step.world_from_camera[pose_numbers * i]);
+    infos_[step.cameras[i]] = step.lenses[i];
+    introduce(step.cameras[i]);
+  }
+  if (!follows(step)) tracker_.set_state(step.state);
+  next_step_ = step.number;
+  std::vector<Eigen::Vector3d> simulated_m;
+  for (const geometry_msgs::Point& point : step.simulated) simulated_m.push_back(from_message(point, "simulated"));
+  return update(std::move(frames), simulated_m);
+}
+
+// `simulated_m`: empty where nothing new is known of them.
+MarkerTracking::Result MarkerTracking::update(std::vector<RgbdFrame> group,
+                                              const std::vector<Eigen::Vector3d>& simulated_m) {
+  Result result;
+  result.step.state = tracker_.state();
+  if (!simulated_m.empty()) tracker_.set_simulated(simulated_m);
+  result.report = tracker_.update(group);
+  if (result.report.updated) {
+    result.observations = observations(result.report);
+    result.step.header = result.observations.header;
+    for (const Eigen::Vector3d& position_m : simulated_m) result.step.simulated.push_back(to_message(position_m));
+    describe(group, result.report.cameras, result.step);
+    watch_.add(result.report.stamp_s, result.report.sights);
+  }
+  result.frames = std::move(group);
+  return result;
+}
+
+// Number, markers, and those frames of the group that were used.
+void MarkerTracking::describe(const std::vector<RgbdFrame>& group, const std::vector<std::string>& used,
+                              TrackerStep& step) {
+  step.number = next_step_++;
+  for (const TrackedMarker& marker : markers_) {
+    step.markers.push_back(marker.name);
+    step.rest.push_back(to_message(marker.rest_position_m));
+  }
+  for (const RgbdFrame& frame : group) {
+    if (std::find(used.begin(), used.end(), frame.camera) == used.end()) continue;
+    step.cameras.push_back(frame.camera);
+    step.stamps_s.push_back(frame.stamp_s);
+    step.lenses.push_back(infos_.at(frame.camera));
+    const auto pose = poses_.at(frame.camera).matrix();
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column) step.world_from_camera.push_back(pose(row, column));
+  }
+}
+
+// The newest simulated markers that are not newer than this; none where there are none.
+std::vector<Eigen::Vector3d> MarkerTracking::simulated_before(double stamp_s) {
   while (simulated_.size() > 1 && simulated_[1].stamp_s <= stamp_s) simulated_.pop_front();
-  if (!simulated_.empty() && simulated_.front().stamp_s <= stamp_s)
-    tracker_.set_simulated(simulated_.front().positions_m);
+  if (simulated_.empty() || simulated_.front().stamp_s > stamp_s) return {};
+  return simulated_.front().positions_m;
 }
 
 }  // namespace soft_robot_lab

@@ -4,6 +4,17 @@
 
 namespace soft_robot_lab {
 
+bool same_place(const MeasuredMarkers& before, const MeasuredMarkers& now, double motion_m) {
+  bool compared = false;
+  for (const auto& [name, place_m] : now) {
+    const auto then = before.find(name);
+    if (then == before.end()) continue;
+    if ((place_m - then->second).norm() > motion_m) return false;
+    compared = true;
+  }
+  return compared;
+}
+
 void MeasuredRest::start(double time_s) {
   start_s_ = window_start_s_ = time_s;
   observations_ = 0;
@@ -35,14 +46,7 @@ bool MeasuredRest::add(const MarkerObservations& markers) {
 void MeasuredRest::end_window() {
   MeasuredMarkers means;
   for (const auto& [name, sum] : sums_) means[name] = sum.sum_m / sum.count;
-  bool compared = false, moved = false;
-  for (const auto& [name, mean_m] : means) {
-    const auto then = before_.find(name);
-    if (then == before_.end()) continue;
-    compared = true;
-    moved = moved || (mean_m - then->second).norm() > criterion_.motion_m;
-  }
-  if (compared && !moved)
+  if (same_place(before_, means, criterion_.motion_m))
     at_rest_ = means;
   else
     at_rest_.reset();

@@ -10,7 +10,8 @@ void MotorWatch::add(const MotorState& state, const ros::WallTime& now) {
 }
 
 std::string MotorWatch::fault(const std::vector<std::string>& actuators, const ros::WallTime& now) const {
-  constexpr double silence_s = 1.0;  // fifty states; a motors' node that roslaunch starts anew is back soon after
+  constexpr double silence_s =
+      1.0;  // fifty states; must stay below the 3 s that motor.launch waits before it starts the node anew
   if (!state_) return "";
   if ((now - heard_).toSec() > silence_s) return "the motors' node is silent";
   if (!state_->linked) return "no link to the motors' board";

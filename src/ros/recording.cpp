@@ -34,7 +34,6 @@ Recording read_recording(const std::string& path) {
     rosbag::View view(bag);
     recording.start_s = view.getBeginTime().toSec();
     recording.end_s = view.getEndTime().toSec();
-    GapMeter gap([&](const RealityGap& found) { recording.gaps.push_back(found); });
     for (const rosbag::MessageInstance& message : view) {
       const std::string topic = message.getTopic().substr(message.getTopic().front() == '/' ? 1 : 0);
       if (topic == topics::actuator_command) {
@@ -42,12 +41,9 @@ Recording read_recording(const std::string& path) {
         const double stamp_s = command->header.stamp.toSec();
         recording.add(*command, stamp_s > 0.0 ? stamp_s : message.getTime().toSec());
       } else if (topic == topics::tracker_markers) {
-        const auto markers = message.instantiate<MarkerObservations>();
-        recording.add_measured(*markers);
-        gap.add_measured(*markers);
+        recording.add_measured(*message.instantiate<MarkerObservations>());
       } else if (topic == topics::simulator_markers) {
         recording.simulated.push_back(*message.instantiate<MarkerObservations>());
-        gap.add_simulated(recording.simulated.back());
       } else if (topic == topics::simulator_scene) {
         recording.scene = message.instantiate<std_msgs::String>()->data;
       }
@@ -57,6 +53,7 @@ Recording read_recording(const std::string& path) {
   }
   if (recording.measured.empty())
     throw std::runtime_error(path + ": holds no markers of a tracker (topic " + topics::tracker_markers + ")");
+  recording.gaps = gaps_between(recording.measured, recording.simulated);
   return recording;
 }
 

@@ -1,5 +1,6 @@
 #include "soft_robot_lab/ros/replay_tracking.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -8,6 +9,7 @@
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 
+#include "ros/repeat_steps.h"
 #include "soft_robot_lab/ros/gap_meter.h"
 #include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -43,31 +45,13 @@ ros::MessageEvent<Message const> event_of(const rosbag::MessageInstance& message
   return ros::MessageEvent<Message const>(message.instantiate<Message>());
 }
 
-}  // namespace
-
-ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::string& bag_path,
-                              const std::string& output_path) {
-  rosbag::Bag bag(bag_path, rosbag::bagmode::Read);
-  rosbag::Bag output(output_path, rosbag::bagmode::Write);
-  ReplaySummary summary;
-  GapMeter gap([&](const RealityGap& found) {
-    output.write("/" + std::string(topics::reality_gap), found.header.stamp, found);
-  });
-  TrackingInput input(options, [&](const MarkerTracking::Result& result) {
-    if (!result.report.updated) return;
-    output.write("/" + std::string(topics::tracker_markers), result.observations.header.stamp, result.observations);
-    gap.add_measured(result.observations);
-    ++summary.written;
-  });
+// Of bare cameras, or by a tracker that did not tell its steps.
+void track_anew(const rosbag::Bag& bag, const TrackingInputOptions& options, const TrackingInput::OnResult& on_result) {
+  TrackingInput input(options, on_result);
   const auto pairs = pair_up(options.tracking.cameras, input);
-  const double start_s = cpu_time_s();
   for (const rosbag::MessageInstance& message : rosbag::View(bag)) {
-    const std::string topic = message.getTopic().substr(message.getTopic().front() == '/' ? 1 : 0);
-    if (topic == topics::simulator_markers) {
-      const auto simulated = message.instantiate<MarkerObservations>();
-      input.add_simulated(*simulated);
-      gap.add_simulated(*simulated);
-    }
+    const std::string topic = relative(message.getTopic());
+    if (topic == topics::simulator_markers) input.add_simulated(*message.instantiate<MarkerObservations>());
     if (topic == topics::simulator_scene && options.scene.empty())
       input.start(message.instantiate<std_msgs::String>()->data);
     for (const auto& [camera, pair] : pairs) {
@@ -77,10 +61,69 @@ ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::st
     }
   }
   input.finish();
-  summary.cpu_s = cpu_time_s() - start_s;
-  if (summary.written == 0)
+}
+
+template <typename Message>
+std::vector<Message> messages_of(const rosbag::Bag& bag, const std::string& topic) {
+  std::vector<Message> messages;
+  for (const rosbag::MessageInstance& message : only(bag, {topic})) messages.push_back(*message.instantiate<Message>());
+  return messages;
+}
+
+// Of messages at the same time; where a camera's frame came late there are several. Numbers that publishers count by
+// are not compared.
+template <typename Message>
+void compare(const std::vector<Message>& recorded, const std::vector<Message>& replayed, long& alike, long& other) {
+  std::map<ros::Time, std::vector<Message>> by_stamp;
+  for (Message message : recorded) {
+    message.header.seq = 0;
+    by_stamp[message.header.stamp].push_back(std::move(message));
+  }
+  for (const Message& message : replayed) {
+    const auto then = by_stamp.find(message.header.stamp);
+    if (then == by_stamp.end()) continue;
+    const bool found = std::find(then->second.begin(), then->second.end(), message) != then->second.end();
+    ++(found ? alike : other);
+  }
+}
+
+template <typename Message>
+void write(rosbag::Bag& bag, const std::string& topic, const std::vector<Message>& messages) {
+  for (const Message& message : messages) bag.write("/" + topic, message.header.stamp, message);
+}
+
+}  // namespace
+
+ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::string& bag_path,
+                              const std::string& output_path) {
+  const rosbag::Bag bag(bag_path, rosbag::bagmode::Read);
+  rosbag::Bag output(output_path, rosbag::bagmode::Write);
+  const double start_s = cpu_time_s();
+  std::vector<MarkerObservations> measured;
+  const auto on_result = [&](const MarkerTracking::Result& result) {
+    if (result.report.updated) measured.push_back(result.observations);
+  };
+  ReplaySummary summary;
+  const auto steps = messages_of<TrackerStep>(bag, topics::tracker_steps);
+  summary.repeated = !steps.empty();
+  if (summary.repeated) {
+    const RepeatedSteps done = repeat_steps(bag, steps, options, on_result);
+    summary.without_images = done.without_images;
+    summary.resumed = done.resumed;
+  } else {
+    track_anew(bag, options, on_result);
+  }
+  if (measured.empty())
     throw std::runtime_error(bag_path + ": has no images of " + options.tracking.cameras.front() +
                              " that could be used: it needs images, camera_info and a scene");
+  const auto gaps = gaps_between(measured, messages_of<MarkerObservations>(bag, topics::simulator_markers));
+  write(output, topics::tracker_markers, measured);
+  write(output, topics::reality_gap, gaps);
+  summary.written = static_cast<long>(measured.size());
+  summary.cpu_s = cpu_time_s() - start_s;
+  compare(messages_of<MarkerObservations>(bag, topics::tracker_markers), measured, summary.markers_alike,
+          summary.markers_other);
+  compare(messages_of<RealityGap>(bag, topics::reality_gap), gaps, summary.gaps_alike, summary.gaps_other);
   return summary;
 }
 

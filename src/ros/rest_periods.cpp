@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "soft_robot_lab/ros/conversions.h"
@@ -9,9 +10,8 @@ namespace {
 
 using Positions = std::map<std::string, std::vector<Eigen::Vector3d>>;  // seen, by marker
 
-constexpr size_t kObservations = 3;  // of a marker at least, to know its mean and scatter
-
-Positions seen_between(const Recording& recording, double start_s, double end_s) {
+// Of markers seen often enough to know their means and scatter.
+Positions seen_between(const Recording& recording, double start_s, double end_s, const RestCriteria& criteria) {
   const auto first = std::partition_point(recording.measured.begin(), recording.measured.end(),
                                           [&](const auto& m) { return m.header.stamp.toSec() < start_s; });
   Positions seen;
@@ -19,6 +19,10 @@ Positions seen_between(const Recording& recording, double start_s, double end_s)
     for (size_t i = 0; i < m->names.size(); ++i)
       if (m->sources[i] == MarkerObservations::SEEN)
         seen[m->names[i]].push_back(from_message(m->positions[i], "positions"));
+  for (auto marker = seen.begin(); marker != seen.end();) {
+    const bool enough = marker->second.size() >= static_cast<size_t>(criteria.observations);
+    marker = enough ? std::next(marker) : seen.erase(marker);
+  }
   return seen;
 }
 
@@ -35,30 +39,26 @@ Eigen::Matrix3d covariance_of(const std::vector<Eigen::Vector3d>& all, const Eig
   return sum / static_cast<double>(all.size() * (all.size() - 1));
 }
 
-// Whether no marker seen in both moved; false where none was.
-bool same_place(const Positions& a, const Positions& b, double motion_m) {
-  bool compared = false;
-  for (const auto& [name, positions] : a) {
-    const auto other = b.find(name);
-    if (other == b.end() || positions.size() < kObservations || other->second.size() < kObservations) continue;
-    if ((mean_of(positions) - mean_of(other->second)).norm() > motion_m) return false;
-    compared = true;
-  }
-  return compared;
+MeasuredMarkers means_of(const Positions& seen) {
+  MeasuredMarkers means;
+  for (const auto& [name, positions] : seen) means[name] = mean_of(positions);
+  return means;
 }
 
 // The end of a hold, as far back as the robot was where it is at the end.
 std::optional<RestPeriod> rest_at_end(const Recording& recording, const CommandsSince& commands, double end_s,
                                       const RestCriteria& criteria) {
-  const Positions last = seen_between(recording, end_s - criteria.window_s, end_s);
+  const auto means_between = [&](double from_s, double to_s) {
+    return means_of(seen_between(recording, from_s, to_s, criteria));
+  };
+  const MeasuredMarkers last = means_between(end_s - criteria.window_s, end_s);
   double start_s = end_s - criteria.window_s;
   while (start_s - criteria.window_s >= commands.time_s && end_s - start_s < criteria.longest_s &&
-         same_place(last, seen_between(recording, start_s - criteria.window_s, start_s), criteria.motion_m))
+         same_place(means_between(start_s - criteria.window_s, start_s), last, criteria.motion_m))
     start_s -= criteria.window_s;
   if (end_s - start_s < 1.5 * criteria.window_s) return std::nullopt;
   RestPeriod period{start_s, end_s, {commands.values, {}}};
-  for (const auto& [name, positions] : seen_between(recording, start_s, end_s)) {
-    if (positions.size() < kObservations) continue;
+  for (const auto& [name, positions] : seen_between(recording, start_s, end_s, criteria)) {
     const Eigen::Vector3d mean = mean_of(positions);
     period.pose.markers.push_back({name, mean, covariance_of(positions, mean)});
   }
@@ -73,7 +73,7 @@ RestCriteria for_frames_of(const Recording& recording, RestCriteria criteria) {
   if (periods_s.empty()) return criteria;
   const auto median = periods_s.begin() + static_cast<std::ptrdiff_t>(periods_s.size() / 2);
   std::nth_element(periods_s.begin(), median, periods_s.end());
-  criteria.window_s = std::max(criteria.window_s, (static_cast<double>(kObservations) + 0.5) * *median);
+  criteria.window_s = std::max(criteria.window_s, (criteria.observations + 0.5) * *median);
   return criteria;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include <Eigen/Cholesky>
 
@@ -32,6 +34,46 @@ void MarkerBeliefs::restart() {
     const MarkerMotion motion(position_m, settings_.start_sigma_m);
     beliefs_.push_back({motion, 0, -std::numeric_limits<double>::infinity(), {reference_m_, reference_m_}, motion});
   }
+}
+
+// Each number of the state in turn, to be read or replaced.
+template <typename Visit>
+void MarkerBeliefs::visit_numbers(const Visit& visit) {
+  const auto visit_all = [&](std::vector<Eigen::Vector3d>& points_m) {
+    for (Eigen::Vector3d& point_m : points_m) std::for_each(point_m.data(), point_m.data() + point_m.size(), visit);
+  };
+  double is_started = started() ? 1 : 0, time_s = time_s_.value_or(0), is_simulated = simulated_ ? 1 : 0;
+  for (double* number : {&is_started, &time_s, &is_simulated}) visit(*number);
+  time_s_ = is_started != 0 ? std::optional(time_s) : std::nullopt;
+  simulated_ = is_simulated != 0;
+  visit_all(reference_m_);
+  for (Belief& belief : beliefs_) {
+    double cameras = belief.cameras;
+    visit(cameras);
+    belief.cameras = static_cast<int>(cameras);
+    visit(belief.last_seen_s);
+    belief.motion.visit_numbers(visit);
+    belief.motion_when_seen.visit_numbers(visit);
+    visit_all(belief.shape_when_seen.believed_m);
+    visit_all(belief.shape_when_seen.reference_m);
+  }
+}
+
+std::vector<double> MarkerBeliefs::state() const {
+  std::vector<double> state;
+  MarkerBeliefs(*this).visit_numbers([&](double number) { state.push_back(number); });
+  return state;
+}
+
+void MarkerBeliefs::set_state(const std::vector<double>& state) {
+  const std::size_t expected = this->state().size();
+  if (state.size() != expected)
+    throw std::invalid_argument("tracker: a state of " + std::to_string(state.size()) + " numbers; allowed: " +
+                                std::to_string(expected) + " for " + std::to_string(rest_m_.size()) + " markers");
+  if (std::any_of(state.begin(), state.end(), [](double number) { return std::isnan(number); }))
+    throw std::invalid_argument("tracker: a state that holds NaN; allowed: numbers");
+  auto next = state.begin();
+  visit_numbers([&](double& number) { number = *next++; });
 }
 
 bool MarkerBeliefs::lost(std::size_t marker) const {

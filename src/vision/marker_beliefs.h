@@ -29,6 +29,10 @@ class MarkerBeliefs {
   const std::vector<Eigen::Vector3d>& reference_m() const { return reference_m_; }
   // As if no marker had ever been seen.
   void restart();
+  // All that is believed. Whoever sets it goes on as whoever told it, to the last digit. Throws std::invalid_argument
+  // for what no beliefs about as many markers would tell.
+  std::vector<double> state() const;
+  void set_state(const std::vector<double>& state);
 
   // Time goes on, never back. Where all markers are lost, starts again.
   void advance(double to_s);
@@ -57,6 +61,8 @@ class MarkerBeliefs {
     MarkerMotion motion_when_seen;
   };
 
+  template <typename Visit>
+  void visit_numbers(const Visit& visit);
   void expect_hidden();
   Belief expected_hidden(std::size_t marker, const MarkerShape& now) const;
   void forget_stretched(const std::vector<Belief>& before, const std::vector<double>& surprises);

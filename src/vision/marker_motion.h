@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include <Eigen/Core>
 
 #include "soft_robot_lab/vision/tracker_settings.h"
@@ -19,6 +21,13 @@ class MarkerMotion {
   Eigen::Vector3d velocity_m_s() const { return state_.tail<3>(); }
   Eigen::Matrix3d position_covariance_m2() const { return covariance_.topLeftCorner<3, 3>(); }
   double worst_sigma_m() const;
+
+  // Each of its numbers in turn, to be read or replaced.
+  template <typename Visit>
+  void visit_numbers(const Visit& visit) {
+    std::for_each(state_.data(), state_.data() + state_.size(), visit);
+    std::for_each(covariance_.data(), covariance_.data() + covariance_.size(), visit);
+  }
 
   // Time passes: constant velocity, with accelerations nobody foresaw.
   void predict(double duration_s, double acceleration_m_s2);

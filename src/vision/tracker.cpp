@@ -89,6 +89,7 @@ TrackerReport Tracker::update(const std::vector<RgbdFrame>& frames) {
   }
   TrackerReport report = parts_->report();
   report.updated = !usable.empty();
+  for (const UsableFrame& each : usable) report.cameras.push_back(each.frame->camera);
   report.problems = std::move(problems);
   report.sights = std::move(by_camera);
   return report;
@@ -97,6 +98,13 @@ TrackerReport Tracker::update(const std::vector<RgbdFrame>& frames) {
 void Tracker::reset() {
   parts_->gate.reset();
   parts_->beliefs.restart();
+}
+
+std::vector<double> Tracker::state() const { return parts_->beliefs.state(); }
+
+void Tracker::set_state(const std::vector<double>& state) {
+  parts_->beliefs.set_state(state);
+  parts_->gate.reset();
 }
 
 // What each marker's sights are in these frames, camera by camera.

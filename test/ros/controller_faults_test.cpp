@@ -19,6 +19,14 @@ namespace {
 const std::string scenes = SOFT_ROBOT_LAB_SOURCE "/test/data/scenes/";
 std::unique_ptr<StubRobot> robot;
 
+OptimisePolicy::Request reach(const Eigen::Vector3d& target_m) {
+  OptimisePolicy::Request request;
+  request.method = "gauss_newton";
+  request.marker = "tip";
+  request.target = to_message(target_m);
+  return request;
+}
+
 PolicyPose goal_at(double x_m, double y_m, double z_m) {
   PolicyPose goal;
   goal.markers = {"tip"};
@@ -68,10 +76,7 @@ class Controller : public testing::Test {
 };
 
 TEST_F(Controller, CorrectsByWhatTheMarkersShow) {
-  OptimisePolicy::Request search;
-  search.method = "gauss_newton";
-  search.marker = "tip";
-  search.target = to_message(Eigen::Vector3d(0.02, 0.0, -0.093));
+  const OptimisePolicy::Request search = reach({0.02, 0.0, -0.093});
   const auto found = ask<OptimisePolicy>(node_, topics::optimise_policy, search);
   ASSERT_TRUE(found.success) << found.message;
   ExecutePolicy::Request request = pull(1.0, 1.0);
@@ -166,11 +171,7 @@ TEST_F(Controller, RefusesASecondPolicyWhileOneIsPlayed) {
 }
 
 TEST_F(Controller, TellsWhatIsNearestToATargetOutOfReach) {
-  OptimisePolicy::Request request;
-  request.method = "gauss_newton";
-  request.marker = "tip";
-  request.target = to_message(Eigen::Vector3d(0.02, 0.0, -0.12));
-  const auto response = ask<OptimisePolicy>(node_, topics::optimise_policy, request);
+  const auto response = ask<OptimisePolicy>(node_, topics::optimise_policy, reach({0.02, 0.0, -0.12}));
   EXPECT_TRUE(response.success) << response.message;
   EXPECT_FALSE(response.summary.target_reached);
   EXPECT_NE(response.message.find("out of reach by "), std::string::npos) << response.message;

@@ -58,6 +58,14 @@ TEST_F(Gaps, AreTheSameToTheLastDigitInWhateverOrderTheTopicsCame) {
   EXPECT_EQ(gaps[0].rms_m, others[0].rms_m);
 }
 
+TEST_F(Gaps, OfARecordingAreKnownHoweverLateItsTrackerWas) {
+  std::vector<MarkerObservations> simulated;
+  for (int i = 0; i < 20; ++i) simulated.push_back(markers_at(100.0 + i, MarkerObservations::SIMULATED));
+  const auto found = gaps_between({markers_at(101.5, MarkerObservations::SEEN, 0.001)}, simulated);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].rms_m, 0.001, 1e-12);
+}
+
 TEST_F(Gaps, CountOnlyMarkersThatWereSeenAndSimulated) {
   simulate(100.0);
   MarkerObservations measured = markers_at(100.0, MarkerObservations::SEEN, 0.002);

@@ -103,6 +103,38 @@ TEST(MarkerTracking, GivesTheSameInWhateverOrderMessagesCome) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(live[i].observations, replayed[i].observations) << i;
 }
 
+// From whatever step a recording begins with, over steps that it lacks, and over a calibration.
+TEST(MarkerTracking, RepeatsItsStepsToTheLastDigit) {
+  const std::vector<TrackerCamera> cameras = two_cameras();
+  MarkerTracking session = make_tracking();
+  Results live;
+  for (const TrackerCamera& camera : cameras) session.add_info(camera.name, messages(camera, 0).info);
+  for (int i = 0; i < 9; ++i) {
+    session.add_simulated(simulated(i));
+    if (i == 6)
+      session.set_poses({{"left", test::camera_at("left", {-0.201, -0.5, -0.1}, {0, 0, -0.05}).world_from_camera, {}}});
+    for (const TrackerCamera& camera : cameras) {
+      const FrameMessages frame = messages(camera, i);
+      if (i != 4 || camera.name == "left")
+        append(live, session.add(rgbd_frame(camera.name, frame.colour, frame.depth)));
+    }
+  }
+  append(live, session.finish());
+  ASSERT_EQ(live.size(), 9u);
+  TrackingOptions options;
+  options.cameras = {"left", "right"};
+  MarkerTracking replay(options, parse_tracker(settings_yaml, "test"), {{"upper", upper_m}, {"lower", lower_m}});
+  for (const std::size_t i : {2u, 3u, 4u, 6u, 7u, 8u}) {
+    EXPECT_EQ(replay.follows(live[i].step), i != 2 && i != 6) << i;
+    const auto again = replay.repeat(live[i].step, live[i].frames);
+    EXPECT_EQ(again.observations, live[i].observations) << i;
+    EXPECT_EQ(again.step, live[i].step) << i;
+  }
+  TrackerStep broken = live[8].step;
+  broken.world_from_camera.pop_back();
+  EXPECT_THROW(replay.repeat(broken, live[8].frames), std::invalid_argument);
+}
+
 TEST(MarkerTracking, CountsFramesOfCamerasThatItDoesNotKnowYet) {
   MarkerTracking tracking = make_tracking();
   const FrameMessages frame = messages(two_cameras()[0], 0);

@@ -148,6 +148,45 @@ TEST_F(TrackerOfALine, TellsWhatEachCameraMeasuresAlone) {
   }
 }
 
+// One marker is hidden, so that all that is remembered of it counts.
+TEST_F(TrackerOfALine, GoesOnFromAStateAsTheTrackerThatToldIt) {
+  Tracker first = this->tracker(), second = this->tracker();
+  int frame = 0;
+  for (; frame < 3; ++frame) first.update(film_both(frame * kFrame_s));
+  scene_.erase(scene_.begin() + 1);
+  for (; frame < 6; ++frame) {
+    move({0.0015, 0, 0});
+    first.set_simulated(
+        {markers_[0].rest_position_m, {0.01 * frame, 0, 0}, markers_[2].rest_position_m, markers_[3].rest_position_m});
+    first.update(film_both(frame * kFrame_s));
+  }
+  second.update(film_both(1000));  // of which nothing stays
+  second.set_state(first.state());
+  for (; frame < 10; ++frame) {
+    move({0.0015, 0, 0});
+    EXPECT_EQ(second.state(), first.state());
+    const TrackerReport one = first.update(film_both(frame * kFrame_s));
+    const TrackerReport other = second.update(film_both(frame * kFrame_s));
+    ASSERT_EQ(one.markers.size(), 4u);
+    ASSERT_EQ(other.markers.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(one.markers[i].position_m, other.markers[i].position_m) << frame << ", " << i;
+      EXPECT_EQ(one.markers[i].covariance_m2, other.markers[i].covariance_m2) << frame << ", " << i;
+      EXPECT_EQ(one.markers[i].source, other.markers[i].source) << frame << ", " << i;
+    }
+  }
+}
+
+TEST_F(TrackerOfALine, RefusesAStateThatIsNone) {
+  Tracker tracker = this->tracker();
+  std::vector<double> state = tracker.state();
+  state.pop_back();
+  EXPECT_THROW(tracker.set_state(state), std::invalid_argument);
+  state.push_back(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THROW(tracker.set_state(state), std::invalid_argument);
+  expect_seen(tracker.update(film_both(0)), 1e-4);
+}
+
 TEST_F(TrackerOfALine, FindsMarkersWithoutAnyDepthAsLongAsBothCamerasSeeThem) {
   Tracker tracker = this->tracker();
   for (int frame = 0; frame < 3; ++frame) {

@@ -84,6 +84,9 @@ FitResult fit_model(const std::string& scene, const SceneOptions& options, const
 ModelGap model_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
                    const Eigen::Isometry3d& measured_from_base = Eigen::Isometry3d::Identity());
 
+// Throws std::invalid_argument where no file can be written: better known before a fit than after it.
+void require_writable(const std::string& file);
+
 // A scene that includes `scene` and lays the fit over it; comments say the deviations, the gap and the cameras' place.
 // Throws std::runtime_error where it cannot be written.
 void write_fitted_scene(const FitResult& result, const std::string& scene, const std::string& file);

@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <functional>
+#include <vector>
 
 #include <soft_robot_lab/RealityGap.h>
 
@@ -28,5 +29,9 @@ class GapMeter {
   OnGap on_gap_;
   std::deque<MarkerObservations> simulated_, measured_;
 };
+
+// Of a whole recording; also where its session's tracker was too late for a meter.
+std::vector<RealityGap> gaps_between(const std::vector<MarkerObservations>& measured,
+                                     const std::vector<MarkerObservations>& simulated);
 
 }  // namespace soft_robot_lab

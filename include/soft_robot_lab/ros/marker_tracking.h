@@ -1,6 +1,7 @@
 // The tracker behind messages, of a session and of a recording alike.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include <ros/time.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <soft_robot_lab/TrackerStep.h>
 
 #include "soft_robot_lab/ros/messages.h"
 #include "soft_robot_lab/vision/camera_pose.h"
@@ -33,6 +35,7 @@ class MarkerTracking {
   struct Result {
     TrackerReport report;
     MarkerObservations observations;  // frame_id: robot_base; only where report.updated
+    TrackerStep step;                 // what they were made from; only where report.updated
     std::vector<RgbdFrame> frames;
   };
 
@@ -48,13 +51,21 @@ class MarkerTracking {
   std::vector<Result> finish();
   void reset();  // for a clock that goes back
 
+  // Does a recorded step of the same markers again, with its frames, poses and lenses. Where it follows the last one,
+  // this goes on from its own state, else from the recorded one. Throws std::invalid_argument for lists of wrong
+  // lengths.
+  Result repeat(const TrackerStep& step, std::vector<RgbdFrame> frames);
+  bool follows(const TrackerStep& step) const { return step.number == next_step_; }
+
   const std::map<std::string, TrackerCamera>& cameras() const { return ready_; }
   const CameraWatch& watch() const { return watch_; }
   long unusable_frames() const { return unusable_frames_; }
 
  private:
   std::vector<Result> track(std::vector<std::vector<RgbdFrame>> groups);
-  void refer(double stamp_s);
+  Result update(std::vector<RgbdFrame> group, const std::vector<Eigen::Vector3d>& simulated_m);
+  void describe(const std::vector<RgbdFrame>& group, const std::vector<std::string>& used, TrackerStep& step);
+  std::vector<Eigen::Vector3d> simulated_before(double stamp_s);
   void introduce(const std::string& camera);
 
   struct Simulated {
@@ -68,9 +79,10 @@ class MarkerTracking {
   FrameJoiner joiner_;
   CameraWatch watch_{{}};
   std::map<std::string, Eigen::Isometry3d> poses_;
-  std::map<std::string, CameraModel> lenses_;
+  std::map<std::string, sensor_msgs::CameraInfo> infos_;
   std::map<std::string, TrackerCamera> ready_;  // both known
   std::deque<Simulated> simulated_;
+  std::uint32_t next_step_ = 0;
   long unusable_frames_ = 0;
 };
 

@@ -18,6 +18,9 @@ struct MeasuredRestCriterion {
   double motion_m = 5.0e-4;  // between the means of two windows: what noise leaves of them is less
 };
 
+// Whether no marker of both moved; false where there is none.
+bool same_place(const MeasuredMarkers& before, const MeasuredMarkers& now, double motion_m);
+
 class MeasuredRest {
  public:
   explicit MeasuredRest(const MeasuredRestCriterion& criterion = {}) : criterion_(criterion) {}

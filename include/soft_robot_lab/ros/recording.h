@@ -8,6 +8,7 @@
 #include <soft_robot_lab/RealityGap.h>
 
 #include "soft_robot_lab/experiment/fit_model.h"
+#include "soft_robot_lab/ros/measured_rest.h"
 #include "soft_robot_lab/ros/messages.h"
 
 namespace soft_robot_lab {
@@ -33,10 +34,9 @@ struct Recording {
 // Throws std::runtime_error for a file that is no bag, holds no tracked markers, or is cut off.
 Recording read_recording(const std::string& bag);
 
-struct RestCriteria {
-  double window_s = 0.5;     // > 0; averaged over; longer where fewer frames came
-  double motion_m = 5.0e-4;  // > 0; between the means of windows: what noise leaves of them is less
-  double longest_s = 5.0;    // of it no more is averaged
+// As a session's own; here `observations` are of each marker, and windows longer where fewer frames came.
+struct RestCriteria : MeasuredRestCriterion {
+  double longest_s = 5.0;  // of a rest no more is averaged
 };
 
 // The robot at rest under commands that do not change.
@@ -45,7 +45,7 @@ struct RestPeriod {
   MeasuredPose pose;                  // markers seen, with the covariance of their mean
 };
 
-// In order of time. A marker that cameras saw in less than three observations of a period is not in it.
+// In order of time. A marker that cameras saw in fewer observations of a period is not in it.
 std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriteria& criteria = {});
 
 // For a fit: the rest periods, and between them, without markers, commands that were held without rest, so that

@@ -6,6 +6,7 @@ namespace soft_robot_lab::topics {
 constexpr char actuator_command[] = "actuators/command";
 constexpr char simulator_markers[] = "simulator/markers";
 constexpr char tracker_markers[] = "tracker/markers";
+constexpr char tracker_steps[] = "tracker/steps";  // what each of them was made from
 constexpr char tracker_image[] = "tracker/image";  // what a camera sees, with the markers found
 constexpr char simulator_actuators[] = "simulator/actuators";
 constexpr char simulator_surface[] = "simulator/surface";

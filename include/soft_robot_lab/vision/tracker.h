@@ -39,6 +39,7 @@ struct TrackerReport {
   bool updated = false;                    // else no frame could be used, and all below is as it was before
   std::vector<MarkerObservation> markers;  // in the order they were given in, without the lost ones
   std::vector<std::string> lost;           // not seen for MotionSettings::lost_after_s, or never
+  std::vector<std::string> cameras;        // whose frames were used, in their order
   std::vector<CameraProblem> problems;     // frames refused and silent cameras, each with its reason
   std::vector<CameraSight> sights;         // markers as single cameras measured them, for CameraWatch
   int late_frames = 0;                     // refused so far because newer ones had come before
@@ -64,6 +65,12 @@ class Tracker {
 
   // Forgets what was seen, not the cameras: for a clock that goes back.
   void reset();
+
+  // What it remembers of frames so far. A tracker of the same markers, cameras and settings that is given it goes on as
+  // this one does, to the last digit; of its own it remembers nothing then. Throws std::invalid_argument for what is no
+  // state of as many markers.
+  std::vector<double> state() const;
+  void set_state(const std::vector<double>& state);
 
  private:
   struct Parts;

@@ -1,0 +1,97 @@
+#include "ros/repeat_steps.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/image_messages.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using sensor_msgs::Image;
+
+// Where in the recording each image is; read when it is needed, as all of them would not fit into memory.
+class RecordedImages {
+ public:
+  RecordedImages(const rosbag::Bag& bag, const std::vector<std::string>& topics) {
+    for (const rosbag::MessageInstance& message : only(bag, topics))
+      images_.emplace(Key(relative(message.getTopic()), message.instantiate<Image>()->header.stamp.toSec()), message);
+  }
+
+  // Absent where the recording lacks colour or depth.
+  std::optional<RgbdFrame> frame(const std::string& camera, double stamp_s) const {
+    const auto colour = images_.find({colour_topic(camera), stamp_s});
+    const auto depth = images_.find({depth_topic(camera), stamp_s});
+    if (colour == images_.end() || depth == images_.end()) return std::nullopt;
+    return rgbd_frame(camera, *colour->second.instantiate<Image>(), *depth->second.instantiate<Image>());
+  }
+
+ private:
+  using Key = std::pair<std::string, double>;
+  std::map<Key, rosbag::MessageInstance> images_;
+};
+
+std::vector<std::string> image_topics(const std::vector<TrackerStep>& steps) {
+  std::vector<std::string> topics;
+  for (const TrackerStep& step : steps)
+    for (const std::string& camera : step.cameras)
+      for (const std::string& topic : {colour_topic(camera), depth_topic(camera)})
+        if (std::find(topics.begin(), topics.end(), topic) == topics.end()) topics.push_back(topic);
+  return topics;
+}
+
+// All of a step, or none.
+std::vector<RgbdFrame> frames_of(const TrackerStep& step, const RecordedImages& images) {
+  std::vector<RgbdFrame> frames;
+  for (std::size_t i = 0; i < step.cameras.size(); ++i) {
+    auto frame = images.frame(step.cameras[i], step.stamps_s.at(i));
+    if (!frame) return {};
+    frames.push_back(std::move(*frame));
+  }
+  return frames;
+}
+
+std::vector<TrackedMarker> markers_of(const TrackerStep& step) {
+  std::vector<TrackedMarker> markers;
+  for (std::size_t i = 0; i < step.markers.size(); ++i)
+    markers.push_back({step.markers[i], from_message(step.rest.at(i), "rest")});
+  return markers;
+}
+
+}  // namespace
+
+std::string relative(const std::string& topic) { return topic.substr(topic.front() == '/' ? 1 : 0); }
+
+rosbag::View only(const rosbag::Bag& bag, const std::vector<std::string>& topics) {
+  return rosbag::View(bag, [topics](const rosbag::ConnectionInfo* connection) {
+    return std::find(topics.begin(), topics.end(), relative(connection->topic)) != topics.end();
+  });
+}
+
+RepeatedSteps repeat_steps(const rosbag::Bag& bag, const std::vector<TrackerStep>& steps,
+                           const TrackingInputOptions& options, const TrackingInput::OnResult& on_result) {
+  const TrackerSettings settings = load_tracker(options.tracker);
+  const RecordedImages images(bag, image_topics(steps));
+  RepeatedSteps done;
+  std::unique_ptr<MarkerTracking> tracking;
+  const TrackerStep* last = nullptr;
+  for (const TrackerStep& step : steps) {
+    std::vector<RgbdFrame> frames = frames_of(step, images);
+    if (frames.empty()) {
+      ++done.without_images;
+      continue;
+    }
+    if (!last || last->markers != step.markers || last->rest != step.rest)
+      tracking = std::make_unique<MarkerTracking>(options.tracking, settings, markers_of(step));
+    if (!tracking->follows(step)) ++done.resumed;
+    on_result(tracking->repeat(step, std::move(frames)));
+    last = &step;
+  }
+  return done;
+}
+
+}  // namespace soft_robot_lab

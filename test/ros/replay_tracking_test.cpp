@@ -1,0 +1,96 @@
+// A recording of a session whose recorder lost an image.
+#include "soft_robot_lab/ros/replay_tracking.h"
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <unistd.h>
+
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/image_messages.h"
+#include "soft_robot_lab/ros/topics.h"
+#include "vision/drawn_scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Eigen::Vector3d tip_m(0, -0.01, -0.05);
+constexpr int steps = 8, lost = 4;
+
+class Replay : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("soft_robot_lab_replay_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    options_.tracker = folder_ / "tracker.yaml";
+    std::ofstream(options_.tracker)
+        << "detector: {colours: {blue: [{hue_deg: [200, 260], saturation: [0.45, 1], value: [0.12, 1]}]}}\n";
+    options_.tracking.cameras = {"eye"};
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  ReplaySummary replay() const { return replay_tracking(options_, path("session.bag"), path("output.bag")); }
+  std::string path(const char* name) const { return folder_ / name; }
+
+  // The tip moves; the session's tracker has seen a frame before the recording begins, and tells `tell_m` off.
+  void record(double tell_m, bool images) const {
+    const TrackerCamera camera = test::camera_at("eye", {-0.2, -0.5, -0.1}, tip_m);
+    MarkerTracking session(options_.tracking, load_tracker(options_.tracker), {{"tip", tip_m}});
+    session.set_poses({{"eye", camera.world_from_camera, {}}});
+    rosbag::Bag bag(path("session.bag"), rosbag::bagmode::Write);
+    for (int i = -1; i <= steps; ++i) {
+      const double stamp_s = 100 + i / 30.0;
+      const ros::Time stamp(stamp_s);
+      const FrameMessages frame = frame_messages(
+          test::film(camera, {{tip_m + Eigen::Vector3d(0.002 * i, 0, 0)}}, stamp_s), camera.model, stamp);
+      session.add_info("eye", frame.info);
+      auto results = session.add(rgbd_frame("eye", frame.colour, frame.depth));
+      if (i < 0) continue;
+      if (images && i != lost) bag.write("/" + colour_topic("eye"), stamp, frame.colour);
+      if (images) bag.write("/" + depth_topic("eye"), stamp, frame.depth);
+      MarkerObservations simulated;
+      simulated.header.stamp = stamp;
+      simulated.names = {"tip"};
+      simulated.positions = {to_message(tip_m)};
+      bag.write("/simulator/markers", stamp, simulated);
+      for (auto& result : results) {
+        bag.write("/tracker/steps", stamp, result.step);
+        result.observations.positions[0].x += tell_m;
+        bag.write("/tracker/markers", stamp, result.observations);
+      }
+    }
+  }
+
+  fs::path folder_;
+  TrackingInputOptions options_;
+};
+
+TEST_F(Replay, RepeatsTheSessionAndCountsWhatTheRecordingLacks) {
+  record(0.0, true);
+  const ReplaySummary summary = replay();
+  EXPECT_TRUE(summary.repeated);
+  EXPECT_EQ(summary.without_images, 1);
+  EXPECT_EQ(summary.resumed, 2);  // the first, and that after the lost one
+  EXPECT_EQ(summary.written, steps);
+  EXPECT_EQ(summary.markers_alike, steps);
+  EXPECT_EQ(summary.markers_other, 0);
+}
+
+TEST_F(Replay, TellsWhatIsNotAsInTheSession) {
+  record(1e-15, true);
+  const ReplaySummary summary = replay();
+  EXPECT_EQ(summary.markers_alike, 0);
+  EXPECT_EQ(summary.markers_other, steps);
+}
+
+TEST_F(Replay, RefusesARecordingWithoutImages) {
+  record(0.0, false);
+  EXPECT_THROW(replay(), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -56,8 +56,8 @@ class Session : public testing::Test {
 
   void expect_counted(const ActuatorCommand& command) {
     const int before = refused_commands();
-    ros::Publisher publisher = node_.advertise<ActuatorCommand>(topics::actuator_command, 1);
-    while (publisher.getNumSubscribers() == 0) ros::WallDuration(0.01).sleep();
+    // Latched, as the controller listens too and may be connected before the simulator.
+    ros::Publisher publisher = node_.advertise<ActuatorCommand>(topics::actuator_command, 1, true);
     publisher.publish(command);
     int now = before;
     for (int i = 0; i < 5 && now == before; ++i) now = refused_commands();

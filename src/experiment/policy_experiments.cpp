@@ -99,8 +99,8 @@ nlohmann::ordered_json json_of(const PolicyRun& run) {
           {"cpu_s", run.summary.cpu_s},
           {"evaluations", run.summary.evaluations},
           {"reversals", run.reversals},
-          {"turns", run.turns},
-          {"largest_rise_m", run.largest_rise_m},
+          {"turns", run.turns()},
+          {"largest_rise_m", run.largest_rise_m()},
           {"usable", run.summary.usable},
           {"stop_reason", run.summary.stop_reason}};
 }
@@ -138,7 +138,7 @@ ExperimentResult tables_and_plots(const std::string& name, const std::vector<Tar
     for (const PolicyRun& run : target.runs)
       result.table.rows.push_back({target.target.name, run.method, 1e3 * run.summary.final_distance_m,
                                    double(run.summary.iterations), double(run.summary.evaluations), run.summary.cpu_s,
-                                   double(run.reversals), double(run.turns), 1e3 * run.largest_rise_m,
+                                   double(run.reversals), double(run.turns()), 1e3 * run.largest_rise_m(),
                                    run.summary.stop_reason});
     result.plots.push_back(
         convergence_plot(name + "_" + target.target.name, "Target " + target.target.name + ", all methods", target));
@@ -197,8 +197,8 @@ std::string tell_pid(const std::vector<TargetRuns>& all) {
     const PolicyRun* pid = find(target, "pid");
     if (!pid || pid->distance_m.empty()) continue;
     text << (text.tellp() == 0 ? "With pid as published the distance to target " : ", to ") << target.target.name
-         << ", " << 1e3 * pid->distance_m.front() << " mm at first, turns " << pid->turns
-         << " times and rises again by up to " << 1e3 * pid->largest_rise_m << " mm";
+         << ", " << 1e3 * pid->distance_m.front() << " mm at first, turns " << pid->turns()
+         << " times and rises again by up to " << 1e3 * pid->largest_rise_m() << " mm";
   }
   return text.tellp() == 0 ? "" : text.str() + ".";
 }

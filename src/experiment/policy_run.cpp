@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "soft_robot_lab/settings/cpu_time.h"
 
@@ -35,20 +36,27 @@ class Reversals {
 
 }  // namespace
 
-void PolicyRun::judge_way() {
+int PolicyRun::turns() const {
   constexpr double still_m = 1.0e-6;
-  turns = 0;
-  largest_rise_m = 0.0;
-  double heading_m = 0.0, last_m = distance_m.empty() ? 0.0 : distance_m.front(), least_m = last_m;
+  int count = 0;
+  double heading_m = 0.0, last_m = distance_m.empty() ? 0.0 : distance_m.front();
   for (const double now_m : distance_m) {
-    least_m = std::min(least_m, now_m);
-    largest_rise_m = std::max(largest_rise_m, now_m - least_m);
     const double move_m = now_m - last_m;
     if (std::abs(move_m) < still_m) continue;
-    if (move_m * heading_m < 0.0) ++turns;
+    if (move_m * heading_m < 0.0) ++count;
     heading_m = move_m;
     last_m = now_m;
   }
+  return count;
+}
+
+double PolicyRun::largest_rise_m() const {
+  double largest_m = 0.0, least_m = std::numeric_limits<double>::infinity();
+  for (const double now_m : distance_m) {
+    least_m = std::min(least_m, now_m);
+    largest_m = std::max(largest_m, now_m - least_m);
+  }
+  return largest_m;
 }
 
 std::optional<double> PolicyRun::cpu_until_s(double distance_m_asked) const {
@@ -87,7 +95,6 @@ PolicyRun run_policy_method(Simulation& simulation, const SimulationState& hangi
                   });
   run.summary = answer.summaries.front();
   run.reversals = reversals.count;
-  run.judge_way();
   return run;
 }
 

@@ -17,11 +17,9 @@ struct PolicyRun {
   OptimisationSummary summary;
   std::vector<double> distance_m, cpu_s;  // after each iteration, and the thread's time until then
   int reversals = 0;                      // of a command's direction, by more than 1e-4 each way
-  int turns = 0;                // of the distance, from falling to growing or back, by more than a micrometre each way
-  double largest_rise_m = 0.0;  // of the distance above the least before it
 
-  // Of distance_m: turns and largest rise.
-  void judge_way();
+  int turns() const;  // of the distance, from falling to growing or back, by more than a micrometre each way
+  double largest_rise_m() const;  // of the distance above the least before it
   // The first time at which it was as near, or nothing where it never was.
   std::optional<double> cpu_until_s(double distance_m_asked) const;
 };

@@ -10,8 +10,8 @@ void MotorWatch::add(const MotorState& state, const ros::WallTime& now) {
 }
 
 std::string MotorWatch::fault(const std::vector<std::string>& actuators, const ros::WallTime& now) const {
-  constexpr double silence_s =
-      1.0;  // fifty states; must stay below the 3 s that motor.launch waits before it starts the node anew
+  // Fifty states; must stay below the 3 s that motor.launch waits before it starts the node anew.
+  constexpr double silence_s = 1.0;
   if (!state_) return "";
   if ((now - heard_).toSec() > silence_s) return "the motors' node is silent";
   if (!state_->linked) return "no link to the motors' board";

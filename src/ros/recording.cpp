@@ -3,9 +3,9 @@
 #include <stdexcept>
 
 #include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <std_msgs/String.h>
 
+#include "ros/recorded_topics.h"
 #include "soft_robot_lab/ros/gap_meter.h"
 #include "soft_robot_lab/ros/topics.h"
 
@@ -35,7 +35,7 @@ Recording read_recording(const std::string& path) {
     recording.start_s = view.getBeginTime().toSec();
     recording.end_s = view.getEndTime().toSec();
     for (const rosbag::MessageInstance& message : view) {
-      const std::string topic = message.getTopic().substr(message.getTopic().front() == '/' ? 1 : 0);
+      const std::string topic = relative(message.getTopic());
       if (topic == topics::actuator_command) {
         const auto command = message.instantiate<ActuatorCommand>();
         const double stamp_s = command->header.stamp.toSec();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "ros/recorded_topics.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/image_messages.h"
 
@@ -63,14 +64,6 @@ std::vector<TrackedMarker> markers_of(const TrackerStep& step) {
 }
 
 }  // namespace
-
-std::string relative(const std::string& topic) { return topic.substr(topic.front() == '/' ? 1 : 0); }
-
-rosbag::View only(const rosbag::Bag& bag, const std::vector<std::string>& topics) {
-  return rosbag::View(bag, [topics](const rosbag::ConnectionInfo* connection) {
-    return std::find(topics.begin(), topics.end(), relative(connection->topic)) != topics.end();
-  });
-}
 
 RepeatedSteps repeat_steps(const rosbag::Bag& bag, const std::vector<TrackerStep>& steps,
                            const TrackingInputOptions& options, const TrackingInput::OnResult& on_result) {

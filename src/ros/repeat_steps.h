@@ -1,19 +1,13 @@
 // Does what a session's tracker did again, from the recorded images.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include <rosbag/bag.h>
-#include <rosbag/view.h>
 
 #include "soft_robot_lab/ros/tracking_input.h"
 
 namespace soft_robot_lab {
-
-std::string relative(const std::string& topic);  // as in topics.h
-// Messages of these topics, in the order in which they were recorded.
-rosbag::View only(const rosbag::Bag& bag, const std::vector<std::string>& topics);
 
 struct RepeatedSteps {
   long without_images = 0;  // left out

@@ -6,9 +6,9 @@
 #include <stdexcept>
 
 #include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <std_msgs/String.h>
 
+#include "ros/recorded_topics.h"
 #include "ros/repeat_steps.h"
 #include "soft_robot_lab/ros/gap_meter.h"
 #include "soft_robot_lab/ros/image_messages.h"

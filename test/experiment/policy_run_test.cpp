@@ -9,17 +9,16 @@ PolicyRun run_through(std::vector<double> distance_m) {
   PolicyRun run;
   run.distance_m = std::move(distance_m);
   for (size_t i = 0; i < run.distance_m.size(); ++i) run.cpu_s.push_back(0.1 * static_cast<double>(i + 1));
-  run.judge_way();
   return run;
 }
 
 TEST(PolicyRun, TellsHowItSwings) {
   const PolicyRun swinging = run_through({0.06, 0.05, 0.09, 0.04, 0.07, 0.0700001, 0.03});
-  EXPECT_EQ(swinging.turns, 4);
-  EXPECT_DOUBLE_EQ(swinging.largest_rise_m, 0.04);
+  EXPECT_EQ(swinging.turns(), 4);
+  EXPECT_DOUBLE_EQ(swinging.largest_rise_m(), 0.04);
   const PolicyRun steady = run_through({0.06, 0.05, 0.0500005, 0.04});  // half a micrometre is no turn
-  EXPECT_EQ(steady.turns, 0);
-  EXPECT_LT(steady.largest_rise_m, 1e-6);
+  EXPECT_EQ(steady.turns(), 0);
+  EXPECT_LT(steady.largest_rise_m(), 1e-6);
 }
 
 TEST(PolicyRun, KnowsWhenItWasAsNear) {

@@ -26,18 +26,18 @@ class Predictor : public ceres::EvaluationCallback {
   Predictor(const FitParameters& parameters, PoseModel& model, const std::vector<double>& unknowns)
       : parameters_(parameters), model_(model), unknowns_(unknowns) {}
 
-  void PrepareForEvaluation(bool derivatives, bool new_point) override {
-    if (!new_point && good_ && (!derivatives || differentiated_)) return;
+  void PrepareForEvaluation(bool derivatives, bool) override {
+    const Eigen::VectorXd asked = values(unknowns_);
+    if (differentiated_.is_at(asked)) now_ = differentiated_;
+    if (now_.is_at(asked) && (!derivatives || differentiated_.is_at(asked))) return;
+    now_ = {asked, {}};
     try {
-      here_ = values(unknowns_);
-      poses_ = model_.predict(
-          parameters_.changes(here_),
+      now_.poses = model_.predict(
+          parameters_.changes(asked),
           derivatives ? [this](const Simulation& simulation) { return parameters_.model_parameters(simulation); }
                       : PoseModel::Parameters{});
-      good_ = true;
-      differentiated_ = derivatives;
+      if (derivatives) differentiated_ = now_;
     } catch (const std::runtime_error& error) {  // no equilibrium there; a shorter step may have one
-      good_ = false;
       trouble_ = error.what();
     }
   }
@@ -53,14 +53,15 @@ class Predictor : public ceres::EvaluationCallback {
   }
 
   Eigen::Vector3d measured(std::size_t pose, Eigen::Index marker) const {
-    return parameters_.measured_from_base(here_) * poses_[pose].markers_m.col(marker);
+    return parameters_.measured_from_base(now_.at) * now_.poses[pose].markers_m.col(marker);
   }
 
   // d measured / d unknown.
   Eigen::Matrix3Xd jacobian(std::size_t pose, Eigen::Index marker) const {
-    Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, here_.size());
-    const Eigen::Matrix3d turn = parameters_.measured_from_base(here_).linear();
-    const Eigen::Matrix<double, 3, 6> camera = parameters_.camera_jacobian(here_, poses_[pose].markers_m.col(marker));
+    const PosePrediction& here = now_.poses[pose];
+    Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, now_.at.size());
+    const Eigen::Matrix3d turn = parameters_.measured_from_base(now_.at).linear();
+    const Eigen::Matrix<double, 3, 6> camera = parameters_.camera_jacobian(now_.at, here.markers_m.col(marker));
     Eigen::Index model_column = 0;
     for (std::size_t i = 0; i < parameters_.numbers().size(); ++i) {
       const FitNumber& number = parameters_.numbers()[i];
@@ -68,22 +69,26 @@ class Predictor : public ceres::EvaluationCallback {
       if (number.kind == FitNumber::Kind::camera) {
         all.col(column) = number.size * camera.col(number.axis);
       } else {
-        all.col(column) = number.size * turn * poses_[pose].jacobian.block<3, 1>(3 * marker, model_column++);
+        all.col(column) = number.size * turn * here.jacobian.block<3, 1>(3 * marker, model_column++);
       }
     }
     return all;
   }
 
-  bool good() const { return good_; }
+  bool good() const { return !now_.poses.empty(); }
   const std::string& trouble() const { return trouble_; }
 
  private:
+  struct Point {
+    bool is_at(const Eigen::VectorXd& place) const { return at.size() == place.size() && at == place; }
+    Eigen::VectorXd at;
+    std::vector<PosePrediction> poses;  // none where there is no equilibrium
+  };
+
   const FitParameters& parameters_;
   PoseModel& model_;
   const std::vector<double>& unknowns_;
-  Eigen::VectorXd here_;
-  std::vector<PosePrediction> poses_;
-  bool good_ = false, differentiated_ = false;
+  Point now_, differentiated_;  // the latter the last with derivatives: where steps in vain come back to
   std::string trouble_;
 };
 
@@ -120,20 +125,30 @@ class MarkerResidual : public ceres::CostFunction {
   Eigen::Matrix3d weight_;
 };
 
+// Where cables stick and slip the gap is not smooth: at its least no step gains, however short.
+constexpr int kMostInVain = 4;
+
 class Teller : public ceres::IterationCallback {
  public:
   Teller(const FitRequest& request, std::function<double()> gap) : request_(request), gap_(std::move(gap)) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    if (summary.iteration == 0 || summary.step_is_successful)
-      rms_gap_m_ = gap_();  // else the last one looked at failed
-    if (!request_.progress || request_.progress(summary.iteration, rms_gap_m_)) return ceres::SOLVER_CONTINUE;
-    return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    const bool gained = summary.iteration == 0 || summary.step_is_successful;
+    if (gained) rms_gap_m_ = gap_();  // else the last one looked at failed
+    in_vain_ = gained ? 0 : in_vain_ + 1;
+    cancelled_ = request_.progress && !request_.progress(summary.iteration, rms_gap_m_);
+    if (cancelled_ || in_vain_ == kMostInVain) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    return ceres::SOLVER_CONTINUE;
   }
+
+  bool cancelled() const { return cancelled_; }
+  bool in_vain() const { return in_vain_ == kMostInVain; }
 
  private:
   const FitRequest& request_;
   std::function<double()> gap_;
   double rms_gap_m_ = 0.0;
+  int in_vain_ = 0;  // steps since the last that gained
+  bool cancelled_ = false;
 };
 
 ModelGap gap_of(const std::vector<MeasuredPose>& poses,
@@ -156,14 +171,19 @@ ModelGap gap_of(const std::vector<MeasuredPose>& poses,
   return gap;
 }
 
-// Of a marker's residual, from the median of all; at least the one expected.
-double typical_deviation(ceres::Problem& problem) {
-  constexpr double median_of_length = 1.538;  // of three normal numbers of unit deviation
+// Of markers' residuals, in ascending order.
+std::vector<double> residual_lengths(ceres::Problem& problem) {
   std::vector<double> residuals, lengths;
   problem.Evaluate({}, nullptr, &residuals, nullptr, nullptr);
   for (std::size_t i = 0; i + 2 < residuals.size(); i += 3)
     lengths.push_back(std::hypot(residuals[i], residuals[i + 1], residuals[i + 2]));
-  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
+  std::sort(lengths.begin(), lengths.end());
+  return lengths;
+}
+
+// From the median of all; at least the one expected.
+double typical_deviation(const std::vector<double>& lengths) {
+  constexpr double median_of_length = 1.538;  // of three normal numbers of unit deviation
   return std::max(1.0, lengths[lengths.size() / 2] / median_of_length);
 }
 
@@ -171,7 +191,10 @@ ceres::Solver::Options solver_options(const FitRequest& request) {
   ceres::Solver::Options options;
   options.max_num_iterations = request.max_iterations;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.function_tolerance = 1e-5;
+  options.function_tolerance = 1e-4;  // with some hundred coordinates that is less than a fifth of a deviation
+  // Steps in vain shall soon be shorter ones: Ceres' own region is so wide that the first ones all are the same.
+  options.initial_trust_region_radius = 1e2;
+  options.max_trust_region_radius = 1e4;
   options.parameter_tolerance = 1e-4;
   options.logging_type = ceres::SILENT;
   options.update_state_every_iteration = true;
@@ -183,13 +206,15 @@ ceres::Solver::Options solver_options(const FitRequest& request) {
 void FitRequest::validate() const {
   require(std::isfinite(model_error_m) && model_error_m >= 0.0, "model_error_m must be in [0, inf)");
   require(std::isfinite(outlier_deviations) && outlier_deviations > 0.0, "outlier_deviations must be in (0, inf)");
+  require(!mass_kg || (std::isfinite(*mass_kg) && *mass_kg > 0.0), "mass_kg must be in (0, inf)");
   require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations must be in [1, 1000]");
   require(!parameters.empty(), "parameters: none are given");
 }
 
-FitResult fit_model(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
+FitResult fit_model(const std::string& scene, const SceneOptions& asked, const std::vector<MeasuredPose>& poses,
                     const FitRequest& request) {
   request.validate();
+  const SceneOptions options = request.mass_kg ? weighed(scene, asked, *request.mass_kg) : asked;
   const double start_cpu_s = cpu_time_s();
   const FitParameters parameters(scene, options, request.parameters);
   PoseModel model(scene, options, poses);
@@ -226,17 +251,22 @@ FitResult fit_model(const std::string& scene, const SceneOptions& options, const
   if (!predictor.good()) throw std::runtime_error("the scene as it is has no equilibrium: " + predictor.trouble());
   result.before = gap_now();
   ceres::Solver::Options solver = solver_options(request);
-  Teller teller(request, [&] { return gap_now().rms_m; });
-  solver.callbacks.push_back(&teller);
   // Least squares first: far from the solution everything would count as an outlier.
   for (const bool robust : {false, true}) {
-    if (robust)
-      loss.Reset(new ceres::HuberLoss(request.outlier_deviations * typical_deviation(problem)), ceres::TAKE_OWNERSHIP);
+    if (robust) {
+      const std::vector<double> lengths = residual_lengths(problem);
+      const double outlier = request.outlier_deviations * typical_deviation(lengths);
+      if (lengths.back() <= outlier) break;
+      loss.Reset(new ceres::HuberLoss(outlier), ceres::TAKE_OWNERSHIP);
+    }
+    Teller teller(request, [&] { return gap_now().rms_m; });
+    solver.callbacks = {&teller};
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
-    result.converged = summary.termination_type == ceres::CONVERGENCE;
-    result.message = summary.message;
+    result.converged = summary.termination_type == ceres::CONVERGENCE || (teller.in_vain() && !teller.cancelled());
+    result.message = teller.in_vain() && !teller.cancelled() ? "No step gains any more." : summary.message;
     result.iterations += static_cast<int>(summary.iterations.size());
+    if (teller.cancelled()) break;
   }
 
   ceres::CRSMatrix jacobian;

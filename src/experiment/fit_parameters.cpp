@@ -56,6 +56,13 @@ Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
 
 }  // namespace
 
+SceneOptions weighed(const std::string& scene, SceneOptions options, double mass_kg) {
+  const double volume_m3 = volume(load_scene(scene, options).simulation->body().mesh());
+  const std::string density_kg_m3 = text_of(mass_kg / volume_m3);
+  options.changes = lay_over(options.changes, "body: {material: {density_kg_m3: " + density_kg_m3 + "}}\n");
+  return options;
+}
+
 FitParameters::FitParameters(const std::string& scene, const SceneOptions& options,
                              const std::vector<FitParameter>& asked)
     : base_changes_(options.changes),

@@ -22,6 +22,9 @@ struct FitNumber {
   double size = 1.0;  // what counts as a change of about one
 };
 
+// With the density that makes the body as heavy as it was weighed.
+SceneOptions weighed(const std::string& scene, SceneOptions options, double mass_kg);
+
 class FitParameters {
  public:
   // Throws std::invalid_argument naming the parameter, and what is known or allowed.

@@ -17,8 +17,12 @@ bool has_friction(const Simulation& simulation) {
 std::vector<double> commands_of(const Simulation& simulation, const MeasuredPose& pose) {
   std::vector<double> commands;
   for (const auto& actuator : simulation.actuators()) {
-    const auto found = pose.commands.find(actuator->name());
-    commands.push_back(found == pose.commands.end() ? actuator->limits().rest : found->second);
+    const CommandLimits limits = actuator->limits();
+    const auto asked = pose.commands.find(actuator->name()), reached = pose.reached.find(actuator->name());
+    if (reached != pose.reached.end())
+      commands.push_back(std::clamp(reached->second, limits.min, limits.max));
+    else
+      commands.push_back(asked == pose.commands.end() ? limits.rest : asked->second);
   }
   return commands;
 }

@@ -3,7 +3,6 @@
 //
 // Parameters: ~reality (path: how it differs from the model), ~surface_rate_hz (how often its skin is published while
 // it moves; cameras need it as often as they film).
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -15,7 +14,7 @@
 #include <soft_robot_lab/ShaftState.h>
 
 #include "nodes/run_node.h"
-#include "soft_robot_lab/rig/reality.h"
+#include "soft_robot_lab/rig/late_reality.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/surface_marker.h"
@@ -45,7 +44,7 @@ class RealityNode {
       throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz_) + " is not in (0, 1000]");
     markers_publisher_ = node_.advertise<MarkerObservations>(topics::reality_markers, 10);
     surface_publisher_ = node_.advertise<visualization_msgs::Marker>(topics::reality_surface, 1, true);
-    shafts_subscriber_ = node_.subscribe(topics::rig_shafts, 1, &RealityNode::on_shafts, this);
+    shafts_subscriber_ = node_.subscribe(topics::rig_shafts, 1000, &RealityNode::on_shafts, this);
     diagnostics_.setHardwareID("emulated");
     diagnostics_.add("reality", this, &RealityNode::diagnose);
     diagnostics_timer_ =
@@ -53,27 +52,24 @@ class RealityNode {
   }
 
   void run() {
-    constexpr double poll_s = 0.005, longest_s = 0.1;  // time beyond that is lost
-    ros::WallTime then = ros::WallTime::now();
+    constexpr double poll_s = 0.005;
     while (ros::ok()) {
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(poll_s));
-      const ros::WallTime now = ros::WallTime::now();
-      const double passed_s = (now - then).toSec();
-      then = now;
-      lost_s_ += std::max(0.0, passed_s - longest_s);
       const double before_s = reality_.present().time_s;
-      advance(std::min(passed_s, longest_s));
+      advance(ros::Time::now().toSec());
       if (reality_.present().time_s > before_s) publish(ros::Time::now());
     }
   }
 
  private:
-  void on_shafts(const ShaftState& shafts) { shafts_ = shafts; }
+  void on_shafts(const ShaftState& shafts) { late_.add(shafts.header.stamp.toSec(), shafts.names, shafts.values); }
 
   // A shaft that turned beyond what the robot's cables allow stays where it was.
-  void advance(double duration_s) {
+  void advance(double now_s) {
+    constexpr double longest_s = 0.1;  // until others have their turn
+    constexpr double latest_s = 5.0;   // a move costs more than it takes, and the rest after it less
     try {
-      reality_.advance(duration_s, shafts_.names, shafts_.values);
+      late_.advance(now_s, longest_s, latest_s);
     } catch (const std::invalid_argument& error) {
       refusal_ = error.what();
       ROS_WARN_THROTTLE(1.0, "%s: %s", topics::rig_shafts, error.what());
@@ -94,14 +90,15 @@ class RealityNode {
     using Status = diagnostic_msgs::DiagnosticStatus;
     if (!refusal_.empty())
       status.summary(Status::WARN, refusal_);
-    else if (lost_s_ > 0.1)
+    else if (late_.lost_s() > told_lost_s_ + 0.1)
       status.summary(Status::WARN, "slower than real time");
     else
       status.summary(Status::OK, "runs");
-    status.add("time lost [s]", lost_s_);
+    status.add("late [s]", late_.late_s(ros::Time::now().toSec()));
+    status.add("time lost [s]", late_.lost_s() - told_lost_s_);
     status.add("steps not converged", reality_.failed_steps());
     refusal_.clear();
-    lost_s_ = 0.0;
+    told_lost_s_ = late_.lost_s();
   }
 
   SceneOptions scene_options_ = scene_options();  // keeps the plugins loaded
@@ -109,9 +106,9 @@ class RealityNode {
   SurfaceMarker surface_;
   double surface_rate_hz_ = 15.0;
   double surface_period_ = -1.0;
-  ShaftState shafts_;
-  double lost_s_ = 0.0;  // since the last diagnosis
-  std::string refusal_;  // likewise
+  LateReality late_{reality_, ros::Time::now().toSec()};
+  double told_lost_s_ = 0.0;  // until the last diagnosis
+  std::string refusal_;       // since then
   ros::NodeHandle node_;
   ros::Publisher markers_publisher_, surface_publisher_;
   ros::Subscriber shafts_subscriber_;

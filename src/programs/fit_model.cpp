@@ -15,6 +15,7 @@ using namespace soft_robot_lab;
 
 constexpr const char* kUsage =
     "usage: fit_model BAG --parameters A,B,... [--scene SCENE.yaml] [--output FITTED.yaml] [--model-error METRES]\n"
+    "       [--mass KG]\n"
     "Fits numbers of the robot's scene to the markers of a recording, wherever the robot was at rest, and writes a "
     "scene\n"
     "with them (fitted.yaml). Exact derivatives, least squares with bounds; says how sure each value is, and what the\n"
@@ -23,6 +24,7 @@ constexpr const char* kUsage =
     "one\n"
     "               cable), camera_to_base, damping\n"
     "--scene        the robot's file, where it is not the one that the recording names\n"
+    "--mass         of the whole robot, weighed: stiffness is told against weight; otherwise the scene's density counts\n"
     "--model-error  by how much the model would still miss a marker's coordinate; 1e-4\n"
     "Exit status: 0 fitted, 1 stopped before it converged (the file is still written), 2 bad recording or arguments.\n";
 
@@ -39,6 +41,17 @@ std::vector<FitParameter> parameters_of(const std::string& list) {
   return parameters;
 }
 
+double number_of(const std::string& option, const std::string& text) {
+  std::size_t used = 0;
+  double number = 0.0;
+  try {
+    number = std::stod(text, &used);
+  } catch (const std::logic_error&) {  // no number, or too large a one
+  }
+  if (used == 0 || used != text.size()) throw std::invalid_argument(option + ": '" + text + "' is not a number");
+  return number;
+}
+
 Arguments parse(int count, char** values) {
   Arguments arguments;
   Words words(count, values);
@@ -53,10 +66,9 @@ Arguments parse(int count, char** values) {
     } else if (word == "--output") {
       arguments.output = words.value();
     } else if (word == "--model-error") {
-      const std::string text = words.value();
-      std::size_t used = 0;
-      arguments.request.model_error_m = std::stod(text, &used);
-      if (used != text.size()) throw std::invalid_argument("--model-error: '" + text + "' is not a number");
+      arguments.request.model_error_m = number_of(word, words.value());
+    } else if (word == "--mass") {
+      arguments.request.mass_kg = number_of(word, words.value());
     } else if (!word.empty() && word[0] == '-') {
       throw std::invalid_argument("unknown option " + word);
     } else if (arguments.bag.empty()) {

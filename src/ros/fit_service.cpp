@@ -34,6 +34,7 @@ FitRequest fit_request(const FitModel::Request& request) {
   for (size_t i = 0; i < count; ++i)
     fit.parameters.push_back({request.parameters[i], item(request.starts, i, count, "starts"),
                               item(request.mins, i, count, "mins"), item(request.maxs, i, count, "maxs")});
+  if (request.mass_kg != 0.0) fit.mass_kg = request.mass_kg;
   if (request.model_error_m != 0.0) fit.model_error_m = request.model_error_m;
   fit.validate();
   return fit;
@@ -76,6 +77,7 @@ FitService::FitService(ros::NodeHandle& node, SceneOptions options, const std::s
   recording_.scene = scene;
   subscribers_ = {
       node.subscribe(topics::actuator_command, 100, &FitService::on_command, this),
+      node.subscribe(topics::motor_state, 100, &FitService::on_motors, this),
       node.subscribe(topics::tracker_markers, 100, &FitService::on_markers, this),
       node.subscribe(topics::simulator_scene, 1, &FitService::on_scene, this),
   };
@@ -85,6 +87,15 @@ FitService::FitService(ros::NodeHandle& node, SceneOptions options, const std::s
 void FitService::on_command(const ActuatorCommand& command) {
   const std::lock_guard lock(mutex_);
   recording_.add(command, command.header.stamp.toSec());
+}
+
+void FitService::on_motors(const MotorState& motors) {
+  const std::lock_guard lock(mutex_);
+  try {
+    recording_.add(motors, motors.header.stamp.toSec());
+  } catch (const std::runtime_error& error) {
+    ROS_WARN_THROTTLE(10.0, "%s", error.what());
+  }
 }
 
 void FitService::on_markers(const MarkerObservations& markers) {

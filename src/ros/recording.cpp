@@ -19,6 +19,17 @@ void Recording::add(const ActuatorCommand& command, double time_s) {
   if (commands.empty() || values != commands.back().values) commands.push_back({time_s, std::move(values)});
 }
 
+void Recording::add(const MotorState& motors, double time_s) {
+  if (!reached.empty() && time_s < reached.back().time_s) return;
+  const size_t count = motors.names.size();
+  if (motors.values.size() != count || motors.known.size() != count || motors.moving.size() != count)
+    throw std::runtime_error("motor/state: lists of different lengths");
+  std::map<std::string, double> values;
+  for (size_t i = 0; i < count; ++i)
+    if (motors.known[i] && !motors.moving[i]) values[motors.names[i]] = motors.values[i];
+  if (reached.empty() || values != reached.back().values) reached.push_back({time_s, std::move(values)});
+}
+
 void Recording::add_measured(const MarkerObservations& markers) {
   if (!measured.empty() && markers.header.stamp <= measured.back().header.stamp) return;
   const size_t count = markers.names.size();
@@ -40,6 +51,9 @@ Recording read_recording(const std::string& path) {
         const auto command = message.instantiate<ActuatorCommand>();
         const double stamp_s = command->header.stamp.toSec();
         recording.add(*command, stamp_s > 0.0 ? stamp_s : message.getTime().toSec());
+      } else if (topic == topics::motor_state) {
+        const auto motors = message.instantiate<MotorState>();
+        recording.add(*motors, motors->header.stamp.toSec());
       } else if (topic == topics::tracker_markers) {
         recording.add_measured(*message.instantiate<MarkerObservations>());
       } else if (topic == topics::simulator_markers) {

@@ -39,22 +39,34 @@ Eigen::Matrix3d covariance_of(const std::vector<Eigen::Vector3d>& all, const Eig
   return sum / static_cast<double>(all.size() * (all.size() - 1));
 }
 
-MeasuredMarkers means_of(const Positions& seen) {
-  MeasuredMarkers means;
-  for (const auto& [name, positions] : seen) means[name] = mean_of(positions);
-  return means;
+// Coordinate by coordinate: of a few frames, one that missed says nothing about motion.
+Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& all) {
+  Eigen::Vector3d median;
+  std::vector<double> sorted(all.size());
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    std::transform(all.begin(), all.end(), sorted.begin(), [axis](const Eigen::Vector3d& one) { return one[axis]; });
+    std::sort(sorted.begin(), sorted.end());
+    median[axis] = 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
+  }
+  return median;
+}
+
+MeasuredMarkers medians_of(const Positions& seen) {
+  MeasuredMarkers medians;
+  for (const auto& [name, positions] : seen) medians[name] = median_of(positions);
+  return medians;
 }
 
 // The end of a hold, as far back as the robot was where it is at the end.
 std::optional<RestPeriod> rest_at_end(const Recording& recording, const CommandsSince& commands, double end_s,
                                       const RestCriteria& criteria) {
-  const auto means_between = [&](double from_s, double to_s) {
-    return means_of(seen_between(recording, from_s, to_s, criteria));
+  const auto medians_between = [&](double from_s, double to_s) {
+    return medians_of(seen_between(recording, from_s, to_s, criteria));
   };
-  const MeasuredMarkers last = means_between(end_s - criteria.window_s, end_s);
+  const MeasuredMarkers last = medians_between(end_s - criteria.window_s, end_s);
   double start_s = end_s - criteria.window_s;
   while (start_s - criteria.window_s >= commands.time_s && end_s - start_s < criteria.longest_s &&
-         same_place(means_between(start_s - criteria.window_s, start_s), last, criteria.motion_m))
+         same_place(medians_between(start_s - criteria.window_s, start_s), last, criteria.motion_m))
     start_s -= criteria.window_s;
   if (end_s - start_s < 1.5 * criteria.window_s) return std::nullopt;
   RestPeriod period{start_s, end_s, {commands.values, {}}};
@@ -81,6 +93,13 @@ struct Hold {
   CommandsSince commands;
   double end_s;
 };
+
+// Where motors stood at the end of a hold.
+std::map<std::string, double> reached_in(const Recording& recording, const Hold& hold) {
+  const auto after = std::partition_point(recording.reached.begin(), recording.reached.end(),
+                                          [&](const CommandsSince& one) { return one.time_s <= hold.end_s; });
+  return after == recording.reached.begin() ? std::map<std::string, double>{} : std::prev(after)->values;
+}
 
 // Commands that did not change for two windows at least; first the time before any.
 std::vector<Hold> holds(const Recording& recording, const RestCriteria& criteria) {
@@ -114,6 +133,7 @@ std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestC
   for (const Hold& hold : holds(recording, criteria)) {
     const auto period = rest_at_end(recording, hold.commands, hold.end_s, criteria);
     poses.push_back(period ? period->pose : MeasuredPose{hold.commands.values, {}});
+    poses.back().reached = reached_in(recording, hold);
   }
   return poses;
 }

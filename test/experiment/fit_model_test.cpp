@@ -129,6 +129,42 @@ TEST(FitModel, FindsFrictionFromTheWayThere) {
   EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 264200, 2600) << summary(result);
 }
 
+TEST(FitModel, TakesThePlaceThatDrivesReallyReached) {
+  const std::string truth = kLying + "body: {material: {youngs_modulus_pa: 303830}}\n";
+  std::vector<std::pair<double, double>> reached = kWay;
+  for (auto& [left, right] : reached) left += 0.003, right -= 0.003;
+  std::vector<MeasuredPose> poses = measure(truth, reached, Eigen::Isometry3d::Identity(), 0.0, 1);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].reached = poses[i].commands;
+    poses[i].commands = {{"left", kWay[i].first}, {"right", kWay[i].second}};
+  }
+  FitRequest request;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}}, {"length_offset_m", {}, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(kLying), poses, request);
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 303830, 0.01 * 303830) << summary(result);
+  EXPECT_NEAR(value_of(result, "length_offset_m.left").value, 0.0, 1e-5);
+  EXPECT_LT(result.after.rms_m, 1e-5);
+}
+
+TEST(FitModel, TellsStiffnessAgainstTheWeightThatWasWeighed) {
+  const std::string truth = kLying + "body: {material: {youngs_modulus_pa: 303830, density_kg_m3: 1177}}\n";
+  const std::vector<MeasuredPose> poses = measure(truth, kWay, Eigen::Isometry3d::Identity(), 0.0, 1);
+  const Scene model = load_scene(kScene, options_with(kLying));
+  const double mass_kg = 1177.0 * volume(model.simulation->body().mesh());
+  FitRequest request;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}}};
+  EXPECT_NEAR(value_of(fit_model(kScene, options_with(kLying), poses, request), "youngs_modulus_pa").value,
+              303830 / 1.1, 5000);
+  request.mass_kg = mass_kg;
+  const FitResult result = fit_model(kScene, options_with(kLying), poses, request);
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 303830, 3000) << summary(result);
+  EXPECT_NE(result.changes.find("1177"), std::string::npos) << result.changes;
+  for (const double wrong : {0.0, -1.0, std::nan("")}) {
+    request.mass_kg = wrong;
+    EXPECT_THROW(fit_model(kScene, options_with(kLying), poses, request), std::invalid_argument);
+  }
+}
+
 TEST(FitModel, SaysWhatTheDataCannotTell) {
   const std::vector<MeasuredPose> slack =
       measure(kLying, {{1.1, 1.1}, {1.2, 1.1}}, Eigen::Isometry3d::Identity(), 0, 1);

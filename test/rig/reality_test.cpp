@@ -7,6 +7,7 @@
 
 #include "scene/scene_files.h"
 #include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/rig/late_reality.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -66,6 +67,46 @@ TEST_F(RealityTest, FollowsTheShaftsInItsOwnTime) {
   EXPECT_NEAR(stiffer.previous().time_s, stiffer.present().time_s - stiffer.simulation().options().time_step_s, 1e-12);
   EXPECT_NEAR(*stiffer.simulation().actuator_state(1).length_m, 0.95 * rest_m, 0.01 * rest_m);
   EXPECT_EQ(stiffer.failed_steps(), 0);
+}
+
+// A pull of 8 mm that takes half a second, told every 10 ms, and half a second of rest.
+Eigen::Vector3d tip_after_pull_m(Reality& robot, bool in_time, double& late_s) {
+  LateReality late(robot, 10.0);
+  for (int i = 1; i <= 100; ++i) {
+    const double now_s = 10.0 + 0.01 * i;
+    late.add(now_s, {"left", "right"}, {1.0, 1.0 - 0.0016 * std::min(i, 50)});
+    if (in_time) late.advance(now_s + 0.001, 0.1, 5.0);
+  }
+  for (int i = 0; i < 11; ++i) late.advance(11.0, 0.1, 5.0);  // makes up for it
+  late_s = late.late_s(11.0);
+  return robot.markers_m().at("tip");
+}
+
+TEST_F(RealityTest, FeelsEveryPlaceOfTheShaftsHoweverLateItIs) {
+  Reality punctual = reality(), late = reality();
+  double punctual_late_s = 1.0, late_late_s = 1.0;
+  const Eigen::Vector3d punctual_m = tip_after_pull_m(punctual, true, punctual_late_s);
+  const Eigen::Vector3d late_m = tip_after_pull_m(late, false, late_late_s);
+  EXPECT_NEAR(punctual_late_s, 0.0, 1e-9);
+  EXPECT_NEAR(late_late_s, 0.0, 1e-9);
+  EXPECT_NEAR(late.present().time_s, punctual.present().time_s, 0.017);
+  EXPECT_GT((punctual_m - reality().markers_m().at("tip")).norm(), 0.002);
+  EXPECT_NEAR((late_m - punctual_m).norm(), 0.0, 1e-5);
+}
+
+TEST_F(RealityTest, LosesTimeOnlyWhereItIsTooLate) {
+  Reality robot = reality();
+  LateReality late(robot, 0.0);
+  late.advance(1.0, 0.1, 2.0);
+  EXPECT_EQ(late.lost_s(), 0.0);
+  EXPECT_NEAR(late.late_s(1.0), 0.9, 1e-9);
+  late.advance(5.0, 0.1, 2.0);
+  EXPECT_NEAR(late.lost_s(), 2.8, 1e-9);
+  EXPECT_NEAR(late.late_s(5.0), 2.0, 1e-9);
+  late.add(3.5, {"right"}, {3.0});
+  EXPECT_THROW(late.advance(5.0, 1.0, 2.0), std::invalid_argument);
+  late.advance(5.0, 10.0, 2.0);  // time goes on
+  EXPECT_NEAR(late.late_s(5.0), 0.0, 1e-9);
 }
 
 TEST_F(RealityTest, RefusesWhatNoShaftTells) {

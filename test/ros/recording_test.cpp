@@ -90,6 +90,49 @@ TEST(RestPeriods, AreFoundHoweverFewFramesASecondCame) {
   }
 }
 
+TEST(RestPeriods, AreFoundThoughAFrameMissed) {
+  Recording recording;
+  for (int i = 0; i < 20; ++i)  // four seconds; now and then one frame of three is 3 mm off
+    recording.add_measured(observation(10.0 + 0.2 * i, i % 5 == 2 ? 0.004 : 0.001, 5.0, MarkerObservations::SEEN));
+  recording.add(command(10.0, 1.0), 10.0);
+  EXPECT_EQ(rest_periods(recording).size(), 1u);
+}
+
+MotorState motors(double time_s, double left, bool moving, bool known) {
+  MotorState state;
+  state.header.stamp = ros::Time(time_s);
+  state.names = {"left"};
+  state.values = {left};
+  state.moving = {moving};
+  state.known = {known};
+  return state;
+}
+
+TEST(RestPeriods, StandWhereTheMotorsStood) {
+  Recording recording;
+  for (int i = 0; i < 120; ++i)
+    recording.add_measured(observation(10.0 + 0.1 * i, 0.001, 5.0, MarkerObservations::SEEN));
+  recording.add(command(13.0, 0.9), 13.0);
+  recording.add(command(16.0, 0.8), 16.0);
+  recording.add(command(19.0, 0.7), 19.0);
+  const struct {
+    double time_s, left;
+    bool moving, known;
+  } told[] = {{10.0, 1.0, false, true},    {13.1, 0.95, true, true}, {14.0, 0.8998, false, true},
+              {16.01, 0.8998, true, true}, {17.0, 0.79, true, true}, {19.1, 0.7, false, false}};
+  for (const auto& one : told) recording.add(motors(one.time_s, one.left, one.moving, one.known), one.time_s);
+  const std::vector<MeasuredPose> poses = measured_poses(recording);
+  ASSERT_EQ(poses.size(), 4u);
+  EXPECT_EQ(poses[0].reached.at("left"), 1.0);
+  EXPECT_EQ(poses[1].commands.at("left"), 0.9);
+  EXPECT_EQ(poses[1].reached.at("left"), 0.8998);
+  EXPECT_TRUE(poses[2].reached.empty()) << "it still moved";
+  EXPECT_TRUE(poses[3].reached.empty()) << "it did not know where it was";
+  MotorState broken = motors(20.0, 0.7, false, true);
+  broken.known.clear();
+  EXPECT_THROW(recording.add(broken, 20.0), std::runtime_error);
+}
+
 TEST_F(Session, FindsWhereTheRobotRested) {
   const Recording recording = read_recording(write_bag(true));
   EXPECT_NE(recording.scene.find("cable_bar.yaml"), std::string::npos);

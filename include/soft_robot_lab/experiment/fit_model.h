@@ -32,6 +32,7 @@ struct MeasuredMarker {
 struct MeasuredPose {
   std::map<std::string, double> commands;  // by actuator; those not listed rest
   std::vector<MeasuredMarker> markers;
+  std::map<std::string, double> reached = {};  // where drives really stood, of which that is known: between whole steps
 };
 
 struct FitParameter {
@@ -41,6 +42,7 @@ struct FitParameter {
 
 struct FitRequest {
   std::vector<FitParameter> parameters;
+  std::optional<double> mass_kg;    // > 0, of the whole body, weighed; otherwise the scene's density stands
   double model_error_m = 1.0e-4;    // >= 0; by how much a perfect fit would still miss a coordinate, beside the noise
   double outlier_deviations = 3.0;  // > 0; beyond, a residual counts linearly (Huber 1964)
   int max_iterations = 30;          // [1, 1000]

@@ -24,6 +24,7 @@ class FitService {
 
  private:
   void on_command(const ActuatorCommand& command);
+  void on_motors(const MotorState& motors);
   void on_markers(const MarkerObservations& markers);
   void on_scene(const std_msgs::String& path);
   bool fit(FitModel::Request& request, FitModel::Response& response);

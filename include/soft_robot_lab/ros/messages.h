@@ -5,6 +5,7 @@
 #include <soft_robot_lab/ActuatorLimits.h>
 #include <soft_robot_lab/ActuatorState.h>
 #include <soft_robot_lab/MarkerObservations.h>
+#include <soft_robot_lab/MotorState.h>
 #include <soft_robot_lab/Policy.h>
 #include <soft_robot_lab/PolicyProgress.h>
 #include <soft_robot_lab/PolicySummary.h>

@@ -21,6 +21,7 @@ struct CommandsSince {
 
 struct Recording {
   std::vector<CommandsSince> commands;  // where they changed
+  std::vector<CommandsSince> reached;   // by motors that stood and knew where, in units of commands; where it changed
   std::vector<MarkerObservations> measured, simulated;
   std::vector<RealityGap> gaps;  // of these two
   std::string scene;             // that the simulator ran last; empty where it is not told
@@ -28,6 +29,7 @@ struct Recording {
 
   // In order of time; a message older than the one before is left out.
   void add(const ActuatorCommand& command, double time_s);
+  void add(const MotorState& motors, double time_s);
   void add_measured(const MarkerObservations& markers);
 };
 

@@ -3,6 +3,7 @@
 //
 // Usage: run_table_node EXPERIMENT.yaml [HOLD_S]. Each pair is held for 3 s, or as long as is asked for: silicone creeps,
 // and a fit takes the end of a hold. Exit status: 0 done, 1 a part failed, 2 bad file or arguments.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -82,6 +83,14 @@ ExecutePolicy::Request row_of(double left, double right) {
   return request;
 }
 
+// By way of slack cables: paid out from a pull, a drive would stop short of its zero by its backlash.
+void return_to_rest(ros::NodeHandle& node, const std::vector<double>& contractions) {
+  double slack = 1.05;
+  for (const double contraction : contractions) slack = std::max(slack, contraction);
+  call<ExecutePolicy>(node, topics::execute_policy, row_of(slack, slack));
+  call<ExecutePolicy>(node, topics::execute_policy, row_of(1.0, 1.0));
+}
+
 void run_table(const std::vector<double>& contractions, double hold_s) {
   ros::NodeHandle node;
   RestingGap gap(node);
@@ -95,7 +104,7 @@ void run_table(const std::vector<double>& contractions, double hold_s) {
       std::fflush(stdout);
       if (!ros::ok()) throw std::runtime_error("the session ended");
     }
-  call<ExecutePolicy>(node, topics::execute_policy, row_of(1.0, 1.0));
+  return_to_rest(node, contractions);
 }
 
 }  // namespace

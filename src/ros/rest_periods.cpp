@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 
@@ -51,22 +52,38 @@ Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& all) {
   return median;
 }
 
-MeasuredMarkers medians_of(const Positions& seen) {
-  MeasuredMarkers medians;
-  for (const auto& [name, positions] : seen) medians[name] = median_of(positions);
-  return medians;
+// Of a frame's position, from second differences, which no steady motion changes; all axes together.
+double noise_of(const std::vector<Eigen::Vector3d>& all) {
+  double sum_m2 = 0.0;
+  for (size_t i = 2; i < all.size(); ++i) sum_m2 += (all[i] - 2.0 * all[i - 1] + all[i - 2]).squaredNorm() / 6.0;
+  return all.size() < 3 ? 0.0 : std::sqrt(sum_m2 / static_cast<double>(all.size() - 2));
+}
+
+// Whether no marker moved farther than it may, or than its noise would have it.
+bool same_place(const Positions& before, const Positions& now, double motion_m) {
+  constexpr double of_median = 1.25, deviations = 3.0;
+  bool compared = false;
+  for (const auto& [name, late] : now) {
+    const auto early = before.find(name);
+    if (early == before.end()) continue;
+    std::vector<Eigen::Vector3d> all = early->second;
+    all.insert(all.end(), late.begin(), late.end());
+    const double frames = 1.0 / (1.0 / static_cast<double>(early->second.size()) + 1.0 / static_cast<double>(late.size()));
+    const double noise_m = deviations * of_median * noise_of(all) / std::sqrt(frames);
+    if ((median_of(late) - median_of(early->second)).norm() > motion_m + noise_m) return false;
+    compared = true;
+  }
+  return compared;
 }
 
 // The end of a hold, as far back as the robot was where it is at the end.
 std::optional<RestPeriod> rest_at_end(const Recording& recording, const CommandsSince& commands, double end_s,
                                       const RestCriteria& criteria) {
-  const auto medians_between = [&](double from_s, double to_s) {
-    return medians_of(seen_between(recording, from_s, to_s, criteria));
-  };
-  const MeasuredMarkers last = medians_between(end_s - criteria.window_s, end_s);
+  const auto seen = [&](double from_s, double to_s) { return seen_between(recording, from_s, to_s, criteria); };
+  const Positions last = seen(end_s - criteria.window_s, end_s);
   double start_s = end_s - criteria.window_s;
   while (start_s - criteria.window_s >= commands.time_s && end_s - start_s < criteria.longest_s &&
-         same_place(medians_between(start_s - criteria.window_s, start_s), last, criteria.motion_m))
+         same_place(seen(start_s - criteria.window_s, start_s), last, criteria.motion_m))
     start_s -= criteria.window_s;
   if (end_s - start_s < 1.5 * criteria.window_s) return std::nullopt;
   RestPeriod period{start_s, end_s, {commands.values, {}}};
@@ -94,11 +111,19 @@ struct Hold {
   double end_s;
 };
 
-// Where motors stood at the end of a hold.
+// Where motors last stood in a hold: at its end they may be told of the next one already.
 std::map<std::string, double> reached_in(const Recording& recording, const Hold& hold) {
-  const auto after = std::partition_point(recording.reached.begin(), recording.reached.end(),
-                                          [&](const CommandsSince& one) { return one.time_s <= hold.end_s; });
-  return after == recording.reached.begin() ? std::map<std::string, double>{} : std::prev(after)->values;
+  const auto after = [&](double time_s) {
+    return std::partition_point(recording.reached.begin(), recording.reached.end(),
+                                [time_s](const CommandsSince& one) { return one.time_s <= time_s; });
+  };
+  const auto end = after(hold.end_s);
+  auto one = after(hold.commands.time_s);
+  if (one == end && one != recording.reached.begin()) --one;  // nothing changed meanwhile
+  std::map<std::string, double> values;
+  for (; one != end; ++one)
+    for (const auto& [name, value] : one->values) values[name] = value;
+  return values;
 }
 
 // Commands that did not change for two windows at least; first the time before any.

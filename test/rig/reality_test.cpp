@@ -69,29 +69,25 @@ TEST_F(RealityTest, FollowsTheShaftsInItsOwnTime) {
   EXPECT_EQ(stiffer.failed_steps(), 0);
 }
 
-// A pull of 8 mm that takes half a second, told every 10 ms, and half a second of rest.
-Eigen::Vector3d tip_after_pull_m(Reality& robot, bool in_time, double& late_s) {
-  LateReality late(robot, 10.0);
-  for (int i = 1; i <= 100; ++i) {
-    const double now_s = 10.0 + 0.01 * i;
-    late.add(now_s, {"left", "right"}, {1.0, 1.0 - 0.0016 * std::min(i, 50)});
-    if (in_time) late.advance(now_s + 0.001, 0.1, 5.0);
-  }
-  for (int i = 0; i < 11; ++i) late.advance(11.0, 0.1, 5.0);  // makes up for it
-  late_s = late.late_s(11.0);
-  return robot.markers_m().at("tip");
-}
-
 TEST_F(RealityTest, FeelsEveryPlaceOfTheShaftsHoweverLateItIs) {
+  // A pull of 8 mm that takes half a second, told every 10 ms.
   Reality punctual = reality(), late = reality();
-  double punctual_late_s = 1.0, late_late_s = 1.0;
-  const Eigen::Vector3d punctual_m = tip_after_pull_m(punctual, true, punctual_late_s);
-  const Eigen::Vector3d late_m = tip_after_pull_m(late, false, late_late_s);
-  EXPECT_NEAR(punctual_late_s, 0.0, 1e-9);
-  EXPECT_NEAR(late_late_s, 0.0, 1e-9);
-  EXPECT_NEAR(late.present().time_s, punctual.present().time_s, 0.017);
-  EXPECT_GT((punctual_m - reality().markers_m().at("tip")).norm(), 0.002);
-  EXPECT_NEAR((late_m - punctual_m).norm(), 0.0, 1e-5);
+  LateReality in_time(punctual, 10.0), too_late(late, 10.0);
+  Eigen::Vector3d halfway_m = Eigen::Vector3d::Zero();
+  for (int i = 1; i <= 60; ++i) {
+    const std::vector<double> shafts = {1.0, 1.0 - 0.0016 * std::min(i, 50)};
+    in_time.add(10.0 + 0.01 * i, {"left", "right"}, shafts);
+    too_late.add(10.0 + 0.01 * i, {"left", "right"}, shafts);
+    in_time.advance(10.0 + 0.01 * i, 0.1, 5.0);
+    if (i == 31) halfway_m = punctual.markers_m().at("tip");
+  }
+  for (int i = 0; i < 3; ++i) too_late.advance(10.6, 0.103, 5.0);  // no whole time steps, which rounding could miss
+  EXPECT_NEAR(too_late.late_s(10.6), 0.291, 1e-9);
+  EXPECT_NEAR((late.markers_m().at("tip") - halfway_m).norm(), 0.0, 1e-6);
+  EXPECT_GT((punctual.markers_m().at("tip") - halfway_m).norm(), 0.002);
+  for (int i = 0; i < 3; ++i) too_late.advance(10.6, 0.103, 5.0);  // makes up for it
+  EXPECT_NEAR(too_late.late_s(10.6), 0.0, 1e-9);
+  EXPECT_NEAR((late.markers_m().at("tip") - punctual.markers_m().at("tip")).norm(), 0.0, 1e-6);
 }
 
 TEST_F(RealityTest, LosesTimeOnlyWhereItIsTooLate) {

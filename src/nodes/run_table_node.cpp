@@ -1,8 +1,8 @@
 // Drives a session through every pair of an experiment's contractions, as table 6.5 of the thesis, waits for rest at
 // each, and tells how large the gap between robot and simulation is there.
 //
-// Usage: run_table_node EXPERIMENT.yaml [HOLD_S]. Each pair is held for 3 s, or as long as is asked for: silicone creeps,
-// and a fit takes the end of a hold. Exit status: 0 done, 1 a part failed, 2 bad file or arguments.
+// Usage: run_table_node EXPERIMENT.yaml [HOLD_S]. Each pair is held for 3 s, or as long as is asked for: silicone
+// creeps, and a fit takes the end of a hold. Exit status: 0 done, 1 a part failed, 2 bad file or arguments.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

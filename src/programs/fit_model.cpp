@@ -24,7 +24,8 @@ constexpr const char* kUsage =
     "one\n"
     "               cable), camera_to_base, damping\n"
     "--scene        the robot's file, where it is not the one that the recording names\n"
-    "--mass         of the whole robot, weighed: stiffness is told against weight; otherwise the scene's density counts\n"
+    "--mass         of the whole robot, weighed: stiffness is told against weight; otherwise the scene's density "
+    "counts\n"
     "--model-error  by how much the model would still miss a marker's coordinate; 1e-4\n"
     "Exit status: 0 fitted, 1 stopped before it converged (the file is still written), 2 bad recording or arguments.\n";
 

@@ -68,7 +68,8 @@ bool same_place(const Positions& before, const Positions& now, double motion_m) 
     if (early == before.end()) continue;
     std::vector<Eigen::Vector3d> all = early->second;
     all.insert(all.end(), late.begin(), late.end());
-    const double frames = 1.0 / (1.0 / static_cast<double>(early->second.size()) + 1.0 / static_cast<double>(late.size()));
+    const double frames =
+        1.0 / (1.0 / static_cast<double>(early->second.size()) + 1.0 / static_cast<double>(late.size()));
     const double noise_m = deviations * of_median * noise_of(all) / std::sqrt(frames);
     if ((median_of(late) - median_of(early->second)).norm() > motion_m + noise_m) return false;
     compared = true;

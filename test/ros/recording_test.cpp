@@ -97,8 +97,8 @@ TEST(RestPeriods, AreFoundWhereAMarkerIsSeenBadly) {
   // Two markers at five frames a second: at rest for 5 s, one of them badly seen; then both move by 1 mm a second.
   for (int i = 0; i < 50; ++i) {
     const double moved_m = 0.001 * std::max(0.0, 0.2 * i - 5.0);
-    MarkerObservations markers = observation(10.0 + 0.2 * i, moved_m + noise_m(random), moved_m + little_m(random),
-                                             MarkerObservations::SEEN);
+    MarkerObservations markers =
+        observation(10.0 + 0.2 * i, moved_m + noise_m(random), moved_m + little_m(random), MarkerObservations::SEEN);
     markers.sources[1] = MarkerObservations::SEEN;
     recording.add_measured(markers);
   }
@@ -231,6 +231,9 @@ TEST(FitRequest, RefusesListsOfOtherLengths) {
   EXPECT_THROW(fit_request(request), std::invalid_argument);
   request.starts = {2e5, 1e-5};
   EXPECT_EQ(fit_request(request).parameters[1].start, 1e-5);
+  EXPECT_FALSE(fit_request(request).mass_kg);
+  request.mass_kg = 0.036;
+  EXPECT_EQ(fit_request(request).mass_kg, 0.036);
   request.model_error_m = -1.0;
   EXPECT_THROW(fit_request(request), std::invalid_argument);
 }

@@ -16,8 +16,8 @@ class LateReality {
   // Where the shafts are since `time_s`. What is older than the one before counts as now.
   void add(double time_s, std::vector<std::string> names, std::vector<double> values);
 
-  // Lets reality come nearer to now, by at most `longest_s`; what is later than `latest_s` then is lost, which it tells.
-  // Throws std::invalid_argument for shafts where they cannot be: those stay where they were, time goes on.
+  // Lets reality come nearer to now, by at most `longest_s`; what is later than `latest_s` then is lost, which it
+  // tells. Throws std::invalid_argument for shafts where they cannot be: those stay where they were, time goes on.
   void advance(double now_s, double longest_s, double latest_s);
 
   double late_s(double now_s) const { return now_s - reached_s_; }

@@ -72,10 +72,3 @@ TEST_F(UnpluggedCameras, LeaveALoopThatGoesOnWithTheOtherAndThenHolds) {
 
 }  // namespace
 }  // namespace soft_robot_lab
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "camera_faults_test");
-  const ros::NodeHandle keeps_ros_running;
-  return RUN_ALL_TESTS();
-}

@@ -47,6 +47,8 @@ ExecutePolicy::Request pull(double right, double time_s) {
 
 class Controller : public testing::Test {
  protected:
+  static void SetUpTestSuite() { robot = std::make_unique<StubRobot>(scenes); }
+  static void TearDownTestSuite() { robot.reset(); }
   void SetUp() override {
     robot->tip_seen = robot->middle_seen = true;
     robot->stalled = false;
@@ -212,13 +214,3 @@ TEST_F(Controller, HoldsWhenItsNodeIsKilledAndPlaysAgainWhenItIsBack) {
 
 }  // namespace
 }  // namespace soft_robot_lab
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "controller_faults_test");
-  const ros::NodeHandle keeps_ros_running;
-  soft_robot_lab::robot = std::make_unique<soft_robot_lab::StubRobot>(soft_robot_lab::scenes);
-  const int result = RUN_ALL_TESTS();
-  soft_robot_lab::robot.reset();
-  return result;
-}

@@ -127,10 +127,3 @@ TEST_F(RigSession, HoldsWhenTheMotorsNodeIsKilledAndPlaysAgainWhenItIsBack) {
 
 }  // namespace
 }  // namespace soft_robot_lab
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "rig_faults_test");
-  const ros::NodeHandle keeps_ros_running;
-  return RUN_ALL_TESTS();
-}

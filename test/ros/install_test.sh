@@ -5,7 +5,7 @@ set -euo pipefail
 build=$1 prefix=$2
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
-DESTDIR=$root cmake --install "$build" >"$root/log" || { tail "$root/log"; exit 1; }
+DESTDIR=$root cmake --install "$build" --strip >"$root/log" || { tail "$root/log"; exit 1; }
 here=$root$prefix
 package=$here/share/soft_robot_lab
 fail() { echo "installed: $*" >&2; exit 1; }

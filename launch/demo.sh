@@ -23,7 +23,7 @@ end_session() { # roslaunch passes SIGINT on and waits for its nodes
 trap end_session EXIT
 trap 'exit 130' INT TERM
 
-"$launch/install_dependencies.sh" || fail "installing packages failed"
+"$launch/install_dependencies.sh" || fail "this machine lacks something"
 output=$(cd "$launch/.." && pwd)/build/demo
 mkdir -p "$output"
 echo "Building ..."

@@ -1,6 +1,10 @@
 #!/bin/bash
 # Installs the Debian 12 packages that this package is built, run and tested with. Does nothing where all are there.
 set -euo pipefail
+if ! getent ahostsv4 localhost >/dev/null; then # as in a bare chroot; roslaunch asks for it whatever ROS_IP says
+  echo "localhost does not resolve, so ROS cannot start: add the line '127.0.0.1 localhost' to /etc/hosts" >&2
+  exit 1
+fi
 packages=(
   g++ make cmake git catkin ros-message-generation
   libroscpp-dev libroslib-dev pluginlib-dev librosbag-dev libdiagnostic-updater-dev libtf2-ros-dev

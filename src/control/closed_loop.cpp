@@ -62,7 +62,8 @@ LoopStep ClosedLoop::correct(double time_s, const MeasuredMarkers& measured, con
     nearest_m_ = std::min(nearest_m_.value_or(*distance_m), *distance_m);
     if (idle_corrections_ >= 2) return stop(LoopEnd::settled, "settled", distance_m);
   }
-  if (corrections_++ == options_.max_corrections) return stop(LoopEnd::correction_limit, "correction limit", distance_m);
+  if (corrections_++ == options_.max_corrections)
+    return stop(LoopEnd::correction_limit, "correction limit", distance_m);
 
   std::string why_not;
   const std::optional<Eigen::VectorXd> next = [&] {
@@ -128,6 +129,9 @@ std::optional<Eigen::VectorXd> ClosedLoop::next_commands(std::string& why_not) {
   ForwardModel model(model_, markers_of(pose), actuators_);
   problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
     return model.predict(commands, with_derivatives);
+  };
+  problem.trial = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
+    return model.try_out(commands, with_derivatives);
   };
   OptimiserOptions options;
   options.tolerance_m = 0.1 * options_.settled_m;

@@ -33,6 +33,9 @@ OptimisationSummary find_step(Simulation& simulation, const PolicyTask& task, si
   problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
     return model.predict(commands, with_derivatives);
   };
+  problem.trial = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
+    return model.try_out(commands, with_derivatives);
+  };
   OptimisationSummary summary = optimise(problem, options, [&](const OptimisationProgress& now) {
     cancelled = progress && !progress(index, problem.names, now);
     return !cancelled;
@@ -65,7 +68,8 @@ PolicyAnswer find_policy(Simulation& simulation, const PolicyTask& task, const O
   options.validate();
   require_task(simulation, task);
   pose_problem(simulation, task, task.poses.front());  // refuses what the bounds make impossible
-  simulation.solve_equilibrium();  // a failure is found again, and told, by the first evaluation
+  // A failure is found again, and told, by the first evaluation.
+  simulation.solve_equilibrium();
   PolicyAnswer answer;
   double time_s = 0.0;
   bool cancelled = false;

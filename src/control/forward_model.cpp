@@ -7,7 +7,9 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kStagesOfRange = 4.0;  // into so many a command's range would be cut; the simulation cuts further
-constexpr size_t kRemembered = 8;       // equilibria to start from, beside the first
+constexpr double kShortTrial = 0.01;    // of a command's range
+constexpr double kRoughTolerance = 1e-3;
+constexpr size_t kRemembered = 8;  // equilibria to start from, beside the first
 
 }  // namespace
 
@@ -23,6 +25,14 @@ const Actuator& ForwardModel::actuator(Eigen::Index command) const {
 }
 
 Prediction ForwardModel::predict(const Eigen::VectorXd& commands, bool with_derivatives) {
+  return answer(commands, with_derivatives, false);
+}
+
+Prediction ForwardModel::try_out(const Eigen::VectorXd& commands, bool with_derivatives) {
+  return answer(commands, with_derivatives, true);
+}
+
+Prediction ForwardModel::answer(const Eigen::VectorXd& commands, bool with_derivatives, bool trial) {
   const Eigen::Index count = static_cast<Eigen::Index>(actuators_.size());
   if (commands.size() != count) {
     throw std::invalid_argument("commands: " + std::to_string(commands.size()) + " given, must be " +
@@ -31,8 +41,8 @@ Prediction ForwardModel::predict(const Eigen::VectorXd& commands, bool with_deri
   Prediction prediction;
   const SimulationState last_good = simulation_.state();
   try {
-    start_near(commands);
-    settle(commands);
+    const bool there = start_near(commands);
+    if (!(there && trial)) settle(commands, trial);
     if (with_derivatives) add_derivatives(prediction);
   } catch (...) {
     simulation_.set_state(last_good);
@@ -62,11 +72,13 @@ double ForwardModel::distance(const Eigen::VectorXd& from, const Eigen::VectorXd
   return largest;
 }
 
-void ForwardModel::start_near(const Eigen::VectorXd& commands) {
+bool ForwardModel::start_near(const Eigen::VectorXd& commands) {
   const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const Known& a, const Known& b) {
     return distance(a.commands, commands) < distance(b.commands, commands);
   });
-  if (nearest != known_.end()) simulation_.set_state(nearest->state);
+  if (nearest == known_.end()) return false;
+  simulation_.set_state(nearest->state);
+  return nearest->commands == commands;
 }
 
 void ForwardModel::remember(const Eigen::VectorXd& commands) {
@@ -79,16 +91,18 @@ void ForwardModel::remember(const Eigen::VectorXd& commands) {
   known_.push_back({commands, simulation_.state()});
 }
 
-void ForwardModel::settle(const Eigen::VectorXd& commands) {
+void ForwardModel::settle(const Eigen::VectorXd& commands, bool trial) {
   Eigen::VectorXd from(commands.size());
   for (Eigen::Index i = 0; i < commands.size(); ++i) from[i] = actuator(i).command();
   double stages = std::ceil(std::max(1.0, kStagesOfRange * distance(from, commands)));
   if (!(stages <= 2.0 * kStagesOfRange)) stages = 1.0;  // beyond the limits, to be refused
+  EquilibriumOptions options;
+  if (trial && distance(from, commands) > kShortTrial) options = {kRoughTolerance, true};
   for (double stage = 1.0; stage <= stages; ++stage) {
     const Eigen::VectorXd there =
         stage == stages ? commands : Eigen::VectorXd(from + stage / stages * (commands - from));
     for (Eigen::Index i = 0; i < commands.size(); ++i) simulation_.set_command(actuator(i).name(), there[i]);
-    const SolveReport report = simulation_.solve_equilibrium();
+    const SolveReport report = simulation_.solve_equilibrium(options);
     if (!report.converged) throw ForwardModelError(report.message);
   }
 }

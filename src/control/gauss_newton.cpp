@@ -120,25 +120,44 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, doub
   Eigen::MatrixXd second_order = Eigen::MatrixXd::Zero(commands.size(), commands.size());
   double growth = 2.0, largest = kLargestStep;
   int small_steps = 0;
-  while (here.residuals.norm() >= tolerance_m) {
+  bool cut = false;         // the last step
+  const auto exact = [&] {  // whether `here` is; otherwise it becomes so, for a descent to end at
+    if (!here.rough) return true;
+    const Evaluation* again = search.evaluate(commands, true);
+    if (again) here = *again;
+    small_steps = 0;
+    return again == nullptr;
+  };
+  while (here.residuals.norm() >= tolerance_m || !exact()) {
     if (search.iterations() >= max_iterations) return kIterationLimit;
     const LocalModel model = model_at(here, second_order);
     const Eigen::VectorXd step = short_step(model, damping, largest, problem, commands);
     const bool some_way = step.size() > 0;
-    if (some_way && step.isZero(0.0)) return kConverged;
+    if (some_way && step.isZero(0.0)) {
+      if (exact()) return kConverged;
+      continue;
+    }
     const double promised = some_way ? -model.change(step) : 0.0;
     if (promised <= 0.0) {  // the curvature, or a bound that a command was put to, asks for more damping
       damping = std::max(4.0 * damping, 1.0e-3);
-      if (damping > kMostDamping) return kConverged;
+      if (damping > kMostDamping && exact()) return kConverged;
       continue;
     }
     const double worth_m2 = kSettled * tolerance_m * here.residuals.norm();  // what so small a gain changes
-    if (promised < 0.01 * worth_m2) return kConverged;
+    if (promised < 0.01 * worth_m2) {
+      if (exact()) return kConverged;
+      continue;
+    }
     const Eigen::VectorXd next = (commands + step).cwiseMax(problem.min).cwiseMin(problem.max);
-    found = search.evaluate(next, false);
-    const double gained = found && found->allowed ? here.objective_m2() - found->objective_m2() : -promised;
+    found = search.try_out(next, false);
+    double gained = -promised;
+    if (found && found->allowed) {
+      const double there_m2 = found->objective_m2();
+      if (there_m2 >= here.objective_m2()) exact();  // a short step's is, and may only seem worse
+      gained = here.objective_m2() - there_m2;
+    }
     const bool better = gained > 0.0;
-    if (better) found = search.evaluate(next, true);
+    if (better) found = search.try_out(next, true);
     if (better && found) {
       learn(here, *found, second_order);
       small_steps = gained < worth_m2 ? small_steps + 1 : 0;
@@ -147,14 +166,15 @@ std::string descend(Search& search, int max_iterations, double tolerance_m, doub
       damping =
           std::max(kLeastDamping, damping * std::max(1.0 / 5.0, 1.0 - std::pow(2.0 * gained / promised - 1.0, 3)));
       growth = 2.0;
-      if (gained > 0.5 * promised) largest = std::min(kLargestStep, 2.0 * largest);
+      if (gained > 0.5 * promised && !cut) largest = std::min(kLargestStep, 2.0 * largest);
     } else {
       damping *= growth;
       growth *= 2.0;
       largest = 0.5 * step.cwiseQuotient(problem.max - problem.min).cwiseAbs().maxCoeff();
     }
+    cut = !better;
     if (!search.finish_iteration(commands, here.distance_m)) return kCancelled;
-    if (small_steps >= 2 || damping > kMostDamping || largest < kSmallestStep) return kConverged;
+    if ((small_steps >= 2 || damping > kMostDamping || largest < kSmallestStep) && exact()) return kConverged;
   }
   return kConverged;
 }

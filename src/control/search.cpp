@@ -65,19 +65,29 @@ void Search::judge(Evaluation& here) const {
 }
 
 const Evaluation* Search::evaluate(const Eigen::VectorXd& commands, bool with_jacobian) {
+  return ask(commands, with_jacobian, false);
+}
+
+const Evaluation* Search::try_out(const Eigen::VectorXd& commands, bool with_jacobian) {
+  return ask(commands, with_jacobian, static_cast<bool>(problem_.trial));
+}
+
+const Evaluation* Search::ask(const Eigen::VectorXd& commands, bool with_jacobian, bool trial) {
   bool known = false;
   for (const auto* remembered : {&last_, &best_}) {
     if (!*remembered || (*remembered)->commands != commands) continue;
     failure_.clear();
-    if (!with_jacobian || (*remembered)->jacobian.size() > 0) return &**remembered;
+    if ((!with_jacobian || (*remembered)->jacobian.size() > 0) && (trial || !(*remembered)->rough))
+      return &**remembered;
     known = true;
   }
   Evaluation now;
   now.commands = commands;
+  now.rough = trial;
   if (!known) ++evaluations_;
   failure_.clear();
   try {
-    now.prediction = problem_.model(commands, with_jacobian);
+    now.prediction = (trial ? problem_.trial : problem_.model)(commands, with_jacobian);
     if (!usable(now.prediction, problem_, with_jacobian))
       throw ForwardModelError("the model's answer is not finite, or of the wrong size");
   } catch (const ForwardModelError& error) {

@@ -17,6 +17,7 @@ struct Evaluation {
   Eigen::MatrixXd jacobian;  // of the residuals; empty where no derivatives were asked for
   double distance_m = 0.0;   // markers from targets
   bool allowed = true;       // no tension is beyond its limit
+  bool rough = false;        // by a model for trials
   double objective_m2() const { return 0.5 * residuals.squaredNorm(); }
 };
 
@@ -34,6 +35,9 @@ class Search {
   // asking for one's Jacobian later starts from a solved equilibrium.
   const Evaluation* evaluate(const Eigen::VectorXd& commands, bool with_jacobian);
 
+  // The same by the problem's model for trials, where it has one: what it found may be rough, until it is evaluated.
+  const Evaluation* try_out(const Eigen::VectorXd& commands, bool with_jacobian);
+
   // The same on the way to `to`, which is cut in halves until no tension is beyond its limit; null also where that
   // leads nowhere.
   const Evaluation* approach(const Eigen::VectorXd& from, const Eigen::VectorXd& to, bool with_jacobian);
@@ -47,6 +51,7 @@ class Search {
   int evaluations() const { return evaluations_; }
 
  private:
+  const Evaluation* ask(const Eigen::VectorXd& commands, bool with_jacobian, bool trial);
   void judge(Evaluation& here) const;
 
   const ReachProblem& problem_;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <fcntl.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -44,6 +45,8 @@ void PseudoTerminal::unplug() {
 }
 
 std::vector<std::uint8_t> PseudoTerminal::read() {
+  // A real device forgets the exclusive mode when its last user is gone; this one never is without one.
+  if (slave_ >= 0) ioctl(slave_, TIOCNXCL);
   std::vector<std::uint8_t> bytes(256);
   const ssize_t count = master_ < 0 ? 0 : ::read(master_, bytes.data(), bytes.size());
   bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);

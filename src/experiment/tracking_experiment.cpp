@@ -33,11 +33,6 @@ Cuboid read_post(const SettingsNode& node, const CameraRig& rig) {
   return post;
 }
 
-DepthSettings read_depth(const SettingsNode& run, const DepthSettings& otherwise) {
-  const auto depth = run.optional_child("depth");
-  return depth ? read_depth_settings(*depth, otherwise) : otherwise;
-}
-
 TrackingExperiment read_experiment(const ExperimentContext& context) {
   const SettingsNode node = SettingsNode::load_file(context.settings_file("tracking"));
   const auto file = [&](const std::string& key) { return context.config_folder + "/" + node.text(key); };
@@ -54,7 +49,8 @@ TrackingExperiment read_experiment(const ExperimentContext& context) {
     experiment.rig.surroundings.cuboids.push_back(read_post(*post, experiment.rig));
   for (const SettingsNode& run : node.sequence("runs"))
     experiment.runs.push_back({run.text("name"), read_sensor_model(run.child("sensor")),
-                               read_depth(run, experiment.tracker.depth), run.number_or("share", 1, {0, 1, true})});
+                               read_depth_settings(run, experiment.tracker.depth),
+                               run.number_or("share", 1, {0, 1, true})});
   node.require_all_read();
   return experiment;
 }

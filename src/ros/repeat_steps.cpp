@@ -11,6 +11,31 @@
 #include "soft_robot_lab/ros/image_messages.h"
 
 namespace soft_robot_lab {
+
+// An image of which only the beginning is read.
+struct ImageStamp {
+  std_msgs::Header header;
+};
+
+}  // namespace soft_robot_lab
+
+namespace ros {
+namespace message_traits {
+template <>
+struct MD5Sum<soft_robot_lab::ImageStamp> : MD5Sum<sensor_msgs::Image> {};
+}  // namespace message_traits
+namespace serialization {
+template <>
+struct Serializer<soft_robot_lab::ImageStamp> {
+  template <typename Stream>
+  static void read(Stream& stream, soft_robot_lab::ImageStamp& image) {
+    stream.next(image.header);
+  }
+};
+}  // namespace serialization
+}  // namespace ros
+
+namespace soft_robot_lab {
 namespace {
 
 using sensor_msgs::Image;
@@ -20,7 +45,8 @@ class RecordedImages {
  public:
   RecordedImages(const rosbag::Bag& bag, const std::vector<std::string>& topics) {
     for (const rosbag::MessageInstance& message : only(bag, topics))
-      images_.emplace(Key(relative(message.getTopic()), message.instantiate<Image>()->header.stamp.toSec()), message);
+      images_.emplace(Key(relative(message.getTopic()), message.instantiate<ImageStamp>()->header.stamp.toSec()),
+                      message);
   }
 
   // Absent where the recording lacks colour or depth.

@@ -33,10 +33,11 @@ bool within_budget(const SimulationParts& parts, const SolveReport& report) {
   return report.iterations < kBudget * parts.options.max_iterations;
 }
 
-bool relax(SimulationParts& parts, SolveReport& report, bool only_through_stable) {
+bool relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options) {
   NewtonState unknown = parts.unknowns();
   NewtonTask task = rest_task(parts);
-  task.only_through_stable = only_through_stable;
+  task.tolerance = std::max(task.tolerance, options.tolerance);
+  task.only_through_stable = options.only_through_stable;
   if (!parts.solve(task, unknown, report).converged) return false;
   parts.accept(std::move(unknown));
   return true;

@@ -8,8 +8,8 @@ namespace soft_robot_lab {
 // An equilibrium may take a multiple of max_iterations in all.
 bool within_budget(const SimulationParts& parts, const SolveReport& report);
 
-// Newton alone. Where it does not converge the state stays as it was. `only_through_stable` as in NewtonTask.
-bool relax(SimulationParts& parts, SolveReport& report, bool only_through_stable = false);
+// Newton alone. Where it does not converge the state stays as it was.
+bool relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {});
 
 // The same after a fall down the energy (SimulationParts::solve_from_below).
 bool relax_from_below(SimulationParts& parts, SolveReport& report);

@@ -26,14 +26,16 @@ std::vector<double> actuated(const SimulationParts& parts) {
 
 // By Newton, in stages of the command change where one is too far; the share of it that was reached. A stage whose way
 // leads through an unstable shape, as where a body buckles, hardly ever converges: it is cut before it costs anything.
-double follow_commands(SimulationParts& parts, const std::vector<double>& from, SolveReport& report) {
+double follow_commands(SimulationParts& parts, const std::vector<double>& from, const EquilibriumOptions& options,
+                       SolveReport& report) {
   double done = 0.0, stage = 1.0;
   while (done < 1.0 && stage * kSmallestStage >= 1.0 && within_budget(parts, report)) {
     const double share = std::min(1.0, done + stage);
     parts.move_actuators(from, share);
     const bool cuttable = actuated(parts) != from && 0.5 * stage * kSmallestStage >= 1.0;
-    const bool found = relax(parts, report, cuttable);
+    const bool found = relax(parts, report, {options.tolerance, options.only_through_stable || cuttable});
     if (found) done = share;
+    if (options.only_through_stable) break;
     stage *= found ? 2.0 : 0.5;
   }
   return done;
@@ -50,13 +52,13 @@ void start_from_rest_shape(SimulationParts& parts) {
 
 }  // namespace
 
-void find_equilibrium(SimulationParts& parts, SolveReport& report) {
+void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   if (parts.solver.inverted_elements(parts.state.positions_m) > 0) start_from_rest_shape(parts);
   const std::vector<double> from = actuated(parts);
-  const double done = follow_commands(parts, from, report);
+  const double done = follow_commands(parts, from, options, report);
   if (done == 1.0) return;
   parts.move_actuators(from, 1.0);
-  if (relax_from_below(parts, report) || descend(parts, report)) return;
+  if (!options.only_through_stable && (relax_from_below(parts, report) || descend(parts, report))) return;
   tell_unfinished(done, report);
 }
 

@@ -102,6 +102,16 @@ void GaussSeidelSolver::save_multipliers(double h, Eigen::VectorXd& forces_n) co
   }
 }
 
+// A sweep from zero in no time leaves the nodes where they are, and the multipliers at -h^2 M^-1/2 dE/dx.
+Eigen::VectorXd GaussSeidelSolver::forces_of(NewtonState state) {
+  constexpr double no_time_s = 1e-10;
+  Eigen::VectorXd forces_n = Eigen::VectorXd::Zero(force_count());
+  std::fill(multipliers_.begin(), multipliers_.end(), splat(0.0));
+  sweep_elements(no_time_s, state);
+  save_multipliers(no_time_s, forces_n);
+  return forces_n;
+}
+
 void GaussSeidelSolver::predict(const GaussSeidelTask& task, double h, GaussSeidelState& state) {
   Eigen::Matrix3Xd& positions = state.unknowns.positions_m;
   Eigen::Matrix3Xd motion = h * state.velocities_m_s + h * h * inverse_masses_.cwiseProduct(loads_n_);

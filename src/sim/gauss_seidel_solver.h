@@ -64,6 +64,9 @@ class GaussSeidelSolver {
   // as it was.
   GaussSeidelReport advance_stably(GaussSeidelTask task, GaussSeidelState& state);
 
+  // The multipliers that follow from a shape alone, dE/dx of each element. With zeros in their place the first substep lets go
+  // of a body under tension.
+  Eigen::VectorXd forces_of(NewtonState state);
   Eigen::Index force_count() const { return static_cast<Eigen::Index>(multipliers_.size()) * kLanes; }
 
  private:

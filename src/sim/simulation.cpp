@@ -120,7 +120,7 @@ SolveReport Simulation::step() {
   return report;
 }
 
-SolveReport Simulation::solve_equilibrium() {
+SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
   const Stopwatch clock;
   SolveReport report;
   for (const auto& actuator : parts_->actuators)
@@ -131,7 +131,7 @@ SolveReport Simulation::solve_equilibrium() {
   if (parts_->gauss_seidel) {
     settle_in_substeps(*parts_, report);
   } else {
-    find_equilibrium(*parts_, report);
+    find_equilibrium(*parts_, options, report);
   }
   parts_->remember();
   warn_of_actuators(*this, report);
@@ -172,8 +172,7 @@ Eigen::MatrixXd Simulation::parameter_sensitivities(const std::vector<ModelParam
   for (Eigen::Index column = 0; column < motions.cols(); ++column) {
     const Eigen::Map<const Eigen::Matrix3Xd> motion(motions.col(column).data(), 3, p.state.positions_m.cols());
     for (std::size_t m = 0; m < p.markers.size(); ++m)
-      result.block<3, 1>(3 * static_cast<Eigen::Index>(m), column) =
-          p.markers[m].velocity(p.state.positions_m, motion);
+      result.block<3, 1>(3 * static_cast<Eigen::Index>(m), column) = p.markers[m].velocity(p.state.positions_m, motion);
   }
   return result;
 }

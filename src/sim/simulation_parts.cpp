@@ -87,6 +87,7 @@ void SimulationParts::remember() {
 
 void SimulationParts::restore(const SimulationState& saved) {
   state = saved;
+  if (gauss_seidel && saved.element_forces_n.size() == 0) state.element_forces_n = gauss_seidel->forces_of(unknowns());
   for (std::size_t i = 0; i < actuators.size(); ++i)
     actuators[i]->restore(saved.commands[i], saved.actuated_commands[i], saved.actuator_memories[i]);
 }

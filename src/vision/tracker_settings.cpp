@@ -86,7 +86,7 @@ std::map<std::string, std::string> read_marker_colours(const SettingsNode& node,
 TrackerSettings read_tracker(const SettingsNode& node) {
   TrackerSettings settings;
   settings.detector = read_detector(node.child("detector"));
-  if (const auto depth = node.optional_child("depth")) settings.depth = read_depth_settings(*depth, settings.depth);
+  settings.depth = read_depth_settings(node, settings.depth);
   if (const auto motion = node.optional_child("motion")) settings.motion = read_motion(*motion);
   settings.marker_radius_m = node.number_or("marker_radius_m", settings.marker_radius_m, {1e-4, 0.1});
   settings.region_margin_m = node.number_or("region_margin_m", settings.region_margin_m, {0, 1});
@@ -100,12 +100,14 @@ TrackerSettings read_tracker(const SettingsNode& node) {
 
 }  // namespace
 
-DepthSettings read_depth_settings(const SettingsNode& node, DepthSettings depth) {
-  depth.noise_per_m = node.number_or("noise_per_m", depth.noise_per_m, {1e-6, 1});
-  depth.correlation_px = node.number_or("correlation_px", depth.correlation_px, {1, 50});
-  depth.quantisation_m = node.number_or("quantisation_m", depth.quantisation_m, {0, 0.1});
-  depth.min_m = node.number_or("min_m", depth.min_m, AllowedRange::positive());
-  depth.max_m = node.number_or("max_m", depth.max_m, {depth.min_m, 65.535, true});
+DepthSettings read_depth_settings(const SettingsNode& parent, DepthSettings depth) {
+  const auto node = parent.optional_child("depth");
+  if (!node) return depth;
+  depth.noise_per_m = node->number_or("noise_per_m", depth.noise_per_m, {1e-6, 1});
+  depth.correlation_px = node->number_or("correlation_px", depth.correlation_px, {1, 50});
+  depth.quantisation_m = node->number_or("quantisation_m", depth.quantisation_m, {0, 0.1});
+  depth.min_m = node->number_or("min_m", depth.min_m, AllowedRange::positive());
+  depth.max_m = node->number_or("max_m", depth.max_m, {depth.min_m, 65.535, true});
   return depth;
 }
 

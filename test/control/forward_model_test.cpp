@@ -14,7 +14,8 @@ namespace {
 TEST(ForwardModel, TakesCommandsInTheOrderOfItsNames) {
   Simulation simulation = bar();
   const Eigen::Vector2d left_pulled(0.95, 1.0);
-  const Eigen::Vector3d one = ForwardModel(simulation, {"tip"}, {"left", "right"}).predict(left_pulled, false).markers_m;
+  const Eigen::Vector3d one =
+      ForwardModel(simulation, {"tip"}, {"left", "right"}).predict(left_pulled, false).markers_m;
   const Eigen::Vector3d other =
       ForwardModel(simulation, {"tip"}, {"right", "left"}).predict(left_pulled, false).markers_m;
   EXPECT_LT(one.y(), -0.005);
@@ -77,6 +78,34 @@ TEST(ForwardModel, GoesBackToTheLastGoodStateWhereItFindsNoEquilibrium) {
   EXPECT_EQ(simulation.state().commands, before.commands);
   EXPECT_EQ(simulation.state().actuated_commands, before.actuated_commands);
   EXPECT_EQ(simulation.state().positions_m, before.positions_m);
+}
+
+// Pulled by both cables alike the bar buckles: there it is, but a search had better cut its step.
+TEST(ForwardModel, RefusesATrialThatLeadsThroughBuckling) {
+  Simulation simulation = bar();
+  ForwardModel model(simulation, {"tip"}, {"left", "right"});
+  model.predict(Eigen::Vector2d(1.0, 1.0), false);
+  const SimulationState before = simulation.state();
+  const Eigen::Vector2d buckled(0.85, 0.85);
+  EXPECT_THROW(model.try_out(buckled, false), ForwardModelError);
+  EXPECT_EQ(simulation.state().commands, before.commands);
+  EXPECT_EQ(simulation.state().positions_m, before.positions_m);
+  EXPECT_NO_THROW(model.predict(buckled, false));
+}
+
+TEST(ForwardModel, AnswersAShortTrialExactlyAndALongOneRoughly) {
+  SolverOptions options;
+  options.tolerance = 1e-9;
+  Simulation simulation = bar(options);
+  ForwardModel model(simulation, {"tip"}, {"left", "right"});
+  const Eigen::Vector2d near(0.999, 1.0), far(0.93, 1.0);
+  const Eigen::Vector3d short_m = model.try_out(near, false).markers_m;
+  EXPECT_EQ((model.predict(near, false).markers_m - short_m).norm(), 0.0);
+  const Eigen::Vector3d rough_m = model.try_out(far, false).markers_m;
+  EXPECT_EQ((model.try_out(far, true).markers_m - rough_m).norm(), 0.0);
+  const double off_m = (model.predict(far, false).markers_m - rough_m).norm();
+  EXPECT_GT(off_m, 0.0);
+  EXPECT_LT(off_m, 1e-4);
 }
 
 TEST(GaussNewton, BringsTheTipToAReachableTarget) {

@@ -47,6 +47,8 @@ ExecutePolicy::Request pull(double right, double time_s) {
 
 class Controller : public testing::Test {
  protected:
+  static void SetUpTestSuite() { robot = std::make_unique<StubRobot>(scenes); }
+  static void TearDownTestSuite() { robot.reset(); }
   void SetUp() override {
     robot->tip_seen = robot->middle_seen = true;
     robot->stalled = false;
@@ -66,10 +68,9 @@ class Controller : public testing::Test {
     ASSERT_TRUE(spin_until([&] { return robot->commands_heard >= before + count; }, 30.0));
   }
   void expect_commands_are_held() {
-    ros::WallDuration(0.2).sleep();  // what was sent before has come
-    const int before = robot->commands_heard;
-    ros::WallDuration(0.3).sleep();  // three seconds of the session
-    EXPECT_EQ(robot->commands_heard, before);
+    const double from_s = ros::Time::now().toSec();
+    ros::WallDuration(0.3).sleep();  // one and a half seconds of the session
+    EXPECT_LE(robot->last_command_s, from_s);
   }
 
   ros::NodeHandle node_;
@@ -212,13 +213,3 @@ TEST_F(Controller, HoldsWhenItsNodeIsKilledAndPlaysAgainWhenItIsBack) {
 
 }  // namespace
 }  // namespace soft_robot_lab
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "controller_faults_test");
-  const ros::NodeHandle keeps_ros_running;
-  soft_robot_lab::robot = std::make_unique<soft_robot_lab::StubRobot>(soft_robot_lab::scenes);
-  const int result = RUN_ALL_TESTS();
-  soft_robot_lab::robot.reset();
-  return result;
-}

@@ -151,10 +151,3 @@ TEST_F(FitModelService, RefusesASecondRequestWhileOneRuns) {
 
 }  // namespace
 }  // namespace soft_robot_lab
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "fit_service_test");
-  const ros::NodeHandle keeps_ros_running;
-  return RUN_ALL_TESTS();
-}

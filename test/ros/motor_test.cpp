@@ -86,6 +86,19 @@ class Motors : public testing::Test {
     return response;
   }
 
+  // What the board must do and can: again where the link was lost meanwhile, as on a busy machine it may be.
+  template <typename Service>
+  void expect_done(const std::string& name) {
+    typename Service::Response response;
+    wait_for(name, [&] {
+      response = ask<Service>(name);
+      const bool lost = response.message.find("link") != std::string::npos ||
+                        response.message.find("not been read yet") != std::string::npos;
+      return response.success || !lost;
+    });
+    EXPECT_TRUE(response.success) << response.message;
+  }
+
   MotorState state;
   ShaftState truth;
   int level = -1;  // of the diagnostics
@@ -101,7 +114,7 @@ using Status = diagnostic_msgs::DiagnosticStatus;
 // Sections 6.4 and 6.5: contractions and the steps they mean.
 TEST_F(Motors, TurnTheShaftsToTheStepsOfTheThesis) {
   std::string robot;
-  ASSERT_TRUE(ros::param::get("/motor_test/robot", robot));
+  ASSERT_TRUE(ros::param::get("~robot", robot));
   if (robot == "spinebot") {
     expect_shafts({0.8, 1.1}, {258, -129});
     expect_shafts({0.9, 0.8}, {129, 258});
@@ -122,7 +135,7 @@ TEST_F(Motors, StopAtOnceAndStayStoppedUntilCleared) {
   wait_for("the next states", [this, seen = state.header.seq] { return state.header.seq > seen + 20; });
   EXPECT_EQ(truth.position_steps, stopped_at);
 
-  EXPECT_TRUE(ask<std_srvs::Trigger>(topics::motor_clear).success);
+  expect_done<std_srvs::Trigger>(topics::motor_clear);
   wait_for("green diagnostics", [this] { return level == Status::OK; });
   expect_shafts({1.0, 1.0}, {0, 0});
 }
@@ -139,9 +152,9 @@ TEST_F(Motors, LatchAStallUntilClearedAndZeroed) {
 
   stall.command = "stall 0 off";
   EXPECT_TRUE(ask<RigCommand>(topics::rig_command, stall).success);
-  EXPECT_TRUE(ask<std_srvs::Trigger>(topics::motor_clear).success);
+  expect_done<std_srvs::Trigger>(topics::motor_clear);
   wait_for("a position to be set", [this] { return state.fault.at(0).find("position unknown") == 0; });
-  EXPECT_TRUE(ask<ZeroMotors>(topics::motor_zero).success);
+  expect_done<ZeroMotors>(topics::motor_zero);
   wait_for("a known position", [this] { return state.known.at(0) != 0; });
   command_until("the shaft", {0.9, 1.0},
                 [this] { return truth.position_steps.at(0) > 100 && truth.moving.at(0) == 0; });
@@ -150,13 +163,17 @@ TEST_F(Motors, LatchAStallUntilClearedAndZeroed) {
 
 // The board notices the silence; the node comes back by roslaunch and reads where the shafts are.
 TEST_F(Motors, StopWhenTheirNodeIsKilledAndMoveFromThereWhenItIsBack) {
-  expect_shafts({1.0, 1.0}, {0, 0});
+  command_until("the longest cables", {1.2, 1.2},
+                [this] { return state.position_steps == state.target_steps && state.position_steps.at(0) < -250; });
   const auto first_node = process_of("/motor");
-  command_until("motion", {0.7, 0.7}, [this] { return truth.position_steps.at(0) > 20; });
+  const double start_steps = truth.position_steps.at(0);
+  command_until("motion", {0.7, 0.7}, [&] { return truth.position_steps.at(0) > start_steps + 20; });
+  wait_for("the target", [this] { return state.target_steps.at(0) > 380; });
+  const double target_steps = state.target_steps.at(0);
   ASSERT_EQ(kill(first_node, SIGKILL), 0);
   wait_for("the watchdog's stop", [this] { return truth.moving == std::vector<std::uint8_t>{0, 0}; });
   const auto stopped_at = truth.position_steps;
-  EXPECT_LT(stopped_at.at(0), 386);  // short of the command
+  EXPECT_LT(stopped_at.at(0), target_steps);
 
   state = {};
   wait_for("the node to be back", [this] {
@@ -181,10 +198,3 @@ TEST_F(Motors, RefuseUnknownRigCommandsAndMotors) {
 
 }  // namespace
 }  // namespace soft_robot_lab
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "motor_test");
-  const ros::NodeHandle keeps_ros_up;
-  return RUN_ALL_TESTS();
-}

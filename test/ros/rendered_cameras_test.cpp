@@ -245,10 +245,3 @@ TEST_F(RenderedCameras, TellWhatFramesCost) {
 
 }  // namespace
 }  // namespace soft_robot_lab
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "rendered_cameras_test");
-  const ros::NodeHandle keeps_ros_running;
-  return RUN_ALL_TESTS();
-}

@@ -217,15 +217,8 @@ TEST_F(TrackedCameras, AreNamedWhenTheyWereKnocked) {
   ASSERT_TRUE(play_until([&] { return says("places of cameras", "sees too: spare"); })) << status("places of cameras");
   play(4);
   move_right_camera({0.005, 0, 0});
-  EXPECT_TRUE(play_until([&] { return says("places of cameras", "right was moved"); }))
-      << status("places of cameras");
+  EXPECT_TRUE(play_until([&] { return says("places of cameras", "right was moved"); })) << status("places of cameras");
 }
 
 }  // namespace
 }  // namespace soft_robot_lab
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "tracker_test");
-  return RUN_ALL_TESTS();
-}

@@ -27,10 +27,14 @@ class ForwardModel {
 
   // Equilibrium from the nearest of the last ones found (warm start), so neighbouring queries are cheap, also after a
   // step that went too far; a large change of commands is followed in stages, as a body that buckles may lose its way
-  // in one. Throws ForwardModelError where none was found,
-  // or where it is not stable, and std::invalid_argument for a command beyond an actuator's limits; the simulation is
-  // then as it was before.
+  // in one. Throws ForwardModelError where none was found, or where it is not stable, and std::invalid_argument for a
+  // command beyond an actuator's limits; the simulation is then as it was before.
   Prediction predict(const Eigen::VectorXd& commands, bool with_derivatives);
+
+  // The same for a step of a search, which would rather cut a long one than follow it dearly: throws ForwardModelError
+  // too where the body would buckle on the way, and the equilibrium is rough (residual 1e-3). A short step, or one from
+  // where no trial was, is answered like any other.
+  Prediction try_out(const Eigen::VectorXd& commands, bool with_derivatives);
 
  private:
   struct Known {
@@ -38,10 +42,11 @@ class ForwardModel {
     SimulationState state;
   };
 
+  Prediction answer(const Eigen::VectorXd& commands, bool with_derivatives, bool trial);
   double distance(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;  // of commands, in their ranges
-  void start_near(const Eigen::VectorXd& commands);
+  bool start_near(const Eigen::VectorXd& commands);  // whether that is at these commands already
   void remember(const Eigen::VectorXd& commands);
-  void settle(const Eigen::VectorXd& commands);
+  void settle(const Eigen::VectorXd& commands, bool trial);
   void add_derivatives(Prediction& prediction) const;
   const Actuator& actuator(Eigen::Index command) const;
 

@@ -16,7 +16,7 @@ struct Prediction {
   Eigen::MatrixXd marker_jacobian;   // 3 goals x commands [m per command]
   Eigen::VectorXd tensions_n;        // one per command, 0 for what has none; empty where the model does not know
   Eigen::MatrixXd tension_jacobian;  // commands x commands [N per command]
-  Eigen::VectorXd slack;             // one per command: below it by so much an idle one begins to act; empty where all act
+  Eigen::VectorXd slack;  // one per command: below it by so much an idle one begins to act; empty where all act
 };
 
 // Throws ForwardModelError where no equilibrium was found.
@@ -29,6 +29,7 @@ struct Goal {
 
 struct ReachProblem {
   Model model;
+  Model trial = {};                // for a search's steps; may refuse what costs much, and be rough. Empty: `model`
   std::vector<Goal> goals;         // at least one, in the order of the model's markers
   std::vector<std::string> names;  // of the commands, for messages
   Eigen::VectorXd start;           // commands, within the bounds

@@ -42,7 +42,7 @@ class Simulation {
   // The stable rest state for the present commands, reached from the present state, or from the rest shape where the
   // present state has inverted elements (a tangle may hold itself); velocities become zero. Throws
   // std::invalid_argument where an actuator has none.
-  SolveReport solve_equilibrium();
+  SolveReport solve_equilibrium(const EquilibriumOptions& options = {});
 
   // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack
   // cable). Where friction tells going on from turning back, what slipped last goes on. `tensions_n`, where given,
@@ -50,8 +50,8 @@ class Simulation {
   Eigen::MatrixXd marker_sensitivities(Eigen::MatrixXd* tensions_n = nullptr);
 
   // d marker / d parameter at the present equilibrium and commands: 3*markers x parameters. With friction it depends on
-  // the way here: `slipped_m`, d length slipped so far / d parameter, junctions x parameters, is what equilibria hand on;
-  // start it empty at the rest shape, and ask at every equilibrium on the way. Throws std::invalid_argument for a
+  // the way here: `slipped_m`, d length slipped so far / d parameter, junctions x parameters, is what equilibria hand
+  // on; start it empty at the rest shape, and ask at every equilibrium on the way. Throws std::invalid_argument for a
   // parameter that an actuator does not know, std::runtime_error where the equilibrium is not stable.
   Eigen::MatrixXd parameter_sensitivities(const std::vector<ModelParameter>& parameters, Eigen::MatrixXd& slipped_m);
 

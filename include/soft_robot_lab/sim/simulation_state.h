@@ -17,7 +17,9 @@ struct SimulationState {
   Eigen::Matrix3Xd velocities_m_s;         // 3 x nodes
   Eigen::VectorXd element_multipliers_pa;  // one volume multiplier per element, or per vertex
   Eigen::VectorXd constraint_multipliers;  // in the order of the actuators' constraints
-  Eigen::VectorXd element_forces_n;        // gauss_seidel: each element's, in an order of the solver's own; else empty
+  // gauss_seidel: each element's, in an order of the solver's own; empty with `global`, and in a state that is set: those of
+  // the shape at rest.
+  Eigen::VectorXd element_forces_n;
   Eigen::VectorXd branch_stress_pa;        // of hysteresis, in an order of the solver's own; empty without
   std::vector<double> commands;            // per actuator
   std::vector<double> actuated_commands;   // per actuator

@@ -23,4 +23,10 @@ struct SolverOptions {
   void validate() const;              // throws std::invalid_argument: field, value, allowed range
 };
 
+// Of method global, for who asks for many equilibria of which few count; gauss_seidel has no use for them.
+struct EquilibriumOptions {
+  double tolerance = 0.0;            // of the residual, where it is above SolverOptions::tolerance
+  bool only_through_stable = false;  // give up, unconverged, where the body would buckle on the way
+};
+
 }  // namespace soft_robot_lab

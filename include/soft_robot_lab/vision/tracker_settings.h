@@ -72,6 +72,6 @@ struct TrackerSettings {
 // Throw SettingsError: file, line, key, value and allowed range.
 TrackerSettings load_tracker(const std::string& path);
 TrackerSettings parse_tracker(const std::string& text, const std::string& source_name);
-DepthSettings read_depth_settings(const SettingsNode& node, DepthSettings otherwise);  // the keys of `depth`
+DepthSettings read_depth_settings(const SettingsNode& parent, DepthSettings otherwise);  // its `depth`, if it has one
 
 }  // namespace soft_robot_lab

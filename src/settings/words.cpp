@@ -1,0 +1,69 @@
+#include "settings/words.h"
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+namespace soft_robot_lab {
+namespace {
+
+// Levenshtein distance.
+size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i);
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({change, row[j] + 1, row[j - 1] + 1}));
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string join(const std::vector<std::string>& words) {
+  std::string joined;
+  for (const std::string& word : words) joined += (joined.empty() ? "" : ", ") + word;
+  return joined;
+}
+
+std::string format_number(double value) {
+  std::ostringstream text;
+  text.precision(10);
+  text << value;
+  return text.str();
+}
+
+std::string unknown_key_message(const std::string& key, std::vector<std::string> known) {
+  if (std::find(known.begin(), known.end(), key) != known.end()) return "key '" + key + "' has no use here";
+  std::string message = "unknown key '" + key + "'";
+  if (known.empty()) return message + "; no keys are known here";
+  std::sort(known.begin(), known.end());
+  const auto closest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return edit_distance(key, a) < edit_distance(key, b);
+  });
+  if (edit_distance(key, *closest) <= std::max<size_t>(1, key.size() / 3)) {
+    message += " (did you mean '" + *closest + "'?)";
+  }
+  return message + "; known here: " + join(known);
+}
+
+std::string quote(const std::string& text) {
+  static const char* digits = "0123456789abcdef";
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      quoted += {'\\', c};
+    } else if (byte < 0x20 || byte == 0x7f) {
+      quoted += {'\\', 'x', digits[byte / 16], digits[byte % 16]};
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
+}  // namespace soft_robot_lab

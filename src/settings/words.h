@@ -1,0 +1,28 @@
+// Words and numbers of settings, and of what is said about wrong ones.
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace soft_robot_lab {
+
+std::string join(const std::vector<std::string>& words);  // with commas
+std::string format_number(double value);
+std::string quote(const std::string& text);  // as YAML
+std::string unknown_key_message(const std::string& key, std::vector<std::string> known);
+
+// A decimal number and nothing else, whatever the locale.
+template <typename Number>
+std::optional<Number> parse_number(const std::string& text) {
+  const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+  Number value{};
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data() + (plus ? 1 : 0), end, value);
+  if (error != std::errc() || stop != end) return std::nullopt;
+  return value;
+}
+
+}  // namespace soft_robot_lab

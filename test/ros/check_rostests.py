@@ -1,0 +1,19 @@
+#!/usr/bin/python3
+"""check_rostests.py "FILE.test ARG:=VALUE ..." ...: whether each of these rostests writes its results to a file of its own.
+
+rostest names that file by the test-name alone: where two have the same, the one that starts removes what the other has just
+written.
+"""
+import sys
+
+import roslaunch
+
+tests = {}
+for rostest in sys.argv[1:]:
+    file, *arguments = rostest.split()
+    for test in roslaunch.config.load_config_default([(file, arguments)], None).tests:
+        tests.setdefault(test.test_name, []).append(rostest)
+shared = {name: rostests for name, rostests in tests.items() if len(rostests) > 1}
+for name, rostests in shared.items():
+    print(f"test-name '{name}' is shared by: " + "; ".join(rostests))
+sys.exit(len(shared) > 0 or not tests)

@@ -146,14 +146,16 @@ ExperimentResult tables_and_plots(const std::string& name, const std::vector<Tar
   return result;
 }
 
-// CPU of rmsprop over that in which gauss_newton came as near as rmsprop ends, within the methods' tolerance: of all
-// its iterations, and of those until it was there itself. Nothing where gauss_newton never came as near.
+// CPU of rmsprop over that in which gauss_newton came as near as rmsprop's last iterate, within the methods' tolerance:
+// of all its iterations, and of those until it was there itself. Nothing where gauss_newton never came as near. (What
+// rmsprop found best may be a probe for a difference, where no iterate ever was.)
 struct CpuRatios {
   double whole = 0.0, until_there = 0.0;
 };
 
 std::optional<CpuRatios> cpu_ratios(const PolicyRun& newton, const PolicyRun& rmsprop) {
-  const double near_m = rmsprop.summary.final_distance_m + OptimiserOptions{}.tolerance_m;
+  if (rmsprop.distance_m.empty()) return std::nullopt;
+  const double near_m = rmsprop.distance_m.back() + OptimiserOptions{}.tolerance_m;
   const std::optional<double> newton_s = newton.cpu_until_s(near_m), rmsprop_s = rmsprop.cpu_until_s(near_m);
   if (!newton_s || !rmsprop_s) return std::nullopt;
   return CpuRatios{rmsprop.summary.cpu_s / *newton_s, *rmsprop_s / *newton_s};

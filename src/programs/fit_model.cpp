@@ -1,4 +1,5 @@
-// fit_model BAG --parameters A,B,C: fits a robot's scene to a recorded session.
+// fit_model BAG --parameters A,B,C: fits a robot's scene to a recorded session, or tells how far it is from one.
+#include <iomanip>
 #include <iostream>
 #include <sstream>
 #include <stdexcept>
@@ -16,10 +17,11 @@ using namespace soft_robot_lab;
 constexpr const char* kUsage =
     "usage: fit_model BAG --parameters A,B,... [--scene SCENE.yaml] [--output FITTED.yaml] [--model-error METRES]\n"
     "       [--mass KG]\n"
+    "       fit_model BAG [--scene SCENE.yaml]\n"
     "Fits numbers of the robot's scene to the markers of a recording, wherever the robot was at rest, and writes a "
     "scene\n"
     "with them (fitted.yaml). Exact derivatives, least squares with bounds; says how sure each value is, and what the\n"
-    "data cannot tell.\n"
+    "data cannot tell. Without parameters it tells how far the scene is from the recording, and fits nothing.\n"
     "--parameters   youngs_modulus_pa, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for "
     "one\n"
     "               cable), camera_to_base, damping\n"
@@ -80,23 +82,33 @@ Arguments parse(int count, char** values) {
   }
   if (arguments.help) return arguments;
   if (arguments.bag.empty()) throw std::invalid_argument("no recording given");
-  arguments.request.validate();
+  if (!arguments.request.parameters.empty()) arguments.request.validate();
   return arguments;
 }
 
+int tell_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses) {
+  const ModelGap gap = model_gap(scene, options, poses);
+  std::cout << std::setprecision(3) << "rms gap " << 1e3 * gap.rms_m << " mm\n";
+  for (const auto& [marker, rms_m] : gap.marker_rms_m) std::cout << "  " << marker << ": " << 1e3 * rms_m << " mm\n";
+  return kGood;
+}
+
 int fit(const Arguments& arguments) {
-  require_writable(arguments.output);
+  const bool fits = !arguments.request.parameters.empty();
+  if (fits) require_writable(arguments.output);
   const Recording recording = read_recording(arguments.bag);
   const std::string scene = arguments.scene.empty() ? recording.scene : arguments.scene;
   if (scene.empty()) throw std::invalid_argument("the recording names no scene; give --scene");
   SceneOptions options;
   options.actuator_factory = make_actuator;
+  const std::vector<MeasuredPose> poses = measured_poses(recording);
+  if (!fits) return tell_gap(scene, options, poses);
   FitRequest request = arguments.request;
   request.progress = [](int iteration, double rms_gap_m) {
     std::cerr << "iteration " << iteration << ": rms gap " << 1e3 * rms_gap_m << " mm\n";
     return true;
   };
-  const FitResult result = fit_model(scene, options, measured_poses(recording), request);
+  const FitResult result = fit_model(scene, options, poses, request);
   std::cout << summary(result);
   write_fitted_scene(result, scene, arguments.output);
   std::cout << "written: " << arguments.output << "\n";

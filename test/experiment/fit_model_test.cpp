@@ -129,6 +129,25 @@ TEST(FitModel, FindsFrictionFromTheWayThere) {
   EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 264200, 2600) << summary(result);
 }
 
+// Noise on a way with friction: where cables begin to slip is not smooth, and no step gains at the end.
+TEST(FitModel, StopsWhereStepsAreInVain) {
+  const std::string scene = kLying + "cables: [" +
+                            cable("left", -0.007, "model: friction, friction_coefficient: 0.02") + ", " +
+                            cable("right", 0.007, "model: friction, friction_coefficient: 0.02") + "]";
+  FitRequest request;
+  request.parameters = {{"friction_coefficient", {}, {}, {}}, {"length_offset_m", {}, {}, {}}};
+  double last_m = -1.0;
+  int in_vain = 0;
+  request.progress = [&](int, double rms_gap_m) {
+    in_vain = rms_gap_m == last_m ? in_vain + 1 : 0;
+    last_m = rms_gap_m;
+    return true;
+  };
+  const std::vector<MeasuredPose> poses = measure(kLying, kWay, Eigen::Isometry3d::Identity(), 2e-4, 2);
+  EXPECT_TRUE(fit_model(kScene, options_with(scene), poses, request).converged);
+  EXPECT_EQ(in_vain, 4);
+}
+
 TEST(FitModel, TakesThePlaceThatDrivesReallyReached) {
   const std::string truth = kLying + "body: {material: {youngs_modulus_pa: 303830}}\n";
   std::vector<std::pair<double, double>> reached = kWay;

@@ -127,12 +127,7 @@ std::optional<Eigen::VectorXd> ClosedLoop::next_commands(std::string& why_not) {
     problem.max[i] = std::min(problem.max[i], commands_[i] + reach);
   }
   ForwardModel model(model_, markers_of(pose), actuators_);
-  problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
-    return model.predict(commands, with_derivatives);
-  };
-  problem.trial = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
-    return model.try_out(commands, with_derivatives);
-  };
+  model.answer_for(problem);
   OptimiserOptions options;
   options.tolerance_m = 0.1 * options_.settled_m;
   const OptimisationSummary summary = optimise(problem, options);

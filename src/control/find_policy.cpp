@@ -30,12 +30,7 @@ OptimisationSummary find_step(Simulation& simulation, const PolicyTask& task, si
   const SimulationState before = simulation.state();
   ReachProblem problem = pose_problem(simulation, task, pose);
   ForwardModel model(simulation, markers_of(pose), problem.names);
-  problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
-    return model.predict(commands, with_derivatives);
-  };
-  problem.trial = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
-    return model.try_out(commands, with_derivatives);
-  };
+  model.answer_for(problem);
   OptimisationSummary summary = optimise(problem, options, [&](const OptimisationProgress& now) {
     cancelled = progress && !progress(index, problem.names, now);
     return !cancelled;

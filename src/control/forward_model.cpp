@@ -32,6 +32,15 @@ Prediction ForwardModel::try_out(const Eigen::VectorXd& commands, bool with_deri
   return answer(commands, with_derivatives, true);
 }
 
+void ForwardModel::answer_for(ReachProblem& problem) {
+  problem.model = [this](const Eigen::VectorXd& commands, bool with_derivatives) {
+    return predict(commands, with_derivatives);
+  };
+  problem.trial = [this](const Eigen::VectorXd& commands, bool with_derivatives) {
+    return try_out(commands, with_derivatives);
+  };
+}
+
 Prediction ForwardModel::answer(const Eigen::VectorXd& commands, bool with_derivatives, bool trial) {
   const Eigen::Index count = static_cast<Eigen::Index>(actuators_.size());
   if (commands.size() != count) {

@@ -36,6 +36,9 @@ class ForwardModel {
   // again. A short step is answered like any other.
   Prediction try_out(const Eigen::VectorXd& commands, bool with_derivatives);
 
+  // Makes itself the problem's models; must outlive their use.
+  void answer_for(ReachProblem& problem);
+
  private:
   struct Known {
     Eigen::VectorXd commands;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 // LAPACK and BLAS by their Fortran names, as every implementation has them.
 extern "C" {
@@ -10,6 +11,8 @@ void dtrsm_(const char* side, const char* uplo, const char* trans, const char* d
             const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
 void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
             const int* lda, const double* beta, double* c, const int* ldc);
+void dsyr_(const char* uplo, const int* n, const double* alpha, const double* x, const int* incx, double* a,
+           const int* lda);
 void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
             const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c,
             const int* ldc);
@@ -57,6 +60,8 @@ bool worth_merging(int columns, double zeros, double entries) {
   return share < 0.08;
 }
 
+constexpr int kBlock = 64;  // columns at a time
+
 // The lower triangle of a k x k matrix to L with A = L S L'; false at a pivot that all but vanishes.
 bool signed_cholesky(double* a, int k, int ld, double* signs) {
   double largest = 0.0;
@@ -72,6 +77,36 @@ bool signed_cholesky(double* a, int k, int ld, double* signs) {
       for (int i = c; i < k; ++i) a[static_cast<std::ptrdiff_t>(c) * ld + i] -= signs[j] * column[c] * column[i];
   }
   return true;
+}
+
+// The same for up to kBlock columns, by LAPACK where S is 1.
+bool factorise_block(double* a, int k, int ld, double* signs) {
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kBlock, kBlock>;
+  Eigen::Map<Block, 0, Eigen::OuterStride<>> block(a, k, k, Eigen::OuterStride<>(ld));
+  const Block before = block;
+  std::fill(signs, signs + k, 1.0);
+  int info = 0;
+  dpotrf_("L", &k, a, &ld, &info);
+  // NaN slips through some implementations' pivot test.
+  if (info == 0 && block(k - 1, k - 1) > 0.0) return true;
+  block = before;
+  return signed_cholesky(a, k, ld, signs);
+}
+
+// With L and S of k columns: what stands below them, A21 (rows x k), to L21 = A21 L^-T S, and A22 -= L21 S L21'.
+void eliminate(const double* l, int k, int ld, const double* signs, double* below, int rows, double* rest,
+               int ld_rest) {
+  if (rows == 0) return;
+  dtrsm_("R", "L", "T", "N", &rows, &k, &kOne, l, &ld, below, &ld);
+  dsyrk_("L", "N", &rows, &k, &kMinusOne, below, &ld, &kOne, rest, &ld_rest);
+  constexpr int next = 1;
+  constexpr double twice = 2.0;
+  for (int j = 0; j < k; ++j) {
+    if (signs[j] > 0.0) continue;
+    double* column = below + static_cast<std::ptrdiff_t>(j) * ld;
+    dsyr_("L", &rows, &twice, column, &next, rest, &ld_rest);
+    std::transform(column, column + rows, column, std::negate<double>());
+  }
 }
 
 }  // namespace
@@ -200,25 +235,14 @@ bool BlockCholesky::factorise_front(const BlockMatrix& matrix, const Supernode& 
   double* panel = factor_.data() + node.panel;
   double* update = stack_.data() + node.update;
   double* signs = signs_.data() + 3 * node.first;
-  int info = 0;
-  dpotrf_("L", &k, panel, &m, &info);
-  // NaN slips through some implementations' pivot test.
-  const bool positive = info == 0 && panel[static_cast<std::ptrdiff_t>(k - 1) * (m + 1)] > 0.0;
-  std::fill(signs, signs + k, 1.0);
-  if (!positive) {
-    assemble_front(matrix, node, place);
-    if (!signed_cholesky(panel, k, m, signs)) return false;
+  for (int first = 0; first < k; first += kBlock) {
+    const int columns = std::min(kBlock, k - first), left = k - first - columns;
+    double* block = panel + static_cast<std::ptrdiff_t>(first) * (m + 1);
+    double* rest = block + static_cast<std::ptrdiff_t>(columns) * (m + 1);
+    if (!factorise_block(block, columns, m, signs + first)) return false;
+    eliminate(block, columns, m, signs + first, block + columns, left, rest, m);
   }
-  if (r == 0) return true;
-  dtrsm_("R", "L", "T", "N", &r, &k, &kOne, panel, &m, panel + k, &m);
-  if (positive) {
-    dsyrk_("L", "N", &r, &k, &kMinusOne, panel + k, &m, &kOne, update, &r);
-    return true;
-  }
-  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> below(panel + k, r, k, Eigen::OuterStride<>(m));
-  const Eigen::MatrixXd unsigned_below = below;  // X = A21 L^-T S, and the update takes X S X'
-  below *= Eigen::Map<const Eigen::VectorXd>(signs, k).asDiagonal();
-  dgemm_("N", "T", &r, &r, &k, &kMinusOne, unsigned_below.data(), &r, panel + k, &m, &kOne, update, &r);
+  eliminate(panel, k, m, signs, panel + k, r, update, r);
   return true;
 }
 

@@ -1,36 +1,19 @@
 #include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <optional>
 
-#include "soft_robot_lab/ros/conversions.h"
+#include "ros/same_place.h"
 #include "soft_robot_lab/ros/recording.h"
 
 namespace soft_robot_lab {
 namespace {
 
-using Positions = std::map<std::string, std::vector<Eigen::Vector3d>>;  // seen, by marker
-
-// Of markers seen often enough to know their means and scatter.
-Positions seen_between(const Recording& recording, double start_s, double end_s, const RestCriteria& criteria) {
+SeenMarkers seen_between(const Recording& recording, double start_s, double end_s, const RestCriteria& criteria) {
   const auto first = std::partition_point(recording.measured.begin(), recording.measured.end(),
                                           [&](const auto& m) { return m.header.stamp.toSec() < start_s; });
-  Positions seen;
-  for (auto m = first; m != recording.measured.end() && m->header.stamp.toSec() < end_s; ++m)
-    for (size_t i = 0; i < m->names.size(); ++i)
-      if (m->sources[i] == MarkerObservations::SEEN)
-        seen[m->names[i]].push_back(from_message(m->positions[i], "positions"));
-  for (auto marker = seen.begin(); marker != seen.end();) {
-    const bool enough = marker->second.size() >= static_cast<size_t>(criteria.observations);
-    marker = enough ? std::next(marker) : seen.erase(marker);
-  }
+  SeenMarkers seen;
+  for (auto m = first; m != recording.measured.end() && m->header.stamp.toSec() < end_s; ++m) add_seen(*m, seen);
+  require_observations(criteria.observations, seen);
   return seen;
-}
-
-Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& all) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& one : all) sum += one;
-  return sum / static_cast<double>(all.size());
 }
 
 // Of the mean, from the scatter.
@@ -40,48 +23,11 @@ Eigen::Matrix3d covariance_of(const std::vector<Eigen::Vector3d>& all, const Eig
   return sum / static_cast<double>(all.size() * (all.size() - 1));
 }
 
-// Coordinate by coordinate: of a few frames, one that missed says nothing about motion.
-Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& all) {
-  Eigen::Vector3d median;
-  std::vector<double> sorted(all.size());
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    std::transform(all.begin(), all.end(), sorted.begin(), [axis](const Eigen::Vector3d& one) { return one[axis]; });
-    std::sort(sorted.begin(), sorted.end());
-    median[axis] = 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
-  }
-  return median;
-}
-
-// Of a frame's position, from second differences, which no steady motion changes; all axes together.
-double noise_of(const std::vector<Eigen::Vector3d>& all) {
-  double sum_m2 = 0.0;
-  for (size_t i = 2; i < all.size(); ++i) sum_m2 += (all[i] - 2.0 * all[i - 1] + all[i - 2]).squaredNorm() / 6.0;
-  return all.size() < 3 ? 0.0 : std::sqrt(sum_m2 / static_cast<double>(all.size() - 2));
-}
-
-// Whether no marker moved farther than it may, or than its noise would have it.
-bool same_place(const Positions& before, const Positions& now, double motion_m) {
-  constexpr double of_median = 1.25, deviations = 3.0;
-  bool compared = false;
-  for (const auto& [name, late] : now) {
-    const auto early = before.find(name);
-    if (early == before.end()) continue;
-    std::vector<Eigen::Vector3d> all = early->second;
-    all.insert(all.end(), late.begin(), late.end());
-    const double frames =
-        1.0 / (1.0 / static_cast<double>(early->second.size()) + 1.0 / static_cast<double>(late.size()));
-    const double noise_m = deviations * of_median * noise_of(all) / std::sqrt(frames);
-    if ((median_of(late) - median_of(early->second)).norm() > motion_m + noise_m) return false;
-    compared = true;
-  }
-  return compared;
-}
-
 // The end of a hold, as far back as the robot was where it is at the end.
 std::optional<RestPeriod> rest_at_end(const Recording& recording, const CommandsSince& commands, double end_s,
                                       const RestCriteria& criteria) {
   const auto seen = [&](double from_s, double to_s) { return seen_between(recording, from_s, to_s, criteria); };
-  const Positions last = seen(end_s - criteria.window_s, end_s);
+  const SeenMarkers last = seen(end_s - criteria.window_s, end_s);
   double start_s = end_s - criteria.window_s;
   while (start_s - criteria.window_s >= commands.time_s && end_s - start_s < criteria.longest_s &&
          same_place(seen(start_s - criteria.window_s, start_s), last, criteria.motion_m))

@@ -1,5 +1,7 @@
 #include "soft_robot_lab/ros/measured_rest.h"
 
+#include <random>
+
 #include <gtest/gtest.h>
 
 namespace soft_robot_lab {
@@ -33,6 +35,41 @@ TEST(MeasuredRest, WaitsWhileAMarkerMoves) {
     rest.add(tip_at(10.1 + 0.1 * i, 0.001 * i));
     EXPECT_FALSE(rest.at_rest()) << i;
   }
+}
+
+// Another marker beside the tip.
+MarkerObservations with_middle_at(MarkerObservations markers, double x_m,
+                                  std::uint8_t source = MarkerObservations::SEEN) {
+  markers.names.push_back("middle");
+  markers.positions.resize(2);
+  markers.positions[1].x = x_m;
+  markers.sources.push_back(source);
+  return markers;
+}
+
+TEST(MeasuredRest, IsToldThoughAMarkerIsSeenBadly) {
+  for (const double rate_hz : {30.0, 10.0, 5.0}) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise_m(0.0, 3e-3), little_m(0.0, 5e-5);
+    MeasuredRest rest;
+    rest.start(10.0);
+    int frames = 0, at_rest = 0;
+    for (; frames < static_cast<int>(20.0 * rate_hz); ++frames) {
+      rest.add(with_middle_at(tip_at(10.0 + frames / rate_hz, noise_m(random)), little_m(random)));
+      if (rest.at_rest()) ++at_rest;
+    }
+    EXPECT_GT(at_rest, 0.8 * frames) << rate_hz;
+  }
+}
+
+TEST(MeasuredRest, TellsOfAMarkerThatIsSeenNowAndThen) {
+  MeasuredRest rest;
+  rest.start(10.0);
+  for (int i = 0; i < 20; ++i)  // five frames a second, so three or four a window
+    rest.add(with_middle_at(tip_at(10.0 + 0.2 * i, 0.001), 0.002,
+                            i % 3 == 0 ? MarkerObservations::INTERPOLATED : MarkerObservations::SEEN));
+  ASSERT_TRUE(rest.at_rest());
+  EXPECT_EQ(rest.at_rest()->count("middle"), 1u);
 }
 
 TEST(MeasuredRest, DoesNotCountWhatWasNotSeenOrCameBefore) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -14,12 +15,12 @@ namespace soft_robot_lab {
 
 struct MeasuredRestCriterion {
   double window_s = 0.5;     // averaged over
-  int observations = 3;      // at least
-  double motion_m = 5.0e-4;  // between the means of two windows: what noise leaves of them is less
+  int observations = 3;      // at least, of a marker that counts
+  double motion_m = 5.0e-4;  // between two windows, beyond what a marker's own noise makes of rest
 };
 
-// Whether no marker of both moved; false where there is none.
-bool same_place(const MeasuredMarkers& before, const MeasuredMarkers& now, double motion_m);
+// Frame by frame, of a window.
+using SeenMarkers = std::map<std::string, std::vector<Eigen::Vector3d>>;  // robot_base
 
 class MeasuredRest {
  public:
@@ -30,22 +31,16 @@ class MeasuredRest {
   // Those not seen by cameras do not count; false where none was.
   bool add(const MarkerObservations& markers);
 
-  // Means of the last window, where they are those of the window before.
+  // Means of the last window, where no marker moved since the window before.
   const std::optional<MeasuredMarkers>& at_rest() const { return at_rest_; }
 
  private:
+  bool seen_enough() const;
   void end_window();
-
-  struct Sum {
-    Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
-    int count = 0;
-  };
 
   MeasuredRestCriterion criterion_;
   double start_s_ = 0.0, window_start_s_ = 0.0;
-  int observations_ = 0;
-  std::map<std::string, Sum> sums_;
-  MeasuredMarkers before_;  // means of the window before
+  SeenMarkers window_, before_;
   std::optional<MeasuredMarkers> at_rest_;
 };
 

@@ -1,0 +1,20 @@
+// Whether markers rest, told from where cameras saw them in two windows of time: in a session and in its recording.
+#pragma once
+
+#include "soft_robot_lab/ros/measured_rest.h"
+
+namespace soft_robot_lab {
+
+// Adds what cameras saw, and nothing that was estimated; false where they saw none. Throws as from_message does.
+bool add_seen(const MarkerObservations& markers, SeenMarkers& seen);
+
+// Leaves out markers seen too rarely to know their means and scatter.
+void require_observations(int observations, SeenMarkers& seen);
+
+Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& places_m);
+
+// Whether no marker of both windows moved farther than it may, or than its noise would have it; false where there is
+// none.
+bool same_place(const SeenMarkers& before, const SeenMarkers& now, double motion_m);
+
+}  // namespace soft_robot_lab

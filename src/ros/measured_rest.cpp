@@ -38,7 +38,8 @@ void MeasuredRest::end_window() {
   at_rest_.reset();
   if (same_place(before_, window_, criterion_.motion_m)) {
     at_rest_.emplace();
-    for (const auto& [name, places_m] : window_) (*at_rest_)[name] = mean_of(places_m);
+    for (const auto& [name, places_m] : window_)
+      (*at_rest_)[name] = place_of(before_[name], places_m, criterion_.motion_m);
   }
   before_ = std::move(window_);
   window_.clear();

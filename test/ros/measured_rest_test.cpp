@@ -1,5 +1,7 @@
 #include "soft_robot_lab/ros/measured_rest.h"
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -59,6 +61,24 @@ TEST(MeasuredRest, IsToldThoughAMarkerIsSeenBadly) {
       if (rest.at_rest()) ++at_rest;
     }
     EXPECT_GT(at_rest, 0.8 * frames) << rate_hz;
+  }
+}
+
+TEST(MeasuredRest, TellsNoPlaceBetweenTwoWhereAMarkerJumps) {
+  for (const double rate_hz : {30.0, 10.0, 5.0, 3.0}) {
+    const int frames = static_cast<int>(4.0 * rate_hz);
+    for (int jump = 1; jump < frames; ++jump) {
+      std::mt19937 random(1);
+      std::normal_distribution<double> noise_m(0.0, 5e-5);
+      MeasuredRest rest;
+      rest.start(10.0);
+      for (int i = 0; i < frames; ++i) {
+        rest.add(tip_at(10.0 + i / rate_hz, (i < jump ? 0.0 : 0.004) + noise_m(random)));
+        if (!rest.at_rest()) continue;
+        const double x_m = rest.at_rest()->at("tip").x();
+        EXPECT_LT(std::min(std::abs(x_m), std::abs(x_m - 0.004)), 6e-4) << rate_hz << " Hz, jump at " << jump;
+      }
+    }
   }
 }
 

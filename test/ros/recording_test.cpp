@@ -118,6 +118,20 @@ TEST(RestPeriods, AreFoundThoughAFrameMissed) {
   EXPECT_EQ(rest_periods(recording).size(), 1u);
 }
 
+TEST(RestPeriods, BeginAfterAMarkerJumped) {
+  for (int jump = 7; jump < 16; ++jump) {
+    Recording recording;
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise_m(0.0, 5e-5);
+    for (int i = 0; i < 21; ++i)  // seven seconds at three frames a second
+      recording.add_measured(
+          observation(10.0 + i / 3.0, (i < jump ? 0.0 : 0.001) + noise_m(random), 5.0, MarkerObservations::SEEN));
+    const std::vector<RestPeriod> periods = rest_periods(recording);
+    ASSERT_EQ(periods.size(), 1u) << jump;
+    EXPECT_NEAR(periods[0].pose.markers.at(0).position_m.x(), 0.001, 2.5e-4) << jump;
+  }
+}
+
 MotorState motors(double time_s, double left, bool moving, bool known) {
   MotorState state;
   state.header.stamp = ros::Time(time_s);

@@ -19,8 +19,8 @@ struct MeasuredRestCriterion {
   double motion_m = 5.0e-4;  // between two windows, beyond what a marker's own noise makes of rest
 };
 
-// Frame by frame, of a window.
-using SeenMarkers = std::map<std::string, std::vector<Eigen::Vector3d>>;  // robot_base
+using SeenPlaces = std::vector<Eigen::Vector3d>;  // of a marker in a window, frame by frame; robot_base
+using SeenMarkers = std::map<std::string, SeenPlaces>;
 
 class MeasuredRest {
  public:
@@ -31,7 +31,7 @@ class MeasuredRest {
   // Those not seen by cameras do not count; false where none was.
   bool add(const MarkerObservations& markers);
 
-  // Means of the last window, where no marker moved since the window before.
+  // Means of the last window, where no marker moved since the window before; of one that jumped then, the median.
   const std::optional<MeasuredMarkers>& at_rest() const { return at_rest_; }
 
  private:

@@ -12,6 +12,7 @@
 #include "experiment/fit_statistics.h"
 #include "experiment/pose_model.h"
 #include "soft_robot_lab/settings/cpu_time.h"
+#include "soft_robot_lab/settings/quantile.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -171,20 +172,19 @@ ModelGap gap_of(const std::vector<MeasuredPose>& poses,
   return gap;
 }
 
-// Of markers' residuals, in ascending order.
+// Of markers' residuals.
 std::vector<double> residual_lengths(ceres::Problem& problem) {
   std::vector<double> residuals, lengths;
   problem.Evaluate({}, nullptr, &residuals, nullptr, nullptr);
   for (std::size_t i = 0; i + 2 < residuals.size(); i += 3)
     lengths.push_back(std::hypot(residuals[i], residuals[i + 1], residuals[i + 2]));
-  std::sort(lengths.begin(), lengths.end());
   return lengths;
 }
 
 // From the median of all; at least the one expected.
 double typical_deviation(const std::vector<double>& lengths) {
   constexpr double median_of_length = 1.538;  // of three normal numbers of unit deviation
-  return std::max(1.0, lengths[lengths.size() / 2] / median_of_length);
+  return std::max(1.0, median(lengths) / median_of_length);
 }
 
 ceres::Solver::Options solver_options(const FitRequest& request) {
@@ -256,7 +256,7 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
     if (robust) {
       const std::vector<double> lengths = residual_lengths(problem);
       const double outlier = request.outlier_deviations * typical_deviation(lengths);
-      if (lengths.back() <= outlier) break;
+      if (*std::max_element(lengths.begin(), lengths.end()) <= outlier) break;
       loss.Reset(new ceres::HuberLoss(outlier), ceres::TAKE_OWNERSHIP);
     }
     Teller teller(request, [&] { return gap_now().rms_m; });

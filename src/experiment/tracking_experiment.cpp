@@ -5,6 +5,7 @@
 #include "experiment/tracking_score.h"
 #include "experiment/vision_experiments.h"
 #include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/settings/quantile.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
 namespace soft_robot_lab {
@@ -55,19 +56,13 @@ TrackingExperiment read_experiment(const ExperimentContext& context) {
   return experiment;
 }
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 void add_run(const TrackingRun& run, const TrackingScore& score, const std::vector<TrackedMarker>& markers,
              double rate_hz, ExperimentResult& result) {
   result.table.rows.push_back({run.name, double(score.frames), double(score.visible), double(score.hidden_from_one),
                                double(score.seen), 1e3 * score.rms_m(), 1e3 * score.worst_error_m,
                                100 * score.missed_ratio(), 100 * score.false_ratio(), double(score.swaps),
                                1e3 * score.interpolated_rms_m(), score.cpu_cores(rate_hz)});
+  const auto latency_s = [&](double share) { return score.frames ? quantile(score.latency_s, share) : 0; };
   auto& numbers = result.numbers[run.name];
   numbers = {{"rms_m", score.rms_m()},
              {"worst_m", score.worst_error_m},
@@ -75,8 +70,8 @@ void add_run(const TrackingRun& run, const TrackingScore& score, const std::vect
              {"false_ratio", score.false_ratio()},
              {"swaps", score.swaps},
              {"interpolated_rms_m", score.interpolated_rms_m()},
-             {"update_median_s", quantile(score.latency_s, 0.5)},
-             {"update_worst_s", quantile(score.latency_s, 1)}};
+             {"update_median_s", latency_s(0.5)},
+             {"update_worst_s", latency_s(1)}};
   for (std::size_t i = 0; i < markers.size(); ++i)
     numbers["marker_rms_m"][markers[i].name] =
         score.marker_seen[i] ? std::sqrt(score.marker_squared_error_m2[i] / score.marker_seen[i]) : 0;

@@ -27,6 +27,7 @@
 #include "soft_robot_lab/ros/replay_tracking.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/ros/tracking_input.h"
+#include "soft_robot_lab/settings/quantile.h"
 #include "soft_robot_lab/vision/annotate.h"
 
 namespace soft_robot_lab {
@@ -259,9 +260,8 @@ void TrackerNode::diagnose(DiagnosticStatusWrapper& status) {
   }
   if (tracking) status.add("frames of cameras not known yet", tracking->unusable_frames());
   if (!latencies_s_.empty()) {
-    std::sort(latencies_s_.begin(), latencies_s_.end());
-    status.add("latency, median [ms]", 1e3 * latencies_s_[latencies_s_.size() / 2]);
-    status.add("latency, worst [ms]", 1e3 * latencies_s_.back());
+    status.add("latency, median [ms]", 1e3 * median(latencies_s_));
+    status.add("latency, worst [ms]", 1e3 * quantile(latencies_s_, 1));
   }
   latencies_s_.clear();
   problem_.clear();

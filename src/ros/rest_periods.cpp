@@ -3,6 +3,7 @@
 
 #include "ros/same_place.h"
 #include "soft_robot_lab/ros/recording.h"
+#include "soft_robot_lab/settings/quantile.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -47,9 +48,7 @@ RestCriteria for_frames_of(const Recording& recording, RestCriteria criteria) {
   for (size_t i = 1; i < recording.measured.size(); ++i)
     periods_s.push_back((recording.measured[i].header.stamp - recording.measured[i - 1].header.stamp).toSec());
   if (periods_s.empty()) return criteria;
-  const auto median = periods_s.begin() + static_cast<std::ptrdiff_t>(periods_s.size() / 2);
-  std::nth_element(periods_s.begin(), median, periods_s.end());
-  criteria.window_s = std::max(criteria.window_s, (criteria.observations + 0.5) * *median);
+  criteria.window_s = std::max(criteria.window_s, (criteria.observations + 0.5) * median(std::move(periods_s)));
   return criteria;
 }
 

@@ -7,6 +7,8 @@
 #include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
 
+#include "soft_robot_lab/settings/quantile.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -32,12 +34,6 @@ Eigen::Vector3d pixel(const cv::Mat& rgb, int row, int column) {
   return {double(value[0]), double(value[1]), double(value[2])};
 }
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Eigen::Vector3d median_colour(const cv::Mat& rgb, const cv::Mat& where) {
   std::vector<double> channels[3];
   for (int row = 0; row < rgb.rows; ++row)
@@ -45,7 +41,7 @@ Eigen::Vector3d median_colour(const cv::Mat& rgb, const cv::Mat& where) {
       if (where.at<uchar>(row, column))
         for (int c = 0; c < 3; ++c) channels[c].push_back(rgb.at<cv::Vec3b>(row, column)[c]);
   if (channels[0].empty()) return Eigen::Vector3d::Zero();
-  return {median(channels[0]), median(channels[1]), median(channels[2])};
+  return {median(std::move(channels[0])), median(std::move(channels[1])), median(std::move(channels[2]))};
 }
 
 // The direction in RGB along which marker and background are told apart, of length 1.

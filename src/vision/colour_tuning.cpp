@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "soft_robot_lab/settings/quantile.h"
 #include "soft_robot_lab/vision/marker_detector.h"
 #include "vision/segmentation.h"
 
@@ -15,12 +16,6 @@ namespace {
 
 constexpr double kGrey = 0.1;  // saturation below which a hue says nothing
 constexpr double kTail = 0.05;
-
-double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // From -180 to 180 degrees.
 double turn_deg(double from_deg, double to_deg) { return std::remainder(to_deg - from_deg, 360); }

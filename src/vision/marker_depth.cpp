@@ -7,6 +7,8 @@
 #include <Eigen/Cholesky>
 #include <opencv2/imgproc.hpp>
 
+#include "soft_robot_lab/settings/quantile.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -19,12 +21,6 @@ struct Sample {
   Eigen::Vector3d basis;  // 1 and the pixel from the blob's centre
   double depth_m;
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double noise_m(double depth_m, const DepthSettings& settings) {
   return std::hypot(settings.noise_per_m * depth_m * depth_m, kUniform * settings.quantisation_m);
@@ -78,7 +74,7 @@ std::vector<Sample> without_outliers(const std::vector<Sample>& samples, const P
 Plane facing_plane(const std::vector<Sample>& samples) {
   std::vector<double> depths;
   for (const Sample& sample : samples) depths.push_back(sample.depth_m);
-  return {{1 / median(depths), 0, 0}, 1};
+  return {{1 / median(std::move(depths)), 0, 0}, 1};
 }
 
 // Quantisation errors of neighbours are alike unless the surface crosses steps of it within the blob.

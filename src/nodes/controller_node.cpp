@@ -3,7 +3,6 @@
 // Parameters: ~scene (path; absent where the simulator tells which scene runs), ~ramp_s (how long an optimised policy
 // takes to reach its commands), ~markers_topic (what corrects a policy), ~lost_after_s (without any marker for so long
 // a closed loop stops).
-#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -18,12 +17,11 @@
 #include <std_srvs/Trigger.h>
 
 #include "nodes/run_node.h"
-#include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
-#include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/execution.h"
 #include "soft_robot_lab/ros/fit_service.h"
 #include "soft_robot_lab/ros/policy_request.h"
+#include "soft_robot_lab/ros/policy_search.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/scene/scene.h"
 
@@ -53,18 +51,12 @@ class ControllerNode {
   ExecutionOrder order_of(const ExecutePolicy::Request& request) const;
   ClosedLoop loop_of(const ExecutePolicy::Request& request, const CommandPolicy& policy);
   bool cancel(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
-  PolicyAnswer find(const PolicyTask& task, const OptimiserOptions& options);
-  void publish_progress(const std::string& method, const std::string& marker, const std::vector<std::string>& actuators,
-                        const OptimisationProgress& progress) const;
-  void publish_target(const MarkerGoal& goal) const;
 
   SceneOptions scene_options_;
   double ramp_s_ = 2.0;
 
   std::mutex model_mutex_;  // held while the model computes
   std::unique_ptr<Simulation> model_;
-  std::atomic<bool> optimising_{false};
-  std::atomic<bool> cancel_optimisation_{false};
 
   mutable std::mutex mutex_;  // guards what follows; held briefly
   CommandLimitsByName limits_;
@@ -75,7 +67,8 @@ class ControllerNode {
   Execution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
 
   ros::NodeHandle node_;
-  ros::Publisher command_publisher_, progress_publisher_, target_publisher_;
+  PolicySearch search_{node_};
+  ros::Publisher command_publisher_;
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   std::unique_ptr<FitService> fit_service_;
@@ -92,8 +85,6 @@ ControllerNode::ControllerNode() {
   if (parameters.getParam("scene", scene)) load(scene);
 
   command_publisher_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 100);
-  progress_publisher_ = node_.advertise<PolicyProgress>(topics::controller_progress, 100);
-  target_publisher_ = node_.advertise<Target>(topics::controller_target, 1, true);
   subscribers_ = {
       node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
       node_.subscribe(topics::simulator_actuators, 1, &ControllerNode::on_actuators, this),
@@ -145,16 +136,10 @@ bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimiseP
     const std::unique_lock lock(model_mutex_, std::try_to_lock);
     if (!lock) throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
     const PolicyTask task = policy_task(request, ramp_s_);
-    const PolicyAnswer answer = find(task, optimiser_options(request));
-    for (const OptimisationSummary& summary : answer.summaries) response.poses.push_back(to_message(summary));
-    response.summary = response.poses.back();
-    response.success = answer.success;
-    response.message = told(answer.summaries.back(), task.poses[answer.summaries.size() - 1]);
-    if (answer.success) {
-      response.policy = to_message(answer.policy);
-      const std::lock_guard found_lock(mutex_);
-      found_ = task;
-    }
+    const PolicyAnswer answer = search_.find(*model_, task, optimiser_options(request));
+    fill_response(answer, task, response);
+    const std::lock_guard found_lock(mutex_);
+    if (answer.success) found_ = task;
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
@@ -163,51 +148,11 @@ bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimiseP
   return true;
 }
 
-// From the rest state without commands, whatever the model was asked before.
-PolicyAnswer ControllerNode::find(const PolicyTask& task, const OptimiserOptions& options) {
-  model_->reset();
-  cancel_optimisation_ = false;
-  std::optional<size_t> told;
-  optimising_ = true;
-  const std::shared_ptr<void> no_longer(nullptr, [this](void*) { optimising_ = false; });
-  return find_policy(*model_, task, options, [&](size_t pose, const auto& actuators, const auto& progress) {
-    const MarkerGoal& goal = task.poses[pose].goals.front();
-    if (told != pose) publish_target(goal);
-    told = pose;
-    publish_progress(options.method, goal.marker, actuators, progress);
-    return ros::ok() && !cancel_optimisation_;
-  });
-}
-
 bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  const bool executing = execution_.cancel();
-  response.success = optimising_ || executing;
+  const bool executing = execution_.cancel(), searching = search_.cancel();
+  response.success = executing || searching;
   response.message = response.success ? "" : "nothing is optimised or executed now";
-  if (optimising_) cancel_optimisation_ = true;
   return true;
-}
-
-void ControllerNode::publish_target(const MarkerGoal& goal) const {
-  Target target;
-  target.header.stamp = ros::Time::now();
-  target.header.frame_id = topics::robot_frame;
-  target.marker = goal.marker;
-  target.position = to_message(goal.target_m);
-  target_publisher_.publish(target);
-}
-
-void ControllerNode::publish_progress(const std::string& method, const std::string& marker,
-                                      const std::vector<std::string>& actuators,
-                                      const OptimisationProgress& progress) const {
-  PolicyProgress message;
-  message.header.stamp = ros::Time::now();
-  message.method = method;
-  message.marker = marker;
-  message.iteration = progress.iteration;
-  message.distance_m = progress.distance_m;
-  message.names = actuators;
-  message.values.assign(progress.commands.data(), progress.commands.data() + progress.commands.size());
-  progress_publisher_.publish(message);
 }
 
 bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response) {

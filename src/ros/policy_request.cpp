@@ -35,6 +35,17 @@ ActuatorBounds bounds_of(const ActuatorLimits& asked) {
   return bounds;
 }
 
+std::string told(const OptimisationSummary& summary, const Pose& pose) {
+  if (!summary.usable || summary.target_reached || summary.stop_reason != "converged") return summary.stop_reason;
+  std::ostringstream text;
+  text << summary.stop_reason << "; out of reach by " << 1e3 * summary.final_distance_m << " mm, nearest:";
+  for (Eigen::Index k = 0; k < summary.markers_m.cols(); ++k)
+    text << " " << pose.goals[static_cast<size_t>(k)].marker << " at [" << summary.markers_m.col(k).transpose()
+         << "] m";
+  for (const std::string& limit : summary.active_limits) text << "; " << limit;
+  return text.str();
+}
+
 }  // namespace
 
 PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s) {
@@ -64,15 +75,12 @@ PolicyTask correction_task(const ExecutePolicy::Request& request, const std::opt
   return task;
 }
 
-std::string told(const OptimisationSummary& summary, const Pose& pose) {
-  if (!summary.usable || summary.target_reached || summary.stop_reason != "converged") return summary.stop_reason;
-  std::ostringstream text;
-  text << summary.stop_reason << "; out of reach by " << 1e3 * summary.final_distance_m << " mm, nearest:";
-  for (Eigen::Index k = 0; k < summary.markers_m.cols(); ++k)
-    text << " " << pose.goals[static_cast<size_t>(k)].marker << " at [" << summary.markers_m.col(k).transpose()
-         << "] m";
-  for (const std::string& limit : summary.active_limits) text << "; " << limit;
-  return text.str();
+void fill_response(const PolicyAnswer& answer, const PolicyTask& task, OptimisePolicy::Response& response) {
+  for (const OptimisationSummary& summary : answer.summaries) response.poses.push_back(to_message(summary));
+  response.summary = response.poses.back();
+  response.success = answer.success;
+  response.message = told(answer.summaries.back(), task.poses[answer.summaries.size() - 1]);
+  if (answer.success) response.policy = to_message(answer.policy);
 }
 
 OptimiserOptions optimiser_options(const OptimisePolicy::Request& request) {

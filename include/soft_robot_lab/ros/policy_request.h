@@ -20,8 +20,9 @@ PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s);
 // found for. Throws std::invalid_argument as policy_task does, and where there is neither.
 PolicyTask correction_task(const ExecutePolicy::Request& request, const std::optional<PolicyTask>& found);
 
-// Why it stopped, and, where the target is out of reach, what is nearest to it and what holds the markers back.
-std::string told(const OptimisationSummary& summary, const Pose& pose);
+// The message says why the last pose's search stopped, and, where the target is out of reach, what is nearest to it and
+// what holds the markers back.
+void fill_response(const PolicyAnswer& answer, const PolicyTask& task, OptimisePolicy::Response& response);
 
 // Throws std::invalid_argument for an unknown method, or values out of range.
 OptimiserOptions optimiser_options(const OptimisePolicy::Request& request);

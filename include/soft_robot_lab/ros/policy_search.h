@@ -1,0 +1,35 @@
+// Searches for policies as a session sees them: controller/target says what is searched for, controller/progress how
+// far it is, and a search may be cancelled.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include <ros/ros.h>
+
+#include "soft_robot_lab/control/find_policy.h"
+
+namespace soft_robot_lab {
+
+class PolicySearch {
+ public:
+  explicit PolicySearch(ros::NodeHandle& node);
+
+  // From the model's rest state without commands, whatever it was asked before; one search at a time. Throws what
+  // find_policy throws.
+  PolicyAnswer find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options);
+
+  bool cancel();  // false where nothing is searched for; the answer then has the poses found so far
+
+ private:
+  void publish_target(const MarkerGoal& goal) const;
+  void publish_progress(const std::string& method, const std::string& marker, const std::vector<std::string>& actuators,
+                        const OptimisationProgress& progress) const;
+
+  ros::Publisher progress_publisher_, target_publisher_;
+  std::atomic<bool> searching_{false};
+  std::atomic<bool> cancelled_{false};
+};
+
+}  // namespace soft_robot_lab

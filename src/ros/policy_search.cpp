@@ -1,0 +1,60 @@
+#include "soft_robot_lab/ros/policy_search.h"
+
+#include <memory>
+#include <optional>
+
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/messages.h"
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+
+PolicySearch::PolicySearch(ros::NodeHandle& node)
+    : progress_publisher_(node.advertise<PolicyProgress>(topics::controller_progress, 100)),
+      target_publisher_(node.advertise<Target>(topics::controller_target, 1, true)) {}
+
+PolicyAnswer PolicySearch::find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options) {
+  model.reset();
+  cancelled_ = false;
+  std::optional<size_t> told;
+  searching_ = true;
+  const std::shared_ptr<void> no_longer(nullptr, [this](void*) { searching_ = false; });
+  return find_policy(model, task, options, [&](size_t pose, const auto& actuators, const auto& progress) {
+    const MarkerGoal& goal = task.poses[pose].goals.front();
+    if (told != pose) publish_target(goal);
+    told = pose;
+    publish_progress(options.method, goal.marker, actuators, progress);
+    return ros::ok() && !cancelled_;
+  });
+}
+
+bool PolicySearch::cancel() {
+  if (!searching_) return false;
+  cancelled_ = true;
+  return true;
+}
+
+void PolicySearch::publish_target(const MarkerGoal& goal) const {
+  Target target;
+  target.header.stamp = ros::Time::now();
+  target.header.frame_id = topics::robot_frame;
+  target.marker = goal.marker;
+  target.position = to_message(goal.target_m);
+  target_publisher_.publish(target);
+}
+
+void PolicySearch::publish_progress(const std::string& method, const std::string& marker,
+                                    const std::vector<std::string>& actuators,
+                                    const OptimisationProgress& progress) const {
+  PolicyProgress message;
+  message.header.stamp = ros::Time::now();
+  message.method = method;
+  message.marker = marker;
+  message.iteration = progress.iteration;
+  message.distance_m = progress.distance_m;
+  message.names = actuators;
+  message.values.assign(progress.commands.data(), progress.commands.data() + progress.commands.size());
+  progress_publisher_.publish(message);
+}
+
+}  // namespace soft_robot_lab

@@ -31,7 +31,7 @@ class StepWarpTest : public ::testing::TestWithParam<bool> {
 };
 
 INSTANTIATE_TEST_SUITE_P(, StepWarpTest, testing::Bool(),
-                         [](const auto& info) { return info.param ? "Quadratic" : "Linear"; });
+                         [](const auto& kind) { return kind.param ? "Quadratic" : "Linear"; });
 
 TEST_P(StepWarpTest, TurnsABodyRigidlyWhereTheStepOnlyTurns) {
   hold_corner({true, true, true});

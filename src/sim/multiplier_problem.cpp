@@ -177,6 +177,14 @@ Eigen::VectorXd solve_bounded(const Eigen::MatrixXd& s, const Eigen::VectorXd& b
   return y;
 }
 
+double violation(const ConstraintLaw& law, double y) {
+  if (law.prescribed()) return 0.0;
+  const double mismatch = law.offset - law.compliance * y;
+  if (y <= law.min_multiplier) return std::max(0.0, mismatch);
+  if (y >= law.max_multiplier) return std::min(0.0, mismatch);
+  return mismatch;
+}
+
 bool active(const ConstraintLaw& law, double y) { return y > law.min_multiplier && y < law.max_multiplier; }
 
 int slipping(const JunctionBound& junction, const Eigen::VectorXd& y) {

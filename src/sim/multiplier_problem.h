@@ -36,6 +36,9 @@ Multipliers solve_multipliers(const MultiplierProblem& problem, const Eigen::Vec
 // Whether the law, and no bound, decides the multiplier y.
 bool active(const ConstraintLaw& law, double y);
 
+// How far a constraint is from its law at multiplier y: zero on a bound that holds it (a slack cable).
+double violation(const ConstraintLaw& law, double y);
+
 // Whether a junction's multipliers are on a bound, so that length slips: 1 towards the first, -1 towards the second.
 int slipping(const JunctionBound& junction, const Eigen::VectorXd& y);
 

@@ -10,23 +10,15 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
-constexpr int kHalvings = 8;
 constexpr std::size_t kOldFactorSteps = 5;   // by an old factor between two new ones, in one solve
 constexpr double kWorthwhileDecrease = 0.9;  // of the residual, by such a step
-constexpr double kTieStiffness = 1e3;        // of a carried point, over E * size
+// Of a constraint in the merit function, over its stiffness 1 / |B' A^-1 B|. Where A has one negative eigenvalue, as in
+// a body that buckled, A + penalty B B' is singular at just 1; with several constraints more is needed.
+constexpr double kPenaltyOfBuckled = 10.0;
+constexpr double kTieStiffness = 1e3;  // of a carried point, over E * size
 
 Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
   return {columns.data(), columns.size()};
-}
-
-// How far a constraint is from its law at multiplier y: zero on a bound that holds it (a slack cable).
-double violation(const ConstraintLaw& law, double y) {
-  if (law.prescribed()) return 0.0;
-  const double mismatch = law.offset - law.compliance * y;
-  if (y <= law.min_multiplier) return std::max(0.0, mismatch);
-  if (y >= law.max_multiplier) return std::min(0.0, mismatch);
-  return mismatch;
 }
 
 // Relative to the constraint's own value, so that lengths and volumes count alike.
@@ -248,8 +240,9 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
     problem.excess = border_.transpose() * motion + problem.softness * state.constraint_multipliers;
     problem.laws = here.laws;
     problem.junctions = here.junctions;
+    const double penalty = factor_.negative_pivots() > 0 ? kPenaltyOfBuckled : 1.0;
     for (int i = 0; i < count; ++i) {
-      step.penalties[i] = 1.0 / std::max(std::abs(problem.softness(i, i)) + here.laws[i].compliance, 1e-300);
+      step.penalties[i] = penalty / std::max(std::abs(problem.softness(i, i)) + here.laws[i].compliance, 1e-300);
       problem.softness(i, i) += here.laws[i].compliance;
       problem.excess[i] += here.laws[i].offset;
     }
@@ -265,16 +258,7 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
   step.element_multipliers_pa = elements_.updated_multipliers(here.elements.growth, step.motion_m);
 
-  // Slope of the merit function; -slope = dx' A dx without its volumetric part, plus the penalties' decrease.
-  const Eigen::VectorXd c = elements_.mismatch(here.elements.growth, step.element_multipliers_pa);
-  const double squared = c.cwiseAbs2().dot(elements_.rest_volumes_m3());
-  step.slope = as_vector(gradient).dot(motion) + (elements_.lambda_pa() - kPenaltyOverMu * elements_.mu_pa()) * squared;
-  step.slope += (step.constraint_multipliers - state.constraint_multipliers).dot(border_.transpose() * motion);
-  step.laws = after_flows(here.laws, here.junctions, step.flows_m);
-  for (int i = 0; i < count; ++i) {
-    step.slope -= step.penalties[i] * std::pow(violation(step.laws[i], step.constraint_multipliers[i]), 2);
-    step.laws[i].offset -= here.values[i];
-  }
+  prepare_merit(state, here, gradient, step);
   return std::isfinite(step.slope);
 }
 
@@ -321,45 +305,6 @@ bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Ev
   return true;
 }
 
-double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
-  // Augmented Lagrangian at the step's multipliers: the mixed problem has no energy of its own to descend, and the
-  // condensed energy would refuse every step that changes volume a little on the way.
-  const Eigen::VectorXd& p = step.element_multipliers_pa;
-  const Eigen::VectorXd c = elements_.mismatch(at.elements.growth, p);
-  double sum = at.smooth_energy;
-  sum +=
-      (p.cwiseProduct(c) + 0.5 * kPenaltyOverMu * elements_.mu_pa() * c.cwiseAbs2()).dot(elements_.rest_volumes_m3());
-  for (int i = 0; i < constraint_count(); ++i) {
-    const double y = step.constraint_multipliers[i];
-    ConstraintLaw law = step.laws[i];
-    law.offset += at.values[i];
-    sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(law, y), 2);
-  }
-  return sum;
-}
-
-// Goes along the step as far as the merit function falls; false where it does not.
-bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
-                               double& length) const {
-  const double start = merit(here, step);
-  length = 1.0;
-  for (int halving = 0; halving <= kHalvings; ++halving, length *= 0.5) {
-    NewtonState trial = state;
-    trial.positions_m += length * step.motion_m;
-    trial.element_multipliers_pa += length * (step.element_multipliers_pa - state.element_multipliers_pa);
-    trial.constraint_multipliers += length * (step.constraint_multipliers - state.constraint_multipliers);
-    trial.flows_m += length * (step.flows_m - state.flows_m);
-    Evaluation there = evaluate(task, trial);
-    if (!there.finite) continue;
-    const double allowed = start + 1e-4 * length * step.slope + 1e-12 * std::abs(start);
-    if (merit(there, step) > allowed && there.relative_residual > 0.5 * here.relative_residual) continue;
-    state = std::move(trial);
-    here = std::move(there);
-    return true;
-  }
-  return false;
-}
-
 NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   NewtonReport report;
   Evaluation here = evaluate(task, state);
@@ -404,6 +349,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     if (convex) ++report.convexified;
     if (!found) return finish("the stiffness matrix could not be factorised");
 
+    if (!warp_) warp_ = std::make_unique<StepWarp>(body_, elements_.packs(), matrix_);
     double length = 1.0;
     const bool accepted = search_line(task, step, state, here, length);
     if (length < 1.0) ++report.shortened;

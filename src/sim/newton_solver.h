@@ -22,6 +22,7 @@
 #include "multiplier_problem.h"
 #include "soft_robot_lab/sim/body.h"
 #include "soft_robot_lab/sim/constraint.h"
+#include "step_warp.h"
 #include "strain_springs.h"
 
 namespace soft_robot_lab {
@@ -169,6 +170,9 @@ class NewtonSolver {
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing) const;
+  // Completes the step by what the merit function needs. `gradient_n`: of the nodes, before the step.
+  void prepare_merit(const NewtonState& state, const Evaluation& here, const Eigen::Matrix3Xd& gradient_n,
+                     Step& step) const;
   bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                    double& length) const;
   Height height(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const;
@@ -205,6 +209,7 @@ class NewtonSolver {
   BlockCholesky factor_;
   Elements elements_;
   StrainSprings springs_;
+  std::unique_ptr<const StepWarp> warp_;  // made for the first step of a new factor
   CliqueAdder ties_;
   std::vector<CliqueAdder> adders_;  // per constraint
 

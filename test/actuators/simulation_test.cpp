@@ -194,6 +194,45 @@ TEST(Equilibrium, BucklesUnderItsOwnCables) {
   EXPECT_LT((exact - difference).norm(), 2e-3 * difference.norm());
 }
 
+TEST(Equilibrium, FollowsABuckledBodyWithoutLosingItsWay) {
+  // Where the stiffness of body and tensions has a negative eigenvalue a step was taken for one uphill, and the command
+  // change cut into 64.
+  Bar bar;
+  bar.cables = "compliance_m_n: 0";
+  bar.via_m = {0.0, 0.095};
+  Simulation simulation = make_bar(bar);
+  const auto solve = [&](double upper, double lower) {
+    simulation.set_command("upper", upper);
+    simulation.set_command("lower", lower);
+    return simulation.solve_equilibrium();
+  };
+  ASSERT_TRUE(solve(0.8, 0.8).converged);
+  ASSERT_TRUE(solve(0.72, 0.84).converged);
+  for (double turn = 0.0; turn < 6.2; turn += 0.4) {
+    const SolveReport report = solve(0.72 + 0.004 * std::cos(turn), 0.84 + 0.004 * std::sin(turn));
+    EXPECT_TRUE(report.converged) << report.message;
+    EXPECT_EQ(report.rejected_steps, 0) << turn;
+    EXPECT_LE(report.iterations, 5) << turn;
+  }
+}
+
+TEST(Equilibrium, FollowsALongPullWithoutCuttingSteps) {
+  // The bar bends by more than a right angle. Straight steps, which stretch what they turn, were cut three times there.
+  for (const bool quadratic : {true, false}) {
+    Bar bar;
+    bar.quadratic = quadratic;
+    bar.cables = "compliance_m_n: 0";
+    Simulation simulation = make_bar(bar);
+    ASSERT_TRUE(simulation.solve_equilibrium().converged);
+    simulation.set_command("upper", 0.8);
+    simulation.set_command("lower", 1.2);
+    const SolveReport report = simulation.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    EXPECT_EQ(report.rejected_steps, 0) << quadratic;
+    EXPECT_LE(report.iterations, 6) << quadratic;
+  }
+}
+
 TEST(Equilibrium, SlackCableHasNoSensitivity) {
   Bar bar;
   bar.cables = "compliance_m_n: 0";

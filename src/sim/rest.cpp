@@ -5,6 +5,11 @@ namespace {
 
 constexpr double kStill = 1e-7;  // times the body's size: the largest motion of a node in one step
 
+// Near rest a time step may ask for no more than one step by an old factor; from far away it brings so little that the
+// body would creep, or swing about its rest, for seconds.
+constexpr double kNearlyStill = 1e-3;  // times the body's size, as kStill
+constexpr double kFar = 1e-2;          // times the body's size: a node's way from where the factor was made
+
 bool commands_reached(const SimulationParts& parts) {
   for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
     const Actuator& actuator = *parts.actuators[i];
@@ -13,6 +18,12 @@ bool commands_reached(const SimulationParts& parts) {
       return false;
   }
   return true;
+}
+
+bool linearised_far_away(const SimulationParts& parts) {
+  const auto& made = parts.solver.linearisation();
+  const Eigen::Matrix3Xd& here = parts.state.positions_m;
+  return made && (made->at.positions_m - here).colwise().norm().maxCoeff() > kFar * parts.body.size_m();
 }
 
 }  // namespace
@@ -44,8 +55,14 @@ bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
 void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport& report) {
   SimulationState& state = parts.state;
   const double motion_m = h * state.velocities_m_s.colwise().norm().maxCoeff();
-  if (!report.converged || report.inverted_elements > 0 || motion_m > kStill * parts.body.size_m()) return;
+  if (!report.converged || report.inverted_elements > 0 || motion_m > kNearlyStill * parts.body.size_m()) return;
   if (!commands_reached(parts)) return;
+  if (motion_m > kStill * parts.body.size_m()) {
+    if (!linearised_far_away(parts)) return;
+    parts.solver.restore(nullptr);
+    parts.remember();
+    return;
+  }
   const double residual = residual_at_rest(parts);
   if (residual > parts.options.tolerance) return;
   const bool stable = parts.solver.stable_at_rest(parts.unknowns());

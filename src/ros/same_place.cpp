@@ -9,7 +9,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double deviations = 3.5;
+constexpr double kDeviations = 3.5;
 
 // Coordinate by coordinate.
 Eigen::Vector3d of_rank(size_t rank, const SeenPlaces& places_m) {
@@ -67,7 +67,7 @@ Eigen::Vector3d mean_of(const SeenPlaces& places_m) {
 
 Eigen::Vector3d place_of(const SeenPlaces& before, const SeenPlaces& now, double motion_m) {
   const Eigen::Vector3d mean_m = mean_of(now), median_m = median_of(now);
-  const double noise_m = deviations * noise_of(before, now) / std::sqrt(static_cast<double>(now.size()));
+  const double noise_m = kDeviations * noise_of(before, now) / std::sqrt(static_cast<double>(now.size()));
   return (mean_m - median_m).norm() > motion_m + noise_m ? median_m : mean_m;
 }
 
@@ -79,7 +79,7 @@ bool same_place(const SeenMarkers& before, const SeenMarkers& now, double motion
     if (seen == before.end()) continue;
     const SeenPlaces& early = seen->second;
     const double frames = 1.0 / (1.0 / static_cast<double>(early.size()) + 1.0 / static_cast<double>(late.size()));
-    const double noise_m = deviations * of_median * noise_of(early, late) / std::sqrt(frames);
+    const double noise_m = kDeviations * of_median * noise_of(early, late) / std::sqrt(frames);
     if ((median_of(late) - median_of(early)).norm() > motion_m + noise_m) return false;
     compared = true;
   }

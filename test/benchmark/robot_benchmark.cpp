@@ -132,9 +132,7 @@ OptimisationSummary reach(const std::string& method) {
   const std::vector<std::string> names = actuator_names(simulation);
   ForwardModel model(simulation, {task.text("marker")}, names);
   ReachProblem problem;
-  problem.model = [&](const Eigen::VectorXd& commands, bool with_derivatives) {
-    return model.predict(commands, with_derivatives);
-  };
+  model.answer_for(problem);
   problem.goals = {{task.vector3("target_m")}};
   problem.names = names;
   const auto count = static_cast<Eigen::Index>(names.size());

@@ -9,14 +9,16 @@ DESTDIR=$root cmake --install "$build" --strip >"$root/log" || { tail "$root/log
 here=$root$prefix
 package=$here/share/soft_robot_lab
 fail() { echo "installed: $*" >&2; exit 1; }
+# says WORD COMMAND...: not by a pipe, which a command that says more after the word would find closed.
+says() { local word=$1 said; shift; said=$("$@") && [[ $said == *"$word"* ]]; }
 
 unset LD_LIBRARY_PATH
 export CMAKE_PREFIX_PATH=$here ROS_PACKAGE_PATH=$here/share PYTHONPATH=$here/lib/python3/dist-packages ROS_IP=127.0.0.1
 [[ $(rospack find soft_robot_lab) == "$package" ]] || fail "rospack does not find the package"
-rospack plugins --attrib=plugin soft_robot_lab | grep -qF "$package/config/actuator_plugins.xml" || fail "no plugins"
-rosmsg show soft_robot_lab/ActuatorCommand | grep -q names || fail "no messages"
+says "$package/config/actuator_plugins.xml" rospack plugins --attrib=plugin soft_robot_lab || fail "no plugins"
+says names rosmsg show soft_robot_lab/ActuatorCommand || fail "no messages"
 for launch in session.launch motor.launch; do
-  roslaunch --files soft_robot_lab "$launch" emulated:=true | grep -qF "$package/launch/$launch" || fail "no $launch"
+  says "$package/launch/$launch" roslaunch --files soft_robot_lab "$launch" emulated:=true || fail "no $launch"
 done
 # Every program and script that the launch files start.
 for type in $(grep -ho 'pkg="soft_robot_lab" type="[^"]*"' "$package"/launch/*.launch | sed 's/.*type="//; s/"//' | sort -u); do
@@ -26,7 +28,7 @@ for program in "$here"/lib/soft_robot_lab/*; do
   missing=$(ldd "$program" 2>/dev/null | grep 'not found\|/devel/' || true)
   [[ -z $missing ]] || fail "$program: $missing"
 done
-rosrun soft_robot_lab simulate --help | grep -q SCENE || fail "simulate does not start"
+says SCENE rosrun soft_robot_lab simulate --help || fail "simulate does not start"
 # Where this build's own sources are at hand too, those beside the program come first.
 echo "colour: green" >"$package/config/experiments/cantilever.yaml"
 said=$(rosrun soft_robot_lab experiment cantilever 2>&1) && fail "experiment read other settings"

@@ -111,73 +111,97 @@ void learn(const Evaluation& before, const Evaluation& after, Eigen::MatrixXd& s
                   missing.dot(step) / (along * along) * slope_change * slope_change.transpose();
 }
 
-// Descends from `commands`, which become the best found; returns why it stopped.
-std::string descend(Search& search, int max_iterations, double tolerance_m, double damping, Eigen::VectorXd& commands) {
-  const ReachProblem& problem = search.problem();
-  const Evaluation* found = search.evaluate(commands, true);
-  if (!found) return search.failure();
-  Evaluation here = *found;
-  Eigen::MatrixXd second_order = Eigen::MatrixXd::Zero(commands.size(), commands.size());
-  double growth = 2.0, largest = kLargestStep;
-  int small_steps = 0;
-  bool cut = false;         // the last step
-  const auto exact = [&] {  // whether `here` is; otherwise it becomes so, for a descent to end at
-    if (!here.rough) return true;
-    const Evaluation* again = search.evaluate(commands, true);
-    if (again) here = *again;
-    small_steps = 0;
-    return again == nullptr;
-  };
-  while (here.residuals.norm() >= tolerance_m || !exact()) {
-    if (search.iterations() >= max_iterations) return kIterationLimit;
-    const LocalModel model = model_at(here, second_order);
-    const Eigen::VectorXd step = short_step(model, damping, largest, problem, commands);
-    const bool some_way = step.size() > 0;
-    if (some_way && step.isZero(0.0)) {
-      if (exact()) return kConverged;
-      continue;
+// A descent from some commands.
+class Descent {
+ public:
+  Descent(Search& search, double tolerance_m, double damping, const Eigen::VectorXd& commands)
+      : search_(search),
+        problem_(search.problem()),
+        tolerance_m_(tolerance_m),
+        damping_(damping),
+        second_order_(Eigen::MatrixXd::Zero(commands.size(), commands.size())) {
+    if (const Evaluation* found = search.evaluate(commands, true)) here_ = *found;
+  }
+
+  // Why it stopped; converged only where no trial's rough answer says so.
+  std::string run(int max_iterations) {
+    if (here_.commands.size() == 0) return search_.failure();
+    for (;;) {
+      const std::string reason = go_down(max_iterations);
+      if (reason != kConverged || !make_exact()) return reason;
     }
-    const double promised = some_way ? -model.change(step) : 0.0;
-    if (promised <= 0.0) {  // the curvature, or a bound that a command was put to, asks for more damping
-      damping = std::max(4.0 * damping, 1.0e-3);
-      if (damping > kMostDamping && exact()) return kConverged;
-      continue;
+  }
+
+ private:
+  // False where it was exact, or cannot become so.
+  bool make_exact() {
+    const Evaluation* again = here_.rough ? search_.evaluate(here_.commands, true) : nullptr;
+    if (!again) return false;
+    here_ = *again;
+    small_steps_ = 0;
+    return true;
+  }
+
+  std::string go_down(int max_iterations) {
+    while (here_.residuals.norm() >= tolerance_m_) {
+      if (search_.iterations() >= max_iterations) return kIterationLimit;
+      const LocalModel model = model_at(here_, second_order_);
+      const Eigen::VectorXd step = short_step(model, damping_, largest_, problem_, here_.commands);
+      const bool some_way = step.size() > 0;
+      if (some_way && step.isZero(0.0)) return kConverged;
+      const double promised = some_way ? -model.change(step) : 0.0;
+      if (promised <= 0.0) {  // the curvature, or a bound that a command was put to, asks for more damping
+        damping_ = std::max(4.0 * damping_, 1.0e-3);
+        if (damping_ > kMostDamping) return kConverged;
+        continue;
+      }
+      worth_m2_ = kSettled * tolerance_m_ * here_.residuals.norm();
+      if (promised < 0.01 * worth_m2_) return kConverged;
+      try_step(step, promised);
+      if (!search_.finish_iteration(here_.commands, here_.distance_m)) return kCancelled;
+      if (small_steps_ >= 2 || damping_ > kMostDamping || largest_ < kSmallestStep) return kConverged;
     }
-    const double worth_m2 = kSettled * tolerance_m * here.residuals.norm();  // what so small a gain changes
-    if (promised < 0.01 * worth_m2) {
-      if (exact()) return kConverged;
-      continue;
-    }
-    const Eigen::VectorXd next = (commands + step).cwiseMax(problem.min).cwiseMin(problem.max);
-    found = search.try_out(next, false);
+    return kConverged;
+  }
+
+  void try_step(const Eigen::VectorXd& step, double promised) {
+    const Eigen::VectorXd next = (here_.commands + step).cwiseMax(problem_.min).cwiseMin(problem_.max);
+    const Evaluation* found = search_.try_out(next, false);
     double gained = -promised;
     if (found && found->allowed) {
       const double there_m2 = found->objective_m2();
-      if (there_m2 >= here.objective_m2()) exact();  // a short step's is, and may only seem worse
-      gained = here.objective_m2() - there_m2;
+      if (there_m2 >= here_.objective_m2()) make_exact();  // a short step's is, and may only seem worse
+      gained = here_.objective_m2() - there_m2;
     }
-    const bool better = gained > 0.0;
-    if (better) found = search.try_out(next, true);
-    if (better && found) {
-      learn(here, *found, second_order);
-      small_steps = gained < worth_m2 ? small_steps + 1 : 0;
-      here = *found;
-      commands = next;
-      damping =
-          std::max(kLeastDamping, damping * std::max(1.0 / 5.0, 1.0 - std::pow(2.0 * gained / promised - 1.0, 3)));
-      growth = 2.0;
-      if (gained > 0.5 * promised && !cut) largest = std::min(kLargestStep, 2.0 * largest);
-    } else {
-      damping *= growth;
-      growth *= 2.0;
-      largest = 0.5 * step.cwiseQuotient(problem.max - problem.min).cwiseAbs().maxCoeff();
+    found = gained > 0.0 ? search_.try_out(next, true) : nullptr;
+    if (!found) {
+      damping_ *= growth_;
+      growth_ *= 2.0;
+      largest_ = 0.5 * step.cwiseQuotient(problem_.max - problem_.min).cwiseAbs().maxCoeff();
+      cut_ = true;
+      return;
     }
-    cut = !better;
-    if (!search.finish_iteration(commands, here.distance_m)) return kCancelled;
-    if ((small_steps >= 2 || damping > kMostDamping || largest < kSmallestStep) && exact()) return kConverged;
+    learn(here_, *found, second_order_);
+    small_steps_ = gained < worth_m2_ ? small_steps_ + 1 : 0;
+    here_ = *found;
+    damping_ =
+        std::max(kLeastDamping, damping_ * std::max(1.0 / 5.0, 1.0 - std::pow(2.0 * gained / promised - 1.0, 3)));
+    growth_ = 2.0;
+    if (gained > 0.5 * promised && !cut_) largest_ = std::min(kLargestStep, 2.0 * largest_);
+    cut_ = false;
   }
-  return kConverged;
-}
+
+  Search& search_;
+  const ReachProblem& problem_;
+  double tolerance_m_, damping_;
+  double growth_ = 2.0;            // of the damping, where a step fails
+  double largest_ = kLargestStep;  // step
+  double worth_m2_ = 0.0;          // a gain that changes the distance by the settled share of the tolerance
+  int small_steps_ = 0;            // in a row, that gained less
+  bool cut_ = false;               // the last step failed
+  Evaluation here_;                // empty where there is none
+  Eigen::MatrixXd second_order_;
+};
 
 // Whether the way to the target leads over pulling command i more.
 bool asks_for_pull(const Evaluation& here, Eigen::Index i, const ReachProblem& problem) {
@@ -223,7 +247,7 @@ std::string search_gauss_newton(Search& search, int max_iterations, double toler
   Eigen::VectorXd commands = search.problem().start;
   double last_m = std::numeric_limits<double>::infinity();
   for (double damping = kFirstDamping;; damping = kTautDamping) {
-    const std::string reason = descend(search, max_iterations, tolerance_m, damping, commands);
+    const std::string reason = Descent(search, tolerance_m, damping, commands).run(max_iterations);
     const Evaluation* found = search.evaluate(search.best()->commands, true);
     if (!found) return search.failure();
     const Evaluation best = *found;

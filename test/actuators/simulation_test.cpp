@@ -217,7 +217,7 @@ TEST(Equilibrium, FollowsABuckledBodyWithoutLosingItsWay) {
 }
 
 TEST(Equilibrium, FollowsALongPullWithoutCuttingSteps) {
-  // The bar bends by more than a right angle. Straight steps, which stretch what they turn, were cut three times there.
+  // The bar bends by about a right angle. Straight steps, which stretch what they turn, were cut three times there.
   for (const bool quadratic : {true, false}) {
     Bar bar;
     bar.quadratic = quadratic;

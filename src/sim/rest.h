@@ -13,9 +13,9 @@ double residual_at_rest(SimulationParts& parts);
 // One step of a sleeping body; false where it is awake, or has just been woken.
 bool sleep_on(SimulationParts& parts, double h, SolveReport& report);
 
-// After a step of length h: has the next one make its own factor where the body is nearly still, far from where the last
-// was made; sleeps from now on where nothing moves, every command is reached, and the body stands in a
-// stable equilibrium to options.tolerance.
+// After a step of length h: sleeps from now on where nothing moves, every command is reached, and the body stands in a
+// stable equilibrium to options.tolerance. Where it is only nearly still, far from where the last factor was made, the
+// next step makes its own.
 void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport& report);
 
 }  // namespace soft_robot_lab

@@ -8,7 +8,8 @@ constexpr double kStill = 1e-7;  // times the body's size: the largest motion of
 // Near rest a time step may ask for no more than one step by an old factor; from far away it brings so little that the
 // body would creep, or swing about its rest, for seconds.
 constexpr double kNearlyStill = 1e-3;  // times the body's size, as kStill
-constexpr double kFar = 1e-2;          // times the body's size: a node's way from where the factor was made
+constexpr double kFar = 1e-3;          // times the body's size: a node's way from where the factor was made
+constexpr double kMuchLeft = 0.1;      // of a time step's tolerance
 
 bool commands_reached(const SimulationParts& parts) {
   for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
@@ -20,10 +21,11 @@ bool commands_reached(const SimulationParts& parts) {
   return true;
 }
 
-bool linearised_far_away(const SimulationParts& parts) {
+bool needs_new_factor(const SimulationParts& parts, const SolveReport& report) {
   const auto& made = parts.solver.linearisation();
+  if (!made || report.residual < kMuchLeft * parts.options.dynamic_tolerance) return false;
   const Eigen::Matrix3Xd& here = parts.state.positions_m;
-  return made && (made->at.positions_m - here).colwise().norm().maxCoeff() > kFar * parts.body.size_m();
+  return (made->at.positions_m - here).colwise().norm().maxCoeff() > kFar * parts.body.size_m();
 }
 
 }  // namespace
@@ -58,7 +60,7 @@ void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport
   if (!report.converged || report.inverted_elements > 0 || motion_m > kNearlyStill * parts.body.size_m()) return;
   if (!commands_reached(parts)) return;
   if (motion_m > kStill * parts.body.size_m()) {
-    if (!linearised_far_away(parts)) return;
+    if (!needs_new_factor(parts, report)) return;
     parts.solver.restore(nullptr);
     parts.remember();
     return;

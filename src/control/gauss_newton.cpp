@@ -155,16 +155,16 @@ class Descent {
         if (damping_ > kMostDamping) return kConverged;
         continue;
       }
-      worth_m2_ = kSettled * tolerance_m_ * here_.residuals.norm();
-      if (promised < 0.01 * worth_m2_) return kConverged;
-      try_step(step, promised);
+      const double worth_m2 = kSettled * tolerance_m_ * here_.residuals.norm();  // what a step should gain at least
+      if (promised < 0.01 * worth_m2) return kConverged;
+      try_step(step, promised, worth_m2);
       if (!search_.finish_iteration(here_.commands, here_.distance_m)) return kCancelled;
       if (small_steps_ >= 2 || damping_ > kMostDamping || largest_ < kSmallestStep) return kConverged;
     }
     return kConverged;
   }
 
-  void try_step(const Eigen::VectorXd& step, double promised) {
+  void try_step(const Eigen::VectorXd& step, double promised, double worth_m2) {
     const Eigen::VectorXd next = (here_.commands + step).cwiseMax(problem_.min).cwiseMin(problem_.max);
     const Evaluation* found = search_.try_out(next, false);
     double gained = -promised;
@@ -182,7 +182,7 @@ class Descent {
       return;
     }
     learn(here_, *found, second_order_);
-    small_steps_ = gained < worth_m2_ ? small_steps_ + 1 : 0;
+    small_steps_ = gained < worth_m2 ? small_steps_ + 1 : 0;
     here_ = *found;
     damping_ =
         std::max(kLeastDamping, damping_ * std::max(1.0 / 5.0, 1.0 - std::pow(2.0 * gained / promised - 1.0, 3)));
@@ -196,7 +196,6 @@ class Descent {
   double tolerance_m_, damping_;
   double growth_ = 2.0;            // of the damping, where a step fails
   double largest_ = kLargestStep;  // step
-  double worth_m2_ = 0.0;          // a gain that changes the distance by the settled share of the tolerance
   int small_steps_ = 0;            // in a row, that gained less
   bool cut_ = false;               // the last step failed
   Evaluation here_;                // empty where there is none

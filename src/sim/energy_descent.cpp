@@ -48,10 +48,6 @@ double energy_between(const Constraint& constraint, double tie, double y, double
   return sum;
 }
 
-Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
-  return {columns.data(), columns.size()};
-}
-
 class SofterBulk {
  public:
   explicit SofterBulk(Elements& elements) : elements_(elements), lambda_pa_(elements.lambda_pa()) {

@@ -9,10 +9,6 @@ namespace {
 constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
 constexpr int kHalvings = 8;
 
-Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
-  return {columns.data(), columns.size()};
-}
-
 }  // namespace
 
 void NewtonSolver::prepare_merit(const NewtonState& state, const Evaluation& here, const Eigen::Matrix3Xd& gradient_n,

@@ -3,13 +3,6 @@
 #include "newton_solver.h"
 
 namespace soft_robot_lab {
-namespace {
-
-Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
-  return {columns.data(), columns.size()};
-}
-
-}  // namespace
 
 // S dy + D dq = d offset - B' A^-1 d force on active constraints, dy given on the others; at a junction dq = 0, or
 // where it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx. Then dx = -A^-1 (d force + B dy).

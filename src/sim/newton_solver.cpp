@@ -17,10 +17,6 @@ constexpr double kWorthwhileDecrease = 0.9;  // of the residual, by such a step
 constexpr double kPenaltyOfBuckled = 10.0;
 constexpr double kTieStiffness = 1e3;  // of a carried point, over E * size
 
-Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
-  return {columns.data(), columns.size()};
-}
-
 // Relative to the constraint's own value, so that lengths and volumes count alike.
 double relative_violation(const ConstraintLaw& law, double y, double value) {
   return violation(law, y) / std::max(std::abs(value), 1e-300);

@@ -27,6 +27,11 @@
 
 namespace soft_robot_lab {
 
+// Of nodes, over 3*node + axis.
+inline Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
+  return {columns.data(), columns.size()};
+}
+
 // The unknowns, and what is known at them.
 struct NewtonState {
   Eigen::Matrix3Xd positions_m;            // 3 x nodes

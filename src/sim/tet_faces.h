@@ -9,9 +9,6 @@
 
 namespace soft_robot_lab {
 
-// Local nodes of the mid-edge nodes 4..9.
-constexpr int kTetEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {2, 3}, {1, 3}};
-
 // Local nodes of the four sides, turning counter-clockwise seen from outside: corners, then mid-edges 01, 12, 20.
 constexpr int kTetSides[4][6] = {{0, 2, 1, 6, 5, 4}, {0, 1, 3, 4, 9, 7}, {1, 2, 3, 5, 8, 9}, {0, 3, 2, 7, 8, 6}};
 

@@ -11,6 +11,7 @@
 #include <Eigen/Dense>
 
 #include "sim/tet_faces.h"
+#include "soft_robot_lab/sim/shape_functions.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -20,20 +21,6 @@ constexpr double kFlat = 1e-9;
 
 using Barycentric = Eigen::Vector4d;  // weights of the corners, summing to one
 
-// dN/dr of the 4 or 10 shape functions, nodes x 3; r are the weights of corners 1, 2, 3.
-Eigen::Matrix<double, Eigen::Dynamic, 3> shape_gradients(bool quadratic, const Barycentric& at) {
-  Eigen::Matrix<double, 4, 3> corner;  // d(weight of a corner)/dr
-  corner << -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1;
-  if (!quadratic) return corner;
-  Eigen::Matrix<double, 10, 3> gradients;
-  for (int i = 0; i < 4; ++i) gradients.row(i) = (4 * at[i] - 1) * corner.row(i);
-  for (int e = 0; e < 6; ++e) {
-    const auto [a, b] = kTetEdges[e];
-    gradients.row(4 + e) = 4 * (at[a] * corner.row(b) + at[b] * corner.row(a));
-  }
-  return gradients;
-}
-
 Eigen::Matrix3Xd element_nodes(const TetMesh& mesh, int tet) {
   Eigen::Matrix3Xd nodes(3, mesh.tets.rows());
   for (Eigen::Index i = 0; i < nodes.cols(); ++i) nodes.col(i) = mesh.nodes_m.col(mesh.tets(i, tet));
@@ -42,7 +29,8 @@ Eigen::Matrix3Xd element_nodes(const TetMesh& mesh, int tet) {
 
 // Six times the volume at a place of the element: the Jacobian determinant of its map.
 double jacobian(const Eigen::Matrix3Xd& nodes, const Barycentric& at) {
-  return (nodes * shape_gradients(nodes.cols() == 10, at)).determinant();
+  const int count = static_cast<int>(nodes.cols());
+  return (nodes * shape_functions(count, at.tail<3>()).gradients.transpose()).determinant();
 }
 
 // Five points, exact for cubic polynomials, which the Jacobian of a curved element is (Keast 1986, rule 2).

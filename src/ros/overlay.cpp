@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "soft_robot_lab/ros/topics.h"
 
@@ -81,10 +82,12 @@ class Drawing {
   visualization_msgs::MarkerArray array_;
 };
 
+// Names that are written already are not written again: two of them half over each other cannot be read.
 void draw_markers(const MarkerObservations& markers, const std::string& ns, const std_msgs::ColorRGBA& rgba,
-                  const OverlayOptions& options, Drawing& drawing) {
+                  const std::vector<std::string>& written, const OverlayOptions& options, Drawing& drawing) {
   for (size_t i = 0; i < markers.names.size(); ++i) {
     drawing.sphere(ns, markers.positions[i], options.marker_radius_m, rgba);
+    if (std::find(written.begin(), written.end(), markers.names[i]) != written.end()) continue;
     geometry_msgs::Point above = markers.positions[i];
     above.z += options.marker_radius_m + 0.6 * options.text_height_m;
     drawing.text(ns + "_names", above, markers.names[i]);
@@ -134,7 +137,7 @@ void draw_gap(const RealityGap& gap, const OverlayOptions& options, Drawing& dra
     drawing.text("gap_text", beside, text_of(1e3 * gap.distances_m[i], "%.2f mm"));
   }
   geometry_msgs::Point above;
-  above.z = 3.0 * options.text_height_m;
+  above.z = 6.0 * options.text_height_m;  // above the axes of the frame
   drawing.text("gap_text", above, text_of(1e3 * gap.rms_m, "gap %.2f mm rms"));
 }
 
@@ -156,8 +159,8 @@ void draw_error(const MarkerObservations& markers, const Target& target, const O
 visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const OverlayOptions& options,
                                            const ros::Time& stamp) {
   Drawing drawing(options, stamp);
-  draw_markers(inputs.simulated, "simulated", simulated_colour, options, drawing);
-  draw_markers(inputs.measured, "measured", measured_colour, options, drawing);
+  draw_markers(inputs.simulated, "simulated", simulated_colour, {}, options, drawing);
+  draw_markers(inputs.measured, "measured", measured_colour, inputs.simulated.names, options, drawing);
   if (inputs.gap) draw_gap(*inputs.gap, options, drawing);
   draw_cables(inputs.actuators, options, drawing);
   draw_chambers(inputs.actuators, drawing);

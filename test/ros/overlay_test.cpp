@@ -48,6 +48,16 @@ TEST(Overlay, DrawsEveryMarkerWithItsName) {
   EXPECT_EQ(shapes_in(inputs(), "simulated_names")[0].text, "tip");
 }
 
+TEST(Overlay, WritesTheNameOfAMarkerOnce) {
+  OverlayInputs tracked = inputs();
+  tracked.measured.names = {"tip", "joint_1"};
+  tracked.measured.positions = {point(0.001, 0.0, -0.1), point(0.0, 0.0, -0.02)};
+  EXPECT_EQ(shapes_in(tracked, "measured").size(), 2u);
+  EXPECT_EQ(shapes_in(tracked, "simulated_names").size(), 1u);
+  ASSERT_EQ(shapes_in(tracked, "measured_names").size(), 1u);
+  EXPECT_EQ(shapes_in(tracked, "measured_names")[0].text, "joint_1");
+}
+
 TEST(Overlay, ColoursCablesByTension) {
   OverlayInputs slack = inputs();
   slack.actuators.cables[0].tension_n = 0.0;

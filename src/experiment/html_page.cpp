@@ -84,12 +84,17 @@ void HtmlPage::table(const Table& table) {
   body_ << "</table>\n";
 }
 
-void HtmlPage::picture(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
-  if (!file || bytes.empty()) throw std::runtime_error(path + ": cannot be read, or is empty");
-  body_ << "<p><img alt=\"" << escaped(path.substr(path.rfind('/') + 1)) << "\" src=\"data:" << media_type(path)
-        << ";base64," << base64(bytes) << "\"></p>\n";
+void HtmlPage::pictures(const std::vector<std::string>& files) {
+  const std::string width = files.size() > 1 ? " width=\"" + std::to_string(98 / files.size()) + "%\"" : "";
+  body_ << "<p>";
+  for (const std::string& path : files) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+    if (!file || bytes.empty()) throw std::runtime_error(path + ": cannot be read, or is empty");
+    body_ << "<img" << width << " alt=\"" << escaped(path.substr(path.rfind('/') + 1))
+          << "\" src=\"data:" << media_type(path) << ";base64," << base64(bytes) << "\">\n";
+  }
+  body_ << "</p>\n";
 }
 
 void HtmlPage::text(const std::string& lines) { body_ << "<pre>" << escaped(lines) << "</pre>\n"; }

@@ -11,7 +11,7 @@ void add(const ExperimentReport& report, HtmlPage& page) {
   page.table(result.table);
   if (!result.source_reports.empty()) page.paragraph(result.source_reports, "The source reports:");
   if (!result.we_find.empty()) page.paragraph(result.we_find, "We find:");
-  for (const PlotFiles& files : report.pictures) page.picture(files.svg);
+  for (const PlotFiles& files : report.pictures) page.pictures({files.svg});
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Draws markers, cables, target and error for rviz from what the session publishes, compares tracked with simulated
-// markers, and draws the simulated robot over what a camera sees.
+// markers, and draws the simulated robot over what a camera sees of it, close up.
 //
 // Parameters: ~camera (whose image is drawn over, where the tracker believes it; absent: none).
 #include <optional>
@@ -67,8 +67,9 @@ class OverlayNode {
     if (image_publisher_.getNumSubscribers() == 0 || !info_ || !surface_) return;
     try {
       const auto pose = frames_.lookupTransform(optical_frame_, topics::robot_frame, ros::Time(0));
-      const CameraModel model = camera_model(*info_);
-      const cv::Mat drawn = draw_robot(colour_image(colour), model, isometry(pose.transform), *surface_, inputs_.gap);
+      const Eigen::Isometry3d camera_from_robot = isometry(pose.transform);
+      const CloseUp::View view = close_up_.of(colour_image(colour), camera_model(*info_), camera_from_robot, *surface_);
+      const cv::Mat drawn = draw_robot(view.image, view.model, camera_from_robot, *surface_, inputs_.gap);
       image_publisher_.publish(colour_message(drawn, colour.header));
     } catch (const std::exception& error) {
       ROS_WARN_THROTTLE(5.0, "%s: %s", topics::overlay_image, error.what());
@@ -87,6 +88,7 @@ class OverlayNode {
   OverlayOptions options_;
   GapMeter gap_{[this](const RealityGap& gap) { on_gap(gap); }};
   std::string optical_frame_;
+  CloseUp close_up_;
   std::optional<CameraInfo> info_;
   std::optional<visualization_msgs::Marker> surface_;
   ros::Time published_;

@@ -1,5 +1,6 @@
 #include "soft_robot_lab/ros/camera_overlay.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -73,6 +74,19 @@ class Drawing {
   Eigen::Isometry3d camera_from_robot_;
 };
 
+// Around all of the robot that is in the image; empty where nothing is.
+Eigen::AlignedBox2d box_of(const visualization_msgs::Marker& surface, const CameraModel& model,
+                           const Eigen::Isometry3d& camera_from_robot) {
+  Eigen::AlignedBox2d box_px;
+  for (const geometry_msgs::Point& point : surface.points) {
+    const Eigen::Vector3d in_camera = camera_from_robot * from_message(point, "points");
+    if (!(in_camera.z() > 0.0)) continue;
+    const Eigen::Vector2d place_px = model.project(in_camera);
+    if (model.sees(place_px)) box_px.extend(place_px);
+  }
+  return box_px;
+}
+
 }  // namespace
 
 cv::Mat draw_robot(const cv::Mat& colour, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot,
@@ -81,6 +95,31 @@ cv::Mat draw_robot(const cv::Mat& colour, const CameraModel& model, const Eigen:
   drawing.robot(surface);
   if (gap) drawing.gap(*gap);
   return drawing.finished();
+}
+
+CloseUp::View CloseUp::of(const cv::Mat& image, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot,
+                          const visualization_msgs::Marker& surface) {
+  constexpr double margin = 1.5, least = 0.1;  // of the robot's size, and of the image
+  const Eigen::Vector2d all_px(model.width_px, model.height_px);
+  const Eigen::AlignedBox2d robot_px = box_of(surface, model, camera_from_robot);
+  if (robot_px.isEmpty()) return {image, model};
+  const double share = std::clamp(margin * robot_px.sizes().cwiseQuotient(all_px).maxCoeff(), least, 1.0);
+  const bool fits = window_px_.contains(robot_px) && window_px_.sizes().x() < 1.5 * share * all_px.x();
+  if (!fits) {
+    const Eigen::Vector2d size_px = (share * all_px).array().round();
+    const Eigen::Vector2d corner_px = (robot_px.center() - 0.5 * size_px).cwiseMax(0.0).cwiseMin(all_px - size_px);
+    window_px_ = {corner_px.array().round(), corner_px.array().round() + size_px.array()};
+  }
+  const Eigen::Vector2d corner_px = window_px_.min(), size_px = window_px_.sizes();
+  const Eigen::Vector2d larger = all_px.cwiseQuotient(size_px);
+  View view{cv::Mat(), model};
+  cv::resize(image(cv::Rect2d(corner_px.x(), corner_px.y(), size_px.x(), size_px.y())), view.image, image.size(), 0.0,
+             0.0, cv::INTER_CUBIC);
+  view.model.focal_x_px *= larger.x();
+  view.model.focal_y_px *= larger.y();
+  view.model.centre_x_px = (model.centre_x_px - corner_px.x() + 0.5) * larger.x() - 0.5;
+  view.model.centre_y_px = (model.centre_y_px - corner_px.y() + 0.5) * larger.y() - 0.5;
+  return view;
 }
 
 }  // namespace soft_robot_lab

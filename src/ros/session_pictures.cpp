@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <tuple>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -20,7 +21,8 @@ namespace {
 
 struct Camera {
   std::optional<CameraModel> lens;
-  size_t next = 0;  // of the times
+  size_t next = 0;  // of the times that has no picture yet
+  CloseUp close_up;
 };
 
 // What stands before `end`, where that is how the text ends.
@@ -60,11 +62,16 @@ class Painter {
     } else if (const auto of_lens = before(topic, "/color/camera_info")) {
       cameras_[*of_lens].lens = camera_model(*message.instantiate<sensor_msgs::CameraInfo>());
     } else if (const auto camera = before(topic, "/color/image_raw")) {
-      if (wanted(*camera, message.getTime().toSec())) draw(*camera, *message.instantiate<sensor_msgs::Image>());
+      if (wanted(*camera, message.getTime().toSec())) consider(*camera, *message.instantiate<sensor_msgs::Image>());
     }
   }
 
-  const std::vector<SessionPicture>& pictures() const { return pictures_; }
+  std::vector<SessionPicture> pictures() {
+    std::stable_sort(pictures_.begin(), pictures_.end(), [](const SessionPicture& a, const SessionPicture& b) {
+      return std::tie(a.asked, a.camera) < std::tie(b.asked, b.camera);
+    });
+    return std::move(pictures_);
+  }
 
  private:
   void place(const geometry_msgs::TransformStamped& transform) {
@@ -75,24 +82,31 @@ class Painter {
     poses_[child] = pose_of(transform.transform);
   }
 
+  // By when it was recorded, which is after it was taken.
   bool wanted(const std::string& camera, double time_s) const {
     const auto found = cameras_.find(camera);
     return found != cameras_.end() && found->second.lens && poses_.count(optical_frame(camera)) > 0 &&
            found->second.next < times_s_.size() && time_s >= times_s_[found->second.next];
   }
 
-  void draw(const std::string& name, const sensor_msgs::Image& image) {
+  void consider(const std::string& name, const sensor_msgs::Image& image) {
     Camera& camera = cameras_[name];
     const double time_s = image.header.stamp.toSec();
+    if (time_s < times_s_[camera.next]) return;
     while (camera.next < times_s_.size() && times_s_[camera.next] <= time_s) ++camera.next;
+    draw(name, camera, image, camera.next - 1);
+  }
+
+  void draw(const std::string& name, Camera& camera, const sensor_msgs::Image& image, size_t asked) {
+    const double time_s = image.header.stamp.toSec();
     const Eigen::Isometry3d camera_from_robot = poses_.at(optical_frame(name)).inverse() * world_from_robot_;
-    const cv::Mat drawn =
-        draw_robot(colour_image(image), *camera.lens, camera_from_robot, surface_, nearest(gaps_, time_s));
+    const CloseUp::View view = camera.close_up.of(colour_image(image), *camera.lens, camera_from_robot, surface_);
+    const cv::Mat drawn = draw_robot(view.image, view.model, camera_from_robot, surface_, nearest(gaps_, time_s));
     cv::Mat bgr;
     cv::cvtColor(drawn, bgr, cv::COLOR_RGB2BGR);
-    const std::string file = folder_ + "/" + name + "_" + std::to_string(pictures_.size()) + ".png";
+    const std::string file = folder_ + "/" + name + "_" + std::to_string(asked) + ".jpg";
     if (!cv::imwrite(file, bgr)) throw std::runtime_error(file + ": cannot be written");
-    pictures_.push_back({file, name, time_s});
+    pictures_.push_back({file, name, asked, time_s});
   }
 
   const std::vector<RealityGap>& gaps_;
@@ -108,13 +122,10 @@ class Painter {
 }  // namespace
 
 std::vector<SessionPicture> draw_session(const std::string& bag, const std::vector<RealityGap>& gaps,
-                                         const std::vector<double>& times_s, const std::string& folder, int limit) {
+                                         const std::vector<double>& times_s, const std::string& folder) {
   Painter painter(gaps, times_s, folder);
   const rosbag::Bag opened(bag, rosbag::bagmode::Read);
-  for (const rosbag::MessageInstance& message : rosbag::View(opened)) {
-    if (static_cast<int>(painter.pictures().size()) >= limit) break;
-    painter.add(message);
-  }
+  for (const rosbag::MessageInstance& message : rosbag::View(opened)) painter.add(message);
   return painter.pictures();
 }
 

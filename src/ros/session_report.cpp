@@ -21,7 +21,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr size_t kDrawnPoints = 1000, kDrawnMarks = 150;  // of a curve: more cannot be told apart
-constexpr int kPictures = 12;
+constexpr size_t kPictured = 40;                          // configurations at rest, at most
 const char* const kAxes = "xyz";
 
 template <typename Item>
@@ -257,7 +257,35 @@ Table versions() {
 
 void add_plot(const Plot& plot, const std::string& folder, HtmlPage& page) {
   const bool drawable = std::any_of(plot.series.begin(), plot.series.end(), [](const auto& s) { return !s.x.empty(); });
-  if (drawable) page.picture(write_plot(plot, folder).png);
+  if (drawable) page.pictures({write_plot(plot, folder).png});
+}
+
+// One row for each configuration, as numbered in the table: what each camera saw in the middle of it.
+void add_pictures(const std::string& bag, const Recording& recording, const std::vector<RestPeriod>& periods,
+                  const std::string& folder, HtmlPage& page) {
+  std::vector<double> times_s;
+  std::vector<size_t> numbers;
+  const size_t count = std::min(periods.size(), kPictured);
+  for (size_t k = 0; k < count; ++k) {
+    numbers.push_back(k * periods.size() / count);
+    times_s.push_back(0.5 * (periods[numbers[k]].start_s + periods[numbers[k]].end_s));
+  }
+  if (times_s.empty()) times_s.push_back(recording.start_s);
+  const std::vector<SessionPicture> pictures = draw_session(bag, recording.gaps, times_s, folder);
+  page.paragraph(pictures.empty() ? "The recording has no images with lens and place of their camera."
+                                  : "The simulated robot in blue, lines from simulated to measured markers.");
+  for (auto first = pictures.begin(); first != pictures.end();) {
+    const auto last = std::find_if(first, pictures.end(), [&](const auto& p) { return p.asked != first->asked; });
+    std::string words = numbers.empty() ? "" : "Configuration " + std::to_string(numbers[first->asked] + 1) + ": ";
+    std::vector<std::string> files;
+    for (auto p = first; p != last; ++p) {
+      words += (p == first ? "" : ", ") + p->camera + " at " + number(p->time_s - recording.start_s, 4) + " s";
+      files.push_back(p->file);
+    }
+    page.paragraph(words);
+    page.pictures(files);
+    first = last;
+  }
 }
 
 }  // namespace
@@ -287,16 +315,7 @@ SessionReport write_session_report(const std::string& bag, const std::string& fo
   page.heading("Trajectories");
   for (size_t axis = 0; axis < 3; ++axis) add_plot(trajectory_plot(recording, axis), folder, page);
   page.heading("What the cameras saw");
-  std::vector<double> times_s;
-  for (const RestPeriod& period : periods) times_s.push_back(period.start_s);
-  if (times_s.empty()) times_s.push_back(recording.start_s);
-  const std::vector<SessionPicture> pictures = draw_session(bag, recording.gaps, times_s, folder, kPictures);
-  if (pictures.empty()) page.paragraph("The recording has no images with lens and place of their camera.");
-  for (const SessionPicture& picture : pictures) {
-    page.paragraph(picture.camera + ", " + number(picture.time_s - recording.start_s, 4) +
-                   " s: the simulated robot in blue, lines from simulated to measured markers");
-    page.picture(picture.file);
-  }
+  add_pictures(bag, recording, periods, folder, page);
   page.heading("Parameters");
   const std::string settings = scene_file.empty() ? "" : file_text(scene_file);
   if (settings.empty())

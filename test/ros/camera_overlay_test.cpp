@@ -1,5 +1,7 @@
 #include "soft_robot_lab/ros/camera_overlay.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -53,6 +55,48 @@ TEST(CameraOverlay, DrawsALineFromSimulatedToMeasuredMarkers) {
   gap.seen = {1};
   const cv::Mat drawn = draw_robot(dark, model, Eigen::Isometry3d::Identity(), {}, gap);
   EXPECT_GT(drawn.at<cv::Vec3b>(240, 424 + static_cast<int>(0.025 * model.focal_x_px))[0], 60);
+}
+
+TEST(CameraOverlay, ComesCloseToTheRobotAndStillKnowsWhereItIs) {
+  const CameraModel model = d415_camera(848, 480);
+  Eigen::Isometry3d camera_from_robot = Eigen::Isometry3d::Identity();
+  camera_from_robot.translation() << 0.3, -0.05, 0.0;
+  const Eigen::Vector3d corner = camera_from_robot * Eigen::Vector3d(0.05, 0.05, 1.0);
+  cv::Mat image(480, 848, CV_8UC3, cv::Scalar(10, 10, 10));
+  const Eigen::Vector2d at_px = model.project(corner);
+  image(cv::Rect2d(at_px.x() - 1.5, at_px.y() - 1.5, 4.0, 4.0)) = cv::Scalar(255, 255, 255);
+  const CloseUp::View view = CloseUp().of(image, model, camera_from_robot, squares());
+  EXPECT_EQ(view.image.size(), image.size());
+  EXPECT_NO_THROW(view.model.validate());
+  const Eigen::Vector2d there_px = view.model.project(corner);
+  EXPECT_TRUE(view.model.sees(there_px));
+  EXPECT_GT(view.image.at<cv::Vec3b>(std::lround(there_px.y()), std::lround(there_px.x()))[0], 200);
+  EXPECT_GT(there_px.y() - view.model.project(camera_from_robot * Eigen::Vector3d(0.0, -0.05, 1.0)).y(), 300.0);
+}
+
+TEST(CameraOverlay, FollowsTheRobotOnlyWhereItLeaves) {
+  const CameraModel model = d415_camera(848, 480);
+  const cv::Mat image(480, 848, CV_8UC3, cv::Scalar(10, 10, 10));
+  CloseUp close_up;
+  const auto centre_at = [&](double x_m, double z_m) {
+    Eigen::Isometry3d camera_from_robot = Eigen::Isometry3d::Identity();
+    camera_from_robot.translation() << x_m, 0.0, z_m;
+    return close_up.of(image, model, camera_from_robot, squares()).model.centre_x_px;
+  };
+  const double first_px = centre_at(0.0, 0.0);
+  EXPECT_EQ(centre_at(0.01, 0.0), first_px);
+  EXPECT_NE(centre_at(0.2, 0.0), first_px);
+  const double near_px = centre_at(0.2, -0.4);
+  EXPECT_NE(centre_at(0.2, 0.0), near_px) << "too small in the window of a robot that was nearer";
+}
+
+TEST(CameraOverlay, ShowsAllOfAnImageThatTheRobotIsNotIn) {
+  const CameraModel model = d415_camera(848, 480);
+  const cv::Mat image(480, 848, CV_8UC3, cv::Scalar(10, 10, 10));
+  Eigen::Isometry3d camera_from_robot = Eigen::Isometry3d::Identity();
+  camera_from_robot.translation().x() = 2.0;
+  for (const auto& surface : {squares(), visualization_msgs::Marker()})
+    EXPECT_EQ(CloseUp().of(image, model, camera_from_robot, surface).model.focal_x_px, model.focal_x_px);
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ TEST_F(Session, RefusesWhatIsNoRecordingOfASession) {
   EXPECT_NE(refusal(write_bag(false)).find("no markers of a tracker"), std::string::npos);
 }
 
-// A grey picture of a camera half a metre in front.
+// Grey pictures of a camera half a metre in front, recorded a tenth of a second after they were taken.
 void add_images(const std::string& path) {
   rosbag::Bag bag(path, rosbag::bagmode::Append);
   Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
@@ -208,22 +208,27 @@ void add_images(const std::string& path) {
   tf2_msgs::TFMessage tree;
   tree.transforms = {transform_message("world", optical_frame("camera_left"), world_from_camera)};
   bag.write("/tf_static", ros::Time(10.0), tree);
-  const RgbdFrame frame{"camera_left", 12.5, cv::Mat(36, 64, CV_8UC3, cv::Scalar(99, 99, 99)),
-                        cv::Mat(36, 64, CV_32FC1, cv::Scalar(0.5)), 0.001};
-  const FrameMessages messages = frame_messages(frame, d415_camera(64, 36), ros::Time(12.5));
-  bag.write("/camera_left/color/camera_info", ros::Time(12.4), messages.info);
-  bag.write("/camera_left/color/image_raw", ros::Time(12.5), messages.colour);
+  for (double time_s = 10.0; time_s < 19.0; time_s += 0.05) {
+    const RgbdFrame frame{"camera_left", time_s, cv::Mat(36, 64, CV_8UC3, cv::Scalar(99, 99, 99)),
+                          cv::Mat(36, 64, CV_32FC1, cv::Scalar(0.5)), 0.001};
+    const FrameMessages messages = frame_messages(frame, d415_camera(64, 36), ros::Time(time_s));
+    bag.write("/camera_left/color/camera_info", ros::Time(time_s + 0.1), messages.info);
+    bag.write("/camera_left/color/image_raw", ros::Time(time_s + 0.1), messages.colour);
+  }
 }
 
-TEST_F(Session, DrawsWhatCamerasSaw) {
+TEST_F(Session, DrawsWhatCamerasSawOnceAtEachRest) {
   const std::string bag = write_bag(true);
   add_images(bag);
   const SessionReport report = write_session_report(bag, (folder_ / "report").string());
-  EXPECT_TRUE(fs::exists(folder_ / "report" / "camera_left_0.png"));
+  int pictures = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "report")) pictures += entry.path().extension() == ".jpg";
+  EXPECT_EQ(pictures, report.rest_periods);
   std::ifstream file(report.page);
   std::ostringstream page;
   page << file.rdbuf();
-  EXPECT_NE(page.str().find("camera_left, 2.5 s"), std::string::npos);
+  EXPECT_NE(page.str().find("Configuration 1: camera_left at 1."), std::string::npos);
+  EXPECT_NE(page.str().find("Configuration 2: camera_left at 5."), std::string::npos);
 }
 
 TEST_F(Session, IsToldOnOnePage) {

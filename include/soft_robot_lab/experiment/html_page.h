@@ -3,6 +3,7 @@
 
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "soft_robot_lab/experiment/experiment.h"
 
@@ -18,8 +19,9 @@ class HtmlPage {
   void paragraph(const std::string& text, const std::string& lead = "");
   void failure(const std::string& text);
   void table(const Table& table);
-  void picture(const std::string& file);  // .svg, .png or .jpg; throws std::runtime_error where it cannot be read
-  void text(const std::string& lines);    // as it stands
+  // Side by side; .svg, .png or .jpg. Throws std::runtime_error where one cannot be read.
+  void pictures(const std::vector<std::string>& files);
+  void text(const std::string& lines);  // as it stands
 
   std::string html() const;
 

@@ -1,4 +1,4 @@
-// What a camera saw in a recorded session, with the simulated robot drawn over it.
+// What a camera saw of the robot in a recorded session, with the simulated robot drawn over it.
 #pragma once
 
 #include <string>
@@ -9,14 +9,15 @@
 namespace soft_robot_lab {
 
 struct SessionPicture {
-  std::string file;  // PNG
+  std::string file;  // JPEG
   std::string camera;
-  double time_s = 0.0;
+  size_t asked = 0;     // which of the times
+  double time_s = 0.0;  // of the image
 };
 
-// For each of the times, of each camera the first image from then on that has lens and pose in the bag; at most
-// `limit` pictures. Empty where the bag has no such images.
+// For each of the times, in rising order, of each camera the first image taken from then on, and before the next of the
+// times, that has lens and pose in the bag; in this order. Empty where the bag has no such images.
 std::vector<SessionPicture> draw_session(const std::string& bag, const std::vector<RealityGap>& gaps,
-                                         const std::vector<double>& times_s, const std::string& folder, int limit);
+                                         const std::vector<double>& times_s, const std::string& folder);
 
 }  // namespace soft_robot_lab

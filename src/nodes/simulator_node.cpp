@@ -23,6 +23,7 @@
 
 #include "nodes/run_node.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
+#include "soft_robot_lab/ros/announcement.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/surface_marker.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -109,6 +110,7 @@ class SimulatorNode {
   void start(std::unique_ptr<RunningScene> scene);
   double step();  // returns the scene's time step [s]
   void publish();
+  void show_surface_again();  // though it may not move
   void serve_until(SteadyClock::time_point deadline);
   void on_command(const ActuatorCommand& command);
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
@@ -132,7 +134,8 @@ class SimulatorNode {
   RealTimeFactor real_time_factor_;
 
   ros::NodeHandle node_;
-  ros::Publisher clock_, markers_, actuators_, surface_, scene_path_;
+  ros::Publisher clock_, markers_, actuators_, surface_;
+  Announcement<std_msgs::String> scene_path_{topics::simulator_scene};
   ros::Subscriber commands_;
   tf2_ros::StaticTransformBroadcaster frames_;
   diagnostic_updater::Updater diagnostics_;
@@ -148,10 +151,11 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   if (options_.publish_clock) clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
   markers_ = node_.advertise<MarkerObservations>(topics::simulator_markers, 1000);
   actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
-  surface_ = node_.advertise<visualization_msgs::Marker>(topics::simulator_surface, 1, true);
-  scene_path_ = node_.advertise<std_msgs::String>(topics::simulator_scene, 1, true);
   publish_frames();
   start(prepare(options_.scene));
+  surface_ = node_.advertise<visualization_msgs::Marker>(
+      topics::simulator_surface, 1, [this](const auto& /*newcomer*/) { show_surface_again(); },
+      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
 
   commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
   reset_ = node_.advertiseService(topics::simulator_reset, &SimulatorNode::reset, this);
@@ -199,7 +203,7 @@ void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
     scene_ = std::move(scene);
     surface_period_ = -1.0;
   }
-  scene_path_.publish(path);
+  scene_path_.tell(path);
 }
 
 void SimulatorNode::run() {
@@ -253,6 +257,11 @@ void SimulatorNode::publish() {
     surface_.publish(scene_->surface.message(simulation.state().positions_m, stamp, gauge_pressures_pa(simulation)));
     surface_period_ = period;
   }
+}
+
+void SimulatorNode::show_surface_again() {
+  const std::lock_guard lock(mutex_);
+  scene_->surface.forget();
 }
 
 void SimulatorNode::on_command(const ActuatorCommand& command) {

@@ -1,8 +1,10 @@
 // A whole simulated session of a coarse bar: topics flow, services answer, bad requests change nothing.
+#include <algorithm>
 #include <cmath>
 #include <future>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
@@ -17,6 +19,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "ros/session_ears.h"
+#include "soft_robot_lab/ros/announcement.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/topics.h"
 
@@ -261,6 +264,36 @@ TEST_F(Session, RefusesBadPolicies) {
   request.policy.steps[0].time_s = 2.0;
   request.time_limit_s = 1.0;
   EXPECT_NE(ask<ExecutePolicy>(topics::execute_policy, request).message.find("time_limit_s: 1"), std::string::npos);
+}
+
+// Subscribers that come before and after a message, and while it is told.
+TEST_F(Session, AnnouncementsAreHeardOnceByEveryone) {
+  Announcement<std_msgs::String> announcement("announced");
+  std::vector<std::vector<std::string>> heard(20);
+  std::vector<ros::Subscriber> subscribers;
+  const auto listen = [&] {
+    subscribers.push_back(node_.subscribe<std_msgs::String>(
+        "announced", 1, [words = &heard[subscribers.size()]](const std_msgs::String::ConstPtr& message) {
+          words->push_back(message->data);
+        }));
+  };
+  const auto all_heard = [&](size_t messages) {
+    return std::all_of(heard.begin(), heard.end(), [&](const auto& words) { return words.size() == messages; });
+  };
+  std_msgs::String message;
+  message.data = "first";
+  for (int i = 0; i < 10; ++i) listen();
+  announcement.tell(message);
+  for (int i = 0; i < 10; ++i) listen();
+  EXPECT_TRUE(spin_until([&] { return all_heard(1); }));
+  message.data = "second";
+  announcement.tell(message);
+  EXPECT_TRUE(spin_until([&] { return all_heard(2); }));
+  for (const auto& words : heard) EXPECT_EQ(words, (std::vector<std::string>{"first", "second"}));
+}
+
+TEST_F(Session, ShowsASkinThatDoesNotMoveToWhoeverComes) {
+  for (int i = 0; i < 3; ++i) EXPECT_GT(hear<visualization_msgs::Marker>(topics::simulator_surface)->points.size(), 0u);
 }
 
 TEST_F(Session, CountsACommandForAnActuatorThatDoesNotExist) {

@@ -18,8 +18,9 @@ class SurfaceMarker {
  public:
   explicit SurfaceMarker(const TetMesh& mesh);
 
-  // Whether a node of the skin moved visibly since the last `message`; true at first.
+  // Whether a node of the skin moved visibly since the last `message`; true at first, and once after `forget`.
   bool moved(const Eigen::Matrix3Xd& positions_m) const;
+  void forget() { drawn_positions_m_.resize(3, 0); }
 
   // Gauge pressures by the name of the surface they act on.
   visualization_msgs::Marker message(const Eigen::Matrix3Xd& positions_m, const ros::Time& stamp,

@@ -100,11 +100,12 @@ cv::Mat draw_robot(const cv::Mat& colour, const CameraModel& model, const Eigen:
 CloseUp::View CloseUp::of(const cv::Mat& image, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot,
                           const visualization_msgs::Marker& surface) {
   constexpr double margin = 1.5, least = 0.1;  // of the robot's size, and of the image
-  const Eigen::Vector2d all_px(model.width_px, model.height_px);
+  const Eigen::Vector2d all_px(image.cols, image.rows);
   const Eigen::AlignedBox2d robot_px = box_of(surface, model, camera_from_robot);
   if (robot_px.isEmpty()) return {image, model};
   const double share = std::clamp(margin * robot_px.sizes().cwiseQuotient(all_px).maxCoeff(), least, 1.0);
-  const bool fits = window_px_.contains(robot_px) && window_px_.sizes().x() < 1.5 * share * all_px.x();
+  const bool fits = window_px_.contains(robot_px) && window_px_.sizes().x() < 1.5 * share * all_px.x() &&
+                    (window_px_.max().array() <= all_px.array()).all();
   if (!fits) {
     const Eigen::Vector2d size_px = (share * all_px).array().round();
     const Eigen::Vector2d corner_px = (robot_px.center() - 0.5 * size_px).cwiseMax(0.0).cwiseMin(all_px - size_px);

@@ -90,6 +90,20 @@ TEST(CameraOverlay, FollowsTheRobotOnlyWhereItLeaves) {
   EXPECT_NE(centre_at(0.2, 0.0), near_px) << "too small in the window of a robot that was nearer";
 }
 
+TEST(CameraOverlay, TakesImagesOfAnotherSize) {
+  CloseUp close_up;
+  const Eigen::Isometry3d camera_from_robot(Eigen::Translation3d(0.3, 0.1, 0.0));
+  for (const int width_px : {848, 424, 1280}) {
+    const CameraModel model = d415_camera(width_px, width_px * 9 / 16);
+    const cv::Mat image(model.height_px, model.width_px, CV_8UC3, cv::Scalar(10, 10, 10));
+    const CloseUp::View view = close_up.of(image, model, camera_from_robot, squares());
+    EXPECT_EQ(view.image.size(), image.size());
+    EXPECT_TRUE(view.model.sees(view.model.project(camera_from_robot * Eigen::Vector3d(0.05, 0.05, 1.0)))) << width_px;
+  }
+  EXPECT_EQ(close_up.of(cv::Mat(20, 30, CV_8UC3), d415_camera(848, 480), camera_from_robot, squares()).image.cols, 30)
+      << "smaller than its camera says";
+}
+
 TEST(CameraOverlay, ShowsAllOfAnImageThatTheRobotIsNotIn) {
   const CameraModel model = d415_camera(848, 480);
   const cv::Mat image(480, 848, CV_8UC3, cv::Scalar(10, 10, 10));

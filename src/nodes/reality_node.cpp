@@ -16,6 +16,7 @@
 #include "nodes/run_node.h"
 #include "soft_robot_lab/rig/late_reality.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
+#include "soft_robot_lab/ros/announcement.h"
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/surface_marker.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -43,9 +44,8 @@ class RealityNode {
     if (!(surface_rate_hz_ > 0.0 && surface_rate_hz_ <= 1000.0))
       throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz_) + " is not in (0, 1000]");
     markers_publisher_ = node_.advertise<MarkerObservations>(topics::reality_markers, 10);
-    surface_publisher_ = node_.advertise<visualization_msgs::Marker>(
-        topics::reality_surface, 1, [this](const auto& /*newcomer*/) { surface_.forget(); },
-        ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+    surface_publisher_ = advertise_to_newcomers<visualization_msgs::Marker>(topics::reality_surface,
+                                                                            [this](const auto&) { surface_.forget(); });
     shafts_subscriber_ = node_.subscribe(topics::rig_shafts, 1000, &RealityNode::on_shafts, this);
     diagnostics_.setHardwareID("emulated");
     diagnostics_.add("reality", this, &RealityNode::diagnose);

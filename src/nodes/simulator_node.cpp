@@ -153,9 +153,8 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
   publish_frames();
   start(prepare(options_.scene));
-  surface_ = node_.advertise<visualization_msgs::Marker>(
-      topics::simulator_surface, 1, [this](const auto& /*newcomer*/) { show_surface_again(); },
-      ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+  surface_ = advertise_to_newcomers<visualization_msgs::Marker>(topics::simulator_surface,
+                                                                [this](const auto&) { show_surface_again(); });
 
   commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
   reset_ = node_.advertiseService(topics::simulator_reset, &SimulatorNode::reset, this);

@@ -16,6 +16,14 @@ namespace {
 const cv::Scalar robot_colour(30, 90, 255), measured_colour(230, 40, 200), error_colour(255, 40, 40);
 constexpr int kFractionBits = 4;  // of drawn coordinates
 
+// Nothing behind the camera.
+std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_m, const CameraModel& model,
+                                       const Eigen::Isometry3d& camera_from_robot) {
+  const Eigen::Vector3d in_camera = camera_from_robot * point_m;
+  if (!(in_camera.z() > 0.0)) return std::nullopt;
+  return model.project(in_camera);
+}
+
 class Drawing {
  public:
   Drawing(const cv::Mat& colour, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot)
@@ -61,9 +69,9 @@ class Drawing {
 
  private:
   std::optional<cv::Point> pixel(const Eigen::Vector3d& point_m) const {
-    const Eigen::Vector3d in_camera = camera_from_robot_ * point_m;
-    if (!(in_camera.z() > 0.0)) return std::nullopt;
-    const Eigen::Vector2d place_px = model_.project(in_camera) * (1 << kFractionBits);
+    const std::optional<Eigen::Vector2d> seen_px = project(point_m, model_, camera_from_robot_);
+    if (!seen_px) return std::nullopt;
+    const Eigen::Vector2d place_px = *seen_px * (1 << kFractionBits);
     constexpr double far_px = 1e6;  // what OpenCV's coordinates hold
     if (!(place_px.cwiseAbs().maxCoeff() < far_px)) return std::nullopt;
     return cv::Point(static_cast<int>(std::lround(place_px.x())), static_cast<int>(std::lround(place_px.y())));
@@ -79,10 +87,8 @@ Eigen::AlignedBox2d box_of(const visualization_msgs::Marker& surface, const Came
                            const Eigen::Isometry3d& camera_from_robot) {
   Eigen::AlignedBox2d box_px;
   for (const geometry_msgs::Point& point : surface.points) {
-    const Eigen::Vector3d in_camera = camera_from_robot * from_message(point, "points");
-    if (!(in_camera.z() > 0.0)) continue;
-    const Eigen::Vector2d place_px = model.project(in_camera);
-    if (model.sees(place_px)) box_px.extend(place_px);
+    const std::optional<Eigen::Vector2d> place_px = project(from_message(point, "points"), model, camera_from_robot);
+    if (place_px && model.sees(*place_px)) box_px.extend(*place_px);
   }
   return box_px;
 }

@@ -33,12 +33,6 @@ std::optional<std::string> before(const std::string& text, const std::string& en
 
 std::string without_slash(const std::string& name) { return !name.empty() && name[0] == '/' ? name.substr(1) : name; }
 
-Eigen::Isometry3d pose_of(const geometry_msgs::Transform& t) {
-  Eigen::Isometry3d pose(Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z).normalized());
-  pose.translation() << t.translation.x, t.translation.y, t.translation.z;
-  return pose;
-}
-
 std::optional<RealityGap> nearest(const std::vector<RealityGap>& gaps, double time_s) {
   const auto found = std::min_element(gaps.begin(), gaps.end(), [&](const RealityGap& a, const RealityGap& b) {
     return std::abs(a.header.stamp.toSec() - time_s) < std::abs(b.header.stamp.toSec() - time_s);
@@ -62,7 +56,7 @@ class Painter {
     } else if (const auto of_lens = before(topic, "/color/camera_info")) {
       cameras_[*of_lens].lens = camera_model(*message.instantiate<sensor_msgs::CameraInfo>());
     } else if (const auto camera = before(topic, "/color/image_raw")) {
-      if (wanted(*camera, message.getTime().toSec())) consider(*camera, *message.instantiate<sensor_msgs::Image>());
+      if (wanted(*camera, message.getTime().toSec())) draw(*camera, *message.instantiate<sensor_msgs::Image>());
     }
   }
 
@@ -78,8 +72,8 @@ class Painter {
     const std::string parent = without_slash(transform.header.frame_id),
                       child = without_slash(transform.child_frame_id);
     if (parent != topics::world_frame) return;
-    if (child == topics::robot_frame) world_from_robot_ = pose_of(transform.transform);
-    poses_[child] = pose_of(transform.transform);
+    if (child == topics::robot_frame) world_from_robot_ = isometry(transform.transform);
+    poses_[child] = isometry(transform.transform);
   }
 
   // By when it was recorded, which is after it was taken.
@@ -89,16 +83,12 @@ class Painter {
            found->second.next < times_s_.size() && time_s >= times_s_[found->second.next];
   }
 
-  void consider(const std::string& name, const sensor_msgs::Image& image) {
+  void draw(const std::string& name, const sensor_msgs::Image& image) {
     Camera& camera = cameras_[name];
     const double time_s = image.header.stamp.toSec();
     if (time_s < times_s_[camera.next]) return;
     while (camera.next < times_s_.size() && times_s_[camera.next] <= time_s) ++camera.next;
-    draw(name, camera, image, camera.next - 1);
-  }
-
-  void draw(const std::string& name, Camera& camera, const sensor_msgs::Image& image, size_t asked) {
-    const double time_s = image.header.stamp.toSec();
+    const size_t asked = camera.next - 1;
     const Eigen::Isometry3d camera_from_robot = poses_.at(optical_frame(name)).inverse() * world_from_robot_;
     const CloseUp::View view = camera.close_up.of(colour_image(image), *camera.lens, camera_from_robot, surface_);
     const cv::Mat drawn = draw_robot(view.image, view.model, camera_from_robot, surface_, nearest(gaps_, time_s));

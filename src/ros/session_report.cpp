@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
@@ -26,7 +27,7 @@ const char* const kAxes = "xyz";
 
 template <typename Item>
 std::vector<Item> thinned(const std::vector<Item>& all, size_t count) {
-  const size_t every = all.size() / count + 1;
+  const size_t every = (all.size() + count - 1) / count;
   std::vector<Item> some;
   for (size_t i = 0; i < all.size(); i += every) some.push_back(all[i]);
   return some;
@@ -263,13 +264,11 @@ void add_plot(const Plot& plot, const std::string& folder, HtmlPage& page) {
 // One row for each configuration, as numbered in the table: what each camera saw in the middle of it.
 void add_pictures(const std::string& bag, const Recording& recording, const std::vector<RestPeriod>& periods,
                   const std::string& folder, HtmlPage& page) {
+  std::vector<size_t> numbers(periods.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  numbers = thinned(numbers, kPictured);
   std::vector<double> times_s;
-  std::vector<size_t> numbers;
-  const size_t count = std::min(periods.size(), kPictured);
-  for (size_t k = 0; k < count; ++k) {
-    numbers.push_back(k * periods.size() / count);
-    times_s.push_back(0.5 * (periods[numbers[k]].start_s + periods[numbers[k]].end_s));
-  }
+  for (const size_t k : numbers) times_s.push_back(0.5 * (periods[k].start_s + periods[k].end_s));
   if (times_s.empty()) times_s.push_back(recording.start_s);
   const std::vector<SessionPicture> pictures = draw_session(bag, recording.gaps, times_s, folder);
   page.paragraph(pictures.empty() ? "The recording has no images with lens and place of their camera."

@@ -1,5 +1,5 @@
-// A message that every subscriber of a topic hears once, whenever it comes. A latched topic of roscpp (1.15) loses its
-// message for who connects just while it is published, as all do while a session starts.
+// Topics that no newcomer misses anything of: a latched topic of roscpp (1.15) loses its message for who connects just
+// while it is published, as all do while a session starts.
 #pragma once
 
 #include <string>
@@ -8,18 +8,25 @@
 
 namespace soft_robot_lab {
 
+// A topic whose every newcomer is attended to, by the global callback queue. Declared as latched, so that its messages
+// come again where a recording is played.
+template <typename Message>
+ros::Publisher advertise_to_newcomers(const std::string& topic, const ros::SubscriberStatusCallback& attend) {
+  return ros::NodeHandle().advertise<Message>(topic, 1, attend, ros::SubscriberStatusCallback(), ros::VoidConstPtr(),
+                                              true);
+}
+
+// A message that every subscriber hears once, whenever it comes.
 template <typename Message>
 class Announcement {
  public:
   explicit Announcement(const std::string& topic) : topic_(topic) {}
 
-  // From now on instead of the one before. Sent by the global callback queue. Still declared as latched, so that the
-  // message comes again where a recording is played.
+  // From now on instead of the one before.
   void tell(const Message& message) {
     publisher_.shutdown();
-    publisher_ = ros::NodeHandle().advertise<Message>(
-        topic_, 1, [message](const ros::SingleSubscriberPublisher& newcomer) { newcomer.publish(message); },
-        ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+    publisher_ = advertise_to_newcomers<Message>(
+        topic_, [message](const ros::SingleSubscriberPublisher& newcomer) { newcomer.publish(message); });
   }
 
  private:

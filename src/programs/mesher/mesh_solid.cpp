@@ -8,7 +8,6 @@
 #include "programs/mesher/gmsh_model.h"
 #include "programs/mesher/solid_geometry.h"
 #include "programs/mesher/surface_names.h"
-#include "sim/tet_faces.h"
 #include "soft_robot_lab/sim/shape_functions.h"
 
 namespace soft_robot_lab {

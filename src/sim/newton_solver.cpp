@@ -24,49 +24,12 @@ double relative_violation(const ConstraintLaw& law, double y, double value) {
 
 }  // namespace
 
-int NewtonSolver::Layout::place_of(const EmbeddedPoint& point) {
-  for (int i = 0; i < point_count; ++i)
-    if (std::equal(point.nodes.begin(), point.nodes.end(), ties[i].begin(), ties[i].end() - 1) &&
-        std::equal(point.weights.begin(), point.weights.end(), tie_coefficients[i].begin(),
-                   tie_coefficients[i].end() - 1))
-      return node_count + i;
-  ties.push_back(point.nodes);
-  tie_coefficients.push_back(point.weights);
-  ties.back().push_back(node_count + point_count);
-  tie_coefficients.back().push_back(-1.0);
-  return node_count + point_count++;
-}
-
-NewtonSolver::Layout NewtonSolver::lay_out(const Body& body, const std::vector<const Constraint*>& constraints) {
-  Layout layout;
-  layout.node_count = body.mesh().node_count();
-  for (const Constraint* constraint : constraints) {
-    std::vector<int> places;
-    for (const EmbeddedPoint& point : constraint->carried_points()) places.push_back(layout.place_of(point));
-    layout.cliques.emplace_back();
-    for (Clique clique : constraint->cliques()) {
-      for (int& member : clique)
-        if (member < 0) member = places[~member];
-      layout.cliques.back().push_back(std::move(clique));
-    }
-  }
-  return layout;
-}
-
-std::vector<std::vector<int>> NewtonSolver::Layout::all_cliques(const Body& body) const {
-  std::vector<std::vector<int>> all = ties;
-  const auto of_elements = stiffness_cliques(body);
-  all.insert(all.end(), of_elements.begin(), of_elements.end());
-  for (const auto& of_constraint : cliques) all.insert(all.end(), of_constraint.begin(), of_constraint.end());
-  return all;
-}
-
 NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> constraints,
                            std::vector<SharedLength> shared)
     : body_(body),
       constraints_(std::move(constraints)),
       shared_(std::move(shared)),
-      layout_(lay_out(body, constraints_)),
+      layout_(body, constraints_),
       loads_n_(body.external_forces_n()),
       force_floor_n_(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
       matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body)),

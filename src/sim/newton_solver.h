@@ -19,6 +19,7 @@
 #include "block_matrix.h"
 #include "clique_adder.h"
 #include "elements.h"
+#include "matrix_layout.h"
 #include "multiplier_problem.h"
 #include "soft_robot_lab/sim/body.h"
 #include "soft_robot_lab/sim/constraint.h"
@@ -192,22 +193,10 @@ class NewtonSolver {
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor
   Eigen::MatrixXd border(const Eigen::Matrix3Xd& positions) const;
 
-  // The matrix has the mesh's nodes first, then the constraints' carried points, each tied to its nodes by a spring
-  // that is stiff against everything it carries (so the second derivative is softened by less than 1e-3).
-  struct Layout {
-    int node_count = 0, point_count = 0;
-    int place_of(const EmbeddedPoint& point);            // a point that several constraints carry has one place
-    std::vector<std::vector<int>> ties;                  // per point: its nodes, then itself
-    std::vector<std::vector<double>> tie_coefficients;   // its weights, then -1
-    std::vector<std::vector<std::vector<int>>> cliques;  // per constraint, in places of the matrix
-    std::vector<std::vector<int>> all_cliques(const Body& body) const;
-  };
-  static Layout lay_out(const Body& body, const std::vector<const Constraint*>& constraints);
-
   const Body& body_;
   std::vector<const Constraint*> constraints_;
   std::vector<SharedLength> shared_;
-  Layout layout_;
+  MatrixLayout layout_;
   Eigen::Matrix3Xd loads_n_;
   double force_floor_n_;  // forces below this count as none
   BlockMatrix matrix_;

@@ -31,6 +31,7 @@ Simulation make_bar(const Bar& bar) {
   body.set_gravity({0, -9.81 / s, 0});
   const MeshLocator locator(body.mesh());
   std::ostringstream settings;
+  settings.precision(17);  // as the scaled number is, to its last bit
   settings << "{name: upper, " << bar.cable << ", sheath_radius_m: " << 0.05 * s * bar.thickness_m
            << ", plug_radius_m: " << 0.15 * s * bar.thickness_m << ", points_m: [";
   for (const double share : {0.0, 0.3, 0.6, 0.95})
@@ -123,11 +124,13 @@ TEST(SafetyNet, TakesHalfTheContractionInOneStep) {
   }
 }
 
-// Time scales with length here: material and wave speed stay.
+// Time scales with length here: material and wave speed stay. Powers of four, whose square roots are exact too: every
+// number of one run is that of another to its last bit. By other factors rounding differs, and where a line search
+// stands on an edge so do counts of iterations, on one processor and not on another.
 TEST(SafetyNet, DoesNotDependOnScaleInTime) {
   std::vector<Eigen::Vector3d> tips;
   std::vector<int> iterations;
-  for (const double scale : {0.1, 1.0, 10.0}) {
+  for (const double scale : {1.0 / 64, 1.0, 16.0}) {
     Bar bar;
     bar.scale = scale;
     bar.options.time_step_s = scale / 60.0;
@@ -143,7 +146,7 @@ TEST(SafetyNet, DoesNotDependOnScaleInTime) {
     iterations.push_back(work);
   }
   for (const std::size_t other : {0u, 2u}) {
-    EXPECT_LT((tips[other] - tips[1]).norm(), 1e-8);
+    EXPECT_EQ((tips[other] - tips[1]).norm(), 0.0);
     EXPECT_EQ(iterations[other], iterations[1]);
   }
 }

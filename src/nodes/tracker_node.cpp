@@ -186,11 +186,10 @@ bool TrackerNode::attempt(const std::string& what, Action action) {
 void TrackerNode::on_result(const MarkerTracking::Result& result) {
   const TrackerReport& report = result.report;
   for (const CameraProblem& problem : report.problems) {
-    const bool silent = problem.message.find("has sent nothing usable") != std::string::npos;
-    if (silent && !problem_.empty()) continue;  // why it has not is already told
+    if (problem.silent && !problem_.empty()) continue;  // why it has not is already told
     problem_ = problem.message;
     ROS_WARN_THROTTLE(1.0, "%s", problem_.c_str());
-    if (silent) continue;  // its own diagnosis finds that out
+    if (problem.silent) continue;  // its own diagnosis finds that out
     cameras_.at(problem.camera)->diagnosis.failed(problem.message);
   }
   if (!report.updated) return;

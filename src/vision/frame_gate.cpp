@@ -51,7 +51,7 @@ std::vector<UsableFrame> FrameGate::pass(const std::vector<RgbdFrame>& frames, s
   for (const RgbdFrame& frame : frames) {
     const std::string reason = refuse(frame);
     if (!reason.empty()) {
-      problems.push_back({frame.camera, "a frame of camera '" + frame.camera + "' was left out: " + reason});
+      problems.push_back({frame.camera, "a frame of camera '" + frame.camera + "' was left out: " + reason, false});
       continue;
     }
     Known& known = known_.at(frame.camera);
@@ -68,7 +68,8 @@ void FrameGate::report_silence(double time_s, double timeout_s, std::vector<Came
   for (const auto& [name, known] : known_)
     if (time_s - std::max(known.last_stamp_s, first_stamp_s_) > timeout_s)
       problems.push_back(
-          {name, "camera '" + name + "' has sent nothing usable for more than " + std::to_string(timeout_s) + " s"});
+          {name, "camera '" + name + "' has sent nothing usable for more than " + std::to_string(timeout_s) + " s",
+           true});
 }
 
 void FrameGate::reset() {

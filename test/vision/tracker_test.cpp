@@ -74,10 +74,12 @@ TEST_F(TrackerOfALine, GoesOnWithTheOtherCameraAndSaysWhatIsWrong) {
   expect_seen(report, 5e-4, 1);
   ASSERT_EQ(report.problems.size(), 1u);
   EXPECT_NE(report.problems[0].message.find("424 x 480"), std::string::npos) << report.problems[0].message;
+  EXPECT_FALSE(report.problems[0].silent);
   for (int frame = 2; frame < 20; ++frame) report = tracker.update({film(left_, scene_, frame * kFrame_s)});
   expect_seen(report, 5e-4, 1);
   ASSERT_EQ(report.problems.size(), 1u);
   EXPECT_NE(report.problems[0].message.find("right"), std::string::npos) << report.problems[0].message;
+  EXPECT_TRUE(report.problems[0].silent);
 }
 
 TEST_F(TrackerOfALine, LeavesOutFramesThatCannotBeUsed) {

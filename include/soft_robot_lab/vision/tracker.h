@@ -32,6 +32,7 @@ struct MarkerObservation {
 
 struct CameraProblem {
   std::string camera, message;  // the message names the camera too
+  bool silent = false;          // nothing usable came for long; else a frame was left out
 };
 
 struct TrackerReport {

@@ -21,12 +21,21 @@ std::set<std::int64_t> commands_in(const Targets& targets) {
   return commands;
 }
 
+constexpr double kLostBeforeWatchdog = 0.6;  // of its time: both ends then agree that the link is lost
+
+LinkOptions link_options(const RigSettings& rig, const DriverOptions& options) {
+  LinkOptions link;
+  link.lost_s = kLostBeforeWatchdog * rig.watchdog_s;
+  link.first_session = options.first_session;
+  return link;
+}
+
 }  // namespace
 
 MotorDriver::MotorDriver(RigSettings rig, DriverOptions options, OpenPort open_port)
     : rig_(std::move(rig)),
       options_(options),
-      link_(options.link, configuration_crc(rig_), std::move(open_port)),
+      link_(link_options(rig_, options), configuration_crc(rig_), std::move(open_port)),
       zero_at_start_due_(options.zero_at_start) {}
 
 void MotorDriver::update(double now_s) {

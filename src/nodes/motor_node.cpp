@@ -39,7 +39,7 @@ DriverOptions read_options(const ros::NodeHandle& node) {
   DriverOptions options;
   node.getParam("zero_at_start", options.zero_at_start);
   // Another session than the last run's, which the board may still be in.
-  options.link.first_session = static_cast<std::uint8_t>(ros::WallTime::now().toNSec() / 1000000);
+  options.first_session = static_cast<std::uint8_t>(ros::WallTime::now().toNSec() / 1000000);
   return options;
 }
 

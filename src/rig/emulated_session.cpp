@@ -18,7 +18,7 @@ EmulatedSession::EmulatedSession(const RigSettings& rig_settings, std::uint64_t 
 void EmulatedSession::start_driver(bool zero_at_start) {
   DriverOptions options;
   options.zero_at_start = zero_at_start;
-  options.link.first_session = ++drivers_;
+  options.first_session = ++drivers_;
   driver_ = std::make_unique<MotorDriver>(settings, options, rig.ports());
 }
 

@@ -185,6 +185,19 @@ TEST_F(Rig, FeedsTheWatchdogTenTimesInItsTime) {
   EXPECT_GE(session.driver().link_counts().sent - before, 10);
 }
 
+// As far as the rig's file says: a machine under load, or an emulated board there, may answer late.
+TEST(RigLink, WaitsForASilentBoardNotQuiteAsLongAsItsWatchdog) {
+  for (const double watchdog_s : {0.2, 2.0}) {
+    EmulatedSession session = emulate("watchdog_s: " + std::to_string(watchdog_s) + "\n" + two_cables);
+    ASSERT_TRUE(session.run_until_ready());
+    session.rig.ask("noise 0 1 0");
+    session.run(0.5 * watchdog_s);
+    EXPECT_TRUE(session.driver().linked()) << watchdog_s;
+    session.run(0.2 * watchdog_s);
+    EXPECT_FALSE(session.driver().linked()) << watchdog_s;
+  }
+}
+
 TEST_F(Rig, LosesNoPositionWhenTheBoardIsReset) {
   start();
   session.command({"left"}, {0.5});

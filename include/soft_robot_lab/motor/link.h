@@ -17,7 +17,7 @@ namespace soft_robot_lab {
 struct LinkOptions {
   double resend_s = 0.02;         // a request that was not answered is sent again
   double alive_s = 0.04;          // something is sent at least so often: a noisy line loses some of it
-  double lost_s = 0.3;            // without a sound frame the link counts as lost; less than the board's watchdog
+  double lost_s = 0.3;            // without a sound frame the link counts as lost
   double greeting_s = 3.0;        // a board that was reset by opening the port boots first
   double first_backoff_s = 0.05;  // between attempts to open, doubled each time
   double last_backoff_s = 2.0;

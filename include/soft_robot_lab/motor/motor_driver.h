@@ -15,7 +15,7 @@
 namespace soft_robot_lab {
 
 struct DriverOptions {
-  LinkOptions link;
+  std::uint8_t first_session = 1;  // of the link: any but the last run's
   // The robot hangs at rest when the rig gets power: take that for zero, once, at the first connection.
   bool zero_at_start = false;
 };

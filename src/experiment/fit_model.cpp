@@ -5,14 +5,15 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 
+#include "experiment/fit_damping.h"
 #include "experiment/fit_parameters.h"
+#include "experiment/fit_solver.h"
 #include "experiment/fit_statistics.h"
+#include "experiment/measured_weight.h"
 #include "experiment/pose_model.h"
 #include "soft_robot_lab/settings/cpu_time.h"
-#include "soft_robot_lab/settings/quantile.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -98,13 +99,11 @@ class MarkerResidual : public ceres::CostFunction {
  public:
   MarkerResidual(const Predictor& predictor, std::size_t pose, Eigen::Index marker, const MeasuredMarker& measured,
                  double model_error_m, int unknowns)
-      : predictor_(predictor), pose_(pose), marker_(marker), measured_m_(measured.position_m) {
-    const Eigen::Matrix3d variance =
-        measured.covariance_m2 + model_error_m * model_error_m * Eigen::Matrix3d::Identity();
-    const Eigen::LLT<Eigen::Matrix3d> root(variance);
-    require(root.info() == Eigen::Success && variance.trace() > 0.0,
-            "marker '" + measured.name + "': its covariance is not positive; give model_error_m > 0");
-    weight_ = root.matrixL().solve(Eigen::Matrix3d::Identity());
+      : predictor_(predictor),
+        pose_(pose),
+        marker_(marker),
+        measured_m_(measured.position_m),
+        weight_(measured_weight(measured, model_error_m)) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->push_back(unknowns);
   }
@@ -124,32 +123,6 @@ class MarkerResidual : public ceres::CostFunction {
   Eigen::Index marker_;
   Eigen::Vector3d measured_m_;
   Eigen::Matrix3d weight_;
-};
-
-// Where cables stick and slip the gap is not smooth: at its least no step gains, however short.
-constexpr int kMostInVain = 4;
-
-class Teller : public ceres::IterationCallback {
- public:
-  Teller(const FitRequest& request, std::function<double()> gap) : request_(request), gap_(std::move(gap)) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    const bool gained = summary.iteration == 0 || summary.step_is_successful;
-    if (gained) rms_gap_m_ = gap_();  // else the last one looked at failed
-    in_vain_ = gained ? 0 : in_vain_ + 1;
-    cancelled_ = request_.progress && !request_.progress(summary.iteration, rms_gap_m_);
-    if (cancelled_ || in_vain_ == kMostInVain) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
-    return ceres::SOLVER_CONTINUE;
-  }
-
-  bool cancelled() const { return cancelled_; }
-  bool in_vain() const { return in_vain_ == kMostInVain; }
-
- private:
-  const FitRequest& request_;
-  std::function<double()> gap_;
-  double rms_gap_m_ = 0.0;
-  int in_vain_ = 0;  // steps since the last that gained
-  bool cancelled_ = false;
 };
 
 ModelGap gap_of(const std::vector<MeasuredPose>& poses,
@@ -172,51 +145,9 @@ ModelGap gap_of(const std::vector<MeasuredPose>& poses,
   return gap;
 }
 
-// Of markers' residuals.
-std::vector<double> residual_lengths(ceres::Problem& problem) {
-  std::vector<double> residuals, lengths;
-  problem.Evaluate({}, nullptr, &residuals, nullptr, nullptr);
-  for (std::size_t i = 0; i + 2 < residuals.size(); i += 3)
-    lengths.push_back(std::hypot(residuals[i], residuals[i + 1], residuals[i + 2]));
-  return lengths;
-}
-
-// From the median of all; at least the one expected.
-double typical_deviation(const std::vector<double>& lengths) {
-  constexpr double median_of_length = 1.538;  // of three normal numbers of unit deviation
-  return std::max(1.0, median(lengths) / median_of_length);
-}
-
-ceres::Solver::Options solver_options(const FitRequest& request) {
-  ceres::Solver::Options options;
-  options.max_num_iterations = request.max_iterations;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.function_tolerance = 1e-4;  // with some hundred coordinates that is less than a fifth of a deviation
-  // Steps in vain shall soon be shorter ones: Ceres' own region is so wide that the first ones all are the same.
-  options.initial_trust_region_radius = 1e2;
-  options.max_trust_region_radius = 1e4;
-  options.parameter_tolerance = 1e-4;
-  options.logging_type = ceres::SILENT;
-  options.update_state_every_iteration = true;
-  return options;
-}
-
-}  // namespace
-
-void FitRequest::validate() const {
-  require(std::isfinite(model_error_m) && model_error_m >= 0.0, "model_error_m must be in [0, inf)");
-  require(std::isfinite(outlier_deviations) && outlier_deviations > 0.0, "outlier_deviations must be in (0, inf)");
-  require(!mass_kg || (std::isfinite(*mass_kg) && *mass_kg > 0.0), "mass_kg must be in (0, inf)");
-  require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations must be in [1, 1000]");
-  require(!parameters.empty(), "parameters: none are given");
-}
-
-FitResult fit_model(const std::string& scene, const SceneOptions& asked, const std::vector<MeasuredPose>& poses,
-                    const FitRequest& request) {
-  request.validate();
-  const SceneOptions options = request.mass_kg ? weighed(scene, asked, *request.mass_kg) : asked;
-  const double start_cpu_s = cpu_time_s();
-  const FitParameters parameters(scene, options, request.parameters);
+// What is told by rest states.
+FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene, const SceneOptions& options,
+                      const std::vector<MeasuredPose>& poses, const FitRequest& request) {
   PoseModel model(scene, options, poses);
   const int unknown_count = static_cast<int>(parameters.numbers().size());
   std::vector<double> unknowns(parameters.numbers().size(), 0.0);
@@ -250,24 +181,10 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
   predictor.PrepareForEvaluation(true, true);
   if (!predictor.good()) throw std::runtime_error("the scene as it is has no equilibrium: " + predictor.trouble());
   result.before = gap_now();
-  ceres::Solver::Options solver = solver_options(request);
-  // Least squares first: far from the solution everything would count as an outlier.
-  for (const bool robust : {false, true}) {
-    if (robust) {
-      const std::vector<double> lengths = residual_lengths(problem);
-      const double outlier = request.outlier_deviations * typical_deviation(lengths);
-      if (*std::max_element(lengths.begin(), lengths.end()) <= outlier) break;
-      loss.Reset(new ceres::HuberLoss(outlier), ceres::TAKE_OWNERSHIP);
-    }
-    Teller teller(request, [&] { return gap_now().rms_m; });
-    solver.callbacks = {&teller};
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver, &problem, &summary);
-    result.converged = summary.termination_type == ceres::CONVERGENCE || (teller.in_vain() && !teller.cancelled());
-    result.message = teller.in_vain() && !teller.cancelled() ? "No step gains any more." : summary.message;
-    result.iterations += static_cast<int>(summary.iterations.size());
-    if (teller.cancelled()) break;
-  }
+  const FitEnd end = solve_fit(problem, loss, request, [&] { return gap_now().rms_m; });
+  result.converged = end.converged;
+  result.message = end.message;
+  result.iterations = end.iterations;
 
   ceres::CRSMatrix jacobian;
   std::vector<double> scaled;
@@ -279,8 +196,38 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
   const Eigen::VectorXd values = predictor.values(unknowns);
   result.measured_from_base = parameters.measured_from_base(values);
   result.changes = parameters.changes(values);
-  result.warnings = parameters.warnings();
   add_statistics(parameters, values, dense(jacobian), scaled, result);
+  return result;
+}
+
+}  // namespace
+
+void FitRequest::validate() const {
+  require(std::isfinite(model_error_m) && model_error_m >= 0.0, "model_error_m must be in [0, inf)");
+  require(std::isfinite(outlier_deviations) && outlier_deviations > 0.0, "outlier_deviations must be in (0, inf)");
+  require(!mass_kg || (std::isfinite(*mass_kg) && *mass_kg > 0.0), "mass_kg must be in (0, inf)");
+  require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations must be in [1, 1000]");
+  require(!parameters.empty(), "parameters: none are given");
+}
+
+FitResult fit_model(const std::string& scene, const SceneOptions& asked, const std::vector<MeasuredPose>& poses,
+                    const FitRequest& request, const std::vector<MeasuredSwing>& swings) {
+  request.validate();
+  const SceneOptions options = request.mass_kg ? weighed(scene, asked, *request.mass_kg) : asked;
+  const double start_cpu_s = cpu_time_s();
+  const FitParameters parameters(scene, options, request.parameters);
+  std::optional<DampingNumber> damping;
+  if (parameters.damping()) damping = damping_number(scene, options, *parameters.damping());
+  FitResult result;
+  if (parameters.numbers().empty()) {
+    result.changes = options.changes;
+    result.before = result.after = model_gap(scene, options, poses);
+  } else {
+    result = fit_to_rest(parameters, scene, options, poses, request);
+  }
+  if (damping) fit_damping(scene, options, swings, *damping, request, result);
+  require(!result.values.empty(),
+          "parameters: none that data could tell; damping is told by a robot that swings");
   result.cpu_s = cpu_time_s() - start_cpu_s;
   return result;
 }

@@ -18,13 +18,6 @@ const char* const kKnown =
 
 constexpr double kCableCompliance = 1.0e-5;  // of a scene that says none (actuators/cable.h)
 
-std::string text_of(double value) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text << std::setprecision(12) << value;
-  return text.str();
-}
-
 std::string material_yaml(const Material& material, double youngs_modulus_pa) {
   const double grown = youngs_modulus_pa / material.youngs_modulus_pa;
   const std::string rest = ", poissons_ratio: " + text_of(material.poissons_ratio) +
@@ -42,6 +35,19 @@ std::string material_yaml(const Material& material, double youngs_modulus_pa) {
   return "body: {material: {model: neo_hookean, youngs_modulus_pa: " + text_of(youngs_modulus_pa) + rest;
 }
 
+Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
+  return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
+}
+
+}  // namespace
+
+std::string text_of(double value) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::setprecision(12) << value;
+  return text.str();
+}
+
 std::string lay_over(const std::string& base, const std::string& top) {
   if (base.empty() || top.empty()) return base + top;
   const SettingsNode merged = merge_settings(SettingsNode::parse(base, "changes"), SettingsNode::parse(top, "fit"));
@@ -49,12 +55,6 @@ std::string lay_over(const std::string& base, const std::string& top) {
   for (const std::string& key : merged.keys()) text += key + ": " + merged.child(key).dump() + "\n";
   return text;
 }
-
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
-}
-
-}  // namespace
 
 SceneOptions weighed(const std::string& scene, SceneOptions options, double mass_kg) {
   const double volume_m3 = volume(load_scene(scene, options).simulation->body().mesh());
@@ -74,8 +74,6 @@ FitParameters::FitParameters(const std::string& scene, const SceneOptions& optio
     plain.name = parameter.name.substr(0, dot);
     add(plain, dot == std::string::npos ? "" : parameter.name.substr(dot + 1));
   }
-  if (numbers_.empty())
-    throw std::invalid_argument(std::string("parameters: none that data could tell; known: ") + kKnown);
 }
 
 double FitParameters::present(const std::string& cable, const std::string& key, double otherwise) const {
@@ -87,7 +85,8 @@ void FitParameters::add(const FitParameter& asked, const std::string& cable) {
   const std::string& key = asked.name;
   FitNumber number{key, FitNumber::Kind::modulus, key, {}, 0, 0.0, 0.0, 0.0, 1.0};
   if (key == "damping" && cable.empty()) {
-    warnings_.push_back("damping: the data are at rest and cannot tell it; it stays as it is");
+    if (damping_) throw std::invalid_argument("parameters: damping is asked for twice");
+    damping_ = asked;
   } else if (key == "youngs_modulus_pa" && cable.empty()) {
     number.start = number.size = material_.youngs_modulus_pa;
     number.min = number.start / 5.0;

@@ -1,6 +1,7 @@
 // The numbers that a fit changes: their names, bounds and present values, and the scene that they make.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,12 @@ struct FitNumber {
   double size = 1.0;  // what counts as a change of about one
 };
 
+// YAML text over YAML text, as a file over one that it includes.
+std::string lay_over(const std::string& base, const std::string& top);
+
+// Twelve digits, in the "C" locale.
+std::string text_of(double value);
+
 // With the density that makes the body as heavy as it was weighed.
 SceneOptions weighed(const std::string& scene, SceneOptions options, double mass_kg);
 
@@ -31,7 +38,7 @@ class FitParameters {
   FitParameters(const std::string& scene, const SceneOptions& options, const std::vector<FitParameter>& asked);
 
   const std::vector<FitNumber>& numbers() const { return numbers_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }  // of what was asked for in vain
+  const std::optional<FitParameter>& damping() const { return damping_; }  // asked for; not among the numbers
 
   std::string changes(const Eigen::VectorXd& values) const;  // with those of the scene's options
   Eigen::Isometry3d measured_from_base(const Eigen::VectorXd& values) const;
@@ -51,7 +58,7 @@ class FitParameters {
   Material material_;
   SceneCables cables_;
   std::vector<FitNumber> numbers_;
-  std::vector<std::string> warnings_;
+  std::optional<FitParameter> damping_;
 };
 
 }  // namespace soft_robot_lab

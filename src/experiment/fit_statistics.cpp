@@ -115,6 +115,9 @@ std::string summary(const FitResult& result) {
        << " mm after\n";
   for (const auto& [marker, rms_m] : result.before.marker_rms_m)
     text << "  " << marker << ": " << 1e3 * rms_m << " mm, " << 1e3 * result.after.marker_rms_m.at(marker) << " mm\n";
+  if (result.swings > 0)
+    text << result.swings << (result.swings == 1 ? " swing" : " swings") << " missed by " << 1e3 * result.swing_rms_m
+         << " mm rms\n";
   for (const std::string& warning : result.warnings) text << "warning: " << warning << "\n";
   text << result.iterations << " iterations, " << result.cpu_s << " s of CPU time: " << result.message << "\n";
   return text.str();

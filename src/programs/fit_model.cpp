@@ -24,7 +24,7 @@ constexpr const char* kUsage =
     "data cannot tell. Without parameters it tells how far the scene is from the recording, and fits nothing.\n"
     "--parameters   youngs_modulus_pa, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for "
     "one\n"
-    "               cable), camera_to_base, damping\n"
+    "               cable), camera_to_base, damping (by how the robot swings where cables let go of it)\n"
     "--scene        the robot's file, where it is not the one that the recording names\n"
     "--mass         of the whole robot, weighed: stiffness is told against weight; otherwise the scene's density "
     "counts\n"
@@ -108,7 +108,7 @@ int fit(const Arguments& arguments) {
     std::cerr << "iteration " << iteration << ": rms gap " << 1e3 * rms_gap_m << " mm\n";
     return true;
   };
-  const FitResult result = fit_model(scene, options, poses, request);
+  const FitResult result = fit_model(scene, options, poses, request, measured_swings(recording));
   std::cout << summary(result);
   write_fitted_scene(result, scene, arguments.output);
   std::cout << "written: " << arguments.output << "\n";

@@ -135,7 +135,7 @@ bool FitService::fit(FitModel::Request& request, FitModel::Response& response) {
     const std::string scene = request.scene.empty() ? recording.scene : request.scene;
     if (scene.empty()) throw std::invalid_argument("scene: none is given, and the recording does not tell one");
     const std::vector<MeasuredPose> poses = measured_poses(recording);
-    const FitResult result = fit_model(scene, options_, poses, fit);
+    const FitResult result = fit_model(scene, options_, poses, fit, measured_swings(recording));
     fill_response(result, response);
     response.poses = static_cast<int>(
         std::count_if(poses.begin(), poses.end(), [](const MeasuredPose& pose) { return !pose.markers.empty(); }));

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "ros/same_place.h"
+#include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/recording.h"
 #include "soft_robot_lab/settings/quantile.h"
 
@@ -86,6 +87,18 @@ std::vector<Hold> holds(const Recording& recording, const RestCriteria& criteria
   return all;
 }
 
+constexpr double kSwing_s = 8.0;  // the drives' last way, and what is left of the swing then
+
+// Those that cameras saw.
+std::vector<MeasuredMarker> seen_markers(const MarkerObservations& markers) {
+  std::vector<MeasuredMarker> seen;
+  for (size_t i = 0; i < markers.names.size(); ++i)
+    if (markers.sources[i] == MarkerObservations::SEEN)
+      seen.push_back({markers.names[i], from_message(markers.positions[i], "positions"),
+                      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&markers.covariances[9 * i])});
+  return seen;
+}
+
 }  // namespace
 
 std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriteria& asked) {
@@ -107,6 +120,29 @@ std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestC
     poses.back().reached = reached_in(recording, hold);
   }
   return poses;
+}
+
+std::vector<MeasuredSwing> measured_swings(const Recording& recording, const RestCriteria& asked) {
+  std::vector<MeasuredSwing> swings;
+  if (recording.measured.empty()) return swings;
+  const RestCriteria criteria = for_frames_of(recording, asked);
+  const std::vector<Hold> all = holds(recording, criteria);
+  for (size_t i = 1; i < all.size(); ++i) {
+    const Hold &before = all[i - 1], &hold = all[i];
+    if (!rest_at_end(recording, before.commands, before.end_s, criteria)) continue;
+    MeasuredSwing swing{before.commands.values, {}, {}};
+    for (const CommandsSince& since : recording.commands)
+      if (since.time_s > before.commands.time_s && since.time_s <= hold.commands.time_s)
+        swing.commands.push_back({since.time_s, {since.values.begin(), since.values.end()}});
+    for (const MarkerObservations& markers : recording.measured) {
+      const double time_s = markers.header.stamp.toSec();
+      if (time_s <= hold.commands.time_s || time_s > std::min(hold.end_s, hold.commands.time_s + kSwing_s)) continue;
+      MarkersAt at{time_s, seen_markers(markers)};
+      if (!at.markers.empty()) swing.seen.push_back(std::move(at));
+    }
+    if (!swing.seen.empty()) swings.push_back(std::move(swing));
+  }
+  return swings;
 }
 
 }  // namespace soft_robot_lab

@@ -185,6 +185,22 @@ TEST_F(Session, FindsWhereTheRobotRested) {
   EXPECT_EQ(measured_poses(recording).size(), 3u) << "friction has to know of the last move too";
 }
 
+TEST_F(Session, FindsWhatFollowedEachMove) {
+  const std::vector<MeasuredSwing> swings = measured_swings(read_recording(write_bag(true)));
+  ASSERT_EQ(swings.size(), 2u);
+  EXPECT_TRUE(swings[0].from.empty());
+  EXPECT_EQ(swings[0].commands.size(), 31u);
+  EXPECT_NEAR(swings[0].commands.front().time_s, 13.0, 1e-9);
+  EXPECT_EQ(swings[0].commands.back().commands.front(), (std::pair<std::string, double>{"left", 0.9}));
+  EXPECT_GT(swings[0].seen.front().time_s, 14.0);
+  EXPECT_LE(swings[0].seen.back().time_s, 17.0);
+  EXPECT_EQ(swings[0].seen.size(), 90u);
+  ASSERT_EQ(swings[0].seen[0].markers.size(), 1u) << "the hidden marker was estimated, not measured";
+  EXPECT_EQ(swings[0].seen[0].markers[0].name, "tip");
+  EXPECT_NEAR(swings[1].from.at("left"), 0.9, 1e-12);
+  EXPECT_EQ(swings[1].commands.size(), 1u);
+}
+
 TEST_F(Session, RefusesWhatIsNoRecordingOfASession) {
   const auto refusal = [](const std::string& path) {
     try {

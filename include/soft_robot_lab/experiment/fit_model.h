@@ -1,5 +1,6 @@
 // Fits numbers of a robot's scene, and where the cameras stand, to markers measured at rest: Levenberg-Marquardt with
-// bounds and a robust loss (Ceres), on exact derivatives of the equilibria (Simulation::parameter_sensitivities).
+// bounds and a robust loss (Ceres), on exact derivatives of the equilibria (Simulation::parameter_sensitivities). Then,
+// with these numbers, its damping to markers measured while the robot swung.
 //
 // Parameters by name; one for all cables unless a cable is named after a dot ("compliance_m_n.left"):
 //   youngs_modulus_pa     all moduli of the material grow with it
@@ -7,7 +8,9 @@
 //   compliance_m_n        of cables: their own stretch and the plug's sinking in beyond the model's
 //   length_offset_m       one for each cable: what it is longer (slack) or shorter than commanded
 //   camera_to_base        six: measured = R p + t of a point p of robot_base, t [m] and R's rotation vector [rad]
-//   damping               accepted, and left as it is with a warning: markers at rest know nothing of it
+//   damping               body.damping.rayleigh_stiffness_s: what swings die away by, beside what the integrator damps
+//   in
+//                         the scene's own time step. Left as it is, with a warning, where nothing swings
 #pragma once
 
 #include <functional>
@@ -33,6 +36,18 @@ struct MeasuredPose {
   std::map<std::string, double> commands;  // by actuator; those not listed rest
   std::vector<MeasuredMarker> markers;
   std::map<std::string, double> reached = {};  // where drives really stood, of which that is known: between whole steps
+};
+
+struct MarkersAt {
+  double time_s = 0.0;
+  std::vector<MeasuredMarker> markers;
+};
+
+// From rest under `from`, moved by `commands`, then left to itself. All times by one clock.
+struct MeasuredSwing {
+  std::map<std::string, double> from;   // by actuator; those not listed rest
+  std::vector<TimedCommands> commands;  // at least one, in order of time
+  std::vector<MarkersAt> seen;          // after the last of them, in order of time
 };
 
 struct FitParameter {
@@ -70,7 +85,9 @@ struct FitResult {
   std::vector<FittedValue> values;
   Eigen::MatrixXd correlations;       // of the values, ones on the diagonal
   std::vector<std::string> warnings;  // what the data cannot tell, with the parameters' names
-  ModelGap before, after;
+  ModelGap before, after;             // at rest
+  int swings = 0;                     // that told the damping
+  double swing_rms_m = 0.0;           // by which the fitted model misses them
   int iterations = 0;
   double cpu_s = 0.0;
   std::string changes;  // YAML to be laid over the scene
@@ -80,7 +97,7 @@ struct FitResult {
 // Throws std::invalid_argument for unknown names, values out of range, too few data; std::runtime_error where the scene
 // has no equilibrium at its present values.
 FitResult fit_model(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
-                    const FitRequest& request);
+                    const FitRequest& request, const std::vector<MeasuredSwing>& swings = {});
 
 // How far the scene, with options.changes, is from poses.
 ModelGap model_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,

@@ -54,4 +54,8 @@ std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCrite
 // friction knows the way.
 std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestCriteria& criteria = {});
 
+// For a fit of damping: wherever the robot rested, was moved, and then left to itself for two windows at least, what
+// cameras saw of the next seconds.
+std::vector<MeasuredSwing> measured_swings(const Recording& recording, const RestCriteria& criteria = {});
+
 }  // namespace soft_robot_lab

@@ -18,8 +18,8 @@ DampingNumber damping_number(const std::string& scene, const SceneOptions& optio
 // Adds what is found to `result`, whose changes are laid over the scene: value, correlations, warnings, changes,
 // swings.
 //
-// Of each swing its extent, its delay and each coordinate's mean and drift (creep) are unknowns too: neither how far
-// drives pulled nor how stiff the robot is shall pass for damping. Unknown is the logarithm of the damping; its
+// Of each swing its extent, its delay, its tempo and each coordinate's mean and drift (creep) are unknowns too: neither
+// how far drives pulled nor how stiff the robot is shall pass for damping. Unknown is the logarithm of the damping; its
 // derivative is the difference of two motions, as an exact one would take a factorisation in every step, and so longer.
 void fit_damping(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredSwing>& swings,
                  const DampingNumber& number, const FitRequest& request, FitResult& result);

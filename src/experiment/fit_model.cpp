@@ -226,8 +226,7 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
     result = fit_to_rest(parameters, scene, options, poses, request);
   }
   if (damping) fit_damping(scene, options, swings, *damping, request, result);
-  require(!result.values.empty(),
-          "parameters: none that data could tell; damping is told by a robot that swings");
+  require(!result.values.empty(), "parameters: none that data could tell; damping is told by a robot that swings");
   result.cpu_s = cpu_time_s() - start_cpu_s;
   return result;
 }

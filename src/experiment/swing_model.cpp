@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 namespace soft_robot_lab {
@@ -16,10 +15,14 @@ void command(Simulation& simulation, const std::string& name, double value) {
   simulation.set_command(name, std::clamp(value, limits.min, limits.max));
 }
 
-bool arrived(const Simulation& simulation) {
-  return std::all_of(simulation.actuators().begin(), simulation.actuators().end(), [](const auto& actuator) {
-    return std::abs(actuator->actuated_command() - actuator->command()) <= kArrived;
-  });
+// By a drive on its way; a slack cable moves nothing.
+bool moved(const Simulation& simulation) {
+  for (std::size_t i = 0; i < simulation.actuators().size(); ++i) {
+    const Actuator& actuator = *simulation.actuators()[i];
+    const bool on_its_way = std::abs(actuator.actuated_command() - actuator.command()) > kArrived;
+    if (on_its_way && simulation.actuator_state(static_cast<int>(i)).tension_n != 0.0) return true;
+  }
+  return false;
 }
 
 Eigen::Matrix3Xd places(const Simulation& simulation) {
@@ -28,21 +31,21 @@ Eigen::Matrix3Xd places(const Simulation& simulation) {
   return all;
 }
 
-SimulatedSwing simulate(Simulation& simulation, const MeasuredSwing& swing, double end_s) {
+SimulatedSwing simulate(Simulation& simulation, const MeasuredSwing& swing, double window_s) {
   simulation.reset();
   for (const auto& [name, value] : swing.from) command(simulation, name, value);
   const SolveReport rest = simulation.solve_equilibrium();
   if (!rest.converged) throw std::runtime_error("a swing starts from no rest: " + rest.message);
   const double start_s = swing.commands.front().time_s, step_s = simulation.options().time_step_s;
-  double free_s = std::numeric_limits<double>::infinity();
+  double free_s = start_s;
   std::vector<Eigen::Matrix3Xd> markers_m = {places(simulation)};
   std::size_t next = 0;
-  for (double time_s = start_s; time_s < swing.seen.back().time_s + end_s; time_s += step_s) {
+  for (double time_s = start_s; time_s < free_s + window_s; time_s += step_s) {
     for (; next < swing.commands.size() && swing.commands[next].time_s <= time_s; ++next)
       for (const auto& [name, value] : swing.commands[next].commands) command(simulation, name, value);
     simulation.step();
     markers_m.push_back(places(simulation));
-    if (next == swing.commands.size() && arrived(simulation)) free_s = std::min(free_s, time_s + step_s);
+    if (next < swing.commands.size() || moved(simulation)) free_s = time_s + step_s;
   }
   return {start_s, step_s, free_s, std::move(markers_m)};
 }
@@ -71,13 +74,10 @@ Eigen::Vector3d SimulatedSwing::deflection_m(int marker, double time_s) const {
 Eigen::Vector3d SimulatedSwing::velocity_m_s(int marker, double time_s) const { return cubic(marker, time_s, true); }
 
 std::vector<SimulatedSwing> simulate_swings(const std::string& scene, const SceneOptions& options,
-                                            const std::string& changes, const std::vector<MeasuredSwing>& swings,
-                                            double end_s) {
-  SceneOptions changed = options;
-  changed.changes = changes;
-  const Scene loaded = load_scene(scene, changed);
+                                            const std::vector<MeasuredSwing>& swings, double window_s) {
+  const Scene loaded = load_scene(scene, options);
   std::vector<SimulatedSwing> all;
-  for (const MeasuredSwing& swing : swings) all.push_back(simulate(*loaded.simulation, swing, end_s));
+  for (const MeasuredSwing& swing : swings) all.push_back(simulate(*loaded.simulation, swing, window_s));
   return all;
 }
 

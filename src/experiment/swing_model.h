@@ -12,7 +12,7 @@ namespace soft_robot_lab {
 
 class SimulatedSwing {
  public:
-  // Places of markers at even times from start_s on; the drives had all arrived at free_s.
+  // Places of markers at even times from start_s on; nothing moved the robot but itself after free_s.
   SimulatedSwing(double start_s, double step_s, double free_s, std::vector<Eigen::Matrix3Xd> markers_m)
       : start_s_(start_s), step_s_(step_s), free_s_(free_s), markers_m_(std::move(markers_m)) {}
 
@@ -28,11 +28,9 @@ class SimulatedSwing {
   std::vector<Eigen::Matrix3Xd> markers_m_;
 };
 
-// Each simulated until end_s after its last measurement, with the changes laid over the scene. Throws
-// std::invalid_argument for names that the scene does not know, std::runtime_error where it finds no rest to start
-// from.
+// Each simulated until window_s after nothing moves it any more. Throws std::invalid_argument for names that the scene
+// does not know, std::runtime_error where it finds no rest to start from.
 std::vector<SimulatedSwing> simulate_swings(const std::string& scene, const SceneOptions& options,
-                                            const std::string& changes, const std::vector<MeasuredSwing>& swings,
-                                            double end_s);
+                                            const std::vector<MeasuredSwing>& swings, double window_s);
 
 }  // namespace soft_robot_lab

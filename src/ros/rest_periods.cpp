@@ -136,7 +136,8 @@ std::vector<MeasuredSwing> measured_swings(const Recording& recording, const Res
         swing.commands.push_back({since.time_s, {since.values.begin(), since.values.end()}});
     for (const MarkerObservations& markers : recording.measured) {
       const double time_s = markers.header.stamp.toSec();
-      if (time_s <= hold.commands.time_s || time_s > std::min(hold.end_s, hold.commands.time_s + kSwing_s)) continue;
+      if (time_s <= swing.commands.front().time_s || time_s > std::min(hold.end_s, hold.commands.time_s + kSwing_s))
+        continue;
       MarkersAt at{time_s, seen_markers(markers)};
       if (!at.markers.empty()) swing.seen.push_back(std::move(at));
     }

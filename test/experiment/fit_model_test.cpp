@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "experiment/swing_model.h"
 #include "soft_robot_lab/actuators/factory.h"
 
 namespace soft_robot_lab {
@@ -209,7 +210,7 @@ MeasuredSwing swing_of(const std::string& changes, double pulled, double noise_m
   EXPECT_TRUE(simulation.solve_equilibrium().converged);
   simulation.set_command("left", 1.1);
   simulation.set_command("right", 1.1);
-  constexpr double delay_s = 0.03;
+  constexpr double delay_s = 0.27;  // such as a message sent by rostopic has
   for (int step = 1; step <= 90; ++step) {
     simulation.step();
     if (step % 2 != 0) continue;
@@ -253,7 +254,8 @@ TEST(FitModel, FindsTheDampingBesideWhatRestTells) {
   EXPECT_TRUE(result.converged) << result.message;
   EXPECT_EQ(result.swings, 2);
   EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 290620, 0.1 * 290620) << "of such meshes no better";
-  EXPECT_NEAR(value_of(result, "damping.rayleigh_stiffness_s").value, 0.004, 0.05 * 0.004) << summary(result);
+  // The integrator damps as 8 ms would, and that grows with the stiffness too.
+  EXPECT_NEAR(value_of(result, "damping.rayleigh_stiffness_s").value, 0.004, 0.1 * 0.004) << summary(result);
   EXPECT_EQ(result.correlations.rows(), 2);
 
   const std::string file = (std::filesystem::temp_directory_path() / "soft_robot_lab_damped.yaml").string();
@@ -261,6 +263,25 @@ TEST(FitModel, FindsTheDampingBesideWhatRestTells) {
   EXPECT_NEAR(load_scene(file, options_with("")).simulation->body().viscosity().rayleigh_stiffness_s,
               value_of(result, "damping.rayleigh_stiffness_s").value, 1e-12);
   std::filesystem::remove(file);
+}
+
+TEST(SwingModel, IsFreeOnceItsCablesAreSlackThoughDrivesGoOn) {
+  const std::string slow = "compliance_m_n: 1.0e-5, pull_speed_m_s: 0.05";
+  const std::string changes =
+      kFineSteps + "cables: [" + cable("left", -0.007, slow) + ", " + cable("right", 0.007, slow) + "]\n";
+  const MeasuredSwing swing{{{"left", 0.9}}, {{10.0, {{"left", 1.2}}}}, {}};
+  const SimulatedSwing simulated = simulate_swings(kScene, options_with(changes), {swing}, 0.5).front();
+  EXPECT_GT(simulated.free_s(), 10.1);
+  EXPECT_LT(simulated.free_s(), 10.4) << "the drive arrives at 10.6 s";
+  const Eigen::Vector3d before = simulated.deflection_m(0, 10.0), after = simulated.deflection_m(0, simulated.free_s());
+  EXPECT_GT(before.norm(), 0.01);
+  EXPECT_LT(after.norm(), 0.5 * before.norm());
+  constexpr double h = 1e-4;
+  const double at_s = simulated.free_s() + 0.05;
+  EXPECT_LT((simulated.velocity_m_s(0, at_s) -
+             (simulated.deflection_m(0, at_s + h) - simulated.deflection_m(0, at_s - h)) / (2.0 * h))
+                .norm(),
+            1e-3 * simulated.velocity_m_s(0, at_s).norm());
 }
 
 // Held by taut cables nothing swings; what creeps does not either.

@@ -8,8 +8,7 @@
 //   compliance_m_n        of cables: their own stretch and the plug's sinking in beyond the model's
 //   length_offset_m       one for each cable: what it is longer (slack) or shorter than commanded
 //   camera_to_base        six: measured = R p + t of a point p of robot_base, t [m] and R's rotation vector [rad]
-//   damping               body.damping.rayleigh_stiffness_s: what swings die away by, beside what the integrator damps
-//   in
+//   damping               body.damping.rayleigh_stiffness_s: swings die away by it, and by what the integrator damps in
 //                         the scene's own time step. Left as it is, with a warning, where nothing swings
 #pragma once
 
@@ -47,7 +46,7 @@ struct MarkersAt {
 struct MeasuredSwing {
   std::map<std::string, double> from;   // by actuator; those not listed rest
   std::vector<TimedCommands> commands;  // at least one, in order of time
-  std::vector<MarkersAt> seen;          // after the last of them, in order of time
+  std::vector<MarkersAt> seen;          // since the first of them, in order of time
 };
 
 struct FitParameter {

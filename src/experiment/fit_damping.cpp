@@ -20,10 +20,8 @@ namespace {
 const char* const kName = "damping.rayleigh_stiffness_s";
 constexpr double kStart_s = 2e-3, kMin_s = 1e-5, kMax_s = 0.1;  // unless the scene says otherwise
 constexpr double kDifference = 1e-3;                            // of the logarithm
-constexpr double kDelaySize_s = 0.01,
-                 kDelayMargin_s = 0.05;                // what counts as a change of about one; beside what was found
-constexpr double kMostExtent = 3.0, kMostTempo = 1.2;  // or its inverse
-constexpr double kPlaceSize_m = 1e-3;
+constexpr double kMostExtent = 3.0, kMostTempo = 1.2;           // or its inverse
+constexpr double kDelaySize_s = 0.01, kPlaceSize_m = 1e-3;      // what counts as a change of about one
 
 std::string changes_of(double damping_s) {
   return "body: {damping: {rayleigh_stiffness_s: " + text_of(damping_s) + "}}\n";
@@ -55,7 +53,7 @@ class SwingPredictor : public ceres::EvaluationCallback {
   std::vector<SimulatedSwing> simulate(double at) const {
     SceneOptions damped = options_;
     damped.changes = lay_over(damped.changes, changes_of(start_s_ * std::exp(at)));
-    return simulate_swings(scene_, damped, swings_, kMostTempo * (kSwingWindow_s + 2.0 * kDelayMargin_s));
+    return simulate_swings(scene_, damped, swings_, kMostTempo * (kSwingWindow_s + 2.0 * kSwingDelayMargin_s));
   }
 
   const std::string& scene_;
@@ -230,8 +228,8 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
       problem.SetParameterLowerBound(swing.data(), index, 1.0 / most);
       problem.SetParameterUpperBound(swing.data(), index, most);
     }
-    problem.SetParameterLowerBound(swing.data(), 1, swing[1] - kDelayMargin_s / kDelaySize_s);
-    problem.SetParameterUpperBound(swing.data(), 1, swing[1] + kDelayMargin_s / kDelaySize_s);
+    problem.SetParameterLowerBound(swing.data(), 1, swing[1] - kSwingDelayMargin_s / kDelaySize_s);
+    problem.SetParameterUpperBound(swing.data(), 1, swing[1] + kSwingDelayMargin_s / kDelaySize_s);
   }
   const auto rms_m = [&] {
     double squares = 0.0;

@@ -13,10 +13,10 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kMostDelay_s = 1.0, kDelayStep_s = 0.01, kDelayMargin_s = 0.05;
-constexpr std::size_t kMostSwings = 3;  // each is simulated some twenty times
-constexpr std::size_t kSamples = 8;     // of a marker in a swing, at least
-constexpr double kMotion = 1.0;         // in deviations of its noise: a marker swings
+constexpr double kMostDelay_s = 1.0, kDelayStep_s = 0.01;  // looked for
+constexpr std::size_t kMostSwings = 3;                     // each is simulated some twenty times
+constexpr std::size_t kSamples = 8;                        // of a marker in a swing, at least
+constexpr double kMotion = 1.0;                            // in deviations of its noise: a marker swings
 
 void require_finite(const MeasuredSwing& swing) {
   for (const MarkersAt& at : swing.seen)
@@ -72,7 +72,7 @@ double delay_of(const MeasuredSwing& swing, const SimulatedSwing& simulated, con
 
 std::vector<SwingTrack> tracks_of(const MeasuredSwing& swing, std::size_t index, double delay_s,
                                   const SimulatedSwing& simulated, const Simulation& simulation) {
-  const double start_s = simulated.free_s() + delay_s + kDelayMargin_s;
+  const double start_s = simulated.free_s() + delay_s + kSwingDelayMargin_s;
   std::map<std::string, SwingTrack> by_marker;
   for (const MarkersAt& at : swing.seen) {
     if (at.time_s < start_s || at.time_s > start_s + kSwingWindow_s) continue;
@@ -117,7 +117,8 @@ ChosenSwings choose_swings(const std::string& scene, const SceneOptions& options
     if (!swing.commands.empty() && swing.seen.size() >= kSamples) seen.push_back(swing);
   }
   if (seen.empty()) return {};
-  const std::vector<SimulatedSwing> simulated = simulate_swings(scene, options, seen, kSwingWindow_s + kDelayMargin_s);
+  const std::vector<SimulatedSwing> simulated =
+      simulate_swings(scene, options, seen, kSwingWindow_s + kSwingDelayMargin_s);
   const Scene loaded = load_scene(scene, options);
   struct Candidate {
     double motion, delay_s;

@@ -8,7 +8,8 @@
 
 namespace soft_robot_lab {
 
-constexpr double kSwingWindow_s = 2.0;  // of a swing no more counts
+constexpr double kSwingWindow_s = 2.0;        // of a swing no more counts
+constexpr double kSwingDelayMargin_s = 0.05;  // to which a delay is known at first
 
 // A marker in a swing.
 struct SwingTrack {

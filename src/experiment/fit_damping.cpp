@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
 #include <Eigen/QR>
 #include <ceres/ceres.h>
 
-#include "experiment/fit_parameters.h"
 #include "experiment/fit_solver.h"
 #include "experiment/fit_statistics.h"
 #include "experiment/measured_weight.h"
@@ -18,13 +16,13 @@ namespace soft_robot_lab {
 namespace {
 
 const char* const kName = "damping.rayleigh_stiffness_s";
-constexpr double kStart_s = 2e-3, kMin_s = 1e-5, kMax_s = 0.1;  // unless the scene says otherwise
-constexpr double kDifference = 1e-3;                            // of the logarithm
-constexpr double kMostExtent = 3.0, kMostTempo = 1.2;           // or its inverse
-constexpr double kDelaySize_s = 0.01, kPlaceSize_m = 1e-3;      // what counts as a change of about one
+constexpr double kDifference = 1e-3;                        // of the logarithm
+constexpr double kMostExtent = 3.0, kMostTempo = 1.2;       // or its inverse
+constexpr double kDelaySize_s = 0.01, kPlaceSize_m = 1e-3;  // what counts as a change of about one
 
-std::string changes_of(double damping_s) {
-  return "body: {damping: {rayleigh_stiffness_s: " + text_of(damping_s) + "}}\n";
+SceneOptions with_damping(SceneOptions options, double damping_s) {
+  options.changes = lay_over(options.changes, "body: {damping: {rayleigh_stiffness_s: " + text_of(damping_s) + "}}\n");
+  return options;
 }
 
 // The swings, and what they would be with a little more damping, where Ceres asks next.
@@ -51,9 +49,8 @@ class SwingPredictor : public ceres::EvaluationCallback {
 
  private:
   std::vector<SimulatedSwing> simulate(double at) const {
-    SceneOptions damped = options_;
-    damped.changes = lay_over(damped.changes, changes_of(start_s_ * std::exp(at)));
-    return simulate_swings(scene_, damped, swings_, kMostTempo * (kSwingWindow_s + 2.0 * kSwingDelayMargin_s));
+    const Scene scene = load_scene(scene_, with_damping(options_, start_s_ * std::exp(at)));
+    return simulate_swings(*scene.simulation, swings_, kMostTempo * (kSwingWindow_s + 2.0 * kSwingDelayMargin_s));
   }
 
   const std::string& scene_;
@@ -65,9 +62,7 @@ class SwingPredictor : public ceres::EvaluationCallback {
 
 // Of a marker in a swing: mean, drift from the middle to the end of the window, and what it slows down by (creep); in
 // kPlaceSize_m.
-struct Place : Eigen::Matrix<double, 9, 1> {
-  Place() { setZero(); }
-};
+using Place = Eigen::Matrix<double, 9, 1>;
 
 // (extent * deflection at time - delay, as the cameras see it, + mean + drift + its change - measured) in standard
 // deviations.
@@ -134,16 +129,12 @@ double information(ceres::Problem& problem, double* unknown, const std::vector<d
   problem.Evaluate(in_order, nullptr, &residuals, nullptr, &sparse);
   const Eigen::MatrixXd jacobian = dense(sparse), beside = jacobian.rightCols(jacobian.cols() - 1);
   const Eigen::VectorXd own = jacobian.col(0) - beside * beside.colPivHouseholderQr().solve(jacobian.col(0));
-  const double squares =
-      Eigen::Map<const Eigen::VectorXd>(residuals.data(), static_cast<Eigen::Index>(residuals.size())).squaredNorm();
-  const auto spare = std::max<Eigen::Index>(1, jacobian.rows() - jacobian.cols());
-  return own.squaredNorm() / std::max(1.0, squares / static_cast<double>(spare));
+  return own.squaredNorm() / residual_variance(residuals, jacobian.cols());
 }
 
 // The bounds count as weak knowledge, as of the other parameters (fit_statistics.cpp), but of the logarithm.
-FittedValue with_confidence(const DampingNumber& number, double value_s, double information) {
-  constexpr double of_95_percent = 1.96, untold = 0.5;
-  const double width = std::log(number.max / number.min) / (2.0 * of_95_percent);
+FittedValue with_confidence(const FitNumber& number, double value_s, double information) {
+  const double width = std::log(number.max / number.min) / (2.0 * kOf95Percent);
   const double spread = 1.0 / std::sqrt(information + 1.0 / (width * width));
   FittedValue fitted;
   fitted.name = kName;
@@ -152,9 +143,9 @@ FittedValue with_confidence(const DampingNumber& number, double value_s, double 
   fitted.min = number.min;
   fitted.max = number.max;
   fitted.deviation = spread * value_s;
-  fitted.low = std::max(number.min, value_s * std::exp(-of_95_percent * spread));
-  fitted.high = std::min(number.max, value_s * std::exp(of_95_percent * spread));
-  fitted.told = spread * spread < untold * width * width;
+  fitted.low = std::max(number.min, value_s * std::exp(-kOf95Percent * spread));
+  fitted.high = std::min(number.max, value_s * std::exp(kOf95Percent * spread));
+  fitted.told = spread * spread < kUntold * width * width;
   return fitted;
 }
 
@@ -168,28 +159,12 @@ void append(FittedValue value, FitResult& result) {
 
 }  // namespace
 
-DampingNumber damping_number(const std::string& scene, const SceneOptions& options, const FitParameter& asked) {
-  const double present = load_scene(scene, options).simulation->body().viscosity().rayleigh_stiffness_s;
-  DampingNumber number;
-  number.min = asked.min.value_or(kMin_s);
-  number.max = asked.max.value_or(kMax_s);
-  if (!(number.min > 0.0 && number.min < number.max && std::isfinite(number.max)))
-    throw std::invalid_argument("parameters: damping: bounds " + text_of(number.min) + ", " + text_of(number.max) +
-                                " [s] must rise from above 0");
-  number.start = asked.start.value_or(std::clamp(present > 0.0 ? present : kStart_s, number.min, number.max));
-  if (!(number.start >= number.min && number.start <= number.max))
-    throw std::invalid_argument("parameters: damping: start " + text_of(number.start) + " is not in [" +
-                                text_of(number.min) + ", " + text_of(number.max) + "]");
-  return number;
-}
-
 void fit_damping(const std::string& scene, const SceneOptions& asked, const std::vector<MeasuredSwing>& swings,
-                 const DampingNumber& number, const FitRequest& request, FitResult& result) {
+                 const FitNumber& number, const FitRequest& request, FitResult& result) {
   SceneOptions options = asked;
   options.changes = result.changes;
-  SceneOptions undamped = options;
-  undamped.changes = lay_over(options.changes, changes_of(number.min));
-  ChosenSwings chosen = choose_swings(scene, undamped, swings, request.model_error_m);
+  const Scene undamped = load_scene(scene, with_damping(options, number.min));
+  const ChosenSwings chosen = choose_swings(*undamped.simulation, swings, request.model_error_m);
   if (chosen.swings.empty()) {
     result.warnings.push_back(
         "damping: the data cannot tell it, as nothing swings, measured and simulated; it stays as it is");
@@ -208,7 +183,7 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
     const double* unknowns[3];
   };
   std::vector<Sample> samples;
-  std::vector<Place> places(chosen.tracks.size());
+  std::vector<Place> places(chosen.tracks.size(), Place::Zero());
   for (std::size_t t = 0; t < places.size(); ++t) {
     const SwingTrack& track = chosen.tracks[t];
     for (const MeasuredMarker& one : track.measured)
@@ -256,7 +231,7 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
     result.warnings.push_back("damping ended on its bound " + text_of(value.value) +
                               " s; at the lower one the scene's own time step damps as much as the robot does");
   append(value, result);
-  result.changes = lay_over(result.changes, changes_of(value.value));
+  result.changes = with_damping(options, value.value).changes;
   result.swings = static_cast<int>(chosen.swings.size());
   result.swing_rms_m = rms_m();
 }

@@ -4,16 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "soft_robot_lab/experiment/fit_model.h"
+#include "experiment/fit_parameters.h"
 
 namespace soft_robot_lab {
-
-struct DampingNumber {
-  double start = 0.0, min = 0.0, max = 0.0;  // rayleigh_stiffness_s [s]
-};
-
-// The scene's, or what was asked for. Throws std::invalid_argument: parameter, value, allowed range.
-DampingNumber damping_number(const std::string& scene, const SceneOptions& options, const FitParameter& asked);
 
 // Adds what is found to `result`, whose changes are laid over the scene: value, correlations, warnings, changes,
 // swings.
@@ -22,6 +15,6 @@ DampingNumber damping_number(const std::string& scene, const SceneOptions& optio
 // how far drives pulled nor how stiff the robot is shall pass for damping. Unknown is the logarithm of the damping; its
 // derivative is the difference of two motions, as an exact one would take a factorisation in every step, and so longer.
 void fit_damping(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredSwing>& swings,
-                 const DampingNumber& number, const FitRequest& request, FitResult& result);
+                 const FitNumber& number, const FitRequest& request, FitResult& result);
 
 }  // namespace soft_robot_lab

@@ -216,8 +216,6 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
   const SceneOptions options = request.mass_kg ? weighed(scene, asked, *request.mass_kg) : asked;
   const double start_cpu_s = cpu_time_s();
   const FitParameters parameters(scene, options, request.parameters);
-  std::optional<DampingNumber> damping;
-  if (parameters.damping()) damping = damping_number(scene, options, *parameters.damping());
   FitResult result;
   if (parameters.numbers().empty()) {
     result.changes = options.changes;
@@ -225,7 +223,7 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
   } else {
     result = fit_to_rest(parameters, scene, options, poses, request);
   }
-  if (damping) fit_damping(scene, options, swings, *damping, request, result);
+  if (parameters.damping()) fit_damping(scene, options, swings, *parameters.damping(), request, result);
   require(!result.values.empty(), "parameters: none that data could tell; damping is told by a robot that swings");
   result.cpu_s = cpu_time_s() - start_cpu_s;
   return result;

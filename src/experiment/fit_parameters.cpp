@@ -65,9 +65,10 @@ SceneOptions weighed(const std::string& scene, SceneOptions options, double mass
 
 FitParameters::FitParameters(const std::string& scene, const SceneOptions& options,
                              const std::vector<FitParameter>& asked)
-    : base_changes_(options.changes),
-      material_(load_scene(scene, options).simulation->body().material()),
-      cables_(scene, options.changes) {
+    : base_changes_(options.changes), cables_(scene, options.changes) {
+  const Scene loaded = load_scene(scene, options);
+  material_ = loaded.simulation->body().material();
+  damping_s_ = loaded.simulation->body().viscosity().rayleigh_stiffness_s;
   for (const FitParameter& parameter : asked) {
     const std::size_t dot = parameter.name.find('.');
     FitParameter plain = parameter;
@@ -86,7 +87,12 @@ void FitParameters::add(const FitParameter& asked, const std::string& cable) {
   FitNumber number{key, FitNumber::Kind::modulus, key, {}, 0, 0.0, 0.0, 0.0, 1.0};
   if (key == "damping" && cable.empty()) {
     if (damping_) throw std::invalid_argument("parameters: damping is asked for twice");
-    damping_ = asked;
+    number.kind = FitNumber::Kind::damping;
+    number.min = 1e-5;
+    number.max = 0.1;
+    number.start = damping_s_ > 0.0 ? damping_s_ : 2e-3;
+    number.start = std::max(asked.min.value_or(number.min), std::min(asked.max.value_or(number.max), number.start));
+    damping_ = with_bounds(number, asked);
   } else if (key == "youngs_modulus_pa" && cable.empty()) {
     number.start = number.size = material_.youngs_modulus_pa;
     number.min = number.start / 5.0;
@@ -147,10 +153,15 @@ void FitParameters::add_number(FitNumber number, const FitParameter& asked) {
     if (other.name == number.name || (other.key == number.key && shared))
       throw std::invalid_argument("parameters: " + number.name + " is asked for twice");
   }
+  numbers_.push_back(with_bounds(std::move(number), asked));
+}
+
+FitNumber FitParameters::with_bounds(FitNumber number, const FitParameter& asked) {
   number.start = asked.start.value_or(number.start);
   number.min = asked.min.value_or(number.min);
   number.max = asked.max.value_or(number.max);
-  const bool positive = number.kind == FitNumber::Kind::modulus || number.key == "friction_coefficient";
+  const bool positive = number.kind == FitNumber::Kind::modulus || number.kind == FitNumber::Kind::damping ||
+                        number.key == "friction_coefficient";
   if (!(std::isfinite(number.min) && std::isfinite(number.max) && number.min < number.max &&
         (!positive || number.min > 0.0) && (number.key != "compliance_m_n" || number.min >= 0.0)))
     throw std::invalid_argument("parameters: " + number.name + ": bounds " + text_of(number.min) + ", " +
@@ -158,7 +169,7 @@ void FitParameters::add_number(FitNumber number, const FitParameter& asked) {
   if (!(number.start >= number.min && number.start <= number.max))
     throw std::invalid_argument("parameters: " + number.name + ": start " + text_of(number.start) + " is not in [" +
                                 text_of(number.min) + ", " + text_of(number.max) + "]");
-  numbers_.push_back(std::move(number));
+  return number;
 }
 
 std::string FitParameters::changes(const Eigen::VectorXd& values) const {

@@ -13,7 +13,7 @@
 namespace soft_robot_lab {
 
 struct FitNumber {
-  enum class Kind { modulus, of_cables, camera };
+  enum class Kind { modulus, of_cables, camera, damping };
   std::string name;
   Kind kind = Kind::modulus;
   std::string key;                  // of_cables
@@ -38,7 +38,7 @@ class FitParameters {
   FitParameters(const std::string& scene, const SceneOptions& options, const std::vector<FitParameter>& asked);
 
   const std::vector<FitNumber>& numbers() const { return numbers_; }
-  const std::optional<FitParameter>& damping() const { return damping_; }  // asked for; not among the numbers
+  const std::optional<FitNumber>& damping() const { return damping_; }  // where asked for; not among the numbers
 
   std::string changes(const Eigen::VectorXd& values) const;  // with those of the scene's options
   Eigen::Isometry3d measured_from_base(const Eigen::VectorXd& values) const;
@@ -51,6 +51,7 @@ class FitParameters {
  private:
   void add(const FitParameter& asked, const std::string& cable);
   void add_number(FitNumber number, const FitParameter& asked);
+  static FitNumber with_bounds(FitNumber number, const FitParameter& asked);
   double present(const std::string& cable, const std::string& key, double otherwise) const;
   Eigen::Matrix<double, 6, 1> camera(const Eigen::VectorXd& values) const;
 
@@ -58,7 +59,8 @@ class FitParameters {
   Material material_;
   SceneCables cables_;
   std::vector<FitNumber> numbers_;
-  std::optional<FitParameter> damping_;
+  double damping_s_ = 0.0;  // rayleigh_stiffness_s of the scene
+  std::optional<FitNumber> damping_;
 };
 
 }  // namespace soft_robot_lab

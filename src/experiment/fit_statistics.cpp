@@ -11,10 +11,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kOf95Percent = 1.96;
 constexpr double kPart = 0.3;       // of a unit direction: a parameter takes part in it
 constexpr double kTogether = 0.95;  // correlation beyond which two parameters are told together only
-constexpr double kUntold = 0.5;     // share of the variance that the bounds alone would leave
 constexpr double kOnBound = 1e-6;   // of the range
 
 std::string short_text(double value) {
@@ -53,6 +51,12 @@ void warn_of_pairs(const std::vector<FitNumber>& numbers, FitResult& result) {
 
 }  // namespace
 
+double residual_variance(const std::vector<double>& residuals, Eigen::Index unknowns) {
+  const auto count = static_cast<Eigen::Index>(residuals.size());
+  const double squares = Eigen::Map<const Eigen::VectorXd>(residuals.data(), count).squaredNorm();
+  return std::max(1.0, squares / static_cast<double>(std::max<Eigen::Index>(1, count - unknowns)));
+}
+
 Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix) {
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(matrix.num_rows, matrix.num_cols);
   for (int row = 0; row < matrix.num_rows; ++row)
@@ -73,9 +77,7 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
     widths[i] = (number.max - number.min) / (2.0 * kOf95Percent);
     in_sizes[i] = widths[i] / number.size;
   }
-  const double squares =
-      Eigen::Map<const Eigen::VectorXd>(residuals.data(), static_cast<Eigen::Index>(residuals.size())).squaredNorm();
-  const double variance = std::max(1.0, squares / static_cast<double>(jacobian.rows() - count));
+  const double variance = residual_variance(residuals, count);
   const Eigen::MatrixXd scaled = jacobian * in_sizes.asDiagonal();
   const Eigen::MatrixXd information = scaled.transpose() * scaled / variance;
   const Eigen::MatrixXd covariance = (information + Eigen::MatrixXd::Identity(count, count)).inverse();

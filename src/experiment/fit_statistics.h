@@ -9,6 +9,12 @@
 
 namespace soft_robot_lab {
 
+constexpr double kOf95Percent = 1.96;  // standard deviations
+constexpr double kUntold = 0.5;        // share of the variance that the bounds alone would leave
+
+// Of residuals in standard deviations, which so many unknowns were fitted to; at least the one expected.
+double residual_variance(const std::vector<double>& residuals, Eigen::Index unknowns);
+
 Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix);
 
 // Fills values, correlations and warnings. Jacobian and residuals at the solution, in standard deviations per `size` of

@@ -1,4 +1,4 @@
-// What a measured marker's coordinates are divided by, so that what is left has unit deviation.
+// What a measured marker has to be, and what its coordinates are divided by, so that what is left has unit deviation.
 #pragma once
 
 #include <stdexcept>
@@ -8,6 +8,12 @@
 #include "soft_robot_lab/experiment/fit_model.h"
 
 namespace soft_robot_lab {
+
+// Throws std::invalid_argument.
+inline void require_finite(const MeasuredMarker& marker) {
+  if (!marker.position_m.allFinite() || !marker.covariance_m2.allFinite())
+    throw std::invalid_argument("marker '" + marker.name + "': position or covariance is not finite");
+}
 
 // Throws std::invalid_argument where covariance and model error together are not positive.
 inline Eigen::Matrix3d measured_weight(const MeasuredMarker& measured, double model_error_m) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "experiment/measured_weight.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -109,8 +111,7 @@ PoseModel::PoseModel(std::string scene, SceneOptions options, const std::vector<
     }
     for (const MeasuredMarker& marker : pose.markers) {
       loaded.simulation->marker_index(marker.name);
-      if (!marker.position_m.allFinite() || !marker.covariance_m2.allFinite())
-        throw std::invalid_argument("marker '" + marker.name + "': position or covariance is not finite");
+      require_finite(marker);
     }
   }
 }

@@ -10,6 +10,8 @@
 
 #include <Eigen/QR>
 
+#include "experiment/measured_weight.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -17,13 +19,6 @@ constexpr double kMostDelay_s = 1.0, kDelayStep_s = 0.01;  // looked for
 constexpr std::size_t kMostSwings = 3;                     // each is simulated some twenty times
 constexpr std::size_t kSamples = 8;                        // of a marker in a swing, at least
 constexpr double kMotion = 1.0;                            // in deviations of its noise: a marker swings
-
-void require_finite(const MeasuredSwing& swing) {
-  for (const MarkersAt& at : swing.seen)
-    for (const MeasuredMarker& marker : at.markers)
-      if (!std::isfinite(at.time_s) || !marker.position_m.allFinite() || !marker.covariance_m2.allFinite())
-        throw std::invalid_argument("marker '" + marker.name + "': time, position or covariance is not finite");
-}
 
 // Root mean square of what a parabola in time leaves of the places.
 double motion_m(const SwingTrack& track, const std::function<Eigen::Vector3d(std::size_t)>& place_m) {
@@ -70,8 +65,8 @@ double delay_of(const MeasuredSwing& swing, const SimulatedSwing& simulated, con
   return best_s;
 }
 
-std::vector<SwingTrack> tracks_of(const MeasuredSwing& swing, std::size_t index, double delay_s,
-                                  const SimulatedSwing& simulated, const Simulation& simulation) {
+std::vector<SwingTrack> tracks_of(const MeasuredSwing& swing, double delay_s, const SimulatedSwing& simulated,
+                                  const Simulation& simulation) {
   const double start_s = simulated.free_s() + delay_s + kSwingDelayMargin_s;
   std::map<std::string, SwingTrack> by_marker;
   for (const MarkersAt& at : swing.seen) {
@@ -85,7 +80,6 @@ std::vector<SwingTrack> tracks_of(const MeasuredSwing& swing, std::size_t index,
   std::vector<SwingTrack> tracks;
   for (auto& [name, track] : by_marker) {
     if (track.times_s.size() < kSamples) continue;
-    track.swing = index;
     track.marker = simulation.marker_index(name);
     track.free_s = simulated.free_s();
     track.middle_s = start_s + 0.5 * kSwingWindow_s;
@@ -109,38 +103,38 @@ double motion_of(const std::vector<SwingTrack>& tracks, double delay_s, const Si
 
 }  // namespace
 
-ChosenSwings choose_swings(const std::string& scene, const SceneOptions& options,
-                           const std::vector<MeasuredSwing>& swings, double model_error_m) {
+ChosenSwings choose_swings(Simulation& simulation, const std::vector<MeasuredSwing>& swings, double model_error_m) {
   std::vector<MeasuredSwing> seen;
   for (const MeasuredSwing& swing : swings) {
-    require_finite(swing);
+    for (const MarkersAt& at : swing.seen) {
+      if (!std::isfinite(at.time_s)) throw std::invalid_argument("swing: a time is not finite");
+      for (const MeasuredMarker& marker : at.markers) require_finite(marker);
+    }
     if (!swing.commands.empty() && swing.seen.size() >= kSamples) seen.push_back(swing);
   }
-  if (seen.empty()) return {};
-  const std::vector<SimulatedSwing> simulated =
-      simulate_swings(scene, options, seen, kSwingWindow_s + kSwingDelayMargin_s);
-  const Scene loaded = load_scene(scene, options);
+  const std::vector<SimulatedSwing> simulated = simulate_swings(simulation, seen, kSwingWindow_s + kSwingDelayMargin_s);
   struct Candidate {
     double motion, delay_s;
-    std::size_t swing;
+    const MeasuredSwing* swing;
+    std::vector<SwingTrack> tracks;
   };
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    const double delay_s = delay_of(seen[i], simulated[i], *loaded.simulation);
-    const std::vector<SwingTrack> tracks = tracks_of(seen[i], i, delay_s, simulated[i], *loaded.simulation);
+    const double delay_s = delay_of(seen[i], simulated[i], simulation);
+    std::vector<SwingTrack> tracks = tracks_of(seen[i], delay_s, simulated[i], simulation);
     const double motion = motion_of(tracks, delay_s, simulated[i], model_error_m);
-    if (motion >= kMotion) candidates.push_back({motion, delay_s, i});
+    if (motion >= kMotion) candidates.push_back({motion, delay_s, &seen[i], std::move(tracks)});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& one, const Candidate& other) { return one.motion > other.motion; });
-  candidates.resize(std::min(candidates.size(), kMostSwings));
   ChosenSwings chosen;
-  for (const Candidate& one : candidates) {
-    for (SwingTrack& track :
-         tracks_of(seen[one.swing], chosen.swings.size(), one.delay_s, simulated[one.swing], *loaded.simulation))
+  for (std::size_t i = 0; i < std::min(candidates.size(), kMostSwings); ++i) {
+    for (SwingTrack& track : candidates[i].tracks) {
+      track.swing = i;
       chosen.tracks.push_back(std::move(track));
-    chosen.swings.push_back(seen[one.swing]);
-    chosen.delays_s.push_back(one.delay_s);
+    }
+    chosen.swings.push_back(*candidates[i].swing);
+    chosen.delays_s.push_back(candidates[i].delay_s);
   }
   return chosen;
 }

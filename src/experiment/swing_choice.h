@@ -30,7 +30,6 @@ struct ChosenSwings {
 
 // Those few in which a marker moves farthest, measured as well as simulated, in deviations of its noise; none where it
 // is less than one. Throws as simulate_swings does, and std::invalid_argument for numbers that are not finite.
-ChosenSwings choose_swings(const std::string& scene, const SceneOptions& options,
-                           const std::vector<MeasuredSwing>& swings, double model_error_m);
+ChosenSwings choose_swings(Simulation& simulation, const std::vector<MeasuredSwing>& swings, double model_error_m);
 
 }  // namespace soft_robot_lab

@@ -73,11 +73,10 @@ Eigen::Vector3d SimulatedSwing::deflection_m(int marker, double time_s) const {
 
 Eigen::Vector3d SimulatedSwing::velocity_m_s(int marker, double time_s) const { return cubic(marker, time_s, true); }
 
-std::vector<SimulatedSwing> simulate_swings(const std::string& scene, const SceneOptions& options,
-                                            const std::vector<MeasuredSwing>& swings, double window_s) {
-  const Scene loaded = load_scene(scene, options);
+std::vector<SimulatedSwing> simulate_swings(Simulation& simulation, const std::vector<MeasuredSwing>& swings,
+                                            double window_s) {
   std::vector<SimulatedSwing> all;
-  for (const MeasuredSwing& swing : swings) all.push_back(simulate(*loaded.simulation, swing, window_s));
+  for (const MeasuredSwing& swing : swings) all.push_back(simulate(simulation, swing, window_s));
   return all;
 }
 

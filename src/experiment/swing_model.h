@@ -28,9 +28,9 @@ class SimulatedSwing {
   std::vector<Eigen::Matrix3Xd> markers_m_;
 };
 
-// Each simulated until window_s after nothing moves it any more. Throws std::invalid_argument for names that the scene
-// does not know, std::runtime_error where it finds no rest to start from.
-std::vector<SimulatedSwing> simulate_swings(const std::string& scene, const SceneOptions& options,
-                                            const std::vector<MeasuredSwing>& swings, double window_s);
+// Each simulated until window_s after nothing moves it any more. Throws std::invalid_argument for names that the
+// simulation does not know, std::runtime_error where it finds no rest to start from.
+std::vector<SimulatedSwing> simulate_swings(Simulation& simulation, const std::vector<MeasuredSwing>& swings,
+                                            double window_s);
 
 }  // namespace soft_robot_lab

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <set>
 #include <numeric>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 

@@ -270,7 +270,8 @@ TEST(SwingModel, IsFreeOnceItsCablesAreSlackThoughDrivesGoOn) {
   const std::string changes =
       kFineSteps + "cables: [" + cable("left", -0.007, slow) + ", " + cable("right", 0.007, slow) + "]\n";
   const MeasuredSwing swing{{{"left", 0.9}}, {{10.0, {{"left", 1.2}}}}, {}};
-  const SimulatedSwing simulated = simulate_swings(kScene, options_with(changes), {swing}, 0.5).front();
+  const SimulatedSwing simulated =
+      simulate_swings(*load_scene(kScene, options_with(changes)).simulation, {swing}, 0.5).front();
   EXPECT_GT(simulated.free_s(), 10.1);
   EXPECT_LT(simulated.free_s(), 10.4) << "the drive arrives at 10.6 s";
   const Eigen::Vector3d before = simulated.deflection_m(0, 10.0), after = simulated.deflection_m(0, simulated.free_s());

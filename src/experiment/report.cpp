@@ -58,6 +58,9 @@ Json report_json(const ExperimentReport& report) {
   Json json = {{"title", result.title},
                {"converged", result.converged},
                {"message", result.message},
+               {"source_reports", source_column(result)},
+               {"we_differ", result.we_differ},
+               {"we_find", result.we_find},
                {"table", table_json(result.table)}};
   if (!result.numbers.is_null()) json.update(result.numbers);
   json["pictures"] = Json::array();
@@ -66,6 +69,10 @@ Json report_json(const ExperimentReport& report) {
 }
 
 }  // namespace
+
+std::string source_column(const ExperimentResult& result) {
+  return result.source_reports.empty() ? "The source has no such experiment." : result.source_reports;
+}
 
 void print_table(const Table& table, std::ostream& out) {
   check(table);
@@ -94,7 +101,8 @@ void print_report(const ExperimentReport& report, std::ostream& out) {
   const ExperimentResult& result = report.result;
   out << report.name << ": " << result.title << "\n\n";
   print_table(result.table, out);
-  if (!result.source_reports.empty()) out << "\nThe source reports: " << result.source_reports << "\n";
+  out << "\nThe source reports: " << source_column(result) << "\n";
+  if (!result.we_differ.empty()) out << "\nOur set-up differs: " << result.we_differ << "\n";
   if (!result.we_find.empty()) out << "\nWe find: " << result.we_find << "\n";
   out << "\n";
   for (const PlotFiles& files : report.pictures) {

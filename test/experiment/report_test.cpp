@@ -21,6 +21,7 @@ ExperimentReport sample() {
                          {{"sliding", 1000.0, 123.45678}, {"größer", 25000.0, 123.5}}};
   report.result.numbers["worst"] = 0.25;
   report.result.source_reports = "the cable oscillates.";
+  report.result.we_differ = "our bar is chosen.";
   report.result.we_find = "it does not.";
   return report;
 }
@@ -56,6 +57,19 @@ TEST(Report, NamesSeveralExperimentsInJson) {
   const Json json = Json::parse(experiments_json({sample(), other}));
   EXPECT_EQ(json["4.3.2"]["converged"], true);
   EXPECT_EQ(json["cantilever"]["converged"], false);
+}
+
+TEST(Report, SaysInEveryRowOfItsOverviewWhatTheSourceReports) {
+  ExperimentReport ours = sample();
+  ours.name = "cantilever";
+  ours.result.source_reports = "";
+  const std::string page = experiments_html({sample(), ours});
+  EXPECT_NE(page.find("<td>the cable oscillates.</td><td>it does not.</td><td>our bar is chosen.</td>"),
+            std::string::npos);
+  EXPECT_NE(page.find("<td>The source has no such experiment.</td>"), std::string::npos);
+  const Json json = Json::parse(experiments_json({sample(), ours}));
+  EXPECT_EQ(json["4.3.2"]["source_reports"], "the cable oscillates.");
+  EXPECT_EQ(json["cantilever"]["source_reports"], "The source has no such experiment.");
 }
 
 TEST(Report, HoldsWordsAndPicturesInOnePage) {

@@ -45,7 +45,8 @@ struct ExperimentResult {
   Table table;
   std::vector<Plot> plots;
   nlohmann::ordered_json numbers;  // beyond the table, an object; may stay null
-  std::string source_reports;      // a paragraph; empty where the experiment is ours alone
+  std::string source_reports;      // what the source reports, a paragraph; empty where it has no such experiment
+  std::string we_differ;           // where and why our set-up is not the source's, a sentence; empty where it is
   std::string we_find;             // a paragraph
   bool converged = true;           // every solve of it
   std::string message;             // where one did not: which, and why

@@ -15,13 +15,17 @@ struct ExperimentReport {
   std::vector<PlotFiles> pictures;
 };
 
+// What the source reports, or that it has no such experiment: never empty.
+std::string source_column(const ExperimentResult& result);
+
 // Throws std::invalid_argument for a row that has more or fewer cells than there are columns.
 void print_table(const Table& table, std::ostream& out);
 
 // Title, table, paragraphs and files.
 void print_report(const ExperimentReport& report, std::ostream& out);
 
-// One experiment: {title, converged, message, table: [{column: value}], its numbers by their names, pictures}.
+// One experiment: {title, converged, message, source_reports, we_differ, we_find, table: [{column: value}], its numbers by
+// their names, pictures}.
 // Several: {name: that}.
 std::string experiments_json(const std::vector<ExperimentReport>& reports);
 

@@ -1,9 +1,15 @@
 #!/bin/bash
 # run.sh: installs what is missing, builds, and runs every test: the parts without ROS under the address and
 # undefined-behaviour sanitisers, then everything. Works from any folder; a second run builds only what changed.
+#   run.sh --all   afterwards runs every experiment too, with its checks, and writes test/nightly/last_result.md
 set -euo pipefail
 package=$(cd "$(dirname "$0")/.." && pwd)
 jobs=${JOBS:-2}
+case "${1-}" in
+  '') all= ;;
+  --all) all=yes ;;
+  *) echo "usage: run.sh [--all]" >&2; exit 2 ;;
+esac
 "$package/launch/install_dependencies.sh"
 
 JOBS=$jobs "$package/launch/build.sh"
@@ -15,3 +21,15 @@ OPENBLAS_CORETYPE=$other ctest --test-dir "$package/build/sanitise" --output-on-
 unset ROS_HOSTNAME
 export ROS_IP=127.0.0.1 # the machine's own name need not resolve
 ctest --test-dir "$package/build" --output-on-failure -j"$jobs"
+[[ -n $all ]] || exit 0
+
+status=0
+ctest --test-dir "$package/build" -C nightly -L nightly --output-on-failure || status=$?
+{
+  echo "# What the nightly suite found last"
+  echo
+  echo "\`./test/run.sh --all\` on $(date -u +%Y-%m-%d), with the code of $(git -C "$package" rev-parse --short HEAD 2>/dev/null || echo 'no repository')."
+  echo
+  cat "$package/build/nightly/experiments.md"
+} >"$package/test/nightly/last_result.md"
+exit "$status"

@@ -1,0 +1,134 @@
+// experiments_check FOLDER: runs every experiment as a user does, into FOLDER, checks what each result must hold, and
+// writes a table of them to FOLDER/experiments.md.
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace soft_robot_lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string folder;  // where results go
+
+std::string text_of(const std::string& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+double children_cpu_s() {
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+struct Run {
+  int exit_status = -1;  // -1: ended by a signal
+  double cpu_s = 0.0;
+  Json result;
+};
+
+Run run_experiment(const std::string& name) {
+  const std::string result = folder + "/" + name + ".json";
+  std::filesystem::remove(result);
+  const double before_s = children_cpu_s();
+  const std::string command = std::string("'") + SOFT_ROBOT_LAB_EXPERIMENT + "' " + name + " --result '" + result +
+                              "' --output '" + folder + "/" + name + "' >'" + folder + "/" + name + ".txt' 2>&1";
+  const int status = std::system(command.c_str());
+  Run run{WIFEXITED(status) ? WEXITSTATUS(status) : -1, children_cpu_s() - before_s, {}};
+  if (std::filesystem::exists(result)) run.result = Json::parse(text_of(result));
+  return run;
+}
+
+std::vector<std::string> experiment_names() {
+  const std::string list = folder + "/list.txt";
+  std::vector<std::string> names;
+  if (std::system((std::string("'") + SOFT_ROBOT_LAB_EXPERIMENT + "' --list >'" + list + "'").c_str()) != 0)
+    return names;
+  std::ifstream lines(list);
+  for (std::string line; std::getline(lines, line);) names.push_back(line.substr(0, line.find(": ")));
+  return names;
+}
+
+// What results must hold beyond what every experiment's must, by the experiment's name.
+void check_numbers(const std::string& name, const Json& result) {
+  (void)name;
+  (void)result;
+}
+
+struct Row {
+  std::string name, outcome;
+  double cpu_s;
+  std::string we_find;
+};
+
+std::vector<Row> rows;
+
+class EveryExperiment : public testing::Test {
+ public:
+  explicit EveryExperiment(std::string name) : name_(std::move(name)) {}
+
+  void TestBody() override {
+    const Run run = run_experiment(name_);
+    check(run);
+    rows.push_back({name_, HasFailure() ? "failed" : "passed", run.cpu_s,
+                    run.result.is_object() ? run.result.value("we_find", "") : ""});
+  }
+
+ private:
+  void check(const Run& run) const {
+    ASSERT_EQ(run.exit_status, 0) << text_of(folder + "/" + name_ + ".txt");
+    ASSERT_TRUE(run.result.is_object());
+    EXPECT_EQ(run.result["converged"], true) << run.result["message"];
+    EXPECT_FALSE(run.result["table"].empty());
+    EXPECT_FALSE(run.result["source_reports"].get<std::string>().empty());
+    check_numbers(name_, run.result);
+  }
+
+  std::string name_;
+};
+
+void write_table(const std::string& file) {
+  std::ofstream out(file);
+  out << "| experiment | checks | CPU [s] | what it found |\n|---|---|---|---|\n";
+  for (const Row& row : rows)
+    out << "| `" << row.name << "` | " << row.outcome << " | " << std::fixed << std::setprecision(1) << row.cpu_s
+        << " | " << row.we_find << " |\n";
+}
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
+  testing::InitGoogleTest(&argc, argv);
+  if (argc != 2) {
+    std::fputs("usage: experiments_check FOLDER\n", stderr);
+    return 2;
+  }
+  folder = std::filesystem::absolute(argv[1]).string();
+  std::filesystem::create_directories(folder);
+  const std::vector<std::string> names = experiment_names();
+  if (names.empty()) {
+    std::fputs("experiments_check: `experiment --list` names none\n", stderr);
+    return 2;
+  }
+  for (const std::string& name : names)
+    testing::RegisterTest("Experiment", name.c_str(), nullptr, nullptr, __FILE__, __LINE__,
+                          [name]() -> testing::Test* { return new EveryExperiment(name); });
+  const int status = RUN_ALL_TESTS();
+  write_table(folder + "/experiments.md");
+  return status;
+}

@@ -1,0 +1,18 @@
+// Scenes that are bad or extreme, each in one way, made from good ones. The same seed makes the same scenes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace soft_robot_lab {
+
+struct BadScene {
+  std::string name;  // what was done, and to which key
+  std::string text;  // of the scene's file
+};
+
+// Every scalar of each good scene replaced by each of a list of bad values, every key misspelt, repeated and left out,
+// lists emptied and doubled; then the text cut off, and bytes of it replaced, at random places.
+std::vector<BadScene> bad_scenes(unsigned int seed);
+
+}  // namespace soft_robot_lab

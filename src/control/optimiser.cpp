@@ -50,8 +50,8 @@ std::vector<std::string> limits_met(const ReachProblem& problem, const Evaluatio
 std::string run_method(Search& search, const OptimiserOptions& options) {
   const auto limit = [&](int otherwise) { return options.max_iterations > 0 ? options.max_iterations : otherwise; };
   if (options.method == "gauss_newton") return search_gauss_newton(search, limit(60), options.tolerance_m);
-  if (options.method == "rmsprop") return search_rmsprop(search, limit(1000));
-  if (options.method == "pid") return search_pid(search, limit(1000), options.tolerance_m);
+  if (options.method == "rmsprop") return search_rmsprop(search, limit(1000), options.gradient_tolerance_m2);
+  if (options.method == "pid") return search_pid(search, limit(100));
   if (options.method == "pid_projected") return search_pid_projected(search, limit(1000), options.tolerance_m);
   return search_by_population(search, options.method, limit(50), options.population, options.seed, options.tolerance_m);
 }
@@ -111,6 +111,9 @@ void OptimiserOptions::validate() const {
   }
   if (!std::isfinite(tolerance_m) || tolerance_m <= 0.0) {
     refuse("tolerance_m: ", tolerance_m, " is out of range (0, inf)");
+  }
+  if (!(std::isfinite(gradient_tolerance_m2) && gradient_tolerance_m2 >= 0.0)) {
+    refuse("gradient_tolerance_m2: ", gradient_tolerance_m2, " is out of range [0, inf)");
   }
   if (population < 5 || population > 1000) refuse("population: ", population, " is out of range [5, 1000]");
 }

@@ -1,16 +1,21 @@
-// Two PID controllers on the model. Each adds its output to the commands, once an iteration:
-//   commands += kp e + ki (integral of e over the iterations, by Simpson's rule) + kd (e - last e).
+// Two PID controllers on the model, which count time in iterations.
 //
-// `pid` has the published gains and Simpson's rule. What its source measures as the error, and which cable gets it, is
-// not known to us; its gains fit an error in m^2, the objective's unit: each command's share of the objective along
-// the direction in which it moved the marker at the start,
-//   e_i = 1/2 |r| (d_i . r),   r = target - marker,   d_i = unit(d marker / d command_i).
-// Its derivative part then has the loop gain kd |J| |r|: below 1 near the target, above it far away, where it swings.
+// `pid` as published (7.12 to 7.16), in position form, the commands after iteration t, on O = 1/2 |y - x|^2 in m^2:
+//   alpha_k = start_k + u_k,
+//   u_k = Kp O(t) + Ki t/6 (O(0) + 4 O(t/2) + O(t)) + Kd (y - x) . (x(alpha) - x(alpha - Delta_k)) / |Delta_k|.
+// Half way of an odd t, O(t/2) is the mean of the two iterations beside it. Commands are clipped to their bounds; of
+// several goals, and with effort, (y - x) are all of the search's residuals. Nothing but the iteration limit stops it.
+// Proportional and integral part are about 1e-4 of a command and never negative: they push the same way on either side
+// of the target. What steers is the derivative part, and by it the commands are not changed but set: to
+// start + Kd J^T (y - x). Near a target that is a fixed point only where Kd |J|^2, J^T J's largest eigenvalue, is below
+// 1; above it the commands swing from bound to bound, and below it they come to rest short of the target.
 //
-// `pid_projected` has an error in commands, e = J^+ r, with the model's Jacobian at every iterate and the damped
-// pseudo-inverse J^+. Its gains are chosen so: with J right, e shrinks by 1 - kp an iteration; ki and kd are small
-// beside kp, the integral for what the Jacobian gets wrong, the derivative against overshoot in curved valleys. The
-// integral rests while a command is at its limit, and a step is at most kLargestStep of the command's range.
+// `pid_projected`, the one that is meant to be used, adds its output to the commands, once an iteration:
+//   commands += kp e + ki (integral of e over the iterations, by Simpson's rule) + kd (e - last e)
+// with an error in commands, e = J^+ (y - x), of the model's Jacobian at every iterate and the damped pseudo-inverse
+// J^+. Its gains are chosen so: with J right, e shrinks by 1 - kp an iteration; ki and kd are small beside kp, the
+// integral for what the Jacobian gets wrong, the derivative against overshoot in curved valleys. The integral rests
+// while a command is at its limit, and a step is at most kLargestStep of the command's range.
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -25,7 +30,7 @@ namespace {
 struct Gains {
   double proportional, integral, derivative;
 };
-constexpr Gains kPublished{0.05, 0.00075, 150.0};  // [command per m^2], over iterations
+constexpr Gains kPublished{0.05, 0.00075, 150.0};  // [command per m^2], the integral's also per iteration
 constexpr Gains kProjected{0.4, 0.01, 0.1};        // [1], over iterations
 
 constexpr double kDamping = 0.01;        // of the pseudo-inverse, relative to the largest diagonal entry of J^T J
@@ -69,18 +74,25 @@ class Pid {
   Eigen::VectorXd last_;
 };
 
-// Columns: the unit direction in which a command moves the residuals at the start; zero for a command without effect.
-std::optional<Eigen::MatrixXd> start_directions(Search& search, const Evaluation& start) {
+// (y - x) . dx/dalpha of each command, by a backward difference; a forward one where that would leave the bounds.
+std::optional<Eigen::VectorXd> published_derivative(Search& search, const Evaluation& at) {
   const ReachProblem& problem = search.problem();
-  const Eigen::VectorXd commands = start.commands, residuals = start.residuals;  // `start` may be forgotten meanwhile
-  Eigen::MatrixXd directions(residuals.size(), commands.size());
-  for (Eigen::Index i = 0; i < commands.size(); ++i) {
-    const Eigen::VectorXd probe = difference_probe(problem, commands, i);
+  const Eigen::VectorXd commands = at.commands, residuals = at.residuals;  // `at` may be forgotten meanwhile
+  Eigen::VectorXd derivative(commands.size());
+  for (Eigen::Index k = 0; k < commands.size(); ++k) {
+    const Eigen::VectorXd probe = difference_probe(problem, commands, k);
     const Evaluation* there = search.evaluate(probe, false);
     if (!there) return std::nullopt;
-    directions.col(i) = ((there->residuals - residuals) / (probe[i] - commands[i])).stableNormalized();
+    derivative[k] = -residuals.dot(there->residuals - residuals) / (probe[k] - commands[k]);
   }
-  return directions;
+  return derivative;
+}
+
+// Simpson's rule over all iterations at once, as published.
+double published_integral(const std::vector<double>& objective_m2) {
+  const std::size_t t = objective_m2.size() - 1;
+  const double half_way_m2 = 0.5 * (objective_m2[t / 2] + objective_m2[(t + 1) / 2]);
+  return static_cast<double>(t) / 6.0 * (objective_m2.front() + 4.0 * half_way_m2 + objective_m2.back());
 }
 
 Eigen::VectorXd projected_error(const Evaluation& here) {
@@ -97,21 +109,23 @@ Eigen::VectorXd within(const ReachProblem& problem, const Eigen::VectorXd& comma
 
 }  // namespace
 
-std::string search_pid(Search& search, int max_iterations, double tolerance_m) {
+std::string search_pid(Search& search, int max_iterations) {
   const ReachProblem& problem = search.problem();
   Eigen::VectorXd commands = problem.start;
-  const std::optional<Eigen::MatrixXd> directions = start_directions(search, *search.evaluate(commands, false));
-  if (!directions) return search.failure();
-  Pid pid(kPublished, commands.size());
+  std::vector<double> objective_m2;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    const Evaluation* here = search.evaluate(commands, false);
+    const Evaluation* here = search.evaluate(commands, false);  // known already: the last point of the iteration before
     if (!here) return search.failure();
-    if (here->distance_m < tolerance_m) return kConverged;
-    const Eigen::VectorXd error = -0.5 * here->residuals.norm() * (directions->transpose() * here->residuals);
-    here = search.approach(commands, within(problem, commands + pid.output(error, error)), false);
-    if (!here) return search.failure();
-    commands = here->commands;
-    if (!search.finish_iteration(commands, here->distance_m)) return kCancelled;
+    objective_m2.push_back(here->objective_m2());
+    const std::optional<Eigen::VectorXd> derivative = published_derivative(search, *here);
+    if (!derivative) return search.failure();
+    const double common =
+        kPublished.proportional * objective_m2.back() + kPublished.integral * published_integral(objective_m2);
+    const Eigen::VectorXd next = (problem.start + kPublished.derivative * *derivative).array() + common;
+    const Evaluation* there = search.approach(commands, within(problem, next), false);
+    if (!there) return search.failure();
+    commands = there->commands;
+    if (!search.finish_iteration(commands, there->distance_m)) return kCancelled;
   }
   return kIterationLimit;
 }

@@ -1,4 +1,5 @@
-// RMSprop on 1/2 |y - x(alpha)|^2 with the published constants, kept for comparison.
+// RMSprop on 1/2 |y - x(alpha)|^2 with the published constants, kept for comparison. It stops where every derivative is
+// below a tolerance, if one is given: the source gives one, and another for another robot.
 // The thesis's eq. 7.5 drops the minus sign of this objective's gradient, which would climb: here the step descends.
 // The thesis names no finite-difference step; ours is kDifference. Lengths are in metres, so epsilon damps the steps
 // once the gradient falls below about 1e-3 m^2 per unit of command.
@@ -29,7 +30,7 @@ std::optional<Eigen::VectorXd> gradient(Search& search, const Eigen::VectorXd& c
 
 }  // namespace
 
-std::string search_rmsprop(Search& search, int max_iterations) {
+std::string search_rmsprop(Search& search, int max_iterations, double gradient_tolerance_m2) {
   const ReachProblem& problem = search.problem();
   Eigen::VectorXd commands = problem.start;
   Eigen::ArrayXd mean_square = Eigen::ArrayXd::Zero(commands.size());
@@ -38,6 +39,7 @@ std::string search_rmsprop(Search& search, int max_iterations) {
     if (!here) return search.failure();
     const std::optional<Eigen::VectorXd> slope = gradient(search, commands, here->objective_m2());
     if (!slope) return search.failure();
+    if (slope->cwiseAbs().maxCoeff() < gradient_tolerance_m2) return kConverged;
     mean_square = kGamma * mean_square + (1.0 - kGamma) * slope->array().square();
     Eigen::VectorXd next = commands;
     next.array() -= kEta * slope->array() / (mean_square + kEpsilon).sqrt();

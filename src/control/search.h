@@ -66,8 +66,8 @@ class Search {
 
 // A method starts at problem().start, which has been evaluated, and returns why it stopped.
 std::string search_gauss_newton(Search& search, int max_iterations, double tolerance_m);
-std::string search_rmsprop(Search& search, int max_iterations);
-std::string search_pid(Search& search, int max_iterations, double tolerance_m);
+std::string search_rmsprop(Search& search, int max_iterations, double gradient_tolerance_m2);
+std::string search_pid(Search& search, int max_iterations);
 std::string search_pid_projected(Search& search, int max_iterations, double tolerance_m);
 // `kind`: cma_es or differential_evolution; an iteration is a generation.
 std::string search_by_population(Search& search, const std::string& kind, int max_iterations, int population,

@@ -4,7 +4,7 @@
 
 namespace soft_robot_lab {
 
-ExperimentResult run_random_targets_experiment(const ExperimentContext& context);
-ExperimentResult run_convergence_experiment(const ExperimentContext& context);
+ExperimentResult run_random_targets_experiment(const ExperimentContext& context);  // 7.3.1
+ExperimentResult run_pid_experiment(const ExperimentContext& context);             // 7.3.2
 
 }  // namespace soft_robot_lab

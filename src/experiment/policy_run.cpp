@@ -65,24 +65,66 @@ std::optional<double> PolicyRun::cpu_until_s(double distance_m_asked) const {
   return std::nullopt;
 }
 
-MethodIterations read_iterations(const SettingsNode& node) {
-  MethodIterations iterations;
-  for (const std::string& method : node.keys()) {
+double PolicyRun::last_m() const { return distance_m.empty() ? summary.initial_distance_m : distance_m.back(); }
+
+double PolicyRun::least_from_m(size_t iteration) const {
+  if (distance_m.size() < iteration) return last_m();
+  return *std::min_element(distance_m.begin() + static_cast<std::ptrdiff_t>(iteration) - 1, distance_m.end());
+}
+
+double PolicyRun::most_from_m(size_t iteration) const {
+  if (distance_m.size() < iteration) return last_m();
+  return *std::max_element(distance_m.begin() + static_cast<std::ptrdiff_t>(iteration) - 1, distance_m.end());
+}
+
+std::vector<OptimiserOptions> read_methods(const SettingsNode& node) {
+  std::vector<OptimiserOptions> methods;
+  OptimiserOptions options;
+  options.gradient_tolerance_m2 = node.number("gradient_tolerance_m2", AllowedRange::not_negative());
+  const SettingsNode iterations = node.child("methods");
+  for (const std::string& method : iterations.keys()) {
     const std::vector<std::string>& known = optimiser_methods();
-    if (std::find(known.begin(), known.end(), method) == known.end()) node.fail("'" + method + "' is not a method");
-    iterations.emplace_back(method, node.integer(method, 0, 1000000));
+    if (std::find(known.begin(), known.end(), method) == known.end())
+      iterations.fail("'" + method + "' is not a method");
+    options.method = method;
+    options.max_iterations = iterations.integer(method, 0, 1000000);
+    methods.push_back(options);
   }
-  return iterations;
+  if (methods.empty()) iterations.fail("names no method");
+  return methods;
+}
+
+MethodSettings read_method_settings(const SettingsNode& node, const std::string& config_folder) {
+  return {read_reach_targets(config_folder + "/" + node.text("targets"), config_folder), read_methods(node)};
+}
+
+const PolicyRun* find(const TargetRuns& target, const std::string& method) {
+  const auto found =
+      std::find_if(target.runs.begin(), target.runs.end(), [&](const PolicyRun& run) { return run.method == method; });
+  return found == target.runs.end() ? nullptr : &*found;
+}
+
+std::vector<TargetRuns> run_all(const MethodSettings& settings, const HangingRobot& robot,
+                                const ExperimentContext& context) {
+  const double count = static_cast<double>(settings.reach.targets.size() * settings.methods.size());
+  double done = 0.0;
+  std::vector<TargetRuns> all;
+  for (const ReachTarget& target : settings.reach.targets) {
+    all.push_back({target, {}});
+    for (const OptimiserOptions& options : settings.methods) {
+      context.tell(done++ / count, "target " + target.name + ", " + options.method);
+      const MarkerGoal goal{settings.reach.marker, target.place_m, 1.0};
+      all.back().runs.push_back(run_policy_method(*robot.scene.simulation, robot.hanging, goal, options));
+    }
+  }
+  return all;
 }
 
 PolicyRun run_policy_method(Simulation& simulation, const SimulationState& hanging, const MarkerGoal& goal,
-                            const std::string& method, int iterations) {
+                            const OptimiserOptions& options) {
   simulation.set_state(hanging);
   PolicyRun run;
-  run.method = method;
-  OptimiserOptions options;
-  options.method = method;
-  options.max_iterations = iterations;
+  run.method = options.method;
   Reversals reversals;
   const double start_s = cpu_time_s();
   const PolicyAnswer answer =
@@ -90,6 +132,7 @@ PolicyRun run_policy_method(Simulation& simulation, const SimulationState& hangi
                   [&](size_t, const std::vector<std::string>&, const OptimisationProgress& now) {
                     run.distance_m.push_back(now.distance_m);
                     run.cpu_s.push_back(cpu_time_s() - start_s);
+                    run.commands.push_back(now.commands);
                     reversals.see(now.commands);
                     return true;
                   });

@@ -156,7 +156,7 @@ void report(const std::string& method, const OptimisationSummary& summary, bench
   if (!summary.usable) state.SkipWithError((method + ": " + summary.stop_reason).c_str());
 }
 
-// The thesis's task by both methods in one run: gauss_newton, and the thesis's 1000 iterations of rmsprop.
+// The ball of the demonstration by both methods in one run: gauss_newton, and 1000 iterations of rmsprop.
 void ReachTheBall(benchmark::State& state) {
   for (auto _ : state) {
     const OptimisationSummary ours = reach("gauss_newton");

@@ -250,6 +250,17 @@ TEST(Rmsprop, TakesThePublishedStep) {
   EXPECT_NEAR(after[0], 0.9 - 0.001 * slope / std::sqrt(0.1 * slope * slope + 1e-6), 1e-12);
 }
 
+TEST(Rmsprop, StopsWhereEveryDerivativeIsBelowItsToleranceIfOneIsGiven) {
+  OptimiserOptions options = method("rmsprop");
+  options.gradient_tolerance_m2 = 1e-4;
+  const OptimisationSummary summary = optimise(line_problem(), options);
+  EXPECT_EQ(summary.stop_reason, "converged");
+  EXPECT_LT(summary.iterations, 1000);
+  // The derivative is 0.1 times the distance on this line; a step of at most 0.0032 a command before it was larger.
+  EXPECT_LT(0.1 * summary.final_distance_m, 1e-4);
+  EXPECT_GT(0.1 * summary.final_distance_m, 1e-4 - 0.1 * 0.1 * 0.0033);
+}
+
 class EveryMethod : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Optimiser, EveryMethod, testing::ValuesIn(optimiser_methods()));
 
@@ -475,22 +486,51 @@ TEST(PidProjected, ReachesAReachableTarget) {
   EXPECT_TRUE(summary.target_reached) << summary.stop_reason << " " << summary.final_distance_m;
 }
 
-// The first output by hand: e = 1/2 |r| (d . r), and of integral and difference nothing yet.
-TEST(Pid, TakesThePublishedStep) {
-  const ReachProblem problem = line_problem();
-  OptimiserOptions options = method("pid");
-  options.max_iterations = 3;
-  std::vector<double> after = {0.9};
+// Of n iterations from 0.9, with it.
+std::vector<double> iterates(const ReachProblem& problem, OptimiserOptions options, int n) {
+  options.max_iterations = n;
+  std::vector<double> after = {problem.start[0]};
   optimise(problem, options, [&](const OptimisationProgress& progress) {
     after.push_back(progress.commands[0]);
     return true;
   });
-  const auto error = [](double command) { return 0.5 * std::abs(0.05 - 0.1 * command) * (0.05 - 0.1 * command); };
-  ASSERT_EQ(after.size(), 4u);
-  const double e0 = error(after[0]), e1 = error(after[1]), e2 = error(after[2]);
-  EXPECT_NEAR(after[1], after[0] + 0.05 * e0, 1e-12);
-  EXPECT_NEAR(after[2], after[1] + 0.05 * e1 + 0.00075 * (e0 + e1) / 2.0 + 150.0 * (e1 - e0), 1e-12);
-  EXPECT_NEAR(after[3], after[2] + 0.05 * e2 + 0.00075 * (e0 + 4.0 * e1 + e2) / 3.0 + 150.0 * (e2 - e1), 1e-12);
+  return after;
+}
+
+// A marker that a unit of command moves by so much. Kd |J|^2 is 150 metres squared: 1 at 82 mm.
+ReachProblem line_of(double metres_per_command) {
+  ReachProblem problem = line_problem();
+  problem.model = model_of([metres_per_command](const Eigen::VectorXd& commands, Eigen::Matrix3Xd*) {
+    return Eigen::Vector3d(metres_per_command * commands[0], 0.0, 0.0);
+  });
+  problem.goals[0].target_m = {metres_per_command * 0.8, 0.0, 0.0};
+  return problem;
+}
+
+// The printed formula by hand, on the line: O(t) = 1/2 (0.048 - 0.06 a)^2, and the difference of x is 0.06 exactly. The
+// commands are start + u, so of what the step before added nothing is left.
+TEST(Pid, TakesThePublishedStep) {
+  const std::vector<double> after = iterates(line_of(0.06), method("pid"), 4);
+  ASSERT_EQ(after.size(), 5u);
+  std::vector<double> o;
+  for (const double a : after) o.push_back(0.5 * std::pow(0.048 - 0.06 * a, 2));
+  const auto command = [&](std::size_t t, double integral) {
+    return 0.9 + 0.05 * o[t] + 0.00075 * integral + 150.0 * (0.048 - 0.06 * after[t]) * 0.06;
+  };
+  EXPECT_NEAR(after[1], command(0, 0.0), 1e-12);
+  EXPECT_NEAR(after[2], command(1, 1.0 / 6.0 * (o[0] + 4.0 * (o[0] + o[1]) / 2.0 + o[1])), 1e-12);
+  EXPECT_NEAR(after[3], command(2, 2.0 / 6.0 * (o[0] + 4.0 * o[1] + o[2])), 1e-12);
+  EXPECT_NEAR(after[4], command(3, 3.0 / 6.0 * (o[0] + 4.0 * (o[1] + o[2]) / 2.0 + o[3])), 1e-12);
+}
+
+TEST(Pid, SwingsWhereItsLoopGainExceedsOneAndRestsShortOfTheTargetElsewhere) {
+  const std::vector<double> tame = iterates(line_of(0.06), method("pid"), 100);
+  const double gain = 150.0 * 0.06 * 0.06;  // below 1: the fixed point of a = 0.9 + gain (0.8 - a)
+  EXPECT_NEAR(tame.back(), (0.9 + gain * 0.8) / (1.0 + gain), 1e-4);
+  EXPECT_NEAR(tame.back(), tame[tame.size() - 2], 1e-5);
+  const std::vector<double> wild = iterates(line_of(0.1), method("pid"), 100);  // 1.5
+  EXPECT_EQ(std::max(wild[99], wild[100]), 1.0);  // its bound, whence it falls to 0.9 + 1.5 (0.8 - 1)
+  EXPECT_NEAR(std::min(wild[99], wild[100]), 0.6, 1e-4);
 }
 
 // Two valleys; the one that descent falls into is the worse.
@@ -540,6 +580,8 @@ TEST(Optimiser, RefusesWhatItCannotUse) {
       {"rest has 0 entries, must have 2", [](auto& p, auto&) { p.effort_m = 1.0; }},
       {"max_tension_n of right: 0 is out of range (0, inf]",
        [](auto& p, auto&) { p.max_tension_n = Eigen::Vector2d(1.0, 0.0); }},
+      {"gradient_tolerance_m2: -1 is out of range [0, inf)", [](auto&, auto& o) { o.gradient_tolerance_m2 = -1.0; }},
+      {"gradient_tolerance_m2: nan is out", [](auto&, auto& o) { o.gradient_tolerance_m2 = kNan; }},
       {"population: 4 is out of range [5, 1000]", [](auto&, auto& o) { o.population = 4; }},
       {"tolerance_m: nan is out of range (0, inf)", [](auto&, auto& o) { o.tolerance_m = kNan; }},
   };

@@ -1,5 +1,8 @@
 #include "experiment/policy_run.h"
 
+#include <filesystem>
+#include <fstream>
+
 #include <gtest/gtest.h>
 
 namespace soft_robot_lab {
@@ -26,6 +29,66 @@ TEST(PolicyRun, KnowsWhenItWasAsNear) {
   EXPECT_DOUBLE_EQ(run.cpu_until_s(0.025).value(), 0.2);
   EXPECT_DOUBLE_EQ(run.cpu_until_s(0.01).value(), 0.4);
   EXPECT_FALSE(run.cpu_until_s(0.009).has_value());
+}
+
+TEST(PolicyRun, TellsBetweenWhatItSwingsInTheEnd) {
+  const PolicyRun run = run_through({0.09, 0.01, 0.03, 0.02, 0.04, 0.03});
+  EXPECT_DOUBLE_EQ(run.least_from_m(3), 0.02);
+  EXPECT_DOUBLE_EQ(run.most_from_m(3), 0.04);
+  EXPECT_DOUBLE_EQ(run.last_m(), 0.03);
+  EXPECT_DOUBLE_EQ(run.least_from_m(7), 0.03);  // it never came so far
+  PolicyRun none;
+  none.summary.initial_distance_m = 0.05;
+  EXPECT_DOUBLE_EQ(none.last_m(), 0.05);
+  EXPECT_DOUBLE_EQ(none.most_from_m(10), 0.05);
+}
+
+const std::string kConfig = SOFT_ROBOT_LAB_SOURCE "/config";
+
+MethodSettings settings_of(const std::string& experiment) {
+  return read_method_settings(SettingsNode::load_file(kConfig + "/experiments/" + experiment + ".yaml"), kConfig);
+}
+
+TEST(ReachTargets, AreTheSameTenForDescentAndPid) {
+  const ReachTargets descent = settings_of("7.3.1").reach, pid = settings_of("7.3.2").reach;
+  ASSERT_EQ(descent.targets.size(), 10u);
+  ASSERT_EQ(pid.targets.size(), 10u);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(descent.targets[i].place_m, pid.targets[i].place_m);
+}
+
+TEST(ReachTargets, LieInTheCablesPlaneNearTheLowerHalfAndAwayFromTheCentre) {
+  const ReachTargets reach = settings_of("7.3.1").reach;
+  EXPECT_EQ(reach.marker, "tip");
+  for (const ReachTarget& target : reach.targets) {
+    EXPECT_EQ(target.place_m.y(), 0.0);
+    EXPECT_GE((target.place_m - Eigen::Vector3d(0.0, 0.0, -0.05)).norm(), 0.025);
+    EXPECT_LE(target.place_m.z(), -0.05);
+    EXPECT_GE(target.place_m.z(), -0.1);
+  }
+}
+
+TEST(ReachTargets, GiveTheSourcesGradientToleranceWhichIsNoDefault) {
+  for (const OptimiserOptions& options : settings_of("7.3.1").methods)
+    EXPECT_EQ(options.gradient_tolerance_m2, 1e-4) << options.method;
+  EXPECT_EQ(OptimiserOptions().gradient_tolerance_m2, 0.0);
+}
+
+TEST(ReachTargets, RefuseABoxWithoutAnyPlace) {
+  const std::string file = testing::TempDir() + "/targets.yaml";
+  const auto refused = [&](const std::string& box) {
+    std::ofstream(file) << "{robot: r.yaml, marker: tip, count: 1, seed: 1, centre_m: [0, 0, 0], " << box << "}";
+    try {
+      read_reach_targets(file, kConfig);
+    } catch (const SettingsError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_NE(refused("min_m: [0, 0, 0], max_m: [0.1, 0, 0], from_centre_m: 0.1").find("no such places"),
+            std::string::npos);
+  EXPECT_NE(
+      refused("min_m: [0, 0.1, 0], max_m: [0.1, 0, 0], from_centre_m: 0.05").find("min_m must not be above max_m"),
+      std::string::npos);
 }
 
 }  // namespace

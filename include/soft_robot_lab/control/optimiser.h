@@ -12,16 +12,20 @@
 namespace soft_robot_lab {
 
 // gauss_newton           exact derivatives, second order by secants, bounds (default)
-// rmsprop, pid           as published, for comparison
-// pid_projected          PID on the error projected by the model's Jacobian
+// rmsprop, pid           as published (7.3, and 7.12 to 7.16), for comparison; pid swings where its loop gain
+//                        150 |J|^2 exceeds 1, and rests short of the target elsewhere
+// pid_projected          PID on the error projected by the model's Jacobian: the one to use
 // cma_es, differential_evolution   populations, for objectives with many minima
 const std::vector<std::string>& optimiser_methods();
 
 struct OptimiserOptions {
   std::string method = "gauss_newton";
-  int max_iterations = 0;  // 0: the method's own (gauss_newton 60, rmsprop and pids 1000, populations 50 generations)
+  // 0: the method's own (gauss_newton 60, rmsprop and pid_projected 1000, pid 100, populations 50 generations).
+  int max_iterations = 0;
   // The target counts as reached within it; gauss_newton stops when a step gains less than a tenth of it.
   double tolerance_m = 1.0e-5;
+  // Of rmsprop: it stops where each command's derivative of the objective is smaller. 0: never.
+  double gradient_tolerance_m2 = 0.0;
   int population = 12;     // [5, 1000], of the methods that have one
   unsigned int seed = 1;   // of their random numbers
   void validate() const;

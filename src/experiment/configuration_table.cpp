@@ -15,8 +15,16 @@ Configuration read_configuration(const SettingsNode& node, const std::string& co
 
 }  // namespace
 
-std::vector<Configuration> read_configurations(const SettingsNode& file, const std::string& commands,
-                                               const AllowedRange& range) {
+bool commands_syringes(const SettingsNode& file) {
+  const std::vector<SettingsNode> configurations = file.sequence("configurations");
+  if (configurations.empty()) file.fail("configurations is empty");
+  return configurations.front().has("syringe_ml");
+}
+
+std::vector<Configuration> read_configurations(const SettingsNode& file) {
+  const bool syringes = commands_syringes(file);
+  const std::string commands = syringes ? "syringe_ml" : "contractions";
+  const AllowedRange range = syringes ? AllowedRange::any() : AllowedRange::positive();
   std::vector<Configuration> configurations;
   for (const SettingsNode& node : file.sequence("configurations")) {
     Configuration next = read_configuration(node, commands, range);
@@ -28,7 +36,6 @@ std::vector<Configuration> read_configurations(const SettingsNode& file, const s
                 std::to_string(configurations.front().commands.size()));
     configurations.push_back(std::move(next));
   }
-  if (configurations.empty()) file.fail("configurations is empty");
   return configurations;
 }
 

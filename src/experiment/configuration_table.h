@@ -14,9 +14,11 @@ struct Configuration {
 };
 
 // configurations: [{name: a, contractions: [1, 1]}, {name: b, contractions: [1, 0.8]}, ...]
-// `commands` is the key of the numbers, `range` what they may be. Names differ, and all have equally many commands, at
-// least one. Throws SettingsError.
-std::vector<Configuration> read_configurations(const SettingsNode& file, const std::string& commands = "contractions",
-                                               const AllowedRange& range = AllowedRange::positive());
+// or with syringe_ml: [0, 0, 20], the plungers' travel. Names differ, and all have equally many commands, at least one.
+// Throws SettingsError.
+std::vector<Configuration> read_configurations(const SettingsNode& file);
+
+// Whether its commands are a syringe's ml. Throws SettingsError where there is no configuration.
+bool commands_syringes(const SettingsNode& file);
 
 }  // namespace soft_robot_lab

@@ -5,9 +5,8 @@
 namespace soft_robot_lab {
 namespace {
 
-std::vector<Configuration> read(const std::string& text, const std::string& commands = "contractions",
-                                const AllowedRange& range = AllowedRange::positive()) {
-  return read_configurations(SettingsNode::parse(text, "table.yaml"), commands, range);
+std::vector<Configuration> read(const std::string& text) {
+  return read_configurations(SettingsNode::parse(text, "table.yaml"));
 }
 
 // What it says of a wrong table; empty where it takes it.
@@ -28,10 +27,11 @@ TEST(ConfigurationTable, KeepsItsOrder) {
   EXPECT_EQ(table[1].commands, (std::vector<double>{0.8, 1.1}));
 }
 
-TEST(ConfigurationTable, TakesOtherCommandsOfAnotherRange) {
-  const auto table =
-      read("configurations: [{name: a, syringe_ml: [0, 0, 80]}]", "syringe_ml", AllowedRange::not_negative());
+TEST(ConfigurationTable, TakesMillilitresOfSyringes) {
+  const auto table = read("configurations: [{name: a, syringe_ml: [0, 0, 80]}]");
   EXPECT_EQ(table[0].commands, (std::vector<double>{0.0, 0.0, 80.0}));
+  EXPECT_TRUE(commands_syringes(SettingsNode::parse("configurations: [{syringe_ml: [0]}]", "table.yaml")));
+  EXPECT_FALSE(commands_syringes(SettingsNode::parse("configurations: [{contractions: [1]}]", "table.yaml")));
 }
 
 TEST(ConfigurationTable, RefusesWhatIsNoTable) {
@@ -39,6 +39,9 @@ TEST(ConfigurationTable, RefusesWhatIsNoTable) {
   EXPECT_NE(refusal("configurations: [{name: a, contractions: []}]").find("contractions is empty"), std::string::npos);
   EXPECT_NE(refusal("configurations: [{name: '', contractions: [1]}]").find("name is empty"), std::string::npos);
   EXPECT_NE(refusal("configurations: [{name: a, contractions: [0]}]").find("(0, inf)"), std::string::npos);
+  EXPECT_NE(
+      refusal("configurations: [{name: a, contractions: [1]}, {name: b, syringe_ml: [1]}]").find("'contractions'"),
+      std::string::npos);
   EXPECT_NE(refusal("configurations: [{name: a, contractions: [1]}, {name: a, contractions: [1]}]").find("'a'"),
             std::string::npos);
   EXPECT_NE(refusal("configurations: [{name: a, contractions: [1, 1]}, {name: b, contractions: [1]}]")

@@ -78,7 +78,7 @@ TEST_F(EmulatedLabTest, FindsCamerasThatWereKnockedOutOfTheirPlace) {
                   options());
   const MarkerPlaces true_m = lab.reality().markers_m();
   EXPECT_NEAR(farthest_m(lab.measure(true_m), true_m), 0.003, 5e-4);
-  lab.calibrate(read_ball_placement(kConfig + "calibration/balls.yaml"));
+  lab.calibrate(read_ball_placement(kConfig + "calibration/balls_spinebot.yaml"));
   EXPECT_LT(farthest_m(lab.measure(true_m), true_m), 5e-4);
 }
 

@@ -69,6 +69,13 @@ void Chamber::bind(const SettingsNode& settings, const TetMesh& mesh) {
   surface.fail(message.str());
 }
 
+// What is connected to the chamber: other commands leave it unused, so that a robot's file can be laid over with them.
+void Chamber::read_syringe(const SettingsNode& settings, bool required) {
+  if (!required && !settings.has("syringe_volume_ml")) return;
+  syringe_volume_m3_ = kMillilitre * settings.number("syringe_volume_ml", AllowedRange::positive());
+  tube_volume_m3_ = kMillilitre * settings.number_or("tube_volume_ml", 0.0, AllowedRange::not_negative());
+}
+
 void Chamber::read_command(const SettingsNode& settings) {
   const std::string command =
       settings.choice_or("command", "beta", {"beta", "syringe", "volume_offset", "gauge_pressure"});
@@ -77,6 +84,7 @@ void Chamber::read_command(const SettingsNode& settings) {
   flow_m3_s_ = flow_ml_s * kMillilitre;
   command_speed_ = flow_ml_s;
   const double infinite = std::numeric_limits<double>::infinity();
+  read_syringe(settings, command == "syringe");
   if (command == "beta") {
     kind_ = Command::beta;
     limits_ = {1.0, settings.number_or("min_beta", kLeastAmount, {0.0, 1.0, true}),
@@ -84,8 +92,6 @@ void Chamber::read_command(const SettingsNode& settings) {
     command_speed_ = flow_ml_s / initial_ml;
   } else if (command == "syringe") {
     kind_ = Command::syringe;
-    syringe_volume_m3_ = kMillilitre * settings.number("syringe_volume_ml", AllowedRange::positive());
-    tube_volume_m3_ = kMillilitre * settings.number_or("tube_volume_ml", 0.0, AllowedRange::not_negative());
     limits_ = {0.0, 0.0 - settings.number_or("max_pull_ml", 0.0, AllowedRange::not_negative()),
                syringe_volume_m3_ / kMillilitre, "ml"};
   } else if (command == "volume_offset") {

@@ -18,13 +18,15 @@
 #include "emulator/control_socket.h"
 #include "emulator/emulated_rig.h"
 #include "emulator/pseudo_terminal.h"
+#include "soft_robot_lab/motor/rig_settings.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr const char* kUsage =
-    "usage: rig_emulator --device PATH [--motors N] [--seed N]\n"
-    "       rig_emulator --lock-step [--motors N] [--seed N]\n"
+    "usage: rig_emulator --device PATH [--motors N | --rig FILE] [--seed N]\n"
+    "       rig_emulator --lock-step [--motors N | --rig FILE] [--seed N]\n"
+    "It has N motors (2), or as many as the rig's file lists.\n"
     "With --device it runs in real time: the board's serial line is the pseudo-terminal PATH, and the Unix socket\n"
     "PATH.control takes commands, one a line: shafts, stall 0 on, unplug, ... With --lock-step it takes the same\n"
     "commands from the standard input, and time passes only with the command: run MICROSECONDS [BYTES_IN_HEX].\n";
@@ -53,6 +55,8 @@ Arguments parse(int count, char** values) {
       arguments.device = next();
     } else if (word == "--motors") {
       arguments.motors = std::stoi(next());
+    } else if (word == "--rig") {
+      arguments.motors = static_cast<int>(load_rig(next()).motors.size());
     } else if (word == "--seed") {
       arguments.seed = std::stoull(next());
     } else if (word.find(":=") == std::string::npos) {  // roslaunch's own are for nodes

@@ -45,6 +45,7 @@ ChamberSettings read_chamber_settings(const ExperimentContext& context, const st
   const SettingsNode node = SettingsNode::load_file(context.settings_file(name));
   ChamberSettings settings;
   settings.chamber = node.text_or("chamber", "");
+  if (const auto scene = node.optional_child("scene")) settings.changes = scene->dump();
   const SettingsNode meshes = node.child("meshes");
   for (const std::string& mesh : meshes.keys())
     settings.meshes.emplace_back(mesh, context.config_folder + "/" + meshes.text(mesh));
@@ -62,7 +63,7 @@ std::vector<ChamberRun> run_chambers(const ExperimentContext& context, const Cha
   double done = 0.0;
   for (const auto& [mesh, file] : settings.meshes) {
     context.tell(done / count, mesh + " mesh");
-    ChamberRun run{mesh, load_scene(file, context.scene_options()), {}};
+    ChamberRun run{mesh, load_scene(file, context.scene_options(settings.changes)), {}};
     Simulation& simulation = *run.scene.simulation;
     const int actuator = settings.chamber.empty() ? 0 : simulation.actuator_index(settings.chamber);
     for (const double beta : settings.betas) {

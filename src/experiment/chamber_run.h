@@ -34,9 +34,10 @@ struct ChamberSettings {
   std::string chamber;                                      // empty: the robot's first actuator
   std::vector<std::pair<std::string, std::string>> meshes;  // name, scene file
   std::vector<double> betas;                                // in the order of filling
+  std::string changes;                                      // laid over every mesh's scene
 };
 
-// config/experiments/NAME.yaml: meshes: {NAME: FILE}, betas, chamber.
+// config/experiments/NAME.yaml: meshes: {NAME: FILE}, betas, chamber, and scene, which is laid over every mesh's file.
 ChamberSettings read_chamber_settings(const ExperimentContext& context, const std::string& name);
 
 // A run per mesh. Solves that fail or leave an element inverted are told in `result`.

@@ -1,8 +1,8 @@
 // Films the simulated robot with rendered RGB-D cameras, behind the topics of realsense2_camera.
 //
-// Parameters: ~cameras (path of a rig, config/cameras/*.yaml), ~seed (of the sensors' noise), ~show_balls (the rig's
-// calibration balls, from the start), ~max_rate_hz (slower than the rig says, for machines with few cores), ~reality
-// (path: by how much the cameras really stand elsewhere).
+// Parameters: ~cameras (path of a rig, config/cameras/*.yaml), ~seed (of the sensors' noise), ~balls (path: where the
+// calibration's balls are, instead of the rig's own), ~show_balls (them, from the start), ~max_rate_hz (slower than the
+// rig says, for machines with few cores), ~reality (path: by how much the cameras really stand elsewhere).
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -23,12 +23,15 @@
 #include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/ros/rendered_rig.h"
 #include "soft_robot_lab/ros/topics.h"
+#include "soft_robot_lab/vision/calibration.h"
 
 namespace soft_robot_lab {
 namespace {
 
+const Eigen::Vector3d kWhite(0.9, 0.9, 0.9);
+
 struct CameraOptions {
-  std::string cameras, reality;
+  std::string cameras, balls, reality;
   int seed = 1;  // >= 0
   bool show_balls = false;
   double max_rate_hz = std::numeric_limits<double>::infinity();  // > 0
@@ -45,6 +48,7 @@ CameraOptions read_options(const ros::NodeHandle& node) {
   if (!node.getParam("cameras", options.cameras))
     throw std::invalid_argument("cameras: missing; give the path of a rig of cameras");
   node.getParam("seed", options.seed);
+  node.getParam("balls", options.balls);
   node.getParam("show_balls", options.show_balls);
   node.getParam("max_rate_hz", options.max_rate_hz);
   node.getParam("reality", options.reality);
@@ -52,8 +56,15 @@ CameraOptions read_options(const ros::NodeHandle& node) {
   return options;
 }
 
+std::vector<Ball> white_balls(const BallPlacement& placement) {
+  std::vector<Ball> balls;
+  for (const PlacedBall& ball : placement.balls) balls.push_back({ball.position_m, placement.radius_m, kWhite});
+  return balls;
+}
+
 CameraRig read_rig(const CameraOptions& options) {
   CameraRig rig = read_camera_rig(options.cameras);
+  if (!options.balls.empty()) rig.calibration_balls = white_balls(read_ball_placement(options.balls));
   if (!options.reality.empty()) rig = load_reality(options.reality).shifted(std::move(rig));
   for (RigCamera& camera : rig.cameras) camera.rate_hz = std::min(camera.rate_hz, options.max_rate_hz);
   return rig;

@@ -1,8 +1,8 @@
 // Plays the robot that an emulated rig moves: a second simulation, not quite the model, whose cables the rig's shafts
 // pull. What it publishes is the truth, for rendered cameras to see and for reports, not for controller or tracker.
 //
-// Parameters: ~reality (path: how it differs from the model), ~surface_rate_hz (how often its skin is published while
-// it moves; cameras need it as often as they film).
+// Parameters: ~reality (path: how it differs from the model), ~rig (path: whose shafts move it; absent: not checked),
+// ~surface_rate_hz (how often its skin is published while it moves; cameras need it as often as they film).
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -15,6 +15,7 @@
 
 #include "nodes/run_node.h"
 #include "soft_robot_lab/rig/late_reality.h"
+#include "soft_robot_lab/rig/same_commands.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/announcement.h"
 #include "soft_robot_lab/ros/conversions.h"
@@ -40,6 +41,8 @@ class RealityNode {
  public:
   explicit RealityNode(const ros::NodeHandle& parameters)
       : reality_(read_reality(parameters), scene_options_), surface_(reality_.simulation().body().mesh()) {
+    if (const auto rig = parameters.param<std::string>("rig", ""); !rig.empty())
+      require_same_commands(reality_.simulation(), parameters.param<std::string>("reality", ""), load_rig(rig), rig);
     parameters.getParam("surface_rate_hz", surface_rate_hz_);
     if (!(surface_rate_hz_ > 0.0 && surface_rate_hz_ <= 1000.0))
       throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz_) + " is not in (0, 1000]");

@@ -1,8 +1,8 @@
-// Drives a session through every pair of an experiment's contractions, as table 6.5 of the thesis, waits for rest at
-// each, and tells how large the gap between robot and simulation is there.
+// Drives a session through an experiment's configurations in their order, as the tables 6.4 to 6.6 of the thesis, waits
+// for rest at each, and tells how large the gap between robot and simulation is there.
 //
-// Usage: run_table_node EXPERIMENT.yaml [HOLD_S]. Each pair is held for 3 s, or as long as is asked for: silicone
-// creeps, and a fit takes the end of a hold. Exit status: 0 done, 1 a part failed, 2 bad file or arguments.
+// Usage: run_table_node EXPERIMENT.yaml [HOLD_S]. Each configuration is held for 3 s, or as long as is asked for:
+// silicone creeps, and a fit takes the end of a hold. Exit status: 0 done, 1 a part failed, 2 bad file or arguments.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,9 +11,12 @@
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <ros/topic.h>
+#include <soft_robot_lab/ActuatorState.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/RealityGap.h>
 
+#include "experiment/configuration_table.h"
 #include "nodes/session_client.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/settings/settings_node.h"
@@ -55,10 +58,14 @@ class RestingGap {
   ros::Subscriber subscriber_;
 };
 
-std::vector<double> read_contractions(const std::string& path) {
+struct CommandTable {
+  std::vector<Configuration> configurations;
+  bool syringes = false;
+};
+
+CommandTable read_table(const std::string& path) {
   const SettingsNode file = SettingsNode::load_file(path);
-  const Eigen::VectorXd contractions = file.child("contractions").as_numbers();
-  return std::vector<double>(contractions.begin(), contractions.end());
+  return {read_configurations(file), commands_syringes(file)};
 }
 
 double read_hold_s(const std::string& text) {
@@ -73,39 +80,75 @@ double read_hold_s(const std::string& text) {
   return hold_s;
 }
 
-ExecutePolicy::Request row_of(double left, double right) {
-  ExecutePolicy::Request request;
-  request.policy.names = {"left", "right"};
-  request.policy.steps.resize(1);
-  request.policy.steps[0].time_s = ramp_s;
-  request.policy.steps[0].values = {left, right};
-  request.wait_until_rest = true;
-  return request;
+// In the scene's order, which is the table's.
+std::vector<std::string> actuators_of_session(ros::NodeHandle& node, std::size_t count) {
+  const auto heard = ros::topic::waitForMessage<ActuatorState>(topics::simulator_actuators, node, ros::Duration(20.0));
+  if (!heard)
+    throw std::runtime_error(std::string("nothing on ") + topics::simulator_actuators + ": is there a session?");
+  if (heard->names.size() != count)
+    throw std::invalid_argument("the session's robot has " + std::to_string(heard->names.size()) +
+                                " actuators, the table " + std::to_string(count));
+  return heard->names;
 }
 
-// By way of slack cables: paid out from a pull, a drive would stop short of its zero by its backlash.
-void return_to_rest(ros::NodeHandle& node, const std::vector<double>& contractions) {
-  double slack = 1.05;
-  for (const double contraction : contractions) slack = std::max(slack, contraction);
-  call<ExecutePolicy>(node, topics::execute_policy, row_of(slack, slack));
-  call<ExecutePolicy>(node, topics::execute_policy, row_of(1.0, 1.0));
-}
+class TableRun {
+ public:
+  TableRun(const CommandTable& table, double hold_s)
+      : table_(table), hold_s_(hold_s), names_(actuators_of_session(node_, front().commands.size())) {}
 
-void run_table(const std::vector<double>& contractions, double hold_s) {
-  ros::NodeHandle node;
-  RestingGap gap(node);
-  std::printf("left   right  at rest after   gap [mm rms]\n");
-  for (const double left : contractions)
-    for (const double right : contractions) {
-      const auto answer = call<ExecutePolicy>(node, topics::execute_policy, row_of(left, right));
-      const double gap_m = gap.during(hold_s);
-      std::printf("%-6g %-6g %6.2f s", left, right, answer.duration_s);
-      std::printf(gap_m < 0.0 ? "        no tracker\n" : "        %.3f\n", 1e3 * gap_m);
-      std::fflush(stdout);
+  void run() {
+    std::string heading;
+    for (const std::string& name : names_) heading += name + std::string(name.size() < 6 ? 7 - name.size() : 1, ' ');
+    std::printf("      %sat rest after   gap [mm rms]\n", heading.c_str());
+    for (const Configuration& configuration : table_.configurations) {
+      go_and_tell(configuration);
       if (!ros::ok()) throw std::runtime_error("the session ended");
     }
-  return_to_rest(node, contractions);
-}
+    return_to_rest();
+  }
+
+ private:
+  const Configuration& front() const { return table_.configurations.front(); }
+
+  ExecutePolicy::Response go(const std::vector<double>& values) {
+    ExecutePolicy::Request request;
+    request.policy.names = names_;
+    request.policy.steps.resize(1);
+    request.policy.steps[0].time_s = ramp_s;
+    request.policy.steps[0].values = values;
+    request.wait_until_rest = true;
+    return call<ExecutePolicy>(node_, topics::execute_policy, request);
+  }
+
+  void go_and_tell(const Configuration& configuration) {
+    const auto answer = go(configuration.commands);
+    const double gap_m = gap_.during(hold_s_);
+    std::printf("%-5s ", configuration.name.c_str());
+    for (const double value : configuration.commands) std::printf("%-6g ", value);
+    std::printf("%6.2f s", answer.duration_s);
+    std::printf(gap_m < 0.0 ? "        no tracker\n" : "        %.3f\n", 1e3 * gap_m);
+    std::fflush(stdout);
+  }
+
+  // Of cables by way of slack ones: paid out from a pull, a drive would stop short of its zero by its backlash.
+  void return_to_rest() {
+    if (table_.syringes) {
+      go(std::vector<double>(names_.size(), 0.0));
+      return;
+    }
+    double slack = 1.05;
+    for (const Configuration& configuration : table_.configurations)
+      slack = std::max(slack, *std::max_element(configuration.commands.begin(), configuration.commands.end()));
+    go(std::vector<double>(names_.size(), slack));
+    go(std::vector<double>(names_.size(), 1.0));
+  }
+
+  CommandTable table_;
+  double hold_s_;
+  ros::NodeHandle node_;
+  RestingGap gap_{node_};
+  std::vector<std::string> names_;
+};
 
 }  // namespace
 }  // namespace soft_robot_lab
@@ -118,7 +161,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    run_table(read_contractions(argv[1]), argc == 3 ? read_hold_s(argv[2]) : usual_hold_s);
+    const CommandTable table = read_table(argv[1]);
+    TableRun(table, argc == 3 ? read_hold_s(argv[2]) : usual_hold_s).run();
     return 0;
   } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "%s\n", error.what());

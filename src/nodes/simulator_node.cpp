@@ -2,7 +2,8 @@
 //
 // Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 // gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
-// often as they film), ~publish_clock (false beside a rig: time is then the wall's).
+// often as they film), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes the
+// same commands, which a scene has to suit).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,6 +23,7 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "nodes/run_node.h"
+#include "soft_robot_lab/rig/same_commands.h"
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/announcement.h"
 #include "soft_robot_lab/ros/conversions.h"
@@ -40,6 +42,7 @@ struct SimulatorOptions {
   bool start_at_rest = true;
   double surface_rate_hz = 15.0;  // (0, 1000]
   bool publish_clock = true;
+  std::string rig;  // empty: none
 
   void validate() const {
     if (!(real_time_factor >= 0.0 && real_time_factor <= 1000.0)) {
@@ -62,6 +65,7 @@ SimulatorOptions read_options(const ros::NodeHandle& node) {
   node.getParam("start_at_rest", options.start_at_rest);
   node.getParam("surface_rate_hz", options.surface_rate_hz);
   node.getParam("publish_clock", options.publish_clock);
+  node.getParam("rig", options.rig);
   options.validate();
   return options;
 }
@@ -179,6 +183,7 @@ void SimulatorNode::publish_frames() {
 
 std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) const {
   auto scene = std::make_unique<RunningScene>(load_scene(path, scene_options_));
+  if (!options_.rig.empty()) require_same_commands(*scene->simulation, path, load_rig(options_.rig), options_.rig);
   if (options_.start_at_rest) {
     const SolveReport report = scene->simulation->solve_equilibrium();
     if (!report.converged) ROS_WARN("%s: does not start at rest: %s", path.c_str(), report.message.c_str());

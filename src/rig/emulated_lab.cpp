@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "rig/emulated_session.h"
+#include "soft_robot_lab/rig/same_commands.h"
 #include "soft_robot_lab/vision/calibration_session.h"
 #include "soft_robot_lab/vision/tracker.h"
 
@@ -49,6 +50,7 @@ EmulatedLab::EmulatedLab(const EmulatedLabSettings& settings, const SceneOptions
       film_(reality_.simulation(), real_cameras_, settings.film) {
   if (settings.frames < 1 || settings.frames > 1000)
     throw std::invalid_argument("frames: " + std::to_string(settings.frames) + " is out of range [1, 1000]");
+  require_same_commands(reality_.simulation(), settings.reality.robot.source(), settings.rig, "the rig");
   for (const RigCamera& camera : settings.cameras.cameras) believed_[camera.pose.name] = camera.pose.world_from_camera;
   session_ = std::make_unique<EmulatedSession>(settings.rig, settings.film.seed, settings.emulator);
   give_backlash(settings.reality, settings.rig, session_->rig);
@@ -73,8 +75,8 @@ void EmulatedLab::pass(double duration_s) {
   }
 }
 
-void EmulatedLab::go(const std::vector<std::string>& names, const std::vector<double>& contractions) {
-  session_->command(names, contractions);
+void EmulatedLab::go(const std::vector<std::string>& names, const std::vector<double>& commands) {
+  session_->command(names, commands);
   MarkerPlaces before_m = reality_.markers_m();
   for (const double limit_s = time_s() + kLimit_s; time_s() < limit_s;) {
     pass(kLook_s);

@@ -12,7 +12,7 @@ namespace soft_robot_lab {
 // rig: rigs/spinebot.yaml
 // cameras: cameras/box.yaml
 // tracker: trackers/spinebot.yaml
-// balls: calibration/balls.yaml      # to calibrate the cameras by
+// balls: calibration/balls_spinebot.yaml      # to calibrate the cameras by
 // frames: 8                          # of each camera for a measurement
 struct LabFiles {
   std::string robot;

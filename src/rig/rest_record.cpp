@@ -1,54 +1,42 @@
-#include "soft_robot_lab/rig/emulated_lab.h"
-
-#include <algorithm>
-#include <limits>
+#include <cmath>
 #include <stdexcept>
+
+#include "soft_robot_lab/rig/emulated_lab.h"
+#include "soft_robot_lab/sim/embedding.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kAnotherRest_m = 0.002;
+constexpr double kLongestWay_s = 60.0;
+constexpr double kArrived = 1e-9;
 
-// Mean square distance of the markers that both have; of none that is infinite.
-double apart_m2(const MarkerPlaces& measured_m, const MarkerPlaces& simulated_m) {
-  double sum_m2 = 0.0;
-  for (const auto& [name, place_m] : measured_m) sum_m2 += (simulated_m.at(name) - place_m).squaredNorm();
-  return measured_m.empty() ? std::numeric_limits<double>::infinity() : sum_m2 / static_cast<double>(measured_m.size());
+bool drives_rest(const Simulation& model) {
+  for (const auto& actuator : model.actuators())
+    if (std::abs(actuator->actuated_command() - actuator->command()) > kArrived) return false;
+  return true;
 }
 
-void pull_from_hanging(Simulation& simulation, const std::vector<std::string>& actuators,
-                       const std::vector<double>& contractions) {
-  simulation.reset();
-  simulation.solve_equilibrium();
-  for (std::size_t i = 0; i < actuators.size(); ++i) simulation.set_command(actuators[i], contractions[i]);
-  const SolveReport report = simulation.solve_equilibrium();
+void follow(Simulation& model, const std::vector<double>& commands) {
+  for (std::size_t i = 0; i < commands.size(); ++i) model.set_command(model.actuators()[i]->name(), commands[i]);
+  const double latest_s = model.state().time_s + kLongestWay_s;
+  while (!drives_rest(model) && model.state().time_s < latest_s) model.step();
+  const SolveReport report = model.solve_equilibrium();
   if (!report.converged) throw std::runtime_error("the model finds no rest: " + report.message);
 }
 
-double farthest_m(const MarkerPlaces& one, const MarkerPlaces& other) {
-  double most_m = 0.0;
-  for (const auto& [name, place_m] : one) most_m = std::max(most_m, (other.at(name) - place_m).norm());
-  return most_m;
-}
-
-// Where the model rests: from hanging, and where those that lean end at another place.
-std::vector<MarkerPlaces> rest_places(Simulation& model, const std::vector<Simulation*>& leaning,
-                                      const std::vector<std::string>& actuators,
-                                      const std::vector<double>& contractions) {
-  pull_from_hanging(model, actuators, contractions);
-  std::vector<MarkerPlaces> places = {marker_places(model)};
-  for (Simulation* other : leaning) {
-    pull_from_hanging(*other, actuators, contractions);
-    SimulationState state = other->state();
-    state.rest_residual.reset();  // it rested under another gravity
-    model.set_state(state);
-    if (!model.solve_equilibrium().converged) continue;
-    const MarkerPlaces there_m = marker_places(model);
-    if (std::all_of(places.begin(), places.end(),
-                    [&](const MarkerPlaces& known) { return farthest_m(known, there_m) > kAnotherRest_m; }))
-      places.push_back(there_m);
+// Each node moves as its mirror image has moved.
+Eigen::Matrix3Xd mirrored(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m, int axis) {
+  const MeshLocator locator(mesh);
+  const Eigen::Matrix3Xd moved_m = positions_m - mesh.nodes_m;
+  Eigen::Matrix3Xd result_m = mesh.nodes_m;
+  for (Eigen::Index node = 0; node < result_m.cols(); ++node) {
+    Eigen::Vector3d image_m = mesh.nodes_m.col(node);
+    image_m[axis] = -image_m[axis];
+    Eigen::Vector3d move_m = locator.embed(image_m).at(moved_m);
+    move_m[axis] = -move_m[axis];
+    result_m.col(node) += move_m;
   }
-  return places;
+  return result_m;
 }
 
 }  // namespace
@@ -60,28 +48,33 @@ MarkerPlaces marker_places(const Simulation& simulation) {
   return places_m;
 }
 
-RestRecord record_at_rest(EmulatedLab& lab, Simulation& model, const std::vector<double>& contractions,
-                          const std::vector<Simulation*>& leaning) {
+RestRecord record_at_rest(EmulatedLab& lab, Simulation& model, const std::vector<double>& commands) {
   RestRecord record;
   for (const auto& actuator : model.actuators()) record.actuators.push_back(actuator->name());
-  if (contractions.size() != record.actuators.size())
+  if (commands.size() != record.actuators.size())
     throw std::invalid_argument("the model has " + std::to_string(record.actuators.size()) + " actuators, not " +
-                                std::to_string(contractions.size()));
-  record.contractions = contractions;
-  lab.go(record.actuators, contractions);
+                                std::to_string(commands.size()));
+  record.commands = commands;
+  lab.go(record.actuators, commands);
+  follow(model, commands);
   record.true_m = lab.reality().markers_m();
-  double nearest_m2 = 0.0;
-  for (const MarkerPlaces& simulated_m : rest_places(model, leaning, record.actuators, contractions)) {
-    const MeasuredMarkers measured_m = lab.measure(simulated_m);
-    const double m2 = apart_m2(measured_m, simulated_m);
-    const bool better = record.simulated_m.empty() || measured_m.size() > record.measured_m.size() ||
-                        (measured_m.size() == record.measured_m.size() && m2 < nearest_m2);
-    if (!better) continue;
-    nearest_m2 = m2;
-    record.measured_m = measured_m;
-    record.simulated_m = simulated_m;
-  }
+  record.simulated_m = marker_places(model);
+  record.measured_m = lab.measure(record.simulated_m);
   return record;
+}
+
+std::optional<MarkerPlaces> rest_from_mirror_image(Simulation& model, int axis) {
+  const SimulationState here = model.state();
+  SimulationState there = here;
+  there.positions_m = mirrored(model.body().mesh(), here.positions_m, axis);
+  there.velocities_m_s.setZero();
+  there.rest_residual.reset();
+  there.linearisation.reset();
+  model.set_state(there);
+  const bool rests = model.solve_equilibrium().converged;
+  const MarkerPlaces places_m = marker_places(model);
+  model.set_state(here);
+  return rests ? std::optional(places_m) : std::nullopt;
 }
 
 }  // namespace soft_robot_lab

@@ -1,5 +1,6 @@
 #include "soft_robot_lab/rig/rig_experiments.h"
 
+#include "rig/air_policy_experiment.h"
 #include "rig/ball_experiment.h"
 #include "rig/fault_experiment.h"
 #include "rig/gap_experiments.h"
@@ -14,6 +15,9 @@ std::vector<Experiment> rig_experiments() {
        run_fault_experiment},
       {"6.4.1", "Hammerbot on the emulated rig beside its simulation", run_hammerbot_gap_experiment},
       {"6.4.2", "Spinebot on the emulated rig beside its simulation", run_spinebot_gap_experiment},
+      {"6.4.3", "Bubblebot on an emulated rig of syringes beside its simulation", run_bubblebot_gap_experiment},
+      {"air_policy", "Bubblebot reaches for places by three syringes: policies of the model on the emulated rig",
+       run_air_policy_experiment},
       {"7.3.3", "Spinebot and the source's ball: policy, replay on the emulated rig, closed loop",
        run_source_ball_experiment},
       {"ball", "the same with the ball of the demonstration, and a place within reach", run_ball_experiment},

@@ -12,6 +12,10 @@
 namespace soft_robot_lab {
 namespace {
 
+// The robots have syringes.
+const std::string kFingerByGas = "scene: {chambers: {main: {command: beta}}}\n";
+const std::string kBotByGas = "scene: {chambers: {a: {command: beta}, b: {command: beta}, c: {command: beta}}}\n";
+
 class ChamberExperiments : public testing::Test {
  protected:
   ChamberExperiments() {
@@ -21,7 +25,8 @@ class ChamberExperiments : public testing::Test {
   // A robot's mesh at two sizes.
   ExperimentResult run(const std::string& name, const std::string& robot, const std::string& coarse_m,
                        const std::string& fine_m, const std::string& settings) {
-    const std::string include = "include: " SOFT_ROBOT_LAB_SOURCE "/config/robots/" + robot + ".yaml\nbody: {element_size_m: ";
+    const std::string include =
+        "include: " SOFT_ROBOT_LAB_SOURCE "/config/robots/" + robot + ".yaml\nbody: {element_size_m: ";
     folder_.write("coarse.yaml", include + coarse_m + "}\n");
     folder_.write("fine.yaml", include + fine_m + "}\n");
     folder_.write("experiments/" + name + ".yaml", "meshes: {coarse: coarse.yaml, fine: fine.yaml}\n" + settings);
@@ -57,7 +62,8 @@ TEST_F(ChamberExperiments, TheCuboidsPressureComesNearTheReferenceWithFinerEleme
 }
 
 TEST_F(ChamberExperiments, BubblefingerBendsAwayFromItsWedgesOnEveryMesh) {
-  const ExperimentResult result = run("6.3.4", "bubblefinger", "0.014", "0.010", "betas: [1, 1.75, 2.57]\n");
+  const ExperimentResult result =
+      run("6.3.4", "bubblefinger", "0.014", "0.010", kFingerByGas + "betas: [1, 1.75, 2.57]\n");
   expect_sound(result);
   EXPECT_LT(result.numbers["tip_difference"].get<double>(), 0.03);
   EXPECT_GT(result.numbers["bends_down_m"]["coarse"].get<double>(), 0.02);
@@ -68,7 +74,7 @@ TEST_F(ChamberExperiments, BubblebotStretchesOnTheInflatedSideAndBendsAwayFromIt
   for (const std::string chamber : {"a", "c"}) {
     SCOPED_TRACE(chamber);
     const ExperimentResult result =
-        run("6.3.5", "bubblebot", "0.03", "0.02", "chamber: " + chamber + "\nbetas: [1, 2.5, 5]\n");
+        run("6.3.5", "bubblebot", "0.03", "0.02", kBotByGas + "chamber: " + chamber + "\nbetas: [1, 2.5, 5]\n");
     expect_sound(result);
     EXPECT_LT(result.numbers["tip_difference"].get<double>(), 0.03);
     for (const std::string mesh : {"coarse", "fine"}) {
@@ -79,9 +85,10 @@ TEST_F(ChamberExperiments, BubblebotStretchesOnTheInflatedSideAndBendsAwayFromIt
 }
 
 TEST_F(ChamberExperiments, RefuseSettingsThatMakeNoSense) {
-  EXPECT_THROW(run("6.3.4", "bubblefinger", "0.03", "0.03", "betas: []\n"), std::exception);
-  EXPECT_THROW(run("6.3.4", "bubblefinger", "0.03", "0.03", "betas: [1, 9]\n"), std::invalid_argument);
-  EXPECT_THROW(run("6.3.5", "bubblebot", "0.03", "0.03", "chamber: d\nbetas: [1]\n"), std::invalid_argument);
+  EXPECT_THROW(run("6.3.4", "bubblefinger", "0.03", "0.03", kFingerByGas + "betas: []\n"), std::exception);
+  EXPECT_THROW(run("6.3.4", "bubblefinger", "0.03", "0.03", kFingerByGas + "betas: [1, 9]\n"), std::invalid_argument);
+  EXPECT_THROW(run("6.3.5", "bubblebot", "0.03", "0.03", kBotByGas + "chamber: d\nbetas: [1]\n"),
+               std::invalid_argument);
 }
 
 }  // namespace

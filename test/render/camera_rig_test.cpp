@@ -49,7 +49,7 @@ TEST(CameraRig, StandsWhereTheTrackerBelievesIt) {
 
 TEST(CameraRig, HangsTheBallsWhereTheCalibrationExpectsThem) {
   const CameraRig rig = read_camera_rig(SOFT_ROBOT_LAB_SOURCE "/config/cameras/box.yaml");
-  const BallPlacement placement = read_ball_placement(SOFT_ROBOT_LAB_SOURCE "/config/calibration/balls.yaml");
+  const BallPlacement placement = read_ball_placement(SOFT_ROBOT_LAB_SOURCE "/config/calibration/balls_spinebot.yaml");
   ASSERT_EQ(rig.calibration_balls.size(), placement.balls.size());
   for (std::size_t i = 0; i < placement.balls.size(); ++i) {
     EXPECT_EQ(rig.calibration_balls[i].centre_m, placement.balls[i].position_m);

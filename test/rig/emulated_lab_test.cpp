@@ -72,19 +72,72 @@ TEST_F(EmulatedLabTest, MeasuresAndRepeatsToTheLastDigit) {
   EXPECT_EQ(farthest_m(record.true_m, records.back().true_m), 0.0);
 }
 
+TEST_F(EmulatedLabTest, PressesSyringesAsFarAsTheirSpindlesTurn) {
+  EmulatedLabSettings air = settings();
+  air.rig = load_rig(kConfig + "rigs/bubblefinger.yaml");
+  air.reality = load_reality(folder_.write(
+      "finger.yaml", "robot: {include: " + kConfig + "robots/bubblefinger.yaml, body: {element_size_m: 0.03}, " +
+                         "chambers: {main: {flow_ml_s: 0}}}\nbacklash_steps: {main: 4}\n"));
+  EmulatedLab lab(air, options());
+  const Simulation& real = lab.reality().simulation();
+  lab.go({"main"}, {5.0});
+  EXPECT_NEAR(real.actuator_state(0).command, 99 * 0.0503, 1e-9);
+  lab.go({"main"}, {0.0});
+  EXPECT_NEAR(real.actuator_state(0).command, 4 * 0.0503, 1e-9);  // short of its zero by its backlash
+  EXPECT_EQ(lab.reality().failed_steps(), 0);
+}
+
+TEST_F(EmulatedLabTest, RobotAndModelFollowTheSameCommandsInTheSameOrder) {
+  const std::unique_ptr<Simulation> model = load_scene(kConfig + "robots/spinebot.yaml", options()).simulation;
+  model->solve_equilibrium();
+  const SimulationState hanging = model->state();
+  EmulatedLab lab(settings(), options());
+  const RestRecord before = record_at_rest(lab, *model, {1.0, 1.0});
+  record_at_rest(lab, *model, {0.9, 1.0});
+  const double pulled_s = model->state().time_s;
+  const RestRecord again = record_at_rest(lab, *model, {1.0, 1.0});
+  EXPECT_GT(pulled_s, hanging.time_s + 0.3);         // at its drives' speed
+  EXPECT_GT(model->state().time_s, pulled_s + 0.3);  // from there, not from hanging
+  EXPECT_LT(farthest_m(before.simulated_m, again.simulated_m), 1e-5);
+  EXPECT_GT(farthest_m(before.true_m, again.true_m), 1e-4);  // its left motor has backlash
+}
+
 TEST_F(EmulatedLabTest, FindsCamerasThatWereKnockedOutOfTheirPlace) {
   EmulatedLab lab(settings("cameras: {camera_left: {translation_m: [0.003, 0, 0]}, "
                            "camera_right: {translation_m: [0.003, 0, 0]}}\n"),
                   options());
   const MarkerPlaces true_m = lab.reality().markers_m();
   EXPECT_NEAR(farthest_m(lab.measure(true_m), true_m), 0.003, 5e-4);
-  lab.calibrate(read_ball_placement(kConfig + "calibration/balls.yaml"));
+  lab.calibrate(read_ball_placement(kConfig + "calibration/balls_spinebot.yaml"));
   EXPECT_LT(farthest_m(lab.measure(true_m), true_m), 5e-4);
+}
+
+// Pulled by both cables Hammerbot buckles across their plane, to one of two sides.
+TEST_F(EmulatedLabTest, KnowsWhereTheMirrorImageRestsToo) {
+  const std::unique_ptr<Simulation> model = load_scene(kConfig + "robots/hammerbot.yaml", options()).simulation;
+  model->solve_equilibrium();
+  const MarkerPlaces hanging_m = marker_places(*model);
+  EXPECT_LT(farthest_m(hanging_m, rest_from_mirror_image(*model, 1).value()), 1e-4);
+  for (const double contraction : {0.95, 0.9, 0.85, 0.8}) {
+    model->set_command("left", contraction);
+    model->set_command("right", contraction);
+    model->solve_equilibrium();
+  }
+  const MarkerPlaces here_m = marker_places(*model);
+  const MarkerPlaces there_m = rest_from_mirror_image(*model, 1).value();
+  const Eigen::Vector3d here = here_m.at("beam_middle"), there = there_m.at("beam_middle");
+  EXPECT_GT(std::abs(here_m.at("tip").y() - hanging_m.at("tip").y()), 0.005);
+  EXPECT_NEAR(there_m.at("tip").y(), -here_m.at("tip").y(), 0.001);
+  EXPECT_NEAR(there.z(), here.z(), 0.006);                    // this marker sits in front
+  EXPECT_EQ(farthest_m(here_m, marker_places(*model)), 0.0);  // the model itself stays
 }
 
 TEST_F(EmulatedLabTest, RefusesWhatDoesNotBelongTogether) {
   EXPECT_THROW(EmulatedLab(settings("backlash_steps: {middle: 8}\n"), options()), std::invalid_argument);
   EXPECT_THROW(EmulatedLab(settings("cameras: {camera_top: {}}\n"), options()), std::invalid_argument);
+  EmulatedLabSettings other_units = settings();
+  other_units.rig = load_rig(kConfig + "rigs/bubblefinger.yaml");
+  EXPECT_THROW(EmulatedLab(other_units, options()), std::invalid_argument);
   EmulatedLabSettings no_frames = settings();
   no_frames.frames = 0;
   EXPECT_THROW(EmulatedLab(no_frames, options()), std::invalid_argument);

@@ -69,6 +69,23 @@ TEST_F(RealityTest, FollowsTheShaftsInItsOwnTime) {
   EXPECT_EQ(stiffer.failed_steps(), 0);
 }
 
+TEST_F(RealityTest, ShaftsPressAirIntoItsChambers) {
+  const std::string finger = "robot: {include: " SOFT_ROBOT_LAB_SOURCE
+                             "/config/robots/bubblefinger.yaml, body: {element_size_m: 0.03}, "
+                             "chambers: {main: {flow_ml_s: 0}}}";
+  Reality robot = reality(finger.c_str());
+  const Eigen::Vector3d tip_m = robot.markers_m().at("tip");
+  for (int i = 0; i < 60; ++i) robot.advance(1.0 / 60, {"main"}, {std::min(5.0, 0.2 * i)});
+  const ActuatorReading chamber = robot.simulation().actuator_state(0);
+  const double more_ml = 1e6 * (*chamber.volume_m3 - *chamber.initial_volume_m3);
+  EXPECT_GT(more_ml, 3.0);
+  EXPECT_LT(more_ml, 5.0);  // the rest is pressed together
+  const double p = *chamber.gauge_pressure_pa, closed_ml = 120.0 + 5.0 + 1e6 * *chamber.initial_volume_m3;
+  EXPECT_NEAR((p + 101000) * (closed_ml + more_ml - 5.0) / (101000 * closed_ml), 1.0, 1e-6);
+  EXPECT_LT(robot.markers_m().at("tip").y(), tip_m.y() - 0.005);
+  EXPECT_EQ(robot.failed_steps(), 0);
+}
+
 TEST_F(RealityTest, FeelsEveryPlaceOfTheShaftsHoweverLateItIs) {
   // A pull of 8 mm that takes half a second, told every 10 ms.
   Reality punctual = reality(), late = reality();
@@ -148,12 +165,23 @@ TEST_F(RealityTest, IsReadStrictly) {
 }
 
 TEST_F(RealityTest, ReadsEveryFileThatIsShipped) {
-  for (const char* robot : {"spinebot", "hammerbot"}) {
+  using Shafts = std::map<std::string, double>;
+  const std::map<std::string, Shafts> robots = {{"spinebot", {{"left", 0.95}, {"right", 1.05}}},
+                                                {"hammerbot", {{"left", 0.95}, {"right", 1.05}}},
+                                                {"bubblebot", {{"a", 5.0}, {"c", 2.0}}},
+                                                {"bubblefinger", {{"main", 1.0}}}};
+  for (const auto& [robot, shafts] : robots) {
     const std::string config = SOFT_ROBOT_LAB_SOURCE "/config/";
     const RealitySettings real = load_reality(config + "reality/" + robot + ".yaml");
     EXPECT_NO_THROW(real.shifted(read_camera_rig(config + "cameras/box.yaml")));
     Reality hanging(real, options());
-    hanging.advance(0.1, {"left", "right"}, {0.95, 1.05});
+    std::vector<std::string> names;
+    std::vector<double> values;
+    for (const auto& [name, value] : shafts) {
+      names.push_back(name);
+      values.push_back(value);
+    }
+    hanging.advance(0.1, names, values);
     EXPECT_EQ(hanging.failed_steps(), 0);
   }
 }

@@ -35,16 +35,33 @@ class RigExperiments : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(RigExperiments, PullsAsFastAsTheThesisMeasured) {
+// The L6470 drives 21 units of 15.26 steps/s, 49.93 ms a mm, and speeds up and slows down for 20.0 ms in all; the line
+// and the board's rounds take up to 10 ms more. The source's 50.4 ms and 19.9 ms lie 1 % and 10 ms from that.
+TEST_F(RigExperiments, PullsAsFastAsSpeedAndAccelerationAllow) {
   const ExperimentResult result =
-      run("4.3.1", "{rig: rigs/long_cable.yaml, pulls_mm: [10, 20, 60, 200], repeats: 2, fit_from_mm: 20}");
+      run("4.3.1", "{rig: rigs/long_cable.yaml, pulls_mm: [10, 20, 60, 120], repeats: 2, fit_from_mm: 20}");
+  EXPECT_NEAR(result.numbers["fit"]["slope_ms_per_mm"], 1e3 / (21 * 15.2588 * 0.0625), 0.03);
+  EXPECT_GT(result.numbers["fit"]["offset_ms"], 20.0);
+  EXPECT_LT(result.numbers["fit"]["offset_ms"], 30.0);
   EXPECT_LT(result.numbers["worst_relative_error"], 0.02);
-  EXPECT_NEAR(result.numbers["fit"]["slope_ms_per_mm"], 50.4, 0.03 * 50.4);
-  EXPECT_NEAR(result.numbers["fit"]["offset_ms"], 19.9, 20.0);
-  EXPECT_EQ(result.numbers["pull_mm"].size(), 4U);
-  EXPECT_EQ(result.numbers["mean_ms"].size(), 4U);
-  EXPECT_EQ(result.numbers["sd_ms"].size(), 4U);
+  for (const double sd_ms : result.numbers["sd_ms"]) EXPECT_LT(sd_ms, 5.0);
   result.plots.at(0).validate();
+}
+
+TEST_F(RigExperiments, PullsInTheSourcesRoundsAndFitsFromWhereItIsAsked) {
+  std::ofstream(folder_ / "rigs" / "slow.yaml")
+      << "{device: /dev/rig, drive: {acceleration_steps_s2: 1000, deceleration_steps_s2: 1000}, motors: [{name: cable, "
+         "cable: {rest_length_m: 0.25, min_contraction: 0.19, max_contraction: 1.0}}]}";
+  const ExperimentResult result =
+      run("4.3.1", "{rig: rigs/slow.yaml, pulls_mm: [2, 20, 40], repeats: 2, fit_from_mm: 20}");
+  std::vector<double> order_mm;
+  for (const auto& pull : result.numbers["in_order"]) order_mm.push_back(pull[0]);
+  EXPECT_EQ(order_mm, (std::vector<double>{2, 20, 40, 2, 20, 40}));
+  // Twenty times the time to speed up. 2 mm do not reach the top speed: they take longer than the line says, and would
+  // tilt it.
+  EXPECT_NEAR(result.numbers["fit"]["offset_ms"], 325.0, 10.0);
+  EXPECT_NEAR(result.numbers["fit"]["slope_ms_per_mm"], 49.93, 0.3);
+  EXPECT_NEAR(result.numbers["mean_ms"][0], 2e3 * std::sqrt(32.0 / 1000.0), 15.0);
 }
 
 TEST_F(RigExperiments, CountsWhatFaultsDo) {

@@ -25,7 +25,7 @@ double shift_m(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return (a.translation() - b.translation()).norm();
 }
 
-BallPlacement five_balls() { return read_ball_placement(config + "calibration/balls.yaml"); }
+BallPlacement five_balls() { return read_ball_placement(config + "calibration/balls_spinebot.yaml"); }
 
 BallPlacement placement_of(const std::vector<Eigen::Vector3d>& positions_m) {
   BallPlacement placement;

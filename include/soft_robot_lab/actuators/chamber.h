@@ -63,7 +63,8 @@ class ChamberVolume : public Constraint {
 
 // Plugin "soft_robot_lab/Chamber". Settings: name; surface: a named surface of the mesh; initial_pressure_pa; command:
 //   beta            amount of gas over the initial amount
-//   syringe         plunger travel [ml] of a closed system with syringe_volume_ml and tube_volume_ml at rest
+//   syringe         plunger travel [ml] of a closed system with syringe_volume_ml and tube_volume_ml at rest, which
+//                   other commands read and leave unused
 //   volume_offset   gas added [ml, at initial pressure]: beta = 1 + offset / initial volume
 //   gauge_pressure  what a regulator holds [Pa]
 // flow_ml_s: the pump's or plunger's speed in ml of gas at initial pressure, 0 for no limit; limits: min_beta and
@@ -84,6 +85,7 @@ class Chamber : public Actuator {
   enum class Command { beta, syringe, volume_offset, gauge_pressure };
 
   void bind(const SettingsNode& settings, const TetMesh& mesh);
+  void read_syringe(const SettingsNode& settings, bool required);
   void read_command(const SettingsNode& settings);
   void fill();
   IsothermalGas gas_at(double command) const;

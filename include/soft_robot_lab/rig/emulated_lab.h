@@ -1,11 +1,12 @@
 // A whole lab without its hardware, in lock-step, so that it repeats to the last digit: the motor driver talks to the
-// real firmware on an emulated board, whose shafts pull the cables of a robot that plays reality, which rendered
-// cameras film and the tracker measures. Only frames of the robot at rest are rendered.
+// real firmware on an emulated board, whose shafts pull the cables or press the syringes of a robot that plays reality,
+// which rendered cameras film and the tracker measures. Only frames of the robot at rest are rendered.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,7 @@ class EmulatedLab {
 
   // Commands the motors and lets time pass until they and the robot rest. Throws std::invalid_argument as the driver
   // does, std::runtime_error where it does not rest within a minute or a motor faults.
-  void go(const std::vector<std::string>& names, const std::vector<double>& contractions);
+  void go(const std::vector<std::string>& names, const std::vector<double>& commands);
 
   // Films the resting robot and tracks it, as if it were seen for the first time; of each marker the mean of the frames
   // that show it. `expected_m`: where a simulation has every marker, which tells which is which.
@@ -67,18 +68,20 @@ class EmulatedLab {
 
 MarkerPlaces marker_places(const Simulation& simulation);
 
-// A recording of robot and model at rest at one set of contractions after the other.
+// Robot and model at rest after the same command.
 struct RestRecord {
   std::vector<std::string> actuators;
-  std::vector<double> contractions;  // as commanded
+  std::vector<double> commands;
   MeasuredMarkers measured_m;
   MarkerPlaces true_m, simulated_m;
 };
 
-// Each in its turn, from where the one before ended. The model is solved from hanging for each; a robot that has
-// buckled is compared with the model buckled to the nearest side. `leaning`: models with gravity tilted a little to
-// either side, which lead there; may be empty.
-RestRecord record_at_rest(EmulatedLab& lab, Simulation& model, const std::vector<double>& contractions,
-                          const std::vector<Simulation*>& leaning = {});
+// Both from where the command before has left them: the robot as the motors move it, the model as its own drives do,
+// and then to its equilibrium. Throws std::runtime_error where one of them finds no rest.
+RestRecord record_at_rest(EmulatedLab& lab, Simulation& model, const std::vector<double>& commands);
+
+// Where the model rests that starts as its present rest mirrored in the plane across `axis` (0 to 2) through the
+// origin: there, if that is another rest state. The model itself stays. nullopt where it finds no rest.
+std::optional<MarkerPlaces> rest_from_mirror_image(Simulation& model, int axis);
 
 }  // namespace soft_robot_lab

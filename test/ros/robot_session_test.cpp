@@ -1,0 +1,132 @@
+// A robot of record in a session of its own files: one command moves the simulation and, with `emulated`, the robot on
+// the rig to the same side, and the tracker sees it.
+#include <cmath>
+#include <map>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/ActuatorCommand.h>
+#include <soft_robot_lab/ActuatorState.h>
+#include <soft_robot_lab/MarkerObservations.h>
+#include <soft_robot_lab/MotorState.h>
+
+#include "ros/session_ears.h"
+#include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+struct Move {
+  std::string actuator;
+  double command;
+  std::string marker;
+  Eigen::Vector3d towards;  // where the command moves that marker
+  double at_least_m;
+  std::size_t seen = 0;  // markers that the cameras see of the robot at rest, at least; 0: not tested
+};
+
+// Bubblebot's chamber a lies towards +y; Bubblefinger bends away from its wedges.
+const std::map<std::string, Move> kMoves = {
+    {"spinebot", {"right", 0.9, "tip", {1, 0, 0}, 0.01, 6}},
+    {"hammerbot", {"right", 0.9, "tip", {1, 0, 0}, 0.01, 6}},
+    {"bubblebot", {"a", 60.0, "tip", {0, -1, 0}, 0.0007, 6}},  // thick walls
+    {"bubblefinger", {"main", 10.0, "tip", {0, -1, 0}, 0.01, 6}},
+    {"hanging_bar", {"cable", 0.95, "tip", {1, 0, 0}, 0.005}},
+    {"hollow_cuboid", {"main", 1.3, "skin_x", {1, 0, 0}, 0.0005}},
+};
+
+class RobotSession : public testing::Test {
+ protected:
+  RobotSession() {
+    const ros::NodeHandle parameters("~");
+    robot_ = parameters.param<std::string>("robot", "");
+    emulated_ = parameters.param<bool>("emulated", false);
+    commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
+    hear_last(topics::simulator_markers, simulated_);
+    hear_last(topics::simulator_actuators, actuators_);
+    hear_last(topics::tracker_markers, tracked_);
+    hear_last(topics::reality_markers, real_);
+    hear_last(topics::motor_state, motors_);
+  }
+
+  template <typename Message>
+  void hear_last(const char* topic, Message& last) {
+    subscribers_.push_back(node_.subscribe<Message>(
+        topic, 1, boost::function<void(const typename Message::ConstPtr&)>([&last](const auto& m) { last = *m; })));
+  }
+
+  const Move& move() const { return kMoves.at(robot_); }
+
+  void expect_ready() {
+    ASSERT_TRUE(spin_until(
+        [this] {
+          return commands_.getNumSubscribers() >= (emulated_ ? 2u : 1u) && !actuators_.names.empty() &&
+                 !simulated_.names.empty() &&
+                 (!emulated_ ||
+                  (motors_.linked && !motors_.known.empty() && motors_.known.front() && !real_.names.empty()));
+        },
+        60.0));
+  }
+
+  std::size_t seen() const {
+    std::size_t count = 0;
+    for (const auto source : tracked_.sources) count += source == MarkerObservations::SEEN;
+    return count;
+  }
+
+  double gone_m(const MarkerObservations& markers, const Eigen::Vector3d& from_m) const {
+    return (position_of(markers, move().marker) - from_m).dot(move().towards);
+  }
+
+  void command() {
+    ActuatorCommand command;
+    command.header.stamp = ros::Time::now();
+    command.names = {move().actuator};
+    command.values = {move().command};
+    commands_.publish(command);
+  }
+
+  double volume_m3() const {
+    for (const ChamberState& chamber : actuators_.chambers)
+      if (chamber.name == move().actuator) return chamber.volume_m3;
+    return 0.0;
+  }
+
+  std::string robot_;
+  bool emulated_ = false;
+  MarkerObservations simulated_, tracked_, real_;
+  ActuatorState actuators_;
+  MotorState motors_;
+  ros::NodeHandle node_;
+  ros::Publisher commands_;
+
+ private:
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+TEST_F(RobotSession, MovesAsOneCommandSays) {
+  expect_ready();
+  if (move().seen > 0) {
+    EXPECT_TRUE(spin_until([this] { return seen() >= move().seen; }, 40.0)) << seen();
+  }
+  const Eigen::Vector3d simulated_m = position_of(simulated_, move().marker);
+  const Eigen::Vector3d real_m = emulated_ ? position_of(real_, move().marker) : simulated_m;
+  const double volume_before_m3 = volume_m3();
+  command();
+  EXPECT_TRUE(spin_until([&] { return gone_m(simulated_, simulated_m) > move().at_least_m; }, 40.0))
+      << gone_m(simulated_, simulated_m);
+  if (volume_before_m3 > 0.0) {
+    EXPECT_TRUE(spin_until([&] { return volume_m3() > 1.01 * volume_before_m3; }, 40.0))
+        << volume_m3() / volume_before_m3;
+  }
+  if (!emulated_) return;
+  EXPECT_TRUE(spin_until([&] { return gone_m(real_, real_m) > move().at_least_m; }, 60.0)) << gone_m(real_, real_m);
+  EXPECT_TRUE(spin_until(
+      [&] { return (position_of(tracked_, move().marker) - position_of(real_, move().marker)).norm() < 0.005; }, 60.0))
+      << (position_of(tracked_, move().marker) - position_of(real_, move().marker)).norm();
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

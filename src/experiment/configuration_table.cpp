@@ -1,0 +1,35 @@
+#include "experiment/configuration_table.h"
+
+#include <algorithm>
+
+namespace soft_robot_lab {
+namespace {
+
+Configuration read_configuration(const SettingsNode& node, const std::string& commands, const AllowedRange& range) {
+  Configuration configuration{node.text("name"), {}};
+  for (const SettingsNode& value : node.sequence(commands)) configuration.commands.push_back(value.as_number(range));
+  if (configuration.name.empty()) node.fail("name is empty");
+  if (configuration.commands.empty()) node.fail(commands + " is empty");
+  return configuration;
+}
+
+}  // namespace
+
+std::vector<Configuration> read_configurations(const SettingsNode& file, const std::string& commands,
+                                               const AllowedRange& range) {
+  std::vector<Configuration> configurations;
+  for (const SettingsNode& node : file.sequence("configurations")) {
+    Configuration next = read_configuration(node, commands, range);
+    const auto same_name = [&](const Configuration& other) { return other.name == next.name; };
+    if (std::any_of(configurations.begin(), configurations.end(), same_name))
+      node.fail("'" + next.name + "' is the name of two configurations");
+    if (!configurations.empty() && configurations.front().commands.size() != next.commands.size())
+      node.fail(commands + " has " + std::to_string(next.commands.size()) + " numbers, the first configuration " +
+                std::to_string(configurations.front().commands.size()));
+    configurations.push_back(std::move(next));
+  }
+  if (configurations.empty()) file.fail("configurations is empty");
+  return configurations;
+}
+
+}  // namespace soft_robot_lab

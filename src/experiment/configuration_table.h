@@ -1,0 +1,22 @@
+// A table of configurations as the source has them: each is commanded after the one before, in the table's order.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "soft_robot_lab/settings/settings_node.h"
+
+namespace soft_robot_lab {
+
+struct Configuration {
+  std::string name;              // the source's letter
+  std::vector<double> commands;  // one for each actuator of the robot, in its order
+};
+
+// configurations: [{name: a, contractions: [1, 1]}, {name: b, contractions: [1, 0.8]}, ...]
+// `commands` is the key of the numbers, `range` what they may be. Names differ, and all have equally many commands, at
+// least one. Throws SettingsError.
+std::vector<Configuration> read_configurations(const SettingsNode& file, const std::string& commands = "contractions",
+                                               const AllowedRange& range = AllowedRange::positive());
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,50 @@
+#include "experiment/configuration_table.h"
+
+#include <gtest/gtest.h>
+
+namespace soft_robot_lab {
+namespace {
+
+std::vector<Configuration> read(const std::string& text, const std::string& commands = "contractions",
+                                const AllowedRange& range = AllowedRange::positive()) {
+  return read_configurations(SettingsNode::parse(text, "table.yaml"), commands, range);
+}
+
+// What it says of a wrong table; empty where it takes it.
+std::string refusal(const std::string& text) {
+  try {
+    read(text);
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ConfigurationTable, KeepsItsOrder) {
+  const auto table = read("configurations: [{name: c, contractions: [1, 1]}, {name: a, contractions: [0.8, 1.1]}]");
+  ASSERT_EQ(table.size(), 2U);
+  EXPECT_EQ(table[0].name, "c");
+  EXPECT_EQ(table[1].name, "a");
+  EXPECT_EQ(table[1].commands, (std::vector<double>{0.8, 1.1}));
+}
+
+TEST(ConfigurationTable, TakesOtherCommandsOfAnotherRange) {
+  const auto table =
+      read("configurations: [{name: a, syringe_ml: [0, 0, 80]}]", "syringe_ml", AllowedRange::not_negative());
+  EXPECT_EQ(table[0].commands, (std::vector<double>{0.0, 0.0, 80.0}));
+}
+
+TEST(ConfigurationTable, RefusesWhatIsNoTable) {
+  EXPECT_NE(refusal("configurations: []").find("configurations is empty"), std::string::npos);
+  EXPECT_NE(refusal("configurations: [{name: a, contractions: []}]").find("contractions is empty"), std::string::npos);
+  EXPECT_NE(refusal("configurations: [{name: '', contractions: [1]}]").find("name is empty"), std::string::npos);
+  EXPECT_NE(refusal("configurations: [{name: a, contractions: [0]}]").find("(0, inf)"), std::string::npos);
+  EXPECT_NE(refusal("configurations: [{name: a, contractions: [1]}, {name: a, contractions: [1]}]").find("'a'"),
+            std::string::npos);
+  EXPECT_NE(refusal("configurations: [{name: a, contractions: [1, 1]}, {name: b, contractions: [1]}]")
+                .find("has 1 numbers, the first configuration 2"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,5 +1,7 @@
 #include "soft_robot_lab/render/sensor_model.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace soft_robot_lab {
@@ -30,6 +32,15 @@ const Field fields[] = {
     {"low_texture_level", &SensorModel::low_texture_level, {0, 1}},
 };
 
+constexpr double exposure_unit_s = 1e-4;  // of CameraSetting
+constexpr double gain_octave = 32;        // steps that double the brightness
+
+void require_within(const char* name, int value, int min, int max) {
+  if (value < min || value > max)
+    throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) + "; allowed: [" +
+                                std::to_string(min) + ", " + std::to_string(max) + "]");
+}
+
 }  // namespace
 
 SensorModel SensorModel::d415() {
@@ -55,6 +66,29 @@ void SensorModel::validate() const {
     if (!field.range.contains(this->*field.value))
       throw std::invalid_argument("sensor." + std::string(field.name) + " is " + std::to_string(this->*field.value) +
                                   "; allowed: " + field.range.to_string());
+}
+
+CameraSetting own_setting(const SensorModel& model) {
+  CameraSetting setting;
+  const CameraSettingLimits limits;
+  if (model.exposure_time_s > 0)
+    setting.exposure = std::clamp(static_cast<int>(std::lround(model.exposure_time_s / exposure_unit_s)),
+                                  limits.min_exposure, limits.max_exposure);
+  return setting;
+}
+
+SensorModel exposed(SensorModel model, const CameraSetting& setting) {
+  const CameraSettingLimits limits;
+  require_within("exposure", setting.exposure, limits.min_exposure, limits.max_exposure);
+  require_within("gain", setting.gain, limits.min_gain, limits.max_gain);
+  if (setting.automatic) return model;
+  const CameraSetting own = own_setting(model);
+  const double gain = std::exp2((setting.gain - own.gain) / gain_octave);
+  model.exposure_gain *= gain * setting.exposure / own.exposure;
+  model.electrons_at_white /= gain;
+  model.read_noise *= gain;
+  if (model.exposure_time_s > 0) model.exposure_time_s = exposure_unit_s * setting.exposure;
+  return model;
 }
 
 SensorModel read_sensor_model(const SettingsNode& node) {

@@ -75,6 +75,7 @@ cv::Mat tuning_view(const cv::Mat& rgb, const DetectorSettings& detector, std::s
   for (const MarkerColour& each : detector.colours) rgb.copyTo(view, colour_mask(hsv, each));
   DetectorSettings by_colour = detector;
   by_colour.method = SegmentationMethod::colour;
+  by_colour.marker_count = 0;
   for (const MarkerBlob& blob : detect_markers(rgb, {{0, 0}, rgb.size()}, by_colour)) {
     const cv::Point centre(static_cast<int>(std::lround(blob.centre_px.x())),
                            static_cast<int>(std::lround(blob.centre_px.y())));

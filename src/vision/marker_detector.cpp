@@ -1,5 +1,6 @@
 #include "soft_robot_lab/vision/marker_detector.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <opencv2/imgproc.hpp>
@@ -52,6 +53,14 @@ MarkerBlob measure(const cv::Mat& rgb, const cv::Mat& labels, int label, const c
   return blob;
 }
 
+// Where it is known how many markers there are, what is smaller is none.
+void keep_largest(int count, std::vector<MarkerBlob>& blobs) {
+  const auto kept = static_cast<std::size_t>(count);
+  if (count <= 0 || blobs.size() <= kept) return;
+  std::stable_sort(blobs.begin(), blobs.end(), [](const auto& a, const auto& b) { return a.area_px > b.area_px; });
+  blobs.resize(kept);
+}
+
 }  // namespace
 
 std::vector<MarkerBlob> detect_markers(const cv::Mat& rgb, const cv::Rect& region, const DetectorSettings& settings) {
@@ -80,6 +89,7 @@ std::vector<MarkerBlob> detect_markers(const cv::Mat& rgb, const cv::Rect& regio
       blobs.push_back(std::move(blob));
     }
   }
+  keep_largest(settings.marker_count, blobs);
   return blobs;
 }
 

@@ -52,6 +52,9 @@ DetectorSettings read_detector(const SettingsNode& node) {
   if (detector.method == SegmentationMethod::colour && detector.colours.empty())
     node.fail("colours: none; allowed: at least one for the method colour");
   detector.value_threshold = node.number_or("value_threshold", detector.value_threshold, {0, 1, true, true});
+  if (node.has("marker_count") && detector.method != SegmentationMethod::contrast)
+    node.fail("marker_count: counts holes; allowed: only with the method contrast");
+  if (node.has("marker_count")) detector.marker_count = node.integer("marker_count", 1, 10000);
   detector.min_area_px = node.number_or("min_area_px", detector.min_area_px, {1, 1e6});
   detector.max_area_px = node.number_or("max_area_px", detector.max_area_px, {detector.min_area_px, 1e7, true});
   detector.min_roundness = node.number_or("min_roundness", detector.min_roundness, {0, 1, false, true});

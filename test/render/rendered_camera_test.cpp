@@ -258,6 +258,52 @@ TEST(Light, MirrorsLampsOnSiliconeOnly) {
   EXPECT_EQ(glossy.at<cv::Vec3b>(60, 156), matt.at<cv::Vec3b>(60, 156));
 }
 
+TEST(Exposure, BrightensWithItsLengthAndDoublesEvery32StepsOfGain) {
+  Seen seen = facing_wall();
+  seen.robot.colour.setConstant(0.2);
+  const SensorModel sensor;
+  const auto level = [&](const CameraSetting& setting) {
+    return cv::mean(take(seen, exposed(sensor, setting), 0.6).colour)[0];
+  };
+  const double own = level(own_setting(sensor));
+  EXPECT_NEAR(own, 51, 0.5);
+  EXPECT_NEAR(level({false, 166, 64}), own, 0.5);
+  EXPECT_NEAR(level({false, 332, 64}), 2 * own, 1);
+  EXPECT_NEAR(level({false, 83, 64}), 0.5 * own, 1);
+  EXPECT_NEAR(level({false, 166, 96}), 2 * own, 1);
+  EXPECT_NEAR(level({false, 166, 0}), 0.25 * own, 1);
+  EXPECT_NEAR(level({true, 332, 128}), own, 0.5) << "what is automatic is the camera's own affair";
+}
+
+TEST(Exposure, GainMakesNoiseBrighterThanALongerExposureDoes) {
+  Seen seen = facing_wall();
+  seen.robot.colour.setConstant(0.2);
+  SensorModel sensor;
+  sensor.electrons_at_white = 1000;
+  sensor.read_noise = 0.01;
+  const auto noise = [&](const CameraSetting& setting) {
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(take(seen, exposed(sensor, setting), 0.6).colour, mean, deviation);
+    EXPECT_NEAR(mean[0], 102, 1);
+    return deviation[0] / 255;
+  };
+  EXPECT_NEAR(noise({false, 332, 64}) / std::sqrt(0.4 / 1000 + 1e-4), 1, 0.05);
+  EXPECT_NEAR(noise({false, 166, 96}) / std::sqrt(0.4 / 500 + 4e-4), 1, 0.05);
+}
+
+TEST(Exposure, SmearsForAsLongAsItIsWhereItSmearsAtAll) {
+  EXPECT_EQ(own_setting(SensorModel::d415()).exposure, 80);
+  EXPECT_NEAR(exposed(SensorModel::d415(), {false, 200, 64}).exposure_time_s, 0.02, 1e-12);
+  EXPECT_EQ(exposed(SensorModel(), {false, 200, 64}).exposure_time_s, 0);
+}
+
+TEST(Exposure, RefusesWhatNoD415Takes) {
+  EXPECT_THROW(exposed({}, {false, 0, 64}), std::invalid_argument);
+  EXPECT_THROW(exposed({}, {false, 10001, 64}), std::invalid_argument);
+  EXPECT_THROW(exposed({}, {false, 166, -1}), std::invalid_argument);
+  EXPECT_THROW(exposed({}, {false, 166, 129}), std::invalid_argument);
+}
+
 // A white board, 1 m/s to the right, before black.
 struct MovingBoard {
   Seen seen = facing_wall(0.05, 2);

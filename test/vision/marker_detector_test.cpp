@@ -125,6 +125,40 @@ TEST(MarkerDetector, ContrastFindsHolesInTheBrightAndMissesMarkersAtItsOutline) 
   EXPECT_EQ(blobs[0].colour, -1);
 }
 
+TEST(MarkerDetector, ContrastKeepsAsManyOfTheLargestHolesAsThereAreMarkers) {
+  DetectorSettings settings;
+  settings.method = SegmentationMethod::contrast;
+  settings.value_threshold = 0.5;
+  cv::Mat image = plain_image(120, 60, kDark);
+  image(cv::Rect(5, 5, 110, 50)) = cv::Scalar(200, 194, 184);
+  const std::vector<double> radii_px = {2.5, 5, 3.5, 6, 3};
+  for (std::size_t i = 0; i < radii_px.size(); ++i)
+    draw_disc(image, {20.0 + 20.0 * double(i), 30}, radii_px[i], {8, 8, 8});
+  EXPECT_EQ(detect(image, settings).size(), 5u);
+  settings.marker_count = 3;
+  const auto blobs = detect(image, settings);
+  ASSERT_EQ(blobs.size(), 3u);
+  const std::vector<double> largest_first_x_px = {80, 40, 60};
+  for (std::size_t i = 0; i < blobs.size(); ++i) EXPECT_NEAR(blobs[i].centre_px.x(), largest_first_x_px[i], 0.05);
+  settings.marker_count = 7;
+  EXPECT_EQ(detect(image, settings).size(), 5u);
+}
+
+TEST(MarkerDetector, ContrastPassesOverWhatIsTooLargeBeforeItCounts) {
+  DetectorSettings settings;
+  settings.method = SegmentationMethod::contrast;
+  settings.value_threshold = 0.5;
+  settings.max_area_px = 200;
+  settings.marker_count = 1;
+  cv::Mat image = plain_image(120, 60, kDark);
+  image(cv::Rect(5, 5, 110, 50)) = cv::Scalar(200, 194, 184);
+  draw_disc(image, {30, 30}, 4, {8, 8, 8});
+  draw_disc(image, {80, 30}, 20, {8, 8, 8});
+  const auto blobs = detect(image, settings);
+  ASSERT_EQ(blobs.size(), 1u);
+  EXPECT_NEAR(blobs[0].centre_px.x(), 30, 0.05);
+}
+
 TEST(MarkerDetector, RefusesAnImageThatIsNotRgb8) {
   EXPECT_THROW(detect(cv::Mat::zeros(10, 10, CV_8U)), std::invalid_argument);
   EXPECT_THROW(detect(cv::Mat()), std::invalid_argument);

@@ -50,6 +50,9 @@ TEST(TrackerSettings, RefusesWhatCannotBeByNameAndRange) {
       {with_range("{hue_deg: [200, 260], value: [.nan, 0.5]}"), "value"},
       {with_range("{}"), "every colour"},
       {with_range("{hue_deg: [200, 260], hues: 3}"), "hues"},
+      {"detector: {method: contrast, marker_count: 0}", "marker_count"},
+      {"detector: {method: contrast, marker_count: 2.5}", "marker_count"},
+      {"detector: {marker_count: 5, colours: {blue: [{hue_deg: [200, 260]}]}}", "only with the method contrast"},
       {"detector: {method: contrast, min_area_px: 0}", "min_area_px"},
       {"detector: {method: contrast, min_area_px: 50, max_area_px: 40}", "max_area_px"},
       {"detector: {method: contrast, min_roundness: 1}", "min_roundness"},
@@ -85,6 +88,11 @@ TEST(TrackerSettings, RefusesWhatCannotBeByNameAndRange) {
       EXPECT_NE(std::string(error.what()).find(refused.words), std::string::npos) << error.what();
     }
   }
+}
+
+TEST(TrackerSettings, ReadsHowManyHolesToKeep) {
+  EXPECT_EQ(parse_tracker("detector: {method: contrast, marker_count: 5}", "here").detector.marker_count, 5);
+  EXPECT_EQ(parse_tracker("detector: {method: contrast}", "here").detector.marker_count, 0);
 }
 
 TEST(TrackerSettings, LoadsEveryTrackerFile) {

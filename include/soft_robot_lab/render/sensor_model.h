@@ -4,6 +4,7 @@
 #include <string>
 
 #include "soft_robot_lab/settings/settings_node.h"
+#include "soft_robot_lab/vision/camera_setting.h"
 
 namespace soft_robot_lab {
 
@@ -48,6 +49,14 @@ struct SensorModel {
   bool moves() const { return exposure_time_s > 0 || readout_time_s > 0; }
   void validate() const;  // throws std::invalid_argument: field, value, allowed range
 };
+
+// The setting at which the model is as its file says: its own exposure, 16.6 ms where it has none, and a gain of 64.
+CameraSetting own_setting(const SensorModel& model);
+// The model at another setting, or itself at an automatic one. Brightness grows with the exposure's length and doubles
+// with every 32 steps of gain (chosen: Intel does not publish the law); gain makes noise brighter too, a longer
+// exposure smears for longer, where the model smears at all. Throws std::invalid_argument: outside
+// CameraSettingLimits{}.
+SensorModel exposed(SensorModel model, const CameraSetting& setting);
 
 // `exact`, `d415`, or a map of this model's keys with `base: exact | d415` for those it does not name.
 SensorModel read_sensor_model(const SettingsNode& node);

@@ -30,6 +30,7 @@ struct DetectorSettings {
   SegmentationMethod method = SegmentationMethod::colour;
   std::vector<MarkerColour> colours;  // for `colour`: at least one
   double value_threshold = 0.35;      // for `contrast`: the robot is brighter, its markers are not; (0, 1)
+  int marker_count = 0;  // for `contrast`: of the holes within the limits below so many of the largest are kept; 0: all
   double min_area_px = 6;
   double max_area_px = 4000;
   double min_roundness = 0.2;       // minor over major axis; a disc seen at 78 degrees

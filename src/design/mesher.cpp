@@ -1,6 +1,5 @@
 #include "soft_robot_lab/design/mesher.h"
 
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -11,10 +10,13 @@
 
 #include <unistd.h>
 
+#include "soft_robot_lab/design/content_cache.h"
 #include "soft_robot_lab/design/content_hash.h"
 #include "soft_robot_lab/design/solid.h"
 #include "soft_robot_lab/design/timed_process.h"
 #include "soft_robot_lab/settings/find_program.h"
+#include "soft_robot_lab/settings/read_file.h"
+#include "soft_robot_lab/settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -23,6 +25,7 @@ namespace fs = std::filesystem;
 
 // Part of every cache key: raise it when mesh_robot makes something else of the same request.
 constexpr const char* kMesherVersion = "soft_robot_lab mesh 2";
+constexpr const char* kEnding = ".msh";
 
 void check_size(const std::string& key, double value) {
   if (std::isfinite(value) && value > 0) return;
@@ -62,7 +65,8 @@ std::string request_text(const MeshRequest& request) {
        << "\nrefinements:" << (request.refinements.empty() ? " []" : "") << "\n";
   for (const MeshRefinement& r : request.refinements) {
     if (!r.surface.empty()) {
-      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << quoted(r.surface) << ", size_m: " << r.size_m << "}\n";
+      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << quoted(r.surface) << ", size_m: " << r.size_m
+           << "}\n";
       continue;
     }
     text << "- {center_m: [" << r.center_m.x() << ", " << r.center_m.y() << ", " << r.center_m.z()
@@ -88,11 +92,9 @@ std::string cache_key(const MeshRequest& request, const std::string& text) {
   hash.add(kMesherVersion);
   hash.add(text);
   for (const std::string& name : referenced_files(request, text)) {
-    std::ifstream file(name, std::ios::binary);
-    std::ostringstream content;
-    if (file.peek() != std::ifstream::traits_type::eof()) content << file.rdbuf();
-    if (!file) throw std::invalid_argument(name + ": cannot be read, or is empty");
-    hash.add(content.str());
+    const std::string content = read_regular_file(name, kLargestMesh_bytes);
+    if (content.empty()) throw std::invalid_argument(name + ": is empty");
+    hash.add(content);
   }
   return hash.hex();
 }
@@ -106,21 +108,6 @@ std::string find_mesher(const MesherOptions& options) {
   if (found.empty()) throw std::runtime_error("mesh_robot was found neither in " + program_folder() + " nor on PATH");
   return found;
 }
-
-// Files with names of their own, removed when they go out of scope.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::string& path) : path_(path) {}
-  ~TemporaryFile() {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 std::string read_text(const std::string& path) {
   std::ifstream file(path);
@@ -158,28 +145,28 @@ std::string cache_folder(const MesherOptions& options) {
   if (fs::path(variable("XDG_CACHE_HOME")).is_absolute())
     return fs::path(variable("XDG_CACHE_HOME")) / "soft_robot_lab";
   if (!variable("HOME").empty()) return fs::path(variable("HOME")) / ".cache" / "soft_robot_lab";
-  return fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(getuid()));
+  // Without a home there is only a folder that all users share: ours in it must be ours.
+  const std::string own = fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(geteuid()));
+  require_private_folder(own);
+  return own;
 }
 
 std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options) {
   check_request(request);
   check_size("time_limit_s", options.time_limit_s);
   const std::string text = request_text(request);
-  const fs::path folder = cache_folder(options);
   const std::string key = cache_key(request, text);
-  const fs::path mesh = folder / (key + ".msh");
-  if (fs::exists(mesh)) return mesh;
+  const ContentCache cache(cache_folder(options));
+  if (const std::string found = cache.find(key, kEnding); !found.empty()) return found;
 
-  fs::create_directories(folder);
-  static std::atomic<int> count{0};
-  const std::string own = (folder / (key + "." + std::to_string(getpid()) + "." + std::to_string(count++))).string();
-  const TemporaryFile request_file(own + ".yaml"), output(own + ".part"), errors(own + ".errors");
-  std::ofstream(request_file.path()) << text;
-  const ProcessEnd end =
-      run_with_limit({find_mesher(options), request_file.path(), output.path()}, errors.path(), options.time_limit_s);
-  require_success(end, read_text(errors.path()), options);
-  fs::rename(output.path(), mesh);  // whole or not at all, also for a second process
-  return mesh;
+  const WorkFolder work(cache.folder());
+  const std::string request_file = work.file("request.yaml"), output = work.file("output.msh"),
+                    errors = work.file("errors");
+  write_file(request_file, text);
+  const ProcessEnd end = run_with_limit({find_mesher(options), request_file, output}, errors, options.time_limit_s);
+  require_success(end, read_text(errors), options);
+  if (!fs::is_regular_file(output)) throw std::runtime_error("the mesher ended without a mesh");
+  return cache.keep(output, key, kEnding);
 }
 
 }  // namespace soft_robot_lab

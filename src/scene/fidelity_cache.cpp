@@ -1,43 +1,39 @@
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
-
 #include "scene/fidelity.h"
 #include "scene/fidelity_json.h"
+#include "soft_robot_lab/design/content_cache.h"
+#include "soft_robot_lab/settings/read_file.h"
+#include "soft_robot_lab/settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr const char* kEnding = ".fidelity.json";
 
-fs::path place(const std::string& key, const SceneOptions& options) {
-  return fs::path(cache_folder(mesher_options(options))) / (key + ".fidelity.json");
-}
+ContentCache cache_of(const SceneOptions& options) { return ContentCache(cache_folder(mesher_options(options))); }
 
 }  // namespace
 
 std::optional<FidelityReport> find_fidelity(const std::string& key, const SceneOptions& options) {
-  std::ifstream file(place(key, options));
-  if (!file) return std::nullopt;
+  const std::string path = cache_of(options).find(key, kEnding);
+  if (path.empty()) return std::nullopt;
   try {
-    nlohmann::ordered_json json;
-    file >> json;
-    FidelityReport report = fidelity_from_json(json);
+    FidelityReport report =
+        fidelity_from_json(nlohmann::ordered_json::parse(read_regular_file(path, kLargestSettings_bytes)));
     report.from_cache = true;
     return report;
   } catch (const nlohmann::json::exception&) {
-    return std::nullopt;  // a damaged file is made anew
+    return std::nullopt;  // of another version
   }
 }
 
 void keep_fidelity(const std::string& key, const FidelityReport& report, const SceneOptions& options) {
-  const fs::path path = place(key, options), part = path.string() + "." + std::to_string(getpid()) + ".part";
-  fs::create_directories(path.parent_path());
+  const ContentCache cache = cache_of(options);
+  const WorkFolder work(cache.folder());
   nlohmann::ordered_json json = fidelity_json(report);
   json["cpu_s"] = report.cpu_s;
-  std::ofstream(part) << json.dump(2) << "\n";
-  fs::rename(part, path);  // whole or not at all, also for a second process
+  const std::string part = work.file("fidelity.json");
+  write_file(part, json.dump(2) + "\n");
+  cache.keep(part, key, kEnding);
 }
 
 }  // namespace soft_robot_lab

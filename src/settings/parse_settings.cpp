@@ -1,25 +1,71 @@
 // From the text of a settings file to its tree.
-#include <fstream>
 #include <sstream>
+#include <unordered_map>
 #include <utility>
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include "settings/settings_data.h"
+#include "soft_robot_lab/settings/read_file.h"
 
 namespace soft_robot_lab {
 namespace {
 
 // Aliases may repeat a part of a document without end; no settings file comes near these.
 constexpr int kMaxDepth = 100;
-constexpr int kMaxNodes = 1000000;
+constexpr long kMaxNodes = 500000;     // of the text
+constexpr long kMaxBytes = 256000000;  // of the tree, with all that aliases repeat
+
+// Counts what a text holds before anything is kept of it: yaml-cpp takes hundreds of bytes for a node of two.
+class NodeCounter : public YAML::EventHandler {
+ public:
+  explicit NodeCounter(const std::string& source) : source_(source) {}
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { count(mark); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { count(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t, const std::string&) override {
+    count(mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    count(mark);
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    count(mark);
+  }
+  void OnMapEnd() override {}
+
+ private:
+  void count(const YAML::Mark& mark) {
+    if (++nodes_ > kMaxNodes)
+      fail_at(source_, mark.line + 1, "",
+              "nested too deep, or too large: more than " + std::to_string(kMaxNodes) + " values and keys");
+  }
+
+  const std::string& source_;
+  long nodes_ = 0;
+};
+
+void check_size(const std::string& text, const std::string& source) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  NodeCounter counter(source);
+  while (parser.HandleNextDocument(counter)) {
+  }
+}
 
 }  // namespace
 
 // `place` carries source, line and path of the node.
-SettingsNode SettingsNode::Data::build(const YAML::Node& yaml, Data place, int depth, int& budget) {
+SettingsNode SettingsNode::Data::build(const YAML::Node& yaml, Data place, int depth, long& bytes_left) {
   auto data = std::make_shared<Data>(std::move(place));
-  if (depth > kMaxDepth || --budget < 0) fail_at(data->source, data->line, data->path, "nested too deep, or too large");
+  bytes_left -= static_cast<long>(sizeof(Data) + sizeof(Member) + data->source.size() + 2 * data->path.size());
+  if (yaml.IsScalar()) bytes_left -= static_cast<long>(yaml.Scalar().size());
+  if (depth > kMaxDepth || bytes_left < 0)
+    fail_at(data->source, data->line, data->path, "nested too deep, or too large");
   const auto place_below = [&](const YAML::Mark& mark, const std::string& path) {
     Data below;
     below.source = data->source;
@@ -35,45 +81,48 @@ SettingsNode SettingsNode::Data::build(const YAML::Node& yaml, Data place, int d
     data->kind = Kind::sequence;
     for (const YAML::Node& item : yaml) {
       const std::string path = data->path + "[" + std::to_string(data->items.size()) + "]";
-      data->items.push_back(build(item, place_below(item.Mark(), path), depth + 1, budget));
+      data->items.push_back(build(item, place_below(item.Mark(), path), depth + 1, bytes_left));
     }
   } else if (yaml.IsMap()) {
     data->kind = Kind::map;
+    std::unordered_map<std::string, int> first_line;
     for (const auto& pair : yaml) {
       Data below = place_below(pair.first.Mark(), data->path);
       if (!pair.first.IsScalar()) fail_at(below.source, below.line, below.path, "a key must be a word");
       const std::string& key = pair.first.Scalar();
-      for (const Member& member : data->members) {
-        if (member.key != key) continue;
+      const auto [first, is_new] = first_line.emplace(key, below.line);
+      if (!is_new)
         fail_at(below.source, below.line, below.path,
-                "key '" + key + "' stands twice, first in line " + std::to_string(member.line));
-      }
+                "key '" + key + "' stands twice, first in line " + std::to_string(first->second));
       below.path += (below.path.empty() ? "" : ".") + key;
       const int line = below.line;
       data->members.push_back(
-          {key, data->source, line, build(pair.second, std::move(below), depth + 1, budget), false});
+          {key, data->source, line, build(pair.second, std::move(below), depth + 1, bytes_left), false});
     }
   }
   return SettingsNode(std::move(data));
 }
 
 SettingsNode SettingsNode::load_file(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (file) text << file.rdbuf();
-  if (!file || file.bad() || text.fail()) throw SettingsError(path + ": cannot be read, or is empty");
-  return parse(text.str(), path);
+  std::string text;
+  try {
+    text = read_regular_file(path, kLargestSettings_bytes);
+  } catch (const std::invalid_argument& error) {
+    throw SettingsError(error.what());
+  }
+  return parse(text, path);
 }
 
 SettingsNode SettingsNode::parse(const std::string& text, const std::string& source_name) {
   Data root;
   root.source = source_name;
-  int budget = kMaxNodes;
+  long bytes_left = kMaxBytes;
   try {
+    check_size(text, source_name);
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.empty()) throw SettingsError(source_name + ": is empty");
     if (documents.size() > 1) throw SettingsError(source_name + ": holds more than one YAML document");
-    return Data::build(documents[0], std::move(root), 0, budget);
+    return Data::build(documents[0], std::move(root), 0, bytes_left);
   } catch (const YAML::Exception& error) {
     fail_at(source_name, error.mark.is_null() ? 1 : error.mark.line + 1, "", "not YAML: " + error.msg);
   }

@@ -33,7 +33,7 @@ struct SettingsNode::Data {
   std::vector<Member> members;
   std::vector<std::string> asked;  // keys that a reader looked for, in that order
 
-  static SettingsNode build(const YAML::Node& yaml, Data place, int depth, int& budget);
+  static SettingsNode build(const YAML::Node& yaml, Data place, int depth, long& bytes_left);
   static SettingsNode copy(const SettingsNode& node);
   static SettingsNode lay_over(const SettingsNode& base, const SettingsNode& overlay);
   static SettingsNode change_named(const SettingsNode& list, const SettingsNode& changes);

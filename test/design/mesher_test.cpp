@@ -13,7 +13,11 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include "soft_robot_lab/design/content_cache.h"
 #include "soft_robot_lab/design/content_hash.h"
 #include "soft_robot_lab/settings/settings_node.h"
 
@@ -21,6 +25,19 @@ namespace soft_robot_lab {
 namespace {
 
 namespace fs = std::filesystem;
+
+// A variable of the environment as long as this lives.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name), before_(std::getenv(name) ? std::getenv(name) : "") {
+    setenv(name, value, 1);
+  }
+  ~Environment() { setenv(name_, before_.c_str(), 1); }
+
+ private:
+  const char* name_;
+  std::string before_;
+};
 
 class MeshFileFor : public testing::Test {
  protected:
@@ -31,6 +48,15 @@ class MeshFileFor : public testing::Test {
     request_.solid_yaml = "{sphere: {radius_m: 0.1, center_m: [0, 0, 0]}}";
   }
   ~MeshFileFor() override { fs::remove_all(folder_); }
+
+  static bool is_alive(pid_t process) {
+    std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+    const std::string stat{std::istreambuf_iterator<char>(file), {}};
+    return kill(process, 0) == 0 && stat.find(") Z") == std::string::npos;
+  }
+  static void wait_for(const std::function<bool()>& condition) {
+    for (int i = 0; i < 500 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
 
   // A mesher that notes each run and then does what `body` says, with the request in $1 and the output in $2.
   void use_script(const std::string& body) {
@@ -132,10 +158,96 @@ TEST_F(MeshFileFor, StopsTheMesherAndItsChildrenAfterTheTimeLimit) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
   EXPECT_EQ(cached_files(), 0);
   const pid_t child = std::stoi(text_of(folder_ / "child"));
-  const std::string state = "/proc/" + std::to_string(child) + "/stat";
-  const auto alive = [&] { return kill(child, 0) == 0 && text_of(state).find(") Z") == std::string::npos; };
-  for (int i = 0; i < 100 && alive(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  EXPECT_FALSE(alive());
+  wait_for([&] { return !is_alive(child); });
+  EXPECT_FALSE(is_alive(child));
+}
+
+// However a program ends that meshes: its mesher ends with it, and the next one clears up.
+TEST_F(MeshFileFor, LeavesNoMesherBehind) {
+  const fs::path note = folder_ / "mesher";
+  use_script("trap '' TERM INT\necho $$ > '" + note.string() + ".new'; mv '" + note.string() + ".new' '" +
+             note.string() + "'\nwhile :; do :; done");
+  for (const int signal : {SIGINT, SIGTERM, SIGKILL}) {
+    fs::remove(note);
+    const pid_t program = fork();
+    if (program == 0) {
+      std::signal(signal, SIG_DFL);
+      mesh_file_for(request_, options_);
+      _exit(0);
+    }
+    wait_for([&] { return fs::exists(note); });
+    const pid_t mesher = std::stoi(text_of(note));
+    EXPECT_TRUE(is_alive(mesher));
+    kill(program, signal);
+    waitpid(program, nullptr, 0);
+    wait_for([&] { return !is_alive(mesher); });
+    EXPECT_FALSE(is_alive(mesher)) << "signal " << signal;
+    kill(mesher, SIGKILL);
+  }
+  EXPECT_EQ(cached_files(), 3);  // what they were making
+  for (const auto& entry : fs::directory_iterator(options_.cache_folder))
+    fs::last_write_time(entry, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  use_script("cp \"$1\" \"$2\"");
+  mesh_file_for(request_, options_);
+  EXPECT_EQ(cached_files(), 1);
+}
+
+TEST_F(MeshFileFor, LeavesAloneWhatOthersAreMaking) {
+  const WorkFolder work(options_.cache_folder);
+  std::ofstream(work.file("a")) << "a";
+  for (const auto& entry : fs::directory_iterator(options_.cache_folder))
+    fs::last_write_time(entry, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  use_script("cp \"$1\" \"$2\"");
+  mesh_file_for(request_, options_);
+  EXPECT_TRUE(fs::exists(work.file("a")));
+}
+
+TEST_F(MeshFileFor, LimitsTheMeshersProcessorTime) {
+  use_script("ulimit -t > \"$2\"");
+  options_.time_limit_s = 7;
+  EXPECT_EQ(text_of(mesh_file_for(request_, options_)),
+            std::to_string(7 * std::max(1U, std::thread::hardware_concurrency()) + 1) + "\n");
+}
+
+TEST_F(MeshFileFor, MeshesAgainWhereTheCacheIsDamagedOrEdited) {
+  use_script("cp \"$1\" \"$2\"");
+  const std::string file = mesh_file_for(request_, options_), text = text_of(file);
+  std::ofstream(file) << text.substr(0, text.size() / 2);
+  EXPECT_EQ(text_of(mesh_file_for(request_, options_)), text);
+  std::ofstream(file, std::ios::app) << " ";
+  EXPECT_EQ(text_of(mesh_file_for(request_, options_)), text);
+  fs::remove(file);
+  fs::create_symlink("/dev/zero", file);
+  EXPECT_EQ(text_of(mesh_file_for(request_, options_)), text);
+  fs::remove(file);
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  EXPECT_EQ(text_of(mesh_file_for(request_, options_)), text);
+  EXPECT_EQ(runs(), 5);
+  EXPECT_EQ(cached_files(), 1);
+}
+
+TEST_F(MeshFileFor, DoesNotTakeTheMeshOfAnotherUser) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give files away";
+  use_script("cp \"$1\" \"$2\"");
+  const std::string file = mesh_file_for(request_, options_);
+  ASSERT_EQ(chown(file.c_str(), 65534, 65534), 0);
+  mesh_file_for(request_, options_);
+  EXPECT_EQ(runs(), 2);
+}
+
+TEST_F(MeshFileFor, KeepsMeshesInAFolderOfItsOwnWithoutAHome) {
+  use_script("cp \"$1\" \"$2\"");
+  options_.cache_folder.clear();
+  const Environment home("HOME", ""), xdg("XDG_CACHE_HOME", ""), temporary("TMPDIR", folder_.c_str());
+  const fs::path own = fs::path(mesh_file_for(request_, options_)).parent_path();
+  EXPECT_EQ(own, folder_ / ("soft_robot_lab_" + std::to_string(geteuid())));
+  EXPECT_EQ(fs::status(own).permissions(), fs::perms::owner_all);
+  fs::permissions(own, fs::perms::all);
+  EXPECT_NE(refusal<std::runtime_error>().find("others may write there"), std::string::npos);
+  fs::rename(own, folder_ / "elsewhere");
+  fs::permissions(folder_ / "elsewhere", fs::perms::owner_all);
+  fs::create_directory_symlink(folder_ / "elsewhere", own);
+  EXPECT_NE(refusal<std::runtime_error>().find("others may write there"), std::string::npos);
 }
 
 TEST_F(MeshFileFor, PassesOnTheMeshersWords) {
@@ -169,6 +281,10 @@ TEST_F(MeshFileFor, RefusesBadRequests) {
   EXPECT_TRUE(refuses([](MeshRequest& r) {
     r.solid_yaml.clear();
     r.mesh_file = "/no/such/file.msh";
+  }));
+  EXPECT_TRUE(refuses([](MeshRequest& r) {
+    r.solid_yaml.clear();
+    r.mesh_file = "/dev/zero";
   }));
   EXPECT_EQ(runs(), 0);
   request_ = good;

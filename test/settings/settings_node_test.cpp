@@ -1,9 +1,15 @@
 #include "soft_robot_lab/settings/settings_node.h"
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "soft_robot_lab/settings/cpu_time.h"
+#include "soft_robot_lab/settings/read_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -147,6 +153,49 @@ TEST(SettingsNode, RefusesDocumentsThatUnfoldWithoutEnd) {
     bomb += below + "]\n";
   }
   EXPECT_THROW(parse(bomb), SettingsError);
+}
+
+// Few nodes, but each repeats a long text, or a long list of short ones.
+TEST(SettingsNode, CountsTheBytesThatAliasesRepeat) {
+  std::string text = "long: &long " + std::string(1000000, 'x') + "\nall: [";
+  for (int i = 0; i < 1000; ++i) text += "*long, ";
+  EXPECT_NE(error_of([&] { parse(text + "1]\n"); }).find("too large"), std::string::npos);
+  text = "list: &list [";
+  for (int i = 0; i < 3000; ++i) text += "1, ";
+  text += "1]\nall: [";
+  for (int i = 0; i < 3000; ++i) text += "*list, ";
+  EXPECT_NE(error_of([&] { parse(text + "1]\n"); }).find("too large"), std::string::npos);
+}
+
+TEST(SettingsNode, RefusesTextsOfTooManyNodes) {
+  std::string text = "[";
+  for (int i = 0; i < 600000; ++i) text += "1,";
+  EXPECT_NE(error_of([&] { parse(text + "1]"); }).find("more than 500000 values and keys"), std::string::npos);
+}
+
+// 1e10 comparisons of keys, were they quadratic, would take a minute.
+TEST(SettingsNode, ReadsAHundredThousandKeys) {
+  std::string text;
+  for (int i = 0; i < 100000; ++i) text += "a_rather_long_common_beginning_of_keys_" + std::to_string(i) + ": 1\n";
+  const double start_s = cpu_time_s();
+  const SettingsNode node = parse(text);
+  EXPECT_NE(error_of([&] { node.require_all_read(); }).find("unknown key"), std::string::npos);
+  EXPECT_LT(cpu_time_s() - start_s, 10.0);
+}
+
+TEST(SettingsNode, ReadsRegularFilesOnly) {
+  const std::string pipe = testing::TempDir() + "settings_node_test.pipe", large = pipe + ".large";
+  unlink(pipe.c_str());
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(error_of([&] { SettingsNode::load_file(pipe); }), pipe + ": cannot be read: it is no regular file");
+  EXPECT_EQ(error_of([] { SettingsNode::load_file("/dev/zero"); }), "/dev/zero: cannot be read: it is no regular file");
+  EXPECT_EQ(error_of([] { SettingsNode::load_file("/"); }), "/: cannot be read: it is a folder");
+  std::ofstream(large) << "a: 1\n";
+  std::filesystem::resize_file(large, kLargestSettings_bytes + 1);
+  EXPECT_EQ(error_of([&] { SettingsNode::load_file(large); }),
+            large + ": cannot be read: 16777217 bytes are out of range [0, 16777216]");
+  unlink(pipe.c_str());
+  unlink(large.c_str());
 }
 
 TEST(SettingsNode, LoadsAFileUnderItsName) {

@@ -11,8 +11,8 @@ namespace soft_robot_lab {
 
 class SettingsNode;
 
-// Where elements shall be no larger than `size_m`: in a ball, around a cable's plug for instance, or along a named surface
-// of the solid, or along the edges of that surface's sides, where stresses peak.
+// Where elements shall be no larger than `size_m`: in a ball, around a cable's plug for instance, or along a named
+// surface of the solid, or along the edges of that surface's sides, where stresses peak.
 struct MeshRefinement {
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
   double radius_m = 0.0;  // does nothing, as center_m, where a surface is named
@@ -33,8 +33,9 @@ struct MeshRequest {
 };
 
 struct MesherOptions {
-  std::string program;       // mesh_robot; empty: beside the running program, in ../lib/soft_robot_lab, then on PATH
-  std::string cache_folder;  // empty: $XDG_CACHE_HOME/soft_robot_lab, or ~/.cache/soft_robot_lab
+  std::string program;  // mesh_robot; empty: beside the running program, in ../lib/soft_robot_lab, then on PATH
+  // Empty: $XDG_CACHE_HOME/soft_robot_lab, or ~/.cache/soft_robot_lab, or a private folder among temporary files.
+  std::string cache_folder;
   double time_limit_s = 120.0;
 };
 

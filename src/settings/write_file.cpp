@@ -1,0 +1,73 @@
+#include "soft_robot_lab/settings/write_file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& path, int error) {
+  throw std::runtime_error(path + ": cannot be written: " + std::strerror(error));
+}
+
+// 0, or why not.
+int write_all(int file, const std::string& text) {
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t count = write(file, text.data() + done, text.size() - done);
+    if (count < 0 && errno != EINTR) return errno;
+    if (count > 0) done += static_cast<std::size_t>(count);
+  }
+  return 0;
+}
+
+// Some disks are found full only here.
+int write_and_close(int file, const std::string& text) {
+  const int error = write_all(file, text);
+  const int at_end = close(file) == 0 ? 0 : errno;
+  return error != 0 ? error : at_end;
+}
+
+void write_in_place(const std::string& path, const std::string& text) {
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (file < 0) refuse(path, errno);
+  if (const int error = write_and_close(file, text); error != 0) refuse(path, error);
+}
+
+// Where the path leads through links; the file itself need not be there.
+fs::path place_of(const std::string& path) {
+  std::error_code ignored;
+  const fs::path place = fs::weakly_canonical(path, ignored);
+  return place.empty() ? fs::path(path) : place;
+}
+
+}  // namespace
+
+void write_file(const std::string& path, const std::string& text) {
+  struct stat old {};
+  const bool exists = stat(path.c_str(), &old) == 0;
+  if (exists && !S_ISREG(old.st_mode)) return write_in_place(path, text);
+  if (exists && access(path.c_str(), W_OK) != 0) refuse(path, errno);
+  const fs::path place = place_of(path);
+  const std::string part = place.string() + "." + std::to_string(getpid()) + ".part";
+  const int file = open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (file < 0 && exists) return write_in_place(path, text);  // a file that may be written to, in a folder that may not
+  if (file < 0) refuse(path, errno);
+  if (exists) fchmod(file, old.st_mode & 07777);
+  int error = write_and_close(file, text);
+  if (error == 0 && std::rename(part.c_str(), place.c_str()) != 0) error = errno;
+  if (error == 0) return;
+  unlink(part.c_str());
+  refuse(path, error);
+}
+
+}  // namespace soft_robot_lab

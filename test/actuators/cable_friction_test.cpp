@@ -38,6 +38,15 @@ Simulation ring(double friction_coefficient, int points) {
   return Simulation(std::move(body), std::move(actuators), {}, SolverOptions{});
 }
 
+// The drive's tension of the ring's cable, by hand. Held silicone lets it only stretch, by compliance times its mean
+// tension, which falls along the arc only: T0 over the first fifth, T0 exp(-mu angle) over the middle three, and what
+// is left over the last.
+double drive_tension_n(double mu, double stretch_m) {
+  const double turn = mu * M_PI / 2, compliance_m_n = 1.0e-4;
+  const double over_the_arc = turn > 0.0 ? (1.0 - std::exp(-turn)) / turn : 1.0;
+  return stretch_m / compliance_m_n / (0.2 + 0.6 * over_the_arc + 0.2 * std::exp(-turn));
+}
+
 TEST(CableFriction, FollowsTheCapstanFormulaAroundABentBody) {
   for (const double mu : {0.0, 0.1, 0.5}) {
     Simulation simulation = ring(mu, 20);
@@ -46,7 +55,8 @@ TEST(CableFriction, FollowsTheCapstanFormulaAroundABentBody) {
     const ActuatorReading pulled = simulation.actuator_state(0);
     EXPECT_NEAR(pulled.span_tensions_n.front() / pulled.span_tensions_n.back(), std::exp(mu * M_PI / 2),
                 0.01 * std::exp(mu * M_PI / 2));
-    EXPECT_NEAR(*pulled.stretch_m, 0.01 * *pulled.rest_length_m, 1e-9);
+    const double drive_n = drive_tension_n(mu, 0.01 * *pulled.rest_length_m);
+    EXPECT_NEAR(*pulled.tension_n, drive_n, 0.01 * drive_n);
 
     simulation.set_command("cable", 0.9902);  // a little back: the drive's end slips first, the far end sticks
     ASSERT_TRUE(simulation.solve_equilibrium().converged);

@@ -74,9 +74,9 @@ TEST_F(ChamberExperiments, TheCuboidComesToTheReferencesVolumeAndPressure) {
     for (const auto& row : result.table.rows) {
       const double volume_m3 = 1e-6 * number(result, row, "volume [ml]"),
                    pressure_pa = number(result, row, "pressure [Pa]");
-      EXPECT_NEAR(volume_m3 / reference.number("V_m3"), 1.0, 2e-3);
       EXPECT_NEAR(pressure_pa, 101000.0 * (beta * 2.36531e-5 / volume_m3 - 1.0), 1e-5 * 101000.0);
     }
+    EXPECT_NEAR(1e-6 * number(result, result.table.rows[1], "volume [ml]") / reference.number("V_m3"), 1.0, 2e-3);
     EXPECT_NEAR(number(result, result.table.rows[1], "pressure [Pa]") / reference.number("P_gauge_Pa"), 1.0, 0.03);
     EXPECT_NEAR(result.numbers["worst_pressure_error"]["fine"].get<double>(),
                 std::abs(number(result, result.table.rows[1], "pressure [Pa]") / reference.number("P_gauge_Pa") - 1.0),

@@ -10,15 +10,24 @@ namespace soft_robot_lab {
 namespace {
 
 struct StiffnessSettings {
-  std::string robot, cable_keys;
-  double contraction = 1.0, time_step_s = 0.0, duration_s = 0.0, last_s = 0.0;
-  double largest_error_m = 0.0;  // shorter than commanded: a run is given up
-  int largest_iterations = 0;    // of a run, likewise
+  std::string robot, cable_keys, gravity;
+  double contraction = 1.0, time_step_s = 0.0, short_step_s = 0.0, duration_s = 0.0, last_s = 0.0;
+  double settled_swing_m = 0.0;            // in the last part: a cable that swings no further has settled
+  double largest_error_m = 0.0;            // shorter than commanded, or longer than at rest: a run is given up
+  double largest_iterations_a_step = 0.0;  // on average of a whole run, likewise
+  double damping_n_s_m = 0.0;              // of springs
   std::vector<double> stiffnesses_n_m, sliding_stiffnesses_n_m;
+  std::vector<std::string> source_found;  // at each of the stiffnesses
 };
 
-enum class Model { sliding, implicit_springs, explicit_springs };
-const char* const kModelNames[] = {"sliding", "implicit springs", "explicit springs"};
+enum class Model { sliding, implicit_springs, explicit_springs, short_explicit_springs };
+constexpr Model kModels[] = {Model::sliding, Model::implicit_springs, Model::explicit_springs,
+                             Model::short_explicit_springs};
+const char* const kModelNames[] = {"sliding", "implicit springs", "explicit springs",
+                                   "explicit springs in short steps"};
+
+const char* name_of(Model model) { return kModelNames[static_cast<int>(model)]; }
+bool is_explicit(Model model) { return model == Model::explicit_springs || model == Model::short_explicit_springs; }
 
 struct StiffnessRun {
   Model model = Model::sliding;
@@ -27,27 +36,42 @@ struct StiffnessRun {
   ActuatorReading end;
   double overshoot_m = 0.0;  // shorter than at the end, at worst
   double swing_m = 0.0;      // half of longest less shortest in the last part
-  std::string given_up;      // why; empty where the whole run was done
+  bool settles = false;
+  std::string given_up;  // why; empty where the whole run was done
 };
+
+void read_stiffnesses(const SettingsNode& node, StiffnessSettings& settings) {
+  for (const SettingsNode& item : node.sequence("source")) {
+    settings.stiffnesses_n_m.push_back(item.number("stiffness_n_m", AllowedRange::positive()));
+    settings.source_found.push_back(item.text("found"));
+  }
+  for (const SettingsNode& k : node.sequence("sliding_stiffnesses_n_m"))
+    settings.sliding_stiffnesses_n_m.push_back(k.as_number(AllowedRange::positive()));
+  if (settings.stiffnesses_n_m.empty()) node.fail("source is empty");
+}
 
 StiffnessSettings read_settings(const ExperimentContext& context) {
   const SettingsNode node = SettingsNode::load_file(context.settings_file("4.3.2"));
   StiffnessSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
   settings.cable_keys = node.text("cable");
+  settings.gravity = node.child("gravity_m_s2").dump();
   settings.contraction = node.number("contraction", AllowedRange::positive());
   settings.time_step_s = node.number("time_step_s", AllowedRange::positive());
+  settings.short_step_s = node.number("short_step_s", AllowedRange::positive());
   settings.duration_s = node.number("duration_s", AllowedRange::positive());
   settings.last_s = node.number("last_s", AllowedRange::positive());
+  settings.settled_swing_m = node.number("settled_swing_m", AllowedRange::positive());
   settings.largest_error_m = node.number("largest_error_m", AllowedRange::positive());
-  settings.largest_iterations = static_cast<int>(node.number("largest_iterations", AllowedRange::positive()));
-  for (const SettingsNode& k : node.sequence("stiffnesses_n_m"))
-    settings.stiffnesses_n_m.push_back(k.as_number(AllowedRange::positive()));
-  for (const SettingsNode& k : node.sequence("sliding_stiffnesses_n_m"))
-    settings.sliding_stiffnesses_n_m.push_back(k.as_number(AllowedRange::positive()));
-  if (settings.stiffnesses_n_m.empty()) node.fail("stiffnesses_n_m is empty");
+  settings.largest_iterations_a_step = node.number("largest_iterations_a_step", AllowedRange::positive());
+  settings.damping_n_s_m = node.number("damping_n_s_m", AllowedRange::not_negative());
+  read_stiffnesses(node, settings);
   node.require_all_read();
   return settings;
+}
+
+double time_step_s(const StiffnessSettings& settings, Model model) {
+  return model == Model::short_explicit_springs ? settings.short_step_s : settings.time_step_s;
 }
 
 // The robot's own cable, but for its model.
@@ -55,8 +79,8 @@ std::string cable_yaml(const StiffnessSettings& settings, const Simulation& robo
   std::ostringstream text;
   text.precision(12);
   const ActuatorReading cable = robot.actuator_state(0);
-  text << "solver: {time_step_s: " << settings.time_step_s
-       << (model == Model::explicit_springs ? ", max_iterations: 8" : "")  // a step that diverges is no use repeated
+  text << "gravity_m_s2: " << settings.gravity << "\nsolver: {time_step_s: " << time_step_s(settings, model)
+       << (is_explicit(model) ? ", max_iterations: 8" : "")  // a step that diverges is no use repeated
        << "}\ncables: [{name: " << cable.name << ", points_m: [";
   for (const Eigen::Vector3d& point : cable.path_m)
     text << (&point == &cable.path_m.front() ? "" : ", ") << "[" << point.x() << ", " << point.y() << ", " << point.z()
@@ -65,8 +89,8 @@ std::string cable_yaml(const StiffnessSettings& settings, const Simulation& robo
   if (model == Model::sliding)
     text << ", compliance_m_n: " << (stiffness_n_m > 0.0 ? 1.0 / stiffness_n_m : 0.0);
   else
-    text << ", model: springs, stiffness_n_m: " << stiffness_n_m
-         << ", integration: " << (model == Model::explicit_springs ? "explicit" : "implicit");
+    text << ", model: springs, stiffness_n_m: " << stiffness_n_m << ", damping_n_s_m: " << settings.damping_n_s_m
+         << ", integration: " << (is_explicit(model) ? "explicit" : "implicit");
   text << "}]\n";
   return text.str();
 }
@@ -85,6 +109,7 @@ void measure(const StiffnessSettings& settings, StiffnessRun& run) {
   const auto [least, most] =
       std::minmax_element(run.length_m.begin() + (from - run.time_s.begin()), run.length_m.end());
   run.swing_m = 0.5 * (*most - *least);
+  run.settles = run.given_up.empty() && run.swing_m <= settings.settled_swing_m;
 }
 
 StiffnessRun pull(const ExperimentContext& context, const StiffnessSettings& settings, Model model,
@@ -99,15 +124,17 @@ StiffnessRun pull(const ExperimentContext& context, const StiffnessSettings& set
   run.time_s = {0.0};
   run.length_m = {*simulation.actuator_state(0).length_m};
   simulation.set_command(simulation.actuator_state(0).name, settings.contraction);
-  const long steps = std::lround(settings.duration_s / settings.time_step_s);
+  const long steps = std::lround(settings.duration_s / simulation.options().time_step_s);
+  const double most_iterations = settings.largest_iterations_a_step * static_cast<double>(steps);
   int iterations = 0;
   for (long i = 0; i < steps && run.given_up.empty(); ++i) {
     const SolveReport report = simulation.step();
     iterations += report.iterations;
     if (!report.converged) run.given_up = "a step found no solution";
-    if (iterations > settings.largest_iterations) run.given_up = "too many iterations";
+    if (iterations > most_iterations) run.given_up = "too many iterations";
     const ActuatorReading cable = simulation.actuator_state(0);
     if (*cable.length_m < *cable.commanded_length_m - settings.largest_error_m) run.given_up = "crushes the bar";
+    if (*cable.length_m > *cable.rest_length_m + settings.largest_error_m) run.given_up = "throws the bar about";
     run.time_s.push_back(simulation.state().time_s);
     run.length_m.push_back(*cable.length_m);
   }
@@ -118,7 +145,7 @@ StiffnessRun pull(const ExperimentContext& context, const StiffnessSettings& set
 
 std::vector<StiffnessRun> pull_all(const ExperimentContext& context, const StiffnessSettings& settings) {
   std::vector<std::pair<Model, double>> wanted;
-  for (const Model model : {Model::sliding, Model::implicit_springs, Model::explicit_springs}) {
+  for (const Model model : kModels) {
     for (const double k : settings.stiffnesses_n_m) wanted.emplace_back(model, k);
     if (model != Model::sliding) continue;
     for (const double k : settings.sliding_stiffnesses_n_m) wanted.emplace_back(model, k);
@@ -127,19 +154,27 @@ std::vector<StiffnessRun> pull_all(const ExperimentContext& context, const Stiff
   std::vector<StiffnessRun> runs;
   for (const auto& [model, k] : wanted) {
     std::ostringstream what;
-    what << kModelNames[static_cast<int>(model)] << ", " << k << " N/m";
+    what << name_of(model) << ", " << k << " N/m";
     context.tell(double(runs.size()) / double(wanted.size()), what.str());
     runs.push_back(pull(context, settings, model, k));
   }
   return runs;
 }
 
-Plot length_plot(const std::vector<StiffnessRun>& runs, Model model) {
-  const std::string name = kModelNames[static_cast<int>(model)];
-  Plot plot{"4.3.2_" + name, "Hanging bar pulled to 95 %: length of the cable, " + name, {}, {}};
-  std::replace(plot.name.begin(), plot.name.end(), ' ', '_');
+std::string underscored(std::string words) {
+  std::replace(words.begin(), words.end(), ' ', '_');
+  return words;
+}
+
+Plot length_plot(const StiffnessSettings& settings, const std::vector<StiffnessRun>& runs, Model model) {
+  const std::string name = name_of(model);
+  Plot plot{"4.3.2_" + underscored(name), "Hanging bar pulled to 95 %: length of the cable, " + name, {}, {}};
   plot.x.label = "time [s]";
   plot.y.label = "length [mm]";
+  const double rest_m = *runs.front().end.rest_length_m, wanted_m = settings.contraction * rest_m;
+  plot.y.guides = {1e3 * wanted_m};
+  plot.y.min = 1e3 * (wanted_m - 0.5 * settings.largest_error_m);  // those that go wild leave the picture
+  plot.y.max = 1e3 * (rest_m + 0.5 * settings.largest_error_m);
   for (const StiffnessRun& run : runs) {
     if (run.model != model) continue;
     Series series{label(run) + (run.given_up.empty() ? "" : ", given up"), run.time_s, {}, SeriesStyle::lines};
@@ -149,45 +184,97 @@ Plot length_plot(const std::vector<StiffnessRun>& runs, Model model) {
   return plot;
 }
 
-void add_row(const StiffnessSettings& settings, const StiffnessRun& run, ExperimentResult& result) {
-  const double rest_m = *run.end.rest_length_m, wanted_m = settings.contraction * rest_m;
-  const double last_m = run.length_m.back(), off_m = last_m - wanted_m, stretch_m = run.end.stretch_m.value_or(0.0);
-  result.table.rows.push_back({kModelNames[static_cast<int>(run.model)], label(run), run.time_s.back(), 1e3 * last_m,
-                               1e3 * off_m, 1e3 * stretch_m, 1e3 * run.overshoot_m, 1e3 * run.swing_m,
-                               run.end.tension_n.value_or(0.0), run.given_up});
-  std::string model = kModelNames[static_cast<int>(run.model)];
-  std::replace(model.begin(), model.end(), ' ', '_');
-  result.numbers[model][label(run)] = {{"final_length_m", last_m},
-                                       {"stretch_m", stretch_m},
-                                       {"overshoot_m", run.overshoot_m},
-                                       {"swing_m", run.swing_m},
-                                       {"until_s", run.time_s.back()}};
+std::string what_it_does(const StiffnessRun& run) {
+  if (!run.given_up.empty()) return "given up: " + run.given_up;
+  return run.settles ? "settles" : "oscillates";
+}
+
+// What the source found at this stiffness; "" where it tried none such.
+std::string source_found(const StiffnessSettings& settings, double stiffness_n_m) {
+  for (std::size_t i = 0; i < settings.stiffnesses_n_m.size(); ++i)
+    if (settings.stiffnesses_n_m[i] == stiffness_n_m) return settings.source_found[i];
+  return "";
+}
+
+double off_m(const StiffnessSettings& settings, const StiffnessRun& run) {
+  return run.length_m.back() - settings.contraction * *run.end.rest_length_m;
+}
+
+void add_row(const StiffnessSettings& settings, const StiffnessRun& run, Table& table) {
+  table.rows.push_back({name_of(run.model), label(run), source_found(settings, run.stiffness_n_m), what_it_does(run),
+                        run.time_s.back(), 1e3 * run.length_m.back(), 1e3 * off_m(settings, run),
+                        1e3 * run.end.stretch_m.value_or(0.0), 1e3 * run.overshoot_m, 1e3 * run.swing_m,
+                        run.end.tension_n.value_or(0.0)});
+}
+
+nlohmann::ordered_json numbers(const StiffnessRun& run) {
+  return {{"final_length_m", run.length_m.back()},
+          {"stretch_m", run.end.stretch_m.value_or(0.0)},
+          {"overshoot_m", run.overshoot_m},
+          {"swing_m", run.swing_m},
+          {"settles", run.settles},
+          {"until_s", run.time_s.back()},
+          {"given_up", run.given_up}};
+}
+
+// One entry for each of the source's stiffnesses, with what every kind of cable does there.
+nlohmann::ordered_json stiffness_numbers(const StiffnessSettings& settings, const std::vector<StiffnessRun>& runs) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const double k : settings.stiffnesses_n_m) {
+    nlohmann::ordered_json entry = {{"stiffness_n_m", k}, {"source_found", source_found(settings, k)}};
+    for (const StiffnessRun& run : runs)
+      if (run.stiffness_n_m == k) entry[underscored(name_of(run.model))] = numbers(run);
+    all.push_back(entry);
+  }
+  return all;
+}
+
+std::string each(const StiffnessSettings& settings, const std::vector<StiffnessRun>& runs, Model model) {
+  std::ostringstream text;
+  text.precision(3);
+  for (const StiffnessRun& run : runs) {
+    if (run.model != model) continue;
+    text << (text.tellp() > 0 ? "; " : "") << label(run) << ": " << what_it_does(run);
+    if (run.given_up.empty())
+      text << " " << 1e3 * off_m(settings, run) << " mm off, swing " << 1e3 * run.swing_m << " mm";
+    else
+      text << " at " << run.time_s.back() << " s";
+  }
+  return text.str();
+}
+
+const StiffnessRun& softest(const std::vector<StiffnessRun>& runs, Model model) {
+  return *std::find_if(runs.begin(), runs.end(), [&](const StiffnessRun& run) { return run.model == model; });
+}
+
+int count_settled(const std::vector<StiffnessRun>& runs, Model model) {
+  return static_cast<int>(std::count_if(runs.begin(), runs.end(),
+                                        [&](const StiffnessRun& run) { return run.model == model && run.settles; }));
+}
+
+double worst_swing_m(const std::vector<StiffnessRun>& runs, Model model) {
+  double worst = 0.0;
+  for (const StiffnessRun& run : runs)
+    if (run.model == model) worst = std::max(worst, run.swing_m);
+  return worst;
 }
 
 std::string words(const StiffnessSettings& settings, const std::vector<StiffnessRun>& runs) {
-  double sliding_swing_m = 0.0, implicit_swing_m = 0.0, rigid_off_m = 0.0, calm_n_m = 0.0;
-  std::ostringstream trembling;
-  for (const StiffnessRun& run : runs) {
-    const double off_m = run.length_m.back() - settings.contraction * *run.end.rest_length_m;
-    if (run.model == Model::sliding) {
-      sliding_swing_m = std::max(sliding_swing_m, run.swing_m);
-      if (run.stiffness_n_m == 0.0) rigid_off_m = off_m;
-      if (run.stiffness_n_m > 0.0 && std::abs(off_m) > 5e-5) calm_n_m = std::max(calm_n_m, run.stiffness_n_m);
-    } else if (run.model == Model::implicit_springs) {
-      implicit_swing_m = std::max(implicit_swing_m, run.swing_m);
-    } else {
-      trembling << (trembling.tellp() > 0 ? ", " : "") << label(run) << ": " << 1e3 * run.swing_m << " mm";
-      if (!run.given_up.empty()) trembling << " (" << run.given_up << " at " << run.time_s.back() << " s)";
-    }
-  }
   std::ostringstream text;
   text.precision(3);
-  text << "A rigid sliding cable ends within " << 1e3 * std::abs(rigid_off_m)
-       << " mm of where it is told, and none swings by more than " << 1e3 * sliding_swing_m << " mm in the last part. ";
-  if (calm_n_m > 0.0)
-    text << "Up to " << calm_n_m << " N/m its stretch (tension over stiffness) makes it more than 0.05 mm longer. ";
-  text << "Implicit springs swing by " << 1e3 * implicit_swing_m
-       << " mm at most. Explicit springs, as in the source, swing in the last part by " << trembling.str() << ".";
+  const std::size_t count = settings.stiffnesses_n_m.size();
+  text << "Explicit springs, the source's model, with steps of " << settings.time_step_s
+       << " s: " << each(settings, runs, Model::explicit_springs) << ". With steps of " << settings.short_step_s
+       << " s: " << each(settings, runs, Model::short_explicit_springs) << ". So "
+       << count_settled(runs, Model::explicit_springs) << " of " << count << " settle with the long step and "
+       << count_settled(runs, Model::short_explicit_springs) << " with the short one. Implicit springs swing by "
+       << 1e3 * worst_swing_m(runs, Model::implicit_springs) << " mm at most, sliding cables by "
+       << 1e3 * worst_swing_m(runs, Model::sliding) << " mm. "
+       << "Springs in a row stretch one by one, so that the cable "
+       << "stays " << 1e3 * off_m(settings, softest(runs, Model::implicit_springs))
+       << " mm longer than commanded at the first stiffness; "
+       << "a sliding cable, which has its stiffness as a whole, stays "
+       << 1e3 * off_m(settings, softest(runs, Model::sliding)) << " mm longer.";
   return text.str();
 }
 
@@ -200,26 +287,38 @@ ExperimentResult run_cable_stiffness_experiment(const ExperimentContext& context
   result.title = "Cable stiffness on the hanging bar";
   result.table.columns = {{"cable"},
                           {"stiffness"},
+                          {"the source found"},
+                          {"we find"},
                           {"until [s]", 3},
                           {"length [mm]", 7},
                           {"off the command [mm]", 3},
                           {"stretch [mm]", 3},
                           {"overshoot [mm]", 3},
                           {"swing at the end [mm]", 3},
-                          {"tension [N]", 3},
-                          {"given up"}};
+                          {"tension [N]", 3}};
   for (const StiffnessRun& run : runs) {
-    add_row(settings, run, result);
+    add_row(settings, run, result.table);
     // The source's own explicit springs are known to fail.
-    if (run.model == Model::explicit_springs || run.given_up.empty()) continue;
+    if (is_explicit(run.model) || run.given_up.empty()) continue;
     result.converged = false;
-    result.message = kModelNames[static_cast<int>(run.model)] + (", " + label(run) + ": " + run.given_up);
+    result.message = name_of(run.model) + (", " + label(run) + ": " + run.given_up);
   }
-  for (const Model model : {Model::sliding, Model::implicit_springs, Model::explicit_springs})
-    result.plots.push_back(length_plot(runs, model));
+  result.numbers["stiffnesses"] = stiffness_numbers(settings, runs);
+  for (const Model model : kModels) result.plots.push_back(length_plot(settings, runs, model));
   result.source_reports =
-      "The source pulls the bar to 95 % with explicit springs of 1000 to 25000 N/m: the stiffer they are, the more the "
-      "cable oscillates. No number of it is known here.";
+      "A cable of 130 mm is shortened to 95 % (123.5 mm) in 347.5 ms and watched for 800 ms, at seven stiffnesses with "
+      "a "
+      "damping of 0.001 (no units are given for either). At 2000 to 5000 it settles without oscillation, 1 to 2 mm "
+      "from "
+      "123.5 mm; at 10000 and 25000 it oscillates, for which the time step is blamed; 1000 is in the table, and the "
+      "text "
+      "says nothing of it. From then on 2000 to 5000 is used.";
+  result.we_differ =
+      "The bar's cross-section, its quadratic mesh, the number of springs (13 of 10 mm) and the time steps of "
+      "1/60 and 0.0016 s are ours, for the source gives none of them; k and b are read as N/m and N s/m of each "
+      "spring; forces "
+      "reach "
+      "the nodes by the transpose, not by the pseudo-inverse (see the experiment pseudo_inverse).";
   result.we_find = words(settings, runs);
   return result;
 }

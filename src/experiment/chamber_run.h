@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,23 +31,46 @@ struct ChamberRun {
   Eigen::Vector3d moved_m(const ChamberState& state, const std::string& marker) const;  // from states.front()
 };
 
-struct ChamberSettings {
-  std::string chamber;                                      // empty: the robot's first actuator
-  std::vector<std::pair<std::string, std::string>> meshes;  // name, scene file
-  std::vector<double> betas;                                // in the order of filling
-  std::string changes;                                      // laid over every mesh's scene
+struct ChamberMesh {
+  std::string name, file;
+  std::vector<double> betas;  // in the order of filling
 };
 
-// config/experiments/NAME.yaml: meshes: {NAME: FILE}, betas, chamber, and scene, which is laid over every mesh's file.
+// Filled in time as the source does: by so much a time step, then held.
+struct PumpSettings {
+  std::string mesh;
+  double beta = 1.0, beta_per_step = 0.01;
+  double duration_s = 0.0;  // in all
+};
+
+struct ChamberSettings {
+  std::string chamber;  // empty: the robot's first actuator
+  std::string changes;  // laid over the scenes
+  std::vector<ChamberMesh> meshes;
+  std::optional<PumpSettings> pump;
+};
+
+// config/experiments/NAME.yaml: meshes: {NAME: FILE}, betas: [...] or {NAME: [...]}, chamber, set_up, pump.
 ChamberSettings read_chamber_settings(const ExperimentContext& context, const std::string& name);
 
-// A run per mesh. Solves that fail or leave an element inverted are told in `result`.
+// A run per mesh, each beta a rest state reached from the one before. Solves that fail or leave an element inverted are
+// told in `result`.
 std::vector<ChamberRun> run_chambers(const ExperimentContext& context, const ChamberSettings& settings,
                                      ExperimentResult& result);
 
+struct Pumping {
+  ChamberRun run;  // states: before the first step, and after the last
+  std::vector<double> time_s, volume_m3, gauge_pressure_pa;
+};
+
+// From the rest state at beta 1; `settings` must have a pump. Steps that fail are told in `result`.
+Pumping pump_chamber(const ExperimentContext& context, const ChamberSettings& settings, ExperimentResult& result);
+
 double worst_gas_residual(const std::vector<ChamberRun>& runs);
 
-// The nodes of the outer skin, which bears no name, in two axes [mm].
-Series skin(const ChamberRun& run, const ChamberState& state, int x_axis, int y_axis, const std::string& label);
+// The body's edges where its faces meet at an angle, in two axes [mm]: a line for each part that hangs together, of
+// which the first bears the label.
+std::vector<Series> outline(const ChamberRun& run, const ChamberState& state, int x_axis, int y_axis,
+                            const std::string& label, int colour);
 
 }  // namespace soft_robot_lab

@@ -13,7 +13,7 @@ namespace {
 
 const char* const kTip = "tip";
 
-struct ContractionSettings {
+struct WorkspaceSettings {
   std::string robot;
   double step_m = 0.0;  // of the rig's motor
   std::vector<double> contractions;
@@ -23,9 +23,9 @@ struct ContractionSettings {
 using Pair = std::pair<double, double>;  // contractions of the first and the second cable
 using Tips = std::map<Pair, Eigen::Vector3d>;
 
-ContractionSettings read_settings(const ExperimentContext& context, const std::string& name) {
+WorkspaceSettings read_settings(const ExperimentContext& context, const std::string& name) {
   const SettingsNode node = SettingsNode::load_file(context.settings_file(name));
-  ContractionSettings settings;
+  WorkspaceSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
   settings.step_m = node.number("step_m", AllowedRange::positive());
   for (const SettingsNode& c : node.sequence("contractions"))
@@ -42,11 +42,11 @@ std::string label(const Pair& pair) {
   return text.str();
 }
 
-double steps(const ContractionSettings& settings, const ActuatorReading& cable) {
+double steps(const WorkspaceSettings& settings, const ActuatorReading& cable) {
   return std::round((1.0 - cable.command) * *cable.rest_length_m / settings.step_m);
 }
 
-void add_row(const ContractionSettings& settings, const Simulation& simulation, const Eigen::Vector3d& hanging_m,
+void add_row(const WorkspaceSettings& settings, const Simulation& simulation, const Eigen::Vector3d& hanging_m,
              const Pair& pair, ExperimentResult& result) {
   const ActuatorReading left = simulation.actuator_state(0), right = simulation.actuator_state(1);
   const Eigen::Vector3d tip_m = simulation.marker_position(simulation.marker_index(kTip));
@@ -107,9 +107,8 @@ std::string words(const Tips& tips, const Eigen::Vector3d& hanging_m) {
   return text.str();
 }
 
-ExperimentResult run_contractions(const ExperimentContext& context, const std::string& name, const std::string& robot,
-                                  const std::string& source_reports) {
-  const ContractionSettings settings = read_settings(context, name);
+ExperimentResult run_workspace(const ExperimentContext& context, const std::string& name, const std::string& robot) {
+  const WorkspaceSettings settings = read_settings(context, name);
   const Scene scene = load_scene(settings.robot, context.scene_options());
   Simulation& simulation = *scene.simulation;
   simulation.solve_equilibrium();
@@ -142,27 +141,18 @@ ExperimentResult run_contractions(const ExperimentContext& context, const std::s
   }
   result.numbers["worst_mirror_m"] = worst_mirror_m(tips);
   result.plots = {tip_plot(name, robot, tips), shape_plot(name, robot, shapes)};
-  result.source_reports = source_reports;
   result.we_find = words(tips, hanging_m);
   return result;
 }
 
 }  // namespace
 
-ExperimentResult run_hammerbot_contractions_experiment(const ExperimentContext& context) {
-  return run_contractions(
-      context, "6.3.1", "Hammerbot",
-      "The source has a table of contractions. Of its commands -320, 288 and 480 steps of 0.0625 mm "
-      "are known here (contractions 1.2, 0.82, 0.7), their pairs and the measured positions are not; "
-      "all pairs are taken.");
+ExperimentResult run_hammerbot_workspace_experiment(const ExperimentContext& context) {
+  return run_workspace(context, "workspace_hammerbot", "Hammerbot");
 }
 
-ExperimentResult run_spinebot_contractions_experiment(const ExperimentContext& context) {
-  return run_contractions(
-      context, "6.3.2", "Spinebot",
-      "The source has a table of contractions. Of its commands 258, 129 and -129 steps of 0.0625 mm "
-      "are known here (contractions 0.8, 0.9, 1.1), their pairs and the measured positions are not; "
-      "all pairs are taken.");
+ExperimentResult run_spinebot_workspace_experiment(const ExperimentContext& context) {
+  return run_workspace(context, "workspace_spinebot", "Spinebot");
 }
 
 }  // namespace soft_robot_lab

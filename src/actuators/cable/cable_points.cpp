@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include <Eigen/Geometry>
+
+#include "actuators/cable/element_crossings.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kNear_m = 1e-9;
+constexpr double kInside = 1e-6;  // in an element, off its faces, in reference coordinates
 
 struct Spread {
   double sheath_radius_m, plug_radius_m;
@@ -76,6 +80,54 @@ void require_room(const SettingsNode& settings, const Eigen::Vector3d& plug_m, c
   settings.fail(message.str());
 }
 
+// A point that the cable is to run through, and its place among the given ones; -1 for one set between them.
+struct PathPoint {
+  Eigen::Vector3d place_m;
+  int given;
+};
+
+// Elements with a given via point inside, so that they need no other.
+std::set<int> taken_elements(const std::vector<Eigen::Vector3d>& path, const MeshLocator& locator) {
+  std::set<int> taken;
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+    const Location at = locator.locate(path[i]);
+    if (at.distance_m == 0.0 && at.local.minCoeff() > kInside && at.local.sum() < 1.0 - kInside) taken.insert(at.tet);
+  }
+  return taken;
+}
+
+// One more point in every element that the cable crosses and that holds none, in the middle of its way through it.
+std::vector<PathPoint> with_point_per_element(const std::vector<Eigen::Vector3d>& path, const TetMesh& mesh,
+                                              const MeshLocator& locator) {
+  std::set<int> taken = taken_elements(path, locator);
+  std::vector<PathPoint> points = {{path.front(), 0}};
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const Eigen::Vector3d &from = path[i - 1], &to = path[i];
+    for (const ElementCrossing& crossing : element_crossings(mesh, from, to)) {
+      const Eigen::Vector3d middle = from + 0.5 * (crossing.from + crossing.to) * (to - from);
+      if (taken.insert(crossing.tet).second && locator.locate(middle).distance_m <= kNear_m)
+        points.push_back({middle, -1});
+    }
+    points.push_back({to, static_cast<int>(i)});
+  }
+  return points;
+}
+
+std::vector<PathPoint> as_given(const std::vector<Eigen::Vector3d>& path) {
+  std::vector<PathPoint> points;
+  for (const Eigen::Vector3d& place_m : path) points.push_back({place_m, static_cast<int>(points.size())});
+  return points;
+}
+
+void require_near(const SettingsNode& settings, const PathPoint& point, const Location& location, double reach_m) {
+  if (location.distance_m <= reach_m) return;
+  std::ostringstream message;
+  message << "point " << point.given << " at " << triple(point.place_m) << " lies " << location.distance_m
+          << " m outside the body; the most is the sheath's radius, " << reach_m
+          << " m; the nearest point of the body is " << triple(location.nearest_m);
+  settings.sequence("points_m")[static_cast<std::size_t>(point.given)].fail(message.str());
+}
+
 }  // namespace
 
 CablePoints read_cable_points(const SettingsNode& settings, const Body& body, const MeshLocator& locator) {
@@ -84,21 +136,17 @@ CablePoints read_cable_points(const SettingsNode& settings, const Body& body, co
   spread.plug_radius_m = settings.number_or("plug_radius_m", 0.003, AllowedRange::not_negative());
   spread.box_m = settings.number_or("spread_box_m", 0.0, AllowedRange::not_negative());
   const double reach = std::max(spread.sheath_radius_m, 0.5 * spread.box_m) + kNear_m;
-  const std::vector<Eigen::Vector3d> path = read_path(settings);
-  const std::vector<SettingsNode> items = settings.sequence("points_m");
+  const bool per_element = settings.choice_or("via_points", "given", {"given", "per_element"}) == "per_element";
+  const std::vector<Eigen::Vector3d> given = read_path(settings);
+  const std::vector<PathPoint> path =
+      per_element ? with_point_per_element(given, body.mesh(), locator) : as_given(given);
   CablePoints result;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const Location location = locator.locate(path[i]);
-    if (location.distance_m > reach) {
-      std::ostringstream message;
-      message << "point " << i << " at " << triple(path[i]) << " lies " << location.distance_m
-              << " m outside the body; the most is the sheath's radius, " << reach
-              << " m; the nearest point of the body is " << triple(location.nearest_m);
-      items[i].fail(message.str());
-    }
-    if (location.distance_m > kNear_m) result.changes.push_back({static_cast<int>(i), location.distance_m});
+    const Location location = locator.locate(path[i].place_m);
+    if (path[i].given >= 0) require_near(settings, path[i], location, reach);
+    if (location.distance_m > kNear_m) result.changes.push_back({path[i].given, location.distance_m});
     const bool last = i + 1 == path.size();
-    const Eigen::Vector3d along = path[last ? i : i + 1] - path[i == 0 ? i : i - 1];
+    const Eigen::Vector3d along = path[last ? i : i + 1].place_m - path[i == 0 ? i : i - 1].place_m;
     const EmbeddedPoint point = locator.embed(location);
     if (held(point, body.fixed())) {
       result.points.push_back(point);

@@ -77,20 +77,25 @@ double PolicyRun::most_from_m(size_t iteration) const {
   return *std::max_element(distance_m.begin() + static_cast<std::ptrdiff_t>(iteration) - 1, distance_m.end());
 }
 
-MethodSettings read_method_settings(const SettingsNode& node, const std::string& config_folder) {
-  MethodSettings settings{read_reach_targets(config_folder + "/" + node.text("targets"), config_folder), {}};
+std::vector<OptimiserOptions> read_methods(const SettingsNode& node) {
+  std::vector<OptimiserOptions> methods;
   OptimiserOptions options;
   options.gradient_tolerance_m2 = node.number("gradient_tolerance_m2", AllowedRange::not_negative());
-  const SettingsNode iterations = node.child("iterations");
+  const SettingsNode iterations = node.child("methods");
   for (const std::string& method : iterations.keys()) {
     const std::vector<std::string>& known = optimiser_methods();
     if (std::find(known.begin(), known.end(), method) == known.end())
       iterations.fail("'" + method + "' is not a method");
     options.method = method;
     options.max_iterations = iterations.integer(method, 0, 1000000);
-    settings.methods.push_back(options);
+    methods.push_back(options);
   }
-  return settings;
+  if (methods.empty()) iterations.fail("names no method");
+  return methods;
+}
+
+MethodSettings read_method_settings(const SettingsNode& node, const std::string& config_folder) {
+  return {read_reach_targets(config_folder + "/" + node.text("targets"), config_folder), read_methods(node)};
 }
 
 const PolicyRun* find(const TargetRuns& target, const std::string& method) {

@@ -32,7 +32,8 @@ struct PolicyRun {
 // What the settings of experiments that compare methods have in common.
 // targets: tasks/hammerbot_targets.yaml
 // gradient_tolerance_m2: 1.0e-4
-// iterations: {pid: 100, rmsprop: 1000}
+// methods: {pid: 100, rmsprop: 1000}
+std::vector<OptimiserOptions> read_methods(const SettingsNode& node);  // of the last two keys
 struct MethodSettings {
   ReachTargets reach;
   std::vector<OptimiserOptions> methods;  // in the order of the settings

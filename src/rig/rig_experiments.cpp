@@ -14,7 +14,9 @@ std::vector<Experiment> rig_experiments() {
        run_fault_experiment},
       {"6.4.1", "Hammerbot on the emulated rig beside its simulation", run_hammerbot_gap_experiment},
       {"6.4.2", "Spinebot on the emulated rig beside its simulation", run_spinebot_gap_experiment},
-      {"7.3.3", "Spinebot and the ball: policy, replay on the emulated rig, closed loop", run_ball_experiment},
+      {"7.3.3", "Spinebot and the source's ball: policy, replay on the emulated rig, closed loop",
+       run_source_ball_experiment},
+      {"ball", "the same with the ball of the demonstration, and a place within reach", run_ball_experiment},
   };
 }
 

@@ -208,6 +208,9 @@ void FitRequest::validate() const {
   require(!mass_kg || (std::isfinite(*mass_kg) && *mass_kg > 0.0), "mass_kg must be in (0, inf)");
   require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations must be in [1, 1000]");
   require(!parameters.empty(), "parameters: none are given");
+  const bool density = std::any_of(parameters.begin(), parameters.end(),
+                                   [](const FitParameter& parameter) { return parameter.name == "density_kg_m3"; });
+  require(!(mass_kg && density), "parameters: density_kg_m3 follows from mass_kg; give one of them");
 }
 
 FitResult fit_model(const std::string& scene, const SceneOptions& asked, const std::vector<MeasuredPose>& poses,

@@ -13,15 +13,15 @@ namespace soft_robot_lab {
 namespace {
 
 const char* const kKnown =
-    "youngs_modulus_pa, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for one cable), "
-    "camera_to_base, damping";
+    "youngs_modulus_pa, density_kg_m3, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for one "
+    "cable), camera_to_base, damping";
 
 constexpr double kCableCompliance = 1.0e-5;  // of a scene that says none (actuators/cable.h)
 
-std::string material_yaml(const Material& material, double youngs_modulus_pa) {
+std::string material_yaml(const Material& material, double youngs_modulus_pa, double density_kg_m3) {
   const double grown = youngs_modulus_pa / material.youngs_modulus_pa;
-  const std::string rest = ", poissons_ratio: " + text_of(material.poissons_ratio) +
-                           ", density_kg_m3: " + text_of(material.density_kg_m3) + "}}\n";
+  const std::string rest =
+      ", poissons_ratio: " + text_of(material.poissons_ratio) + ", density_kg_m3: " + text_of(density_kg_m3) + "}}\n";
   switch (material.model) {
     case MaterialModel::mooney_rivlin:
       return "body: {material: {model: mooney_rivlin, c10_pa: " + text_of(grown * material.c10_pa()) +
@@ -98,6 +98,12 @@ void FitParameters::add(const FitParameter& asked, const std::string& cable) {
     number.min = number.start / 5.0;
     number.max = number.start * 5.0;
     add_number(number, asked);
+  } else if (key == "density_kg_m3" && cable.empty()) {
+    number.kind = FitNumber::Kind::density;
+    number.start = number.size = material_.density_kg_m3;
+    number.min = number.start / 2.0;
+    number.max = number.start * 2.0;
+    add_number(number, asked);
   } else if (key == "camera_to_base" && cable.empty()) {
     number.kind = FitNumber::Kind::camera;
     for (const char* part : {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"}) {
@@ -160,8 +166,8 @@ FitNumber FitParameters::with_bounds(FitNumber number, const FitParameter& asked
   number.start = asked.start.value_or(number.start);
   number.min = asked.min.value_or(number.min);
   number.max = asked.max.value_or(number.max);
-  const bool positive = number.kind == FitNumber::Kind::modulus || number.kind == FitNumber::Kind::damping ||
-                        number.key == "friction_coefficient";
+  const bool positive = number.kind == FitNumber::Kind::modulus || number.kind == FitNumber::Kind::density ||
+                        number.kind == FitNumber::Kind::damping || number.key == "friction_coefficient";
   if (!(std::isfinite(number.min) && std::isfinite(number.max) && number.min < number.max &&
         (!positive || number.min > 0.0) && (number.key != "compliance_m_n" || number.min >= 0.0)))
     throw std::invalid_argument("parameters: " + number.name + ": bounds " + text_of(number.min) + ", " +
@@ -174,16 +180,21 @@ FitNumber FitParameters::with_bounds(FitNumber number, const FitParameter& asked
 
 std::string FitParameters::changes(const Eigen::VectorXd& values) const {
   SceneCables cables = cables_;
-  std::string text;
+  std::optional<double> modulus_pa, density_kg_m3;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     const FitNumber& number = numbers_[i];
     const double value = values[static_cast<Eigen::Index>(i)];
-    if (number.kind == FitNumber::Kind::modulus) text += material_yaml(material_, value);
+    if (number.kind == FitNumber::Kind::modulus) modulus_pa = value;
+    if (number.kind == FitNumber::Kind::density) density_kg_m3 = value;
     for (const std::string& cable : number.cables) {
       cables.set(cable, number.key, text_of(value));
       if (number.key == "friction_coefficient") cables.set(cable, "model", "friction");
     }
   }
+  std::string text;
+  if (modulus_pa || density_kg_m3)
+    text = material_yaml(material_, modulus_pa.value_or(material_.youngs_modulus_pa),
+                         density_kg_m3.value_or(material_.density_kg_m3));
   return lay_over(base_changes_, text + cables.yaml());
 }
 

@@ -33,6 +33,19 @@ void add_slipped(const SimulationParts& parts, const Eigen::MatrixXd& slipped_m,
   }
 }
 
+// What the residual force gains by a unit of density.
+Eigen::VectorXd weight_n(const Body& body) {
+  const Eigen::RowVectorXd masses = body.node_masses_kg().transpose() / body.material().density_kg_m3;
+  Eigen::Matrix3Xd weight_n = -body.gravity_m_s2() * masses;
+  weight_n = body.fixed().array().select(0.0, weight_n.array()).matrix();
+  return Eigen::Map<const Eigen::VectorXd>(weight_n.data(), weight_n.size());
+}
+
+Eigen::VectorXd force_of_body(const SimulationParts& parts, const NewtonState& state, const std::string& key) {
+  if (key == "density_kg_m3") return weight_n(parts.body);
+  return parts.solver.elastic_force_n(state) / parts.body.material().youngs_modulus_pa;
+}
+
 }  // namespace
 
 Eigen::MatrixXd parameter_motions(SimulationParts& parts, const std::vector<ModelParameter>& parameters,
@@ -47,8 +60,7 @@ Eigen::MatrixXd parameter_motions(SimulationParts& parts, const std::vector<Mode
   if (slipped_m.size() == 0) slipped_m = drive.log_ratios;
   for (Eigen::Index column = 0; column < columns; ++column) {
     const ModelParameter& parameter = parameters[static_cast<std::size_t>(column)];
-    if (parameter.actuators.empty())
-      drive.forces_n.col(column) = solver.elastic_force_n(state) / parts.body.material().youngs_modulus_pa;
+    if (parameter.actuators.empty()) drive.forces_n.col(column) = force_of_body(parts, state, parameter.key);
     for (const int actuator : parameter.actuators)
       add_law_change(parts, parameter.key, static_cast<std::size_t>(actuator), column, drive);
   }

@@ -10,11 +10,13 @@ namespace soft_robot_lab {
 namespace {
 
 struct Values {
-  double youngs_modulus_pa = 264200.0, offset_m = 0.0, compliance_m_n = 2e-4, friction_coefficient = 0.3;
+  double youngs_modulus_pa = 264200.0, offset_m = 0.0, compliance_m_n = 2e-4, friction_coefficient = 0.3,
+         density_kg_m3 = 1070.0;
 };
 
 Simulation two_cable_bar(const Values& v, const std::string& model) {
-  Body body(box_mesh({-0.01, -0.1, -0.01}, {0.01, 0, 0.01}, {2, 6, 2}), Material{v.youngs_modulus_pa, 0.49, 1070.0});
+  Body body(box_mesh({-0.01, -0.1, -0.01}, {0.01, 0, 0.01}, {2, 6, 2}),
+            Material{v.youngs_modulus_pa, 0.49, v.density_kg_m3});
   body.fix_nodes({-10, -1e-6, -10}, {10, 10, 10}, {true, true, true});
   body.set_gravity({4, -9, 0});
   const MeshLocator locator(body.mesh());
@@ -62,7 +64,7 @@ void expect_exact(const std::string& model, const Way& way, const std::string& k
                   double step) {
   Simulation simulation = two_cable_bar({}, model);
   const std::vector<ModelParameter> parameters = {
-      {key, key == "youngs_modulus_pa" ? std::vector<int>{} : std::vector<int>{0, 1}}};
+      {key, key == "youngs_modulus_pa" || key == "density_kg_m3" ? std::vector<int>{} : std::vector<int>{0, 1}}};
   Eigen::MatrixXd exact;
   walk(simulation, way, parameters, &exact);
   Values more, less;
@@ -81,6 +83,7 @@ const Way kPull = {{1.0, 1.0}, {0.95, 1.0}, {0.9, 0.97}};
 
 TEST(ParameterSensitivity, MatchesDifferencesForSlidingCables) {
   expect_exact("sliding", kPull, "youngs_modulus_pa", &Values::youngs_modulus_pa, 200.0);
+  expect_exact("sliding", kPull, "density_kg_m3", &Values::density_kg_m3, 1.0);
   expect_exact("sliding", kPull, "length_offset_m", &Values::offset_m, 1e-5);
   expect_exact("sliding", kPull, "compliance_m_n", &Values::compliance_m_n, 1e-6);
 }

@@ -112,6 +112,25 @@ TEST(FitModel, FindsWhatMadeTheData) {
   std::filesystem::remove(file);
 }
 
+// Tendons that command tension weigh the robot, so that stiffness and density can both be told.
+TEST(FitModel, FindsStiffnessAndDensityWhereCablesCommandTensions) {
+  const auto with_tensions = [](const std::string& material) {
+    return kLying + "body: {material: {" + material + "}}\ncables: [" + cable("left", -0.007, "command: tension_n") +
+           ", " + cable("right", 0.007, "command: tension_n") + "]\n";
+  };
+  const std::string truth = with_tensions("youngs_modulus_pa: 303830, density_kg_m3: 1300");
+  const std::vector<MeasuredPose> poses =
+      measure(truth, {{0.0, 0.0}, {0.3, 0.0}, {0.6, 0.1}, {0.0, 0.5}}, Eigen::Isometry3d::Identity(), 0.0, 1);
+  FitRequest request;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}}, {"density_kg_m3", {}, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(with_tensions("density_kg_m3: 1070")), poses, request);
+  EXPECT_TRUE(result.converged) << result.message;
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 303830, 300);
+  EXPECT_NEAR(value_of(result, "density_kg_m3").value, 1300, 2);
+  request.mass_kg = 0.05;
+  EXPECT_THROW(fit_model(kScene, options_with(with_tensions("")), poses, request), std::invalid_argument);
+}
+
 TEST(FitModel, FindsFrictionFromTheWayThere) {
   const auto with_friction = [](const std::string& coefficient) {
     return kLying + "cables: [" + cable("left", -0.007, "model: friction, friction_coefficient: " + coefficient) +

@@ -3,7 +3,7 @@
 // with these numbers, its damping to markers measured while the robot swung.
 //
 // Parameters by name; one for all cables unless a cable is named after a dot ("compliance_m_n.left"):
-//   youngs_modulus_pa     all moduli of the material grow with it
+//   youngs_modulus_pa, density_kg_m3   all moduli of the material grow with the first; the second if not weighed
 //   friction_coefficient  of cables, which then are of model friction; depends on the order of the poses
 //   compliance_m_n        of cables: their own stretch and the plug's sinking in beyond the model's
 //   length_offset_m       one for each cable: what it is longer (slack) or shorter than commanded

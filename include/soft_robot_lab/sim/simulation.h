@@ -21,7 +21,7 @@ struct SimulationParts;
 // A number of the scene on which equilibria depend, as a fit to measurements changes it.
 struct ModelParameter {
   std::string key;             // of these actuators' settings (Actuator::law_change)
-  std::vector<int> actuators;  // empty: the number is youngs_modulus_pa, with which all moduli of the body grow
+  std::vector<int> actuators;  // empty: the body's density_kg_m3, or youngs_modulus_pa, with which all moduli grow
 };
 
 class Simulation {

@@ -13,7 +13,7 @@
 namespace soft_robot_lab {
 
 struct FitNumber {
-  enum class Kind { modulus, density, of_cables, camera, damping };
+  enum class Kind { modulus, of_cables, camera, damping, density };
   std::string name;
   Kind kind = Kind::modulus;
   std::string key;                  // of_cables

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "soft_robot_lab/actuators/factory.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -71,6 +73,25 @@ TEST(ReachTargets, GiveTheSourcesGradientToleranceWhichIsNoDefault) {
   for (const OptimiserOptions& options : settings_of("7.3.1").methods)
     EXPECT_EQ(options.gradient_tolerance_m2, 1e-4) << options.method;
   EXPECT_EQ(OptimiserOptions().gradient_tolerance_m2, 0.0);
+}
+
+// The two distances that the source prints: 60 mm from the middle of Spinebot's 98.5 mm, 38.15 mm from the tip at the
+// start.
+TEST(SourceBall, IsAsFarFromTheRobotsMiddleAndFromItsTipAsTheSourceHasIt) {
+  const SettingsNode node = SettingsNode::load_file(kConfig + "/experiments/7.3.3.yaml");
+  const Eigen::Vector3d ball_m = node.vector3("target_m");
+  EXPECT_NEAR((ball_m - Eigen::Vector3d(0.0, 0.0, -0.04925)).norm(), 0.060, 1e-5);
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  const Scene scene = load_scene(kConfig + "/" + node.text("robot"), options);
+  ASSERT_TRUE(scene.simulation->solve_equilibrium().converged);
+  const Eigen::Vector3d tip_m = scene.simulation->marker_position(scene.simulation->marker_index(node.text("marker")));
+  EXPECT_NEAR((ball_m - tip_m).norm(), 0.03815, 1e-4);
+  const std::vector<OptimiserOptions> methods = read_methods(node);
+  EXPECT_EQ(methods.front().method, "rmsprop");  // whose policy is played
+  EXPECT_EQ(methods.front().gradient_tolerance_m2, 1e-6);
+  EXPECT_EQ(methods.front().max_iterations, 1000);
 }
 
 TEST(ReachTargets, RefuseABoxWithoutAnyPlace) {

@@ -13,6 +13,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kAnotherRest_m = 0.002;
+constexpr double kStill_m = 0.0002;  // a tip that moves less is not judged
 
 enum class MirrorImage { not_asked, itself, another_rest, no_rest };
 
@@ -62,7 +63,8 @@ std::vector<double> motor_steps(const RigSettings& rig, const RestRecord& rest) 
   std::vector<double> steps;
   for (std::size_t i = 0; i < rest.actuators.size(); ++i)
     for (const MotorSettings& motor : rig.motors)
-      if (motor.name == rest.actuators[i]) steps.push_back(motor.direction * steps_of(motor, rest.commands[i]));
+      if (motor.name == rest.actuators[i])
+        steps.push_back(0.0 + motor.direction * steps_of(motor, rest.commands[i]));  // no -0
   return steps;
 }
 
@@ -292,12 +294,31 @@ void tell_bending(const std::vector<GapRecord>& records, const GapSettings& sett
   for (const GapRecord& record : records) {
     const double robot_m = tip_moved_m(records, record, settings, &RestRecord::true_m);
     const double model_m = tip_moved_m(records, record, settings, &RestRecord::simulated_m);
-    if (std::max(robot_m, model_m) < kAnotherRest_m) continue;
+    if (std::max(robot_m, model_m) < kStill_m) continue;
     std::string& list = model_m > robot_m ? more : less;
     list += (list.empty() ? "" : ", ") + record.name;
   }
   text << "The simulation's tip moves farther than the robot's in " << (more.empty() ? "none" : more)
        << ", less far in " << (less.empty() ? "none" : less) << ". ";
+}
+
+// At the configuration with the highest pressure: amounts of gas as the source counts them, over that at rest.
+void tell_pressures(const std::vector<GapRecord>& records, std::ostream& text) {
+  const GapRecord* highest = nullptr;
+  std::size_t chamber = 0;
+  for (const GapRecord& record : records) {
+    for (std::size_t i = 0; i < record.robot.size(); ++i) {
+      if (!record.robot[i].gauge_pressure_pa) continue;
+      if (highest && *record.robot[i].gauge_pressure_pa <= *highest->robot[chamber].gauge_pressure_pa) continue;
+      highest = &record;
+      chamber = i;
+    }
+  }
+  if (!highest) return;
+  const ActuatorReading& robot = highest->robot[chamber];
+  text << "The highest pressure is that of chamber " << robot.name << " in " << highest->name << ": "
+       << *robot.gauge_pressure_pa << " Pa above the air on the robot, " << *highest->model[chamber].gauge_pressure_pa
+       << " Pa in simulation, at " << *robot.volume_m3 / *robot.initial_volume_m3 << " times the chamber's volume. ";
 }
 
 ExperimentResult run_gap(const ExperimentContext& context, const std::string& name, const std::string& robot) {
@@ -322,6 +343,7 @@ ExperimentResult run_gap(const ExperimentContext& context, const std::string& na
   tell_come_back(settings, result.numbers["come_back"], text);
   tell_bending(records, settings, text);
   tell_branches(records, text);
+  tell_pressures(records, text);
   result.we_find = text.str();
   result.plots = {bars(name, records), shapes(name, robot, settings, records)};
   result.converged = lab.reality().failed_steps() == 0;

@@ -98,7 +98,7 @@ std::string look(const Series& series, std::size_t place) {
   return "";
 }
 
-// Columns of a series' data block: x, y, label.
+// Columns of a series' data block: x, y, deviation, label.
 std::string columns(const Series& series, double offset) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
@@ -116,7 +116,7 @@ std::string columns(const Series& series, double offset) {
 void write_data(std::ostream& script, const Series& series, std::size_t place) {
   script << "$series" << place << " << END_OF_SERIES\n";
   for (std::size_t i = 0; i < series.x.size(); ++i) {
-    script << series.x[i] << " " << series.y[i];
+    script << series.x[i] << " " << series.y[i] << " " << (series.deviations.empty() ? 0 : series.deviations[i]);
     if (!series.point_labels.empty()) {
       std::string label = series.point_labels[i];
       std::replace(label.begin(), label.end(), '"', '\'');
@@ -139,8 +139,11 @@ void write_curves(std::ostream& script, const Plot& plot) {
     const double offset = is_bars(series) ? (bar++ - 0.5 * (bar_series - 1.0)) * width : 0.0;
     script << (i ? ", \\\n     " : "") << "$series" << i << " using " << columns(series, offset) << " "
            << look(series, i) << (series.label.empty() ? " notitle" : " title " + quoted(series.label));
+    if (!series.deviations.empty())
+      script << ", \\\n     $series" << i << " using ($1+" << offset << "):2:3 with yerrorbars lc '#444444' lw 2 pt 0"
+             << " notitle";
     if (series.point_labels.empty()) continue;
-    script << ", \\\n     $series" << i << " using 1:2:3 with labels offset 0.9,0.6 left font ',11' tc rgb "
+    script << ", \\\n     $series" << i << " using 1:2:4 with labels offset 0.9,0.6 left font ',11' tc rgb "
            << colour(series, i) << " notitle";
   }
   script << "\n";

@@ -54,12 +54,17 @@ std::string csv(const Plot& plot) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text.precision(10);
-  text << "series," << csv_cell(plot.x.label) << "," << csv_cell(plot.y.label) << "\n";
+  const bool deviate = std::any_of(plot.series.begin(), plot.series.end(),
+                                   [](const Series& series) { return !series.deviations.empty(); });
+  text << "series," << csv_cell(plot.x.label) << "," << csv_cell(plot.y.label) << (deviate ? ",deviation\n" : "\n");
   for (const Series& series : plot.series) {
     for (std::size_t i = 0; i < series.x.size(); ++i) {
       const bool named = !series.point_labels.empty() && !series.point_labels[i].empty();
       const std::string name = named ? series.label + ": " + series.point_labels[i] : series.label;
-      text << csv_cell(name) << "," << series.x[i] << "," << series.y[i] << "\n";
+      text << csv_cell(name) << "," << series.x[i] << "," << series.y[i];
+      if (deviate) text << ",";
+      if (!series.deviations.empty()) text << series.deviations[i];
+      text << "\n";
     }
   }
   return text.str();
@@ -99,6 +104,11 @@ void Plot::validate() const {
     require(one.x.size() == one.y.size(), *this, "series '" + one.label + "' has unequal numbers of x and y");
     require(one.point_labels.empty() || one.point_labels.size() == one.x.size(), *this,
             "series '" + one.label + "' has a label for some of its points only");
+    require(one.deviations.empty() || one.deviations.size() == one.x.size(), *this,
+            "series '" + one.label + "' has a deviation for some of its points only");
+    for (const double deviation : one.deviations)
+      require(deviation >= 0 && std::isfinite(deviation), *this,
+              "series '" + one.label + "': a deviation is negative or not finite");
     check_axis(*this, one.label, "x", x, one.x);
     check_axis(*this, one.label, "y", y, one.y);
   }

@@ -5,7 +5,7 @@
 namespace soft_robot_lab {
 
 ExperimentResult run_tracking_experiment(const ExperimentContext& context);
-ExperimentResult run_segmentation_at_rest_experiment(const ExperimentContext& context);
-ExperimentResult run_segmentation_in_motion_experiment(const ExperimentContext& context);
+ExperimentResult run_contrast_segmentation_experiment(const ExperimentContext& context);
+ExperimentResult run_colour_segmentation_experiment(const ExperimentContext& context);
 
 }  // namespace soft_robot_lab

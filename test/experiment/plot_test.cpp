@@ -36,6 +36,18 @@ TEST(Plot, WritesItsPointsAsCsv) {
             "quadratic,5,0.1\nquadratic,10,0.5\nquadratic,20,2\nelsewhere: Müller's 10_node,10,3\n");
 }
 
+TEST(Plot, WritesAndDrawsDeviations) {
+  const SceneFolder folder;
+  Plot plot{"bars", "bars", {"marker"}, {"distance [px]"}};
+  plot.series.push_back({"mean", {1, 2}, {0.5, 0.75}, SeriesStyle::bars, -1, {}, {0.25, 0.125}});
+  const PlotFiles with = write_plot(plot, folder.path("with"));
+  EXPECT_EQ(contents(with.csv), "series,marker,distance [px],deviation\nmean,1,0.5,0.25\nmean,2,0.75,0.125\n");
+  plot.series.front().deviations.clear();
+  const PlotFiles without = write_plot(plot, folder.path("without"));
+  EXPECT_NE(contents(with.svg), contents(without.svg));
+  EXPECT_EQ(contents(without.csv).find("deviation"), std::string::npos);
+}
+
 TEST(Plot, DrawsAllItsWords) {
   const SceneFolder folder;
   const PlotFiles files = write_plot(sample(), folder.path("pictures"));

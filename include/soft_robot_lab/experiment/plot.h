@@ -34,6 +34,7 @@ struct Series {
   SeriesStyle style = SeriesStyle::lines_points;
   int colour = -1;                             // place in the palette of eight; -1: the series' own place
   std::vector<std::string> point_labels = {};  // none, or one beside each point
+  std::vector<double> deviations = {};         // none, or half the length of an error bar at each point
 };
 
 struct Plot {
@@ -54,7 +55,7 @@ Series histogram(const std::string& label, const std::vector<double>& values, do
 struct PlotFiles {
   std::string svg;
   std::string png;
-  std::string csv;  // "series,x,y": one line a point, x and y named as the axes
+  std::string csv;  // "series,x,y": one line a point, x and y named as the axes; ",deviation" where any has one
 };
 
 // Writes FOLDER/NAME.csv, .svg and .png, the CSV first. Throws std::invalid_argument as validate does, and

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Part of every cache key: raise it when mesh_robot makes something else of the same request.
-constexpr const char* kMesherVersion = "soft_robot_lab mesh 2";
+constexpr const char* kMesherVersion = "soft_robot_lab mesh 3";
 constexpr const char* kEnding = ".msh";
 
 void check_size(const std::string& key, double value) {
@@ -121,7 +121,7 @@ void require_success(const ProcessEnd& end, const std::string& words, const Mesh
   switch (end.kind) {
     case ProcessEnd::Kind::timed_out:
       what << "meshing took longer than " << options.time_limit_s
-           << " s and was stopped; a larger element_size_m is faster";
+           << " s and was stopped; a larger element_size_m is faster, and so is STEP instead of STL";
       throw std::runtime_error(what.str());
     case ProcessEnd::Kind::signalled:
       what << "the mesher was ended by signal " << end.value << (words.empty() ? "" : ": ") << words;

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/topics.h"
 
 namespace soft_robot_lab {
@@ -94,7 +95,7 @@ void FitService::on_motors(const MotorState& motors) {
   try {
     recording_.add(motors, motors.header.stamp.toSec());
   } catch (const std::runtime_error& error) {
-    ROS_WARN_THROTTLE(10.0, "%s", error.what());
+    ROS_WARN_THROTTLE(10.0, "%s", log_text(error.what()).c_str());
   }
 }
 
@@ -103,7 +104,7 @@ void FitService::on_markers(const MarkerObservations& markers) {
   try {
     recording_.add_measured(markers);
   } catch (const std::runtime_error& error) {
-    ROS_WARN_THROTTLE(10.0, "%s", error.what());
+    ROS_WARN_THROTTLE(10.0, "%s", log_text(error.what()).c_str());
     return;
   }
   const double from_s = markers.header.stamp.toSec() - kept_s;
@@ -144,7 +145,7 @@ bool FitService::fit(FitModel::Request& request, FitModel::Response& response) {
     response.success = false;
     response.message = error.what();
   }
-  if (!response.success) ROS_WARN("%s refused: %s", topics::fit_model, response.message.c_str());
+  if (!response.success) ROS_WARN("%s refused: %s", topics::fit_model, log_text(response.message).c_str());
   return true;
 }
 

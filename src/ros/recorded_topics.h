@@ -1,8 +1,11 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <boost/shared_ptr.hpp>
+#include <ros/message_traits.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
@@ -11,5 +14,23 @@ namespace soft_robot_lab {
 std::string relative(const std::string& topic);  // as in topics.h
 // Messages of these topics, in the order in which they were recorded.
 rosbag::View only(const rosbag::Bag& bag, const std::vector<std::string>& topics);
+
+// Throws std::runtime_error: topic, the type that it has, the one that it should have, and what to do.
+[[noreturn]] void refuse_type(const rosbag::MessageInstance& message, const std::string& type, const std::string& md5);
+[[noreturn]] void refuse_content(const rosbag::MessageInstance& message, const std::string& reason);
+
+// A message of a recording, which may have been made by anybody: of another type, or damaged, it is refused as above.
+template <typename Message>
+boost::shared_ptr<Message> read_message(const rosbag::MessageInstance& message) {
+  namespace traits = ros::message_traits;
+  boost::shared_ptr<Message> read;
+  try {
+    read = message.instantiate<Message>();
+  } catch (const std::exception& error) {
+    refuse_content(message, error.what());
+  }
+  if (!read) refuse_type(message, traits::datatype<Message>(), traits::md5sum<Message>());
+  return read;
+}
 
 }  // namespace soft_robot_lab

@@ -1,5 +1,6 @@
 #include "soft_robot_lab/ros/recording.h"
 
+#include <filesystem>
 #include <stdexcept>
 
 #include <rosbag/bag.h>
@@ -38,32 +39,42 @@ void Recording::add_measured(const MarkerObservations& markers) {
   measured.push_back(markers);
 }
 
+namespace {
+
+void add(const rosbag::MessageInstance& message, Recording& recording) {
+  const std::string topic = relative(message.getTopic());
+  if (topic == topics::actuator_command) {
+    const auto command = read_message<ActuatorCommand>(message);
+    const double stamp_s = command->header.stamp.toSec();
+    recording.add(*command, stamp_s > 0.0 ? stamp_s : message.getTime().toSec());
+  } else if (topic == topics::motor_state) {
+    const auto motors = read_message<MotorState>(message);
+    recording.add(*motors, motors->header.stamp.toSec());
+  } else if (topic == topics::tracker_markers) {
+    recording.add_measured(*read_message<MarkerObservations>(message));
+  } else if (topic == topics::simulator_markers) {
+    recording.simulated.push_back(*read_message<MarkerObservations>(message));
+  } else if (topic == topics::simulator_scene) {
+    recording.scene = read_message<std_msgs::String>(message)->data;
+  }
+}
+
+}  // namespace
+
 Recording read_recording(const std::string& path) {
+  if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path))
+    throw std::runtime_error(path + ": cannot be read as a bag: it is no regular file");
   Recording recording;
   try {
     const rosbag::Bag bag(path, rosbag::bagmode::Read);
     rosbag::View view(bag);
     recording.start_s = view.getBeginTime().toSec();
     recording.end_s = view.getEndTime().toSec();
-    for (const rosbag::MessageInstance& message : view) {
-      const std::string topic = relative(message.getTopic());
-      if (topic == topics::actuator_command) {
-        const auto command = message.instantiate<ActuatorCommand>();
-        const double stamp_s = command->header.stamp.toSec();
-        recording.add(*command, stamp_s > 0.0 ? stamp_s : message.getTime().toSec());
-      } else if (topic == topics::motor_state) {
-        const auto motors = message.instantiate<MotorState>();
-        recording.add(*motors, motors->header.stamp.toSec());
-      } else if (topic == topics::tracker_markers) {
-        recording.add_measured(*message.instantiate<MarkerObservations>());
-      } else if (topic == topics::simulator_markers) {
-        recording.simulated.push_back(*message.instantiate<MarkerObservations>());
-      } else if (topic == topics::simulator_scene) {
-        recording.scene = message.instantiate<std_msgs::String>()->data;
-      }
-    }
+    for (const rosbag::MessageInstance& message : view) add(message, recording);
   } catch (const rosbag::BagException& error) {
     throw std::runtime_error(path + ": cannot be read as a bag: " + error.what());
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(path + ": " + error.what());
   }
   if (recording.measured.empty())
     throw std::runtime_error(path + ": holds no markers of a tracker (topic " + topics::tracker_markers + ")");

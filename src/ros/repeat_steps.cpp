@@ -23,6 +23,8 @@ namespace ros {
 namespace message_traits {
 template <>
 struct MD5Sum<soft_robot_lab::ImageStamp> : MD5Sum<sensor_msgs::Image> {};
+template <>
+struct DataType<soft_robot_lab::ImageStamp> : DataType<sensor_msgs::Image> {};
 }  // namespace message_traits
 namespace serialization {
 template <>
@@ -45,7 +47,7 @@ class RecordedImages {
  public:
   RecordedImages(const rosbag::Bag& bag, const std::vector<std::string>& topics) {
     for (const rosbag::MessageInstance& message : only(bag, topics))
-      images_.emplace(Key(relative(message.getTopic()), message.instantiate<ImageStamp>()->header.stamp.toSec()),
+      images_.emplace(Key(relative(message.getTopic()), read_message<ImageStamp>(message)->header.stamp.toSec()),
                       message);
   }
 
@@ -54,7 +56,7 @@ class RecordedImages {
     const auto colour = images_.find({colour_topic(camera), stamp_s});
     const auto depth = images_.find({depth_topic(camera), stamp_s});
     if (colour == images_.end() || depth == images_.end()) return std::nullopt;
-    return rgbd_frame(camera, *colour->second.instantiate<Image>(), *depth->second.instantiate<Image>());
+    return rgbd_frame(camera, *read_message<Image>(colour->second), *read_message<Image>(depth->second));
   }
 
  private:

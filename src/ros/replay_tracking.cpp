@@ -12,6 +12,7 @@
 #include "ros/repeat_steps.h"
 #include "soft_robot_lab/ros/gap_meter.h"
 #include "soft_robot_lab/ros/image_messages.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/settings/cpu_time.h"
 
@@ -32,7 +33,7 @@ std::map<std::string, std::unique_ptr<ImagePair>> pair_up(const std::vector<std:
           try {
             input.add_frame(rgbd_frame(camera, *colour, *depth));
           } catch (const std::invalid_argument& error) {
-            ROS_WARN_THROTTLE(1.0, "%s: %s", camera.c_str(), error.what());
+            ROS_WARN_THROTTLE(1.0, "%s: %s", camera.c_str(), log_text(error.what()).c_str());
           }
         };
     pairs[camera]->registerCallback(boost::bind<void>(on_pair, boost::placeholders::_1, boost::placeholders::_2));
@@ -42,7 +43,7 @@ std::map<std::string, std::unique_ptr<ImagePair>> pair_up(const std::vector<std:
 
 template <typename Message>
 ros::MessageEvent<Message const> event_of(const rosbag::MessageInstance& message) {
-  return ros::MessageEvent<Message const>(message.instantiate<Message>());
+  return ros::MessageEvent<Message const>(read_message<Message>(message));
 }
 
 // Of bare cameras, or by a tracker that did not tell its steps.
@@ -51,11 +52,11 @@ void track_anew(const rosbag::Bag& bag, const TrackingInputOptions& options, con
   const auto pairs = pair_up(options.tracking.cameras, input);
   for (const rosbag::MessageInstance& message : rosbag::View(bag)) {
     const std::string topic = relative(message.getTopic());
-    if (topic == topics::simulator_markers) input.add_simulated(*message.instantiate<MarkerObservations>());
+    if (topic == topics::simulator_markers) input.add_simulated(*read_message<MarkerObservations>(message));
     if (topic == topics::simulator_scene && options.scene.empty())
-      input.start(message.instantiate<std_msgs::String>()->data);
+      input.start(read_message<std_msgs::String>(message)->data);
     for (const auto& [camera, pair] : pairs) {
-      if (topic == info_topic(camera)) input.add_info(camera, *message.instantiate<CameraInfo>());
+      if (topic == info_topic(camera)) input.add_info(camera, *read_message<CameraInfo>(message));
       if (topic == colour_topic(camera)) pair->add<0>(event_of<Image>(message));
       if (topic == depth_topic(camera)) pair->add<1>(event_of<Image>(message));
     }
@@ -66,7 +67,7 @@ void track_anew(const rosbag::Bag& bag, const TrackingInputOptions& options, con
 template <typename Message>
 std::vector<Message> messages_of(const rosbag::Bag& bag, const std::string& topic) {
   std::vector<Message> messages;
-  for (const rosbag::MessageInstance& message : only(bag, {topic})) messages.push_back(*message.instantiate<Message>());
+  for (const rosbag::MessageInstance& message : only(bag, {topic})) messages.push_back(*read_message<Message>(message));
   return messages;
 }
 

@@ -12,9 +12,11 @@
 #include <rosbag/view.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include "ros/recorded_topics.h"
 #include "soft_robot_lab/ros/camera_overlay.h"
 #include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/ros/topics.h"
+#include "soft_robot_lab/settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -31,8 +33,6 @@ std::optional<std::string> before(const std::string& text, const std::string& en
   return text.substr(0, text.size() - end.size());
 }
 
-std::string without_slash(const std::string& name) { return !name.empty() && name[0] == '/' ? name.substr(1) : name; }
-
 std::optional<RealityGap> nearest(const std::vector<RealityGap>& gaps, double time_s) {
   const auto found = std::min_element(gaps.begin(), gaps.end(), [&](const RealityGap& a, const RealityGap& b) {
     return std::abs(a.header.stamp.toSec() - time_s) < std::abs(b.header.stamp.toSec() - time_s);
@@ -47,16 +47,16 @@ class Painter {
       : gaps_(gaps), times_s_(std::move(times_s)), folder_(std::move(folder)) {}
 
   void add(const rosbag::MessageInstance& message) {
-    const std::string topic = without_slash(message.getTopic());
+    const std::string topic = relative(message.getTopic());
     if (topic == "tf" || topic == "tf_static") {
-      const auto tree = message.instantiate<tf2_msgs::TFMessage>();
+      const auto tree = read_message<tf2_msgs::TFMessage>(message);
       for (const auto& transform : tree->transforms) place(transform);
     } else if (topic == topics::simulator_surface) {
-      surface_ = *message.instantiate<visualization_msgs::Marker>();
+      surface_ = *read_message<visualization_msgs::Marker>(message);
     } else if (const auto of_lens = before(topic, "/color/camera_info")) {
-      cameras_[*of_lens].lens = camera_model(*message.instantiate<sensor_msgs::CameraInfo>());
+      cameras_[*of_lens].lens = camera_model(*read_message<sensor_msgs::CameraInfo>(message));
     } else if (const auto camera = before(topic, "/color/image_raw")) {
-      if (wanted(*camera, message.getTime().toSec())) draw(*camera, *message.instantiate<sensor_msgs::Image>());
+      if (wanted(*camera, message.getTime().toSec())) draw(*camera, *read_message<sensor_msgs::Image>(message));
     }
   }
 
@@ -69,8 +69,7 @@ class Painter {
 
  private:
   void place(const geometry_msgs::TransformStamped& transform) {
-    const std::string parent = without_slash(transform.header.frame_id),
-                      child = without_slash(transform.child_frame_id);
+    const std::string parent = relative(transform.header.frame_id), child = relative(transform.child_frame_id);
     if (parent != topics::world_frame) return;
     if (child == topics::robot_frame) world_from_robot_ = isometry(transform.transform);
     poses_[child] = isometry(transform.transform);
@@ -95,7 +94,9 @@ class Painter {
     cv::Mat bgr;
     cv::cvtColor(drawn, bgr, cv::COLOR_RGB2BGR);
     const std::string file = folder_ + "/" + name + "_" + std::to_string(asked) + ".jpg";
-    if (!cv::imwrite(file, bgr)) throw std::runtime_error(file + ": cannot be written");
+    std::vector<unsigned char> bytes;
+    cv::imencode(".jpg", bgr, bytes);
+    write_file(file, {bytes.begin(), bytes.end()});
     pictures_.push_back({file, name, asked, time_s});
   }
 

@@ -17,6 +17,9 @@
 #include "soft_robot_lab/ros/conversions.h"
 #include "soft_robot_lab/ros/recording.h"
 #include "soft_robot_lab/ros/session_pictures.h"
+#include "soft_robot_lab/scene/scene_file.h"
+#include "soft_robot_lab/settings/config_folder.h"
+#include "soft_robot_lab/settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -228,6 +231,27 @@ std::string file_text(const std::string& path) {
   return text.str();
 }
 
+bool lies_below(const std::string& file, const std::filesystem::path& folder) {
+  const std::filesystem::path inside = std::filesystem::weakly_canonical(file).lexically_relative(
+      std::filesystem::weakly_canonical(std::filesystem::absolute(folder)));
+  return !inside.empty() && *inside.begin() != "..";
+}
+
+// A recording may come from anybody and name any file. Its page, which is passed on, shows scenes only, and of those
+// that the user did not name, only the package's own and those that lie with the recording.
+void add_parameters(const std::string& scene, bool given, const std::string& bag, HtmlPage& page) {
+  if (scene.empty()) return page.paragraph("The scene is not known.");
+  const bool trusted =
+      given || lies_below(scene, config_folder()) || lies_below(scene, std::filesystem::absolute(bag).parent_path());
+  if (!trusted)
+    return page.paragraph(
+        "The recording names a scene outside the package and its own folder, which is shown only where "
+        "--scene names it: " +
+        scene);
+  if (!is_scene_file(scene)) return page.paragraph("The scene file is not there to be shown, or is no scene: " + scene);
+  page.text(file_text(scene));
+}
+
 Table facts(const std::string& bag, const Recording& recording, const std::string& scene, double rest_rms_m,
             size_t rests) {
   Table table;
@@ -316,16 +340,11 @@ SessionReport write_session_report(const std::string& bag, const std::string& fo
   page.heading("What the cameras saw");
   add_pictures(bag, recording, periods, folder, page);
   page.heading("Parameters");
-  const std::string settings = scene_file.empty() ? "" : file_text(scene_file);
-  if (settings.empty())
-    page.paragraph("The scene file is not there to be shown" + (scene_file.empty() ? "." : ": " + scene_file));
-  if (!settings.empty()) page.text(settings);
+  add_parameters(scene_file, !scene.empty(), bag, page);
   page.heading("Versions");
   page.table(versions());
 
-  std::ofstream out(report.page);
-  out << page.html() << std::flush;
-  if (!out) throw std::runtime_error(report.page + ": cannot be written");
+  write_file(report.page, page.html());
   return report;
 }
 

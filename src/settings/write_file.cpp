@@ -15,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& path, int error) {
-  throw std::runtime_error(path + ": cannot be written: " + std::strerror(error));
-}
+std::string reason(const std::string& path, int error) { return path + ": cannot be written: " + std::strerror(error); }
+[[noreturn]] void refuse(const std::string& path, int error) { throw std::runtime_error(reason(path, error)); }
+[[noreturn]] void fail(const std::string& path, int error) { throw WriteError(reason(path, error)); }
 
 // 0, or why not.
 int write_all(int file, const std::string& text) {
@@ -40,7 +40,7 @@ int write_and_close(int file, const std::string& text) {
 void write_in_place(const std::string& path, const std::string& text) {
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file < 0) refuse(path, errno);
-  if (const int error = write_and_close(file, text); error != 0) refuse(path, error);
+  if (const int error = write_and_close(file, text); error != 0) fail(path, error);
 }
 
 // Where the path leads through links; the file itself need not be there.
@@ -67,7 +67,7 @@ void write_file(const std::string& path, const std::string& text) {
   if (error == 0 && std::rename(part.c_str(), place.c_str()) != 0) error = errno;
   if (error == 0) return;
   unlink(part.c_str());
-  refuse(path, error);
+  fail(path, error);
 }
 
 }  // namespace soft_robot_lab

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include <Eigen/Geometry>
@@ -317,6 +318,23 @@ TEST_F(MeshRobot, ReadsStlFilesInMetres) {
   expect_relative(volume(mesh), 4e-5 - 8e-6, 1e-6);
   expect_relative(area(mesh, "skin"), 2 * 4e-4 + 4 * 2e-3 + 2 * 1e-4 + 4 * 8e-4, 1e-6);
   EXPECT_EQ(area(mesh, -1), 0.0);
+}
+
+// Its sides are patches of one triangle each.
+TEST_F(MeshRobot, MeshesATetrahedronOfFourTriangles) {
+  const std::vector<Eigen::Vector3d> corners = {{0, 0, 0}, {0.05, 0, 0}, {0, 0.05, 0}, {0, 0, 0.05}};
+  std::ostringstream text;
+  text << "solid tetrahedron\n";
+  for (const auto& side : std::vector<std::vector<size_t>>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}) {
+    text << "facet normal 0 0 0\nouter loop\n";
+    for (const size_t corner : side) text << "vertex " << corners[corner].transpose() << "\n";
+    text << "endloop\nendfacet\n";
+  }
+  const fs::path file = write("tetrahedron.stl", text.str() + "endsolid tetrahedron\n");
+  options_.time_limit_s = 40;  // meshed in less than one
+  const TetMesh mesh = mesh_of("{stl: \"" + file.string() + "\", name: skin}", 0.01);
+  expect_relative(volume(mesh), std::pow(0.05, 3) / 6, 1e-6);
+  expect_relative(area(mesh, "skin"), (1.5 + std::sqrt(3) / 2) * 0.05 * 0.05, 1e-6);
 }
 
 // Bulges of different size on every edge: in the wrong order the element would fold.

@@ -57,7 +57,7 @@ class Session : public ::testing::Test {
     const std::string path = (folder_ / "session.bag").string();
     rosbag::Bag bag(path, rosbag::bagmode::Write);
     std_msgs::String scene;
-    scene.data = std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/scenes/cable_bar.yaml";
+    scene.data = scene_.empty() ? bar() : scene_;
     bag.write("/simulator/scene", ros::Time(10.0), scene);
     std::mt19937 random(1);
     std::normal_distribution<double> noise_m(0.0, 1e-4);
@@ -76,7 +76,19 @@ class Session : public ::testing::Test {
     return path;
   }
 
+  static std::string bar() { return std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/scenes/cable_bar.yaml"; }
+
+  // The page about a recording that names this scene.
+  std::string page_about(const std::string& recorded_scene, const std::string& given = "") {
+    scene_ = recorded_scene;
+    std::ifstream file(write_session_report(write_bag(true), (folder_ / "report").string(), given).page);
+    std::ostringstream page;
+    page << file.rdbuf();
+    return page.str();
+  }
+
   fs::path folder_;
+  std::string scene_;  // that the recording names; empty: bar()
 };
 
 TEST(RestPeriods, AreFoundHoweverFewFramesASecondCame) {
@@ -213,24 +225,101 @@ TEST_F(Session, RefusesWhatIsNoRecordingOfASession) {
   EXPECT_NE(refusal((folder_ / "none.bag").string()).find("cannot be read as a bag"), std::string::npos);
   std::ofstream(folder_ / "text.bag") << "no bag at all, just words that go on for a while";
   EXPECT_NE(refusal((folder_ / "text.bag").string()).find("cannot be read as a bag"), std::string::npos);
+  EXPECT_NE(refusal("/dev/zero").find("no regular file"), std::string::npos);
   EXPECT_NE(refusal(write_bag(false)).find("no markers of a tracker"), std::string::npos);
 }
 
 // Grey pictures of a camera half a metre in front, recorded a tenth of a second after they were taken.
-void add_images(const std::string& path) {
+void add_images(const std::string& path, double until_s = 19.0) {
   rosbag::Bag bag(path, rosbag::bagmode::Append);
   Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
   world_from_camera.translation().z() = -0.5;
   tf2_msgs::TFMessage tree;
   tree.transforms = {transform_message("world", optical_frame("camera_left"), world_from_camera)};
   bag.write("/tf_static", ros::Time(10.0), tree);
-  for (double time_s = 10.0; time_s < 19.0; time_s += 0.05) {
+  for (double time_s = 10.0; time_s < until_s; time_s += 0.05) {
     const RgbdFrame frame{"camera_left", time_s, cv::Mat(36, 64, CV_8UC3, cv::Scalar(99, 99, 99)),
                           cv::Mat(36, 64, CV_32FC1, cv::Scalar(0.5)), 0.001};
     const FrameMessages messages = frame_messages(frame, d415_camera(64, 36), ros::Time(time_s));
     bag.write("/camera_left/color/camera_info", ros::Time(time_s + 0.1), messages.info);
     bag.write("/camera_left/color/image_raw", ros::Time(time_s + 0.1), messages.colour);
   }
+}
+
+// What `act` refuses, or "".
+template <typename Act>
+std::string refusal_of(const Act& act) {
+  try {
+    act();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// A message of a topic that carries another type.
+template <typename Message>
+void expect_refused(const std::string& bag, const std::string& topic, const std::string& wanted, const Message& other) {
+  rosbag::Bag(bag, rosbag::bagmode::Append).write(topic, ros::Time(12.0), other);
+  const std::string folder = fs::path(bag).parent_path() / "refused";
+  const std::string reason = refusal_of([&] { write_session_report(bag, folder); });
+  for (const std::string& words :
+       {topic, wanted, std::string(ros::message_traits::datatype<Message>()), std::string("record it again")})
+    EXPECT_NE(reason.find(words), std::string::npos) << topic << ": " << reason;
+}
+
+TEST_F(Session, RefusesTopicsOfOtherTypes) {
+  const std_msgs::String text;
+  for (const std::string topic : {"/actuators/command", "/motor/state", "/tracker/markers", "/simulator/markers"})
+    expect_refused(write_bag(true), topic, "must hold soft_robot_lab/", text);
+  expect_refused(write_bag(true), "/simulator/scene", "must hold std_msgs/String", command(12.0, 1.0));
+  expect_refused(write_bag(true), "/tf", "must hold tf2_msgs/TFMessage", text);
+  expect_refused(write_bag(true), "/simulator/surface", "must hold visualization_msgs/Marker", text);
+  expect_refused(write_bag(true), "/left/color/camera_info", "must hold sensor_msgs/CameraInfo", text);
+  const std::string bag = write_bag(true);
+  add_images(bag, 11.0);  // none yet for the first rest
+  expect_refused(bag, "/camera_left/color/image_raw", "must hold sensor_msgs/Image", text);
+}
+
+// Of some type as the recording says, but with these bytes.
+template <typename Message>
+void add_bytes(const std::string& bag, const std::string& md5, const std::string& bytes) {
+  const auto header = boost::make_shared<ros::M_string>();
+  (*header)["type"] = ros::message_traits::datatype<Message>();
+  (*header)["md5sum"] = md5;
+  (*header)["message_definition"] = "string data";
+  const auto text = boost::make_shared<std_msgs::String>();
+  text->data = bytes;
+  rosbag::Bag(bag, rosbag::bagmode::Append).write("/motor/state", ros::Time(12.0), *text, header);
+}
+
+TEST_F(Session, RefusesAnOlderVersionOfAMessage) {
+  const std::string bag = write_bag(true), md5 = "0123456789abcdef0123456789abcdef";
+  add_bytes<MotorState>(bag, md5, "old");
+  const std::string reason = refusal_of([&] { read_recording(bag); });
+  for (const std::string& words :
+       {bag, std::string("/motor/state"), std::string("another version"), md5, std::string("rosbag fix")})
+    EXPECT_NE(reason.find(words), std::string::npos) << reason;
+}
+
+TEST_F(Session, RefusesADamagedMessage) {
+  const std::string bag = write_bag(true);
+  add_bytes<MotorState>(bag, ros::message_traits::md5sum<MotorState>(), std::string(40, '\xff'));
+  const std::string reason = refusal_of([&] { read_recording(bag); });
+  EXPECT_NE(reason.find("/motor/state holds a damaged soft_robot_lab/MotorState"), std::string::npos) << reason;
+}
+
+TEST_F(Session, DoesNotPassOnFilesThatItsRecordingNames) {
+  const std::string own = folder_ / "own.yaml", text = folder_ / "text", link = folder_ / "link.yaml";
+  fs::copy_file(bar(), own);
+  fs::create_symlink("/etc/passwd", link);
+  std::ofstream(text) << "root: hidden words\n";
+  EXPECT_NE(page_about("/etc/passwd").find("shown only where --scene names it: /etc/passwd"), std::string::npos);
+  for (const std::string& scene : {std::string("/etc/passwd"), link, folder_.string() + "/../../etc/passwd", text})
+    EXPECT_EQ(page_about(scene).find("root:"), std::string::npos) << scene;
+  EXPECT_EQ(page_about(bar()).find("youngs_modulus_pa"), std::string::npos);  // a scene, but elsewhere
+  EXPECT_NE(page_about(own).find("youngs_modulus_pa"), std::string::npos);
+  EXPECT_NE(page_about("/etc/passwd", bar()).find("youngs_modulus_pa"), std::string::npos);
 }
 
 TEST_F(Session, DrawsWhatCamerasSawOnceAtEachRest) {
@@ -248,7 +337,7 @@ TEST_F(Session, DrawsWhatCamerasSawOnceAtEachRest) {
 }
 
 TEST_F(Session, IsToldOnOnePage) {
-  const SessionReport report = write_session_report(write_bag(true), (folder_ / "report").string());
+  const SessionReport report = write_session_report(write_bag(true), (folder_ / "report").string(), bar());
   EXPECT_EQ(report.rest_periods, 2);
   EXPECT_NEAR(report.rest_rms_m, 0.003, 1e-4);
   std::ifstream file(report.page);

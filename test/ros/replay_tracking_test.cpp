@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
+#include <std_msgs/String.h>
 #include <unistd.h>
 
 #include "soft_robot_lab/ros/conversions.h"
@@ -90,6 +91,16 @@ TEST_F(Replay, TellsWhatIsNotAsInTheSession) {
 TEST_F(Replay, RefusesARecordingWithoutImages) {
   record(0.0, false);
   EXPECT_THROW(replay(), std::runtime_error);
+}
+
+TEST_F(Replay, RefusesTopicsOfOtherTypes) {
+  for (const std::string& topic : {std::string(topics::tracker_steps), std::string(topics::tracker_markers),
+                                   std::string(topics::simulator_markers), std::string(topics::reality_gap),
+                                   colour_topic("eye"), depth_topic("eye")}) {
+    record(0.0, true);
+    rosbag::Bag(path("session.bag"), rosbag::bagmode::Append).write("/" + topic, ros::Time(100.1), std_msgs::String());
+    EXPECT_THROW(replay(), std::runtime_error) << topic;
+  }
 }
 
 }  // namespace

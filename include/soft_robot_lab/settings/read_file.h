@@ -14,6 +14,6 @@ std::string read_regular_file(const std::string& path, std::uintmax_t largest_by
 void require_regular_file(const std::string& path, std::uintmax_t largest_bytes);
 
 constexpr std::uintmax_t kLargestSettings_bytes = 16u << 20;
-constexpr std::uintmax_t kLargestMesh_bytes = 1u << 30;  // 2 million quadratic elements in text take 0.4 GB
+constexpr std::uintmax_t kLargestMesh_bytes = 512u << 20;  // 2 million quadratic elements in text take 0.4 GB
 
 }  // namespace soft_robot_lab

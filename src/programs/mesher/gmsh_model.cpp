@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <map>
 #include <stdexcept>
 #include <unordered_map>
@@ -83,6 +84,7 @@ Eigen::MatrixXi cells(const Elements& elements, const std::map<std::size_t, int>
 
 GmshSession::GmshSession() {
   gmsh::initialize(0, nullptr, false);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);  // Gmsh goes on in spite of them
   gmsh::option::setNumber("General.Terminal", 0);
   gmsh::option::setNumber("General.NumThreads", 1);
   gmsh::option::setNumber("General.AbortOnError", 2);  // throw

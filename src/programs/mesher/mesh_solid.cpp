@@ -44,9 +44,19 @@ void unfold(TetMesh& mesh) {
   }
 }
 
+// Gmsh looks for ever for curves that part a patch of a single triangle on a surface as small as a tetrahedron's. Cut
+// into four, each triangle keeps its plane.
+void cut_few_triangles() {
+  constexpr size_t kFew = 100;
+  std::vector<std::size_t> tags, nodes;
+  gmsh::model::mesh::getElementsByType(2, tags, nodes);
+  if (!tags.empty() && tags.size() < kFew) gmsh::model::mesh::refine();
+}
+
 // The triangles of the file are cut into patches, each meshed anew through its parametrisation. One unit is a metre.
 std::vector<NamedSurface> build_stl(const Solid& solid, const MeshSizes& sizes) {
   gmsh::merge(solid.file);
+  cut_few_triangles();
   gmsh::model::mesh::classifySurfaces(kStlCorner, true, true, kPi);
   gmsh::model::mesh::createGeometry();
   gmsh::vectorpair surfaces;

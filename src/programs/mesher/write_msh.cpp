@@ -1,8 +1,9 @@
 #include "programs/mesher/write_msh.h"
 
 #include <charconv>
-#include <fstream>
-#include <stdexcept>
+#include <sstream>
+
+#include "soft_robot_lab/settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -52,13 +53,12 @@ void write_elements(const TetMesh& mesh, std::ostream& out) {
 }  // namespace
 
 void write_msh(const TetMesh& mesh, const std::string& path) {
-  std::ofstream out(path, std::ios::binary);
+  std::ostringstream out;
   out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
   write_names(mesh, out);
   write_nodes(mesh, out);
   write_elements(mesh, out);
-  out.close();
-  if (!out) throw std::runtime_error(path + ": cannot be written");
+  write_file(path, out.str());
 }
 
 }  // namespace soft_robot_lab

@@ -1,0 +1,49 @@
+#include "soft_robot_lab/settings/read_name.h"
+
+#include <cstdint>
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr std::size_t kLongest = 100;
+
+// How many bytes the character takes that begins here; 0: none does. RFC 3629: the shortest form only, no surrogates.
+std::size_t character_length(const std::string& text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return at + i < text.size() ? static_cast<std::uint8_t>(text[at + i]) : 0; };
+  const std::uint8_t first = byte(0);
+  const std::size_t length = first < 0x80   ? 1
+                             : first < 0xc2 ? 0
+                             : first < 0xe0 ? 2
+                             : first < 0xf0 ? 3
+                             : first < 0xf5 ? 4
+                                            : 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  const bool too_long = (first == 0xe0 && byte(1) < 0xa0) || (first == 0xf0 && byte(1) < 0x90);
+  const bool beyond = (first == 0xed && byte(1) > 0x9f) || (first == 0xf4 && byte(1) > 0x8f);
+  return too_long || beyond ? 0 : length;
+}
+
+}  // namespace
+
+std::string read_name(const SettingsNode& owner, const std::string& key) {
+  const SettingsNode node = owner.child(key);
+  const std::string name = node.as_text();
+  if (name.empty()) node.fail("must not be empty");
+  std::size_t characters = 0;
+  for (std::size_t at = 0; at < name.size(); ++characters) {
+    const std::size_t length = character_length(name, at);
+    if (length == 0) node.fail("byte " + std::to_string(at + 1) + " of the name is not UTF-8");
+    const auto c = static_cast<unsigned char>(name[at]);
+    if (c < ' ' || c == 127 || c == '\'' || c == '"' || c == '\\' || c == '`')
+      node.fail("character " + std::to_string(characters + 1) +
+                " of the name is a quote, a backslash or a control character");
+    at += length;
+  }
+  if (characters > kLongest)
+    node.fail("the name has " + std::to_string(characters) + " characters, must have [1, " + std::to_string(kLongest) +
+              "]");
+  return name;
+}
+
+}  // namespace soft_robot_lab

@@ -4,6 +4,7 @@
 #include "experiment/fit_experiment.h"
 #include "experiment/policy_experiments.h"
 #include "experiment/rest_states_experiment.h"
+#include "experiment/tentacle_experiment.h"
 #include "experiment/vision_experiments.h"
 #include "soft_robot_lab/actuators/factory.h"
 #include "soft_robot_lab/experiment/experiment.h"
@@ -43,6 +44,8 @@ std::vector<Experiment> simulation_experiments() {
       {"7.3.2", "PID as published on the same ten targets, descent beside it", run_pid_experiment},
       {"fit", "Spinebot's model fitted to its table of contractions, and tried on poses it has not seen",
        run_fit_experiment},
+      {"tentacle", "a measured tentacle: distances at published materials, and fitted on every other pose",
+       run_tentacle_experiment},
   };
 }
 

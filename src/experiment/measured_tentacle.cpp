@@ -13,7 +13,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-Eigen::Vector3d vector_of(const Json& json) { return {json.at(0), json.at(1), json.at(2)}; }
+Eigen::Vector3d vector_of(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
 
 std::map<std::string, Eigen::Vector3d> places_of(const Json& json) {
   std::map<std::string, Eigen::Vector3d> places;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/control/forward_model.h"
 #include "soft_robot_lab/scene/scene.h"
 
@@ -17,6 +18,9 @@ struct Case {
   Eigen::VectorXd commands;
   std::string changes = {};  // of the scene
 };
+
+// The robot has syringes.
+const std::string kBubblebotByGas = "\nchambers: {a: {command: beta}, b: {command: beta}, c: {command: beta}}";
 
 void PrintTo(const Case& it, std::ostream* os) { *os << it.name; }
 
@@ -59,8 +63,32 @@ INSTANTIATE_TEST_SUITE_P(, RobotDerivatives,
                                          Case{"HammerbotBeforeItBuckles", "hammerbot", "tip", vector({0.84, 1.0})},
                                          Case{"CuboidInflated", "hollow_cuboid", "skin_x", vector({1.3})},
                                          Case{"BubblefingerBent", "bubblefinger", "tip", vector({1.2}),
-                                              "\nchambers: {main: {command: beta}}"}),
+                                              "\nchambers: {main: {command: beta}}"},
+                                         Case{"BubblebotBent", "bubblebot", "tip", vector({1.4, 1.15, 1.0}),
+                                              kBubblebotByGas}),
                          [](const auto& test) { return test.param.name; });
+
+// Air: three amounts of gas bring a marker anywhere within reach, where the optimiser knows nothing but derivatives.
+TEST(Bubblebot, IsBroughtToAPlaceByTheGasInItsThreeChambers) {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  options.changes = kBubblebotByGas;
+  const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/bubblebot.yaml", options);
+  Simulation& simulation = *scene.simulation;
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const SimulationState hanging = simulation.state();
+  const Eigen::Vector3d betas = vector({1.6, 1.25, 1.05});
+  const Eigen::Vector3d place_m = ForwardModel(simulation, {"tip"}, {"a", "b", "c"}).predict(betas, false).markers_m;
+  simulation.set_state(hanging);
+  const PolicyAnswer answer = find_policy(simulation, {{{{{"tip", place_m, 1.0}}, 2.0, {}}}, {}, 0.0}, {});
+  ASSERT_TRUE(answer.success);
+  const OptimisationSummary& summary = answer.summaries.front();
+  EXPECT_GT(summary.initial_distance_m, 1e-3);
+  EXPECT_TRUE(summary.target_reached) << summary.final_distance_m << " " << summary.stop_reason;
+  EXPECT_LT((summary.commands - betas).norm(), 0.02) << summary.commands.transpose();
+  EXPECT_LE(summary.evaluations, 40);
+}
 
 }  // namespace
 }  // namespace soft_robot_lab

@@ -11,6 +11,7 @@
 #include "soft_robot_lab/rig/emulated_lab.h"
 #include "soft_robot_lab/rig/same_commands.h"
 #include "soft_robot_lab/vision/calibration_session.h"
+#include "soft_robot_lab/vision/tracker.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -121,7 +122,7 @@ TEST_P(SeenRobotOfRecord, LeavesTheBallsThatItIsCalibratedByInSight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, SeenRobotOfRecord, testing::Values("spinebot", "hammerbot", "bubblebot", "bubblefinger"),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& robot) { return robot.param; });
 
 TEST(RobotFiles, EveryRobotHasItsOwn) {
   for (const std::string& robot : kRobots) {

@@ -30,9 +30,9 @@ struct Move {
 // Bubblebot's chamber a lies towards +y; Bubblefinger bends away from its wedges.
 const std::map<std::string, Move> kMoves = {
     {"spinebot", {"right", 0.9, "tip", {1, 0, 0}, 0.01, 6}},
-    {"hammerbot", {"right", 0.9, "tip", {1, 0, 0}, 0.01, 6}},
+    {"hammerbot", {"right", 0.9, "tip", {1, 0, 0}, 0.008, 6}},
     {"bubblebot", {"a", 60.0, "tip", {0, -1, 0}, 0.0007, 6}},  // thick walls
-    {"bubblefinger", {"main", 10.0, "tip", {0, -1, 0}, 0.01, 6}},
+    {"bubblefinger", {"main", 10.0, "tip", {0, -1, 0}, 0.002, 6}},
     {"hanging_bar", {"cable", 0.95, "tip", {1, 0, 0}, 0.005}},
     {"hollow_cuboid", {"main", 1.3, "skin_x", {1, 0, 0}, 0.0005}},
 };

@@ -11,6 +11,7 @@
 #include "soft_robot_lab/rig/emulated_lab.h"
 #include "soft_robot_lab/rig/same_commands.h"
 #include "soft_robot_lab/vision/calibration_session.h"
+#include "soft_robot_lab/vision/tracker.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -54,7 +55,7 @@ TEST(RobotFiles, CommandsThatMeanTwoThingsAreRefusedWithBothFiles) {
       "rig.yaml");
   EXPECT_NE(refusal(*load("bubblefinger"), cable).find("contraction of a cable [1]"), std::string::npos);
   EXPECT_EQ(refusal(*load("spinebot"), syringe), "rig.yaml has no motor for 'left' of robot.yaml");
-  EXPECT_NE(refusal(*load("hanging_bar", "cables: {cable: {command: length_m}}"),
+  EXPECT_NE(refusal(*load("hanging_bar", "cables: {cable: {command: length_m}}\nrun: {commands: []}"),
                     parse_rig("{device: /dev/rig, motors: [{name: cable, cable: {rest_length_m: 0.13, "
                               "min_contraction: 0.5, max_contraction: 1.1}}]}",
                               "rig.yaml"))
@@ -121,7 +122,7 @@ TEST_P(SeenRobotOfRecord, LeavesTheBallsThatItIsCalibratedByInSight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, SeenRobotOfRecord, testing::Values("spinebot", "hammerbot", "bubblebot", "bubblefinger"),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& robot) { return robot.param; });
 
 TEST(RobotFiles, EveryRobotHasItsOwn) {
   for (const std::string& robot : kRobots) {

@@ -2,9 +2,12 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "experiment/configuration_table.h"
 #include "scene/scene_files.h"
 #include "soft_robot_lab/experiment/experiment.h"
 #include "soft_robot_lab/settings/settings_node.h"
@@ -64,6 +67,26 @@ TEST_F(CableExperiments, TakeConfigurationsOneAfterTheOther) {
   EXPECT_EQ(all[3]["speed_m_s"], 0.0);
   EXPECT_GT(all[4]["speed_m_s"].get<double>(), 0.001);
   EXPECT_GT(std::abs(tip_m(result, 4, 1) - tip_m(result, 3, 1)), 1e-5);
+}
+
+// The source's motor positions, tables 6.4 and 6.5, follow from the contractions and the cables' length.
+TEST_F(CableExperiments, HaveTheSourcesTables) {
+  const std::vector<std::vector<int>> hammerbot = {{0, 0},     {-320, 288}, {-320, 480}, {144, -16},
+                                                   {448, -16}, {-16, -16},  {336, 304},  {336, 304}},
+                                      spinebot = {{0, 0},      {0, 258}, {0, 0},     {129, 0},
+                                                  {258, -129}, {0, 0},   {129, 129}, {258, 258}};
+  for (const auto& [name, length_m, motors] :
+       {std::tuple("6.3.1", 0.1, hammerbot), std::tuple("6.3.2", 0.0805, spinebot)}) {
+    SCOPED_TRACE(name);
+    const SettingsNode file =
+        SettingsNode::load_file(std::string(SOFT_ROBOT_LAB_SOURCE "/config/experiments/") + name + ".yaml");
+    const std::vector<Configuration> all = read_configurations(file);
+    ASSERT_EQ(all.size(), motors.size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+      for (const std::size_t cable : {0u, 1u})
+        EXPECT_EQ(std::lround((1.0 - all[i].commands[cable]) * length_m / file.number("step_m")), motors[i][cable])
+            << all[i].name;
+  }
 }
 
 TEST_F(CableExperiments, RefuseConfigurationsThatAreNotThere) {

@@ -9,7 +9,7 @@ packages=(
   g++ make cmake git catkin ros-message-generation
   libroscpp-dev libroslib-dev pluginlib-dev librosbag-dev libdiagnostic-updater-dev libtf2-ros-dev
   libstd-msgs-dev libgeometry-msgs-dev libvisualization-msgs-dev libdiagnostic-msgs-dev libstd-srvs-dev
-  libros-rosgraph-msgs-dev
+  libros-rosgraph-msgs-dev libdynamic-reconfigure-config-init-mutex-dev python3-dynamic-reconfigure
   ros-std-msgs ros-geometry-msgs ros-visualization-msgs ros-diagnostic-msgs ros-actionlib-msgs ros-std-srvs
   python3-roslaunch python3-rostopic python3-rosservice python3-rosnode python3-rosparam python3-rosbag python3-rosmsg
   python3-std-srvs python3-geometry-msgs python3-visualization-msgs python3-diagnostic-msgs rosout rosbash

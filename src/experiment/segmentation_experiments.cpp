@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -146,6 +147,8 @@ Plot distance_plot(const std::string& name, const std::vector<std::string>& name
     mean.x.push_back(double(i));
     mean.y.push_back(scores[i].mean_px);
     mean.deviations.push_back(scores[i].deviation_px);
+    plot.y.max =
+        std::max(std::isnan(plot.y.max) ? 0.1 : plot.y.max, 1.1 * (scores[i].mean_px + scores[i].deviation_px));
   }
   plot.series = {mean};
   return plot;
@@ -230,8 +233,8 @@ ExperimentResult run_contrast_segmentation_experiment(const ExperimentContext& c
       kHowCounted + ("Missed, the worst first: " + missed(outcome.names, outcome.scores)) +
       "; the source's worst are 1 and 5. " + scattered_most(outcome.names, outcome.scores) +
       " scatters most, the source's marker 4. Markers are missed where they come to the robot's outline as "
-      "it bends, so that they are no holes any more; nothing shades the base here, as the source's rig "
-      "did. A hole that is no marker's takes a missed one's place in " +
+      "it bends, so that they are no holes any more; here lamps reach the base as well as the rest. A hole that is "
+      "no marker's takes the place of a missed or hidden one in " +
       std::to_string(result.numbers["strays"].get<int>()) + " cases, as so many are always kept.";
   return result;
 }

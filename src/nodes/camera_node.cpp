@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/MoveCamera.h>
@@ -20,6 +21,7 @@
 
 #include "nodes/run_node.h"
 #include "soft_robot_lab/rig/reality.h"
+#include "soft_robot_lab/ros/camera_driver.h"
 #include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/ros/rendered_rig.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -76,7 +78,15 @@ class CameraPublishers {
       : colour_(node.advertise<sensor_msgs::Image>(camera + "/color/image_raw", 2)),
         depth_(node.advertise<sensor_msgs::Image>(camera + "/aligned_depth_to_color/image_raw", 2)),
         colour_info_(node.advertise<sensor_msgs::CameraInfo>(camera + "/color/camera_info", 2)),
-        depth_info_(node.advertise<sensor_msgs::CameraInfo>(camera + "/aligned_depth_to_color/camera_info", 2)) {}
+        depth_info_(node.advertise<sensor_msgs::CameraInfo>(camera + "/aligned_depth_to_color/camera_info", 2)),
+        descriptions_(
+            node.advertise<dynamic_reconfigure::ConfigDescription>(parameter_descriptions_topic(camera), 1, true)),
+        updates_(node.advertise<dynamic_reconfigure::Config>(parameter_updates_topic(camera), 1, true)) {}
+
+  void describe(const CameraSettingLimits& limits, const CameraSetting& own) const {
+    descriptions_.publish(description_message(limits, own));
+  }
+  void publish(const CameraSetting& setting) const { updates_.publish(config_message(setting)); }
 
   bool wanted() const {
     return colour_.getNumSubscribers() + depth_.getNumSubscribers() + colour_info_.getNumSubscribers() +
@@ -91,7 +101,7 @@ class CameraPublishers {
   }
 
  private:
-  ros::Publisher colour_, depth_, colour_info_, depth_info_;
+  ros::Publisher colour_, depth_, colour_info_, depth_info_, descriptions_, updates_;
 };
 
 class CameraNode {
@@ -103,6 +113,7 @@ class CameraNode {
   template <typename Message>
   void add(const Message& message, void (SeenRobotStates::*add)(const Message&));
   void publish_true_poses();
+  void serve_settings(std::size_t camera);
   bool show_balls(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool move(MoveCamera::Request& request, MoveCamera::Response& response);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -124,7 +135,10 @@ class CameraNode {
 CameraNode::CameraNode(const CameraOptions& options)
     : rig_(read_rig(options), static_cast<std::uint64_t>(options.seed)) {
   rig_.show_balls(options.show_balls);
-  for (const RigCamera& camera : rig_.cameras()) publishers_.emplace_back(node_, camera.pose.name);
+  for (std::size_t i = 0; i < rig_.cameras().size(); ++i) {
+    publishers_.emplace_back(node_, rig_.cameras()[i].pose.name);
+    serve_settings(i);
+  }
   publish_true_poses();
   // Deep enough for what arrives while frames are rendered.
   subscribers_ = {
@@ -135,8 +149,8 @@ CameraNode::CameraNode(const CameraOptions& options)
           topics::simulator_surface, 10,
           [this](const visualization_msgs::Marker::ConstPtr& m) { add(*m, &SeenRobotStates::add_surface); }),
   };
-  services_ = {node_.advertiseService(topics::show_balls, &CameraNode::show_balls, this),
-               node_.advertiseService(topics::move_camera, &CameraNode::move, this)};
+  services_.push_back(node_.advertiseService(topics::show_balls, &CameraNode::show_balls, this));
+  services_.push_back(node_.advertiseService(topics::move_camera, &CameraNode::move, this));
   diagnostics_.setHardwareID("rendered");
   diagnostics_.add("rendered cameras", this, &CameraNode::diagnose);
   diagnostics_timer_ =
@@ -169,6 +183,21 @@ void CameraNode::publish_true_poses() {
     poses.push_back(transform_message(topics::world_frame, "truth/" + optical_frame(camera.pose.name),
                                       camera.pose.world_from_camera));
   true_poses_.sendTransform(poses);
+}
+
+// As realsense2_camera's: what is out of range is cut, and the answer is what holds now.
+void CameraNode::serve_settings(std::size_t camera) {
+  using Reconfigure = dynamic_reconfigure::Reconfigure;
+  publishers_[camera].describe({}, rig_.setting(camera));
+  publishers_[camera].publish(rig_.setting(camera));
+  services_.push_back(node_.advertiseService<Reconfigure::Request, Reconfigure::Response>(
+      set_parameters_service(rig_.cameras()[camera].pose.name),
+      [this, camera](Reconfigure::Request& request, Reconfigure::Response& response) {
+        rig_.set(camera, with_request(rig_.setting(camera), request.config, {}));
+        publishers_[camera].publish(rig_.setting(camera));
+        response.config = config_message(rig_.setting(camera));
+        return true;
+      }));
 }
 
 bool CameraNode::show_balls(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {

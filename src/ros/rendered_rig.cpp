@@ -24,7 +24,23 @@ std::string names_of(const std::vector<RigCamera>& cameras) {
 
 RenderedRig::RenderedRig(CameraRig rig, std::uint64_t seed) : rig_(std::move(rig)), seed_(seed) {
   build_stage({}, {});
-  for (const RigCamera& camera : rig_.cameras) shooting_.push_back({make_camera(camera, *stage_, seed_), {}, -1});
+  for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
+    const CameraSetting setting = own_setting(rig_.cameras[i].sensor);
+    shooting_.push_back({made(i, setting), setting, {}, -1});
+  }
+}
+
+RenderedCamera RenderedRig::made(std::size_t camera, const CameraSetting& setting) const {
+  RigCamera filming = rig_.cameras[camera];
+  filming.sensor = exposed(filming.sensor, setting);
+  return make_camera(filming, *stage_, seed_);
+}
+
+void RenderedRig::set(std::size_t camera, const CameraSetting& setting) {
+  const CameraSetting& old = shooting_[camera].setting;
+  if (setting.automatic == old.automatic && setting.exposure == old.exposure && setting.gain == old.gain) return;
+  shooting_[camera].camera = made(camera, setting);
+  shooting_[camera].setting = setting;
 }
 
 void RenderedRig::build_stage(SeenRobot robot, const SeenState& state) {
@@ -39,7 +55,7 @@ void RenderedRig::show_balls(bool shown) {
   balls_shown_ = shown;
   const SeenState state = stage_->state();
   build_stage(stage_->robot(), state);
-  for (std::size_t i = 0; i < shooting_.size(); ++i) shooting_[i].camera = make_camera(rig_.cameras[i], *stage_, seed_);
+  for (std::size_t i = 0; i < shooting_.size(); ++i) shooting_[i].camera = made(i, shooting_[i].setting);
 }
 
 const RigCamera& RenderedRig::move(const std::string& name, const Eigen::Vector3d& translation_m,
@@ -53,7 +69,8 @@ const RigCamera& RenderedRig::move(const std::string& name, const Eigen::Vector3
   Eigen::Isometry3d& pose = camera->pose.world_from_camera;
   pose.linear() = Eigen::AngleAxisd(rotation_rad.norm(), rotation_rad.stableNormalized()) * pose.linear();
   pose.translation() += translation_m;
-  shooting_[static_cast<std::size_t>(camera - rig_.cameras.begin())].camera = make_camera(*camera, *stage_, seed_);
+  const auto place = static_cast<std::size_t>(camera - rig_.cameras.begin());
+  shooting_[place].camera = made(place, shooting_[place].setting);
   return *camera;
 }
 

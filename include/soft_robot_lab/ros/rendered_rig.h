@@ -38,6 +38,9 @@ class RenderedRig {
   // std::invalid_argument: name, numbers that are not finite.
   const RigCamera& move(const std::string& name, const Eigen::Vector3d& translation_m,
                         const Eigen::Vector3d& rotation_rad);
+  // Exposure and gain; automatic at first. Throws std::invalid_argument: out of range.
+  const CameraSetting& setting(std::size_t camera) const { return shooting_[camera].setting; }
+  void set(std::size_t camera, const CameraSetting& setting);
 
   // Of the newest moment, by those wanted cameras whose next frame is due: the first moment at or after a multiple of
   // 1 / rate_hz of session time.
@@ -46,10 +49,12 @@ class RenderedRig {
  private:
   struct Shooting {
     RenderedCamera camera;
+    CameraSetting setting;
     FrameCounts counts;
     std::int64_t last_frame = -1;  // by its number since session time 0; -1: none since it is wanted
   };
   void build_stage(SeenRobot robot, const SeenState& state);
+  RenderedCamera made(std::size_t camera, const CameraSetting& setting) const;
   void follow(const SeenRobotStates& robot, const SeenState& state);
   bool is_due(Shooting& shooting, std::int64_t frame);
 

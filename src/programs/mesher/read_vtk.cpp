@@ -289,6 +289,7 @@ TetMesh read_vtk(const std::string& path) {
   for (size_t point = 0; point < index.size(); ++point) {
     if (index[point] < 0) continue;
     mesh.nodes_m.col(count) = Eigen::Vector3d::Map(&grid.points[3 * point]);
+    if (!mesh.nodes_m.col(count).allFinite()) reader.fail("point " + std::to_string(point) + " is not finite");
     index[point] = count++;
   }
   mesh.nodes_m.conservativeResize(Eigen::NoChange, count);

@@ -64,7 +64,10 @@ bool ControlSocket::serve(int client, std::string& text, const std::function<std
     text.erase(0, end + 1);
     if (send(client, reply.data(), reply.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(reply.size())) return false;
   }
-  return text.size() <= longest_line;
+  if (text.size() <= longest_line) return true;
+  const std::string reply = "error: a line has at most " + std::to_string(longest_line) + " characters\n";
+  send(client, reply.data(), reply.size(), MSG_NOSIGNAL);
+  return false;  // of who does not keep to it, nothing more is understood
 }
 
 }  // namespace soft_robot_lab

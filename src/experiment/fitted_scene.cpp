@@ -1,11 +1,11 @@
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 #include <unistd.h>
 
 #include "soft_robot_lab/experiment/fit_model.h"
+#include "soft_robot_lab/settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -36,7 +36,7 @@ void require_writable(const std::string& file) {
 }
 
 void write_fitted_scene(const FitResult& result, const std::string& scene, const std::string& file) {
-  std::ofstream out(file);
+  std::ostringstream out;
   out << "# Fitted to measured markers.\n" << as_comment(summary(result));
   const Eigen::Vector3d& t = result.measured_from_base.translation();
   const Eigen::Quaterniond q(result.measured_from_base.linear());
@@ -44,8 +44,7 @@ void write_fitted_scene(const FitResult& result, const std::string& scene, const
       << q.x() << " " << q.y() << " " << q.z() << " " << q.w() << " (x y z w); a scene does not hold it.\n"
       << "include: \"" << path_from(file, scene) << "\"\n"
       << result.changes;
-  out.close();
-  if (!out) throw std::runtime_error(file + ": cannot be written");
+  write_file(file, out.str());
 }
 
 }  // namespace soft_robot_lab

@@ -17,9 +17,12 @@ constexpr std::array<int, 8> kMarks = {7, 5, 9, 11, 13, 6, 4, 8};  // of gnuplot
 constexpr std::size_t kMostBeside = 5, kMostSlanted = 12;          // words below the x axis
 constexpr int kMostBelow = 6;                                      // a longer legend stands beside the picture
 
+// Names of recordings may hold anything: a NUL or a line's end would end the script.
+char printable(char c) { return static_cast<unsigned char>(c) < ' ' || c == 127 ? ' ' : c; }
+
 std::string quoted(const std::string& text) {
   std::string result = "'";
-  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c == '\n' ? ' ' : c);
+  for (const char c : text) result += c == '\'' ? "''" : std::string(1, printable(c));
   return result + "'";
 }
 
@@ -120,7 +123,8 @@ void write_data(std::ostream& script, const Series& series, std::size_t place) {
     if (!series.point_labels.empty()) {
       std::string label = series.point_labels[i];
       std::replace(label.begin(), label.end(), '"', '\'');
-      std::replace(label.begin(), label.end(), '\n', ' ');
+      std::replace(label.begin(), label.end(), '\\', '/');
+      std::transform(label.begin(), label.end(), label.begin(), printable);
       script << " \"" << label << "\"";
     }
     script << "\n";

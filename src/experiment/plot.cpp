@@ -3,10 +3,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <locale>
@@ -15,6 +13,7 @@
 
 #include "experiment/gnuplot_script.h"
 #include "soft_robot_lab/design/timed_process.h"
+#include "soft_robot_lab/settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -35,12 +34,6 @@ void check_axis(const Plot& plot, const std::string& series, const char* name, c
         !axis.logarithmic || value > 0.0, plot,
         "series '" + series + "': " + name + " = " + std::to_string(value) + " must be above 0 on a logarithmic axis");
   }
-}
-
-void write_file(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text << std::flush;
-  if (!file) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
 }
 
 std::string csv_cell(const std::string& text) {

@@ -5,15 +5,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "soft_robot_lab/settings/write_file.h"
+
 namespace soft_robot_lab {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SpeedRun, problem, poissons_ratio, rung, mode, bullet, size_m, nodes, elements,
                                    ended, error, curve, cost, cpu_s, iterations, frequency_error, message)
 
 void write_runs(const std::string& path, const std::vector<SpeedRun>& runs) {
-  std::ofstream file(path);
-  file << nlohmann::json(runs).dump(1) << "\n" << std::flush;
-  if (!file) throw std::runtime_error(path + ": cannot be written");
+  write_file(path, nlohmann::json(runs).dump(1) + "\n");
 }
 
 std::vector<SpeedRun> read_runs(const std::string& path) {

@@ -23,6 +23,7 @@
 #include "soft_robot_lab/rig/reality.h"
 #include "soft_robot_lab/ros/camera_driver.h"
 #include "soft_robot_lab/ros/image_messages.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/rendered_rig.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/vision/calibration.h"
@@ -172,7 +173,7 @@ void CameraNode::add(const Message& message, void (SeenRobotStates::*add_message
     (robot_.*add_message)(message);
   } catch (const std::invalid_argument& error) {
     refusal_ = error.what();
-    ROS_WARN_THROTTLE(1.0, "%s", error.what());
+    ROS_WARN_THROTTLE(1.0, "%s", log_text(error.what()).c_str());
   }
 }
 
@@ -218,7 +219,7 @@ bool CameraNode::move(MoveCamera::Request& request, MoveCamera::Response& respon
     response.message = text.str();
   } catch (const std::invalid_argument& error) {
     response.message = error.what();
-    ROS_WARN("%s refused: %s", topics::move_camera, error.what());
+    ROS_WARN("%s refused: %s", topics::move_camera, log_text(error.what()).c_str());
   }
   return true;
 }

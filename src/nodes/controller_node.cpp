@@ -20,6 +20,7 @@
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/execution.h"
 #include "soft_robot_lab/ros/fit_service.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/policy_request.h"
 #include "soft_robot_lab/ros/policy_search.h"
 #include "soft_robot_lab/ros/topics.h"
@@ -122,7 +123,7 @@ void ControllerNode::on_scene(const std_msgs::String& path) {
     ROS_INFO("models %s", path.data.c_str());
     if (services_.empty()) offer_services();
   } catch (const std::exception& error) {
-    ROS_ERROR("keeps its old model: %s", error.what());
+    ROS_ERROR("keeps its old model: %s", log_text(error.what()).c_str());
   }
 }
 
@@ -144,7 +145,7 @@ bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimiseP
     response.success = false;
     response.message = error.what();
   }
-  if (!response.success) ROS_WARN("%s refused: %s", topics::optimise_policy, response.message.c_str());
+  if (!response.success) ROS_WARN("%s refused: %s", topics::optimise_policy, log_text(response.message).c_str());
   return true;
 }
 
@@ -162,7 +163,7 @@ bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePoli
     response.success = false;
     response.message = error.what();
   }
-  if (!response.success) ROS_WARN("%s refused: %s", topics::execute_policy, response.message.c_str());
+  if (!response.success) ROS_WARN("%s refused: %s", topics::execute_policy, log_text(response.message).c_str());
   return true;
 }
 

@@ -1,8 +1,10 @@
-// Tells where the shafts of an emulated rig really are, and passes requests for faults on to it.
+// Tells where the shafts of an emulated rig really are, and passes requests for faults on to it. Where the line to the
+// emulator breaks, it connects again; without one, it fails.
 //
 // Parameters: ~rig (path), ~control (the emulator's socket), ~reality (path: the backlash that its motors really have;
 // absent: none).
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -13,6 +15,7 @@
 #include "soft_robot_lab/motor/rig_settings.h"
 #include "soft_robot_lab/rig/reality.h"
 #include "soft_robot_lab/rig/rig_control.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/motor_messages.h"
 #include "soft_robot_lab/ros/topics.h"
 
@@ -41,42 +44,58 @@ std::unique_ptr<RigControl> connect(const std::string& path) {
 class EmulatedRigNode {
  public:
   explicit EmulatedRigNode(const ros::NodeHandle& node)
-      : rig_(load_rig(required(node, "rig"))), control_(connect(required(node, "control"))) {
-    if (const auto path = node.param<std::string>("reality", ""); !path.empty()) set_backlash(load_reality(path));
+      : rig_(load_rig(required(node, "rig"))), path_(required(node, "control")), control_(connect(path_)) {
+    if (const auto path = node.param<std::string>("reality", ""); !path.empty()) reality_ = load_reality(path);
+    set_backlash();
     shafts_ = node_.advertise<ShaftState>(topics::rig_shafts, 10);
     command_ = node_.advertiseService(topics::rig_command, &EmulatedRigNode::command, this);
     timer_ = node_.createWallTimer(ros::WallDuration(0.01), [this](const auto&) { publish(); });
   }
 
  private:
-  void set_backlash(const RealitySettings& reality) {
+  void set_backlash() {
+    if (!reality_) return;
     for (std::size_t i = 0; i < rig_.motors.size(); ++i) {
-      const auto steps = reality.backlash_steps.find(rig_.motors[i].name);
-      if (steps != reality.backlash_steps.end())
+      const auto steps = reality_->backlash_steps.find(rig_.motors[i].name);
+      if (steps != reality_->backlash_steps.end())
         control_->ask("backlash " + std::to_string(i) + " " + std::to_string(steps->second));
     }
   }
 
   void publish() {
+    if (!control_) return;
     try {
       shafts_.publish(shaft_state(rig_, control_->shafts(), ros::Time::now()));
-    } catch (const std::runtime_error& error) {  // it was stopped first
-      ROS_WARN("%s", error.what());
-      ros::requestShutdown();
+    } catch (const std::runtime_error& error) {
+      ROS_WARN("%s", log_text(error.what()).c_str());
+      connect_again();
+    }
+  }
+
+  void connect_again() {
+    control_.reset();
+    try {
+      control_ = connect(path_);
+      set_backlash();
+    } catch (const std::runtime_error&) {
+      if (ros::ok()) throw;  // otherwise the session ends, and the emulator was stopped first
     }
   }
 
   bool command(RigCommand::Request& request, RigCommand::Response& response) {
     try {
+      if (!control_) throw std::runtime_error("the emulator is not there");
       response.message = control_->ask(request.command);
       response.success = true;
-    } catch (const std::invalid_argument& error) {
+    } catch (const std::exception& error) {  // where the line broke, the next publish() connects again
       response.message = error.what();
     }
     return true;
   }
 
   RigSettings rig_;
+  std::string path_;
+  std::optional<RealitySettings> reality_;
   std::unique_ptr<RigControl> control_;
   ros::NodeHandle node_;
   ros::Publisher shafts_;

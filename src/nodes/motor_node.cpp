@@ -2,9 +2,11 @@
 //
 // Parameters: ~rig (path), ~device (instead of the one in the rig's file), ~zero_at_start (the robot hangs at rest when
 // the rig gets power: take that for zero).
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/callback_queue.h>
@@ -16,6 +18,7 @@
 #include "nodes/run_node.h"
 #include "soft_robot_lab/motor/motor_driver.h"
 #include "soft_robot_lab/motor/serial_port.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/motor_messages.h"
 #include "soft_robot_lab/ros/topics.h"
 
@@ -74,6 +77,7 @@ class MotorNode {
   static constexpr double state_period_s = 0.02;
   static constexpr double poll_period_s = 0.002;
   static constexpr double longest_operation_s = 2.0;
+  static constexpr double longest_report_s = 0.2;  // of states that come each 20 ms
 
   void update() {
     driver_.update(now_s());
@@ -83,14 +87,14 @@ class MotorNode {
     if (failure.empty())
       ROS_INFO("linked to %s", driver_.rig().device.c_str());
     else
-      ROS_WARN("no link: %s", failure.c_str());
+      ROS_WARN("no link: %s", log_text(failure).c_str());
   }
 
   void on_command(const ActuatorCommand& command) {
     try {
       driver_.command(command.names, command.values, now_s());
     } catch (const std::invalid_argument& error) {
-      ROS_WARN("%s refused: %s", topics::actuator_command, error.what());
+      ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::actuator_command, log_text(error.what()).c_str());
     }
   }
 
@@ -98,6 +102,23 @@ class MotorNode {
   void finish(double limit_s) {
     const double end_s = now_s() + limit_s;
     while (driver_.operation() == OperationState::running && now_s() < end_s) {
+      update();
+      ros::WallDuration(poll_period_s).sleep();
+    }
+  }
+
+  bool at_zero(const std::vector<std::string>& names) const {
+    const std::vector<MotorStatus> motors = driver_.motors();
+    for (std::size_t i = 0; i < motors.size(); ++i) {
+      const bool asked = names.empty() || std::count(names.begin(), names.end(), driver_.rig().motors[i].name) > 0;
+      if (asked && !(motors[i].known && motors[i].position_steps == 0.0)) return false;
+    }
+    return true;
+  }
+
+  void wait_for_zero(const std::vector<std::string>& names) {
+    const double end_s = now_s() + longest_report_s;
+    while (driver_.operation() == OperationState::done && !at_zero(names) && now_s() < end_s) {
       update();
       ros::WallDuration(poll_period_s).sleep();
     }
@@ -119,6 +140,9 @@ class MotorNode {
       response.message = error.what();
       return true;
     }
+    finish(longest_operation_s);
+    wait_for_zero(request.names);  // the board says that it is done before it tells where the motors are
+    state_.publish(motor_state(driver_, ros::Time::now()));
     return answer(response, "here is zero");
   }
 

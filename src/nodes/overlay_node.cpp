@@ -12,6 +12,7 @@
 #include "soft_robot_lab/ros/camera_overlay.h"
 #include "soft_robot_lab/ros/gap_meter.h"
 #include "soft_robot_lab/ros/image_messages.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/overlay.h"
 #include "soft_robot_lab/ros/topics.h"
 
@@ -72,7 +73,7 @@ class OverlayNode {
       const cv::Mat drawn = draw_robot(view.image, view.model, camera_from_robot, *surface_, inputs_.gap);
       image_publisher_.publish(colour_message(drawn, colour.header));
     } catch (const std::exception& error) {
-      ROS_WARN_THROTTLE(5.0, "%s: %s", topics::overlay_image, error.what());
+      ROS_WARN_THROTTLE(5.0, "%s: %s", topics::overlay_image, log_text(error.what()).c_str());
     }
   }
 

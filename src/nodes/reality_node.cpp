@@ -19,6 +19,7 @@
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/announcement.h"
 #include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/surface_marker.h"
 #include "soft_robot_lab/ros/topics.h"
 
@@ -77,7 +78,7 @@ class RealityNode {
       late_.advance(now_s, longest_s, latest_s);
     } catch (const std::invalid_argument& error) {
       refusal_ = error.what();
-      ROS_WARN_THROTTLE(1.0, "%s: %s", topics::rig_shafts, error.what());
+      ROS_WARN_THROTTLE(1.0, "%s: %s", topics::rig_shafts, log_text(error.what()).c_str());
     }
   }
 

@@ -27,6 +27,7 @@
 #include "soft_robot_lab/ros/actuator_plugins.h"
 #include "soft_robot_lab/ros/announcement.h"
 #include "soft_robot_lab/ros/conversions.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/surface_marker.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/scene/scene.h"
@@ -274,8 +275,8 @@ void SimulatorNode::on_command(const ActuatorCommand& command) {
     apply_command(command, *scene_->simulation);
   } catch (const std::invalid_argument& error) {
     ++refused_commands_;
-    last_refusal_ = error.what();
-    ROS_WARN("%s refused: %s", topics::actuator_command, error.what());
+    last_refusal_ = log_text(error.what());
+    ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::actuator_command, last_refusal_.c_str());
   }
 }
 
@@ -296,7 +297,7 @@ bool SimulatorNode::load(LoadScene::Request& request, LoadScene::Response& respo
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
-    ROS_WARN("%s refused: %s", topics::simulator_load, error.what());
+    ROS_WARN("%s refused: %s", topics::simulator_load, log_text(error.what()).c_str());
   }
   return true;
 }

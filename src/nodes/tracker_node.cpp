@@ -24,6 +24,7 @@
 #include "soft_robot_lab/ros/calibrate_request.h"
 #include "soft_robot_lab/ros/camera_diagnosis.h"
 #include "soft_robot_lab/ros/image_messages.h"
+#include "soft_robot_lab/ros/log_text.h"
 #include "soft_robot_lab/ros/replay_tracking.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/ros/tracking_input.h"
@@ -178,7 +179,7 @@ bool TrackerNode::attempt(const std::string& what, Action action) {
     return true;
   } catch (const std::exception& error) {
     problem_ = what + ": " + error.what();
-    ROS_WARN_THROTTLE(1.0, "%s", problem_.c_str());
+    ROS_WARN_THROTTLE(1.0, "%s", log_text(problem_).c_str());
     return false;
   }
 }
@@ -188,7 +189,7 @@ void TrackerNode::on_result(const MarkerTracking::Result& result) {
   for (const CameraProblem& problem : report.problems) {
     if (problem.silent && !problem_.empty()) continue;  // why it has not is already told
     problem_ = problem.message;
-    ROS_WARN_THROTTLE(1.0, "%s", problem_.c_str());
+    ROS_WARN_THROTTLE(1.0, "%s", log_text(problem_).c_str());
     if (problem.silent) continue;  // its own diagnosis finds that out
     cameras_.at(problem.camera)->diagnosis.failed(problem.message);
   }
@@ -238,7 +239,7 @@ bool TrackerNode::calibrate_cameras(Calibrate::Request& request, Calibrate::Resp
     input_.set_poses(found);
     broadcast(found);
   }
-  if (!response.success) ROS_WARN("%s refused: %s", topics::calibrate, response.message.c_str());
+  if (!response.success) ROS_WARN("%s refused: %s", topics::calibrate, log_text(response.message).c_str());
   return true;
 }
 

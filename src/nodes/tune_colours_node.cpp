@@ -22,6 +22,7 @@
 #include "nodes/run_node.h"
 #include "soft_robot_lab/ros/image_messages.h"
 #include "soft_robot_lab/ros/tracking_input.h"
+#include "soft_robot_lab/settings/write_file.h"
 #include "soft_robot_lab/vision/colour_tuning.h"
 
 namespace soft_robot_lab {
@@ -166,10 +167,7 @@ void ColourTuner::on_mouse(int event, int x, int y, int, void* tuner) {
 
 void ColourTuner::save() {
   try {
-    const std::string text = with_colours(text_of(tracker_), settings_.detector.colours);
-    std::ofstream file(output_);
-    file << text << std::flush;
-    if (!file) throw std::runtime_error(output_ + ": cannot be written");
+    write_file(output_, with_colours(text_of(tracker_), settings_.detector.colours));
     told_ = "saved to " + output_;
     ROS_INFO("%s", told_.c_str());
   } catch (const std::exception& error) {

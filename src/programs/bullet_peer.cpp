@@ -134,7 +134,7 @@ int run(const Arguments& arguments) {
   if (arguments.result.empty()) {
     std::cout << result.dump(2) << "\n";
   } else {
-    write_text(arguments.result, result.dump(2) + "\n");
+    write_file(arguments.result, result.dump(2) + "\n");
   }
   return ended ? 0 : 1;
 }

@@ -75,8 +75,8 @@ int chart(const Arguments& arguments) {
   }
   print_report(report, std::cout);
   const std::filesystem::path folder(arguments.output);
-  write_text(folder / "speed_accuracy.json", experiments_json({report}));
-  write_text(folder / "report.html", experiments_html({report}));
+  write_file(folder / "speed_accuracy.json", experiments_json({report}));
+  write_file(folder / "report.html", experiments_html({report}));
   std::cout << (folder / "report.html").string() << "\n";
   return report.result.converged ? kGood : kNotGood;
 }

@@ -116,7 +116,7 @@ std::vector<StabilityCell> run(const Arguments& arguments, const std::string& ta
         });
         if (known || !method.fits(body) || hard_case.commands(body).empty()) continue;
         cells.push_back(bench.run(body, method, hard_case));
-        write_text(table, stability_csv(cells));
+        write_file(table, stability_csv(cells));
       }
     }
   }

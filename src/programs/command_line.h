@@ -2,21 +2,30 @@
 #pragma once
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <exception>
-#include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <string>
+
+#include <unistd.h>
+
+#include "soft_robot_lab/settings/write_file.h"
 
 namespace soft_robot_lab {
 
 enum ExitStatus { kGood = 0, kNotGood = 1, kFailed = 2 };
 
-inline void write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text << std::flush;
-  if (!file) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
+// Throws WriteError where what was printed did not get to where the standard output leads.
+inline void require_printed() {
+  errno = 0;
+  std::cout << std::flush;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && std::cout && std::ferror(stdout) == 0) return;
+  const bool still = errno == 0 && write(STDOUT_FILENO, "\n", 1) < 0;  // it failed before, for this reason
+  throw WriteError("the standard output cannot be written" +
+                   (errno != 0 || still ? std::string(": ") + std::strerror(errno) : ""));
 }
 
 // The words after a program's name, one after the other.
@@ -42,7 +51,7 @@ class Words {
 };
 
 // Runs `run(arguments)` with what `parse(argc, argv)` read, or says on the error stream what was wrong and returns
-// kFailed. Arguments with `help` set print the usage.
+// kFailed. Arguments with `help` set print the usage. Results that could not be written whole are kNotGood.
 template <class Parse, class Run>
 int run_program(const std::string& name, const char* usage, int argc, char** argv, Parse parse, Run run) {
   decltype(parse(argc, argv)) arguments;
@@ -52,12 +61,18 @@ int run_program(const std::string& name, const char* usage, int argc, char** arg
     std::cerr << name << ": " << error.what() << "\n" << usage;
     return kFailed;
   }
-  if (arguments.help) {
-    std::cout << usage;
-    return kGood;
-  }
   try {
-    return run(arguments);
+    int status = kGood;
+    if (arguments.help) {
+      std::cout << usage;
+    } else {
+      status = run(arguments);
+    }
+    require_printed();
+    return status;
+  } catch (const WriteError& error) {
+    std::cerr << name << ": " << error.what() << "\n";
+    return kNotGood;
   } catch (const std::exception& error) {
     std::cerr << name << ": " << error.what() << "\n";
     return kFailed;

@@ -119,9 +119,9 @@ int run_all(const std::vector<Experiment>& chosen, const Arguments& arguments) {
     }
   }
   if (reports.empty()) return status;
-  if (!arguments.result.empty()) write_text(arguments.result, experiments_json(reports));
+  if (!arguments.result.empty()) write_file(arguments.result, experiments_json(reports));
   const std::string page = (std::filesystem::path(arguments.output) / "report.html").string();
-  write_text(page, experiments_html(reports));
+  write_file(page, experiments_html(reports));
   std::cout << page << "\n";
   return status;
 }

@@ -174,7 +174,7 @@ int replay_policy(const Arguments& arguments, Simulation& simulation) {
       result["steps"][step][markers[k]] = array_of(at_m);
     }
   }
-  if (!arguments.result.empty()) write_text(arguments.result, result.dump(2) + "\n");
+  if (!arguments.result.empty()) write_file(arguments.result, result.dump(2) + "\n");
   return kGood;
 }
 
@@ -218,9 +218,9 @@ int optimise_robot(const Arguments& arguments) {
   result["policy"]["names"] = answer.policy.names;
   for (const TimedCommandValues& step : answer.policy.steps)
     result["policy"]["steps"].push_back({{"time_s", step.time_s}, {"values", step.values}});
-  if (!arguments.result.empty()) write_text(arguments.result, result.dump(2) + "\n");
+  if (!arguments.result.empty()) write_file(arguments.result, result.dump(2) + "\n");
   if (!arguments.policy.empty() && !answer.policy.steps.empty())
-    write_text(arguments.policy, policy_yaml(answer.policy));
+    write_file(arguments.policy, policy_yaml(answer.policy));
   return answer.success && interrupted == 0 ? kGood : kNotGood;
 }
 

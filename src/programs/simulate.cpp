@@ -59,7 +59,7 @@ int simulate(const Arguments& arguments) {
   if (arguments.result.empty()) {
     std::cout << result_json(scene, report) << std::flush;
   } else {
-    write_text(arguments.result, result_json(scene, report));
+    write_file(arguments.result, result_json(scene, report));
     std::cout << result_summary(scene, report);
   }
   if (!report.solve.converged) std::cerr << "simulate: did not converge: " << report.solve.message << "\n";

@@ -1,5 +1,6 @@
 #include "rig/line_socket.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -17,6 +18,9 @@ void LineSocket::close() {
 }
 
 std::string LineSocket::ask(const std::string& line) {
+  const auto is_control = [](unsigned char c) { return (c < ' ' && c != '\t') || c == 127; };
+  if (std::any_of(line.begin(), line.end(), is_control))
+    throw std::invalid_argument("a command must be one line of text; it holds a control character");
   const std::string text = line + "\n";
   std::size_t sent = 0;
   while (sent < text.size()) {

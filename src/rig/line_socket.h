@@ -12,7 +12,9 @@ class LineSocket {
   LineSocket(const LineSocket&) = delete;
   LineSocket& operator=(const LineSocket&) = delete;
 
-  std::string ask(const std::string& line);  // throws std::runtime_error when the other end is gone
+  // Throws std::runtime_error when the other end is gone, and std::invalid_argument for what is not one line of text:
+  // it would be taken for several, and every answer after it for another's.
+  std::string ask(const std::string& line);
   void close();
 
  private:

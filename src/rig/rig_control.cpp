@@ -13,6 +13,11 @@
 #include "rig/line_socket.h"
 
 namespace soft_robot_lab {
+namespace {
+
+constexpr std::size_t kLongestCommand = 1000;
+
+}  // namespace
 
 std::string unwrap(const std::string& command, const std::string& answer) {
   if (answer.rfind("ok", 0) == 0) return answer.size() > 3 ? answer.substr(3) : "";
@@ -42,7 +47,12 @@ RigControl::RigControl(const std::string& path) {
 
 RigControl::~RigControl() = default;
 
-std::string RigControl::ask(const std::string& command) { return unwrap(command, lines_->ask(command)); }
+std::string RigControl::ask(const std::string& command) {
+  if (command.size() > kLongestCommand)
+    throw std::invalid_argument("a command of " + std::to_string(command.size()) + " characters is out of range [0, " +
+                                std::to_string(kLongestCommand) + "]");
+  return unwrap(command, lines_->ask(command));
+}
 
 std::vector<ShaftTruth> RigControl::shafts() { return read_shafts(ask("shafts")); }
 

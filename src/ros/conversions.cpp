@@ -1,6 +1,7 @@
 #include "soft_robot_lab/ros/conversions.h"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -103,6 +104,8 @@ void apply_command(const ActuatorCommand& command, Simulation& simulation) {
     throw std::invalid_argument("values: " + std::to_string(command.values.size()) + " values for " +
                                 std::to_string(command.names.size()) + " names; they must be as many");
   }
+  const std::set<std::string> different(command.names.begin(), command.names.end());
+  if (different.size() != command.names.size()) throw std::invalid_argument("names: an actuator is named twice");
   std::vector<std::pair<std::string, double>> replaced;
   try {
     for (size_t i = 0; i < command.names.size(); ++i) {

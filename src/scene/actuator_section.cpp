@@ -1,4 +1,5 @@
 #include "scene/sections.h"
+#include "soft_robot_lab/settings/read_name.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -6,6 +7,12 @@ namespace {
 std::unique_ptr<Actuator> make(const ActuatorFactory& factory, const std::string& plugin, const SettingsNode& place) {
   if (!factory) place.fail("no actuators can be made here: '" + plugin + "'");
   return in_section(place, [&] { return factory(plugin); });
+}
+
+// A stalk turns with the body: a far longer one is a mistake, and its end tells nothing but rounding.
+double longest_stalk_m(const Body& body) {
+  const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
+  return 10.0 * (nodes_m.rowwise().maxCoeff() - nodes_m.rowwise().minCoeff()).norm();
 }
 
 }  // namespace
@@ -32,9 +39,15 @@ std::vector<std::unique_ptr<Actuator>> read_actuators(const SettingsNode& scene,
 
 std::vector<Marker> read_markers(const SettingsNode& scene, const Body& body, const MeshLocator& locator) {
   std::vector<Marker> markers;
+  const double longest_m = longest_stalk_m(body);
   for (const SettingsNode& node : scene.optional_sequence("markers")) {
-    markers.push_back(
-        in_section(node, [&] { return Marker(node.text("name"), node.vector3("position_m"), body.mesh(), locator); }));
+    const Eigen::Vector3d position_m = node.vector3("position_m");
+    const double stalk_m = locator.locate(position_m).distance_m;
+    if (!(stalk_m <= longest_m))
+      node.child("position_m")
+          .fail("lies " + std::to_string(stalk_m) + " m off the body, out of range [0, " + std::to_string(longest_m) +
+                "]: ten times the body's size");
+    markers.push_back(in_section(node, [&] { return Marker(read_name(node), position_m, body.mesh(), locator); }));
   }
   return markers;
 }

@@ -115,6 +115,14 @@ void add_sensitivity(Simulation& simulation, RunReport& report) {
   }
 }
 
+// A body with elements turned inside out solves its equations too; no robot has that shape.
+void refuse_inverted(SolveReport& solve) {
+  if (solve.inverted_elements == 0 || !solve.converged) return;
+  solve.converged = false;
+  solve.message = std::to_string(solve.inverted_elements) +
+                  " elements are inverted at the end: too soft for its loads, or meshed too coarsely";
+}
+
 }  // namespace
 
 RunReport run_scene(Scene& scene) {
@@ -122,6 +130,7 @@ RunReport run_scene(Scene& scene) {
   Simulation& simulation = *scene.simulation;
   if (scene.run.mode == RunMode::dynamic) {
     report.solve = solve_in_time(simulation, scene.run, report.trajectory);
+    refuse_inverted(report.solve);
     return report;
   }
   if (scene.run.mode == RunMode::modal) {
@@ -129,6 +138,7 @@ RunReport run_scene(Scene& scene) {
     return report;
   }
   report.solve = solve_in_order(simulation, scene.run.commands);
+  refuse_inverted(report.solve);
   if (scene.run.sensitivity && report.solve.converged) add_sensitivity(simulation, report);
   return report;
 }

@@ -1,3 +1,5 @@
+#include <sstream>
+
 #include "scene/sections.h"
 #include "soft_robot_lab/sim/modal.h"
 
@@ -16,6 +18,16 @@ TimedCommands read_commands(const SettingsNode& node, const Simulation& simulati
   return timed;
 }
 
+// More would take weeks for the smallest body, and beyond 2^63 they cannot be counted.
+void require_steps(const SettingsNode& run, double duration_s, double time_step_s) {
+  constexpr double kMostSteps = 1e9;
+  if (duration_s / time_step_s <= kMostSteps) return;
+  std::ostringstream text;
+  text << duration_s << " is out of range (0, " << kMostSteps * time_step_s << "]: " << duration_s / time_step_s
+       << " steps of solver.time_step_s = " << time_step_s << ", at most " << kMostSteps;
+  run.child("duration_s").fail(text.str());
+}
+
 }  // namespace
 
 RunSettings read_run(const SettingsNode& scene, const Simulation& simulation) {
@@ -27,6 +39,7 @@ RunSettings read_run(const SettingsNode& scene, const Simulation& simulation) {
   if (mode == "dynamic") {
     run.mode = RunMode::dynamic;
     run.duration_s = node->number("duration_s", AllowedRange::positive());
+    require_steps(*node, run.duration_s, simulation.options().time_step_s);
     run.record_every_s = node->number_or("record_every_s", run.record_every_s, AllowedRange::not_negative());
   } else if (mode == "modal") {
     run.mode = RunMode::modal;

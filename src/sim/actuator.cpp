@@ -5,13 +5,12 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "soft_robot_lab/settings/settings_node.h"
+#include "soft_robot_lab/settings/read_name.h"
 
 namespace soft_robot_lab {
 
 void Actuator::initialise(const SettingsNode& settings, const Body& body, const MeshLocator& locator) {
-  name_ = settings.text("name");
-  if (name_.empty()) settings.fail("name must not be empty");
+  name_ = read_name(settings);
   on_initialise(settings, body, locator);
   command_ = limits_.rest;
   place(limits_.rest);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <sstream>
+#include <stdexcept>
 
 // LAPACK and BLAS by their Fortran names, as every implementation has them.
 extern "C" {
@@ -109,6 +111,17 @@ void eliminate(const double* l, int k, int ld, const double* signs, double* belo
   }
 }
 
+// Before it is taken: a machine that runs out of memory ends other programs first.
+void require_memory(std::ptrdiff_t doubles) {
+  constexpr double kMostGb = 6.0;
+  const double needed_gb = 8e-9 * static_cast<double>(doubles);
+  if (needed_gb <= kMostGb) return;
+  std::ostringstream text;
+  text << "the mesh takes " << needed_gb << " GB to factorise, at most " << kMostGb
+       << " are taken; choose a larger body.element_size_m, or body.element: linear";
+  throw std::invalid_argument(text.str());
+}
+
 }  // namespace
 
 BlockCholesky::BlockCholesky(const BlockMatrix& matrix) {
@@ -152,6 +165,7 @@ BlockCholesky::BlockCholesky(const BlockMatrix& matrix) {
   }
   for (std::size_t s = 0; s < nodes_.size(); ++s)
     if (depth[s] % 2 == 1) nodes_[s].update += highest[0];
+  require_memory(factor_size_ + highest[0] + highest[1]);
   factor_.resize(factor_size_);
   signs_.assign(3 * order_.size(), 1.0);
   stack_.resize(highest[0] + highest[1]);

@@ -1,5 +1,7 @@
 #include "soft_robot_lab/sim/tet_mesh.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -172,6 +174,18 @@ void check_connected(const TetMesh& mesh, const TetSides& sides) {
          " and " + element_text(mesh, other) + " do not hang together");
 }
 
+// Their faces meet two by two, so that no boundary is left.
+void check_twice(const TetMesh& mesh) {
+  std::map<std::array<int, 4>, int> first_of;
+  for (int tet = 0; tet < mesh.tet_count(); ++tet) {
+    std::array<int, 4> corners{};
+    for (size_t i = 0; i < 4; ++i) corners[i] = mesh.tets(static_cast<Eigen::Index>(i), tet);
+    std::sort(corners.begin(), corners.end());
+    const auto [first, is_new] = first_of.emplace(corners, tet);
+    if (!is_new) refuse(element_text(mesh, tet) + " has the corners of element " + std::to_string(first->second));
+  }
+}
+
 bool same_but_for_the_first_corner(Eigen::VectorXi face, const Eigen::VectorXi& wanted) {
   for (int turn = 0; turn < 3; ++turn) {
     if (face == wanted) return true;
@@ -273,6 +287,7 @@ void check_mesh(const TetMesh& mesh) {
   check_elements(mesh);
   const TetSides sides(mesh);
   check_connected(mesh, sides);
+  check_twice(mesh);
   check_faces(mesh, sides);
 }
 

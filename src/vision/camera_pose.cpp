@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <set>
+#include <sstream>
 #include <stdexcept>
+
+#include "soft_robot_lab/settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -66,7 +68,7 @@ std::vector<CameraPose> read_camera_poses(const std::string& path) {
 void write_camera_poses(const std::string& path, const std::vector<CameraPose>& poses) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder);
-  std::ofstream file(path);
+  std::ostringstream file;
   file.precision(17);
   file << "cameras:\n";
   for (const CameraPose& pose : poses) {
@@ -77,8 +79,7 @@ void write_camera_poses(const std::string& path, const std::vector<CameraPose>& 
          << "    quaternion_xyzw: [" << turn.x() << ", " << turn.y() << ", " << turn.z() << ", " << turn.w() << "]\n";
     if (pose.residual_m) file << "    residual_m: " << *pose.residual_m << "\n";
   }
-  file.flush();
-  if (!file) throw std::runtime_error(path + ": cannot be written");
+  write_file(path, file.str());
 }
 
 }  // namespace soft_robot_lab

@@ -208,7 +208,7 @@ TEST_F(CableTest, RefusesBadSettings) {
        "plug_radius_m: 0.012 is out of range [0, "},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], model: glide}", "model"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], command: beta}", "command"},
-      {"{name: '', points_m: [[0, 0, 0], [0.05, 0, 0]]}", "name must not be empty"},
+      {"{name: '', points_m: [[0, 0, 0], [0.05, 0, 0]]}", "name: must not be empty"},
       {"{points_m: [[0, 0, 0], [0.05, 0, 0]]}", "name"},
   };
   for (const Case& wrong : cases)

@@ -65,6 +65,17 @@ TEST(Plot, DrawsAllItsWords) {
   EXPECT_EQ(count, 3);
 }
 
+// Names of a recording may hold anything.
+TEST(Plot, DrawsLabelsOfAnyCharacters) {
+  const SceneFolder folder;
+  Plot plot = sample();
+  for (Series& series : plot.series) {
+    series.label = std::string("it's \"a\" \\ `b` \0 c\n\r d", 22);
+    series.point_labels.assign(series.x.size(), series.label);
+  }
+  EXPECT_EQ(contents(write_plot(plot, folder.path("pictures")).png).substr(1, 3), "PNG");
+}
+
 TEST(Plot, DrawsEveryStyle) {
   const SceneFolder folder;
   Plot plot{"styles", "styles", {"x"}, {"y"}};

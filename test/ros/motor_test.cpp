@@ -1,5 +1,6 @@
 // The motors of an emulated rig behind their topics and services: the table of the thesis, an emergency stop, a stall,
 // a killed node.
+#include <algorithm>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -183,6 +184,31 @@ TEST_F(Motors, StopWhenTheirNodeIsKilledAndMoveFromThereWhenItIsBack) {
   EXPECT_EQ(state.position_steps, stopped_at);
   EXPECT_EQ(truth.position_steps, stopped_at);
   expect_shafts({1.0, 1.0}, {0, 0});
+}
+
+// More than one line, and more than one message of the socket; the emulator, its node and their answers stay.
+TEST_F(Motors, RefuseWhatIsNotOneRigCommand) {
+  RigCommand::Request request;
+  for (const std::string& text :
+       {std::string("counts\nunplug"), std::string(100000, 'x'), std::string("counts\0", 7)}) {
+    request.command = text;
+    EXPECT_FALSE(ask<RigCommand>(topics::rig_command, request).success);
+  }
+  request.command = "counts";
+  const auto response = ask<RigCommand>(topics::rig_command, request);
+  EXPECT_TRUE(response.success);
+  EXPECT_EQ(std::count(response.message.begin(), response.message.end(), ' '), 4) << response.message;
+  const ros::Time before = truth.header.stamp;
+  wait_for("the shafts", [&] { return truth.header.stamp > before; });
+}
+
+TEST_F(Motors, AreAtZeroWhenTheySaySo) {
+  command_until("a place", {0.9, 0.9}, [this] { return state.position_steps.at(0) != 0.0; });
+  wait_for("rest", [this] { return state.moving == std::vector<std::uint8_t>{0, 0}; });
+  EXPECT_TRUE(ask<ZeroMotors>(topics::motor_zero, ZeroMotors::Request()).success);
+  const ros::Time answered = ros::Time::now();
+  wait_for("a state after the answer", [&] { return state.header.stamp > answered; });
+  EXPECT_EQ(state.position_steps, (std::vector<double>{0, 0}));
 }
 
 TEST_F(Motors, RefuseUnknownRigCommandsAndMotors) {

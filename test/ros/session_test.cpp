@@ -303,6 +303,15 @@ TEST_F(Session, CountsACommandForAnActuatorThatDoesNotExist) {
   expect_counted(command);
 }
 
+TEST_F(Session, RefusesACommandThatNamesAnActuatorTwice) {
+  const auto before = hear<ActuatorState>(topics::simulator_actuators);
+  ActuatorCommand command;
+  command.names = {"left", "left"};
+  command.values = {0.95, 0.96};
+  expect_counted(command);
+  EXPECT_EQ(hear<ActuatorState>(topics::simulator_actuators)->commands, before->commands);
+}
+
 TEST_F(Session, RefusesAWholeCommandForOneBadValue) {
   const auto before = hear<ActuatorState>(topics::simulator_actuators);
   ActuatorCommand command;

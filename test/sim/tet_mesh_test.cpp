@@ -180,6 +180,15 @@ TEST(CheckMesh, RefusesMeshesThatAreNotWhole) {
   }
 }
 
+// Its sides meet two by two.
+TEST(CheckMesh, RefusesAnElementThatStandsTwice) {
+  TetMesh mesh = one_tet();
+  mesh.tets.conservativeResize(4, 2);
+  mesh.tets.col(1) << mesh.tets(1, 0), mesh.tets(2, 0), mesh.tets(0, 0), mesh.tets(3, 0);
+  complete_boundary(mesh);
+  EXPECT_TRUE(contains(refusal(mesh), "has the corners of element 0")) << refusal(mesh);
+}
+
 TEST(CheckMesh, FindsAFoldedElementOfPositiveVolume) {
   TetMesh mesh = make_quadratic(one_tet());
   mesh.nodes_m.col(4) =

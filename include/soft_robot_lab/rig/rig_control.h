@@ -21,7 +21,9 @@ class RigControl {
   explicit RigControl(const std::string& socket_path);
   ~RigControl();
 
-  std::string ask(const std::string& command);  // throws std::invalid_argument when it refuses
+  // Throws std::invalid_argument when it refuses, or for what is not one short line; std::runtime_error when it is
+  // gone.
+  std::string ask(const std::string& command);
   std::vector<ShaftTruth> shafts();
 
  private:

@@ -1,0 +1,20 @@
+#include "soft_robot_lab/ros/log_text.h"
+
+#include <gtest/gtest.h>
+
+namespace soft_robot_lab {
+namespace {
+
+TEST(LogText, KeepsWhatIsShort) { EXPECT_EQ(log_text("'x' is no actuator"), "'x' is no actuator"); }
+
+TEST(LogText, CutsLongNamesAndKeepsTheReason) {
+  const std::string text = log_text("'" + std::string(1000000, 'x') + "' is no actuator");
+  EXPECT_LT(text.size(), 500U);
+  EXPECT_EQ(text.substr(0, 3), "'xx");
+  EXPECT_EQ(text.substr(text.size() - 16), "' is no actuator");
+}
+
+TEST(LogText, IsOneLine) { EXPECT_EQ(log_text("a\nb\033[2Jc"), "a?b?[2Jc"); }
+
+}  // namespace
+}  // namespace soft_robot_lab

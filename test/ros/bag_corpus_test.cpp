@@ -1,0 +1,15 @@
+// What fuzzing found worth keeping, and its like.
+#include <gtest/gtest.h>
+
+#include "fuzz_rules.h"
+#include "ros/fuzz_bag.h"
+
+namespace soft_robot_lab {
+namespace {
+
+TEST(BagReader, SurvivesTheFuzzersCorpusAndItsLike) {
+  EXPECT_GE(run_corpus(SOFT_ROBOT_LAB_SOURCE "/test/data/fuzz/bag", fuzz_bag, 40), 8);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,11 @@
+// Any bytes whatever as a recording. Aborts where a rule is broken.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace soft_robot_lab {
+
+void fuzz_bag(const std::uint8_t* data, std::size_t size);
+
+}  // namespace soft_robot_lab

@@ -55,12 +55,6 @@ TEST(RobotFiles, CommandsThatMeanTwoThingsAreRefusedWithBothFiles) {
       "rig.yaml");
   EXPECT_NE(refusal(*load("bubblefinger"), cable).find("contraction of a cable [1]"), std::string::npos);
   EXPECT_EQ(refusal(*load("spinebot"), syringe), "rig.yaml has no motor for 'left' of robot.yaml");
-  EXPECT_NE(refusal(*load("hanging_bar", "cables: {cable: {command: length_m}}\nrun: {commands: []}"),
-                    parse_rig("{device: /dev/rig, motors: [{name: cable, cable: {rest_length_m: 0.13, "
-                              "min_contraction: 0.5, max_contraction: 1.1}}]}",
-                              "rig.yaml"))
-                .find("length of a cable [m]"),
-            std::string::npos);
 }
 
 // What the box's cameras see of each robot as it hangs, by exact sensors.

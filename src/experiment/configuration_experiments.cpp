@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "experiment/cable_experiments.h"
-#include "experiment/configuration_table.h"
+#include "soft_robot_lab/experiment/configuration_table.h"
 #include "experiment/marker_line.h"
 #include "soft_robot_lab/scene/scene.h"
 #include "soft_robot_lab/scene/scene_cables.h"

@@ -1,4 +1,4 @@
-#include "experiment/configuration_table.h"
+#include "soft_robot_lab/experiment/configuration_table.h"
 
 #include <algorithm>
 

@@ -6,7 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "experiment/policy_experiments.h"
-#include "experiment/policy_run.h"
+#include "soft_robot_lab/experiment/policy_run.h"
 #include "soft_robot_lab/control/forward_model.h"
 
 namespace soft_robot_lab {

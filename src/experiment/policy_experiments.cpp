@@ -7,7 +7,7 @@
 #include <optional>
 #include <sstream>
 
-#include "experiment/policy_run.h"
+#include "soft_robot_lab/experiment/policy_run.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "experiment/reach_targets.h"
+#include "soft_robot_lab/experiment/reach_targets.h"
 
 #include <limits>
 #include <random>

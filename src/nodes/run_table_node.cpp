@@ -16,7 +16,7 @@
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/RealityGap.h>
 
-#include "experiment/configuration_table.h"
+#include "soft_robot_lab/experiment/configuration_table.h"
 #include "nodes/session_client.h"
 #include "soft_robot_lab/ros/topics.h"
 #include "soft_robot_lab/settings/settings_node.h"

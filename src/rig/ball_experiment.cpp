@@ -7,7 +7,7 @@
 #include <optional>
 #include <sstream>
 
-#include "experiment/policy_run.h"
+#include "soft_robot_lab/experiment/policy_run.h"
 #include "rig/lab_settings.h"
 #include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/control/forward_model.h"

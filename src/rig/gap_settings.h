@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiment/configuration_table.h"
+#include "soft_robot_lab/experiment/configuration_table.h"
 #include "rig/lab_settings.h"
 
 namespace soft_robot_lab {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/configuration_table.h"
+#include "soft_robot_lab/experiment/configuration_table.h"
 #include "scene/scene_files.h"
 #include "soft_robot_lab/experiment/experiment.h"
 #include "soft_robot_lab/settings/settings_node.h"

@@ -1,4 +1,4 @@
-#include "experiment/policy_run.h"
+#include "soft_robot_lab/experiment/policy_run.h"
 
 #include <filesystem>
 #include <fstream>

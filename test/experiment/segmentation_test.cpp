@@ -20,10 +20,8 @@ TEST(MarkerSightings, ScoreMeanAndDeviationOfWhatWasFound) {
   MarkerSightings sightings;
   sightings.images = 3;
   const Eigen::Vector2d at(10, 20);
-  sightings.sightings = {{0, at, at + Eigen::Vector2d(1, 0)},
-                         {0, at, at + Eigen::Vector2d(0, 3)},
-                         {0, at, std::nullopt},
-                         {1, at, at}};
+  sightings.sightings = {
+      {0, at, at + Eigen::Vector2d(1, 0)}, {0, at, at + Eigen::Vector2d(0, 3)}, {0, at, std::nullopt}, {1, at, at}};
   const SightingScore first = score(sightings, 0);
   EXPECT_EQ(first.in_sight, 3);
   EXPECT_EQ(first.found, 2);

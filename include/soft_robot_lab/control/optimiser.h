@@ -26,8 +26,8 @@ struct OptimiserOptions {
   double tolerance_m = 1.0e-5;
   // Of rmsprop: it stops where each command's derivative of the objective is smaller. 0: never.
   double gradient_tolerance_m2 = 0.0;
-  int population = 12;     // [5, 1000], of the methods that have one
-  unsigned int seed = 1;   // of their random numbers
+  int population = 12;    // [5, 1000], of the methods that have one
+  unsigned int seed = 1;  // of their random numbers
   void validate() const;
 };
 
@@ -40,9 +40,9 @@ struct OptimisationProgress {
 using ProgressCallback = std::function<bool(const OptimisationProgress&)>;
 
 struct OptimisationSummary {
-  bool usable = false;       // commands are within the bounds and no worse than the start
-  std::string stop_reason;   // "converged", "iteration limit", "cancelled", or what failed
-  Eigen::VectorXd commands;  // the best found
+  bool usable = false;         // commands are within the bounds and no worse than the start
+  std::string stop_reason;     // "converged", "iteration limit", "cancelled", or what failed
+  Eigen::VectorXd commands;    // the best found
   Eigen::Matrix3Xd markers_m;  // where they rest then, one column per goal: where it converged, the nearest that is in
                                // reach of the start
   double initial_distance_m = 0.0;  // of several goals the weighted root mean square

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiment/reach_targets.h"
+#include "soft_robot_lab/experiment/reach_targets.h"
 #include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/experiment/experiment.h"
 #include "soft_robot_lab/settings/settings_node.h"

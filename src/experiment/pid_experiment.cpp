@@ -202,10 +202,9 @@ std::string tell_all(const std::vector<PidRun>& runs) {
   text.precision(3);
   text << "PID as published swings where its loop gain 150 |J|^2 exceeds 1 on its way: to " << swinging << " of "
        << runs.size() << " targets the distance still varies by more than a tenth of that at the start, on the way to "
-       << above_one << " the gain exceeds 1, and for " << agree
-       << " both say the same. Elsewhere it rests short of what "
-       << "it could reach. After its last iteration it is " << 1e3 * pid_m << " mm from a target on average, rmsprop "
-       << 1e3 * descent_m << " mm, " << pid_m / descent_m << " times as far. ";
+       << above_one << " the gain exceeds 1, and for " << agree << " both say the same. After its last iteration it is "
+       << 1e3 * pid_m << " mm from a target on average, rmsprop " << 1e3 * descent_m << " mm, " << pid_m / descent_m
+       << " times as far. ";
   return text.str();
 }
 

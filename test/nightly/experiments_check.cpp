@@ -63,9 +63,48 @@ std::vector<std::string> experiment_names() {
 }
 
 // What results must hold beyond what every experiment's must, by the experiment's name.
+void check_stiffnesses(const Json& result) {  // of 4.3.2
+  ASSERT_EQ(result["stiffnesses"].size(), 7u);
+  for (const Json& one : result["stiffnesses"]) {
+    EXPECT_EQ(one["sliding"]["settles"], true) << one;
+    EXPECT_NEAR(one["sliding"]["final_length_m"].get<double>(), 0.1235, 2e-3) << one;
+    if (one["stiffness_n_m"] >= 10000.0) EXPECT_EQ(one["explicit_springs"]["settles"], false) << one;
+  }
+}
+
+void check_pid(const Json& result) {  // of 7.3.2
+  ASSERT_EQ(result["pid"].size(), 10u);
+  for (const Json& target : result["pid"]) {
+    EXPECT_LT(target["smallest_after_ten_m"], target["largest_after_ten_m"]) << target["target"];
+    if (target["start_distance_m"] > 0.05) EXPECT_EQ(target["swings"], true) << target["target"];
+  }
+}
+
+void check_ball(const Json& result) {  // of 7.3.3
+  EXPECT_NEAR(result["start_distance_m"].get<double>(), 0.0382, 0.0003);
+  EXPECT_LT(result["final_distance_m"].get<double>(), 0.5 * result["start_distance_m"].get<double>());
+}
+
+void check_tentacle(const Json& result) {
+  EXPECT_LT(result["mean_distance_m"].get<double>(), result["identified"]["mean_distance_m"].get<double>());
+  EXPECT_LT(result["identified"]["mean_distance_m"].get<double>(), result["start"]["mean_distance_m"].get<double>());
+  EXPECT_GT(result["mean_distance_m"].get<double>(), 0.003);  // its frame alone is farther off
+}
+
+void check_configurations(const Json& result, std::size_t count) {
+  ASSERT_EQ(result["configurations"].size(), count);
+  for (std::size_t i = 0; i < count; ++i)
+    EXPECT_EQ(result["configurations"][i]["name"], std::string(1, static_cast<char>('a' + i)));
+}
+
 void check_numbers(const std::string& name, const Json& result) {
-  (void)name;
-  (void)result;
+  if (name == "4.3.2") check_stiffnesses(result);
+  if (name == "6.3.1" || name == "6.3.2" || name == "6.4.2") check_configurations(result, 8);
+  if (name == "6.4.1") check_configurations(result, 7);
+  if (name == "6.4.3") check_configurations(result, 9);
+  if (name == "7.3.2") check_pid(result);
+  if (name == "7.3.3") check_ball(result);
+  if (name == "tentacle") check_tentacle(result);
 }
 
 struct Row {

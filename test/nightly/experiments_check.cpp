@@ -34,20 +34,20 @@ double children_cpu_s() {
          1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
-struct Run {
+struct Ran {
   int exit_status = -1;  // -1: ended by a signal
   double cpu_s = 0.0;
   Json result;
 };
 
-Run run_experiment(const std::string& name) {
+Ran run_experiment(const std::string& name) {
   const std::string result = folder + "/" + name + ".json";
   std::filesystem::remove(result);
   const double before_s = children_cpu_s();
   const std::string command = std::string("'") + SOFT_ROBOT_LAB_EXPERIMENT + "' " + name + " --result '" + result +
                               "' --output '" + folder + "/" + name + "' >'" + folder + "/" + name + ".txt' 2>&1";
   const int status = std::system(command.c_str());
-  Run run{WIFEXITED(status) ? WEXITSTATUS(status) : -1, children_cpu_s() - before_s, {}};
+  Ran run{WIFEXITED(status) ? WEXITSTATUS(status) : -1, children_cpu_s() - before_s, {}};
   if (std::filesystem::exists(result)) run.result = Json::parse(text_of(result));
   return run;
 }
@@ -68,7 +68,9 @@ void check_stiffnesses(const Json& result) {  // of 4.3.2
   for (const Json& one : result["stiffnesses"]) {
     EXPECT_EQ(one["sliding"]["settles"], true) << one;
     EXPECT_NEAR(one["sliding"]["final_length_m"].get<double>(), 0.1235, 2e-3) << one;
-    if (one["stiffness_n_m"] >= 10000.0) EXPECT_EQ(one["explicit_springs"]["settles"], false) << one;
+    if (one["stiffness_n_m"] >= 10000.0) {
+      EXPECT_EQ(one["explicit_springs"]["settles"], false) << one;
+    }
   }
 }
 
@@ -76,7 +78,9 @@ void check_pid(const Json& result) {  // of 7.3.2
   ASSERT_EQ(result["pid"].size(), 10u);
   for (const Json& target : result["pid"]) {
     EXPECT_LT(target["smallest_after_ten_m"], target["largest_after_ten_m"]) << target["target"];
-    if (target["start_distance_m"] > 0.05) EXPECT_EQ(target["swings"], true) << target["target"];
+    if (target["start_distance_m"] > 0.05) {
+      EXPECT_EQ(target["swings"], true) << target["target"];
+    }
   }
 }
 
@@ -99,7 +103,9 @@ void check_configurations(const Json& result, std::size_t count) {
 
 void check_numbers(const std::string& name, const Json& result) {
   if (name == "4.3.2") check_stiffnesses(result);
-  if (name == "6.3.1" || name == "6.3.2") EXPECT_EQ(result["configurations"].size(), 16u);  // with two kinds of cable
+  if (name == "6.3.1" || name == "6.3.2") {
+    EXPECT_EQ(result["configurations"].size(), 16u);  // with two kinds of cable
+  }
   if (name == "6.4.2") check_configurations(result, 8);
   if (name == "6.4.1") check_configurations(result, 7);
   if (name == "6.4.3") check_configurations(result, 9);
@@ -121,14 +127,14 @@ class EveryExperiment : public testing::Test {
   explicit EveryExperiment(std::string name) : name_(std::move(name)) {}
 
   void TestBody() override {
-    const Run run = run_experiment(name_);
+    const Ran run = run_experiment(name_);
     check(run);
     rows.push_back({name_, HasFailure() ? "failed" : "passed", run.cpu_s,
                     run.result.is_object() ? run.result.value("we_find", "") : ""});
   }
 
  private:
-  void check(const Run& run) const {
+  void check(const Ran& run) const {
     ASSERT_EQ(run.exit_status, 0) << text_of(folder + "/" + name_ + ".txt");
     ASSERT_TRUE(run.result.is_object());
     EXPECT_EQ(run.result["converged"], true) << run.result["message"];

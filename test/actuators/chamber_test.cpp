@@ -360,7 +360,6 @@ TEST(Chamber, RefusesBadSettings) {
       {"{name: a, surface: cavity, command: syringe, syringe_volume_ml: 0}", "syringe_volume_ml"},
       {"{name: a, surface: cavity, command: syringe, syringe_volume_ml: 2, tube_volume_ml: -1}", "tube_volume_ml"},
       {"{name: a, surface: cavity, command: beta, syringe_volume_ml: 0}", "syringe_volume_ml"},
-      {"{name: a, surface: cavity, command: beta, tube_volume_ml: 1}", "tube_volume_ml"},
       {"{name: a, surface: cavity, flow_ml_s: -1}", "flow_ml_s"},
       {"{name: a, surface: cavity, model: lagging}", "model"},
       {"{name: a, surface: cavity, command: gauge_pressure, model: explicit}", "must be implicit"},

@@ -16,7 +16,8 @@
 namespace soft_robot_lab {
 namespace {
 
-const Eigen::Vector3d target_m(0.01, 0.0, -0.098);
+// A centimetre beside the plane in which the cables move the tip: what is left of the distance is no zero.
+const Eigen::Vector3d target_m(0.01, 0.01, -0.098);
 
 ExecutePolicy::Request closed_loop() {
   ExecutePolicy::Request request;
@@ -53,9 +54,8 @@ class UnpluggedCameras : public testing::Test {
   }
 
   // By the simulation, which knows.
-  double true_distance_m() {
-    const auto markers = hear<MarkerObservations>(node_, topics::simulator_markers);
-    return (position_of(*markers, "tip") - target_m).norm();
+  Eigen::Vector3d true_tip_m() {
+    return position_of(*hear<MarkerObservations>(node_, topics::simulator_markers), "tip");
   }
 
   void let_pass(int steps) {
@@ -73,8 +73,9 @@ TEST_F(UnpluggedCameras, LeaveALoopThatGoesOnWithTheOtherAndThenHolds) {
   const auto corrected = execute_and_unplug("/other");
   EXPECT_TRUE(corrected.success) << corrected.message;
   EXPECT_EQ(corrected.message, "settled");
-  EXPECT_NEAR(corrected.final_distance_m, true_distance_m(), 1e-3);
-  EXPECT_LT(true_distance_m(), 2e-3);
+  const Eigen::Vector3d tip_m = true_tip_m();
+  EXPECT_NEAR(corrected.final_distance_m, (tip_m - target_m).norm(), 1e-3);
+  EXPECT_NEAR(tip_m.x(), target_m.x(), 2e-3);
   EXPECT_GE(corrected.corrections, 2);
   EXPECT_GT(commands, unplugged_at);
 

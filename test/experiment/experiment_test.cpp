@@ -1,6 +1,7 @@
 // The program `experiment` as a user runs it.
 #include <cmath>
 #include <filesystem>
+#include <regex>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -35,6 +36,18 @@ TEST(Experiment, RepeatsTheCantilever) {
   for (const std::string name : {"cantilever.svg", "cantilever.png", "cantilever.csv", "report.html"}) {
     EXPECT_TRUE(std::filesystem::exists(folder.path("out_folder/" + name))) << name;
   }
+}
+
+TEST(Experiment, FindsEveryFileThatItsSettingsName) {
+  const std::string config = SOFT_ROBOT_LAB_SOURCE "/config/";
+  const std::regex file("(robots|rigs|reality|cameras|trackers|calibration|tasks|scenes)/[A-Za-z0-9_.]+[.]yaml");
+  int named = 0;
+  for (const auto& settings : std::filesystem::directory_iterator(config + "experiments")) {
+    const std::string text = contents(settings.path().string());
+    for (std::sregex_iterator at(text.begin(), text.end(), file), end; at != end; ++at, ++named)
+      EXPECT_TRUE(std::filesystem::exists(config + at->str())) << settings.path() << ": " << at->str();
+  }
+  EXPECT_GT(named, 50);
 }
 
 TEST(Experiment, ListsWhatItKnows) {

@@ -7,12 +7,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "run_program.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -20,12 +21,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string folder;  // where results go
-
-std::string text_of(const std::string& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 double children_cpu_s() {
   rusage usage{};
@@ -48,7 +43,7 @@ Ran run_experiment(const std::string& name) {
                               "' --output '" + folder + "/" + name + "' >'" + folder + "/" + name + ".txt' 2>&1";
   const int status = std::system(command.c_str());
   Ran run{WIFEXITED(status) ? WEXITSTATUS(status) : -1, children_cpu_s() - before_s, {}};
-  if (std::filesystem::exists(result)) run.result = Json::parse(text_of(result));
+  if (std::filesystem::exists(result)) run.result = Json::parse(contents(result));
   return run;
 }
 
@@ -135,7 +130,7 @@ class EveryExperiment : public testing::Test {
 
  private:
   void check(const Ran& run) const {
-    ASSERT_EQ(run.exit_status, 0) << text_of(folder + "/" + name_ + ".txt");
+    ASSERT_EQ(run.exit_status, 0) << contents(folder + "/" + name_ + ".txt");
     ASSERT_TRUE(run.result.is_object());
     EXPECT_EQ(run.result["converged"], true) << run.result["message"];
     EXPECT_FALSE(run.result["table"].empty());

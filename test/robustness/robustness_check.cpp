@@ -13,13 +13,13 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 #include <thread>
 
 #include <nlohmann/json.hpp>
 
 #include "robustness/bad_scenes.h"
+#include "run_program.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -30,12 +30,6 @@ constexpr rlim_t kMemory_bytes = rlim_t(8) << 30;
 constexpr rlim_t kCpu_s = 120;
 constexpr double kWall_s = 900.0;  // of a process that waits for something; far beyond what a loaded machine needs
 constexpr double kLargest_m = 1.0e3;
-
-std::string text_of(const std::string& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 void limit(int resource, rlim_t most) {
   const rlimit both{most, most};
@@ -97,13 +91,13 @@ bool is_nonsense(const std::string& text) {
 }
 
 std::string outcome_of(const Ended& ended, const std::string& folder) {
-  const std::string errors = text_of(folder + "/errors.txt");
+  const std::string errors = contents(folder + "/errors.txt");
   if (errors.find("bad_alloc") != std::string::npos) return "out of memory";
   if (!ended.in_time || (WIFSIGNALED(ended.status) && WTERMSIG(ended.status) == SIGXCPU)) return "hang";
   if (!WIFEXITED(ended.status)) return "crash";
   switch (WEXITSTATUS(ended.status)) {
     case 0:
-      return is_nonsense(text_of(folder + "/result.json")) ? "silent nonsense" : "valid";
+      return is_nonsense(contents(folder + "/result.json")) ? "silent nonsense" : "valid";
     case 1:
       return errors.empty() ? "status 1 without reason" : "status 1 with reason";
     case 2:

@@ -44,7 +44,7 @@ until rostopic list >/dev/null 2>&1; do
 done
 
 echo "Reaching for the ball ..."
-timeout --signal=INT 900 rosrun soft_robot_lab reach_target_node "$package/config/tasks/spinebot_ball.yaml" >"$output/report.txt" ||
+timeout --signal=INT 900 rosrun soft_robot_lab reach_target_node "$package/config/robots/spinebot/tasks/ball.yaml" >"$output/report.txt" ||
   { cat "$output/report.txt"; tail -20 "$output/session.log" >&2; fail "the task failed: $output/session.log"; }
 "$launch/take_picture.sh" "$output/overlay.png" || fail "taking the picture failed"
 if $keep; then

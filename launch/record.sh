@@ -5,7 +5,7 @@ set -euo pipefail
 folder=$1 robot=$2 images=${3:-false}
 shift $(($# < 3 ? 2 : 3)) # the rest is for ROS: __name:=..., __log:=...
 topics=(/actuators/command /simulator/markers /simulator/actuators /simulator/surface /simulator/scene /tracker/markers
-  /controller/progress /controller/target /overlay /reality_gap /motor/state /rig/shafts /reality/markers /tf /tf_static /diagnostics /rosout)
+  /controller/progress /controller/target /overlay /reality_gap /motor/state /rig/shafts /plant/markers /tf /tf_static /diagnostics /rosout)
 [[ $images != true ]] || topics+=(/tracker/steps --regex '/[^/]+/(color|aligned_depth_to_color)/(image_raw|camera_info)')
 mkdir -p "$folder"
 # Whoever replays a recording misses what its buffer [MB] did not hold.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "soft_robot_lab/experiment/reference_table.h"
+#include "settings/reference_table.h"
 
 namespace soft_robot_lab {
 

@@ -13,7 +13,7 @@ esac
 "$package/launch/install_dependencies.sh"
 
 JOBS=$jobs "$package/launch/build.sh"
-cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON
+cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON -DSOFT_ROBOT_LAB_STUDY=OFF
 cmake --build "$package/build/sanitise" -j"$jobs"
 # The other BLAS kernels than those this machine takes by itself: their rounding differs, and no test may hang on it.
 grep -q avx512 /proc/cpuinfo && other=Haswell || other=Prescott

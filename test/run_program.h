@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-#include "scene/scene_files.h"
+#include "robot/scene/scene_files.h"
 
 namespace soft_robot_lab {
 

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "control/pose_problem.h"
+#include "pose_problem.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "control/pose_problem.h"
+#include "pose_problem.h"
 
 namespace soft_robot_lab {
 namespace {

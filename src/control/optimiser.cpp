@@ -6,8 +6,8 @@
 #include <ctime>
 #include <sstream>
 
-#include "control/refuse.h"
-#include "control/search.h"
+#include "refuse.h"
+#include "search.h"
 
 namespace soft_robot_lab {
 namespace {

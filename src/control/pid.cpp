@@ -22,7 +22,7 @@
 
 #include <Eigen/Dense>
 
-#include "control/search.h"
+#include "search.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <utility>
 
-#include "control/refuse.h"
-#include "soft_robot_lab/settings/settings_node.h"
+#include "refuse.h"
+#include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -66,13 +66,13 @@ void validate(const CommandPolicy& policy, const CommandLimitsByName& limits) {
 }
 
 CommandPolicy load_policy(const std::string& path) {
-  const SettingsNode file = SettingsNode::load_file(path);
+  const YamlNode file = YamlNode::load_file(path);
   CommandPolicy policy;
-  for (const SettingsNode& name : file.sequence("names")) policy.names.push_back(name.as_text());
-  for (const SettingsNode& step : file.sequence("steps")) {
+  for (const YamlNode& name : file.sequence("names")) policy.names.push_back(name.as_text());
+  for (const YamlNode& step : file.sequence("steps")) {
     TimedCommandValues values;
     values.time_s = step.number("time_s", AllowedRange::not_negative());
-    for (const SettingsNode& value : step.sequence("values")) values.values.push_back(value.as_number());
+    for (const YamlNode& value : step.sequence("values")) values.values.push_back(value.as_number());
     policy.steps.push_back(std::move(values));
   }
   file.require_all_read();

@@ -8,7 +8,7 @@
 #include <pagmo/problem.hpp>
 #include <pagmo/types.hpp>
 
-#include "control/search.h"
+#include "search.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,9 +1,9 @@
-#include "control/pose_problem.h"
+#include "pose_problem.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "control/refuse.h"
+#include "refuse.h"
 
 namespace soft_robot_lab {
 namespace {

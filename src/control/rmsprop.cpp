@@ -3,7 +3,7 @@
 // The thesis's eq. 7.5 drops the minus sign of this objective's gradient, which would climb: here the step descends.
 // The thesis names no finite-difference step; ours is kDifference. Lengths are in metres, so epsilon damps the steps
 // once the gradient falls below about 1e-3 m^2 per unit of command.
-#include "control/search.h"
+#include "search.h"
 
 #include <cmath>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "control/search.h"
+#include "search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "programs/bullet/bullet_body.h"
-#include "programs/command_line.h"
-#include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/scene/scene.h"
-#include "soft_robot_lab/settings/cpu_time.h"
-#include "soft_robot_lab/settings/settings_node.h"
+#include "settings/command_line.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+#include "settings/cpu_time.h"
+#include "soft_robot_lab/settings/yaml_node.h"
 
 namespace {
 
@@ -70,7 +70,7 @@ Arguments parse(int count, char** values) {
 }
 
 BulletSettings read_settings(const std::string& text) {
-  const SettingsNode node = SettingsNode::parse(text, "--settings");
+  const YamlNode node = YamlNode::parse(text, "--settings");
   BulletSettings s;
   s.model = node.choice_or("model", s.model, {"neo_hookean", "linear", "corotated"});
   s.implicit = node.boolean_or("implicit", s.implicit);

@@ -4,12 +4,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "programs/command_line.h"
-#include "programs/progress_bar.h"
-#include "soft_robot_lab/experiment/report.h"
-#include "soft_robot_lab/experiment/speed_accuracy.h"
+#include "settings/command_line.h"
+#include "progress_bar.h"
+#include "study/report.h"
+#include "study/charts/speed_accuracy.h"
 #include "soft_robot_lab/settings/config_folder.h"
-#include "soft_robot_lab/settings/find_program.h"
+#include "settings/find_program.h"
 
 namespace {
 

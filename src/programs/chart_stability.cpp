@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "programs/command_line.h"
-#include "programs/progress_bar.h"
-#include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/experiment/stability.h"
+#include "settings/command_line.h"
+#include "progress_bar.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "study/charts/stability.h"
 #include "soft_robot_lab/settings/config_folder.h"
 
 namespace {

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "programs/command_line.h"
-#include "programs/progress_bar.h"
-#include "soft_robot_lab/experiment/experiment.h"
-#include "soft_robot_lab/experiment/report.h"
-#include "soft_robot_lab/rig/rig_experiments.h"
+#include "settings/command_line.h"
+#include "progress_bar.h"
+#include "study/experiment.h"
+#include "study/report.h"
+#include "study/rig/rig_experiments.h"
 #include "soft_robot_lab/settings/config_folder.h"
 
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "programs/command_line.h"
-#include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/ros/recording.h"
+#include "settings/command_line.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "ros/recording.h"
 
 namespace {
 

@@ -19,14 +19,14 @@
 #include "programs/mesher/convert_mesh.h"
 #include "programs/mesher/mesh_solid.h"
 #include "programs/mesher/write_msh.h"
-#include "soft_robot_lab/design/mesh_quality.h"
-#include "soft_robot_lab/settings/settings_node.h"
+#include "robot/design/mesh_quality.h"
+#include "soft_robot_lab/settings/yaml_node.h"
 
 namespace {
 
 using namespace soft_robot_lab;
 
-TetMesh mesh_request(const SettingsNode& request) {
+TetMesh mesh_request(const YamlNode& request) {
   if (request.has("mesh_file")) {
     const std::string file = request.text("mesh_file");
     request.require_all_read();
@@ -36,7 +36,7 @@ TetMesh mesh_request(const SettingsNode& request) {
   MeshSizes sizes;
   sizes.element_size_m = request.number("element_size_m", AllowedRange::positive());
   sizes.quadratic = request.boolean_or("quadratic", true);
-  for (const SettingsNode& node : request.optional_sequence("refinements")) {
+  for (const YamlNode& node : request.optional_sequence("refinements")) {
     sizes.refinements.push_back(read_mesh_refinement(node));
   }
   request.require_all_read();
@@ -44,7 +44,7 @@ TetMesh mesh_request(const SettingsNode& request) {
 }
 
 void run(const std::string& request_file, const std::string& output_file) {
-  write_msh(mesh_request(SettingsNode::load_file(request_file)), output_file);
+  write_msh(mesh_request(YamlNode::load_file(request_file)), output_file);
   const TetMesh mesh = read_msh(output_file);  // exactly what the simulation will see
   check_mesh(mesh);
   const MeshQuality quality = measure_quality(mesh.nodes_m, mesh.tets);

@@ -9,11 +9,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "programs/command_line.h"
-#include "programs/progress_bar.h"
-#include "soft_robot_lab/actuators/factory.h"
+#include "settings/command_line.h"
+#include "progress_bar.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/control/find_policy.h"
-#include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/robot/scene/scene.h"
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "programs/command_line.h"
-#include "soft_robot_lab/ros/session_report.h"
+#include "settings/command_line.h"
+#include "ros/session_report.h"
 
 namespace {
 

@@ -3,10 +3,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "programs/command_line.h"
-#include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/scene/run_scene.h"
-#include "soft_robot_lab/scene/scene.h"
+#include "settings/command_line.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/scene/run_scene.h"
+#include "soft_robot_lab/robot/scene/scene.h"
 
 namespace {
 

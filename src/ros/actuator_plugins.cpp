@@ -1,11 +1,11 @@
-#include "soft_robot_lab/ros/actuator_plugins.h"
+#include "actuator_plugins.h"
 
 #include <memory>
 #include <stdexcept>
 
 #include <pluginlib/class_loader.hpp>
 
-#include "soft_robot_lab/sim/actuator.h"
+#include "soft_robot_lab/mechanics/actuator.h"
 
 namespace soft_robot_lab {
 namespace {

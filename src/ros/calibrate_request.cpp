@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/calibrate_request.h"
+#include "calibrate_request.h"
 
 #include <exception>
 

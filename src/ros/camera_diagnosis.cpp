@@ -1,9 +1,9 @@
-#include "soft_robot_lab/ros/camera_diagnosis.h"
+#include "camera_diagnosis.h"
 
 #include <sstream>
 #include <utility>
 
-#include "soft_robot_lab/ros/tracking_input.h"
+#include "tracking_input.h"
 
 namespace soft_robot_lab {
 

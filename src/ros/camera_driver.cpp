@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/camera_driver.h"
+#include "camera_driver.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -110,9 +110,9 @@ CameraSetting with_request(CameraSetting setting, const Config& request, const C
   return setting;
 }
 
-CameraDriver::CameraDriver(ros::NodeHandle& node, const std::string& camera, double patience_s) {
+CameraDriver::CameraDriver(ros::NodeHandle& node, const std::string& camera, double sync_timeout_s) {
   const std::string name = node.resolveName(set_parameters_service(camera));
-  const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(patience_s);
+  const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(sync_timeout_s);
   while (!ros::service::exists(name, false)) {
     if (!ros::ok() || ros::WallTime::now() > limit)
       throw std::runtime_error("there is no service " + name + "; start the camera's driver, or name another camera");

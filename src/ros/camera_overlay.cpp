@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/camera_overlay.h"
+#include "camera_overlay.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "soft_robot_lab/ros/conversions.h"
+#include "conversions.h"
 
 namespace soft_robot_lab {
 namespace {

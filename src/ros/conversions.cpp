@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/conversions.h"
+#include "conversions.h"
 
 #include <algorithm>
 #include <set>
@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "soft_robot_lab/ros/topics.h"
+#include "topics.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -30,7 +30,7 @@ ChamberState chamber_state(const ActuatorReading& state) {
   chamber.volume_m3 = *state.volume_m3;
   chamber.initial_volume_m3 = state.initial_volume_m3.value_or(*state.volume_m3);
   chamber.gauge_pressure_pa = state.gauge_pressure_pa.value_or(0.0);
-  if (state.centre_m) chamber.centre = to_message(*state.centre_m);
+  if (state.center_m) chamber.centre = to_message(*state.center_m);
   return chamber;
 }
 

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/execution.h"
+#include "execution.h"
 
 #include <chrono>
 #include <memory>

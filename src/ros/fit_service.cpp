@@ -1,11 +1,11 @@
-#include "soft_robot_lab/ros/fit_service.h"
+#include "fit_service.h"
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/log_text.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "conversions.h"
+#include "log_text.h"
+#include "topics.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/gap_meter.h"
+#include "gap_meter.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "soft_robot_lab/ros/conversions.h"
+#include "conversions.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/image_messages.h"
+#include "image_messages.h"
 
 #include <algorithm>
 #include <cmath>

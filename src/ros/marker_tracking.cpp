@@ -1,13 +1,13 @@
-#include "soft_robot_lab/ros/marker_tracking.h"
+#include "marker_tracking.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/image_messages.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "conversions.h"
+#include "image_messages.h"
+#include "topics.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -52,8 +52,8 @@ void TrackingOptions::validate() const {
     if (!(value >= 0) || !std::isfinite(value))
       throw std::invalid_argument(std::string(field) + " is " + std::to_string(value) + "; allowed: [0, inf)");
   };
-  require("slop_s", slop_s);
-  require("patience_s", patience_s);
+  require("sync_tolerance_s", sync_tolerance_s);
+  require("sync_timeout_s", sync_timeout_s);
   require("simulated_before_s", simulated_before_s);
 }
 
@@ -62,7 +62,7 @@ MarkerTracking::MarkerTracking(const TrackingOptions& options, const TrackerSett
     : options_((options.validate(), options)),
       markers_(markers),
       tracker_(settings, markers),
-      joiner_(options.cameras, options.slop_s, options.patience_s) {}
+      joiner_(options.cameras, options.sync_tolerance_s, options.sync_timeout_s) {}
 
 void MarkerTracking::set_poses(const std::vector<CameraPose>& poses) {
   for (const CameraPose& pose : poses) {
@@ -124,13 +124,13 @@ std::vector<MarkerTracking::Result> MarkerTracking::track(std::vector<std::vecto
   return results;
 }
 
-MarkerTracking::Result MarkerTracking::repeat(const TrackerStep& step, std::vector<RgbdFrame> frames) {
+MarkerTracking::Result MarkerTracking::repeat(const TrackerUpdateLog& step, std::vector<RgbdFrame> frames) {
   const std::size_t cameras = step.cameras.size();
-  if (step.lenses.size() != cameras || step.world_from_camera.size() != pose_numbers * cameras)
+  if (step.camera_infos.size() != cameras || step.world_from_camera.size() != pose_numbers * cameras)
     throw std::invalid_argument(std::string(topics::tracker_steps) + ": lists of different lengths");
   for (std::size_t i = 0; i < cameras; ++i) {
     poses_[step.cameras[i]] = pose_from(&step.world_from_camera[pose_numbers * i]);
-    infos_[step.cameras[i]] = step.lenses[i];
+    infos_[step.cameras[i]] = step.camera_infos[i];
     introduce(step.cameras[i]);
   }
   if (!follows(step)) tracker_.set_state(step.state);
@@ -160,7 +160,7 @@ MarkerTracking::Result MarkerTracking::update(std::vector<RgbdFrame> group,
 
 // Number, markers, and those frames of the group that were used.
 void MarkerTracking::describe(const std::vector<RgbdFrame>& group, const std::vector<std::string>& used,
-                              TrackerStep& step) {
+                              TrackerUpdateLog& step) {
   step.number = next_step_++;
   for (const TrackedMarker& marker : markers_) {
     step.markers.push_back(marker.name);
@@ -170,7 +170,7 @@ void MarkerTracking::describe(const std::vector<RgbdFrame>& group, const std::ve
     if (std::find(used.begin(), used.end(), frame.camera) == used.end()) continue;
     step.cameras.push_back(frame.camera);
     step.stamps_s.push_back(frame.stamp_s);
-    step.lenses.push_back(infos_.at(frame.camera));
+    step.camera_infos.push_back(infos_.at(frame.camera));
     const auto pose = poses_.at(frame.camera).matrix();
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 4; ++column) step.world_from_camera.push_back(pose(row, column));

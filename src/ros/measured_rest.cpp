@@ -1,8 +1,8 @@
-#include "soft_robot_lab/ros/measured_rest.h"
+#include "measured_rest.h"
 
 #include <algorithm>
 
-#include "ros/same_place.h"
+#include "same_place.h"
 
 namespace soft_robot_lab {
 

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/motor_messages.h"
+#include "motor_messages.h"
 
 #include <stdexcept>
 #include <string>

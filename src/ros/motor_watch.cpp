@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/motor_watch.h"
+#include "motor_watch.h"
 
 #include <algorithm>
 

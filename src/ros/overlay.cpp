@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/overlay.h"
+#include "overlay.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "soft_robot_lab/ros/topics.h"
+#include "topics.h"
 
 namespace soft_robot_lab {
 namespace {

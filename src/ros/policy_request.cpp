@@ -1,10 +1,10 @@
-#include "soft_robot_lab/ros/policy_request.h"
+#include "policy_request.h"
 
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
-#include "soft_robot_lab/ros/conversions.h"
+#include "conversions.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,11 +1,11 @@
-#include "soft_robot_lab/ros/policy_search.h"
+#include "policy_search.h"
 
 #include <memory>
 #include <optional>
 
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/messages.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "conversions.h"
+#include "messages.h"
+#include "topics.h"
 
 namespace soft_robot_lab {
 

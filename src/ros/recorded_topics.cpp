@@ -1,4 +1,4 @@
-#include "ros/recorded_topics.h"
+#include "recorded_topics.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/recording.h"
+#include "recording.h"
 
 #include <filesystem>
 #include <stdexcept>
@@ -6,9 +6,9 @@
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 
-#include "ros/recorded_topics.h"
-#include "soft_robot_lab/ros/gap_meter.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "recorded_topics.h"
+#include "gap_meter.h"
+#include "topics.h"
 
 namespace soft_robot_lab {
 

@@ -1,10 +1,10 @@
-#include "soft_robot_lab/ros/rendered_rig.h"
+#include "rendered_rig.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "soft_robot_lab/settings/cpu_time.h"
+#include "settings/cpu_time.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -22,7 +22,7 @@ std::string names_of(const std::vector<RigCamera>& cameras) {
 
 }  // namespace
 
-RenderedRig::RenderedRig(CameraRig rig, std::uint64_t seed) : rig_(std::move(rig)), seed_(seed) {
+RenderedRig::RenderedRig(CameraSetup rig, std::uint64_t seed) : rig_(std::move(rig)), seed_(seed) {
   build_stage({}, {});
   for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
     const CameraSetting setting = own_setting(rig_.cameras[i].sensor);
@@ -47,7 +47,7 @@ void RenderedRig::build_stage(SeenRobot robot, const SeenState& state) {
   Surroundings surroundings = rig_.surroundings;
   if (balls_shown_)
     surroundings.balls.insert(surroundings.balls.end(), rig_.calibration_balls.begin(), rig_.calibration_balls.end());
-  stage_ = std::make_unique<Stage>(std::move(surroundings), std::move(robot), state);
+  stage_ = std::make_unique<RayScene>(std::move(surroundings), std::move(robot), state);
 }
 
 void RenderedRig::show_balls(bool shown) {

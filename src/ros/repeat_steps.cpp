@@ -1,4 +1,4 @@
-#include "ros/repeat_steps.h"
+#include "repeat_steps.h"
 
 #include <algorithm>
 #include <map>
@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "ros/recorded_topics.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/image_messages.h"
+#include "recorded_topics.h"
+#include "conversions.h"
+#include "image_messages.h"
 
 namespace soft_robot_lab {
 
@@ -64,9 +64,9 @@ class RecordedImages {
   std::map<Key, rosbag::MessageInstance> images_;
 };
 
-std::vector<std::string> image_topics(const std::vector<TrackerStep>& steps) {
+std::vector<std::string> image_topics(const std::vector<TrackerUpdateLog>& steps) {
   std::vector<std::string> topics;
-  for (const TrackerStep& step : steps)
+  for (const TrackerUpdateLog& step : steps)
     for (const std::string& camera : step.cameras)
       for (const std::string& topic : {colour_topic(camera), depth_topic(camera)})
         if (std::find(topics.begin(), topics.end(), topic) == topics.end()) topics.push_back(topic);
@@ -74,7 +74,7 @@ std::vector<std::string> image_topics(const std::vector<TrackerStep>& steps) {
 }
 
 // All of a step, or none.
-std::vector<RgbdFrame> frames_of(const TrackerStep& step, const RecordedImages& images) {
+std::vector<RgbdFrame> frames_of(const TrackerUpdateLog& step, const RecordedImages& images) {
   std::vector<RgbdFrame> frames;
   for (std::size_t i = 0; i < step.cameras.size(); ++i) {
     auto frame = images.frame(step.cameras[i], step.stamps_s.at(i));
@@ -84,7 +84,7 @@ std::vector<RgbdFrame> frames_of(const TrackerStep& step, const RecordedImages& 
   return frames;
 }
 
-std::vector<TrackedMarker> markers_of(const TrackerStep& step) {
+std::vector<TrackedMarker> markers_of(const TrackerUpdateLog& step) {
   std::vector<TrackedMarker> markers;
   for (std::size_t i = 0; i < step.markers.size(); ++i)
     markers.push_back({step.markers[i], from_message(step.rest.at(i), "rest")});
@@ -93,14 +93,14 @@ std::vector<TrackedMarker> markers_of(const TrackerStep& step) {
 
 }  // namespace
 
-RepeatedSteps repeat_steps(const rosbag::Bag& bag, const std::vector<TrackerStep>& steps,
+RepeatedSteps repeat_steps(const rosbag::Bag& bag, const std::vector<TrackerUpdateLog>& steps,
                            const TrackingInputOptions& options, const TrackingInput::OnResult& on_result) {
   const TrackerSettings settings = load_tracker(options.tracker);
   const RecordedImages images(bag, image_topics(steps));
   RepeatedSteps done;
   std::unique_ptr<MarkerTracking> tracking;
-  const TrackerStep* last = nullptr;
-  for (const TrackerStep& step : steps) {
+  const TrackerUpdateLog* last = nullptr;
+  for (const TrackerUpdateLog& step : steps) {
     std::vector<RgbdFrame> frames = frames_of(step, images);
     if (frames.empty()) {
       ++done.without_images;

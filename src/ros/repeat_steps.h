@@ -5,7 +5,7 @@
 
 #include <rosbag/bag.h>
 
-#include "soft_robot_lab/ros/tracking_input.h"
+#include "tracking_input.h"
 
 namespace soft_robot_lab {
 
@@ -14,7 +14,7 @@ struct RepeatedSteps {
   long resumed = 0;         // from the recorded state
 };
 
-RepeatedSteps repeat_steps(const rosbag::Bag& bag, const std::vector<TrackerStep>& steps,
+RepeatedSteps repeat_steps(const rosbag::Bag& bag, const std::vector<TrackerUpdateLog>& steps,
                            const TrackingInputOptions& options, const TrackingInput::OnResult& on_result);
 
 }  // namespace soft_robot_lab

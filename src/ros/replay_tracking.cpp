@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/replay_tracking.h"
+#include "replay_tracking.h"
 
 #include <algorithm>
 #include <map>
@@ -8,13 +8,13 @@
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 
-#include "ros/recorded_topics.h"
-#include "ros/repeat_steps.h"
-#include "soft_robot_lab/ros/gap_meter.h"
-#include "soft_robot_lab/ros/image_messages.h"
-#include "soft_robot_lab/ros/log_text.h"
-#include "soft_robot_lab/ros/topics.h"
-#include "soft_robot_lab/settings/cpu_time.h"
+#include "recorded_topics.h"
+#include "repeat_steps.h"
+#include "gap_meter.h"
+#include "image_messages.h"
+#include "log_text.h"
+#include "topics.h"
+#include "settings/cpu_time.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -105,7 +105,7 @@ ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::st
     if (result.report.updated) measured.push_back(result.observations);
   };
   ReplaySummary summary;
-  const auto steps = messages_of<TrackerStep>(bag, topics::tracker_steps);
+  const auto steps = messages_of<TrackerUpdateLog>(bag, topics::tracker_steps);
   summary.repeated = !steps.empty();
   if (summary.repeated) {
     const RepeatedSteps done = repeat_steps(bag, steps, options, on_result);

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <optional>
 
-#include "ros/same_place.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/recording.h"
-#include "soft_robot_lab/settings/quantile.h"
+#include "same_place.h"
+#include "conversions.h"
+#include "recording.h"
+#include "settings/quantile.h"
 
 namespace soft_robot_lab {
 namespace {

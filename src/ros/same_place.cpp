@@ -1,10 +1,10 @@
-#include "ros/same_place.h"
+#include "same_place.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
-#include "soft_robot_lab/ros/conversions.h"
+#include "conversions.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,7 +1,7 @@
 // Whether markers rest, told from where cameras saw them in two windows of time: in a session and in its recording.
 #pragma once
 
-#include "soft_robot_lab/ros/measured_rest.h"
+#include "measured_rest.h"
 
 namespace soft_robot_lab {
 

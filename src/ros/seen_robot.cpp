@@ -1,12 +1,12 @@
-#include "soft_robot_lab/ros/seen_robot.h"
+#include "seen_robot.h"
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <stdexcept>
 
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "conversions.h"
+#include "topics.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/session_pictures.h"
+#include "session_pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,11 +12,11 @@
 #include <rosbag/view.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "ros/recorded_topics.h"
-#include "soft_robot_lab/ros/camera_overlay.h"
-#include "soft_robot_lab/ros/image_messages.h"
-#include "soft_robot_lab/ros/topics.h"
-#include "soft_robot_lab/settings/write_file.h"
+#include "recorded_topics.h"
+#include "camera_overlay.h"
+#include "image_messages.h"
+#include "topics.h"
+#include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/session_report.h"
+#include "session_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,14 @@
 #include <opencv2/core/version.hpp>
 #include <ros/common.h>
 
-#include "soft_robot_lab/experiment/html_page.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/recording.h"
-#include "soft_robot_lab/ros/session_pictures.h"
-#include "soft_robot_lab/scene/scene_file.h"
+#include "session/report/html_page.h"
+#include "session/report/plot.h"
+#include "conversions.h"
+#include "recording.h"
+#include "session_pictures.h"
+#include "soft_robot_lab/robot/scene/scene_file.h"
 #include "soft_robot_lab/settings/config_folder.h"
-#include "soft_robot_lab/settings/write_file.h"
+#include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,12 +1,12 @@
-#include "soft_robot_lab/ros/surface_marker.h"
+#include "surface_marker.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "conversions.h"
+#include "topics.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,12 +1,12 @@
-#include "soft_robot_lab/ros/tracking_input.h"
+#include "tracking_input.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <utility>
 
-#include "soft_robot_lab/ros/actuator_plugins.h"
-#include "soft_robot_lab/ros/image_messages.h"
-#include "soft_robot_lab/scene/scene.h"
+#include "actuator_plugins.h"
+#include "image_messages.h"
+#include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "soft_robot_lab/settings/find_program.h"
+#include "find_program.h"
 
 namespace soft_robot_lab {
 

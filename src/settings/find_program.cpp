@@ -1,4 +1,4 @@
-#include "soft_robot_lab/settings/find_program.h"
+#include "find_program.h"
 
 #include <unistd.h>
 

@@ -2,22 +2,22 @@
 #include <algorithm>
 #include <utility>
 
-#include "settings/settings_data.h"
-#include "settings/words.h"
+#include "settings_data.h"
+#include "words.h"
 
 namespace soft_robot_lab {
 
 // A deep copy, with the marks of what was read already.
-SettingsNode SettingsNode::Data::copy(const SettingsNode& node) {
+YamlNode YamlNode::Data::copy(const YamlNode& node) {
   auto data = std::make_shared<Data>(*node.data_);
-  for (SettingsNode& item : data->items) item = copy(item);
+  for (YamlNode& item : data->items) item = copy(item);
   for (Member& member : data->members) member.value = copy(member.value);
-  return SettingsNode(std::move(data));
+  return YamlNode(std::move(data));
 }
 
 // Both are maps.
-SettingsNode SettingsNode::Data::lay_over(const SettingsNode& base, const SettingsNode& overlay) {
-  SettingsNode merged = copy(overlay);
+YamlNode YamlNode::Data::lay_over(const YamlNode& base, const YamlNode& overlay) {
+  YamlNode merged = copy(overlay);
   for (const Member& member : base.data_->members) {
     auto& members = merged.data_->members;
     const auto over = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.key == member.key; });
@@ -32,10 +32,10 @@ SettingsNode SettingsNode::Data::lay_over(const SettingsNode& base, const Settin
 }
 
 // A list of named items, and a map from names to what changes.
-SettingsNode SettingsNode::Data::change_named(const SettingsNode& list, const SettingsNode& changes) {
-  SettingsNode merged = copy(list);
+YamlNode YamlNode::Data::change_named(const YamlNode& list, const YamlNode& changes) {
+  YamlNode merged = copy(list);
   std::vector<std::string> names;
-  for (SettingsNode& item : merged.data_->items) {
+  for (YamlNode& item : merged.data_->items) {
     if (!item.is_map() || !item.has("name"))
       list.fail("has items without a name, so that they cannot be changed by it");
     names.push_back(item.text("name"));
@@ -50,8 +50,8 @@ SettingsNode SettingsNode::Data::change_named(const SettingsNode& list, const Se
   return merged;
 }
 
-SettingsNode merge_settings(const SettingsNode& base, const SettingsNode& overlay) {
-  using Data = SettingsNode::Data;
+YamlNode merge_settings(const YamlNode& base, const YamlNode& overlay) {
+  using Data = YamlNode::Data;
   if (base.is_sequence() && overlay.is_map()) return Data::change_named(base, overlay);
   const auto names = [&](const char* key) {  // without asking, which an error would list as a known key
     const auto& members = overlay.data_->members;

@@ -6,8 +6,8 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
-#include "settings/settings_data.h"
-#include "soft_robot_lab/settings/read_file.h"
+#include "settings_data.h"
+#include "read_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -60,7 +60,7 @@ void check_size(const std::string& text, const std::string& source) {
 }  // namespace
 
 // `place` carries source, line and path of the node.
-SettingsNode SettingsNode::Data::build(const YAML::Node& yaml, Data place, int depth, long& bytes_left) {
+YamlNode YamlNode::Data::build(const YAML::Node& yaml, Data place, int depth, long& bytes_left) {
   auto data = std::make_shared<Data>(std::move(place));
   bytes_left -= static_cast<long>(sizeof(Data) + sizeof(Member) + data->source.size() + 2 * data->path.size());
   if (yaml.IsScalar()) bytes_left -= static_cast<long>(yaml.Scalar().size());
@@ -100,10 +100,10 @@ SettingsNode SettingsNode::Data::build(const YAML::Node& yaml, Data place, int d
           {key, data->source, line, build(pair.second, std::move(below), depth + 1, bytes_left), false});
     }
   }
-  return SettingsNode(std::move(data));
+  return YamlNode(std::move(data));
 }
 
-SettingsNode SettingsNode::load_file(const std::string& path) {
+YamlNode YamlNode::load_file(const std::string& path) {
   std::string text;
   try {
     text = read_regular_file(path, kLargestSettings_bytes);
@@ -113,7 +113,7 @@ SettingsNode SettingsNode::load_file(const std::string& path) {
   return parse(text, path);
 }
 
-SettingsNode SettingsNode::parse(const std::string& text, const std::string& source_name) {
+YamlNode YamlNode::parse(const std::string& text, const std::string& source_name) {
   Data root;
   root.source = source_name;
   long bytes_left = kMaxBytes;

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/settings/read_file.h"
+#include "read_file.h"
 
 #include <cerrno>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/settings/read_name.h"
+#include "read_name.h"
 
 #include <cstdint>
 
@@ -26,8 +26,8 @@ std::size_t character_length(const std::string& text, std::size_t at) {
 
 }  // namespace
 
-std::string read_name(const SettingsNode& owner, const std::string& key) {
-  const SettingsNode node = owner.child(key);
+std::string read_name(const YamlNode& owner, const std::string& key) {
+  const YamlNode node = owner.child(key);
   const std::string name = node.as_text();
   if (name.empty()) node.fail("must not be empty");
   std::size_t characters = 0;

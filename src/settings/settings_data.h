@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "soft_robot_lab/settings/settings_node.h"
+#include "soft_robot_lab/settings/yaml_node.h"
 
 namespace YAML {
 class Node;
@@ -13,13 +13,13 @@ class Node;
 namespace soft_robot_lab {
 
 // The document as an own tree: yaml-cpp's nodes forget their file, and cannot say which keys were read.
-struct SettingsNode::Data {
+struct YamlNode::Data {
   enum class Kind { empty, scalar, sequence, map };
   struct Member {
     std::string key;
     std::string source;  // of the key: a merged map has members from two files
     int line;
-    SettingsNode value;
+    YamlNode value;
     bool read = false;
   };
 
@@ -29,14 +29,14 @@ struct SettingsNode::Data {
   std::string path;
   std::string scalar;
   bool quoted = false;  // "5" in quotes is text, not a number
-  std::vector<SettingsNode> items;
+  std::vector<YamlNode> items;
   std::vector<Member> members;
   std::vector<std::string> asked;  // keys that a reader looked for, in that order
 
-  static SettingsNode build(const YAML::Node& yaml, Data place, int depth, long& bytes_left);
-  static SettingsNode copy(const SettingsNode& node);
-  static SettingsNode lay_over(const SettingsNode& base, const SettingsNode& overlay);
-  static SettingsNode change_named(const SettingsNode& list, const SettingsNode& changes);
+  static YamlNode build(const YAML::Node& yaml, Data place, int depth, long& bytes_left);
+  static YamlNode copy(const YamlNode& node);
+  static YamlNode lay_over(const YamlNode& base, const YamlNode& overlay);
+  static YamlNode change_named(const YamlNode& list, const YamlNode& changes);
 
   Member* find(const std::string& key) {
     if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);

@@ -1,4 +1,4 @@
-#include "settings/words.h"
+#include "words.h"
 
 #include <algorithm>
 #include <sstream>

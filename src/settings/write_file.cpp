@@ -1,4 +1,4 @@
-#include "soft_robot_lab/settings/write_file.h"
+#include "write_file.h"
 
 #include <cerrno>
 #include <cstdio>

@@ -2,8 +2,8 @@
 // thread, comparable between versions on one machine.
 #include <benchmark/benchmark.h>
 
-#include "sim/box_mesh.h"
-#include "sim/elements.h"
+#include "mechanics/box_mesh.h"
+#include "mechanics/elements/elements.h"
 
 namespace soft_robot_lab {
 namespace {

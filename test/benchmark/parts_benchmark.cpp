@@ -6,8 +6,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/scene/run_scene.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/scene/run_scene.h"
 
 namespace soft_robot_lab {
 namespace {

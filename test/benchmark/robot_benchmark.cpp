@@ -8,11 +8,11 @@
 
 #include <benchmark/benchmark.h>
 
-#include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/control/forward_model.h"
 #include "soft_robot_lab/control/optimiser.h"
-#include "soft_robot_lab/scene/scene.h"
-#include "soft_robot_lab/settings/settings_node.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+#include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -25,7 +25,7 @@ Scene robot(const std::string& name) {
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.cache_folder = SOFT_ROBOT_LAB_CACHE;
   options.actuator_factory = make_actuator;
-  return load_scene(kConfig + "robots/" + name + ".yaml", options);
+  return load_scene(kConfig + "robots/" + name + "/robot.yaml", options);
 }
 
 Scene spinebot() { return robot("spinebot"); }
@@ -126,7 +126,7 @@ BENCHMARK(FindEquilibrium)
     ->DisplayAggregatesOnly();
 
 OptimisationSummary reach(const std::string& method) {
-  const SettingsNode task = SettingsNode::load_file(kConfig + "tasks/spinebot_ball.yaml");
+  const YamlNode task = YamlNode::load_file(kConfig + "robots/spinebot/tasks/ball.yaml");
   Scene scene = spinebot();
   Simulation& simulation = *scene.simulation;
   const std::vector<std::string> names = actuator_names(simulation);

@@ -6,9 +6,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "sim/block_cholesky.h"
-#include "sim/box_mesh.h"
-#include "sim/elements.h"
+#include "mechanics/linear_algebra/block_cholesky.h"
+#include "mechanics/box_mesh.h"
+#include "mechanics/elements/elements.h"
 
 extern "C" void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
                        const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,

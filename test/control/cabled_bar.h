@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "sim/box_mesh.h"
-#include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/settings/settings_node.h"
-#include "soft_robot_lab/sim/simulation.h"
+#include "mechanics/box_mesh.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+#include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
 
@@ -17,7 +17,7 @@ inline std::unique_ptr<Actuator> cable(const std::string& name, double y_m, cons
   const std::string y = std::to_string(y_m);
   auto actuator = make_actuator("soft_robot_lab/Cable");
   actuator->initialise(
-      SettingsNode::parse("{name: " + name + ", points_m: [[0, " + y + ", 0], [0.1, " + y + ", 0]]}", "test"), body,
+      YamlNode::parse("{name: " + name + ", points_m: [[0, " + y + ", 0], [0.1, " + y + ", 0]]}", "test"), body,
       locator);
   return actuator;
 }

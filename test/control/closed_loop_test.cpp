@@ -1,4 +1,4 @@
-// The closed loop on a reality that is another simulation: softer by 15 %, and with cables that are longer than told.
+// The closed loop on a plant that is another simulation: softer by 15 %, and with cables that are longer than told.
 #include "soft_robot_lab/control/closed_loop.h"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/cabled_bar.h"
+#include "cabled_bar.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -15,9 +15,9 @@ constexpr double kRealModulus_pa = 0.85 * 264200.0;
 const Eigen::Vector3d kCameraOffset_m{0.001, -0.002, 0.001};
 
 // What the robot makes of commands.
-class Reality {
+class Plant {
  public:
-  Reality() : simulation_(bar({}, kRealModulus_pa)) {}
+  Plant() : simulation_(bar({}, kRealModulus_pa)) {}
 
   MeasuredMarkers markers_at(const Eigen::VectorXd& commands) {
     const Eigen::Vector2d slack(0.012, 0.008);
@@ -36,15 +36,15 @@ PolicyTask reach(const Eigen::Vector3d& target_m) { return {{{{{"tip", target_m,
 
 const Eigen::Vector3d kTarget{0.09, -0.035, 0.004};  // some millimetres off what can be reached
 
-// The nearest that reality itself can come, by trying: each command a step up or down, and half the step where neither
+// The nearest that plant itself can come, by trying: each command a step up or down, and half the step where neither
 // helps.
 double nearest_m() {
-  Reality reality;
+  Plant plant;
   const Simulation limited = bar();
   const CommandLimits& limits = limited.actuators()[0]->limits();
   const auto distance_m = [&](const Eigen::Vector2d& c) {
     if (c.minCoeff() < limits.min || c.maxCoeff() > limits.max) return std::numeric_limits<double>::infinity();
-    return (reality.markers_at(c).at("tip") - kTarget).norm();
+    return (plant.markers_at(c).at("tip") - kTarget).norm();
   };
   double nearest = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector2d& start :
@@ -68,26 +68,26 @@ double nearest_m() {
   return nearest;
 }
 
-LoopStep run(ClosedLoop& loop, Reality& reality, const std::string& hidden = "") {
-  LoopStep step = loop.correct(0.0, reality.markers_at(Eigen::Vector2d(1.0, 1.0)), "");
+LoopStep run(ClosedLoop& loop, Plant& plant, const std::string& hidden = "") {
+  LoopStep step = loop.correct(0.0, plant.markers_at(Eigen::Vector2d(1.0, 1.0)), "");
   for (double time_s = 0.5; step.end == LoopEnd::none; time_s += 0.5) {
-    MeasuredMarkers seen = reality.markers_at(step.commands);
+    MeasuredMarkers seen = plant.markers_at(step.commands);
     if (time_s > 1.0 && time_s < 3.0) seen.erase(hidden);
     step = loop.correct(time_s, seen, "");
   }
   return step;
 }
 
-TEST(ClosedLoop, ComesAsNearAsRealityCanThoughItsModelIsWrong) {
+TEST(ClosedLoop, ComesAsNearAsPlantCanThoughItsModelIsWrong) {
   Simulation model = bar();
-  Reality reality;
+  Plant plant;
   PolicyTask task = reach(kTarget);
   const PolicyAnswer planned = find_policy(model, task, {});
   const std::vector<double>& values = planned.policy.steps.back().values;
-  const Eigen::Vector3d replayed_m = reality.markers_at(Eigen::Vector2d(values[0], values[1])).at("tip");
+  const Eigen::Vector3d replayed_m = plant.markers_at(Eigen::Vector2d(values[0], values[1])).at("tip");
   model.reset();
   ClosedLoop loop(model, task, {});
-  const LoopStep end = run(loop, reality);
+  const LoopStep end = run(loop, plant);
   const double nearest = nearest_m();
   EXPECT_EQ(end.end, LoopEnd::settled) << end.reason;
   ASSERT_TRUE(end.distance_m.has_value());
@@ -98,9 +98,9 @@ TEST(ClosedLoop, ComesAsNearAsRealityCanThoughItsModelIsWrong) {
 TEST(ClosedLoop, WorksWhileAMarkerIsMissing) {
   for (const std::string hidden : {"tip", "middle"}) {
     Simulation model = bar();
-    Reality reality;
+    Plant plant;
     ClosedLoop loop(model, reach(kTarget), {});
-    const LoopStep end = run(loop, reality, hidden);
+    const LoopStep end = run(loop, plant, hidden);
     EXPECT_EQ(end.end, LoopEnd::settled) << hidden << ": " << end.reason;
     EXPECT_LT(end.distance_m.value_or(1.0), nearest_m() + 3.0e-4) << hidden;
   }
@@ -108,9 +108,9 @@ TEST(ClosedLoop, WorksWhileAMarkerIsMissing) {
 
 TEST(ClosedLoop, StopsWhenTrackingIsLost) {
   Simulation model = bar();
-  Reality reality;
+  Plant plant;
   ClosedLoop loop(model, reach(kTarget), {});
-  const LoopStep first = loop.correct(0.0, reality.markers_at(Eigen::Vector2d(1.0, 1.0)), "");
+  const LoopStep first = loop.correct(0.0, plant.markers_at(Eigen::Vector2d(1.0, 1.0)), "");
   const LoopStep waiting = loop.correct(0.5, {}, "");
   EXPECT_EQ(waiting.end, LoopEnd::none);
   EXPECT_EQ(waiting.commands, first.commands);
@@ -123,10 +123,10 @@ TEST(ClosedLoop, StopsWhenTrackingIsLost) {
 
 TEST(ClosedLoop, StopsAtAFaultAndHolds) {
   Simulation model = bar();
-  Reality reality;
+  Plant plant;
   ClosedLoop loop(model, reach(kTarget), {});
-  const LoopStep first = loop.correct(0.0, reality.markers_at(Eigen::Vector2d(1.0, 1.0)), "");
-  const LoopStep end = loop.correct(0.5, reality.markers_at(first.commands), "left stalled");
+  const LoopStep first = loop.correct(0.0, plant.markers_at(Eigen::Vector2d(1.0, 1.0)), "");
+  const LoopStep end = loop.correct(0.5, plant.markers_at(first.commands), "left stalled");
   EXPECT_EQ(end.end, LoopEnd::fault);
   EXPECT_EQ(end.reason, "fault: left stalled");
   EXPECT_EQ(end.commands, first.commands);
@@ -134,9 +134,9 @@ TEST(ClosedLoop, StopsAtAFaultAndHolds) {
 
 TEST(ClosedLoop, StopsWhenTheErrorGrows) {
   Simulation model = bar();
-  Reality reality;
+  Plant plant;
   ClosedLoop loop(model, reach(kTarget), {});
-  MeasuredMarkers seen = reality.markers_at(Eigen::Vector2d(1.0, 1.0));
+  MeasuredMarkers seen = plant.markers_at(Eigen::Vector2d(1.0, 1.0));
   loop.correct(0.0, seen, "");
   seen.at("tip") += 0.5 * (seen.at("tip") - kTarget).normalized();
   const LoopStep end = loop.correct(0.5, seen, "");

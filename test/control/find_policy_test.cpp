@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/cabled_bar.h"
+#include "cabled_bar.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/cabled_bar.h"
+#include "cabled_bar.h"
 #include "soft_robot_lab/control/optimiser.h"
 
 namespace soft_robot_lab {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "soft_robot_lab/settings/settings_node.h"
+#include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
 namespace {

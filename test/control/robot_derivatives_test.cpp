@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "soft_robot_lab/actuators/factory.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/control/forward_model.h"
-#include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -36,7 +36,7 @@ TEST_P(RobotDerivatives, AreThoseOfTheEquilibria) {
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
   options.changes = "solver: {tolerance: 1.0e-9}" + it.changes;
-  const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + it.robot + ".yaml", options);
+  const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + it.robot + "/robot.yaml", options);
   std::vector<std::string> names;
   for (const auto& actuator : scene.simulation->actuators()) names.push_back(actuator->name());
   ForwardModel model(*scene.simulation, {it.marker}, names);
@@ -74,7 +74,7 @@ TEST(Bubblebot, IsBroughtToAPlaceByTheGasInItsThreeChambers) {
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
   options.changes = kBubblebotByGas;
-  const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/bubblebot.yaml", options);
+  const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/bubblebot/robot.yaml", options);
   Simulation& simulation = *scene.simulation;
   ASSERT_TRUE(simulation.solve_equilibrium().converged);
   const SimulationState hanging = simulation.state();

@@ -1,4 +1,4 @@
-#include "robustness/bad_scenes.h"
+#include "bad_scenes.h"
 
 #include <cstddef>
 #include <random>
@@ -31,7 +31,7 @@ const std::vector<GoodScene> kGoodScenes = {
      "     sheath_radius_m: 0.001, plug_radius_m: 0.003, min_contraction: 0.7, pull_speed_m_s: 0.02}\n"
      "  - {name: right, points_m: [[0.006, 0, 0], [0.006, 0, -0.06]], model: friction, friction_coefficient: 0.1}\n"
      "markers: [{name: tip, position_m: [0, 0, -0.06]}]\n"
-     "solver: {method: global, integrator: implicit_euler, time_step_s: 0.0166667, tolerance: 1.0e-6}\n"
+     "solver: {method: newton, integrator: implicit_euler, time_step_s: 0.0166667, tolerance: 1.0e-6}\n"
      "run: {mode: dynamic, duration_s: 0.1, record_every_s: 0.05, commands: [{time_s: 0, left: 0.95}]}\n"},
     {"chamber",
      "body:\n"

@@ -18,7 +18,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "robustness/bad_scenes.h"
+#include "bad_scenes.h"
 #include "run_program.h"
 
 namespace soft_robot_lab {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "fuzz_rules.h"
-#include "ros/fuzz_bag.h"
+#include "fuzz_bag.h"
 
 namespace soft_robot_lab {
 namespace {

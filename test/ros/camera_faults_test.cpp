@@ -8,10 +8,10 @@
 #include <soft_robot_lab/ActuatorCommand.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 
-#include "ros/node_process.h"
-#include "ros/session_ears.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "node_process.h"
+#include "session_ears.h"
+#include "ros/conversions.h"
+#include "ros/topics.h"
 
 namespace soft_robot_lab {
 namespace {

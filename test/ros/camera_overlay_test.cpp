@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/camera_overlay.h"
+#include "ros/camera_overlay.h"
 
 #include <cmath>
 

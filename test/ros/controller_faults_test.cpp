@@ -9,9 +9,9 @@
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 
-#include "ros/node_process.h"
-#include "ros/session_ears.h"
-#include "ros/stub_robot.h"
+#include "node_process.h"
+#include "session_ears.h"
+#include "stub_robot.h"
 
 namespace soft_robot_lab {
 namespace {

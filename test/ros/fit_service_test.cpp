@@ -13,11 +13,11 @@
 #include <std_msgs/String.h>
 #include <unistd.h>
 
-#include "ros/session_ears.h"
-#include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/topics.h"
-#include "soft_robot_lab/scene/scene.h"
+#include "session_ears.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "ros/conversions.h"
+#include "ros/topics.h"
+#include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -110,7 +110,7 @@ TEST_F(FitModelService, RefusesBadRequests) {
   };
   const Case cases[] = {
       {"parameters: none", [](auto& r) { r.parameters.clear(); }},
-      {"parameters: 'softness' is not one of youngs_modulus_pa", [](auto& r) { r.parameters = {"softness"}; }},
+      {"parameters: 'delassus' is not one of youngs_modulus_pa", [](auto& r) { r.parameters = {"delassus"}; }},
       {"starts: 2 given, must be none or 1",
        [](auto& r) {
          r.starts = {1.0e5, 2.0e5};

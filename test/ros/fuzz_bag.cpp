@@ -1,9 +1,9 @@
-#include "ros/fuzz_bag.h"
+#include "fuzz_bag.h"
 
 #include <stdexcept>
 
 #include "fuzz_rules.h"
-#include "soft_robot_lab/ros/recording.h"
+#include "ros/recording.h"
 
 namespace soft_robot_lab {
 

@@ -1,5 +1,5 @@
 // For libFuzzer; see the README's tests.
-#include "ros/fuzz_bag.h"
+#include "fuzz_bag.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   soft_robot_lab::fuzz_bag(data, size);

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/gap_meter.h"
+#include "ros/gap_meter.h"
 
 #include <cmath>
 #include <vector>

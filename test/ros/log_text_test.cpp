@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/log_text.h"
+#include "ros/log_text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The tracker behind messages: drawn images of two cameras as realsense2_camera would send them.
-#include "soft_robot_lab/ros/marker_tracking.h"
+#include "ros/marker_tracking.h"
 
 #include <cmath>
 #include <limits>
@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/image_messages.h"
-#include "vision/drawn_scene.h"
+#include "ros/conversions.h"
+#include "ros/image_messages.h"
+#include "perception/tracking/drawn_scene.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -130,7 +130,7 @@ TEST(MarkerTracking, RepeatsItsStepsToTheLastDigit) {
     EXPECT_EQ(again.observations, live[i].observations) << i;
     EXPECT_EQ(again.step, live[i].step) << i;
   }
-  TrackerStep broken = live[8].step;
+  TrackerUpdateLog broken = live[8].step;
   broken.world_from_camera.pop_back();
   EXPECT_THROW(replay.repeat(broken, live[8].frames), std::invalid_argument);
 }

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/measured_rest.h"
+#include "ros/measured_rest.h"
 
 #include <algorithm>
 #include <cmath>

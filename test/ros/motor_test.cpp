@@ -16,8 +16,8 @@
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_srvs/Trigger.h>
 
-#include "ros/node_process.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "node_process.h"
+#include "ros/topics.h"
 
 namespace soft_robot_lab {
 namespace {

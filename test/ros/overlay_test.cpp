@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/overlay.h"
+#include "ros/overlay.h"
 
 #include <algorithm>
 

@@ -20,7 +20,7 @@ until rostopic list >/dev/null 2>&1; do
   kill -0 "$session"
   sleep 0.2
 done
-rosrun soft_robot_lab reach_target_node "$here/../../config/tasks/spinebot_ball.yaml"
+rosrun soft_robot_lab reach_target_node "$here/../../config/robots/spinebot/tasks/ball.yaml"
 
 kill -INT "$session"
 wait "$session" || { echo "roslaunch ended with status $?"; exit 1; }

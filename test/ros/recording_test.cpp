@@ -1,5 +1,5 @@
 // Recordings of sessions: where the robot rested, and the page about them.
-#include "soft_robot_lab/ros/recording.h"
+#include "ros/recording.h"
 
 #include <filesystem>
 #include <fstream>
@@ -11,9 +11,9 @@
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "soft_robot_lab/ros/fit_service.h"
-#include "soft_robot_lab/ros/image_messages.h"
-#include "soft_robot_lab/ros/session_report.h"
+#include "ros/fit_service.h"
+#include "ros/image_messages.h"
+#include "ros/session_report.h"
 
 namespace soft_robot_lab {
 namespace {

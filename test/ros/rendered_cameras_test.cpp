@@ -18,10 +18,10 @@
 #include <std_srvs/SetBool.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "ros/session_ears.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/topics.h"
-#include "soft_robot_lab/vision/camera_model.h"
+#include "session_ears.h"
+#include "ros/conversions.h"
+#include "ros/topics.h"
+#include "soft_robot_lab/perception/tracking/camera_model.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/rendered_rig.h"
+#include "ros/rendered_rig.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -6,13 +6,13 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "ros/seen_messages.h"
+#include "seen_messages.h"
 
 namespace soft_robot_lab {
 namespace {
 
 // One small camera at 10 Hz, and a ball to calibrate it.
-RenderedRig small_rig() { return RenderedRig(read_camera_rig(SOFT_ROBOT_LAB_SOURCE "/test/data/cameras/bar.yaml"), 1); }
+RenderedRig small_rig() { return RenderedRig(read_camera_setup(SOFT_ROBOT_LAB_SOURCE "/test/data/cameras/bar.yaml"), 1); }
 
 SeenRobotStates robot_at(double stamp_s) {
   SeenRobotStates robot;

@@ -18,13 +18,13 @@ trap cleanup EXIT
 robot=(cameras:=rendered) truth=/simulator/markers
 if [[ ${1:-} == emulated ]]; then
   # On a machine under load the emulated board may answer late.
-  sed 's/^watchdog_s: .*/watchdog_s: 5/' "$data/../../config/rigs/spinebot.yaml" >"$bags/rig.yaml"
-  robot=(emulated:=true rig:="$bags/rig.yaml" reality:="$data/reality/bar.yaml") truth=/reality/markers
+  sed 's/^watchdog_s: .*/watchdog_s: 5/' "$data/../../config/robots/spinebot/motors.yaml" >"$bags/rig.yaml"
+  robot=(emulated:=true rig:="$bags/rig.yaml" plant:="$data/plant/bar.yaml") truth=/plant/markers
 fi
 cameras=(camera_names:='[eye]' camera_poses:="$data/cameras/bar_poses.yaml" tracker:="$data/cameras/bar_tracker.yaml")
 set -m
 roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$data/scenes/cable_bar.yaml" rviz:=false \
-  "${robot[@]}" camera_rig:="$data/cameras/bar.yaml" "${cameras[@]}" \
+  "${robot[@]}" camera_setup:="$data/cameras/bar.yaml" "${cameras[@]}" \
   record:=true record_images:=true bag_folder:="$bags" &
 session=$!
 set +m

@@ -1,5 +1,5 @@
 // A recording of a session whose recorder lost an image.
-#include "soft_robot_lab/ros/replay_tracking.h"
+#include "ros/replay_tracking.h"
 
 #include <filesystem>
 #include <fstream>
@@ -10,10 +10,10 @@
 #include <std_msgs/String.h>
 #include <unistd.h>
 
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/image_messages.h"
-#include "soft_robot_lab/ros/topics.h"
-#include "vision/drawn_scene.h"
+#include "ros/conversions.h"
+#include "ros/image_messages.h"
+#include "ros/topics.h"
+#include "perception/tracking/drawn_scene.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/ros/rest_detector.h"
+#include "ros/rest_detector.h"
 
 #include <cmath>
 

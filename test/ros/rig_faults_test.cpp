@@ -13,9 +13,9 @@
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_srvs/Trigger.h>
 
-#include "ros/node_process.h"
-#include "ros/session_ears.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "node_process.h"
+#include "session_ears.h"
+#include "ros/topics.h"
 
 namespace soft_robot_lab {
 namespace {

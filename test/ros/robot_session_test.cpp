@@ -11,9 +11,9 @@
 #include <soft_robot_lab/MarkerObservations.h>
 #include <soft_robot_lab/MotorState.h>
 
-#include "ros/session_ears.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "session_ears.h"
+#include "ros/conversions.h"
+#include "ros/topics.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -47,7 +47,7 @@ class RobotSession : public testing::Test {
     hear_last(topics::simulator_markers, simulated_);
     hear_last(topics::simulator_actuators, actuators_);
     hear_last(topics::tracker_markers, tracked_);
-    hear_last(topics::reality_markers, real_);
+    hear_last(topics::plant_markers, real_);
     hear_last(topics::motor_state, motors_);
   }
 

@@ -5,7 +5,7 @@
 
 #include <visualization_msgs/Marker.h>
 
-#include "soft_robot_lab/ros/messages.h"
+#include "ros/messages.h"
 
 namespace soft_robot_lab {
 

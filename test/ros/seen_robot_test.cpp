@@ -1,11 +1,11 @@
-#include "soft_robot_lab/ros/seen_robot.h"
+#include "ros/seen_robot.h"
 
 #include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "ros/seen_messages.h"
+#include "seen_messages.h"
 
 namespace soft_robot_lab {
 namespace {

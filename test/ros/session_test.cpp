@@ -18,10 +18,10 @@
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "ros/session_ears.h"
-#include "soft_robot_lab/ros/announcement.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/topics.h"
+#include "session_ears.h"
+#include "ros/latched_publisher.h"
+#include "ros/conversions.h"
+#include "ros/topics.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -268,7 +268,7 @@ TEST_F(Session, RefusesBadPolicies) {
 
 // Subscribers that come before and after a message, and while it is told.
 TEST_F(Session, AnnouncementsAreHeardOnceByEveryone) {
-  Announcement<std_msgs::String> announcement("announced");
+  LatchedPublisher<std_msgs::String> latched_publisher("announced");
   std::vector<std::vector<std::string>> heard(20);
   std::vector<ros::Subscriber> subscribers;
   const auto listen = [&] {
@@ -283,11 +283,11 @@ TEST_F(Session, AnnouncementsAreHeardOnceByEveryone) {
   std_msgs::String message;
   message.data = "first";
   for (int i = 0; i < 10; ++i) listen();
-  announcement.tell(message);
+  latched_publisher.tell(message);
   for (int i = 0; i < 10; ++i) listen();
   EXPECT_TRUE(spin_until([&] { return all_heard(1); }));
   message.data = "second";
-  announcement.tell(message);
+  latched_publisher.tell(message);
   EXPECT_TRUE(spin_until([&] { return all_heard(2); }));
   for (const auto& words : heard) EXPECT_EQ(words, (std::vector<std::string>{"first", "second"}));
 }

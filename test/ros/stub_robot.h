@@ -13,10 +13,10 @@
 #include <soft_robot_lab/MotorState.h>
 #include <std_msgs/String.h>
 
-#include "soft_robot_lab/actuators/factory.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/topics.h"
-#include "soft_robot_lab/scene/scene.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "ros/conversions.h"
+#include "ros/topics.h"
+#include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {
 

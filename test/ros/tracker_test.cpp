@@ -11,12 +11,12 @@
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 
-#include "ros/session_ears.h"
-#include "soft_robot_lab/ros/conversions.h"
-#include "soft_robot_lab/ros/image_messages.h"
-#include "soft_robot_lab/ros/topics.h"
-#include "soft_robot_lab/ros/tracking_input.h"
-#include "vision/drawn_scene.h"
+#include "session_ears.h"
+#include "ros/conversions.h"
+#include "ros/image_messages.h"
+#include "ros/topics.h"
+#include "ros/tracking_input.h"
+#include "perception/tracking/drawn_scene.h"
 
 namespace soft_robot_lab {
 namespace {

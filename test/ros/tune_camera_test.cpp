@@ -10,15 +10,15 @@
 #include <sensor_msgs/Image.h>
 #include <std_srvs/SetBool.h>
 
-#include "ros/session_ears.h"
+#include "session_ears.h"
 #include "run_program.h"
-#include "soft_robot_lab/render/camera_rig.h"
-#include "soft_robot_lab/ros/camera_driver.h"
-#include "soft_robot_lab/ros/image_messages.h"
-#include "soft_robot_lab/ros/topics.h"
-#include "soft_robot_lab/ros/tracking_input.h"
-#include "soft_robot_lab/settings/settings_node.h"
-#include "soft_robot_lab/vision/camera_tuning.h"
+#include "perception/render/camera_setup.h"
+#include "ros/camera_driver.h"
+#include "ros/image_messages.h"
+#include "ros/topics.h"
+#include "ros/tracking_input.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+#include "perception/calibration/camera_tuning.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -64,11 +64,11 @@ class TuneCamera : public testing::Test {
 
   // Of the rig's ball, by a picture taken from now on.
   BallMeasure measure() {
-    const CameraRig rig = read_camera_rig(SOFT_ROBOT_LAB_SOURCE "/test/data/cameras/overexposed.yaml");
+    const CameraSetup rig = read_camera_setup(SOFT_ROBOT_LAB_SOURCE "/test/data/cameras/overexposed.yaml");
     const RigCamera& camera = rig.cameras.front();
     FoundBall ball;
     ball.radius_m = rig.calibration_balls.front().radius_m;
-    ball.centre_m = camera.pose.world_from_camera.inverse() * rig.calibration_balls.front().centre_m;
+    ball.center_m = camera.pose.world_from_camera.inverse() * rig.calibration_balls.front().center_m;
     for (int i = 0; i < 2; ++i) hear<sensor_msgs::Image>(node_, colour_topic("eye"));
     const auto image = hear<sensor_msgs::Image>(node_, colour_topic("eye"));
     return measure_balls(colour_image(*image), {place_of(ball, camera.model)});
@@ -115,7 +115,7 @@ TEST_F(TuneCamera, MakesTheBallCrispAndTheBoxDark) {
   EXPECT_LE(after.box_level, 0.125);
   ASSERT_TRUE(after.edge_width_px);
   EXPECT_LT(*after.edge_width_px, 4);
-  const SettingsNode saved = SettingsNode::load_file(file);
+  const YamlNode saved = YamlNode::load_file(file);
   EXPECT_FALSE(saved.boolean("enable_auto_exposure"));
   EXPECT_EQ(saved.integer("exposure", 1, 10000), setting.exposure);
   EXPECT_EQ(saved.integer("gain", 0, 128), setting.gain);

@@ -1,4 +1,4 @@
-#include "soft_robot_lab/settings/find_program.h"
+#include "settings/find_program.h"
 
 #include <cstdlib>
 #include <filesystem>

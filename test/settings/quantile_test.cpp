@@ -1,4 +1,4 @@
-#include "soft_robot_lab/settings/quantile.h"
+#include "settings/quantile.h"
 
 #include <gtest/gtest.h>
 

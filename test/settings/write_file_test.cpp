@@ -1,4 +1,4 @@
-#include "soft_robot_lab/settings/write_file.h"
+#include "settings/write_file.h"
 
 #include <filesystem>
 #include <fstream>

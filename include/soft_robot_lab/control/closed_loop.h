@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "soft_robot_lab/control/find_policy.h"
+#include "find_policy.h"
 
 namespace soft_robot_lab {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "soft_robot_lab/control/optimiser.h"
-#include "soft_robot_lab/control/policy.h"
+#include "optimiser.h"
+#include "policy.h"
 
 namespace soft_robot_lab {
 

@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "soft_robot_lab/control/reach_problem.h"
-#include "soft_robot_lab/sim/simulation.h"
+#include "reach_problem.h"
+#include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
 

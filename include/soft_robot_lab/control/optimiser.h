@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "soft_robot_lab/control/reach_problem.h"
+#include "reach_problem.h"
 
 namespace soft_robot_lab {
 

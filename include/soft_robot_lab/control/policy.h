@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "soft_robot_lab/control/forward_model.h"
-#include "soft_robot_lab/sim/actuator.h"
+#include "forward_model.h"
+#include "soft_robot_lab/mechanics/actuator.h"
 
 namespace soft_robot_lab {
 

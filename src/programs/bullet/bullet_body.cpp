@@ -1,4 +1,4 @@
-#include "programs/bullet/bullet_body.h"
+#include "bullet_body.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "soft_robot_lab/sim/simulation.h"
+#include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
 

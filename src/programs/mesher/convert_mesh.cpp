@@ -1,12 +1,12 @@
-#include "programs/mesher/convert_mesh.h"
+#include "convert_mesh.h"
 
 #include <filesystem>
 #include <stdexcept>
 
 #include <gmsh.h>
 
-#include "programs/mesher/gmsh_model.h"
-#include "programs/mesher/read_vtk.h"
+#include "gmsh_model.h"
+#include "read_vtk.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "programs/mesher/gmsh_model.h"
+#include "gmsh_model.h"
 
 #include <algorithm>
 #include <cmath>

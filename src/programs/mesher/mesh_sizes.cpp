@@ -1,4 +1,4 @@
-#include "programs/mesher/mesh_sizes.h"
+#include "mesh_sizes.h"
 
 #include <algorithm>
 #include <cmath>

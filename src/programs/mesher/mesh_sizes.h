@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "programs/mesher/gmsh_model.h"
-#include "soft_robot_lab/design/mesher.h"
+#include "gmsh_model.h"
+#include "soft_robot_lab/robot/design/mesher.h"
 
 namespace soft_robot_lab {
 

@@ -1,14 +1,14 @@
-#include "programs/mesher/mesh_solid.h"
+#include "mesh_solid.h"
 
 #include <cmath>
 #include <stdexcept>
 
 #include <gmsh.h>
 
-#include "programs/mesher/gmsh_model.h"
-#include "programs/mesher/solid_geometry.h"
-#include "programs/mesher/surface_names.h"
-#include "soft_robot_lab/sim/shape_functions.h"
+#include "gmsh_model.h"
+#include "solid_geometry.h"
+#include "surface_names.h"
+#include "mechanics/mesh/shape_functions.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -25,7 +25,7 @@ void generate(bool quadratic) {
 }
 
 // Where a coarse element on a strongly curved surface folds, its mid-edge nodes move towards straight edges.
-void unfold(TetMesh& mesh) {
+void untangle(TetMesh& mesh) {
   constexpr int kHalvings = 6;  // then straight at once
   for (int round = 0;; ++round) {
     const std::vector<int> folded = folded_elements(mesh);
@@ -107,7 +107,7 @@ TetMesh mesh_solid(const Solid& solid, const MeshSizes& sizes) {
   const GmshSession session;
   gmsh::model::add("body");
   TetMesh mesh = solid.kind == Solid::Kind::stl_file ? mesh_stl(solid, sizes) : mesh_kernel_solid(solid, sizes);
-  if (mesh.quadratic()) unfold(mesh);
+  if (mesh.quadratic()) untangle(mesh);
   return mesh;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "programs/mesher/mesh_sizes.h"
-#include "soft_robot_lab/design/solid.h"
-#include "soft_robot_lab/sim/tet_mesh.h"
+#include "mesh_sizes.h"
+#include "soft_robot_lab/robot/design/solid.h"
+#include "soft_robot_lab/mechanics/tet_mesh.h"
 
 namespace soft_robot_lab {
 

@@ -1,5 +1,5 @@
 // "VTK File Formats", https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
-#include "programs/mesher/read_vtk.h"
+#include "read_vtk.h"
 
 #include <algorithm>
 #include <charconv>

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "soft_robot_lab/sim/tet_mesh.h"
+#include "soft_robot_lab/mechanics/tet_mesh.h"
 
 namespace soft_robot_lab {
 

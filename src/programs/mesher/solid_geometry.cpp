@@ -1,4 +1,4 @@
-#include "programs/mesher/solid_geometry.h"
+#include "solid_geometry.h"
 
 #include <algorithm>
 #include <iterator>

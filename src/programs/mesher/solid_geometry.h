@@ -5,7 +5,7 @@
 
 #include <gmsh.h>
 
-#include "soft_robot_lab/design/solid.h"
+#include "soft_robot_lab/robot/design/solid.h"
 
 namespace soft_robot_lab {
 

@@ -1,11 +1,11 @@
-#include "programs/mesher/surface_names.h"
+#include "surface_names.h"
 
 #include <algorithm>
 
 #include <Eigen/Core>
 #include <gmsh.h>
 
-#include "programs/mesher/solid_geometry.h"
+#include "solid_geometry.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "programs/mesher/gmsh_model.h"
-#include "soft_robot_lab/design/solid.h"
+#include "gmsh_model.h"
+#include "soft_robot_lab/robot/design/solid.h"
 
 namespace soft_robot_lab {
 

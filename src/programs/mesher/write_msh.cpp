@@ -1,9 +1,9 @@
-#include "programs/mesher/write_msh.h"
+#include "write_msh.h"
 
 #include <charconv>
 #include <sstream>
 
-#include "soft_robot_lab/settings/write_file.h"
+#include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {

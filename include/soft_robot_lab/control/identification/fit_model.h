@@ -1,0 +1,115 @@
+// Fits numbers of a robot's scene, and where the cameras stand, to markers measured at rest: Levenberg-Marquardt with
+// bounds and a robust loss (Ceres), on exact derivatives of the equilibria (Simulation::parameter_sensitivities). Then,
+// with these numbers, its damping to markers measured while the robot swung.
+//
+// Parameters by name; one for all cables unless a cable is named after a dot ("compliance_m_n.left"):
+//   youngs_modulus_pa, density_kg_m3   all moduli of the material grow with the first; the second if not weighed
+//   friction_coefficient  of cables, which then are of model friction; depends on the order of the poses
+//   compliance_m_n        of cables: their own stretch and the plug's sinking in beyond the model's
+//   length_offset_m       one for each cable: what it is longer (slack) or shorter than commanded
+//   camera_to_base        six: measured = R p + t of a point p of robot_base, t [m] and R's rotation vector [rad]
+//   damping               body.damping.rayleigh_stiffness_s: swings die away by it, and by what the integrator damps in
+//                         the scene's own time step. Left as it is, with a warning, where nothing swings
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "soft_robot_lab/robot/scene/scene.h"
+
+namespace soft_robot_lab {
+
+struct MeasuredMarker {
+  std::string name;
+  Eigen::Vector3d position_m;     // robot_base, as the tracker believes it stands
+  Eigen::Matrix3d covariance_m2;  // positive semi-definite
+};
+
+// A rest state; in a list they stand in the order in which the rig went through them, from rest commands.
+struct MeasuredPose {
+  std::map<std::string, double> commands;  // by actuator; those not listed rest
+  std::vector<MeasuredMarker> markers;
+  std::map<std::string, double> reached = {};  // where drives really stood, of which that is known: between whole steps
+};
+
+struct MarkersAt {
+  double time_s = 0.0;
+  std::vector<MeasuredMarker> markers;
+};
+
+// From rest under `from`, moved by `commands`, then left to itself. All times by one clock.
+struct MeasuredSwing {
+  std::map<std::string, double> from;   // by actuator; those not listed rest
+  std::vector<TimedCommands> commands;  // at least one, in order of time
+  std::vector<MarkersAt> seen;          // since the first of them, in order of time
+};
+
+struct FitParameter {
+  std::string name;
+  std::optional<double> start, min, max;  // otherwise the scene's value, and bounds that suit the parameter
+};
+
+struct FitRequest {
+  std::vector<FitParameter> parameters;
+  std::optional<double> mass_kg;    // > 0, of the whole body, weighed; otherwise the scene's density stands
+  double model_error_m = 1.0e-4;    // >= 0; by how much a perfect fit would still miss a coordinate, beside the noise
+  double outlier_deviations = 3.0;  // > 0; beyond, a residual counts linearly (Huber 1964)
+  int max_iterations = 30;          // [1, 1000]
+  std::function<bool(int iteration, double rms_gap_m)> progress;  // may be empty; false stops with the best so far
+  void validate() const;  // throws std::invalid_argument: field, value, allowed range
+};
+
+struct FittedValue {
+  std::string name;
+  double start = 0.0, value = 0.0;
+  double deviation = 0.0;        // standard
+  double low = 0.0, high = 0.0;  // of 95 %, within the bounds
+  double min = 0.0, max = 0.0;
+  bool told = true;  // by the data; otherwise the interval is all that the bounds leave
+};
+
+struct ModelGap {
+  double rms_m = 0.0;  // of the distances of all markers at all poses
+  std::map<std::string, double> marker_rms_m;
+};
+
+struct FitResult {
+  bool converged = false;
+  std::string message;  // why it stopped
+  std::vector<FittedValue> values;
+  Eigen::MatrixXd correlations;       // of the values, ones on the diagonal
+  std::vector<std::string> warnings;  // what the data cannot tell, with the parameters' names
+  ModelGap before, after;             // at rest
+  int swings = 0;                     // that told the damping
+  double swing_rms_m = 0.0;           // by which the fitted model misses them
+  int iterations = 0;
+  double cpu_s = 0.0;
+  std::string changes;  // YAML to be laid over the scene
+  Eigen::Isometry3d measured_from_base = Eigen::Isometry3d::Identity();
+};
+
+// Throws std::invalid_argument for unknown names, values out of range, too few data; std::runtime_error where the scene
+// has no equilibrium at its present values.
+FitResult fit_model(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
+                    const FitRequest& request, const std::vector<MeasuredSwing>& swings = {});
+
+// How far the scene, with options.changes, is from poses.
+ModelGap model_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
+                   const Eigen::Isometry3d& measured_from_base = Eigen::Isometry3d::Identity());
+
+// Throws std::invalid_argument where no file can be written: better known before a fit than after it.
+void require_writable(const std::string& file);
+
+// A scene that includes `scene` and lays the fit over it; comments say the deviations, the gap and the cameras' place.
+// Throws std::runtime_error where it cannot be written.
+void write_fitted_scene(const FitResult& result, const std::string& scene, const std::string& file);
+
+// Values, deviations, correlations beyond 0.9, warnings and gap in some lines.
+std::string summary(const FitResult& result);
+
+}  // namespace soft_robot_lab

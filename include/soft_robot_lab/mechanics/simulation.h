@@ -1,0 +1,76 @@
+// A body with its actuators and markers, moved through time or to equilibrium.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "actuator.h"
+#include "body.h"
+#include "marker.h"
+#include "simulation_state.h"
+#include "solve_report.h"
+#include "solver_options.h"
+
+namespace soft_robot_lab {
+
+struct SimulationParts;
+
+// A number of the scene on which equilibria depend, as a fit to measurements changes it.
+struct ModelParameter {
+  std::string key;             // of these actuators' settings (Actuator::law_change)
+  std::vector<int> actuators;  // empty: the body's density_kg_m3, or youngs_modulus_pa, with which all moduli grow
+};
+
+class Simulation {
+ public:
+  // Throws std::invalid_argument where no node is fixed, two actuators or markers share a name, or an option is out of
+  // range.
+  Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
+             const SolverOptions& options);
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+
+  // Throws std::invalid_argument naming actuator, value and allowed range; nothing changes then.
+  void set_command(const std::string& actuator, double command);
+
+  // One time step of SolverOptions::time_step_s.
+  SolveReport step();
+
+  // The stable rest state for the present commands, reached from the present state, or from the rest shape where the
+  // present state has inverted elements (a tangle may hold itself); velocities become zero. Throws
+  // std::invalid_argument where an actuator has none.
+  SolveReport solve_equilibrium(const EquilibriumOptions& options = {});
+
+  // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack
+  // cable). Where friction tells going on from turning back, what slipped last goes on. `tensions_n`, where given,
+  // becomes d tension / d command, actuators x actuators; zero where there is no tension.
+  Eigen::MatrixXd marker_sensitivities(Eigen::MatrixXd* tensions_n = nullptr);
+
+  // d marker / d parameter at the present equilibrium and commands: 3*markers x parameters. With friction it depends on
+  // the way here: `slipped_m`, d length slipped so far / d parameter, friction_contacts x parameters, is what equilibria hand
+  // on; start it empty at the rest shape, and ask at every equilibrium on the way. Throws std::invalid_argument for a
+  // parameter that an actuator does not know, std::runtime_error where the equilibrium is not stable.
+  Eigen::MatrixXd parameter_sensitivities(const std::vector<ModelParameter>& parameters, Eigen::MatrixXd& slipped_m);
+
+  void reset();  // rest shape, rest commands, time zero
+  const SimulationState& state() const;
+  void set_state(const SimulationState& state);  // throws std::invalid_argument: wrong size or not finite
+
+  const Body& body() const;
+  const SolverOptions& options() const;
+  const std::vector<Marker>& markers() const;
+  const std::vector<std::unique_ptr<Actuator>>& actuators() const;
+  int actuator_index(const std::string& name) const;  // throws std::invalid_argument listing the names
+  int marker_index(const std::string& name) const;    // the same
+
+  Eigen::Vector3d marker_position(int marker) const;
+  ActuatorReading actuator_state(int actuator) const;
+
+ private:
+  std::unique_ptr<SimulationParts> parts_;
+};
+
+}  // namespace soft_robot_lab

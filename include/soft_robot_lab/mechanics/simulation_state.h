@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace soft_robot_lab {
+
+struct Linearisation;  // of the solver, where its last factor serves further steps
+
+// Everything that changes; copy it to save and restore.
+struct SimulationState {
+  double time_s = 0.0;
+  Eigen::Matrix3Xd positions_m;            // 3 x nodes, robot_base
+  Eigen::Matrix3Xd velocities_m_s;         // 3 x nodes
+  Eigen::VectorXd element_multipliers_pa;  // one volume multiplier per element, or per vertex
+  Eigen::VectorXd constraint_multipliers;  // in the order of the actuators' constraints
+  // xpbd: each element's, in an order of the solver's own; empty with `newton`, and in a state that is set: those of
+  // the shape at rest.
+  Eigen::VectorXd element_forces_n;
+  Eigen::VectorXd branch_stress_pa;        // of hysteresis, in an order of the solver's own; empty without
+  std::vector<double> commands;            // per actuator
+  std::vector<double> actuated_commands;   // per actuator
+  std::vector<Eigen::VectorXd> actuator_memories;      // per actuator: what else it carries from step to step
+  std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
+
+  std::optional<double> rest_residual;  // where the body is at rest: it sleeps until something changes
+
+  int inverted_steps = 0;  // time steps, up to now, that ended with inverted elements
+
+  // What a time step knows of the one before; zero and empty where there is none.
+  double previous_step_s = 0.0;           // its length
+  Eigen::Matrix3Xd previous_positions_m;  // at its start
+  Eigen::Matrix3Xd previous_velocities_m_s;
+  Eigen::VectorXd previous_element_multipliers_pa;
+  Eigen::VectorXd previous_constraint_multipliers;
+};
+
+}  // namespace soft_robot_lab

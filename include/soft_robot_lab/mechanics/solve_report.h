@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace soft_robot_lab {
+
+// Something that is wrong with a state, with place and size. Kinds and their size:
+//   inverted_elements    smallest det F                    residual_not_met     residual
+//   command_not_reached  what is missing, in `unit`        slack                length in excess of the cable's path, <
+//   0 excessive_tension    the tension                       untangleed             elements laid out anew
+struct SolveWarning {
+  std::string kind;
+  double size = 0.0;
+  std::string unit = "1";
+  std::string actuator;                            // empty where it is about the body
+  std::optional<double> commanded, reached;        // in `unit`
+  std::optional<Eigen::Vector3d> rest_position_m;  // of the worst element or node
+  std::string text;                                // the same for a reader
+};
+
+// Adds to `all`; of two of one kind and actuator the larger stays.
+void add_warning(const SolveWarning& warning, std::vector<SolveWarning>& all);
+
+// What a solve did. A solve that did not converge says so, and leaves the best state it had. A time step of
+// xpbd, which does a fixed amount of work, counts as converged where it created no energy; its residual tells
+// how exact it was.
+struct SolveReport {
+  bool converged = false;
+  int iterations = 0;      // Newton iterations (one linear solve each); sweeps of xpbd
+  int factorisations = 0;  // of them, those that needed a new matrix
+  int steps = 0;           // time steps or continuation stages
+  int rejected_steps = 0;  // iterations repeated shorter or with a shifted matrix
+  double residual = 0.0;   // at the end: force residual over the largest force in the body
+  double wall_s = 0.0;
+  int inverted_elements = 0;
+  std::vector<SolveWarning> warnings;  // about the state it ended in
+  std::string message;                 // empty, or why it stopped short, with place and size
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "camera_model.h"
+
+namespace soft_robot_lab {
+
+struct TrackerCamera {
+  std::string name;  // as in RgbdFrame
+  CameraModel model;
+  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();  // of the optical frame
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,38 @@
+// Constructive solid geometry of a robot: the scene file's `solid`, read and checked without a geometry kernel.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+
+struct Solid {
+  enum class Kind { box, sphere, cylinder, cone, extrude, union_of, difference, intersection, step_file, stl_file };
+  Kind kind = Kind::box;
+  // Names the surface where this solid bounds the body; may be empty. Where several named solids share a surface, the
+  // one nested deepest names it, and of those the one written last.
+  std::string name;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();    // box
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  // box, sphere
+  Eigen::Vector3d start_m = Eigen::Vector3d::Zero();   // cylinder, cone
+  Eigen::Vector3d end_m = Eigen::Vector3d::Zero();
+  double radius_m = 0.0;                          // sphere, cylinder, cone (at the start)
+  double end_radius_m = 0.0;                      // cone
+  std::vector<Eigen::Vector2d> polygon_m;         // extrude: corners in x, y
+  Eigen::Vector2d z_m = Eigen::Vector2d::Zero();  // extrude: from, to
+  std::string file;                               // step_file, stl_file: absolute
+  std::vector<Solid> parts;                       // union_of, difference (first minus the rest), intersection
+};
+
+// Reads `solid: {box: ..., name: ...}` and its kin; relative files are found beside the file that names them.
+// Throws SettingsError.
+Solid read_solid(const YamlNode& node);
+
+// The same solid as canonical text, numbers with 17 digits: read_solid gives it back bit by bit.
+std::string to_yaml(const Solid& solid);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,36 @@
+// Carries out what a scene's `run` asks for, and writes down the outcome.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "scene.h"
+
+namespace soft_robot_lab {
+
+struct Trajectory {
+  std::vector<double> time_s;
+  std::vector<Eigen::Matrix3Xd> markers_m;  // per time: one column per marker, robot_base
+};
+
+struct RunReport {
+  SolveReport solve;            // sums over the run; `converged` where all did, the largest residual, the last message
+  Trajectory trajectory;        // dynamic runs
+  Eigen::MatrixXd sensitivity;  // 3*markers x actuators, where the run asked for it and converged; otherwise empty
+  Eigen::VectorXd frequencies_hz;  // modal runs, ascending; their `solve.residual` is ModalResult::change
+};
+
+// Equilibrium: solves for each of the timed commands in their order, from the state before, and stops at the first that
+// does not converge. Dynamic: steps until the duration has passed, giving commands when their time comes. Modal:
+// vibrations about the rest shape (sim/modal.h). The simulation keeps the last state.
+RunReport run_scene(Scene& scene);
+
+// result.json (README, "Scene files"). Numbers that are not finite would be written as null, never as NaN.
+std::string result_json(const Scene& scene, const RunReport& report);
+
+// The same for a reader's eye, in a few lines.
+std::string result_summary(const Scene& scene, const RunReport& report);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,63 @@
+// Scene and robot files (README, "Scene files"): strict reading, and building a simulation from them.
+// A robot file is a scene without a run. `include: other.yaml` names settings that the rest of the file overrides: maps
+// merge key by key, lists replace, and `cables: {left: {...}}` changes keys of the cable of that name.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fidelity.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+#include "soft_robot_lab/mechanics/simulation.h"
+
+namespace soft_robot_lab {
+
+// Makes an actuator from its plugin name, "soft_robot_lab/Cable". Throws std::invalid_argument for unknown ones.
+using ActuatorFactory = std::function<std::unique_ptr<Actuator>(const std::string& plugin)>;
+
+struct TimedCommands {
+  double time_s = 0.0;
+  std::vector<std::pair<std::string, double>> commands;  // actuator, value
+};
+
+enum class RunMode { equilibrium, dynamic, modal };
+
+struct RunSettings {
+  bool stated = false;  // by the scene; a robot file may have no run
+  RunMode mode = RunMode::equilibrium;
+  double duration_s = 0.0;              // dynamic: > 0
+  double record_every_s = 0.0;          // dynamic: 0 records every step
+  bool sensitivity = false;             // equilibrium: report d marker / d command
+  int modes = 4;                        // modal: [1, 100]
+  std::vector<TimedCommands> commands;  // in order of time
+};
+
+struct Scene {
+  std::string file;
+  std::unique_ptr<Simulation> simulation;
+  RunSettings run;
+  std::optional<FidelityReport> fidelity;  // where the scene or its options ask for it
+};
+
+struct SceneOptions {
+  std::string mesher;  // empty: the mesher's own defaults (design/mesher.h), also for the folder
+  std::string cache_folder;
+  double meshing_limit_s = 120.0;
+  ActuatorFactory actuator_factory;
+  bool estimate_error = false;                // judge the scene as it is (scene/fidelity.h)
+  std::string changes;                        // YAML text laid over the file, as a file that includes it would be
+  std::function<void(TetMesh&)> change_mesh;  // applied before anything binds to the mesh; may be empty
+};
+
+// Reads the file (and those it includes), meshes or reads the body, binds actuators and markers.
+// Throws SettingsError (file, line, key, value, allowed range) or std::invalid_argument from a part, with the section
+// named.
+Scene load_scene(const std::string& path, const SceneOptions& options);
+// The same of a scene that stands within another document; relative file names start at that one's folder.
+Scene load_scene(const YamlNode& scene, const SceneOptions& options);
+
+}  // namespace soft_robot_lab

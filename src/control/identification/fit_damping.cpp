@@ -1,0 +1,239 @@
+#include "fit_damping.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/QR>
+#include <ceres/ceres.h>
+
+#include "fit_solver.h"
+#include "fit_statistics.h"
+#include "measured_weight.h"
+#include "swing_choice.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const char* const kName = "damping.rayleigh_stiffness_s";
+constexpr double kDifference = 1e-3;                        // of the logarithm
+constexpr double kMostExtent = 3.0, kMostTempo = 1.2;       // or its inverse
+constexpr double kDelaySize_s = 0.01, kPlaceSize_m = 1e-3;  // what counts as a change of about one
+
+SceneOptions with_damping(SceneOptions options, double damping_s) {
+  options.changes = lay_over(options.changes, "body: {damping: {rayleigh_stiffness_s: " + text_of(damping_s) + "}}\n");
+  return options;
+}
+
+// The swings, and what they would be with a little more damping, where Ceres asks next.
+class SwingPredictor : public ceres::EvaluationCallback {
+ public:
+  SwingPredictor(const std::string& scene, const SceneOptions& options, std::vector<MeasuredSwing> swings,
+                 double start_s)
+      : scene_(scene), options_(options), swings_(std::move(swings)), start_s_(start_s) {}
+
+  void PrepareForEvaluation(bool derivatives, bool) override {
+    if (now_.empty() || unknown != at_) {
+      at_ = unknown;
+      now_ = simulate(at_);
+      more_.clear();
+    }
+    if (derivatives && more_.empty()) more_ = simulate(at_ + kDifference);
+  }
+
+  double damping_s() const { return start_s_ * std::exp(unknown); }
+  const SimulatedSwing& now(std::size_t swing) const { return now_[swing]; }
+  const SimulatedSwing& more(std::size_t swing) const { return more_[swing]; }
+
+  double unknown = 0.0;  // logarithm of the damping over where it starts
+
+ private:
+  std::vector<SimulatedSwing> simulate(double at) const {
+    const Scene scene = load_scene(scene_, with_damping(options_, start_s_ * std::exp(at)));
+    return simulate_swings(*scene.simulation, swings_, kMostTempo * (kSwingWindow_s + 2.0 * kSwingDelayMargin_s));
+  }
+
+  const std::string& scene_;
+  const SceneOptions& options_;
+  std::vector<MeasuredSwing> swings_;
+  double start_s_, at_ = 0.0;
+  std::vector<SimulatedSwing> now_, more_;
+};
+
+// Of a marker in a swing: mean, drift from the middle to the end of the window, and what it slows down by (creep); in
+// kPlaceSize_m.
+using Place = Eigen::Matrix<double, 9, 1>;
+
+// (extent * deflection at time - delay, as the cameras see it, + mean + drift + its change - measured) in standard
+// deviations.
+class SwingResidual : public ceres::SizedCostFunction<3, 1, 3, 9> {
+ public:
+  SwingResidual(const SwingPredictor& predictor, const SwingTrack& track, std::size_t sample,
+                const Eigen::Matrix3d& turn, double model_error_m)
+      : predictor_(predictor),
+        track_(track),
+        sample_(sample),
+        turn_(turn),
+        weight_(measured_weight(track.measured[sample], model_error_m)) {}
+
+  Eigen::Vector3d miss_m(double const* const* parameters) const {
+    const Eigen::Map<const Eigen::Vector3d> mean(parameters[2]), drift(parameters[2] + 3), change(parameters[2] + 6);
+    return parameters[1][0] * (turn_ * predictor_.now(track_.swing).deflection_m(track_.marker, time_s(parameters))) +
+           kPlaceSize_m * (mean + share() * (drift + share() * change)) - track_.measured[sample_].position_m;
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    Eigen::Map<Eigen::Vector3d>(residuals, 3) = weight_ * miss_m(parameters);
+    if (!jacobians) return true;
+    const SimulatedSwing &now = predictor_.now(track_.swing), &more = predictor_.more(track_.swing);
+    const double extent = parameters[1][0], at_s = time_s(parameters);
+    const Eigen::Matrix3d turned = weight_ * turn_;
+    const Eigen::Vector3d here = now.deflection_m(track_.marker, at_s);
+    if (jacobians[0])
+      Eigen::Map<Eigen::Vector3d>(jacobians[0], 3) =
+          extent / kDifference * (turned * (more.deflection_m(track_.marker, at_s) - here));
+    if (jacobians[1]) {
+      const Eigen::Vector3d velocity = extent * (turned * now.velocity_m_s(track_.marker, at_s));
+      Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> swing(jacobians[1]);
+      swing << turned * here, -kDelaySize_s * parameters[1][2] * velocity, since_free_s(parameters) * velocity;
+    }
+    if (jacobians[2]) {
+      Eigen::Map<Eigen::Matrix<double, 3, 9, Eigen::RowMajor>> place(jacobians[2]);
+      place << kPlaceSize_m * weight_, kPlaceSize_m * share() * weight_, kPlaceSize_m * share() * share() * weight_;
+    }
+    return true;
+  }
+
+ private:
+  double since_free_s(double const* const* parameters) const {
+    return track_.times_s[sample_] - kDelaySize_s * parameters[1][1] - track_.free_s;
+  }
+  double time_s(double const* const* parameters) const {
+    return track_.free_s + parameters[1][2] * since_free_s(parameters);
+  }
+  double share() const { return track_.share(track_.times_s[sample_]); }
+
+  const SwingPredictor& predictor_;
+  const SwingTrack& track_;
+  std::size_t sample_;
+  Eigen::Matrix3d turn_, weight_;
+};
+
+// About one unknown, whatever the others are: inverse of its variance.
+double information(ceres::Problem& problem, double* unknown, const std::vector<double*>& others) {
+  ceres::Problem::EvaluateOptions in_order;
+  in_order.parameter_blocks = {unknown};
+  in_order.parameter_blocks.insert(in_order.parameter_blocks.end(), others.begin(), others.end());
+  std::vector<double> residuals;
+  ceres::CRSMatrix sparse;
+  problem.Evaluate(in_order, nullptr, &residuals, nullptr, &sparse);
+  const Eigen::MatrixXd jacobian = dense(sparse), beside = jacobian.rightCols(jacobian.cols() - 1);
+  const Eigen::VectorXd own = jacobian.col(0) - beside * beside.colPivHouseholderQr().solve(jacobian.col(0));
+  return own.squaredNorm() / residual_variance(residuals, jacobian.cols());
+}
+
+// The bounds count as weak knowledge, as of the other parameters (fit_statistics.cpp), but of the logarithm.
+FittedValue with_confidence(const FitNumber& number, double value_s, double information) {
+  const double width = std::log(number.max / number.min) / (2.0 * kOf95Percent);
+  const double spread = 1.0 / std::sqrt(information + 1.0 / (width * width));
+  FittedValue fitted;
+  fitted.name = kName;
+  fitted.start = number.start;
+  fitted.value = value_s;
+  fitted.min = number.min;
+  fitted.max = number.max;
+  fitted.deviation = spread * value_s;
+  fitted.low = std::max(number.min, value_s * std::exp(-kOf95Percent * spread));
+  fitted.high = std::min(number.max, value_s * std::exp(kOf95Percent * spread));
+  fitted.told = spread * spread < kUntold * width * width;
+  return fitted;
+}
+
+void append(FittedValue value, FitResult& result) {
+  const auto count = static_cast<Eigen::Index>(result.values.size());
+  Eigen::MatrixXd correlations = Eigen::MatrixXd::Identity(count + 1, count + 1);
+  correlations.topLeftCorner(count, count) = result.correlations;
+  result.correlations = correlations;
+  result.values.push_back(std::move(value));
+}
+
+}  // namespace
+
+void fit_damping(const std::string& scene, const SceneOptions& asked, const std::vector<MeasuredSwing>& swings,
+                 const FitNumber& number, const FitRequest& request, FitResult& result) {
+  SceneOptions options = asked;
+  options.changes = result.changes;
+  const Scene undamped = load_scene(scene, with_damping(options, number.min));
+  const ChosenSwings chosen = choose_swings(*undamped.simulation, swings, request.model_error_m);
+  if (chosen.swings.empty()) {
+    result.warnings.push_back(
+        "damping: the data cannot tell it, as nothing swings, measured and simulated; it stays as it is");
+    return;
+  }
+  SwingPredictor predictor(scene, options, chosen.swings, number.start);
+  ceres::Problem::Options problem_options;
+  problem_options.evaluation_callback = &predictor;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(problem_options);
+  ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);
+  std::vector<Eigen::Vector3d> of_swings;  // extent, delay, tempo
+  for (const double delay_s : chosen.delays_s) of_swings.emplace_back(1.0, delay_s / kDelaySize_s, 1.0);
+  struct Sample {
+    const SwingResidual* residual;
+    const double* unknowns[3];
+  };
+  std::vector<Sample> samples;
+  std::vector<Place> places(chosen.tracks.size(), Place::Zero());
+  for (std::size_t t = 0; t < places.size(); ++t) {
+    const SwingTrack& track = chosen.tracks[t];
+    for (const MeasuredMarker& one : track.measured)
+      places[t].head<3>() += one.position_m / (kPlaceSize_m * static_cast<double>(track.measured.size()));
+    for (std::size_t i = 0; i < track.times_s.size(); ++i) {
+      auto* residual =
+          new SwingResidual(predictor, track, i, result.measured_from_base.linear(), request.model_error_m);
+      double *swing = of_swings[track.swing].data(), *place = places[t].data();
+      problem.AddResidualBlock(residual, &loss, &predictor.unknown, swing, place);
+      samples.push_back({residual, {&predictor.unknown, swing, place}});
+    }
+  }
+  problem.SetParameterLowerBound(&predictor.unknown, 0, std::log(number.min / number.start));
+  problem.SetParameterUpperBound(&predictor.unknown, 0, std::log(number.max / number.start));
+  for (Eigen::Vector3d& swing : of_swings) {
+    for (const auto& [index, most] : {std::pair{0, kMostExtent}, std::pair{2, kMostTempo}}) {
+      problem.SetParameterLowerBound(swing.data(), index, 1.0 / most);
+      problem.SetParameterUpperBound(swing.data(), index, most);
+    }
+    problem.SetParameterLowerBound(swing.data(), 1, swing[1] - kSwingDelayMargin_s / kDelaySize_s);
+    problem.SetParameterUpperBound(swing.data(), 1, swing[1] + kSwingDelayMargin_s / kDelaySize_s);
+  }
+  const auto rms_m = [&] {
+    double squares = 0.0;
+    for (const Sample& sample : samples) squares += sample.residual->miss_m(sample.unknowns).squaredNorm();
+    return std::sqrt(squares / static_cast<double>(samples.size()));
+  };
+  const FitEnd end = solve_fit(problem, loss, request, rms_m);
+  if (result.values.empty()) {  // damping alone
+    result.converged = end.converged;
+    result.message = end.message;
+  } else if (!end.converged) {
+    result.converged = false;
+    result.message = "damping: " + end.message;
+  }
+  result.iterations += end.iterations;
+
+  std::vector<double*> others;
+  for (Eigen::Vector3d& swing : of_swings) others.push_back(swing.data());
+  for (Place& place : places) others.push_back(place.data());
+  const double told = information(problem, &predictor.unknown, others);
+  const FittedValue value = with_confidence(number, predictor.damping_s(), told);
+  if (!value.told) result.warnings.push_back("the data cannot tell damping");
+  if (value.value < 1.01 * number.min || value.value > 0.99 * number.max)
+    result.warnings.push_back("damping ended on its bound " + text_of(value.value) +
+                              " s; at the lower one the scene's own time step damps as much as the robot does");
+  append(value, result);
+  result.changes = with_damping(options, value.value).changes;
+  result.swings = static_cast<int>(chosen.swings.size());
+  result.swing_rms_m = rms_m();
+}
+
+}  // namespace soft_robot_lab

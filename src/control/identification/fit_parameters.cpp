@@ -1,0 +1,250 @@
+#include "fit_parameters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const char* const kKnown =
+    "youngs_modulus_pa, density_kg_m3, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for one "
+    "cable), camera_to_base, damping";
+
+constexpr double kCableCompliance = 1.0e-5;  // of a scene that says none (actuators/cable.h)
+
+std::string material_yaml(const Material& material, double youngs_modulus_pa, double density_kg_m3) {
+  const double grown = youngs_modulus_pa / material.youngs_modulus_pa;
+  const std::string rest =
+      ", poissons_ratio: " + text_of(material.poissons_ratio) + ", density_kg_m3: " + text_of(density_kg_m3) + "}}\n";
+  switch (material.model) {
+    case MaterialModel::mooney_rivlin:
+      return "body: {material: {model: mooney_rivlin, c10_pa: " + text_of(grown * material.c10_pa()) +
+             ", c01_pa: " + text_of(grown * material.c01_pa) + rest;
+    case MaterialModel::yeoh:
+      return "body: {material: {model: yeoh, c1_pa: " + text_of(grown * material.c10_pa()) +
+             ", c2_pa: " + text_of(grown * material.c2_pa) + ", c3_pa: " + text_of(grown * material.c3_pa) + rest;
+    case MaterialModel::neo_hookean:
+      break;
+  }
+  return "body: {material: {model: neo_hookean, youngs_modulus_pa: " + text_of(youngs_modulus_pa) + rest;
+}
+
+Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
+  return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
+}
+
+}  // namespace
+
+std::string text_of(double value) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::setprecision(12) << value;
+  return text.str();
+}
+
+std::string lay_over(const std::string& base, const std::string& top) {
+  if (base.empty() || top.empty()) return base + top;
+  const YamlNode merged = merge_settings(YamlNode::parse(base, "changes"), YamlNode::parse(top, "fit"));
+  std::string text;
+  for (const std::string& key : merged.keys()) text += key + ": " + merged.child(key).dump() + "\n";
+  return text;
+}
+
+SceneOptions weighed(const std::string& scene, SceneOptions options, double mass_kg) {
+  const double volume_m3 = volume(load_scene(scene, options).simulation->body().mesh());
+  const std::string density_kg_m3 = text_of(mass_kg / volume_m3);
+  options.changes = lay_over(options.changes, "body: {material: {density_kg_m3: " + density_kg_m3 + "}}\n");
+  return options;
+}
+
+FitParameters::FitParameters(const std::string& scene, const SceneOptions& options,
+                             const std::vector<FitParameter>& asked)
+    : base_changes_(options.changes), cables_(scene, options.changes) {
+  const Scene loaded = load_scene(scene, options);
+  material_ = loaded.simulation->body().material();
+  damping_s_ = loaded.simulation->body().viscosity().rayleigh_stiffness_s;
+  for (const FitParameter& parameter : asked) {
+    const std::size_t dot = parameter.name.find('.');
+    FitParameter plain = parameter;
+    plain.name = parameter.name.substr(0, dot);
+    add(plain, dot == std::string::npos ? "" : parameter.name.substr(dot + 1));
+  }
+}
+
+double FitParameters::present(const std::string& cable, const std::string& key, double otherwise) const {
+  const std::optional<std::string> value = cables_.value(cable, key);
+  return value ? YamlNode::parse(*value, cable + "." + key).as_number() : otherwise;
+}
+
+void FitParameters::add(const FitParameter& asked, const std::string& cable) {
+  const std::string& key = asked.name;
+  FitNumber number{key, FitNumber::Kind::modulus, key, {}, 0, 0.0, 0.0, 0.0, 1.0};
+  if (key == "damping" && cable.empty()) {
+    if (damping_) throw std::invalid_argument("parameters: damping is asked for twice");
+    number.kind = FitNumber::Kind::damping;
+    number.min = 1e-5;
+    number.max = 0.1;
+    number.start = damping_s_ > 0.0 ? damping_s_ : 2e-3;
+    number.start = std::max(asked.min.value_or(number.min), std::min(asked.max.value_or(number.max), number.start));
+    damping_ = with_bounds(number, asked);
+  } else if (key == "youngs_modulus_pa" && cable.empty()) {
+    number.start = number.size = material_.youngs_modulus_pa;
+    number.min = number.start / 5.0;
+    number.max = number.start * 5.0;
+    add_number(number, asked);
+  } else if (key == "density_kg_m3" && cable.empty()) {
+    number.kind = FitNumber::Kind::density;
+    number.start = number.size = material_.density_kg_m3;
+    number.min = number.start / 2.0;
+    number.max = number.start * 2.0;
+    add_number(number, asked);
+  } else if (key == "camera_to_base" && cable.empty()) {
+    number.kind = FitNumber::Kind::camera;
+    for (const char* part : {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"}) {
+      number.name = key + "." + part;
+      number.size = number.axis < 3 ? 1e-3 : 1e-2;
+      number.max = number.axis < 3 ? 0.05 : 0.3;
+      number.min = -number.max;
+      add_number(number, asked);
+      ++number.axis;
+    }
+  } else if (key == "friction_coefficient" || key == "compliance_m_n" || key == "length_offset_m") {
+    number.kind = FitNumber::Kind::of_cables;
+    const std::vector<std::string> all = cable.empty() ? cables_.names() : std::vector<std::string>{cable};
+    if (all.empty()) throw std::invalid_argument("parameters: " + key + ": the scene has no cables");
+    if (!cable.empty()) SceneCables(cables_).set(cable, key, "0");  // refuses unknown names
+    std::vector<std::vector<std::string>> groups = {all};
+    if (key == "length_offset_m") {
+      groups.clear();
+      for (const std::string& one : all) groups.push_back({one});
+    }
+    for (const std::vector<std::string>& group : groups) {
+      number.cables = group;
+      number.name = key + (group.size() < cables_.names().size() || key == "length_offset_m" ? "." + group[0] : "");
+      if (key == "friction_coefficient") {
+        number.start = std::max(0.02, present(group[0], key, 0.1));
+        number.size = 0.1;
+        number.min = 1e-3;  // at none at all, nothing says which way a cable slips
+        number.max = 1.0;
+      } else if (key == "compliance_m_n") {
+        number.start = present(group[0], key, kCableCompliance);
+        number.size = 1e-5 + number.start;
+        number.min = 0.0;
+        number.max = std::max(2e-3, 10.0 * number.start);
+      } else {
+        number.start = present(group[0], key, 0.0);
+        number.size = 1e-3;
+        number.min = -0.01;
+        number.max = 0.01;
+      }
+      add_number(number, asked);
+    }
+  } else {
+    throw std::invalid_argument("parameters: '" + key + (cable.empty() ? "" : "." + cable) + "' is not one of " +
+                                kKnown);
+  }
+}
+
+void FitParameters::add_number(FitNumber number, const FitParameter& asked) {
+  for (const FitNumber& other : numbers_) {
+    const bool shared = std::any_of(other.cables.begin(), other.cables.end(), [&](const std::string& cable) {
+      return std::find(number.cables.begin(), number.cables.end(), cable) != number.cables.end();
+    });
+    if (other.name == number.name || (other.key == number.key && shared))
+      throw std::invalid_argument("parameters: " + number.name + " is asked for twice");
+  }
+  numbers_.push_back(with_bounds(std::move(number), asked));
+}
+
+FitNumber FitParameters::with_bounds(FitNumber number, const FitParameter& asked) {
+  number.start = asked.start.value_or(number.start);
+  number.min = asked.min.value_or(number.min);
+  number.max = asked.max.value_or(number.max);
+  const bool positive = number.kind == FitNumber::Kind::modulus || number.kind == FitNumber::Kind::density ||
+                        number.kind == FitNumber::Kind::damping || number.key == "friction_coefficient";
+  if (!(std::isfinite(number.min) && std::isfinite(number.max) && number.min < number.max &&
+        (!positive || number.min > 0.0) && (number.key != "compliance_m_n" || number.min >= 0.0)))
+    throw std::invalid_argument("parameters: " + number.name + ": bounds " + text_of(number.min) + ", " +
+                                text_of(number.max) + " must rise" + (positive ? " from above 0" : ""));
+  if (!(number.start >= number.min && number.start <= number.max))
+    throw std::invalid_argument("parameters: " + number.name + ": start " + text_of(number.start) + " is not in [" +
+                                text_of(number.min) + ", " + text_of(number.max) + "]");
+  return number;
+}
+
+std::string FitParameters::changes(const Eigen::VectorXd& values) const {
+  SceneCables cables = cables_;
+  std::optional<double> modulus_pa, density_kg_m3;
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    const FitNumber& number = numbers_[i];
+    const double value = values[static_cast<Eigen::Index>(i)];
+    if (number.kind == FitNumber::Kind::modulus) modulus_pa = value;
+    if (number.kind == FitNumber::Kind::density) density_kg_m3 = value;
+    for (const std::string& cable : number.cables) {
+      cables.set(cable, number.key, text_of(value));
+      if (number.key == "friction_coefficient") cables.set(cable, "model", "friction");
+    }
+  }
+  std::string text;
+  if (modulus_pa || density_kg_m3)
+    text = material_yaml(material_, modulus_pa.value_or(material_.youngs_modulus_pa),
+                         density_kg_m3.value_or(material_.density_kg_m3));
+  return lay_over(base_changes_, text + cables.yaml());
+}
+
+Eigen::Matrix<double, 6, 1> FitParameters::camera(const Eigen::VectorXd& values) const {
+  Eigen::Matrix<double, 6, 1> camera = Eigen::Matrix<double, 6, 1>::Zero();
+  for (std::size_t i = 0; i < numbers_.size(); ++i)
+    if (numbers_[i].kind == FitNumber::Kind::camera) camera[numbers_[i].axis] = values[static_cast<Eigen::Index>(i)];
+  return camera;
+}
+
+Eigen::Isometry3d FitParameters::measured_from_base(const Eigen::VectorXd& values) const {
+  const Eigen::Matrix<double, 6, 1> six = camera(values);
+  const Eigen::Vector3d turn = six.tail<3>();
+  const double angle = turn.norm();
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  transform.translation() = six.head<3>();
+  if (angle > 0.0) transform.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  return transform;
+}
+
+// d(R p) = -[R p] J_l d turn, with the left Jacobian of the rotation vector.
+Eigen::Matrix<double, 3, 6> FitParameters::camera_jacobian(const Eigen::VectorXd& values,
+                                                           const Eigen::Vector3d& point_m) const {
+  const Eigen::Vector3d turn = camera(values).tail<3>();
+  const double angle = turn.norm();
+  const Eigen::Matrix3d w = cross(turn);
+  Eigen::Matrix3d left = Eigen::Matrix3d::Identity() + 0.5 * w;  // to the first order, for small angles
+  if (angle > 1e-5)
+    left = Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / (angle * angle) * w +
+           (angle - std::sin(angle)) / (angle * angle * angle) * w * w;
+  Eigen::Matrix<double, 3, 6> jacobian;
+  jacobian << Eigen::Matrix3d::Identity(), -cross(measured_from_base(values).linear() * point_m) * left;
+  return jacobian;
+}
+
+std::vector<std::size_t> FitParameters::model_columns() const {
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 0; i < numbers_.size(); ++i)
+    if (numbers_[i].kind != FitNumber::Kind::camera) columns.push_back(i);
+  return columns;
+}
+
+std::vector<ModelParameter> FitParameters::model_parameters(const Simulation& simulation) const {
+  std::vector<ModelParameter> parameters;
+  for (const std::size_t i : model_columns()) {
+    ModelParameter parameter{numbers_[i].key, {}};
+    for (const std::string& cable : numbers_[i].cables) parameter.actuators.push_back(simulation.actuator_index(cable));
+    parameters.push_back(std::move(parameter));
+  }
+  return parameters;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,66 @@
+// The numbers that a fit changes: their names, bounds and present values, and the scene that they make.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "soft_robot_lab/control/identification/fit_model.h"
+#include "robot/scene/scene_cables.h"
+
+namespace soft_robot_lab {
+
+struct FitNumber {
+  enum class Kind { modulus, of_cables, camera, damping, density };
+  std::string name;
+  Kind kind = Kind::modulus;
+  std::string key;                  // of_cables
+  std::vector<std::string> cables;  // of_cables
+  int axis = 0;                     // camera: x, y, z, then those of the rotation vector
+  double start = 0.0, min = 0.0, max = 0.0;
+  double size = 1.0;  // what counts as a change of about one
+};
+
+// YAML text over YAML text, as a file over one that it includes.
+std::string lay_over(const std::string& base, const std::string& top);
+
+// Twelve digits, in the "C" locale.
+std::string text_of(double value);
+
+// With the density that makes the body as heavy as it was weighed.
+SceneOptions weighed(const std::string& scene, SceneOptions options, double mass_kg);
+
+class FitParameters {
+ public:
+  // Throws std::invalid_argument naming the parameter, and what is known or allowed.
+  FitParameters(const std::string& scene, const SceneOptions& options, const std::vector<FitParameter>& asked);
+
+  const std::vector<FitNumber>& numbers() const { return numbers_; }
+  const std::optional<FitNumber>& damping() const { return damping_; }  // where asked for; not among the numbers
+
+  std::string changes(const Eigen::VectorXd& values) const;  // with those of the scene's options
+  Eigen::Isometry3d measured_from_base(const Eigen::VectorXd& values) const;
+  // Columns of the numbers that are of the model, and what they are there; cables are actuators of the same names.
+  std::vector<std::size_t> model_columns() const;
+  std::vector<ModelParameter> model_parameters(const Simulation& simulation) const;
+  // d measured / d camera numbers at a point of robot_base: columns of axes 0 to 5.
+  Eigen::Matrix<double, 3, 6> camera_jacobian(const Eigen::VectorXd& values, const Eigen::Vector3d& point_m) const;
+
+ private:
+  void add(const FitParameter& asked, const std::string& cable);
+  void add_number(FitNumber number, const FitParameter& asked);
+  static FitNumber with_bounds(FitNumber number, const FitParameter& asked);
+  double present(const std::string& cable, const std::string& key, double otherwise) const;
+  Eigen::Matrix<double, 6, 1> camera(const Eigen::VectorXd& values) const;
+
+  std::string base_changes_;
+  Material material_;
+  SceneCables cables_;
+  std::vector<FitNumber> numbers_;
+  double damping_s_ = 0.0;  // rayleigh_stiffness_s of the scene
+  std::optional<FitNumber> damping_;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,128 @@
+#include "fit_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kPart = 0.3;       // of a unit direction: a parameter takes part in it
+constexpr double kTogether = 0.95;  // correlation beyond which two parameters are told together only
+constexpr double kOnBound = 1e-6;   // of the range
+
+std::string short_text(double value) {
+  std::ostringstream text;
+  text << std::setprecision(3) << value;
+  return text.str();
+}
+
+// Directions, in shares of the bounds' widths, in which the data say less than the bounds.
+void warn_of_blind_directions(const std::vector<FitNumber>& numbers, const Eigen::MatrixXd& information,
+                              FitResult& result) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
+  for (Eigen::Index k = 0; k < information.cols() && eigen.eigenvalues()[k] < 1.0; ++k) {
+    std::string names;
+    int parts = 0;
+    for (Eigen::Index i = 0; i < information.rows(); ++i) {
+      if (std::abs(eigen.eigenvectors()(i, k)) < kPart) continue;
+      names += (parts++ ? ", " : "") + numbers[static_cast<std::size_t>(i)].name;
+    }
+    result.warnings.push_back(parts == 1
+                                  ? "the data cannot tell " + names
+                                  : "the data cannot tell " + names + " apart: some combination of them stays open");
+  }
+}
+
+void warn_of_pairs(const std::vector<FitNumber>& numbers, FitResult& result) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    for (std::size_t j = i + 1; j < numbers.size(); ++j) {
+      const double together = result.correlations(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      if (std::abs(together) < kTogether) continue;
+      result.warnings.push_back(numbers[i].name + " and " + numbers[j].name + " are told together only (correlation " +
+                                short_text(together) + "): changed together they fit nearly as well");
+    }
+  }
+}
+
+}  // namespace
+
+double residual_variance(const std::vector<double>& residuals, Eigen::Index unknowns) {
+  const auto count = static_cast<Eigen::Index>(residuals.size());
+  const double squares = Eigen::Map<const Eigen::VectorXd>(residuals.data(), count).squaredNorm();
+  return std::max(1.0, squares / static_cast<double>(std::max<Eigen::Index>(1, count - unknowns)));
+}
+
+Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix) {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(matrix.num_rows, matrix.num_cols);
+  for (int row = 0; row < matrix.num_rows; ++row)
+    for (int k = matrix.rows[static_cast<std::size_t>(row)]; k < matrix.rows[static_cast<std::size_t>(row) + 1]; ++k)
+      all(row, matrix.cols[static_cast<std::size_t>(k)]) = matrix.values[static_cast<std::size_t>(k)];
+  return all;
+}
+
+// The bounds count as a normal distribution whose 95 % they hold, so that every deviation is finite: where the data
+// tell a parameter, this changes nothing that counts.
+void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian,
+                    const std::vector<double>& residuals, FitResult& result) {
+  const std::vector<FitNumber>& numbers = parameters.numbers();
+  const auto count = static_cast<Eigen::Index>(numbers.size());
+  Eigen::VectorXd widths(count), in_sizes(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const FitNumber& number = numbers[static_cast<std::size_t>(i)];
+    widths[i] = (number.max - number.min) / (2.0 * kOf95Percent);
+    in_sizes[i] = widths[i] / number.size;
+  }
+  const double variance = residual_variance(residuals, count);
+  const Eigen::MatrixXd scaled = jacobian * in_sizes.asDiagonal();
+  const Eigen::MatrixXd information = scaled.transpose() * scaled / variance;
+  const Eigen::MatrixXd covariance = (information + Eigen::MatrixXd::Identity(count, count)).inverse();
+  const Eigen::VectorXd spread = covariance.diagonal().cwiseSqrt();
+
+  result.correlations = spread.cwiseInverse().asDiagonal() * covariance * spread.cwiseInverse().asDiagonal();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const FitNumber& number = numbers[static_cast<std::size_t>(i)];
+    FittedValue fitted;
+    fitted.name = number.name;
+    fitted.start = number.start;
+    fitted.value = values[i];
+    fitted.min = number.min;
+    fitted.max = number.max;
+    fitted.deviation = spread[i] * widths[i];
+    fitted.low = std::max(number.min, fitted.value - kOf95Percent * fitted.deviation);
+    fitted.high = std::min(number.max, fitted.value + kOf95Percent * fitted.deviation);
+    fitted.told = covariance(i, i) < kUntold;
+    const double range = number.max - number.min;
+    const bool low = fitted.value - number.min < kOnBound * range, high = number.max - fitted.value < kOnBound * range;
+    if (low || high)
+      result.warnings.push_back(number.name + " ended on its bound " + short_text(fitted.value) +
+                                "; something else may be wrong with the model, or the bound");
+    result.values.push_back(std::move(fitted));
+  }
+  warn_of_blind_directions(numbers, information, result);
+  warn_of_pairs(numbers, result);
+}
+
+std::string summary(const FitResult& result) {
+  std::ostringstream text;
+  for (const FittedValue& value : result.values)
+    text << value.name << " = " << std::setprecision(5) << value.value << " +- " << std::setprecision(2)
+         << value.deviation << std::setprecision(5) << " (95 %: " << value.low << " to " << value.high << "; was "
+         << value.start << ")" << (value.told ? "" : ", not told by the data") << "\n";
+  text << std::setprecision(3) << "rms gap " << 1e3 * result.before.rms_m << " mm before, " << 1e3 * result.after.rms_m
+       << " mm after\n";
+  for (const auto& [marker, rms_m] : result.before.marker_rms_m)
+    text << "  " << marker << ": " << 1e3 * rms_m << " mm, " << 1e3 * result.after.marker_rms_m.at(marker) << " mm\n";
+  if (result.swings > 0)
+    text << result.swings << (result.swings == 1 ? " swing" : " swings") << " missed by " << 1e3 * result.swing_rms_m
+         << " mm rms\n";
+  for (const std::string& warning : result.warnings) text << "warning: " << warning << "\n";
+  text << result.iterations << " iterations, " << result.cpu_s << " s of CPU time: " << result.message << "\n";
+  return text.str();
+}
+
+}  // namespace soft_robot_lab

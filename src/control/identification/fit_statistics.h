@@ -1,0 +1,25 @@
+// How sure a fit is, and what its data cannot tell.
+#pragma once
+
+#include <vector>
+
+#include <ceres/crs_matrix.h>
+
+#include "fit_parameters.h"
+
+namespace soft_robot_lab {
+
+constexpr double kOf95Percent = 1.96;  // standard deviations
+constexpr double kUntold = 0.5;        // share of the variance that the bounds alone would leave
+
+// Of residuals in standard deviations, which so many unknowns were fitted to; at least the one expected.
+double residual_variance(const std::vector<double>& residuals, Eigen::Index unknowns);
+
+Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix);
+
+// Fills values, correlations and warnings. Jacobian and residuals at the solution, in standard deviations per `size` of
+// a number.
+void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian,
+                    const std::vector<double>& residuals, FitResult& result);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,50 @@
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+
+#include <unistd.h>
+
+#include "soft_robot_lab/control/identification/fit_model.h"
+#include "settings/write_file.h"
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string as_comment(const std::string& text) {
+  std::string comment;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) comment += "# " + line + "\n";
+  return comment;
+}
+
+// From the folder of `file`, so that both may move together.
+std::string path_from(const std::string& file, const std::string& scene) {
+  const fs::path folder = fs::weakly_canonical(fs::absolute(file)).parent_path();
+  return fs::weakly_canonical(fs::absolute(scene)).lexically_relative(folder).string();
+}
+
+}  // namespace
+
+void require_writable(const std::string& file) {
+  const fs::path path = fs::absolute(file);
+  const fs::path checked = fs::exists(path) ? path : path.parent_path();
+  if (file.empty() || fs::is_directory(path) || access(checked.c_str(), W_OK) != 0)
+    throw std::invalid_argument("file: '" + file +
+                                "' cannot be written; allowed: a file in a folder that exists and may be written to");
+}
+
+void write_fitted_scene(const FitResult& result, const std::string& scene, const std::string& file) {
+  std::ostringstream out;
+  out << "# Fitted to measured markers.\n" << as_comment(summary(result));
+  const Eigen::Vector3d& t = result.measured_from_base.translation();
+  const Eigen::Quaterniond q(result.measured_from_base.linear());
+  out << "# Where the cameras believe robot_base to be: " << t.x() << " " << t.y() << " " << t.z() << " m, quaternion "
+      << q.x() << " " << q.y() << " " << q.z() << " " << q.w() << " (x y z w); a scene does not hold it.\n"
+      << "include: \"" << path_from(file, scene) << "\"\n"
+      << result.changes;
+  write_file(file, out.str());
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,61 @@
+#include "pseudo_terminal.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+namespace soft_robot_lab {
+namespace {
+
+[[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what + ": " + std::strerror(errno)); }
+
+void close_file(int& file) {
+  if (file >= 0) close(file);
+  file = -1;
+}
+
+}  // namespace
+
+void PseudoTerminal::plug() {
+  unplug();
+  master_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0) fail("pseudo-terminal");
+  const char* name = ptsname(master_);
+  if (name == nullptr) fail("pseudo-terminal");
+  slave_ = open(name, O_RDWR | O_NOCTTY | O_CLOEXEC);
+  termios raw{};
+  if (slave_ < 0 || tcgetattr(slave_, &raw) != 0) fail(name);
+  cfmakeraw(&raw);
+  if (tcsetattr(slave_, TCSANOW, &raw) != 0) fail(name);
+  unlink(link_.c_str());
+  if (symlink(name, link_.c_str()) != 0) fail(link_);
+}
+
+void PseudoTerminal::unplug() {
+  if (master_ < 0) return;
+  unlink(link_.c_str());
+  close_file(slave_);
+  close_file(master_);
+}
+
+std::vector<std::uint8_t> PseudoTerminal::read() {
+  // A real device forgets the exclusive mode when its last user is gone; this one never is without one.
+  if (slave_ >= 0) ioctl(slave_, TIOCNXCL);
+  std::vector<std::uint8_t> bytes(256);
+  const ssize_t count = master_ < 0 ? 0 : ::read(master_, bytes.data(), bytes.size());
+  bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
+  return bytes;
+}
+
+void PseudoTerminal::write(const std::vector<std::uint8_t>& bytes) {
+  if (master_ < 0 || bytes.empty()) return;
+  if (::write(master_, bytes.data(), bytes.size()) < 0) return;
+}
+
+}  // namespace soft_robot_lab

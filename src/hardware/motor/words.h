@@ -1,0 +1,14 @@
+// Results and flags of the protocol in words.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "wire.h"
+
+namespace soft_robot_lab {
+
+std::string words(wire::Result result);
+std::string words_of_flags(std::uint16_t flags);  // why a motor does not move; empty when it may
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,144 @@
+#include "soft_robot_lab/mechanics/actuators/cable.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "cable_model.h"
+#include "cable_points.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Points = std::vector<EmbeddedPoint>;
+
+std::unique_ptr<CableModel> read_springs(const YamlNode& settings, const Points& points,
+                                         const Eigen::Matrix3Xd& rest_positions_m) {
+  SpringSettings springs;
+  springs.stiffness_n_m = settings.number("stiffness_n_m", AllowedRange::positive());
+  springs.damping_n_s_m = settings.number_or("damping_n_s_m", 0.0, AllowedRange::not_negative());
+  springs.explicit_forces = settings.choice_or("integration", "implicit", {"implicit", "explicit"}) == "explicit";
+  springs.pseudo_inverse = settings.choice_or("coupling", "transpose", {"transpose", "pseudo_inverse"}) != "transpose";
+  if (springs.pseudo_inverse && !springs.explicit_forces)
+    settings.child("coupling")
+        .fail(
+            "pseudo_inverse has no energy that an implicit solver could use; needs "
+            "integration: explicit");
+  return make_spring_cable(points, rest_positions_m, springs);
+}
+
+std::unique_ptr<CableModel> read_model(const YamlNode& settings, const Points& points,
+                                       const Eigen::Matrix3Xd& rest_positions_m) {
+  const std::string model = settings.choice_or("model", "sliding", {"sliding", "friction", "springs"});
+  if (model == "springs") return read_springs(settings, points, rest_positions_m);
+  const double compliance_m_n = settings.number_or("compliance_m_n", 1.0e-5, AllowedRange::not_negative());
+  if (model == "sliding") return make_sliding_cable(points, rest_positions_m, compliance_m_n);
+  return make_friction_cable(points, rest_positions_m, compliance_m_n,
+                             settings.number("friction_coefficient", {0.0, 2.0}));
+}
+
+std::vector<Eigen::Vector3d> places_of(const Points& points, const Eigen::Matrix3Xd& positions_m) {
+  std::vector<Eigen::Vector3d> places;
+  for (const EmbeddedPoint& point : points) places.push_back(point.at(positions_m));
+  return places;
+}
+
+double length_of(const std::vector<Eigen::Vector3d>& path_m) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < path_m.size(); ++i) sum += (path_m[i] - path_m[i - 1]).norm();
+  return sum;
+}
+
+}  // namespace
+
+Cable::Cable() = default;
+Cable::~Cable() = default;
+
+void Cable::on_initialise(const YamlNode& settings, const Body& body, const MeshLocator& locator) {
+  const Eigen::Matrix3Xd& rest_positions_m = body.mesh().nodes_m;
+  CablePoints read = read_cable_points(settings, body, locator);
+  points_ = std::move(read.points);
+  path_changes_ = std::move(read.changes);
+  rest_length_m_ = length_of(places_of(points_, rest_positions_m));
+  model_ = read_model(settings, points_, rest_positions_m);
+
+  const std::string command = settings.choice_or("command", "contraction", {"contraction", "length_m", "tension_n"});
+  kind_ = command == "contraction" ? Command::contraction : command == "length_m" ? Command::length : Command::tension;
+  if (kind_ == Command::tension) {
+    limits_ = {0.0, 0.0, settings.number_or("max_tension_n", 100.0, AllowedRange::positive()), "N"};
+    return;
+  }
+  pretension_n_ = settings.number_or("pretension_n", 0.0, AllowedRange::not_negative());
+  if (pretension_n_ > 0.0 && model_->compliance_m_n() == 0.0)
+    settings.child("pretension_n").fail("a cable with compliance_m_n 0 has no tension of its own at rest; must be 0");
+  length_offset_m_ = settings.number_or("length_offset_m", 0.0, {-0.1 * rest_length_m_, 0.1 * rest_length_m_});
+  const double pull_speed_m_s = settings.number_or("pull_speed_m_s", 0.0, AllowedRange::not_negative());
+  start_delay_s_ = settings.number_or("pull_delay_s", 0.0, AllowedRange::not_negative());
+  if (kind_ == Command::contraction) {
+    limits_ = {1.0, settings.number_or("min_contraction", 0.5, {0.05, 1.0}), 1.5, "1"};
+    command_speed_ = pull_speed_m_s / rest_length_m_;
+  } else {
+    limits_ = {rest_length_m_, 0.05 * rest_length_m_, 1.5 * rest_length_m_, "m"};
+    command_speed_ = pull_speed_m_s;
+  }
+}
+
+void Cable::actuate(double command) {
+  const double added_m = length_offset_m_ - pretension_n_ * model_->compliance_m_n();
+  switch (kind_) {
+    case Command::contraction:
+      unloaded_length_m_ = command * rest_length_m_ + added_m;
+      model_->command_length(unloaded_length_m_, rest_length_m_);
+      break;
+    case Command::length:
+      unloaded_length_m_ = command + added_m;
+      model_->command_length(unloaded_length_m_, 1.0);
+      break;
+    case Command::tension:
+      model_->command_tension(command, 1.0);
+      break;
+  }
+}
+
+std::vector<const Constraint*> Cable::constraints() const { return model_->constraints(); }
+std::vector<const FrictionContact*> Cable::friction_contacts() const { return model_->friction_contacts(); }
+void Cable::begin_step(const StepStart& start) { model_->begin_step(start); }
+void Cable::end_step(const std::vector<double>& slips_m) { model_->end_step(slips_m); }
+std::string Cable::why_no_equilibrium() const { return model_->why_no_equilibrium(); }
+Eigen::VectorXd Cable::own_memory() const { return model_->memory(); }
+void Cable::recall(const Eigen::VectorXd& own_memory) { model_->recall(own_memory); }
+
+std::optional<LawChange> Cable::law_change(const std::string& key, const Eigen::Matrix3Xd& positions_m,
+                                           const std::vector<double>& multipliers) const {
+  // How the offsets change per metre of cable.
+  const std::vector<const Constraint*> all = constraints();
+  Eigen::VectorXd by_length(static_cast<Eigen::Index>(all.size()));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    by_length[static_cast<Eigen::Index>(i)] =
+        all[i]->law(all[i]->value(positions_m), multipliers[i]).offset_per_command /
+        (kind_ == Command::contraction ? rest_length_m_ : 1.0);
+  if (key == "length_offset_m" && kind_ != Command::tension)
+    return LawChange{by_length, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(friction_contacts().size()))};
+  std::optional<LawChange> change = model_->law_change(key, positions_m, multipliers);
+  if (change && key == "compliance_m_n") change->offsets -= pretension_n_ * by_length;
+  return change;
+}
+
+ActuatorReading Cable::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const {
+  ActuatorReading state;
+  state.path_m = places_of(points_, positions_m);
+  state.length_m = length_of(state.path_m);
+  state.rest_length_m = rest_length_m_;
+  const std::vector<double> tensions_n = model_->tensions_n(multipliers);
+  state.tension_n = tensions_n.front();
+  if (tensions_n.size() > 1) state.span_tensions_n = tensions_n;
+  state.path_changes = path_changes_;
+  if (kind_ == Command::tension) return state;
+  state.commanded_length_m = kind_ == Command::contraction ? actuated_command() * rest_length_m_ : actuated_command();
+  const double longer_m = *state.length_m - unloaded_length_m_;
+  state.stretch_m = std::max(0.0, longer_m);
+  state.slack_m = std::max(0.0, -longer_m);
+  state.pretension_n = pretension_n_;
+  return state;
+}
+
+}  // namespace soft_robot_lab

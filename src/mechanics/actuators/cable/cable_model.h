@@ -1,0 +1,60 @@
+// How a cable turns length into tension: one file for each model of the Cable plugin.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "soft_robot_lab/mechanics/actuator.h"
+
+namespace soft_robot_lab {
+
+class CableModel {
+ public:
+  virtual ~CableModel() = default;
+
+  virtual std::vector<const Constraint*> constraints() const = 0;
+  virtual std::vector<const FrictionContact*> friction_contacts() const { return {}; }
+
+  // The length of the unloaded cable [m], or its tension [N] where it is driven; and their change with the command.
+  virtual void command_length(double length_m, double length_per_command) = 0;
+  virtual void command_tension(double tension_n, double tension_per_command) = 0;
+
+  virtual void begin_step(const StepStart& /*start*/) {}
+  virtual void end_step(const std::vector<double>& /*slips_m*/) {}
+  virtual std::string why_no_equilibrium() const { return ""; }
+  virtual Eigen::VectorXd memory() const { return {}; }
+  virtual void recall(const Eigen::VectorXd& /*memory*/) {}
+
+  // As Actuator::law_change, of a model's own numbers.
+  virtual std::optional<LawChange> law_change(const std::string& /*key*/, const Eigen::Matrix3Xd& /*positions_m*/,
+                                              const std::vector<double>& /*multipliers*/) const {
+    return std::nullopt;
+  }
+
+  // Tensions from the first span on; one value where it is the same along the cable.
+  virtual std::vector<double> tensions_n(const std::vector<double>& multipliers) const = 0;
+  virtual double compliance_m_n() const = 0;  // of the whole cable
+};
+
+// Frictionless, one tension.
+std::unique_ptr<CableModel> make_sliding_cable(const std::vector<EmbeddedPoint>& points,
+                                               const Eigen::Matrix3Xd& rest_positions_m, double compliance_m_n);
+
+// Friction on the points as on capstans.
+std::unique_ptr<CableModel> make_friction_cable(const std::vector<EmbeddedPoint>& points,
+                                                const Eigen::Matrix3Xd& rest_positions_m, double compliance_m_n,
+                                                double friction_coefficient);
+
+struct SpringSettings {
+  double stiffness_n_m = 0.0;  // of each spring, > 0
+  double damping_n_s_m = 0.0;  // of each spring
+  bool explicit_forces = false;
+  bool pseudo_inverse = false;  // only where explicit
+};
+
+// One unilateral spring with a damper from point to point.
+std::unique_ptr<CableModel> make_spring_cable(const std::vector<EmbeddedPoint>& points,
+                                              const Eigen::Matrix3Xd& rest_positions_m, const SpringSettings& settings);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,164 @@
+#include "cable_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include <Eigen/Geometry>
+
+#include "element_crossings.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kNear_m = 1e-9;
+constexpr double kInside = 1e-6;  // in an element, off its faces, in reference coordinates
+
+struct Spread {
+  double sheath_radius_m, plug_radius_m;
+  double box_m;  // of every point; 0 for discs
+};
+
+std::string triple(const Eigen::Vector3d& v) {
+  std::ostringstream text;
+  text << "(" << v.x() << ", " << v.y() << ", " << v.z() << ") m";
+  return text.str();
+}
+
+std::vector<Eigen::Vector3d> read_path(const YamlNode& settings) {
+  std::vector<Eigen::Vector3d> path;
+  for (const YamlNode& item : settings.sequence("points_m")) {
+    const Eigen::VectorXd point = item.as_numbers();
+    if (point.size() != 3) item.fail("a point is [x, y, z] in m");
+    path.emplace_back(point);
+    if (path.size() > 1 && (path.back() - path[path.size() - 2]).norm() < kNear_m)
+      item.fail("repeats the point before it, " + triple(path.back()));
+  }
+  if (path.size() < 2)
+    settings.fail("points_m: a cable needs at least two points, this one has " + std::to_string(path.size()));
+  return path;
+}
+
+bool held(const EmbeddedPoint& point, const FixedAxes& fixed) {
+  for (std::size_t k = 0; k < point.nodes.size(); ++k)
+    if (std::abs(point.weights[k]) > 1e-9 && !fixed.col(point.nodes[k]).all()) return false;
+  return true;
+}
+
+// How wide the body is across a cable at its plug, in the direction in which it is least wide, seen no farther than
+// `reach_m`.
+double width_m(const Eigen::Vector3d& plug_m, const Eigen::Vector3d& along, double reach_m,
+               const MeshLocator& locator) {
+  constexpr int kSteps = 20, kDirections = 6;
+  const Eigen::Vector3d u = along.unitOrthogonal(), v = along.normalized().cross(u);
+  std::vector<double> least(kDirections, 0.0), most(kDirections, 0.0);
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    for (int j = -kSteps; j <= kSteps; ++j) {
+      const double x = reach_m * i / kSteps, y = reach_m * j / kSteps;
+      if (locator.locate(plug_m + x * u + y * v).distance_m > kNear_m) continue;
+      for (int d = 0; d < kDirections; ++d) {
+        const double at = x * std::cos(M_PI * d / kDirections) + y * std::sin(M_PI * d / kDirections);
+        least[d] = std::min(least[d], at);
+        most[d] = std::max(most[d], at);
+      }
+    }
+  }
+  double width = 2.0 * reach_m;
+  for (int d = 0; d < kDirections; ++d) width = std::min(width, most[d] - least[d]);
+  return width + reach_m / kSteps;  // it may end anywhere up to the next sample
+}
+
+void require_room(const YamlNode& settings, const Eigen::Vector3d& plug_m, const Eigen::Vector3d& along,
+                  double plug_radius_m, const MeshLocator& locator) {
+  if (plug_radius_m == 0.0) return;
+  const double width = width_m(plug_m, along, 2.0 * plug_radius_m, locator);
+  if (2.0 * plug_radius_m <= width) return;
+  std::ostringstream message;
+  message << "plug_radius_m: " << plug_radius_m << " is out of range [0, " << 0.5 * width
+          << "]: the plug would be wider than the body, which is about " << width << " m wide at " << triple(plug_m);
+  settings.fail(message.str());
+}
+
+// A point that the cable is to run through, and its place among the given ones; -1 for one set between them.
+struct PathPoint {
+  Eigen::Vector3d place_m;
+  int given;
+};
+
+// Elements with a given via point inside, so that they need no other.
+std::set<int> taken_elements(const std::vector<Eigen::Vector3d>& path, const MeshLocator& locator) {
+  std::set<int> taken;
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+    const Location at = locator.locate(path[i]);
+    if (at.distance_m == 0.0 && at.local.minCoeff() > kInside && at.local.sum() < 1.0 - kInside) taken.insert(at.tet);
+  }
+  return taken;
+}
+
+// One more point in every element that the cable crosses and that holds none, in the middle of its way through it.
+std::vector<PathPoint> with_point_per_element(const std::vector<Eigen::Vector3d>& path, const TetMesh& mesh,
+                                              const MeshLocator& locator) {
+  std::set<int> taken = taken_elements(path, locator);
+  std::vector<PathPoint> points = {{path.front(), 0}};
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const Eigen::Vector3d &from = path[i - 1], &to = path[i];
+    for (const ElementCrossing& crossing : element_crossings(mesh, from, to)) {
+      const Eigen::Vector3d middle = from + 0.5 * (crossing.from + crossing.to) * (to - from);
+      if (taken.insert(crossing.tet).second && locator.locate(middle).distance_m <= kNear_m)
+        points.push_back({middle, -1});
+    }
+    points.push_back({to, static_cast<int>(i)});
+  }
+  return points;
+}
+
+std::vector<PathPoint> as_given(const std::vector<Eigen::Vector3d>& path) {
+  std::vector<PathPoint> points;
+  for (const Eigen::Vector3d& place_m : path) points.push_back({place_m, static_cast<int>(points.size())});
+  return points;
+}
+
+void require_near(const YamlNode& settings, const PathPoint& point, const Location& location, double reach_m) {
+  if (location.distance_m <= reach_m) return;
+  std::ostringstream message;
+  message << "point " << point.given << " at " << triple(point.place_m) << " lies " << location.distance_m
+          << " m outside the body; the most is the sheath's radius, " << reach_m
+          << " m; the nearest point of the body is " << triple(location.nearest_m);
+  settings.sequence("points_m")[static_cast<std::size_t>(point.given)].fail(message.str());
+}
+
+}  // namespace
+
+CablePoints read_cable_points(const YamlNode& settings, const Body& body, const MeshLocator& locator) {
+  Spread spread{};
+  spread.sheath_radius_m = settings.number_or("sheath_radius_m", 0.001, AllowedRange::not_negative());
+  spread.plug_radius_m = settings.number_or("plug_radius_m", 0.003, AllowedRange::not_negative());
+  spread.box_m = settings.number_or("spread_box_m", 0.0, AllowedRange::not_negative());
+  const double reach = std::max(spread.sheath_radius_m, 0.5 * spread.box_m) + kNear_m;
+  const bool per_element = settings.choice_or("via_points", "given", {"given", "per_element"}) == "per_element";
+  const std::vector<Eigen::Vector3d> given = read_path(settings);
+  const std::vector<PathPoint> path =
+      per_element ? with_point_per_element(given, body.mesh(), locator) : as_given(given);
+  CablePoints result;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const Location location = locator.locate(path[i].place_m);
+    if (path[i].given >= 0) require_near(settings, path[i], location, reach);
+    if (location.distance_m > kNear_m) result.changes.push_back({path[i].given, location.distance_m});
+    const bool last = i + 1 == path.size();
+    const Eigen::Vector3d along = path[last ? i : i + 1].place_m - path[i == 0 ? i : i - 1].place_m;
+    const EmbeddedPoint point = locator.embed(location);
+    if (held(point, body.fixed())) {
+      result.points.push_back(point);
+    } else if (spread.box_m > 0.0) {
+      result.points.push_back(locator.embed_box(location.nearest_m, spread.box_m));
+    } else {
+      if (last) require_room(settings, location.nearest_m, along, spread.plug_radius_m, locator);
+      result.points.push_back(
+          locator.embed_disc(location.nearest_m, along, last ? spread.plug_radius_m : spread.sheath_radius_m));
+    }
+  }
+  return result;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,21 @@
+// Where a cable's points take hold of the body.
+#pragma once
+
+#include <vector>
+
+#include "soft_robot_lab/settings/yaml_node.h"
+#include "soft_robot_lab/mechanics/actuator.h"
+#include "soft_robot_lab/mechanics/body.h"
+
+namespace soft_robot_lab {
+
+struct CablePoints {
+  std::vector<EmbeddedPoint> points;
+  std::vector<PathChange> changes;
+};
+
+// Reads points_m, via_points, sheath_radius_m, plug_radius_m and spread_box_m. Points just outside the body are moved
+// onto it; each is spread over sheath, plug or box, except on held material. Throws SettingsError with the place.
+CablePoints read_cable_points(const YamlNode& settings, const Body& body, const MeshLocator& locator);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,85 @@
+// The silicone of a body as mixed tetrahedra: quadratic displacements with one volume multiplier per element (P2/P0),
+// or linear ones. Energy of an element, with J = det F and the material's own energy density Psi (material_law.h) at
+// the quadrature points, whose rest volumes are w; only the volumetric part is averaged:
+//   sum_q w Psi(F)  +  lambda/2 V0 (Jbar - 1)^2,   Jbar = sum_q w J / V0
+// The multiplier p stands for lambda (Jbar - 1) and is condensed element by element. Linear elements may instead share
+// their volume with their vertices, which then have the multipliers (volume_patches.h).
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mechanics/linear_algebra/block_matrix.h"
+#include "element_packs.h"
+#include "mechanics/material/material_law.h"
+#include "soft_robot_lab/mechanics/body.h"
+#include "volume_patches.h"
+
+namespace soft_robot_lab {
+
+// What one pass over the elements finds at some positions.
+struct ElementSums {
+  double elastic_energy = 0.0;  // all but the volumetric term [J]
+  int inverted = 0;             // elements with det F <= 0 at a quadrature point
+  int worst_element = -1;       // the one with the smallest det F
+  double smallest_determinant = 1.0;
+  Eigen::VectorXd volumetric_strain;  // per multiplier: Jbar - 1
+};
+
+// The lambda of all elements. Their multiplier needs some bulk to stand for: at a Poisson's ratio of zero this little,
+// which no one can measure.
+inline double bulk_lambda_pa(const Material& material) {
+  return std::max(material.lame_lambda_pa(), 1e-6 * material.lame_mu_pa());
+}
+
+class Elements {
+ public:
+  Elements(const Body& body, const BlockMatrix& matrix);
+
+  // Adds to `forces` the gradient of the elastic energy plus p grad(V0 Jbar), 3 x nodes [N].
+  ElementSums add_gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers,
+                           Eigen::Matrix3Xd& forces) const;
+
+  // Adds the condensed Hessian, with p in its geometric part. `convex` adds the least isotropic stiffness that makes
+  // every quadrature point's Hessian positive. Remembers grad(V0 Jbar) of these positions for the next two functions.
+  void add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
+                   BlockMatrix& matrix);
+
+  // Adds lambda c grad(V0 Jbar): what condensation of the multipliers adds to the gradient where c = Jbar - 1 - p /
+  // lambda.
+  void add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matrix3Xd& forces) const;
+
+  // After a linear solve, from where the volumetric_strain was Jbar - 1:
+  // p <- lambda (Jbar - 1 + grad Jbar . dx).
+  Eigen::VectorXd updated_multipliers(const Eigen::VectorXd& volumetric_strain, const Eigen::Matrix3Xd& step) const;
+
+  // c = Jbar - 1 - p / lambda, per multiplier: zero where multiplier and volume agree.
+  Eigen::VectorXd mismatch(const Eigen::VectorXd& volumetric_strain, const Eigen::VectorXd& multipliers) const {
+    return volumetric_strain - multipliers / lambda_;
+  }
+
+  // What each multiplier stands for: an element's rest volume or a vertex's.
+  const Eigen::VectorXd& rest_volumes_m3() const { return patches_ ? patches_->volumes_m3() : element_volumes_; }
+  int multiplier_count() const { return static_cast<int>(rest_volumes_m3().size()); }
+  int count() const { return count_; }
+  const ElementPacks& packs() const { return packs_; }
+  const std::vector<int>& slots() const { return slots_; }
+  double lambda_pa() const { return lambda_; }
+  void set_lambda_pa(double lambda_pa) { lambda_ = lambda_pa; }
+  double mu_pa() const { return mu_; }
+
+ private:
+  int count_;
+  double mu_, lambda_;
+  MaterialLaw law_;
+  ElementPacks packs_;                  // in the mesh's order; nodes of each sorted by elimination order
+  std::vector<int> slots_;              // per pack: pair (a >= b) x lanes, slots of the matrix
+  std::vector<Pack> volume_gradients_;  // per pack: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
+  Eigen::VectorXd element_volumes_;     // V0 = sum w [m^3]
+  std::optional<VolumePatches> patches_;
+};
+
+}  // namespace soft_robot_lab

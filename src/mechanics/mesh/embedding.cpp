@@ -1,0 +1,190 @@
+#include "soft_robot_lab/mechanics/embedding.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "shape_functions.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kInsideTolerance = 1e-9;  // in reference coordinates
+
+Eigen::Vector4d barycentric(const Eigen::Vector3d& local) {
+  return {1.0 - local.sum(), local.x(), local.y(), local.z()};
+}
+
+// Reference coordinates of a rest point, by Newton on the (possibly curved) element's map.
+std::optional<Eigen::Vector3d> invert_map(const TetMesh& mesh, int tet, const Eigen::Vector3d& point) {
+  const int nodes = static_cast<int>(mesh.tets.rows());
+  Eigen::Vector3d local = Eigen::Vector3d::Constant(0.25);
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    const ShapeFunctions shape = shape_functions(nodes, local);
+    Eigen::Vector3d mapped = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
+    for (int a = 0; a < nodes; ++a) {
+      mapped += shape.values[a] * mesh.nodes_m.col(mesh.tets(a, tet));
+      jacobian += mesh.nodes_m.col(mesh.tets(a, tet)) * shape.gradients.col(a).transpose();
+    }
+    const Eigen::Vector3d step = jacobian.partialPivLu().solve(point - mapped);
+    if (!step.allFinite() || local.norm() > 10.0) return std::nullopt;
+    local += step;
+    if (step.norm() < 1e-13) return local;
+  }
+  return std::nullopt;
+}
+
+// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                    const Eigen::Vector3d& c) {
+  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return a;
+  const Eigen::Vector3d bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0.0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return a + d1 / (d1 - d3) * ab;
+  const Eigen::Vector3d cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0.0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return a + d2 / (d2 - d6) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  return a + (vb * ab + vc * ac) / (va + vb + vc);
+}
+
+}  // namespace
+
+Eigen::Vector3d EmbeddedPoint::at(const Eigen::Matrix3Xd& positions_m) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < nodes.size(); ++i) sum += weights[i] * positions_m.col(nodes[i]);
+  return sum;
+}
+
+EmbeddedPoint average(const std::vector<EmbeddedPoint>& points) {
+  if (points.empty()) throw std::invalid_argument("average of no points");
+  std::map<int, double> sums;
+  for (const EmbeddedPoint& point : points)
+    for (std::size_t i = 0; i < point.nodes.size(); ++i)
+      sums[point.nodes[i]] += point.weights[i] / static_cast<double>(points.size());
+  EmbeddedPoint result;
+  for (const auto& [node, weight] : sums) {
+    result.nodes.push_back(node);
+    result.weights.push_back(weight);
+  }
+  return result;
+}
+
+MeshLocator::MeshLocator(const TetMesh& mesh)
+    : mesh_(mesh), box_min_m_(3, mesh.tet_count()), box_max_m_(3, mesh.tet_count()) {
+  for (int tet = 0; tet < mesh.tet_count(); ++tet) {
+    Eigen::Vector3d min = mesh.nodes_m.col(mesh.tets(0, tet)), max = min;
+    for (Eigen::Index a = 1; a < mesh.tets.rows(); ++a) {
+      min = min.cwiseMin(mesh.nodes_m.col(mesh.tets(a, tet)));
+      max = max.cwiseMax(mesh.nodes_m.col(mesh.tets(a, tet)));
+    }
+    // A curved element may bulge a little beyond its nodes.
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(0.15 * (max - min).norm());
+    box_min_m_.col(tet) = min - margin;
+    box_max_m_.col(tet) = max + margin;
+  }
+}
+
+Location MeshLocator::locate(const Eigen::Vector3d& point_m) const {
+  if (!point_m.allFinite()) throw std::invalid_argument("point is not finite");
+  Location best;
+  double best_inside = -std::numeric_limits<double>::infinity();
+  const auto consider = [&](const Eigen::Vector3d& point) {
+    for (int tet = 0; tet < mesh_.tet_count(); ++tet) {
+      if ((point.array() < box_min_m_.col(tet).array()).any() || (point.array() > box_max_m_.col(tet).array()).any())
+        continue;
+      const auto local = invert_map(mesh_, tet, point);
+      if (!local) continue;
+      const double depth = barycentric(*local).minCoeff();
+      if (depth <= best_inside) continue;
+      best_inside = depth;
+      best.tet = tet;
+      best.local = *local;
+    }
+  };
+  consider(point_m);
+  best.nearest_m = point_m;
+  if (best_inside >= -kInsideTolerance) return best;
+
+  // Outside: the nearest point of the boundary, whose curved faces are taken as four flat triangles each.
+  double nearest_distance = std::numeric_limits<double>::infinity();
+  const auto corner = [&](Eigen::Index face, int i) -> Eigen::Vector3d {
+    return mesh_.nodes_m.col(mesh_.faces(i, face));
+  };
+  constexpr std::array<std::array<int, 3>, 4> kParts{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+  for (Eigen::Index face = 0; face < mesh_.faces.cols(); ++face) {
+    for (const auto& part : kParts) {
+      const bool whole = mesh_.faces.rows() == 3;
+      const Eigen::Vector3d candidate =
+          whole ? nearest_on_triangle(point_m, corner(face, 0), corner(face, 1), corner(face, 2))
+                : nearest_on_triangle(point_m, corner(face, part[0]), corner(face, part[1]), corner(face, part[2]));
+      const double distance = (candidate - point_m).norm();
+      if (distance < nearest_distance) {
+        nearest_distance = distance;
+        best.nearest_m = candidate;
+      }
+      if (whole) break;
+    }
+  }
+  best_inside = -std::numeric_limits<double>::infinity();
+  best.tet = -1;
+  consider(best.nearest_m);
+  if (best.tet < 0) throw std::invalid_argument("no element found for a point; the mesh has no boundary faces");
+  best.distance_m = nearest_distance;
+  return best;
+}
+
+EmbeddedPoint MeshLocator::embed(const Location& location) const {
+  EmbeddedPoint point;
+  const ShapeFunctions shape = shape_functions(static_cast<int>(mesh_.tets.rows()), location.local);
+  for (Eigen::Index a = 0; a < mesh_.tets.rows(); ++a) {
+    point.nodes.push_back(mesh_.tets(a, location.tet));
+    point.weights.push_back(shape.values[a]);
+  }
+  return point;
+}
+
+EmbeddedPoint MeshLocator::embed_disc(const Eigen::Vector3d& center_m, const Eigen::Vector3d& normal,
+                                      double radius_m) const {
+  // One point in the middle and two rings of equal-area cells: the mean of a quadratic field is off by less than 2 %.
+  std::vector<EmbeddedPoint> samples;
+  const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.normalized().cross(u);
+  const auto take = [&](double radius, double angle) {
+    const Location location = locate(center_m + radius * (std::cos(angle) * u + std::sin(angle) * v));
+    if (location.distance_m <= 1e-6 * radius_m) samples.push_back(embed(location));
+  };
+  take(0.0, 0.0);
+  if (radius_m > 0.0) {
+    for (int i = 0; i < 6; ++i) take(0.5 * radius_m, M_PI / 3.0 * i);
+    for (int i = 0; i < 12; ++i) take(0.85 * radius_m, M_PI / 6.0 * (i + 0.5));
+  }
+  return samples.empty() ? embed(center_m) : average(samples);
+}
+
+EmbeddedPoint MeshLocator::embed_box(const Eigen::Vector3d& center_m, double edge_m) const {
+  constexpr int kPerEdge = 6;
+  std::vector<EmbeddedPoint> samples;
+  for (int i = 0; i < kPerEdge * kPerEdge * kPerEdge; ++i) {
+    const Eigen::Vector3d cell(i % kPerEdge, (i / kPerEdge) % kPerEdge, i / (kPerEdge * kPerEdge));
+    const Location location = locate(center_m + edge_m * ((cell.array() + 0.5) / kPerEdge - 0.5).matrix());
+    if (location.distance_m <= 1e-6 * edge_m) samples.push_back(embed(location));
+  }
+  return samples.empty() ? embed(center_m) : average(samples);
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,208 @@
+// NewtonSolver::descend: Newton's method with positions as the only unknowns, made to go down from anywhere.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/LU>
+
+#include "newton_solver.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kHalvings = 24;
+constexpr int kPatience = 8;        // times the task's iterations
+constexpr double kSoftBulk = 20.0;  // largest lambda meanwhile, over mu
+constexpr double kSoftTie = 1e-2;   // compliance added to a constraint meanwhile, over that of the body at it
+constexpr int kLawIterations = 50;
+constexpr double kNoSlope = 1e-7;  // of the energy along a step, over mu times the volume: nothing more to win
+constexpr double kOnlySafe = 2.0;  // convexity beyond which there is no other matrix to try
+
+// dU/dC of a constraint in series with a straight one of compliance `tie`; Newton's method, exact at once where the law
+// is straight.
+double multiplier(const Constraint& constraint, double value, double tie, double y) {
+  for (int i = 0; i < kLawIterations; ++i) {
+    const ConstraintLaw law = constraint.law(value, y);
+    const double before = y;
+    y = law.prescribed() ? law.min_multiplier
+                         : std::clamp(law.offset / (law.compliance + tie), law.min_multiplier, law.max_multiplier);
+    if (std::abs(y - before) <= 1e-12 * std::abs(y)) break;
+  }
+  return y;
+}
+
+// U(to) - U(from): Gauss's three points in each of four parts.
+double energy_between(const Constraint& constraint, double tie, double y, double from, double to) {
+  constexpr int kParts = 4;
+  constexpr std::array<double, 3> kPlaces{-0.7745966692414834, 0.0, 0.7745966692414834};
+  constexpr std::array<double, 3> kWeights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+  const double width = (to - from) / kParts;
+  double sum = 0.0;
+  for (int part = 0; part < kParts; ++part) {
+    for (std::size_t i = 0; i < kPlaces.size(); ++i) {
+      y = multiplier(constraint, from + (part + 0.5 + 0.5 * kPlaces[i]) * width, tie, y);
+      sum += kWeights[i] * width * y;
+    }
+  }
+  return sum;
+}
+
+class SofterBulk {
+ public:
+  explicit SofterBulk(Elements& elements) : elements_(elements), lambda_pa_(elements.lambda_pa()) {
+    elements_.set_lambda_pa(std::min(lambda_pa_, kSoftBulk * elements.mu_pa()));
+  }
+  ~SofterBulk() { elements_.set_lambda_pa(lambda_pa_); }
+  SofterBulk(const SofterBulk&) = delete;
+  SofterBulk& operator=(const SofterBulk&) = delete;
+
+ private:
+  Elements& elements_;
+  double lambda_pa_;
+};
+
+double lowered(double convexity) { return convexity <= 1.0 / 16.0 ? 0.0 : 0.5 * std::min(convexity, 1.0); }
+
+double raised(double convexity) {
+  if (convexity == 0.0) return 1.0 / 16.0;
+  return convexity == 1.0 ? kOnlySafe : std::min(1.0, 4.0 * convexity);
+}
+
+}  // namespace
+
+int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const {
+  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
+  return elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), unused).inverted;
+}
+
+// The energy but for that of the constraints, and its gradient but for volume and constraints.
+NewtonSolver::Height NewtonSolver::height(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const {
+  Height at;
+  at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
+  at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
+  at.gradient_n -= loads_n_;
+  at.energy = at.elements.elastic_energy - loads_n_.cwiseProduct(positions_m).sum() +
+              0.5 * elements_.lambda_pa() * at.elements.volumetric_strain.cwiseAbs2().dot(elements_.rest_volumes_m3());
+  if (task.inertia_per_s2 > 0.0) {
+    const Eigen::Matrix3Xd lag = positions_m - *task.predicted_m;
+    const Eigen::Matrix3Xd inertia = task.inertia_per_s2 * lag * body_.node_masses_kg().asDiagonal();
+    at.energy += 0.5 * inertia.cwiseProduct(lag).sum();
+    at.gradient_n += inertia;
+  }
+  if (task.pull) at.energy += springs_.add_gradient(positions_m, *task.pull, at.gradient_n);
+  for (const Constraint* constraint : constraints_) at.values.push_back(constraint->value(positions_m));
+  return at;
+}
+
+// Blends the true matrix with one that is nearly always positive, which gives its elements the multiplier that cancels
+// most of their geometric stiffness. Beyond a convexity of 1: the positive one of linearise().
+bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
+                                   double convexity) {
+  if (convexity > 1.0) return linearise(state, task.inertia_per_s2, task.pull, true);
+  linearisation_.reset();
+  const auto size = static_cast<Eigen::Index>(9 * matrix_.rows().size());
+  Eigen::Map<Eigen::VectorXd> values(matrix_.block(0), size);
+  matrix_.set_zero();
+  if (convexity > 0.0) {
+    const Eigen::VectorXd cancelling = (elements_.mu_pa() * (1.0 - volumetric_strain.array())).matrix();
+    elements_.add_hessian(state.positions_m, cancelling, true, matrix_);
+    if (task.pull) springs_.add_hessian(state.positions_m, *task.pull, true, matrix_);
+  }
+  if (convexity < 1.0) {
+    const Eigen::VectorXd safe = values;
+    matrix_.set_zero();
+    elements_.add_hessian(state.positions_m, state.element_multipliers_pa, false, matrix_);
+    if (task.pull) springs_.add_hessian(state.positions_m, *task.pull, false, matrix_);
+    values = (1.0 - convexity) * values + convexity * safe;
+  }
+  return add_rest_and_factorise(state, task.inertia_per_s2);
+}
+
+// A positive matrix with as little convexity as that takes, from a little less than the last one had.
+bool NewtonSolver::linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
+                                      double& convexity, NewtonReport& report) {
+  for (convexity = lowered(convexity);; convexity = raised(convexity)) {
+    ++report.factorisations;
+    const bool positive = linearise_blend(task, state, volumetric_strain, convexity) && factor_.negative_pivots() == 0;
+    linearisation_.reset();
+    if (positive || convexity > 1.0) return positive;
+    ++report.convexified;
+  }
+}
+
+// -(A + sum 1/a grad C grad C') ^ -1 gradient, the sum over the constraints that are off their bounds.
+Eigen::VectorXd NewtonSolver::downhill(const Eigen::Matrix3Xd& gradient_n, const Eigen::VectorXd& compliances,
+                                       const std::vector<int>& open) const {
+  Eigen::VectorXd motion = solve(-as_vector(gradient_n));
+  const auto count = static_cast<Eigen::Index>(open.size());
+  if (count == 0) return motion;
+  Eigen::MatrixXd schur(count, count);
+  Eigen::VectorXd right(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    right[i] = border_.col(open[i]).dot(motion);
+    for (Eigen::Index j = 0; j < count; ++j) schur(i, j) = border_.col(open[i]).dot(border_solved_.col(open[j]));
+    schur(i, i) += compliances[open[i]];
+  }
+  const Eigen::VectorXd forces = schur.partialPivLu().solve(right);
+  for (Eigen::Index i = 0; i < count; ++i) motion -= border_solved_.col(open[i]) * forces[i];
+  return motion;
+}
+
+NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
+  NewtonReport report;
+  const SofterBulk softer(elements_);
+  const double no_slope = kNoSlope * elements_.mu_pa() * elements_.rest_volumes_m3().sum();
+  const int count = constraint_count();
+  Eigen::VectorXd ties;  // least compliances; known after the first factor, before which constraints have no say
+  double convexity = 1.0;
+  for (; report.iterations < kPatience * task.max_iterations; ++report.iterations) {
+    const Height here = height(task, state.positions_m);
+    state.element_multipliers_pa = elements_.lambda_pa() * here.elements.volumetric_strain;
+    Eigen::VectorXd compliances = ties;
+    std::vector<int> open;
+    if (ties.size() == 0) state.constraint_multipliers.setZero();
+    for (int i = 0; i < static_cast<int>(ties.size()); ++i) {
+      double& y = state.constraint_multipliers[i];
+      y = multiplier(*constraints_[i], here.values[i], ties[i], y);
+      const ConstraintLaw law = constraints_[i]->law(here.values[i], y);
+      compliances[i] += law.compliance;
+      if (y > law.min_multiplier && y < law.max_multiplier) open.push_back(i);
+    }
+    if (!linearise_downhill(task, state, here.elements.volumetric_strain, convexity, report)) break;
+    if (ties.size() == 0 && count > 0) {
+      ties = kSoftTie * border_.cwiseProduct(border_solved_).colwise().sum().transpose();
+      continue;
+    }
+
+    Eigen::Matrix3Xd gradient_n = here.gradient_n;
+    elements_.add_mismatch_forces(here.elements.volumetric_strain, gradient_n);
+    for (int i = 0; i < count; ++i)
+      constraints_[i]->add_gradient(state.positions_m, state.constraint_multipliers[i], gradient_n);
+    release(gradient_n);
+    const Eigen::VectorXd motion = downhill(gradient_n, compliances, open);
+    const double slope = as_vector(gradient_n).dot(motion);
+    if (!(slope < -no_slope)) break;
+
+    double length = 1.0;
+    bool fell = false;
+    for (int halving = 0; halving <= kHalvings && !fell; ++halving) {
+      if (halving > 0) length *= 0.5;
+      const Eigen::Matrix3Xd trial =
+          state.positions_m + length * Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
+      const Height there = height(task, trial);
+      double rise = there.energy - here.energy;
+      for (int i = 0; i < count; ++i)
+        rise +=
+            energy_between(*constraints_[i], ties[i], state.constraint_multipliers[i], here.values[i], there.values[i]);
+      fell = rise <= 1e-4 * length * slope;
+      if (fell) state.positions_m = trial;
+    }
+    if (length < 1.0) ++report.shortened;
+    if (!fell && convexity >= 1.0) break;
+    if (length < 0.1) convexity = std::min(kOnlySafe, std::max(0.25, 8.0 * convexity));
+  }
+  return report;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,69 @@
+// The merit function of Newton's steps, and how far along one it falls.
+#include <cmath>
+
+#include "newton_solver.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
+constexpr int kHalvings = 8;
+
+}  // namespace
+
+void NewtonSolver::prepare_merit(const NewtonState& state, const Evaluation& here, const Eigen::Matrix3Xd& gradient_n,
+                                 Step& step) const {
+  // Slope of the merit function; -slope = dx' A dx without its volumetric part, plus the penalties' decrease.
+  const Eigen::VectorXd c = elements_.mismatch(here.elements.volumetric_strain, step.element_multipliers_pa);
+  const double squared = c.cwiseAbs2().dot(elements_.rest_volumes_m3());
+  step.slope = as_vector(gradient_n).dot(as_vector(step.motion_m)) +
+               (elements_.lambda_pa() - kPenaltyOverMu * elements_.mu_pa()) * squared;
+  step.slope +=
+      (step.constraint_multipliers - state.constraint_multipliers).dot(border_.transpose() * as_vector(step.motion_m));
+  step.laws = after_flows(here.laws, here.friction_contacts, step.slips_m);
+  for (int i = 0; i < constraint_count(); ++i) {
+    step.slope -= step.penalties[i] * std::pow(violation(step.laws[i], step.constraint_multipliers[i]), 2);
+    step.laws[i].offset -= here.values[i];
+  }
+}
+
+double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
+  // Augmented Lagrangian at the step's multipliers: the mixed problem has no energy of its own to descend, and the
+  // condensed energy would refuse every step that changes volume a little on the way.
+  const Eigen::VectorXd& p = step.element_multipliers_pa;
+  const Eigen::VectorXd c = elements_.mismatch(at.elements.volumetric_strain, p);
+  double sum = at.smooth_energy;
+  sum +=
+      (p.cwiseProduct(c) + 0.5 * kPenaltyOverMu * elements_.mu_pa() * c.cwiseAbs2()).dot(elements_.rest_volumes_m3());
+  for (int i = 0; i < constraint_count(); ++i) {
+    const double y = step.constraint_multipliers[i];
+    ConstraintLaw law = step.laws[i];
+    law.offset += at.values[i];
+    sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(law, y), 2);
+  }
+  return sum;
+}
+
+// Goes along the step as far as the merit function falls; false where it does not.
+bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
+                               double& length) const {
+  const double start = merit(here, step);
+  length = 1.0;
+  for (int halving = 0; halving <= kHalvings; ++halving, length *= 0.5) {
+    NewtonState trial = state;
+    trial.positions_m = warp_->follow(state.positions_m, length * step.motion_m);
+    trial.element_multipliers_pa += length * (step.element_multipliers_pa - state.element_multipliers_pa);
+    trial.constraint_multipliers += length * (step.constraint_multipliers - state.constraint_multipliers);
+    trial.slips_m += length * (step.slips_m - state.slips_m);
+    Evaluation there = evaluate(task, trial);
+    if (!there.finite) continue;
+    const double allowed = start + 1e-4 * length * step.slope + 1e-12 * std::abs(start);
+    if (merit(there, step) > allowed && there.relative_residual > 0.5 * here.relative_residual) continue;
+    state = std::move(trial);
+    here = std::move(there);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,351 @@
+#include "newton_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr std::size_t kOldFactorSteps = 5;   // by an old factor between two new ones, in one solve
+constexpr double kWorthwhileDecrease = 0.9;  // of the residual, by such a step
+// Of a constraint in the merit function, over its stiffness 1 / |B' A^-1 B|. Where A has one negative eigenvalue, as in
+// a body that buckled, A + penalty B B' is singular at just 1; with several constraints more is needed.
+constexpr double kPenaltyOfBuckled = 10.0;
+constexpr double kTieStiffness = 1e3;  // of a carried point, over E * size
+
+// Relative to the constraint's own value, so that lengths and volumes count alike.
+double relative_violation(const ConstraintLaw& law, double y, double value) {
+  return violation(law, y) / std::max(std::abs(value), 1e-300);
+}
+
+}  // namespace
+
+NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> constraints,
+                           std::vector<SharedLength> shared)
+    : body_(body),
+      constraints_(std::move(constraints)),
+      shared_(std::move(shared)),
+      layout_(body, constraints_),
+      loads_n_(body.external_forces_n()),
+      force_floor_n_(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
+      matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body)),
+      factor_(matrix_),
+      elements_(body, matrix_),
+      springs_(elements_.packs(), elements_.slots()),
+      ties_(matrix_, layout_.ties) {
+  for (const auto& cliques : layout_.cliques) adders_.emplace_back(matrix_, cliques);
+}
+
+void NewtonSolver::release(Eigen::Matrix3Xd& forces) const {
+  forces = (body_.fixed().array()).select(0.0, forces.array()).matrix();
+}
+
+Eigen::MatrixXd NewtonSolver::border(const Eigen::Matrix3Xd& positions) const {
+  Eigen::MatrixXd columns(positions.size(), constraint_count());
+  Eigen::Matrix3Xd gradient(3, positions.cols());
+  for (int i = 0; i < constraint_count(); ++i) {
+    gradient.setZero();
+    constraints_[i]->add_gradient(positions, 1.0, gradient);
+    release(gradient);
+    columns.col(i) = as_vector(gradient);
+  }
+  return columns;
+}
+
+NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const NewtonState& state) const {
+  Evaluation result;
+  result.residual_n = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
+  result.elements = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, result.residual_n);
+  double largest = std::max(force_floor_n_, std::max(result.residual_n.norm(), loads_n_.norm()));
+  result.smooth_energy = result.elements.elastic_energy - loads_n_.cwiseProduct(state.positions_m).sum();
+  if (task.inertia_per_s2 > 0.0) {
+    const Eigen::Matrix3Xd lag = state.positions_m - *task.predicted_m;
+    const Eigen::Matrix3Xd inertia = task.inertia_per_s2 * lag * body_.node_masses_kg().asDiagonal();
+    result.smooth_energy += 0.5 * inertia.cwiseProduct(lag).sum();
+    result.residual_n += inertia;
+  }
+  if (task.pull) result.smooth_energy += springs_.add_gradient(state.positions_m, *task.pull, result.residual_n);
+  result.residual_n -= loads_n_;
+
+  double constraint_residual = 0.0;
+  result.friction_contacts = junctions_at(state.positions_m);
+  for (int i = 0; i < constraint_count(); ++i) {
+    const double y = state.constraint_multipliers[i];
+    result.values.push_back(constraints_[i]->value(state.positions_m));
+    result.laws.push_back(constraints_[i]->law(result.values.back(), y));
+    if (y != 0.0) constraints_[i]->add_gradient(state.positions_m, y, result.residual_n);
+  }
+  const std::vector<ConstraintLaw> laws = after_flows(result.laws, result.friction_contacts, state.slips_m);
+  for (int i = 0; i < constraint_count(); ++i) {
+    const double y = state.constraint_multipliers[i];
+    const ConstraintLaw& law = laws[i];
+    // A prescribed multiplier is met or not.
+    const double off = law.prescribed() ? (std::abs(y - law.min_multiplier) > 1e-12 * std::abs(y) ? 1.0 : 0.0)
+                                        : std::abs(relative_violation(law, y, result.values[i]));
+    constraint_residual = std::max(constraint_residual, off);
+  }
+  for (int j = 0; j < friction_contact_count(); ++j)
+    constraint_residual =
+        std::max(constraint_residual,
+                 friction_violation(result.friction_contacts[j], state.constraint_multipliers, state.slips_m[j], force_floor_n_,
+                                    std::max(std::abs(result.values[result.friction_contacts[j].first]), 1e-300)));
+  release(result.residual_n);
+  const double volume_residual =
+      elements_.mismatch(result.elements.volumetric_strain, state.element_multipliers_pa).cwiseAbs().maxCoeff();
+  result.force_scale_n = largest;
+  result.relative_residual = std::max({result.residual_n.norm() / largest, constraint_residual, volume_residual});
+  result.finite =
+      std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy) && result.residual_n.allFinite();
+  return result;
+}
+
+bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
+                             const std::shared_ptr<const StrainPull>& pull, bool convex) {
+  linearisation_.reset();
+  matrix_.set_zero();
+  elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
+  if (pull) springs_.add_hessian(state.positions_m, *pull, convex, matrix_);
+  if (!add_rest_and_factorise(state, inertia_per_s2)) return false;
+  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2, pull});
+  return true;
+}
+
+bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inertia_per_s2) {
+  if (inertia_per_s2 > 0.0) {
+    for (int node = 0; node < layout_.node_count; ++node)
+      matrix_.add_to_diagonal(node, inertia_per_s2 * body_.node_masses_kg()[node]);
+  }
+  for (int i = 0; i < constraint_count(); ++i)
+    if (state.constraint_multipliers[i] != 0.0)
+      constraints_[i]->add_hessian(state.positions_m, state.constraint_multipliers[i], adders_[i]);
+  const double tie = kTieStiffness * body_.material().youngs_modulus_pa * body_.size_m();
+  for (int point = 0; point < layout_.point_count; ++point)
+    ties_.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
+  matrix_.hold(body_.fixed());
+  if (!factor_.factorise(matrix_)) return false;
+  border_ = border(state.positions_m);
+  border_solved_ = solve(border_);
+  return true;
+}
+
+bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2,
+                                 const std::shared_ptr<const StrainPull>& pull) const {
+  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 && linearisation_->pull == pull &&
+         linearisation_->at.positions_m == state.positions_m &&
+         linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
+         linearisation_->at.constraint_multipliers == state.constraint_multipliers;
+}
+
+void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
+  if (linearisation == linearisation_) return;
+  linearisation_.reset();
+  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, linearisation->pull, false);
+}
+
+Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(3 * matrix_.node_count(), right_hand_sides.cols());
+  x.topRows(right_hand_sides.rows()) = right_hand_sides;
+  factor_.solve(x);
+  return x.topRows(right_hand_sides.rows());
+}
+
+// Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled
+// body is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A
+// (Haynsworth 1968: the inertia of the bordered matrix).
+//
+// Constraints between which length slips hold no more than the sum of their values.
+bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const {
+  if (factor_.negative_pivots() == 0) return true;
+  const int count = constraint_count();
+  std::vector<int> group(count);
+  std::iota(group.begin(), group.end(), 0);
+  for (const FrictionContactBound& contact : problem.friction_contacts)
+    if (slipping(contact, multipliers) != 0)
+      std::replace(group.begin(), group.end(), group[contact.second], group[contact.first]);
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, count);
+  int size = 0;
+  for (int g = 0; g < count; ++g) {
+    for (int i = 0; i < count; ++i)
+      if (group[i] == g && active(problem.laws[i], multipliers[i])) sums(i, size) = 1.0;
+    if (!sums.col(size).isZero(0.0) && ++size == count) break;
+  }
+  if (size < factor_.negative_pivots()) return false;
+  const Eigen::MatrixXd sub = sums.leftCols(size).transpose() * problem.delassus * sums.leftCols(size);
+  const Eigen::VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
+  return (eigenvalues.array() < 0.0).count() == factor_.negative_pivots();
+}
+
+bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, Step& step) const {
+  const int count = constraint_count();
+  const Eigen::VectorXd mismatch = elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa);
+  Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
+  elements_.add_mismatch_forces(mismatch, gradient);
+  release(gradient);
+  gradient += here.residual_n;
+
+  // The residual holds the forces of the old multipliers already, so the border answers only for their change.
+  Eigen::VectorXd motion = solve(-as_vector(gradient));
+  step.constraint_multipliers.resize(count);
+  step.penalties.resize(count);
+  step.slips_m.resize(friction_contact_count());
+  if (count > 0) {
+    MultiplierProblem problem;
+    problem.delassus = border_.transpose() * border_solved_;
+    problem.excess = border_.transpose() * motion + problem.delassus * state.constraint_multipliers;
+    problem.laws = here.laws;
+    problem.friction_contacts = here.friction_contacts;
+    const double penalty = factor_.negative_pivots() > 0 ? kPenaltyOfBuckled : 1.0;
+    for (int i = 0; i < count; ++i) {
+      step.penalties[i] = penalty / std::max(std::abs(problem.delassus(i, i)) + here.laws[i].compliance, 1e-300);
+      problem.delassus(i, i) += here.laws[i].compliance;
+      problem.excess[i] += here.laws[i].offset;
+    }
+    Multipliers solved = solve_multipliers(problem, state.constraint_multipliers);
+    if (!solved.found) return false;
+    step.constraint_multipliers = std::move(solved.y);
+    if (friction_contact_count() > 0) step.slips_m = std::move(solved.slips_m);
+    if (!stable_under(problem, step.constraint_multipliers)) return false;
+    motion -= border_solved_ * (step.constraint_multipliers - state.constraint_multipliers);
+  }
+  if (count == 0 && factor_.negative_pivots() > 0) return false;
+  if (!motion.allFinite()) return false;
+  step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
+  step.element_multipliers_pa = elements_.updated_multipliers(here.elements.volumetric_strain, step.motion_m);
+
+  prepare_merit(state, here, gradient, step);
+  return std::isfinite(step.slope);
+}
+
+// The step of an old factor, corrected by what the last such steps have taught. All unknowns and residuals as one
+// vector; the residuals as the convergence test takes them.
+NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
+                              AndersonMixing& mixing) const {
+  if (friction_contact_count() > 0)  // what sticks and what slips changes at once; no model of it is linear
+    return {state.positions_m + step.motion_m, step.element_multipliers_pa, step.constraint_multipliers, step.slips_m};
+  const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
+                     constraints = state.constraint_multipliers.size();
+  Eigen::VectorXd at(nodes + elements + constraints), change(at.size()), residual(at.size());
+  at << as_vector(state.positions_m), state.element_multipliers_pa, state.constraint_multipliers;
+  change << as_vector(step.motion_m), step.element_multipliers_pa - state.element_multipliers_pa,
+      step.constraint_multipliers - state.constraint_multipliers;
+  residual << as_vector(here.residual_n) / here.force_scale_n,
+      elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa), Eigen::VectorXd(constraints);
+  for (int i = 0; i < constraint_count(); ++i)
+    residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
+  const Eigen::VectorXd next = mixing.next(std::move(at), std::move(change), std::move(residual));
+  NewtonState mixed{Eigen::Map<const Eigen::Matrix3Xd>(next.data(), 3, state.positions_m.cols()),
+                    next.segment(nodes, elements), next.tail(constraints), state.slips_m};
+  for (int i = 0; i < constraint_count(); ++i)
+    mixed.constraint_multipliers[i] =
+        std::clamp(mixed.constraint_multipliers[i], here.laws[i].min_multiplier, here.laws[i].max_multiplier);
+  return mixed;
+}
+
+// One step by the last factor, kept only where it brings the residual down. Volume and constraint multipliers stay
+// unknowns of their own, so it converges as fast as the body has turned little, however incompressible it is.
+bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
+                                  AndersonMixing& mixing) const {
+  if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
+      (linearisation_->pull == nullptr) != (task.pull == nullptr))
+    return false;
+  Step step;
+  if (!find_step(state, here, step)) return false;
+  NewtonState trial = mix(state, here, step, mixing);
+  Evaluation there = evaluate(task, trial);
+  if (!there.finite || there.relative_residual > std::max(task.tolerance, kWorthwhileDecrease * here.relative_residual))
+    return false;
+  state = std::move(trial);
+  here = std::move(there);
+  return true;
+}
+
+NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
+  NewtonReport report;
+  Evaluation here = evaluate(task, state);
+  if (!here.finite) {
+    report.reason = "the starting state is not finite";
+    report.residual = 1.0;
+    return report;
+  }
+  const auto finish = [&](std::string reason) {
+    report.residual = here.relative_residual;
+    report.inverted_elements = here.elements.inverted;
+    report.worst_element = here.elements.worst_element;
+    report.smallest_determinant = here.elements.smallest_determinant;
+    report.tolerance = task.tolerance;
+    here.residual_n.colwise().squaredNorm().maxCoeff(&report.worst_node);
+    report.converged = reason.empty();
+    report.reason = std::move(reason);
+    return report;
+  };
+
+  bool convex = false, old_factor = task.reuse_factor;
+  AndersonMixing mixing(kOldFactorSteps);
+  while (report.iterations < task.max_iterations) {
+    if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
+    ++report.iterations;
+    if (old_factor && mixing.size() < kOldFactorSteps && try_old_factor(task, state, here, mixing)) continue;
+    old_factor = false;
+    mixing.clear();
+
+    Step step;
+    const auto fresh_step = [&] {
+      if (!convex && linearised_at(state, task.inertia_per_s2, task.pull)) return find_step(state, here, step);
+      ++report.factorisations;
+      return linearise(state, task.inertia_per_s2, task.pull, convex) && find_step(state, here, step);
+    };
+    bool found = fresh_step();
+    if (!convex && (!found || step.slope > 0.0)) {
+      if (task.only_through_stable) return finish("the way leads through an unstable shape");
+      convex = true;
+      found = fresh_step();
+    }
+    if (convex) ++report.convexified;
+    if (!found) return finish("the stiffness matrix could not be factorised");
+
+    if (!warp_) warp_ = std::make_unique<StepWarp>(body_, elements_.packs(), matrix_);
+    double length = 1.0;
+    const bool accepted = search_line(task, step, state, here, length);
+    if (length < 1.0) ++report.shortened;
+    if (!accepted && convex) return finish("no step lowers the energy");
+    convex = !accepted || (convex && length < 1.0);
+    if (convex && task.only_through_stable) return finish("no step lowers the energy");
+    old_factor = accepted && task.reuse_factor && !convex;
+  }
+  return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");
+}
+
+double NewtonSolver::rest_residual(const NewtonState& state) const {
+  const Evaluation here = evaluate(NewtonTask{}, state);
+  return here.finite ? here.relative_residual : 1.0;
+}
+
+bool NewtonSolver::stable_at_rest(const NewtonState& state) {
+  if (constraint_count() > 0) return sensitivities(state).size() > 0;
+  return (linearised_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false)) &&
+         factor_.negative_pivots() == 0;
+}
+
+double NewtonSolver::worst_violation(const NewtonState& state) const {
+  double worst = 0.0;
+  for (int i = 0; i < constraint_count(); ++i) {
+    const double value = constraints_[i]->value(state.positions_m);
+    const ConstraintLaw law = constraints_[i]->law(value, state.constraint_multipliers[i]);
+    worst = std::max(worst, std::abs(relative_violation(law, state.constraint_multipliers[i], value)));
+  }
+  return worst;
+}
+
+std::vector<FrictionContactBound> NewtonSolver::junctions_at(const Eigen::Matrix3Xd& positions_m) const {
+  std::vector<FrictionContactBound> bounds;
+  for (const SharedLength& shared : shared_)
+    bounds.push_back({shared.first, shared.second, shared.contact->ratio(positions_m)});
+  return bounds;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,215 @@
+// Newton's method on all constraints at once: positions x, element multipliers p and constraint multipliers y are
+// independent unknowns (so near-incompressible elements and rigid cables cost no extra iterations). p is condensed
+// element by element, y is solved as a border by its Schur complement. One factorisation an iteration.
+//
+//   [ A   B ] [dx]   [ -r ]     A: inertia + elements (condensed) + y d2C/dx2,  B: constraint gradients
+//   [ B' -a ] [ y] = [ -o ]     a: compliance, o: offset (ConstraintLaw), y within its bounds
+//
+// Where constraints share their length (FrictionContact), the lengths q that slip between them are unknowns of the border too.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mechanics/linear_algebra/anderson_mixing.h"
+#include "mechanics/linear_algebra/block_cholesky.h"
+#include "mechanics/linear_algebra/block_matrix.h"
+#include "mechanics/elements/clique_adder.h"
+#include "mechanics/elements/elements.h"
+#include "mechanics/linear_algebra/matrix_layout.h"
+#include "multiplier_problem.h"
+#include "soft_robot_lab/mechanics/body.h"
+#include "soft_robot_lab/mechanics/constraint.h"
+#include "mechanics/xpbd/step_warp.h"
+#include "mechanics/elements/strain_springs.h"
+
+namespace soft_robot_lab {
+
+// Of nodes, over 3*node + axis.
+inline Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
+  return {columns.data(), columns.size()};
+}
+
+// The unknowns, and what is known at them.
+struct NewtonState {
+  Eigen::Matrix3Xd positions_m;            // 3 x nodes
+  Eigen::VectorXd element_multipliers_pa;  // p
+  Eigen::VectorXd constraint_multipliers;  // y
+  Eigen::VectorXd slips_m = {};            // q, one per contact, since the step began
+};
+
+// A contact, and its constraints among all.
+struct SharedLength {
+  const FrictionContact* contact;
+  int first, second;
+};
+
+// Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never
+// stopped.
+struct Linearisation {
+  NewtonState at;
+  double inertia_per_s2 = 0.0;
+  std::shared_ptr<const StrainPull> pull;
+};
+
+// minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)  +  energy of the pull
+struct NewtonTask {
+  double inertia_per_s2 = 0.0;                    // 1/h^2; zero asks for the equilibrium
+  const Eigen::Matrix3Xd* predicted_m = nullptr;  // needed where there is inertia
+  std::shared_ptr<const StrainPull> pull;         // of viscosity; may be null
+  double tolerance = 1e-6;
+  int min_iterations = 0;
+  int max_iterations = 60;
+  bool only_through_stable = false;  // give up where the matrix is not convex, rather than shift it
+  bool reuse_factor = false;  // first try what the last factor can still do
+};
+
+struct NewtonReport {
+  bool converged = false;
+  int iterations = 0;  // linear solves
+  int factorisations = 0;
+  int shortened = 0;    // steps that the line search cut
+  int convexified = 0;  // iterations with a shifted matrix
+  double residual = 0.0;
+  int inverted_elements = 0;
+  int worst_element = -1;
+  double smallest_determinant = 1.0;
+  double tolerance = 0.0;
+  int worst_node = -1;  // with the largest residual force
+  std::string reason;   // empty when converged
+};
+
+// How something moves an equilibrium, one column each: what it adds to the residual force (released, 3*node + axis; may
+// be empty), to the offsets less compliance * y of active constraints, to prescribed multipliers, and to the logarithms
+// of the friction_contacts' ratios (may be empty); all at fixed unknowns.
+struct NewtonDrive {
+  Eigen::MatrixXd forces_n, offsets, multipliers, log_ratios;
+};
+
+// What follows from it, column by column.
+struct NewtonResponse {
+  bool stable = false;  // false: the tangent is not positive definite, there is no stable equilibrium; all else is empty
+  Eigen::MatrixXd motions_m, multipliers, slips_m;
+};
+
+class NewtonSolver {
+ public:
+  NewtonSolver(const Body& body, std::vector<const Constraint*> constraints, std::vector<SharedLength> shared = {});
+
+  // Improves the state in place. Where it did not converge the state is the best it had; NaN never enters it.
+  NewtonReport solve(const NewtonTask& task, NewtonState& state);
+
+  // Down the energy itself, which is finite and bounded below wherever the nodes are: for a start that is of no use to
+  // solve(), such as a tangled body. The positions are the only unknowns, every step lowers the energy, and bulk and
+  // rigid constraints are softened meanwhile; so the end is no solution, but a start from which solve() finds one.
+  // Not for bodies with friction_contacts: friction has no energy.
+  NewtonReport descend(const NewtonTask& task, NewtonState& state);
+
+  int inverted_elements(const Eigen::Matrix3Xd& positions_m) const;
+
+  // d x / d command at an equilibrium: columns over 3*node + axis, one per constraint; a constraint's command is that
+  // of its actuator. Empty when the tangent is not positive definite, so that there is no stable equilibrium.
+  // `multipliers`, where given, becomes d multiplier / d command, constraints x constraints.
+  Eigen::MatrixXd sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers = nullptr);
+
+  // The derivative of an equilibrium along anything else, by the implicit function theorem with the solver's own factor.
+  NewtonResponse respond(const NewtonState& state, const NewtonDrive& drive);
+
+  // What the residual force at an equilibrium gains where all moduli of the body grow by the factor 1 + d: the elastic
+  // force, which loads and constraints balance. Over 3*node + axis.
+  Eigen::VectorXd elastic_force_n(const NewtonState& state) const;
+
+  // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
+  double rest_residual(const NewtonState& state) const;
+  bool stable_at_rest(const NewtonState& state);
+  // How far the constraints are from their laws, relative to their values; costs no pass over the body.
+  double worst_violation(const NewtonState& state) const;
+
+  // The last linearisation, or nullptr where it cannot be reused; and making it again.
+  const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
+  void restore(const std::shared_ptr<const Linearisation>& linearisation);
+
+  int element_multiplier_count() const { return elements_.multiplier_count(); }
+  Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.pack_count()) * kLanes; }
+  Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
+  int constraint_count() const { return static_cast<int>(constraints_.size()); }
+  int friction_contact_count() const { return static_cast<int>(shared_.size()); }
+
+ private:
+  struct Evaluation {
+    ElementSums elements;
+    Eigen::Matrix3Xd residual_n;      // of the unheld degrees of freedom
+    std::vector<double> values;       // C
+    std::vector<ConstraintLaw> laws;  // before anything slipped
+    std::vector<FrictionContactBound> friction_contacts;
+    double smooth_energy = 0.0;  // elastic + inertia - loads
+    double relative_residual = 0.0;
+    double force_scale_n = 1.0;  // of the residual
+    bool finite = false;
+  };
+  struct Step {
+    Eigen::Matrix3Xd motion_m;
+    Eigen::VectorXd element_multipliers_pa, constraint_multipliers, slips_m;
+    Eigen::VectorXd penalties;        // per constraint, for the merit function
+    std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0, after the slips
+    double slope = 0.0;               // of the merit function along the step
+  };
+
+  struct Height {
+    double energy = 0.0;
+    Eigen::Matrix3Xd gradient_n;
+    ElementSums elements;
+    std::vector<double> values;  // C
+  };
+
+  Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
+  bool linearise(const NewtonState& state, double inertia_per_s2, const std::shared_ptr<const StrainPull>& pull,
+                 bool convex);
+  bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2);  // what is not of the elements
+  bool linearised_at(const NewtonState& state, double inertia_per_s2,
+                     const std::shared_ptr<const StrainPull>& pull) const;
+  bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
+  std::vector<FrictionContactBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
+  bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
+  NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
+  bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing) const;
+  // Completes the step by what the merit function needs. `gradient_n`: of the nodes, before the step.
+  void prepare_merit(const NewtonState& state, const Evaluation& here, const Eigen::Matrix3Xd& gradient_n,
+                     Step& step) const;
+  bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
+                   double& length) const;
+  Height height(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const;
+  bool linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
+                       double convexity);
+  bool linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
+                          double& convexity, NewtonReport& report);
+  Eigen::VectorXd downhill(const Eigen::Matrix3Xd& gradient_n, const Eigen::VectorXd& compliances,
+                           const std::vector<int>& open) const;
+  double merit(const Evaluation& at, const Step& step) const;
+  void release(Eigen::Matrix3Xd& forces) const;                          // zero on held degrees of freedom
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor
+  Eigen::MatrixXd border(const Eigen::Matrix3Xd& positions) const;
+
+  const Body& body_;
+  std::vector<const Constraint*> constraints_;
+  std::vector<SharedLength> shared_;
+  MatrixLayout layout_;
+  Eigen::Matrix3Xd loads_n_;
+  double force_floor_n_;  // forces below this count as none
+  BlockMatrix matrix_;
+  BlockCholesky factor_;
+  Elements elements_;
+  StrainSprings springs_;
+  std::unique_ptr<const StepWarp> warp_;  // made for the first step of a new factor
+  CliqueAdder ties_;
+  std::vector<CliqueAdder> adders_;  // per constraint
+
+  // The last linearisation: its factor is in factor_, its volume gradients are in elements_.
+  std::shared_ptr<const Linearisation> linearisation_;  // null where it was convex or failed
+  Eigen::MatrixXd border_, border_solved_;              // B and A^-1 B, over 3*node + axis
+};
+
+}  // namespace soft_robot_lab

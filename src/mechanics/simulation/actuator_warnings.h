@@ -1,0 +1,12 @@
+#pragma once
+
+#include "soft_robot_lab/mechanics/actuator.h"
+#include "soft_robot_lab/mechanics/body.h"
+#include "soft_robot_lab/mechanics/solve_report.h"
+
+namespace soft_robot_lab {
+
+// What this actuator was asked for and the body does not let it do, or what no robot would stand.
+std::vector<SolveWarning> actuator_warnings(const ActuatorReading& reading, const Body& body);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "mechanics/newton/newton_solver.h"
+#include "soft_robot_lab/mechanics/simulation_state.h"
+#include "soft_robot_lab/mechanics/solver_options.h"
+
+namespace soft_robot_lab {
+
+// Where a time step of length h starts its search: along a parabola where the motion is smooth, else along the
+// velocity. The nearer it starts, the longer an old factor serves.
+NewtonState predict(const SimulationState& state, double h, Integrator integrator);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,218 @@
+#include "soft_robot_lab/mechanics/simulation.h"
+
+#include <chrono>
+#include <set>
+#include <stdexcept>
+
+#include "actuator_warnings.h"
+#include "equilibrium.h"
+#include "mechanics/newton/parameter_response.h"
+#include "rest.h"
+#include "simulation_parts.h"
+#include "state_check.h"
+#include "mechanics/xpbd/substepping.h"
+#include "time_stepping.h"
+
+namespace soft_robot_lab {
+namespace {
+
+template <class Items, class NameOf>
+int index_of(const std::string& kind, const std::string& name, const Items& items, NameOf name_of) {
+  std::string known;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (name_of(items[i]) == name) return static_cast<int>(i);
+    known += (i == 0 ? "" : ", ") + name_of(items[i]);
+  }
+  throw std::invalid_argument("unknown " + kind + " '" + name + "'; known: " + (known.empty() ? "none" : known));
+}
+
+void warn_of_actuators(const Simulation& simulation, SolveReport& report) {
+  for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
+    for (const SolveWarning& warning :
+         actuator_warnings(simulation.actuator_state(static_cast<int>(i)), simulation.body()))
+      add_warning(warning, report.warnings);
+}
+
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void refuse_beyond_xpbd(const Body& body) {
+  if (body.linear_volume() == LinearVolume::vertex_averaged)
+    throw std::invalid_argument(
+        "body.linear_volume: vertex_averaged is not for solver.method xpbd, which corrects one element at a "
+        "time; "
+        "choose element, or method newton");
+  if (body.viscosity().of_strain())
+    throw std::invalid_argument(
+        "body.damping.rayleigh_stiffness_s and body.hysteresis are not for solver.method xpbd; choose "
+        "rayleigh_mass_per_s, or method newton");
+}
+
+// d tension / d command of the actuators, from d multiplier / d command of the constraints: a tension is linear in its
+// actuator's multipliers, and every constraint follows its actuator's command.
+Eigen::MatrixXd tension_changes(const SimulationParts& parts, const Eigen::MatrixXd& multipliers) {
+  const Eigen::Index count = static_cast<Eigen::Index>(parts.actuators.size());
+  Eigen::MatrixXd changes = Eigen::MatrixXd::Zero(count, count);
+  std::vector<Eigen::Index> first(parts.actuators.size() + 1, 0);
+  for (std::size_t i = 0; i < parts.actuators.size(); ++i)
+    first[i + 1] = first[i] + static_cast<Eigen::Index>(parts.actuators[i]->constraints().size());
+  for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
+    const auto tension_n = [&](const std::vector<double>& of) {
+      return parts.actuators[i]->observe(parts.state.positions_m, of).tension_n;
+    };
+    std::vector<double> here = parts.multipliers_of(i);
+    if (!tension_n(here)) continue;
+    for (std::size_t a = 0; a < parts.actuators.size(); ++a) {
+      std::vector<double> there = here;
+      for (Eigen::Index column = first[a]; column < first[a + 1]; ++column)
+        for (std::size_t k = 0; k < there.size(); ++k)
+          there[k] += multipliers(first[i] + static_cast<Eigen::Index>(k), column);
+      changes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(a)) = *tension_n(there) - *tension_n(here);
+    }
+  }
+  return changes;
+}
+
+}  // namespace
+
+Simulation::Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
+                       const SolverOptions& options) {
+  options.validate();
+  if (body.fixed_node_count() == 0) throw std::invalid_argument("body.fixed: no node is held; the robot would fall");
+  if (options.method == SolverOptions::Method::xpbd) refuse_beyond_xpbd(body);
+  std::set<std::string> names;
+  for (const auto& actuator : actuators)
+    if (!names.insert(actuator->name()).second)
+      throw std::invalid_argument("two actuators are named '" + actuator->name() + "'");
+  names.clear();
+  for (const Marker& marker : markers)
+    if (!names.insert(marker.name()).second)
+      throw std::invalid_argument("two markers are named '" + marker.name() + "'");
+  parts_ = std::make_unique<SimulationParts>(std::move(body), std::move(actuators), std::move(markers), options);
+  reset();
+}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+
+void Simulation::set_command(const std::string& actuator, double command) {
+  const int index = actuator_index(actuator);
+  parts_->actuators[index]->set_command(command);
+  parts_->state.commands[index] = command;
+  parts_->state.actuator_memories[index] = parts_->actuators[index]->memory();
+}
+
+SolveReport Simulation::step() {
+  const Stopwatch clock;
+  SolveReport report;
+  if (parts_->xpbd) {
+    step_in_substeps(*parts_, report);
+  } else {
+    step_in_time(*parts_, parts_->options.time_step_s, report);
+  }
+  warn_of_actuators(*this, report);
+  report.wall_s = clock.seconds();
+  return report;
+}
+
+SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
+  const Stopwatch clock;
+  SolveReport report;
+  for (const auto& actuator : parts_->actuators)
+    if (const std::string why = actuator->why_no_equilibrium(); !why.empty())
+      throw std::invalid_argument("actuator '" + actuator->name() + "': " + why);
+  parts_->forget_motion();
+  parts_->begin_step();
+  if (parts_->xpbd) {
+    settle_in_substeps(*parts_, report);
+  } else {
+    find_equilibrium(*parts_, options, report);
+  }
+  parts_->remember();
+  warn_of_actuators(*this, report);
+  report.wall_s = clock.seconds();
+  return report;
+}
+
+Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {
+  SimulationParts& p = *parts_;
+  p.begin_step();
+  Eigen::MatrixXd multipliers;
+  const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns(), &multipliers);
+  p.remember();
+  if (motions.rows() == 0 && p.solver.constraint_count() > 0)
+    throw std::runtime_error("no sensitivity: the present state is not a stable equilibrium");
+  if (tensions_n) *tensions_n = tension_changes(p, multipliers);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(p.markers.size()),
+                                                 static_cast<Eigen::Index>(p.actuators.size()));
+  Eigen::Index column = 0;
+  for (std::size_t a = 0; a < p.actuators.size(); ++a) {
+    for (std::size_t i = 0; i < p.actuators[a]->constraints().size(); ++i, ++column) {
+      const Eigen::Map<const Eigen::Matrix3Xd> motion(motions.col(column).data(), 3, p.state.positions_m.cols());
+      for (std::size_t m = 0; m < p.markers.size(); ++m)
+        result.block<3, 1>(3 * static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(a)) +=
+            p.markers[m].velocity(p.state.positions_m, motion);
+    }
+  }
+  return result;
+}
+
+Eigen::MatrixXd Simulation::parameter_sensitivities(const std::vector<ModelParameter>& parameters,
+                                                    Eigen::MatrixXd& slipped_m) {
+  SimulationParts& p = *parts_;
+  p.begin_step();
+  const Eigen::MatrixXd motions = parameter_motions(p, parameters, slipped_m);
+  p.remember();
+  Eigen::MatrixXd result(3 * static_cast<Eigen::Index>(p.markers.size()), motions.cols());
+  for (Eigen::Index column = 0; column < motions.cols(); ++column) {
+    const Eigen::Map<const Eigen::Matrix3Xd> motion(motions.col(column).data(), 3, p.state.positions_m.cols());
+    for (std::size_t m = 0; m < p.markers.size(); ++m)
+      result.block<3, 1>(3 * static_cast<Eigen::Index>(m), column) = p.markers[m].velocity(p.state.positions_m, motion);
+  }
+  return result;
+}
+
+void Simulation::reset() { parts_->reset(); }
+const SimulationState& Simulation::state() const { return parts_->state; }
+
+void Simulation::set_state(const SimulationState& state) {
+  check_state(state, parts_->state);
+  parts_->restore(state);
+  // A state may have been changed since it slept.
+  std::optional<double>& residual = parts_->state.rest_residual;
+  if (residual && (!state.velocities_m_s.isZero(0.0) || residual_at_rest(*parts_) != *residual)) residual.reset();
+  parts_->solver.restore(state.linearisation);
+}
+
+const Body& Simulation::body() const { return parts_->body; }
+const SolverOptions& Simulation::options() const { return parts_->options; }
+const std::vector<Marker>& Simulation::markers() const { return parts_->markers; }
+const std::vector<std::unique_ptr<Actuator>>& Simulation::actuators() const { return parts_->actuators; }
+
+int Simulation::actuator_index(const std::string& name) const {
+  return index_of("actuator", name, parts_->actuators, [](const auto& actuator) { return actuator->name(); });
+}
+
+int Simulation::marker_index(const std::string& name) const {
+  return index_of("marker", name, parts_->markers, [](const Marker& marker) { return marker.name(); });
+}
+
+Eigen::Vector3d Simulation::marker_position(int marker) const {
+  return parts_->markers.at(marker).position(parts_->state.positions_m);
+}
+
+ActuatorReading Simulation::actuator_state(int actuator) const {
+  const Actuator& chosen = *parts_->actuators.at(actuator);
+  ActuatorReading state = chosen.observe(parts_->state.positions_m, parts_->multipliers_of(actuator));
+  state.name = chosen.name();
+  state.command = chosen.command();
+  state.actuated_command = chosen.actuated_command();
+  return state;
+}
+
+}  // namespace soft_robot_lab

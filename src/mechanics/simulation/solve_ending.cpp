@@ -1,0 +1,87 @@
+#include "solve_ending.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+namespace soft_robot_lab {
+namespace {
+
+Eigen::Vector3d center_m(int element, const Body& body) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (int corner = 0; corner < 4; ++corner)
+    centre += 0.25 * body.mesh().nodes_m.col(body.mesh().tets(corner, element));
+  return centre;
+}
+
+std::string place(const Eigen::Vector3d& at) {
+  std::ostringstream text;
+  text << "at rest position (" << at.x() << ", " << at.y() << ", " << at.z() << ") m";
+  return text.str();
+}
+
+SolveWarning inverted(const NewtonReport& newton, const Body& body) {
+  SolveWarning warning;
+  warning.kind = "inverted_elements";
+  warning.size = newton.smallest_determinant;
+  std::ostringstream text;
+  text << newton.inverted_elements << " inverted elements, the worst element " << newton.worst_element << " ";
+  if (newton.worst_element >= 0) {
+    warning.rest_position_m = center_m(newton.worst_element, body);
+    text << place(*warning.rest_position_m);
+  }
+  text << ", det F = " << newton.smallest_determinant;
+  warning.text = text.str();
+  return warning;
+}
+
+SolveWarning residual_not_met(const NewtonReport& newton, const Body& body) {
+  SolveWarning warning;
+  warning.kind = "residual_not_met";
+  warning.size = newton.residual;
+  std::ostringstream text;
+  text << "residual " << newton.residual << ", asked for " << newton.tolerance;
+  if (newton.worst_node >= 0) {
+    warning.rest_position_m = body.mesh().nodes_m.col(newton.worst_node);
+    text << "; the largest force is left " << place(*warning.rest_position_m);
+  }
+  warning.text = text.str();
+  return warning;
+}
+
+}  // namespace
+
+void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report) {
+  report.converged = newton.converged;
+  report.residual = newton.residual;
+  report.inverted_elements = newton.inverted_elements;
+  report.message = newton.reason;
+  report.warnings.clear();
+  if (!newton.converged) add_warning(residual_not_met(newton, body), report.warnings);
+  if (newton.inverted_elements > 0) {
+    add_warning(inverted(newton, body), report.warnings);
+    report.message += (report.message.empty() ? "" : "; ") + report.warnings.back().text;
+  }
+}
+
+void tell_untangleed(int elements, SolveReport& report) {
+  SolveWarning warning;
+  warning.kind = "untangleed";
+  warning.size = elements;
+  warning.text = std::to_string(elements) + " elements, those inverted before and around them, were laid out anew";
+  add_warning(warning, report.warnings);
+}
+
+void add_warning(const SolveWarning& warning, std::vector<SolveWarning>& all) {
+  const auto same = std::find_if(all.begin(), all.end(), [&](const SolveWarning& other) {
+    return other.kind == warning.kind && other.actuator == warning.actuator;
+  });
+  if (same == all.end()) {
+    all.push_back(warning);
+  } else if (std::abs(warning.size) > std::abs(same->size)) {
+    *same = warning;
+  }
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "mechanics/newton/newton_solver.h"
+#include "soft_robot_lab/mechanics/body.h"
+#include "soft_robot_lab/mechanics/solve_report.h"
+
+namespace soft_robot_lab {
+
+// How a solve ended, with place and size of what is wrong.
+void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report);
+
+// That nodes did not move by the laws of mechanics: inverted elements and those around them were laid out anew.
+void tell_untangleed(int elements, SolveReport& report);
+
+}  // namespace soft_robot_lab

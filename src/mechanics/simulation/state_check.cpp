@@ -1,0 +1,41 @@
+#include "state_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "require.h"
+
+namespace soft_robot_lab {
+
+void check_state(const SimulationState& state, const SimulationState& now) {
+  const bool sizes =
+      state.positions_m.cols() == now.positions_m.cols() && state.velocities_m_s.cols() == now.velocities_m_s.cols() &&
+      state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
+      state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
+      (state.element_forces_n.size() == now.element_forces_n.size() || state.element_forces_n.size() == 0) &&
+      state.branch_stress_pa.size() == now.branch_stress_pa.size() && state.commands.size() == now.commands.size() &&
+      state.actuated_commands.size() == now.actuated_commands.size() &&
+      std::equal(state.actuator_memories.begin(), state.actuator_memories.end(), now.actuator_memories.begin(),
+                 now.actuator_memories.end(), [](const auto& a, const auto& b) { return a.size() == b.size(); });
+  const bool history = state.previous_step_s != 0.0;
+  const bool previous_sizes =
+      state.previous_positions_m.cols() == (history ? now.positions_m.cols() : 0) &&
+      state.previous_velocities_m_s.cols() == (history ? now.positions_m.cols() : 0) &&
+      state.previous_element_multipliers_pa.size() == (history ? now.element_multipliers_pa.size() : 0) &&
+      state.previous_constraint_multipliers.size() == (history ? now.constraint_multipliers.size() : 0);
+  if (!sizes || !previous_sizes) throw std::invalid_argument("state: its sizes are not those of this simulation");
+  require(state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0, "state.previous_step_s", state.previous_step_s,
+          "[0, 1]");
+  require(state.inverted_steps >= 0, "state.inverted_steps", state.inverted_steps, "zero or more");
+  if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
+      !state.previous_element_multipliers_pa.allFinite() || !state.previous_constraint_multipliers.allFinite() ||
+      !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
+      !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
+      !state.element_forces_n.allFinite() || !state.branch_stress_pa.allFinite() || !std::isfinite(state.time_s) ||
+      !std::all_of(state.actuator_memories.begin(), state.actuator_memories.end(),
+                   [](const auto& memory) { return memory.allFinite(); }))
+    throw std::invalid_argument("state: not finite");
+}
+
+}  // namespace soft_robot_lab

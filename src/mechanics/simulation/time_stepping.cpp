@@ -1,0 +1,137 @@
+#include "time_stepping.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "backward_difference.h"
+#include "prediction.h"
+#include "rest.h"
+#include "solve_ending.h"
+#include "mechanics/newton/untangle.h"
+#include "mechanics/elements/viscous_step.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kDeepestHalving = 6;  // a time step is cut into at most 2^6 parts
+constexpr int kBudget = 10;         // times max_iterations, for a step; then it takes what it has
+
+// What the actuators do within a time step, which begins here for them: they move evenly, also those without a speed
+// limit.
+struct CommandPath {
+  std::vector<double> from, to;
+
+  CommandPath(SimulationParts& parts, double h) {
+    parts.begin_step(h);
+    for (auto& actuator : parts.actuators) {
+      from.push_back(actuator->actuated_command());
+      actuator->advance(h);
+      to.push_back(actuator->actuated_command());
+    }
+  }
+  void move(SimulationParts& parts, double share) const {
+    for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
+      const double reached = share == 1.0 ? to[i] : from[i] + share * (to[i] - from[i]);
+      parts.actuators[i]->place(reached);
+    }
+  }
+};
+
+// A part of a time step, from one share of it to another.
+struct Part {
+  double from = 0.0, to = 1.0;
+  int depth = 0;
+
+  double share() const { return to - from; }
+  Part first_half() const { return {from, 0.5 * (from + to), depth + 1}; }
+  Part second_half() const { return {0.5 * (from + to), to, depth + 1}; }
+};
+
+// Makes the solution of a step of length h the state, with all that the next step knows of this one.
+void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, const ViscousStep& viscous,
+                 NewtonState solved, SimulationState before) {
+  SimulationState& state = parts.state;
+  state.branch_stress_pa = viscous.branch_stress_pa(parts.solver, solved.positions_m);
+  state.velocities_m_s = (solved.positions_m - difference.positions_from_m) / difference.gamma_s;
+  parts.accept(std::move(solved));
+  state.time_s = before.time_s + h;
+  state.previous_step_s = h;
+  state.previous_positions_m = std::move(before.positions_m);
+  state.previous_velocities_m_s = std::move(before.velocities_m_s);
+  state.previous_element_multipliers_pa = std::move(before.element_multipliers_pa);
+  state.previous_constraint_multipliers = std::move(before.constraint_multipliers);
+  parts.remember();
+}
+
+bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
+  SimulationState before = parts.state;
+  const BackwardDifference difference(before, h, parts.options.integrator);
+  const ViscousStep viscous(parts.body, parts.solver, before, difference, h);
+  // M ((x - x~) / gamma^2 + a (x - x_from) / gamma) = c M (x - x_from - gamma v_from / c) / gamma^2 with c = 1 + a
+  // gamma
+  const double slowed = 1.0 + parts.body.viscosity().rayleigh_mass_per_s * difference.gamma_s;
+  const Eigen::Matrix3Xd predicted =
+      difference.positions_from_m + difference.gamma_s / slowed * difference.velocities_from_m_s;
+  NewtonTask task;
+  task.tolerance = parts.options.dynamic_tolerance;
+  task.min_iterations = 1;
+  task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
+  task.reuse_factor = true;
+  task.inertia_per_s2 = slowed / (difference.gamma_s * difference.gamma_s);
+  task.predicted_m = &predicted;
+  task.pull = viscous.pull();
+  NewtonState unknown = predict(before, h, parts.options.integrator);
+  unknown.slips_m = Eigen::VectorXd::Zero(parts.solver.friction_contact_count());
+  const bool solved =
+      parts.solve(task, unknown, report).converged || parts.solve_from_below(task, unknown, report).converged;
+  if (!solved && !last_resort) return false;
+  accept_step(parts, h, difference, viscous, std::move(unknown), std::move(before));
+  return true;
+}
+
+// What bdf2 knows of the step before lets halves differ in length; where they grow too fast, as they may afterwards,
+// one step is implicit Euler's. A part that finds no solution at last falls down its energy, which never adds any.
+void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
+  if (part.depth > 0) parts.begin_step(part.share() * h);
+  path.move(parts, part.to);
+  const bool last_resort = part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
+  if (try_step(parts, part.share() * h, last_resort, report)) return;
+  advance(parts, h, path, part.first_half(), report);
+  const bool first = report.converged;
+  advance(parts, h, path, part.second_half(), report);
+  report.converged = report.converged && first;
+}
+
+bool is_power_of_two(int number) { return number > 0 && (number & (number - 1)) == 0; }
+
+// A step from a shape whose inverted elements are laid out anew, with ever more of their surroundings the longer they
+// have been so; kept only where they stay untangleed.
+bool advance_untangleed(SimulationParts& parts, double h, SolveReport& report) {
+  SimulationState& state = parts.state;
+  const SimulationState before = state;
+  const Untangled untangleed = untangle(parts.body, state.inverted_steps, state.positions_m);
+  if (untangleed.nodes.empty()) return false;
+  for (const int node : untangleed.nodes) state.velocities_m_s.col(node).setZero();
+  state.element_multipliers_pa.setZero();
+  parts.forget_previous_step();
+  advance(parts, h, CommandPath(parts, h), Part(), report);
+  if (report.converged && report.inverted_elements == 0) {
+    tell_untangleed(static_cast<int>(untangleed.elements.size()), report);
+    return true;
+  }
+  parts.restore(before);
+  return false;
+}
+
+}  // namespace
+
+void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
+  if (sleep_on(parts, h, report)) return;
+  const int inverted_steps = parts.state.inverted_steps;
+  if (!is_power_of_two(inverted_steps) || !advance_untangleed(parts, h, report))
+    advance(parts, h, CommandPath(parts, h), Part(), report);
+  parts.state.inverted_steps = report.inverted_elements > 0 ? inverted_steps + 1 : 0;
+  fall_asleep_where_still(parts, h, report);
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,250 @@
+#include "xpbd_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "element_colours.h"
+#include "element_step.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kPacksWorthAThread = 16;
+constexpr int kDoublings = 4;
+constexpr double kMostCreatedEnergy = 0.05;  // steps that go well stay below 0.01, those that do not exceed 0.3 at once
+
+struct Colouring {
+  std::vector<int> lanes, start;
+};
+
+// Colours in the lanes of packs, each colour from a pack of its own.
+Colouring lay_out(const TetMesh& mesh) {
+  Colouring result;
+  result.start.push_back(0);
+  for (const std::vector<int>& colour : colour_elements(mesh)) {
+    result.lanes.insert(result.lanes.end(), colour.begin(), colour.end());
+    while (result.lanes.size() % kLanes != 0) result.lanes.push_back(~colour.back());
+    result.start.push_back(static_cast<int>(result.lanes.size()) / kLanes);
+  }
+  return result;
+}
+
+ElementPacks coloured_packs(const Body& body, Colouring colouring, std::vector<int>& start) {
+  std::vector<int> rank(body.mesh().node_count());
+  std::iota(rank.begin(), rank.end(), 0);
+  start = std::move(colouring.start);
+  return {body.mesh(), body.material().lame_mu_pa(), std::move(colouring.lanes), rank};
+}
+
+ElementStep element_step(const Body& body, double h, const Eigen::Matrix3Xd& root_inverse_masses, NewtonState& state,
+                         std::vector<Pack>& multipliers) {
+  return {law_of(body.material()),
+          bulk_lambda_pa(body.material()),
+          h,
+          root_inverse_masses.data(),
+          state.positions_m.data(),
+          multipliers.data(),
+          state.element_multipliers_pa.data()};
+}
+
+}  // namespace
+
+XpbdSolver::XpbdSolver(const Body& body, std::vector<const Constraint*> constraints, int thread_count)
+    : body_(body),
+      constraints_(std::move(constraints)),
+      thread_count_(thread_count),
+      loads_n_(body.external_forces_n()),
+      packs_(coloured_packs(body, lay_out(body.mesh()), colour_start_)),
+      multipliers_(static_cast<std::size_t>(packs_.count()) * packs_.node_count * 3, splat(0.0)),
+      energies_(static_cast<std::size_t>(packs_.count()), splat(0.0)),
+      gradient_(Eigen::Matrix3Xd::Zero(3, body.mesh().node_count())) {
+  inverse_masses_ = body.node_masses_kg().cwiseInverse().transpose().replicate(3, 1);
+  inverse_masses_ = body.fixed().array().select(0.0, inverse_masses_.array()).matrix();
+  root_inverse_masses_ = inverse_masses_.cwiseSqrt();
+}
+
+template <class Work>
+void XpbdSolver::for_colours(Work work) const {
+  for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
+    const int first = colour_start_[colour], count = colour_start_[colour + 1] - first;
+    const int parts = std::clamp(count / kPacksWorthAThread, 1, thread_count_);
+#pragma omp parallel for num_threads(parts) schedule(static, 1) if (parts > 1)
+    for (int part = 0; part < parts; ++part) work(first + count * part / parts, first + count * (part + 1) / parts);
+  }
+}
+
+const std::vector<int>& XpbdSolver::touched_by(const Constraint& constraint,
+                                                      const Eigen::Matrix3Xd& positions_m) {
+  for (const int node : touched_) gradient_.col(node).setZero();
+  touched_.clear();
+  constraint.add_gradient(positions_m, 1.0, gradient_);
+  for (Eigen::Index node = 0; node < gradient_.cols(); ++node)
+    if (!gradient_.col(node).isZero(0.0)) touched_.push_back(static_cast<int>(node));
+  return touched_;
+}
+
+// l = -h^2 M^-1/2 f; the forces on held nodes, where M^-1/2 is zero, are not needed and not kept.
+void XpbdSolver::load_multipliers(const Eigen::VectorXd& forces_n, double h) {
+  for (std::size_t place = 0; place < multipliers_.size(); ++place)
+    for (int lane = 0; lane < kLanes; ++lane)
+      multipliers_[place][lane] =
+          -h * h * root_inverse_mass(place, lane) * forces_n[static_cast<Eigen::Index>(place) * kLanes + lane];
+}
+
+void XpbdSolver::save_multipliers(double h, Eigen::VectorXd& forces_n) const {
+  for (std::size_t place = 0; place < multipliers_.size(); ++place) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double s = root_inverse_mass(place, lane);
+      forces_n[static_cast<Eigen::Index>(place) * kLanes + lane] =
+          s > 0.0 ? -multipliers_[place][lane] / (h * h * s) : 0.0;
+    }
+  }
+}
+
+// A sweep from zero in no time leaves the nodes where they are, and the multipliers at -h^2 M^-1/2 dE/dx.
+Eigen::VectorXd XpbdSolver::forces_of(NewtonState state) {
+  constexpr double no_time_s = 1e-10;
+  Eigen::VectorXd forces_n = Eigen::VectorXd::Zero(force_count());
+  std::fill(multipliers_.begin(), multipliers_.end(), splat(0.0));
+  sweep_elements(no_time_s, state);
+  save_multipliers(no_time_s, forces_n);
+  return forces_n;
+}
+
+void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
+  Eigen::Matrix3Xd& positions = state.unknowns.positions_m;
+  Eigen::Matrix3Xd motion = h * state.velocities_m_s + h * h * inverse_masses_.cwiseProduct(loads_n_);
+  if (task.multipliers_from_zero) {
+    std::fill(multipliers_.begin(), multipliers_.end(), splat(0.0));
+  } else {
+    for (std::size_t place = 0; place < multipliers_.size(); ++place)
+      for (int lane = 0; lane < kLanes; ++lane)
+        if (packs_.element[place / element_size() * kLanes + lane] >= 0)
+          motion.data()[coordinate(place, lane)] += root_inverse_mass(place, lane) * multipliers_[place][lane];
+  }
+  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    double& y = state.unknowns.constraint_multipliers[static_cast<Eigen::Index>(i)];
+    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(positions), y);
+    y = std::clamp(task.multipliers_from_zero ? 0.0 : y, law.min_multiplier, law.max_multiplier);
+    if (y == 0.0) continue;
+    for (const int node : touched_by(*constraints_[i], positions))
+      motion.col(node) -= h * h * y * inverse_masses_.col(node).cwiseProduct(gradient_.col(node));
+  }
+  positions += inverse_masses_.cwiseSign().cwiseProduct(motion);
+}
+
+void XpbdSolver::sweep_elements(double h, NewtonState& state) {
+  const ElementStep step = element_step(body_, h, root_inverse_masses_, state, multipliers_);
+  for_colours([&](int first, int last) { move_elements(packs_, first, last, step); });
+}
+
+// Eq. 18 with y = -lambda / h^2, the force: the correction is dy = (o - a y) / (a + h^2 grad C . M^-1 grad C).
+void XpbdSolver::sweep_constraints(double h, NewtonState& state) {
+  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    double& y = state.constraint_multipliers[static_cast<Eigen::Index>(i)];
+    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(state.positions_m), y);
+    if (law.prescribed()) continue;
+    double weight = 0.0;
+    for (const int node : touched_by(*constraints_[i], state.positions_m))
+      weight += gradient_.col(node).cwiseAbs2().dot(inverse_masses_.col(node));
+    const double delassus = law.compliance + h * h * weight;
+    if (!(delassus > 0.0)) continue;  // rigid between held nodes: nothing can move
+    const double next =
+        std::clamp(y + (law.offset - law.compliance * y) / delassus, law.min_multiplier, law.max_multiplier);
+    for (const int node : touched_)
+      state.positions_m.col(node) -= h * h * (next - y) * inverse_masses_.col(node).cwiseProduct(gradient_.col(node));
+    y = next;
+  }
+}
+
+double XpbdSolver::kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const {
+  return 0.5 * velocities_m_s.colwise().squaredNorm().dot(body_.node_masses_kg());
+}
+
+double XpbdSolver::stored_energy(const Eigen::Matrix3Xd& positions_m) {
+  measure_energy(packs_, law_of(body_.material()), bulk_lambda_pa(body_.material()), positions_m.data(),
+                 energies_.data());
+  double sum = 0.0;
+  for (const Pack& pack : energies_)
+    for (int lane = 0; lane < kLanes; ++lane) sum += pack[lane];
+  return sum;
+}
+
+XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
+  XpbdReport report;
+  report.substeps = task.substep_count;
+  const double h = task.time_step_s / task.substep_count;
+  const auto count = static_cast<Eigen::Index>(constraints_.size());
+  NewtonState& unknowns = state.unknowns;
+  Eigen::VectorXd values(count);
+  const auto measure = [&](Eigen::Index i) {
+    return constraints_[static_cast<std::size_t>(i)]->value(unknowns.positions_m);
+  };
+  for (Eigen::Index i = 0; i < count; ++i) values[i] = measure(i);
+  const double energy_before = kinetic_energy(state.velocities_m_s) + stored_energy(unknowns.positions_m);
+  double work = 0.0, moved_energy = 0.0;
+  const double slowing = 1.0 / (1.0 + body_.viscosity().rayleigh_mass_per_s * h);
+
+  load_multipliers(state.element_forces_n, h);
+  for (int substep = 0; substep < task.substep_count; ++substep) {
+    if (task.before_substep) task.before_substep((substep + 1.0) / task.substep_count);
+    const Eigen::Matrix3Xd before = unknowns.positions_m;
+    if (slowing < 1.0) state.velocities_m_s *= slowing;
+    if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;
+    predict(task, h, state);
+    for (int iteration = 0; iteration < task.iteration_count; ++iteration) {
+      sweep_elements(h, unknowns);
+      sweep_constraints(h, unknowns);
+      ++report.sweeps;
+    }
+    const Eigen::Matrix3Xd motion = unknowns.positions_m - before;
+    state.velocities_m_s = motion / h;
+    if (!state.velocities_m_s.allFinite()) return report;
+    double brought = loads_n_.cwiseProduct(motion).sum();
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const double value = measure(i);
+      brought -= unknowns.constraint_multipliers[i] * (value - values[i]);
+      values[i] = value;
+    }
+    work += brought;
+    moved_energy += std::abs(brought);
+  }
+  save_multipliers(h, state.element_forces_n);
+
+  report.kinetic_energy_j = kinetic_energy(state.velocities_m_s);
+  const double energy_after = report.kinetic_energy_j + stored_energy(unknowns.positions_m);
+  const double least =
+      1e-9 * body_.material().youngs_modulus_pa * body_.node_masses_kg().sum() / body_.material().density_kg_m3;
+  report.created_energy = (energy_after - energy_before - work) / (energy_before + moved_energy + least);
+  report.finite = std::isfinite(report.created_energy) && state.element_forces_n.allFinite() &&
+                  unknowns.element_multipliers_pa.allFinite() && unknowns.constraint_multipliers.allFinite();
+  report.stable = report.finite && report.created_energy <= kMostCreatedEnergy;
+  return report;
+}
+
+XpbdReport XpbdSolver::advance_stably(XpbdTask task, XpbdState& state) {
+  const XpbdState start = state;
+  XpbdReport kept;
+  int sweeps = 0, rejected = 0;
+  const auto attempt = [&] {
+    XpbdState trial = start;
+    const XpbdReport report = advance(task, trial);
+    sweeps += report.sweeps;
+    rejected += report.stable ? 0 : 1;
+    if (!report.finite) return;
+    kept = report;
+    state = std::move(trial);
+  };
+  for (int doubling = 0; doubling <= kDoublings && !kept.stable; ++doubling, task.substep_count *= 2) attempt();
+  if (!kept.finite) {
+    task.substep_count /= 2;
+    task.multipliers_from_zero = true;
+    attempt();
+  }
+  kept.sweeps = sweeps;
+  kept.rejected_steps = rejected;
+  return kept;
+}
+
+}  // namespace soft_robot_lab

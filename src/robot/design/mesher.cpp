@@ -1,0 +1,172 @@
+#include "soft_robot_lab/robot/design/mesher.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+
+#include <unistd.h>
+
+#include "content_cache.h"
+#include "content_hash.h"
+#include "soft_robot_lab/robot/design/solid.h"
+#include "timed_process.h"
+#include "settings/find_program.h"
+#include "settings/read_file.h"
+#include "settings/write_file.h"
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Part of every cache key: raise it when mesh_robot makes something else of the same request.
+constexpr const char* kMesherVersion = "soft_robot_lab mesh 3";
+constexpr const char* kEnding = ".msh";
+
+void check_size(const std::string& key, double value) {
+  if (std::isfinite(value) && value > 0) return;
+  throw std::invalid_argument(key + ": " + std::to_string(value) + " is out of range (0, inf)");
+}
+
+void check_request(const MeshRequest& request) {
+  if (request.solid_yaml.empty() == request.mesh_file.empty()) {
+    throw std::invalid_argument("a mesh request needs either a solid or a mesh file");
+  }
+  check_size("element_size_m", request.element_size_m);
+  for (const MeshRefinement& refinement : request.refinements) {
+    check_size("refinements: size_m", refinement.size_m);
+    if (!refinement.surface.empty()) continue;
+    check_size("refinements: radius_m", refinement.radius_m);
+    if (!refinement.center_m.allFinite()) throw std::invalid_argument("refinements: center_m is not finite");
+  }
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
+  return result + "'";
+}
+
+// What mesh_robot reads.
+std::string request_text(const MeshRequest& request) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(17);
+  if (!request.mesh_file.empty()) {
+    text << "mesh_file: " << quoted(fs::absolute(request.mesh_file)) << "\n";
+    return text.str();
+  }
+  text << "solid: " << request.solid_yaml << "\nelement_size_m: " << request.element_size_m
+       << "\nquadratic: " << (request.quadratic ? "true" : "false")
+       << "\nrefinements:" << (request.refinements.empty() ? " []" : "") << "\n";
+  for (const MeshRefinement& r : request.refinements) {
+    if (!r.surface.empty()) {
+      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << quoted(r.surface) << ", size_m: " << r.size_m
+           << "}\n";
+      continue;
+    }
+    text << "- {center_m: [" << r.center_m.x() << ", " << r.center_m.y() << ", " << r.center_m.z()
+         << "], radius_m: " << r.radius_m << ", size_m: " << r.size_m << "}\n";
+  }
+  return text.str();
+}
+
+void collect_files(const Solid& solid, std::vector<std::string>& files) {
+  if (!solid.file.empty()) files.push_back(solid.file);
+  for (const Solid& part : solid.parts) collect_files(part, files);
+}
+
+std::vector<std::string> referenced_files(const MeshRequest& request, const std::string& text) {
+  std::vector<std::string> files;
+  if (!request.mesh_file.empty()) return {request.mesh_file};
+  collect_files(read_solid(YamlNode::parse(text, "mesh request").child("solid")), files);
+  return files;
+}
+
+std::string cache_key(const MeshRequest& request, const std::string& text) {
+  ContentHash hash;
+  hash.add(kMesherVersion);
+  hash.add(text);
+  for (const std::string& name : referenced_files(request, text)) {
+    const std::string content = read_regular_file(name, kLargestMesh_bytes);
+    if (content.empty()) throw std::invalid_argument(name + ": is empty");
+    hash.add(content);
+  }
+  return hash.hex();
+}
+
+std::string find_mesher(const MesherOptions& options) {
+  if (!options.program.empty()) {
+    if (is_program(options.program)) return fs::absolute(options.program);
+    throw std::runtime_error("mesher: '" + options.program + "' is not a program");
+  }
+  const std::string found = find_program("mesh_robot");
+  if (found.empty()) throw std::runtime_error("mesh_robot was found neither in " + program_folder() + " nor on PATH");
+  return found;
+}
+
+std::string read_text(const std::string& path) {
+  std::ifstream file(path);
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  return text;
+}
+
+void require_success(const ProcessEnd& end, const std::string& words, const MesherOptions& options) {
+  std::ostringstream what;
+  switch (end.kind) {
+    case ProcessEnd::Kind::timed_out:
+      what << "meshing took longer than " << options.time_limit_s
+           << " s and was stopped; a larger element_size_m is faster, and so is STEP instead of STL";
+      throw std::runtime_error(what.str());
+    case ProcessEnd::Kind::signalled:
+      what << "the mesher was ended by signal " << end.value << (words.empty() ? "" : ": ") << words;
+      throw std::runtime_error(what.str());
+    case ProcessEnd::Kind::exited:
+      if (end.value == 0) return;
+      if (end.value == 2) throw std::invalid_argument(words);
+      what << "the mesher failed with status " << end.value << (words.empty() ? "" : ": ") << words;
+      throw std::runtime_error(what.str());
+  }
+}
+
+}  // namespace
+
+std::string cache_folder(const MesherOptions& options) {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  if (!options.cache_folder.empty()) return options.cache_folder;
+  if (fs::path(variable("XDG_CACHE_HOME")).is_absolute())
+    return fs::path(variable("XDG_CACHE_HOME")) / "soft_robot_lab";
+  if (!variable("HOME").empty()) return fs::path(variable("HOME")) / ".cache" / "soft_robot_lab";
+  // Without a home there is only a folder that all users share: ours in it must be ours.
+  const std::string own = fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(geteuid()));
+  require_private_folder(own);
+  return own;
+}
+
+std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options) {
+  check_request(request);
+  check_size("time_limit_s", options.time_limit_s);
+  const std::string text = request_text(request);
+  const std::string key = cache_key(request, text);
+  const ContentCache cache(cache_folder(options));
+  if (const std::string found = cache.find(key, kEnding); !found.empty()) return found;
+
+  const WorkFolder work(cache.folder());
+  const std::string request_file = work.file("request.yaml"), output = work.file("output.msh"),
+                    errors = work.file("errors");
+  write_file(request_file, text);
+  const ProcessEnd end = run_with_limit({find_mesher(options), request_file, output}, errors, options.time_limit_s);
+  require_success(end, read_text(errors), options);
+  if (!fs::is_regular_file(output)) throw std::runtime_error("the mesher ended without a mesh");
+  return cache.keep(output, key, kEnding);
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,213 @@
+#include "soft_robot_lab/robot/design/solid.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+
+namespace soft_robot_lab {
+namespace {
+
+using Kind = Solid::Kind;
+
+// In the order of Kind.
+const std::vector<std::string>& kind_names() {
+  static const std::vector<std::string> names = {"box",   "sphere",     "cylinder",     "cone", "extrude",
+                                                 "union", "difference", "intersection", "step", "stl"};
+  return names;
+}
+
+// The one key of the node that names a shape.
+Kind read_kind(const YamlNode& node) {
+  if (!node.is_map()) node.fail("must be a solid such as {box: {size_m: [...], center_m: [...]}}");
+  const std::vector<std::string>& names = kind_names();
+  std::string all;
+  std::vector<size_t> found;
+  for (size_t i = 0; i < names.size(); ++i) {
+    all += (i == 0 ? "" : ", ") + names[i];
+    if (node.has(names[i])) found.push_back(i);
+  }
+  if (found.size() > 1) {
+    node.fail("'" + names[found[0]] + "' and '" + names[found[1]] + "' in one solid; put them in a union: [...]");
+  }
+  if (found.empty()) {
+    std::string keys;
+    for (const std::string& key : node.keys()) keys += (keys.empty() ? "" : ", ") + key;
+    node.fail("holds no shape but '" + keys + "'; must hold one of " + all);
+  }
+  return static_cast<Kind>(found[0]);
+}
+
+// Stands beside the shape or among its dimensions. It ends up between double quotes in mesh files.
+std::string read_name(const YamlNode& solid, const YamlNode& shape) {
+  const bool inside = shape.is_map() && shape.has("name");
+  if (inside && solid.has("name")) solid.fail("has two names; keep one");
+  if (!inside && !solid.has("name")) return "";
+  const YamlNode& node = inside ? shape : solid;
+  const std::string name = node.text("name");
+  const bool printable = std::all_of(name.begin(), name.end(), [](char c) { return c != '"' && (c < 0 || c >= ' '); });
+  if (name.empty() || !printable)
+    node.child("name").fail("'" + name + "' is no name: it must have letters and no double quotes");
+  return name;
+}
+
+void read_box(const YamlNode& node, Solid& solid) {
+  solid.size_m = node.vector3("size_m");
+  solid.center_m = node.vector3("center_m");
+  for (const YamlNode& edge : node.sequence("size_m")) edge.as_number(AllowedRange::positive());
+}
+
+void read_sphere(const YamlNode& node, Solid& solid) {
+  solid.radius_m = node.number("radius_m", AllowedRange::positive());
+  solid.center_m = node.vector3("center_m");
+}
+
+void read_axis(const YamlNode& node, Solid& solid) {
+  solid.start_m = node.vector3("start_m");
+  solid.end_m = node.vector3("end_m");
+  if (solid.start_m == solid.end_m) node.fail("start_m and end_m are the same point");
+}
+
+void read_cylinder(const YamlNode& node, Solid& solid) {
+  read_axis(node, solid);
+  solid.radius_m = solid.end_radius_m = node.number("radius_m", AllowedRange::positive());
+}
+
+void read_cone(const YamlNode& node, Solid& solid) {
+  read_axis(node, solid);
+  solid.radius_m = node.number("radius_m", AllowedRange::not_negative());
+  solid.end_radius_m = node.number("end_radius_m", AllowedRange::not_negative());
+  if (solid.radius_m == 0.0 && solid.end_radius_m == 0.0) node.fail("radius_m and end_radius_m are both 0");
+}
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+bool segments_meet(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
+                   const Eigen::Vector2d& d) {
+  const auto side = [](const auto& p, const auto& q, const auto& r) { return cross(q - p, r - p); };
+  const auto between = [](const auto& p, const auto& q, const auto& r) { return (p - r).dot(q - r) <= 0; };
+  const double abc = side(a, b, c), abd = side(a, b, d), cda = side(c, d, a), cdb = side(c, d, b);
+  if (((abc > 0) != (abd > 0)) && ((cda > 0) != (cdb > 0)) && abc != 0 && abd != 0 && cda != 0 && cdb != 0) return true;
+  return (abc == 0 && between(a, b, c)) || (abd == 0 && between(a, b, d)) || (cda == 0 && between(c, d, a)) ||
+         (cdb == 0 && between(c, d, b));
+}
+
+void check_polygon(const YamlNode& node, const std::vector<Eigen::Vector2d>& corners) {
+  const size_t n = corners.size();
+  if (n < 3) node.fail("has " + std::to_string(n) + " corners, must have at least 3");
+  double area = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const size_t next = (i + 1) % n;
+    area += cross(corners[i], corners[next]) / 2;
+    if (corners[i] != corners[next]) continue;
+    node.fail("corners " + std::to_string(i) + " and " + std::to_string(next) + " are the same");
+  }
+  if (area == 0) node.fail("encloses no area");
+  for (size_t i = 0; i < n; ++i) {
+    const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % n];
+    for (size_t j = i + 2; j < n; ++j) {
+      if (i == 0 && j == n - 1) continue;  // neighbours
+      if (!segments_meet(a, b, corners[j], corners[(j + 1) % n])) continue;
+      node.fail("the edges after corners " + std::to_string(i) + " and " + std::to_string(j) + " cross");
+    }
+  }
+}
+
+void read_extrude(const YamlNode& node, Solid& solid) {
+  for (const YamlNode& item : node.sequence("polygon_m")) {
+    const Eigen::VectorXd corner = item.as_numbers();
+    if (corner.size() != 2) item.fail("has " + std::to_string(corner.size()) + " numbers, must have 2: [x, y]");
+    solid.polygon_m.emplace_back(corner);
+  }
+  check_polygon(node.child("polygon_m"), solid.polygon_m);
+  const Eigen::VectorXd z_m = node.child("z_m").as_numbers();
+  if (z_m.size() != 2 || !(z_m[0] < z_m[1])) node.child("z_m").fail("must be [min, max] with min < max");
+  solid.z_m = z_m;
+}
+
+void read_parts(const YamlNode& node, Solid& solid) {
+  for (const YamlNode& item : node.items()) solid.parts.push_back(read_solid(item));
+  const size_t least = solid.kind == Kind::union_of ? 1 : 2;
+  if (solid.parts.size() < least) {
+    node.fail("has " + std::to_string(solid.parts.size()) + " solids, must have at least " + std::to_string(least));
+  }
+}
+
+std::string read_file(const YamlNode& node) {
+  namespace fs = std::filesystem;
+  const fs::path file = fs::absolute(fs::path(node.source()).parent_path() / node.as_text()).lexically_normal();
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) node.fail("there is no file " + file.string());
+  return file.string();
+}
+
+std::string number_text(double value) {
+  char text[40];
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 17).ptr};
+}
+
+template <typename Vector>
+std::string vector_text(const Vector& vector) {
+  std::string text;
+  for (Eigen::Index i = 0; i < vector.size(); ++i) text += (i == 0 ? "" : ", ") + number_text(vector[i]);
+  return "[" + text + "]";
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) result += (c == '"' || c == '\\' ? std::string("\\") : std::string()) + c;
+  return result + "\"";
+}
+
+std::string shape_text(const Solid& solid) {
+  const std::string center = "center_m: " + vector_text(solid.center_m);
+  const std::string radius = "radius_m: " + number_text(solid.radius_m);
+  const std::string axis = "start_m: " + vector_text(solid.start_m) + ", end_m: " + vector_text(solid.end_m);
+  std::string list;
+  switch (solid.kind) {
+    case Kind::box:
+      return "{size_m: " + vector_text(solid.size_m) + ", " + center + "}";
+    case Kind::sphere:
+      return "{" + radius + ", " + center + "}";
+    case Kind::cylinder:
+      return "{" + axis + ", " + radius + "}";
+    case Kind::cone:
+      return "{" + axis + ", " + radius + ", end_radius_m: " + number_text(solid.end_radius_m) + "}";
+    case Kind::extrude:
+      for (const auto& corner : solid.polygon_m) list += (list.empty() ? "" : ", ") + vector_text(corner);
+      return "{polygon_m: [" + list + "], z_m: " + vector_text(solid.z_m) + "}";
+    case Kind::union_of:
+    case Kind::difference:
+    case Kind::intersection:
+      for (const Solid& part : solid.parts) list += (list.empty() ? "" : ", ") + to_yaml(part);
+      return "[" + list + "]";
+    case Kind::step_file:
+    case Kind::stl_file:
+      break;
+  }
+  return quoted(solid.file);
+}
+
+}  // namespace
+
+Solid read_solid(const YamlNode& node) {
+  using Read = void (*)(const YamlNode&, Solid&);
+  static constexpr Read readers[] = {read_box,     read_sphere, read_cylinder, read_cone,
+                                     read_extrude, read_parts,  read_parts,    read_parts};
+  Solid solid;
+  solid.kind = read_kind(node);
+  const YamlNode shape = node.child(kind_names()[static_cast<size_t>(solid.kind)]);
+  solid.name = read_name(node, shape);
+  if (solid.kind == Kind::step_file || solid.kind == Kind::stl_file) {
+    solid.file = read_file(shape);
+  } else {
+    readers[static_cast<size_t>(solid.kind)](shape, solid);
+  }
+  return solid;
+}
+
+std::string to_yaml(const Solid& solid) {
+  const std::string name = solid.name.empty() ? "" : ", name: " + quoted(solid.name);
+  return "{" + kind_names()[static_cast<size_t>(solid.kind)] + ": " + shape_text(solid) + name + "}";
+}
+
+}  // namespace soft_robot_lab

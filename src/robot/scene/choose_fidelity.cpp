@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <sstream>
+
+#include <Eigen/Geometry>
+
+#include "fidelity.h"
+#include "robot/design/content_hash.h"
+#include "settings/cpu_time.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// Part of every key of the cache: raise it when another choice or estimate would be made of the same scene.
+constexpr const char* kVersion = "soft_robot_lab fidelity 1";
+// Whatever solver a scene names: all of them find the same rest states and motions, this one soonest.
+constexpr const char* kMethod = "solver: {method: newton}";
+constexpr double kOutlineSize_m = 10.0;  // larger than any robot: a mesh as coarse as the solid allows
+constexpr double kExpectedOrder = 1.5;   // of the mesh error, to guess the next size; a wrong guess costs a rung
+constexpr double kLeastShrinking = 0.8;  // of the size, from rung to rung
+constexpr double kMostShrinking = 0.5;
+constexpr double kWorthTrying = 1.15;  // more nodes than the rung before: small features may rule the mesh
+constexpr double kShareOfTime = 0.5;   // of the tolerance, in a dynamic run
+
+std::string body_choice(double size_m) {
+  std::ostringstream text;
+  text << "body: {element: quadratic, element_size_m: " << size_m << "}";
+  return text.str();
+}
+
+double three_digits(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  return std::round(value / unit) * unit;
+}
+
+// About two thicknesses: 4 volume / surface is the side of a long bar.
+double coarsest_size_m(const TetMesh& outline) {
+  double surface_m2 = 0.0;
+  TetMesh whole = outline;
+  complete_boundary(whole);
+  const auto corner = [&](Eigen::Index face, int i) -> Eigen::Vector3d {
+    return whole.nodes_m.col(whole.faces(i, face));
+  };
+  for (Eigen::Index f = 0; f < whole.faces.cols(); ++f)
+    surface_m2 += 0.5 * (corner(f, 1) - corner(f, 0)).cross(corner(f, 2) - corner(f, 0)).norm();
+  return three_digits(8.0 * volume(whole) / surface_m2);
+}
+
+struct Rung {
+  std::string choice;
+  TetMesh mesh;
+  MeshError error;
+};
+
+// Walks from coarse to fine. A rung on which the scene cannot be built (a load's box without a whole face) is passed
+// over; where none can be built, the last complaint is thrown.
+class Ladder {
+ public:
+  Ladder(const YamlNode& settings, const FidelityRequest& request, const SceneOptions& options)
+      : settings_(settings), request_(request), options_(options), given_(settings.child("body").has("mesh")) {
+    if (!given_) size_m_ = coarsest_size_m(read_mesh(lay_over(settings, body_choice(kOutlineSize_m)), options));
+  }
+
+  // The next finer rung, judged; none beyond the limit on nodes.
+  std::optional<Rung> next() {
+    while (!done_) {
+      Rung rung{given_ ? "body: {element: quadratic}" : body_choice(size_m_), {}, {}};
+      const YamlNode scene = lay_over(settings_, rung.choice);
+      rung.mesh = read_mesh(scene, options_);
+      shrink(kLeastShrinking);
+      done_ = given_ || rung.mesh.node_count() > request_.max_nodes;
+      if (rung.mesh.node_count() > request_.max_nodes) return beyond_limit(std::move(rung));
+      if (rung.mesh.node_count() < kWorthTrying * last_nodes_) continue;
+      last_nodes_ = rung.mesh.node_count();
+      if (!judged(scene, rung)) continue;
+      scene.require_all_read();
+      return rung;
+    }
+    if (count_ == 0 && complaint_) std::rethrow_exception(complaint_);
+    return std::nullopt;
+  }
+
+  void aim(double error_m, double tolerance_m) {  // after a rung whose size was shrunk once already
+    const double factor = std::pow(tolerance_m / error_m, 1.0 / kExpectedOrder);
+    shrink(std::clamp(factor, kMostShrinking, kLeastShrinking) / kLeastShrinking);
+  }
+
+  int count() const { return count_; }
+
+ private:
+  bool judged(const YamlNode& scene, Rung& rung) {
+    try {
+      rung.error = estimate_mesh_error(scene, rung.mesh, options_);
+    } catch (const std::invalid_argument&) {
+      complaint_ = std::current_exception();
+      return false;
+    }
+    ++count_;
+    return true;
+  }
+
+  // Not judged, but all there is where it is the first.
+  std::optional<Rung> beyond_limit(Rung rung) const {
+    if (count_ > 0) return std::nullopt;
+    if (complaint_) std::rethrow_exception(complaint_);
+    rung.error.trouble =
+        "the coarsest mesh has " + std::to_string(rung.mesh.node_count()) + " nodes, more than max_nodes";
+    return rung;
+  }
+
+  void shrink(double factor) { size_m_ = three_digits(size_m_ * factor); }
+
+  const YamlNode& settings_;
+  const FidelityRequest& request_;
+  const SceneOptions& options_;
+  const bool given_;  // the mesh: it is the only rung
+  double size_m_ = 0.0;
+  int last_nodes_ = 0, count_ = 0;
+  bool done_ = false;
+  std::exception_ptr complaint_;
+};
+
+void take(const Rung& rung, const TimeError& time, FidelityReport& report) {
+  report.nodes = rung.mesh.node_count();
+  report.choice = rung.choice + "\nsolver: {method: newton" + (time.choice.empty() ? "" : ", " + time.choice) + "}\n";
+  report.trouble = rung.error.expected_m ? time.trouble : rung.error.trouble;
+  if (!report.trouble.empty()) return;
+  report.mesh_error_m = *rung.error.expected_m * time.amplification;
+  report.time_error_m = time.error_m;
+  report.expected_error_m = report.mesh_error_m + report.time_error_m;
+}
+
+void explain(const Ladder& ladder, bool dynamic, const FidelityRequest& request, FidelityReport& report) {
+  report.reasons = {"element: quadratic, as linear ones need far more nodes for the same error",
+                    "mesh: " + std::to_string(report.nodes) + " nodes; " + std::to_string(ladder.count()) +
+                        " meshes judged, of at most " + std::to_string(request.max_nodes) + " nodes",
+                    "method: newton, the fastest on meshes of this size",
+                    dynamic ? "integrator and time step: judged over the run's first seconds"
+                            : "integrator and time step: not chosen, as the question is at rest"};
+}
+
+FidelityReport choose(const YamlNode& settings, const FidelityRequest& request, bool dynamic,
+                      const SceneOptions& options) {
+  FidelityReport report;
+  report.tolerance_m = request.tolerance_m;
+  report.met = false;
+  std::optional<TimeError> time;
+  Ladder ladder(settings, request, options);
+  while (const std::optional<Rung> rung = ladder.next()) {
+    const bool known = rung->error.expected_m.has_value();
+    // The error of a time step hardly depends on the mesh, so that the coarsest will do.
+    if (known && !time)
+      time = !dynamic ? TimeError{}
+                      : choose_time_step(lay_over(settings, rung->choice), rung->mesh, options,
+                                         kShareOfTime * request.tolerance_m);
+    const TimeError in_time = time.value_or(TimeError{});
+    const double error_m = known ? *rung->error.expected_m * in_time.amplification + in_time.error_m : 0.0;
+    if (!report.expected_error_m || (known && error_m < *report.expected_error_m)) take(*rung, in_time, report);
+    if (!known && report.expected_error_m)
+      break;  // beyond what the scene allows, such as a plug that sinks in for ever
+    if (!known) continue;
+    report.met = error_m <= request.tolerance_m && in_time.trouble.empty();
+    if (report.met || !in_time.trouble.empty() || in_time.error_m > request.tolerance_m) break;
+    ladder.aim(error_m, request.tolerance_m);
+  }
+  explain(ladder, dynamic, request, report);
+  return report;
+}
+
+FidelityReport judge(const YamlNode& settings, bool dynamic, const SceneOptions& options) {
+  FidelityReport report;
+  const TetMesh mesh = read_mesh(settings, options);
+  const MeshError error = estimate_mesh_error(settings, mesh, options);
+  const bool moves = dynamic && error.expected_m;
+  take({"", mesh, error}, moves ? estimate_time_error(settings, mesh, options) : TimeError{}, report);
+  report.choice.clear();
+  return report;
+}
+
+std::string content_key(const YamlNode& settings, const std::string& mesh_file) {
+  ContentHash hash;
+  hash.add(kVersion);
+  hash.add(lay_over(settings, "{}").dump());                       // of a copy: dumping counts as reading
+  hash.add(std::filesystem::path(mesh_file).filename().string());  // a hash of the files that the solid names
+  return hash.hex();
+}
+
+bool asks_for_motion(const YamlNode& settings, const YamlNode& place) {
+  const std::optional<YamlNode> run = settings.optional_child("run");
+  const std::string mode = run ? run->text_or("mode", "equilibrium") : "equilibrium";
+  if (mode == "modal") place.fail("a modal run moves no marker; there is no error to estimate");
+  if (settings.optional_sequence("markers").empty())
+    place.fail("an error is that of the markers; the scene needs at least one");
+  return mode == "dynamic";
+}
+
+}  // namespace
+
+YamlNode lay_over(const YamlNode& settings, const std::string& changes) {
+  return merge_settings(settings, YamlNode::parse(changes, "chosen by fidelity"));
+}
+
+std::optional<FidelityReport> settle_fidelity(const YamlNode& settings, const SceneOptions& options) {
+  const std::optional<FidelityRequest> request = read_fidelity(settings);
+  if (!request && !options.estimate_error) return std::nullopt;
+  const bool dynamic = asks_for_motion(settings, request ? settings.child("fidelity") : settings);
+  const YamlNode outline = request ? lay_over(settings, body_choice(kOutlineSize_m)) : settings;
+  const std::string key = content_key(settings, mesh_file(outline, mesher_options(options)));
+  const bool kept = !options.change_mesh;  // which the key does not know
+  if (std::optional<FidelityReport> known; kept && (known = find_fidelity(key, options))) return known;
+
+  const double start_s = cpu_time_s();
+  const YamlNode judged = lay_over(settings, kMethod);
+  FidelityReport report = request ? choose(judged, *request, dynamic, options) : judge(judged, dynamic, options);
+  report.left_out = left_out(settings, dynamic);
+  report.cpu_s = cpu_time_s() - start_s;
+  if (kept) keep_fidelity(key, report, options);
+  return report;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,39 @@
+#include "fidelity.h"
+#include "fidelity_json.h"
+#include "robot/design/content_cache.h"
+#include "settings/read_file.h"
+#include "settings/write_file.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr const char* kEnding = ".fidelity.json";
+
+ContentCache cache_of(const SceneOptions& options) { return ContentCache(cache_folder(mesher_options(options))); }
+
+}  // namespace
+
+std::optional<FidelityReport> find_fidelity(const std::string& key, const SceneOptions& options) {
+  const std::string path = cache_of(options).find(key, kEnding);
+  if (path.empty()) return std::nullopt;
+  try {
+    FidelityReport report =
+        fidelity_from_json(nlohmann::ordered_json::parse(read_regular_file(path, kLargestSettings_bytes)));
+    report.from_cache = true;
+    return report;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;  // of another version
+  }
+}
+
+void keep_fidelity(const std::string& key, const FidelityReport& report, const SceneOptions& options) {
+  const ContentCache cache = cache_of(options);
+  const WorkFolder work(cache.folder());
+  nlohmann::ordered_json json = fidelity_json(report);
+  json["cpu_s"] = report.cpu_s;
+  const std::string part = work.file("fidelity.json");
+  write_file(part, json.dump(2) + "\n");
+  cache.keep(part, key, kEnding);
+}
+
+}  // namespace soft_robot_lab

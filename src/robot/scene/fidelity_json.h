@@ -1,0 +1,13 @@
+// `fidelity` of result.json, which is also what the cache keeps.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "soft_robot_lab/robot/scene/fidelity.h"
+
+namespace soft_robot_lab {
+
+nlohmann::ordered_json fidelity_json(const FidelityReport& report);
+FidelityReport fidelity_from_json(const nlohmann::ordered_json& json);  // throws nlohmann::json::exception
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,33 @@
+#include "fidelity.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// A key that the choice would override may come from a file that the scene includes, but not stand beside `fidelity`,
+// nor in a file that includes it.
+void refuse_chosen(const YamlNode& scene, const YamlNode& fidelity, const std::string& section,
+                   const std::vector<std::string>& keys) {
+  if (!scene.has(section)) return;
+  const YamlNode node = scene.child(section);
+  for (const std::string& key : keys) {
+    if (!node.has(key)) continue;
+    const YamlNode chosen = node.child(key);
+    if (chosen.source() != fidelity.source() && chosen.source() != scene.source()) continue;
+    chosen.fail("is chosen by fidelity (" + fidelity.source() + "); leave out one of the two");
+  }
+}
+
+}  // namespace
+
+std::optional<FidelityRequest> read_fidelity(const YamlNode& scene) {
+  const std::optional<YamlNode> node = scene.optional_child("fidelity");
+  if (!node) return std::nullopt;
+  FidelityRequest request;
+  request.tolerance_m = node->number("tolerance_m", AllowedRange::positive());
+  request.max_nodes = node->integer_or("max_nodes", request.max_nodes, 100, 20000);
+  refuse_chosen(scene, *node, "solver", {"method", "integrator", "time_step_s", "substeps", "iterations"});
+  refuse_chosen(scene, *node, "body", {"element", "element_size_m"});
+  return request;
+}
+
+}  // namespace soft_robot_lab

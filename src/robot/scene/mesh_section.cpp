@@ -1,0 +1,99 @@
+#include <algorithm>
+
+#include "sections.h"
+#include "soft_robot_lab/robot/design/solid.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// A cable's end anchor sinks in over its plug's radius; elements there must be no larger to see it.
+std::vector<MeshRefinement> plug_refinements(const YamlNode& scene) {
+  std::vector<MeshRefinement> refinements;
+  for (const YamlNode& cable : scene.optional_sequence("cables")) {
+    if (!cable.has("plug_radius_m")) continue;
+    const std::vector<YamlNode> points = cable.sequence("points_m");
+    if (points.empty()) cable.fail("points_m is empty");
+    const double plug_radius_m = cable.number("plug_radius_m", AllowedRange::positive());
+    refinements.push_back({as_vector3(points.back()), 2.0 * plug_radius_m, plug_radius_m});
+  }
+  return refinements;
+}
+
+// The solids that some difference, here or below, takes away.
+void collect_subtracted(Solid& solid, std::vector<Solid*>& subtracted) {
+  for (std::size_t i = 0; i < solid.parts.size(); ++i) {
+    if (solid.kind == Solid::Kind::difference && i > 0) subtracted.push_back(&solid.parts[i]);
+    collect_subtracted(solid.parts[i], subtracted);
+  }
+}
+
+// A chamber's `surface: {solid: ...}` repeats a solid that the body's takes away; that solid gets the chamber's name.
+void name_chamber_solids(const YamlNode& scene, Solid& body) {
+  std::vector<Solid*> subtracted;
+  collect_subtracted(body, subtracted);
+  for (const YamlNode& chamber : scene.optional_sequence("chambers")) {
+    const std::optional<YamlNode> surface = chamber.optional_child("surface");
+    if (!surface || !surface->is_map()) continue;
+    const std::string wanted = to_yaml(read_solid(surface->child("solid")));
+    const auto found = std::find_if(subtracted.begin(), subtracted.end(),
+                                    [&](const Solid* solid) { return to_yaml(*solid) == wanted; });
+    if (found == subtracted.end())
+      surface->fail("is none of the " + std::to_string(subtracted.size()) +
+                    " solids that a difference of body.solid takes away");
+    (*found)->name = chamber.text("name");
+  }
+}
+
+bool quadratic(const YamlNode& body) {
+  return body.choice_or("element", "quadratic", {"linear", "quadratic"}) == "quadratic";
+}
+
+// Either a solid to be meshed at some size, or a mesh as it is.
+MeshRequest read_request(const YamlNode& scene, const YamlNode& body) {
+  MeshRequest request;
+  request.quadratic = quadratic(body);
+  if (body.has("solid") == body.has("mesh")) body.fail("must have one of solid, mesh");
+  if (body.has("mesh")) {
+    request.mesh_file = beside(body.child("mesh"), body.text("mesh"));
+    for (const YamlNode& chamber : scene.optional_sequence("chambers"))
+      if (chamber.has("surface") && chamber.child("surface").is_map())
+        chamber.child("surface").fail("must be the name of a surface in the mesh file");
+    return request;
+  }
+  Solid solid = read_solid(body.child("solid"));
+  name_chamber_solids(scene, solid);
+  request.solid_yaml = to_yaml(solid);
+  request.element_size_m = body.number_or("element_size_m", request.element_size_m, AllowedRange::positive());
+  if (body.boolean_or("refine_plugs", false)) request.refinements = plug_refinements(scene);
+  for (const YamlNode& node : body.optional_sequence("refinements")) {
+    request.refinements.push_back(read_mesh_refinement(node));
+  }
+  return request;
+}
+
+}  // namespace
+
+std::string mesh_file(const YamlNode& scene, const MesherOptions& mesher) {
+  const YamlNode body = scene.child("body");
+  const MeshRequest request = read_request(scene, body);
+  return in_section(body, [&] { return mesh_file_for(request, mesher); });
+}
+
+TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options) {
+  const std::string file = mesh_file(scene, mesher_options(options));
+  const YamlNode body = scene.child("body");
+  return in_section(body, [&] {
+    const TetMesh shape = read_msh(file);
+    TetMesh mesh = quadratic(body) ? make_quadratic(shape) : make_linear(shape);
+    if (options.change_mesh) options.change_mesh(mesh);
+    return mesh;
+  });
+}
+
+Eigen::Vector3d as_vector3(const YamlNode& node) {
+  const Eigen::VectorXd numbers = node.as_numbers();
+  if (numbers.size() != 3) node.fail("has " + std::to_string(numbers.size()) + " numbers, must have 3: [x, y, z]");
+  return numbers;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,162 @@
+#include <sstream>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "fidelity_json.h"
+#include "soft_robot_lab/robot/scene/run_scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json list(const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
+
+Json markers_json(const Simulation& simulation) {
+  Json json = Json::object();
+  for (size_t i = 0; i < simulation.markers().size(); ++i) {
+    const Marker& marker = simulation.markers()[i];
+    const Eigen::Vector3d position_m = simulation.marker_position(static_cast<int>(i));
+    json[marker.name()] = {{"position_m", list(position_m)},
+                           {"displacement_m", list(position_m - marker.rest_position_m())}};
+  }
+  return json;
+}
+
+Json cable_json(const ActuatorReading& state) {
+  Json json = {{"length_m", *state.length_m}};
+  if (state.rest_length_m) json["rest_length_m"] = *state.rest_length_m;
+  if (state.tension_n) json["tension_n"] = *state.tension_n;
+  if (!state.span_tensions_n.empty()) json["span_tensions_n"] = state.span_tensions_n;
+  if (state.stretch_m) json["stretch_m"] = *state.stretch_m;
+  if (state.slack_m) json["slack_m"] = *state.slack_m;
+  if (state.pretension_n) json["pretension_n"] = *state.pretension_n;
+  for (const PathChange& change : state.path_changes)
+    json["points_moved"].push_back({{"point", change.point}, {"moved_m", change.moved_m}});
+  return json;
+}
+
+Json chamber_json(const ActuatorReading& state) {
+  Json json = {{"volume_m3", *state.volume_m3}};
+  if (state.initial_volume_m3) json["initial_volume_m3"] = *state.initial_volume_m3;
+  if (state.gauge_pressure_pa) json["gauge_pressure_pa"] = *state.gauge_pressure_pa;
+  if (state.gas_residual) json["gas_residual"] = *state.gas_residual;
+  return json;
+}
+
+// An actuator counts by what it measures, so that a lab's own plugins show up too.
+void add_actuators(const Simulation& simulation, Json& result) {
+  Json cables = Json::object(), chambers = Json::object();
+  for (size_t i = 0; i < simulation.actuators().size(); ++i) {
+    const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
+    if (state.length_m) cables[state.name] = cable_json(state);
+    if (state.volume_m3) chambers[state.name] = chamber_json(state);
+  }
+  result["cables"] = std::move(cables);
+  result["chambers"] = std::move(chambers);
+}
+
+Json warnings_json(const std::vector<SolveWarning>& warnings) {
+  Json all = Json::array();
+  for (const SolveWarning& warning : warnings) {
+    Json json = {{"kind", warning.kind}, {"size", warning.size}, {"unit", warning.unit}};
+    if (!warning.actuator.empty()) json["actuator"] = warning.actuator;
+    if (warning.commanded) json["commanded"] = *warning.commanded;
+    if (warning.reached) json["reached"] = *warning.reached;
+    if (warning.rest_position_m) json["rest_position_m"] = list(*warning.rest_position_m);
+    json["text"] = warning.text;
+    all.push_back(std::move(json));
+  }
+  return all;
+}
+
+Json solver_json(const Simulation& simulation, const SolveReport& solve) {
+  const TetMesh& mesh = simulation.body().mesh();
+  return {{"converged", solve.converged},
+          {"iterations", solve.iterations},
+          {"residual", solve.residual},
+          {"steps", solve.steps},
+          {"wall_s", solve.wall_s},
+          {"nodes", mesh.node_count()},
+          {"elements", mesh.tet_count()},
+          {"inverted", solve.inverted_elements},
+          {"warnings", warnings_json(solve.warnings)}};
+}
+
+Json sensitivity_json(const Simulation& simulation, const Eigen::MatrixXd& sensitivity) {
+  Json json = Json::object();
+  for (size_t m = 0; m < simulation.markers().size(); ++m) {
+    Json& row = json[simulation.markers()[m].name()] = Json::object();
+    for (size_t a = 0; a < simulation.actuators().size(); ++a) {
+      row[simulation.actuators()[a]->name()] =
+          list(sensitivity.block<3, 1>(static_cast<Eigen::Index>(3 * m), static_cast<Eigen::Index>(a)));
+    }
+  }
+  return json;
+}
+
+Json trajectory_json(const Simulation& simulation, const Trajectory& trajectory) {
+  Json markers = Json::object();
+  for (size_t m = 0; m < simulation.markers().size(); ++m) {
+    Json& path = markers[simulation.markers()[m].name()] = Json::array();
+    for (const Eigen::Matrix3Xd& at : trajectory.markers_m) path.push_back(list(at.col(static_cast<Eigen::Index>(m))));
+  }
+  return {{"time_s", trajectory.time_s}, {"markers", markers}};
+}
+
+std::string millimetres(const Eigen::Vector3d& v) {
+  std::ostringstream text;
+  text.precision(3);
+  text << std::fixed << "[" << 1e3 * v.x() << ", " << 1e3 * v.y() << ", " << 1e3 * v.z() << "] mm";
+  return text.str();
+}
+
+}  // namespace
+
+std::string result_json(const Scene& scene, const RunReport& report) {
+  const Simulation& simulation = *scene.simulation;
+  Json result;
+  result["markers"] = markers_json(simulation);
+  add_actuators(simulation, result);
+  result["solver"] = solver_json(simulation, report.solve);
+  if (scene.fidelity) result["fidelity"] = fidelity_json(*scene.fidelity);
+  if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);
+  if (scene.run.mode == RunMode::dynamic) result["trajectory"] = trajectory_json(simulation, report.trajectory);
+  if (scene.run.mode == RunMode::modal) result["frequencies_hz"] = list(report.frequencies_hz);
+  return result.dump(2) + "\n";
+}
+
+std::string result_summary(const Scene& scene, const RunReport& report) {
+  const Simulation& simulation = *scene.simulation;
+  const SolveReport& solve = report.solve;
+  const TetMesh& mesh = simulation.body().mesh();
+  std::ostringstream text;
+  text << (solve.converged ? "converged" : "did not converge") << ": " << solve.iterations << " iterations in "
+       << solve.steps << " steps, residual " << solve.residual << ", " << solve.wall_s << " s; " << mesh.node_count()
+       << " nodes, " << mesh.tet_count() << " elements\n";
+  if (scene.fidelity) text << summary(*scene.fidelity);
+  for (Eigen::Index i = 0; i < report.frequencies_hz.size(); ++i) {
+    text << "mode " << i + 1 << " at " << report.frequencies_hz[i] << " Hz\n";
+  }
+  if (scene.run.mode == RunMode::modal) return text.str();  // nothing moved
+  for (size_t i = 0; i < simulation.markers().size(); ++i) {
+    const Marker& marker = simulation.markers()[i];
+    const Eigen::Vector3d position_m = simulation.marker_position(static_cast<int>(i));
+    text << "marker " << marker.name() << " at " << millimetres(position_m) << ", moved "
+         << millimetres(position_m - marker.rest_position_m()) << "\n";
+  }
+  for (size_t i = 0; i < simulation.actuators().size(); ++i) {
+    const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
+    text << "actuator " << state.name << " at command " << state.actuated_command;
+    if (state.tension_n) text << ", tension " << *state.tension_n << " N";
+    if (state.slack_m && *state.slack_m > 0.0) text << ", slack by " << 1e3 * *state.slack_m << " mm";
+    if (state.gauge_pressure_pa) text << ", gauge pressure " << *state.gauge_pressure_pa << " Pa";
+    text << "\n";
+    for (const PathChange& change : state.path_changes)
+      text << "  its point " << change.point << " was moved " << 1e3 * change.moved_m << " mm onto the body\n";
+  }
+  return text.str();
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,45 @@
+#include "soft_robot_lab/robot/scene/scene.h"
+
+#include "fidelity.h"
+
+namespace soft_robot_lab {
+
+YamlNode lay_changes_over(const YamlNode& scene, const std::string& changes) {
+  const YamlNode settings = with_includes(scene);
+  if (changes.empty()) return settings;
+  return merge_settings(settings, YamlNode::parse(changes, scene.source() + " (with changes)"));
+}
+
+Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& options) {
+  refuse_contact(settings);
+  const SolverOptions solver = read_solver(settings);
+  Body body = read_body(settings, std::move(mesh));
+  const MeshLocator locator(body.mesh());
+  auto actuators = read_actuators(settings, body, locator, options.actuator_factory);
+  auto markers = read_markers(settings, body, locator);
+
+  Scene scene;
+  scene.simulation = in_section(settings, [&] {
+    return std::make_unique<Simulation>(std::move(body), std::move(actuators), std::move(markers), solver);
+  });
+  scene.run = read_run(settings, *scene.simulation);
+  return scene;
+}
+
+Scene load_scene(const std::string& path, const SceneOptions& options) {
+  return load_scene(YamlNode::load_file(path), options);
+}
+
+Scene load_scene(const YamlNode& node, const SceneOptions& options) {
+  const YamlNode stated = lay_changes_over(node, options.changes);
+  std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
+  const bool chosen = fidelity && !fidelity->choice.empty();
+  const YamlNode settings = chosen ? lay_over(stated, fidelity->choice) : stated;
+  Scene scene = build_scene(settings, read_mesh(settings, options), options);
+  settings.require_all_read();
+  scene.file = node.source();
+  scene.fidelity = std::move(fidelity);
+  return scene;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,58 @@
+// The sections of a scene file, one reader each. All throw SettingsError with file, line and key.
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "soft_robot_lab/robot/design/mesher.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+#include "soft_robot_lab/mechanics/body.h"
+#include "soft_robot_lab/mechanics/tet_mesh.h"
+
+namespace soft_robot_lab {
+
+// The settings with the files they include merged below them.
+YamlNode with_includes(const YamlNode& settings);
+
+// The same of a scene, with YAML text laid over it, unless that is empty.
+YamlNode lay_changes_over(const YamlNode& scene, const std::string& changes);
+
+// The scene on this mesh, whatever mesh its file asks for.
+Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& options);
+
+inline MesherOptions mesher_options(const SceneOptions& options) {
+  return {options.mesher, options.cache_folder, options.meshing_limit_s};
+}
+std::string mesh_file(const YamlNode& scene, const MesherOptions& mesher);  // its path in the cache
+TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options);      // `body`: its shape
+Body read_body(const YamlNode& scene, TetMesh mesh);                        // `body`, `loads`, gravity
+Material read_material(const YamlNode& node);                               // `body.material`, or a file of presets
+std::vector<std::unique_ptr<Actuator>> read_actuators(
+    const YamlNode& scene, const Body& body, const MeshLocator& locator,
+    const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`
+std::vector<Marker> read_markers(const YamlNode& scene, const Body& body, const MeshLocator& locator);
+void refuse_contact(const YamlNode& scene);                                 // `contact`
+SolverOptions read_solver(const YamlNode& scene);                           // `solver`
+RunSettings read_run(const YamlNode& scene, const Simulation& simulation);  // `run`
+
+// A file named in the scene: relative names start at the folder of the file that states them.
+std::string beside(const YamlNode& node, const std::string& file);
+
+Eigen::Vector3d as_vector3(const YamlNode& node);  // an item [x, y, z] of a list
+
+// What a part refuses becomes an error at the section's file and line.
+template <typename Build>
+auto in_section(const YamlNode& node, const Build& build) {
+  try {
+    return build();
+  } catch (const SettingsError&) {
+    throw;
+  } catch (const std::invalid_argument& error) {
+    node.fail(error.what());
+  }
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,38 @@
+#include <limits>
+
+#include "sections.h"
+
+namespace soft_robot_lab {
+
+SolverOptions read_solver(const YamlNode& scene) {
+  SolverOptions options;
+  const std::optional<YamlNode> node = scene.optional_child("solver");
+  if (!node) return options;
+  if (node->choice_or("method", "newton", {"newton", "xpbd"}) == "xpbd")
+    options.method = SolverOptions::Method::xpbd;
+  if (node->choice_or("integrator", "implicit_euler", {"implicit_euler", "bdf2"}) == "bdf2") {
+    options.integrator = Integrator::bdf2;
+  }
+  options.time_step_s = node->number_or("time_step_s", options.time_step_s);
+  options.tolerance = node->number_or("tolerance", options.tolerance);
+  options.dynamic_tolerance = node->number_or("dynamic_tolerance", options.dynamic_tolerance);
+  constexpr int kLeast = std::numeric_limits<int>::min(), kMost = std::numeric_limits<int>::max();
+  options.max_iterations = node->integer_or("max_iterations", options.max_iterations, kLeast, kMost);
+  if (options.method == SolverOptions::Method::xpbd) {
+    options.substep_count = node->integer_or("substeps", options.substep_count, kLeast, kMost);
+    options.iteration_count = node->integer_or("iterations", options.iteration_count, kLeast, kMost);
+  }
+  in_section(*node, [&] { options.validate(); });
+  return options;
+}
+
+void refuse_contact(const YamlNode& scene) {
+  const std::optional<YamlNode> node = scene.optional_child("contact");
+  if (!node) return;
+  if (node->boolean_or("self", false)) node->child("self").fail("self-contact is not supported yet; must be false");
+  if (!node->optional_sequence("obstacles").empty()) {
+    node->child("obstacles").fail("obstacles are not supported yet; must be an empty list");
+  }
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,33 @@
+// Core types to messages and back. Frame of all positions: robot_base.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <Eigen/Core>
+#include <geometry_msgs/Point.h>
+#include <ros/time.h>
+
+#include "messages.h"
+#include "soft_robot_lab/mechanics/simulation.h"
+
+namespace soft_robot_lab {
+
+geometry_msgs::Point to_message(const Eigen::Vector3d& position_m);
+
+// Throws std::invalid_argument naming the field where a coordinate is not finite.
+Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field);
+
+MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp);
+ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp);
+
+// By the name of the surface it acts on.
+std::map<std::string, double> gauge_pressures_pa(const Simulation& simulation);
+
+// Sets all commands of the message, or none: throws std::invalid_argument naming actuator, value and allowed range.
+void apply_command(const ActuatorCommand& command, Simulation& simulation);
+
+// The position of a named marker; throws std::invalid_argument listing the known names.
+Eigen::Vector3d position_of(const MarkerObservations& markers, const std::string& name);
+
+}  // namespace soft_robot_lab

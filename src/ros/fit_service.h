@@ -1,0 +1,41 @@
+// The service controller/fit_model, and the recording of the running session that it fits to.
+#pragma once
+
+#include <mutex>
+#include <string>
+
+#include <ros/ros.h>
+#include <soft_robot_lab/FitModel.h>
+#include <std_msgs/String.h>
+
+#include "recording.h"
+
+namespace soft_robot_lab {
+
+// Throws std::invalid_argument for lists of different lengths.
+FitRequest fit_request(const FitModel::Request& request);
+void fill_response(const FitResult& result, FitModel::Response& response);
+
+class FitService {
+ public:
+  // A fit keeps one of the node's threads for seconds to minutes. `scene`: its path until the simulator tells another;
+  // may be empty.
+  FitService(ros::NodeHandle& node, SceneOptions options, const std::string& scene);
+
+ private:
+  void on_command(const ActuatorCommand& command);
+  void on_motors(const MotorState& motors);
+  void on_markers(const MarkerObservations& markers);
+  void on_scene(const std_msgs::String& path);
+  bool fit(FitModel::Request& request, FitModel::Response& response);
+  Recording heard() const;
+
+  SceneOptions options_;
+  std::mutex fitting_;
+  mutable std::mutex mutex_;  // guards the recording
+  Recording recording_;
+  std::vector<ros::Subscriber> subscribers_;
+  ros::ServiceServer service_;
+};
+
+}  // namespace soft_robot_lab

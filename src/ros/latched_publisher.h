@@ -1,0 +1,37 @@
+// Topics that no newcomer misses anything of: a latched topic of roscpp (1.15) loses its message for who connects just
+// while it is published, as all do while a session starts.
+#pragma once
+
+#include <string>
+
+#include <ros/ros.h>
+
+namespace soft_robot_lab {
+
+// A topic whose every newcomer is attended to, by the global callback queue. Declared as latched, so that its messages
+// come again where a recording is played.
+template <typename Message>
+ros::Publisher advertise_latched(const std::string& topic, const ros::SubscriberStatusCallback& attend) {
+  return ros::NodeHandle().advertise<Message>(topic, 1, attend, ros::SubscriberStatusCallback(), ros::VoidConstPtr(),
+                                              true);
+}
+
+// A message that every subscriber hears once, whenever it comes.
+template <typename Message>
+class LatchedPublisher {
+ public:
+  explicit LatchedPublisher(const std::string& topic) : topic_(topic) {}
+
+  // From now on instead of the one before.
+  void tell(const Message& message) {
+    publisher_.shutdown();
+    publisher_ = advertise_latched<Message>(
+        topic_, [message](const ros::SingleSubscriberPublisher& newcomer) { newcomer.publish(message); });
+  }
+
+ private:
+  std::string topic_;
+  ros::Publisher publisher_;
+};
+
+}  // namespace soft_robot_lab

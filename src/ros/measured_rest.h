@@ -1,0 +1,47 @@
+// Averages tracked markers over windows of time, and tells when those that are seen have come to rest.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "soft_robot_lab/control/closed_loop.h"
+#include "messages.h"
+
+namespace soft_robot_lab {
+
+struct MeasuredRestCriterion {
+  double window_s = 0.5;     // averaged over
+  int observations = 3;      // at least, of a marker that counts
+  double motion_m = 5.0e-4;  // between two windows, beyond what a marker's own noise makes of rest
+};
+
+using SeenPlaces = std::vector<Eigen::Vector3d>;  // of a marker in a window, frame by frame; robot_base
+using SeenMarkers = std::map<std::string, SeenPlaces>;
+
+class MeasuredRest {
+ public:
+  explicit MeasuredRest(const MeasuredRestCriterion& criterion = {}) : criterion_(criterion) {}
+
+  // Forgets what it heard; observations before that time do not count.
+  void start(double time_s);
+  // Those not seen by cameras do not count; false where none was.
+  bool add(const MarkerObservations& markers);
+
+  // Means of the last window, where no marker moved since the window before; of one that jumped then, the median.
+  const std::optional<MeasuredMarkers>& at_rest() const { return at_rest_; }
+
+ private:
+  bool seen_enough() const;
+  void end_window();
+
+  MeasuredRestCriterion criterion_;
+  double start_s_ = 0.0, window_start_s_ = 0.0;
+  SeenMarkers window_, before_;
+  std::optional<MeasuredMarkers> at_rest_;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,231 @@
+// Finds policies on a model of its own, and plays and corrects them on whatever listens to the actuator commands.
+//
+// Parameters: ~scene (path; absent where the simulator tells which scene runs), ~ramp_s (how long an optimised policy
+// takes to reach its commands), ~markers_topic (what corrects a policy), ~lost_after_s (without any marker for so long
+// a closed loop stops).
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <ros/ros.h>
+#include <soft_robot_lab/ExecutePolicy.h>
+#include <soft_robot_lab/OptimisePolicy.h>
+#include <std_msgs/String.h>
+#include <std_srvs/Trigger.h>
+
+#include "run_node.h"
+#include "ros/actuator_plugins.h"
+#include "ros/execution.h"
+#include "ros/fit_service.h"
+#include "ros/log_text.h"
+#include "ros/policy_request.h"
+#include "ros/policy_search.h"
+#include "ros/topics.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+ClosedLoopOptions read_loop_options() {
+  ClosedLoopOptions options;
+  ros::NodeHandle("~").getParam("lost_after_s", options.lost_after_s);
+  options.validate();
+  return options;
+}
+
+class ControllerNode {
+ public:
+  ControllerNode();
+
+ private:
+  void load(const std::string& path);
+  void offer_services();  // once there is a model to answer with
+  void on_scene(const std_msgs::String& path);
+  void on_actuators(const ActuatorState& actuators);
+  void send(const std::vector<std::string>& names, const std::vector<double>& values) const;
+  bool optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response);
+  bool execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response);
+  void execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response);
+  ExecutionOrder order_of(const ExecutePolicy::Request& request) const;
+  ClosedLoop loop_of(const ExecutePolicy::Request& request, const CommandPolicy& policy);
+  bool cancel(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+
+  SceneOptions scene_options_;
+  double ramp_s_ = 2.0;
+
+  std::mutex model_mutex_;  // held while the model computes
+  std::unique_ptr<Simulation> model_;
+
+  mutable std::mutex mutex_;  // guards what follows; held briefly
+  CommandLimitsByName limits_;
+  std::map<std::string, double> commands_;  // as the actuators last said, whoever sent them
+  std::optional<PolicyTask> found_;         // the last task that a policy was found for
+
+  const ClosedLoopOptions loop_options_ = read_loop_options();
+  Execution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
+
+  ros::NodeHandle node_;
+  PolicySearch search_{node_};
+  ros::Publisher command_publisher_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::vector<ros::ServiceServer> services_;
+  std::unique_ptr<FitService> fit_service_;
+};
+
+ControllerNode::ControllerNode() {
+  scene_options_.actuator_factory = actuators_from_plugins();
+  const ros::NodeHandle parameters("~");
+  parameters.getParam("ramp_s", ramp_s_);
+  if (!(ramp_s_ >= 0.0 && ramp_s_ <= 3600.0)) {
+    throw std::invalid_argument("ramp_s: " + std::to_string(ramp_s_) + " is not in [0, 3600]");
+  }
+  std::string scene;
+  if (parameters.getParam("scene", scene)) load(scene);
+
+  command_publisher_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 100);
+  subscribers_ = {
+      node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
+      node_.subscribe(topics::simulator_actuators, 1, &ControllerNode::on_actuators, this),
+      node_.subscribe(topics::simulator_markers, 100, &Execution::add_simulated, &execution_),
+      node_.subscribe(parameters.param<std::string>("markers_topic", topics::tracker_markers), 100,
+                      &Execution::add_measured, &execution_),
+      node_.subscribe(topics::motor_state, 100, &Execution::add_motors, &execution_),
+  };
+  fit_service_ = std::make_unique<FitService>(node_, scene_options_, scene);
+  if (model_) offer_services();
+}
+
+void ControllerNode::offer_services() {
+  services_ = {
+      node_.advertiseService(topics::optimise_policy, &ControllerNode::optimise_policy, this),
+      node_.advertiseService(topics::execute_policy, &ControllerNode::execute_policy, this),
+      node_.advertiseService(topics::cancel_policy, &ControllerNode::cancel, this),
+  };
+}
+
+// Throws what load_scene throws; the old model then stays.
+void ControllerNode::load(const std::string& path) {
+  Scene scene = load_scene(path, scene_options_);
+  CommandLimitsByName limits = limits_of(*scene.simulation);
+  const std::scoped_lock lock(model_mutex_, mutex_);
+  model_ = std::move(scene.simulation);
+  limits_ = std::move(limits);
+  commands_.clear();
+  found_.reset();
+}
+
+void ControllerNode::on_scene(const std_msgs::String& path) {
+  try {
+    load(path.data);
+    ROS_INFO("models %s", path.data.c_str());
+    if (services_.empty()) offer_services();
+  } catch (const std::exception& error) {
+    ROS_ERROR("keeps its old model: %s", log_text(error.what()).c_str());
+  }
+}
+
+void ControllerNode::on_actuators(const ActuatorState& actuators) {
+  const std::lock_guard lock(mutex_);
+  for (size_t i = 0; i < actuators.names.size(); ++i) commands_[actuators.names[i]] = actuators.commands.at(i);
+}
+
+bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response) {
+  try {
+    const std::unique_lock lock(model_mutex_, std::try_to_lock);
+    if (!lock) throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
+    const PolicyTask task = policy_task(request, ramp_s_);
+    const PolicyAnswer answer = search_.find(*model_, task, optimiser_options(request));
+    fill_response(answer, task, response);
+    const std::lock_guard found_lock(mutex_);
+    if (answer.success) found_ = task;
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  if (!response.success) ROS_WARN("%s refused: %s", topics::optimise_policy, log_text(response.message).c_str());
+  return true;
+}
+
+bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  const bool executing = execution_.cancel(), searching = search_.cancel();
+  response.success = executing || searching;
+  response.message = response.success ? "" : "nothing is optimised or executed now";
+  return true;
+}
+
+bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
+  try {
+    execute(request, response);
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  if (!response.success) ROS_WARN("%s refused: %s", topics::execute_policy, log_text(response.message).c_str());
+  return true;
+}
+
+void ControllerNode::execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
+  ExecutionOrder order = order_of(request);
+  std::unique_lock model_lock(model_mutex_, std::defer_lock);
+  std::optional<ClosedLoop> loop;
+  if (request.closed_loop) {
+    if (!model_lock.try_lock())
+      throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
+    loop.emplace(loop_of(request, order.policy));
+    order.loop = &*loop;
+  }
+  response = execution_.execute(order);
+}
+
+ExecutionOrder ControllerNode::order_of(const ExecutePolicy::Request& request) const {
+  if (execution_.running()) throw std::runtime_error("busy with another policy; ask again when it ended");
+  const std::lock_guard lock(mutex_);
+  ExecutionOrder order;
+  order.policy = from_message(request.policy);
+  validate(order.policy, limits_);
+  for (const std::string& name : order.policy.names) {
+    const auto seen = commands_.find(name);
+    order.start_values.push_back(seen != commands_.end() ? seen->second : limits_.at(name).rest);
+  }
+  order.wait_until_rest = request.wait_until_rest || request.closed_loop;
+  order.time_limit_s = execution_time_limit_s(request);
+  return order;
+}
+
+// The model goes where the policy takes the robot.
+ClosedLoop ControllerNode::loop_of(const ExecutePolicy::Request& request, const CommandPolicy& policy) {
+  std::unique_lock lock(mutex_);
+  const PolicyTask task = correction_task(request, found_);
+  const std::map<std::string, double> commands = commands_;
+  lock.unlock();
+  model_->reset();
+  for (const auto& [name, value] : commands) model_->set_command(name, value);
+  model_->solve_equilibrium();
+  replay(*model_, policy, {});
+  return ClosedLoop(*model_, task, loop_options_);
+}
+
+void ControllerNode::send(const std::vector<std::string>& names, const std::vector<double>& values) const {
+  ActuatorCommand command;
+  command.header.stamp = ros::Time::now();
+  command.names = names;
+  command.values = values;
+  command_publisher_.publish(command);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "controller", [] {
+    // One thread each for an optimisation, an execution, a scene being loaded, and the topics.
+    ros::AsyncSpinner spinner(4);
+    ControllerNode node;
+    spinner.start();
+    ros::waitForShutdown();
+  });
+}

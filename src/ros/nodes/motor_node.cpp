@@ -1,0 +1,181 @@
+// Drives the rig's motors by actuators/command.
+//
+// Parameters: ~rig (path), ~device (instead of the one in the rig's file), ~zero_at_start (the robot hangs at rest when
+// the rig gets power: take that for zero).
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/ActuatorCommand.h>
+#include <soft_robot_lab/ZeroMotors.h>
+#include <std_srvs/Trigger.h>
+
+#include "run_node.h"
+#include "hardware/motor/motor_driver.h"
+#include "hardware/motor/serial_port.h"
+#include "ros/log_text.h"
+#include "ros/motor_messages.h"
+#include "ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+double now_s() { return std::chrono::duration<double>(SteadyClock::now().time_since_epoch()).count(); }
+
+RigSettings read_rig(const ros::NodeHandle& node) {
+  std::string path;
+  if (!node.getParam("rig", path)) throw std::invalid_argument("rig: missing; give the path of a rig's file");
+  RigSettings rig = load_rig(path);
+  const std::string device = node.param<std::string>("device", "");
+  if (!device.empty()) rig.device = device;
+  return rig;
+}
+
+DriverOptions read_options(const ros::NodeHandle& node) {
+  DriverOptions options;
+  node.getParam("zero_at_start", options.zero_at_start);
+  // Another session than the last run's, which the board may still be in.
+  options.first_session = static_cast<std::uint8_t>(ros::WallTime::now().toNSec() / 1000000);
+  return options;
+}
+
+class MotorNode {
+ public:
+  MotorNode(const RigSettings& rig, const DriverOptions& options)
+      : driver_(rig, options, [device = rig.device] { return open_serial_port(device); }) {
+    state_ = node_.advertise<MotorState>(topics::motor_state, 10);
+    commands_ = node_.subscribe(topics::actuator_command, 100, &MotorNode::on_command, this);
+    zero_ = node_.advertiseService(topics::motor_zero, &MotorNode::zero, this);
+    stop_ = node_.advertiseService(topics::motor_stop, &MotorNode::stop, this);
+    clear_ = node_.advertiseService(topics::motor_clear, &MotorNode::clear, this);
+    diagnostics_.setHardwareID(rig.device);
+    diagnostics_.add("motors", [this](auto& status) { diagnose_motors(driver_, status); });
+    diagnostics_timer_ =
+        node_.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+    state_timer_ = node_.createWallTimer(ros::WallDuration(state_period_s), [this](const auto&) {
+      state_.publish(motor_state(driver_, ros::Time::now()));
+    });
+  }
+
+  void run() {
+    while (ros::ok()) {
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(poll_period_s));
+      update();
+    }
+    driver_.soft_stop();
+    finish(0.3);
+  }
+
+ private:
+  static constexpr double state_period_s = 0.02;
+  static constexpr double poll_period_s = 0.002;
+  static constexpr double longest_operation_s = 2.0;
+  static constexpr double longest_report_s = 0.2;  // of states that come each 20 ms
+
+  void update() {
+    driver_.update(now_s());
+    const std::string& failure = driver_.link_failure();
+    if (failure == told_failure_) return;
+    told_failure_ = failure;
+    if (failure.empty())
+      ROS_INFO("linked to %s", driver_.rig().device.c_str());
+    else
+      ROS_WARN("no link: %s", log_text(failure).c_str());
+  }
+
+  void on_command(const ActuatorCommand& command) {
+    try {
+      driver_.command(command.names, command.values, now_s());
+    } catch (const std::invalid_argument& error) {
+      ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::actuator_command, log_text(error.what()).c_str());
+    }
+  }
+
+  // The link takes milliseconds; a board that does not answer counts as lost long before the limit.
+  void finish(double limit_s) {
+    const double end_s = now_s() + limit_s;
+    while (driver_.operation() == OperationState::running && now_s() < end_s) {
+      update();
+      ros::WallDuration(poll_period_s).sleep();
+    }
+  }
+
+  bool at_zero(const std::vector<std::string>& names) const {
+    const std::vector<MotorStatus> motors = driver_.motors();
+    for (std::size_t i = 0; i < motors.size(); ++i) {
+      const bool asked = names.empty() || std::count(names.begin(), names.end(), driver_.rig().motors[i].name) > 0;
+      if (asked && !(motors[i].known && motors[i].position_steps == 0.0)) return false;
+    }
+    return true;
+  }
+
+  void wait_for_zero(const std::vector<std::string>& names) {
+    const double end_s = now_s() + longest_report_s;
+    while (driver_.operation() == OperationState::done && !at_zero(names) && now_s() < end_s) {
+      update();
+      ros::WallDuration(poll_period_s).sleep();
+    }
+  }
+
+  template <typename Response>
+  bool answer(Response& response, const std::string& done) {
+    finish(longest_operation_s);
+    response.success = driver_.operation() == OperationState::done;
+    response.message = response.success ? done : driver_.operation_failure();
+    if (!response.success && response.message.empty()) response.message = "no answer in time";
+    return true;
+  }
+
+  bool zero(ZeroMotors::Request& request, ZeroMotors::Response& response) {
+    try {
+      driver_.zero(request.names);
+    } catch (const std::invalid_argument& error) {
+      response.message = error.what();
+      return true;
+    }
+    finish(longest_operation_s);
+    wait_for_zero(request.names);  // the board says that it is done before it tells where the motors are
+    state_.publish(motor_state(driver_, ros::Time::now()));
+    return answer(response, "here is zero");
+  }
+
+  bool stop(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+    driver_.emergency_stop();
+    update();
+    response.success = true;
+    response.message = driver_.linked() ? "emergency stop sent" : "emergency stop is sent as soon as there is a link";
+    return true;
+  }
+
+  bool clear(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+    driver_.clear();
+    return answer(response, "faults and emergency stop cleared");
+  }
+
+  MotorDriver driver_;
+  std::string told_failure_;
+  ros::NodeHandle node_;
+  ros::Publisher state_;
+  ros::Subscriber commands_;
+  ros::ServiceServer zero_, stop_, clear_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::WallTimer diagnostics_timer_, state_timer_;
+};
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "motor", [] {
+    const ros::NodeHandle node("~");
+    MotorNode(read_rig(node), read_options(node)).run();
+  });
+}

@@ -1,0 +1,110 @@
+// Draws markers, cables, target and error for rviz from what the session publishes, compares tracked with simulated
+// markers, and draws the simulated robot over what a camera sees of it, close up.
+//
+// Parameters: ~camera (whose image is drawn over, where the tracker believes it; absent: none).
+#include <optional>
+#include <string>
+
+#include <ros/ros.h>
+#include <tf2_ros/transform_listener.h>
+
+#include "run_node.h"
+#include "ros/camera_overlay.h"
+#include "ros/gap_meter.h"
+#include "ros/image_messages.h"
+#include "ros/log_text.h"
+#include "ros/overlay.h"
+#include "ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using sensor_msgs::CameraInfo;
+using sensor_msgs::Image;
+
+class OverlayNode {
+ public:
+  OverlayNode() {
+    ros::NodeHandle node;
+    publisher_ = node.advertise<visualization_msgs::MarkerArray>(topics::overlay, 1);
+    gap_publisher_ = node.advertise<RealityGap>(topics::reality_gap, 100);
+    // A message lost here and not by a recorder makes another gap than its replay: none is, in 16 s at 60 Hz.
+    subscribers_ = {
+        node.subscribe(topics::simulator_markers, 1000, &OverlayNode::on_simulated, this),
+        node.subscribe(topics::tracker_markers, 1000, &OverlayNode::on_measured, this),
+        node.subscribe(topics::simulator_actuators, 1, &OverlayNode::on_actuators, this),
+        node.subscribe(topics::controller_target, 1, &OverlayNode::on_target, this),
+    };
+    const std::string camera = ros::NodeHandle("~").param<std::string>("camera", "");
+    if (camera.empty()) return;
+    optical_frame_ = optical_frame(camera);
+    image_publisher_ = node.advertise<Image>(topics::overlay_image, 1);
+    subscribers_.push_back(node.subscribe(camera + "/color/camera_info", 1, &OverlayNode::on_info, this));
+    subscribers_.push_back(node.subscribe(camera + "/color/image_raw", 1, &OverlayNode::on_image, this));
+    subscribers_.push_back(node.subscribe(topics::simulator_surface, 1, &OverlayNode::on_surface, this));
+  }
+
+ private:
+  void on_simulated(const MarkerObservations& markers) {
+    inputs_.simulated = markers;
+    gap_.add_simulated(markers);
+    publish(markers.header.stamp);
+  }
+  void on_measured(const MarkerObservations& markers) {
+    inputs_.measured = markers;
+    gap_.add_measured(markers);
+    publish(markers.header.stamp);
+  }
+  void on_gap(const RealityGap& gap) {
+    inputs_.gap = gap;
+    gap_publisher_.publish(gap);
+  }
+  void on_actuators(const ActuatorState& actuators) { inputs_.actuators = actuators; }
+  void on_target(const Target& target) { inputs_.target = target; }
+  void on_info(const CameraInfo& info) { info_ = info; }
+  void on_surface(const visualization_msgs::Marker& surface) { surface_ = surface; }
+
+  void on_image(const Image& colour) {
+    if (image_publisher_.getNumSubscribers() == 0 || !info_ || !surface_) return;
+    try {
+      const auto pose = frames_.lookupTransform(optical_frame_, topics::robot_frame, ros::Time(0));
+      const Eigen::Isometry3d camera_from_robot = isometry(pose.transform);
+      const CloseUp::View view = close_up_.of(colour_image(colour), camera_model(*info_), camera_from_robot, *surface_);
+      const cv::Mat drawn = draw_robot(view.image, view.model, camera_from_robot, *surface_, inputs_.gap);
+      image_publisher_.publish(colour_message(drawn, colour.header));
+    } catch (const std::exception& error) {
+      ROS_WARN_THROTTLE(5.0, "%s: %s", topics::overlay_image, log_text(error.what()).c_str());
+    }
+  }
+
+  void publish(const ros::Time& stamp) {
+    const double age_s = (stamp - published_).toSec();
+    if (age_s >= 0.0 && age_s < period_s) return;
+    published_ = stamp;
+    publisher_.publish(overlay_of(inputs_, options_, stamp));
+  }
+
+  static constexpr double period_s = 1.0 / 15.0;
+  OverlayInputs inputs_;
+  OverlayOptions options_;
+  GapMeter gap_{[this](const RealityGap& gap) { on_gap(gap); }};
+  std::string optical_frame_;
+  CloseUp close_up_;
+  std::optional<CameraInfo> info_;
+  std::optional<visualization_msgs::Marker> surface_;
+  ros::Time published_;
+  ros::Publisher publisher_, gap_publisher_, image_publisher_;
+  tf2_ros::Buffer frames_;
+  tf2_ros::TransformListener listener_{frames_};
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  return soft_robot_lab::run_node(argc, argv, "overlay", [] {
+    soft_robot_lab::OverlayNode node;
+    ros::spin();
+  });
+}

@@ -1,0 +1,131 @@
+// Plays the robot that an emulated rig moves: a second simulation, not quite the model, whose cables the rig's shafts
+// pull. What it publishes is the truth, for rendered cameras to see and for reports, not for controller or tracker.
+//
+// Parameters: ~plant (path: how it differs from the model), ~rig (path: whose shafts move it; absent: not checked),
+// ~surface_rate_hz (how often its skin is published while it moves; cameras need it as often as they film).
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/ShaftState.h>
+
+#include "run_node.h"
+#include "hardware/plant/real_time_plant.h"
+#include "hardware/plant/same_commands.h"
+#include "ros/actuator_plugins.h"
+#include "ros/latched_publisher.h"
+#include "ros/conversions.h"
+#include "ros/log_text.h"
+#include "ros/surface_marker.h"
+#include "ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+SceneOptions scene_options() {
+  SceneOptions options;
+  options.actuator_factory = actuators_from_plugins();
+  return options;
+}
+
+PlantSettings read_plant(const ros::NodeHandle& parameters) {
+  std::string path;
+  if (!parameters.getParam("plant", path)) throw std::invalid_argument("plant: missing; give its file's path");
+  return load_plant(path);
+}
+
+class PlantNode {
+ public:
+  explicit PlantNode(const ros::NodeHandle& parameters)
+      : plant_(read_plant(parameters), scene_options_), surface_(plant_.simulation().body().mesh()) {
+    if (const auto rig = parameters.param<std::string>("rig", ""); !rig.empty())
+      require_same_commands(plant_.simulation(), parameters.param<std::string>("plant", ""), load_rig(rig), rig);
+    parameters.getParam("surface_rate_hz", surface_rate_hz_);
+    if (!(surface_rate_hz_ > 0.0 && surface_rate_hz_ <= 1000.0))
+      throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz_) + " is not in (0, 1000]");
+    markers_publisher_ = node_.advertise<MarkerObservations>(topics::plant_markers, 10);
+    surface_publisher_ = advertise_latched<visualization_msgs::Marker>(topics::plant_surface,
+                                                                            [this](const auto&) { surface_.forget(); });
+    shafts_subscriber_ = node_.subscribe(topics::rig_shafts, 1000, &PlantNode::on_shafts, this);
+    diagnostics_.setHardwareID("emulated");
+    diagnostics_.add("plant", this, &PlantNode::diagnose);
+    diagnostics_timer_ =
+        node_.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+  }
+
+  void run() {
+    constexpr double poll_s = 0.005;
+    while (ros::ok()) {
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(poll_s));
+      const double before_s = plant_.present().time_s;
+      advance(ros::Time::now().toSec());
+      if (plant_.present().time_s > before_s) publish(ros::Time::now());
+    }
+  }
+
+ private:
+  void on_shafts(const ShaftState& shafts) { late_.add(shafts.header.stamp.toSec(), shafts.names, shafts.values); }
+
+  // A shaft that turned beyond what the robot's cables allow stays where it was.
+  void advance(double now_s) {
+    constexpr double longest_s = 0.1;  // until others have their turn
+    constexpr double latest_s = 5.0;   // a move costs more than it takes, and the rest after it less
+    try {
+      late_.advance(now_s, longest_s, latest_s);
+    } catch (const std::invalid_argument& error) {
+      refusal_ = error.what();
+      ROS_WARN_THROTTLE(1.0, "%s: %s", topics::rig_shafts, log_text(error.what()).c_str());
+    }
+  }
+
+  void publish(const ros::Time& stamp) {
+    const Simulation& simulation = plant_.simulation();
+    markers_publisher_.publish(marker_observations(simulation, stamp));
+    const double period = std::floor(stamp.toSec() * surface_rate_hz_);
+    if (period > surface_period_ && surface_.moved(simulation.state().positions_m)) {
+      surface_publisher_.publish(surface_.message(simulation.state().positions_m, stamp));
+      surface_period_ = period;
+    }
+  }
+
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    using Status = diagnostic_msgs::DiagnosticStatus;
+    if (!refusal_.empty())
+      status.summary(Status::WARN, refusal_);
+    else if (late_.lost_s() > told_lost_s_ + 0.1)
+      status.summary(Status::WARN, "slower than real time");
+    else
+      status.summary(Status::OK, "runs");
+    status.add("late [s]", late_.late_s(ros::Time::now().toSec()));
+    status.add("time lost [s]", late_.lost_s() - told_lost_s_);
+    status.add("steps not converged", plant_.failed_steps());
+    refusal_.clear();
+    told_lost_s_ = late_.lost_s();
+  }
+
+  SceneOptions scene_options_ = scene_options();  // keeps the plugins loaded
+  Plant plant_;
+  SurfaceMarker surface_;
+  double surface_rate_hz_ = 15.0;
+  double surface_period_ = -1.0;
+  RealTimePlant late_{plant_, ros::Time::now().toSec()};
+  double told_lost_s_ = 0.0;  // until the last diagnosis
+  std::string refusal_;       // since then
+  ros::NodeHandle node_;
+  ros::Publisher markers_publisher_, surface_publisher_;
+  ros::Subscriber shafts_subscriber_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "plant", [] { PlantNode(ros::NodeHandle("~")).run(); });
+}

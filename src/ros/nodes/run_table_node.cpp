@@ -1,0 +1,174 @@
+// Drives a session through an experiment's configurations in their order, as the tables 6.4 to 6.6 of the thesis, waits
+// for rest at each, and tells how large the gap between robot and simulation is there.
+//
+// Usage: run_table_node EXPERIMENT.yaml [HOLD_S]. Each configuration is held for 3 s, or as long as is asked for:
+// silicone creeps, and a fit takes the end of a hold. Exit status: 0 done, 1 a part failed, 2 bad file or arguments.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <ros/topic.h>
+#include <soft_robot_lab/ActuatorState.h>
+#include <soft_robot_lab/ExecutePolicy.h>
+#include <soft_robot_lab/RealityGap.h>
+
+#include "control/configuration_table.h"
+#include "session_client.h"
+#include "ros/topics.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double ramp_s = 1.0, usual_hold_s = 3.0, longest_hold_s = 600.0;
+constexpr int least_gaps = 3;
+constexpr double patience_s = 10.0;  // for so many
+
+// Root mean square of all gaps heard while the robot rests.
+class RestingGap {
+ public:
+  explicit RestingGap(ros::NodeHandle& node)
+      : subscriber_(node.subscribe(topics::reality_gap, 100, &RestingGap::add, this)) {}
+
+  // [m]; negative without a tracker.
+  double during(double hold_s) {
+    count_ = 0;
+    sum_m2_ = 0.0;
+    begin_ = ros::Time::now();
+    for (double held_s = 0.0; ros::ok() && (held_s < hold_s || (count_ < least_gaps && held_s < hold_s + patience_s));
+         held_s = (ros::Time::now() - begin_).toSec())
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
+    return count_ > 0 ? std::sqrt(sum_m2_ / count_) : -1.0;
+  }
+
+ private:
+  void add(const RealityGap& gap) {
+    if (gap.header.stamp < begin_) return;
+    sum_m2_ += gap.rms_m * gap.rms_m;
+    ++count_;
+  }
+
+  ros::Time begin_;
+  int count_ = 0;
+  double sum_m2_ = 0.0;
+  ros::Subscriber subscriber_;
+};
+
+struct CommandTable {
+  std::vector<Configuration> configurations;
+  bool syringes = false;
+};
+
+CommandTable read_table(const std::string& path) {
+  const YamlNode file = YamlNode::load_file(path);
+  return {read_configurations(file), commands_syringes(file)};
+}
+
+double read_hold_s(const std::string& text) {
+  std::size_t used = 0;
+  double hold_s = -1.0;
+  try {
+    hold_s = std::stod(text, &used);
+  } catch (const std::logic_error&) {  // no number, or too large a one
+  }
+  if (used != text.size() || !(hold_s > 0.0 && hold_s <= longest_hold_s))
+    throw std::invalid_argument("HOLD_S: '" + text + "' is not in (0, 600]");
+  return hold_s;
+}
+
+// In the scene's order, which is the table's.
+std::vector<std::string> actuators_of_session(ros::NodeHandle& node, std::size_t count) {
+  const auto heard = ros::topic::waitForMessage<ActuatorState>(topics::simulator_actuators, node, ros::Duration(20.0));
+  if (!heard)
+    throw std::runtime_error(std::string("nothing on ") + topics::simulator_actuators + ": is there a session?");
+  if (heard->names.size() != count)
+    throw std::invalid_argument("the session's robot has " + std::to_string(heard->names.size()) +
+                                " actuators, the table " + std::to_string(count));
+  return heard->names;
+}
+
+class TableRun {
+ public:
+  TableRun(const CommandTable& table, double hold_s)
+      : table_(table), hold_s_(hold_s), names_(actuators_of_session(node_, front().commands.size())) {}
+
+  void run() {
+    std::string heading;
+    for (const std::string& name : names_) heading += name + std::string(name.size() < 6 ? 7 - name.size() : 1, ' ');
+    std::printf("      %sat rest after   gap [mm rms]\n", heading.c_str());
+    for (const Configuration& configuration : table_.configurations) {
+      go_and_tell(configuration);
+      if (!ros::ok()) throw std::runtime_error("the session ended");
+    }
+    return_to_rest();
+  }
+
+ private:
+  const Configuration& front() const { return table_.configurations.front(); }
+
+  ExecutePolicy::Response go(const std::vector<double>& values) {
+    ExecutePolicy::Request request;
+    request.policy.names = names_;
+    request.policy.steps.resize(1);
+    request.policy.steps[0].time_s = ramp_s;
+    request.policy.steps[0].values = values;
+    request.wait_until_rest = true;
+    return call<ExecutePolicy>(node_, topics::execute_policy, request);
+  }
+
+  void go_and_tell(const Configuration& configuration) {
+    const auto answer = go(configuration.commands);
+    const double gap_m = gap_.during(hold_s_);
+    std::printf("%-5s ", configuration.name.c_str());
+    for (const double value : configuration.commands) std::printf("%-6g ", value);
+    std::printf("%6.2f s", answer.duration_s);
+    std::printf(gap_m < 0.0 ? "        no tracker\n" : "        %.3f\n", 1e3 * gap_m);
+    std::fflush(stdout);
+  }
+
+  // Of cables by way of slack ones: paid out from a pull, a drive would stop short of its zero by its backlash.
+  void return_to_rest() {
+    if (table_.syringes) {
+      go(std::vector<double>(names_.size(), 0.0));
+      return;
+    }
+    double slack = 1.05;
+    for (const Configuration& configuration : table_.configurations)
+      slack = std::max(slack, *std::max_element(configuration.commands.begin(), configuration.commands.end()));
+    go(std::vector<double>(names_.size(), slack));
+    go(std::vector<double>(names_.size(), 1.0));
+  }
+
+  CommandTable table_;
+  double hold_s_;
+  ros::NodeHandle node_;
+  RestingGap gap_{node_};
+  std::vector<std::string> names_;
+};
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
+  ros::init(argc, argv, "run_table");
+  if (argc != 2 && argc != 3) {
+    std::fprintf(stderr, "usage: run_table_node EXPERIMENT.yaml [HOLD_S]\n");
+    return 2;
+  }
+  try {
+    const CommandTable table = read_table(argv[1]);
+    TableRun(table, argc == 3 ? read_hold_s(argv[2]) : usual_hold_s).run();
+    return 0;
+  } catch (const std::invalid_argument& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,341 @@
+// Simulates a scene in real time, or as fast as possible, behind the topics that a rig has too.
+//
+// Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
+// gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
+// often as they film), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes the
+// same commands, which a scene has to suit).
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <rosgraph_msgs/Clock.h>
+#include <soft_robot_lab/LoadScene.h>
+#include <std_msgs/String.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+#include "run_node.h"
+#include "hardware/plant/same_commands.h"
+#include "ros/actuator_plugins.h"
+#include "ros/latched_publisher.h"
+#include "ros/conversions.h"
+#include "ros/log_text.h"
+#include "ros/surface_marker.h"
+#include "ros/topics.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+struct SimulatorOptions {
+  std::string scene;
+  double real_time_factor = 1.0;  // [0, 1000]; 0: as fast as possible
+  bool start_at_rest = true;
+  double surface_rate_hz = 15.0;  // (0, 1000]
+  bool publish_clock = true;
+  std::string rig;  // empty: none
+
+  void validate() const {
+    if (!(real_time_factor >= 0.0 && real_time_factor <= 1000.0)) {
+      throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) + " is not in [0, 1000]");
+    }
+    if (!(surface_rate_hz > 0.0 && surface_rate_hz <= 1000.0)) {
+      throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz) + " is not in (0, 1000]");
+    }
+    if (!publish_clock && real_time_factor != 1.0) {
+      throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) +
+                                  " is not 1, as it has to be where publish_clock is false");
+    }
+  }
+};
+
+SimulatorOptions read_options(const ros::NodeHandle& node) {
+  SimulatorOptions options;
+  if (!node.getParam("scene", options.scene)) throw std::invalid_argument("scene: missing; give the path of a scene");
+  node.getParam("real_time_factor", options.real_time_factor);
+  node.getParam("start_at_rest", options.start_at_rest);
+  node.getParam("surface_rate_hz", options.surface_rate_hz);
+  node.getParam("publish_clock", options.publish_clock);
+  node.getParam("rig", options.rig);
+  options.validate();
+  return options;
+}
+
+// A scene ready to run, with the state that `reset` brings back.
+struct RunningScene {
+  explicit RunningScene(Scene loaded)
+      : path(loaded.file),
+        fidelity(std::move(loaded.fidelity)),
+        simulation(std::move(loaded.simulation)),
+        surface(simulation->body().mesh()) {}
+
+  std::string path;
+  std::optional<FidelityReport> fidelity;
+  std::unique_ptr<Simulation> simulation;
+  SurfaceMarker surface;
+  SimulationState start;
+};
+
+// Wall and session time over the last second or so.
+class RealTimeFactor {
+ public:
+  void update(double session_s) {
+    const double wall_s = std::chrono::duration<double>(SteadyClock::now() - wall_start_).count();
+    if (wall_s < 1.0) return;
+    value_ = (session_s - session_start_s_) / wall_s;
+    wall_start_ = SteadyClock::now();
+    session_start_s_ = session_s;
+  }
+  double value() const { return value_; }
+
+ private:
+  SteadyClock::time_point wall_start_ = SteadyClock::now();
+  double session_start_s_ = 0.0;
+  double value_ = 0.0;
+};
+
+class SimulatorNode {
+ public:
+  explicit SimulatorNode(const SimulatorOptions& options);
+  ~SimulatorNode() { loading_.stop(); }
+  void run();
+
+ private:
+  std::unique_ptr<RunningScene> prepare(const std::string& path) const;
+  void start(std::unique_ptr<RunningScene> scene);
+  double step();  // returns the scene's time step [s]
+  void publish();
+  void show_surface_again();  // though it may not move
+  void serve_until(SteadyClock::time_point deadline);
+  void on_command(const ActuatorCommand& command);
+  bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool load(LoadScene::Request& request, LoadScene::Response& response);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void publish_frames();
+  ros::Time session_time() const { return ros::Time(session_s_); }
+
+  SimulatorOptions options_;
+  SceneOptions scene_options_;
+
+  std::mutex mutex_;  // guards what follows between stepping and loading
+  std::unique_ptr<RunningScene> scene_;
+  double session_s_ = 0.0;        // never goes back, unlike the scene's own time at a reset
+  double surface_period_ = -1.0;  // number of the period of session time in which the skin was last published
+  SolveReport last_report_;
+  int unconverged_steps_ = 0;           // since the last diagnosis
+  std::vector<SolveWarning> warnings_;  // likewise
+  int refused_commands_ = 0;
+  std::string last_refusal_;
+  RealTimeFactor real_time_factor_;
+
+  ros::NodeHandle node_;
+  ros::Publisher clock_, markers_, actuators_, surface_;
+  LatchedPublisher<std_msgs::String> scene_path_{topics::simulator_scene};
+  ros::Subscriber commands_;
+  tf2_ros::StaticTransformBroadcaster frames_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+  ros::ServiceServer reset_, load_;
+  // Loading takes seconds; meanwhile the old scene goes on.
+  ros::CallbackQueue loading_queue_;
+  ros::AsyncSpinner loading_{1, &loading_queue_};
+};
+
+SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options) {
+  scene_options_.actuator_factory = actuators_from_plugins();
+  if (options_.publish_clock) clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
+  markers_ = node_.advertise<MarkerObservations>(topics::simulator_markers, 1000);
+  actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
+  publish_frames();
+  start(prepare(options_.scene));
+  surface_ = advertise_latched<visualization_msgs::Marker>(topics::simulator_surface,
+                                                                [this](const auto&) { show_surface_again(); });
+
+  commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
+  reset_ = node_.advertiseService(topics::simulator_reset, &SimulatorNode::reset, this);
+  auto load_options = ros::AdvertiseServiceOptions::create<LoadScene>(
+      topics::simulator_load, [this](auto& request, auto& response) { return load(request, response); },
+      ros::VoidConstPtr(), &loading_queue_);
+  load_ = node_.advertiseService(load_options);
+  loading_.start();
+  diagnostics_.setHardwareID("simulated");
+  diagnostics_.add("simulation", this, &SimulatorNode::diagnose);
+  diagnostics_timer_ =
+      node_.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+}
+
+void SimulatorNode::publish_frames() {
+  geometry_msgs::TransformStamped world_from_robot;
+  world_from_robot.header.frame_id = topics::world_frame;
+  world_from_robot.child_frame_id = topics::robot_frame;
+  world_from_robot.transform.rotation.w = 1.0;
+  frames_.sendTransform(world_from_robot);
+}
+
+std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) const {
+  auto scene = std::make_unique<RunningScene>(load_scene(path, scene_options_));
+  if (!options_.rig.empty()) require_same_commands(*scene->simulation, path, load_rig(options_.rig), options_.rig);
+  if (options_.start_at_rest) {
+    const SolveReport report = scene->simulation->solve_equilibrium();
+    if (!report.converged) ROS_WARN("%s: does not start at rest: %s", path.c_str(), report.message.c_str());
+  }
+  scene->start = scene->simulation->state();
+  const TetMesh& mesh = scene->simulation->body().mesh();
+  ROS_INFO("%s: %d elements, %d nodes", path.c_str(), mesh.tet_count(), mesh.node_count());
+  if (scene->fidelity) {
+    ROS_INFO("%s: %s", path.c_str(), summary(*scene->fidelity).c_str());
+    if (!scene->fidelity->met)
+      ROS_WARN("%s: expected error of the markers: %s", path.c_str(), expected_error_text(*scene->fidelity).c_str());
+  }
+  return scene;
+}
+
+void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
+  std_msgs::String path;
+  path.data = scene->path;
+  {
+    const std::lock_guard lock(mutex_);
+    scene_ = std::move(scene);
+    surface_period_ = -1.0;
+  }
+  scene_path_.tell(path);
+}
+
+void SimulatorNode::run() {
+  constexpr auto made_up_for = std::chrono::milliseconds(100);  // longer delays are not
+  auto due = SteadyClock::now();
+  while (ros::ok()) {
+    const double time_step_s = step();
+    if (options_.real_time_factor > 0.0) {
+      const std::chrono::duration<double> period(time_step_s / options_.real_time_factor);
+      due += std::chrono::duration_cast<SteadyClock::duration>(period);
+      due = std::max(due, SteadyClock::now() - made_up_for);
+    }
+    serve_until(due);
+  }
+}
+
+void SimulatorNode::serve_until(SteadyClock::time_point deadline) {
+  ros::CallbackQueue* queue = ros::getGlobalCallbackQueue();
+  queue->callAvailable();
+  while (ros::ok() && SteadyClock::now() < deadline) {
+    queue->callAvailable(ros::WallDuration(std::chrono::duration<double>(deadline - SteadyClock::now()).count()));
+  }
+}
+
+double SimulatorNode::step() {
+  const std::lock_guard lock(mutex_);
+  last_report_ = scene_->simulation->step();
+  if (!last_report_.converged) ++unconverged_steps_;
+  for (const SolveWarning& warning : last_report_.warnings) add_warning(warning, warnings_);
+  const double time_step_s = scene_->simulation->options().time_step_s;
+  session_s_ = options_.publish_clock ? session_s_ + time_step_s : ros::WallTime::now().toSec();
+  real_time_factor_.update(session_s_);
+  publish();
+  return time_step_s;
+}
+
+void SimulatorNode::publish() {
+  const Simulation& simulation = *scene_->simulation;
+  const ros::Time stamp = session_time();
+  if (options_.publish_clock) {
+    rosgraph_msgs::Clock clock;
+    clock.clock = stamp;
+    clock_.publish(clock);
+  }
+  markers_.publish(marker_observations(simulation, stamp));
+  actuators_.publish(actuator_states(simulation, stamp));
+
+  constexpr double rounding = 1.0e-6;
+  const double period = std::floor(session_s_ * options_.surface_rate_hz + rounding);
+  if (period > surface_period_ && scene_->surface.moved(simulation.state().positions_m)) {
+    surface_.publish(scene_->surface.message(simulation.state().positions_m, stamp, gauge_pressures_pa(simulation)));
+    surface_period_ = period;
+  }
+}
+
+void SimulatorNode::show_surface_again() {
+  const std::lock_guard lock(mutex_);
+  scene_->surface.forget();
+}
+
+void SimulatorNode::on_command(const ActuatorCommand& command) {
+  const std::lock_guard lock(mutex_);
+  try {
+    apply_command(command, *scene_->simulation);
+  } catch (const std::invalid_argument& error) {
+    ++refused_commands_;
+    last_refusal_ = log_text(error.what());
+    ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::actuator_command, last_refusal_.c_str());
+  }
+}
+
+bool SimulatorNode::reset(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+  const std::lock_guard lock(mutex_);
+  scene_->simulation->reset();
+  scene_->simulation->set_state(scene_->start);
+  response.success = true;
+  response.message = "at the start of " + scene_->path;
+  return true;
+}
+
+bool SimulatorNode::load(LoadScene::Request& request, LoadScene::Response& response) {
+  try {
+    start(prepare(request.path));
+    response.success = true;
+    response.message = "runs " + request.path;
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+    ROS_WARN("%s refused: %s", topics::simulator_load, log_text(error.what()).c_str());
+  }
+  return true;
+}
+
+void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const std::lock_guard lock(mutex_);
+  using Status = diagnostic_msgs::DiagnosticStatus;
+  if (unconverged_steps_ > 0) {
+    status.summary(Status::WARN, "steps that did not converge: " + last_report_.message);
+  } else if (!warnings_.empty()) {
+    status.summary(Status::WARN, warnings_.front().text);
+  } else {
+    status.summary(Status::OK, "runs");
+  }
+  status.add("scene", scene_->path);
+  status.add("elements", scene_->simulation->body().mesh().tet_count());
+  status.add("nodes", scene_->simulation->body().mesh().node_count());
+  status.add("expected error", scene_->fidelity ? expected_error_text(*scene_->fidelity) : "not asked for");
+  status.add("steps not converged in the last second", unconverged_steps_);
+  status.add("iterations", last_report_.iterations);
+  status.add("residual", last_report_.residual);
+  status.add("inverted elements", last_report_.inverted_elements);
+  for (const SolveWarning& warning : warnings_)
+    status.add(warning.kind + (warning.actuator.empty() ? "" : " " + warning.actuator), warning.text);
+  status.add("real-time factor", real_time_factor_.value());
+  status.add("refused commands", refused_commands_);
+  status.add("last refusal", last_refusal_);
+  unconverged_steps_ = 0;
+  warnings_.clear();
+}
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "simulator", [] {
+    SimulatorNode node(read_options(ros::NodeHandle("~")));
+    node.run();
+  });
+}

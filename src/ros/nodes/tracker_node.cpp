@@ -1,0 +1,319 @@
+// Follows the robot's markers with RGB-D cameras: images in, tracker/markers out. From a session, or from a recording
+// as fast as it can be read (~bag), with the same output.
+//
+// Parameters: ~cameras (list of names: the topics' first parts), ~tracker (path of the tracker's settings), ~poses
+// (path: where the cameras stand; a calibration writes it), ~default_poses (path, read while there is no such file),
+// ~scene (path; absent where simulator/scene tells), ~use_simulated (simulated markers say where to look first), ~balls
+// (path of the calibration's balls; absent: no calibration), ~bag and ~output (paths: a recording to read, and a bag to
+// write).
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <message_filters/subscriber.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/Calibrate.h>
+#include <std_msgs/String.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+#include "run_node.h"
+#include "ros/calibrate_request.h"
+#include "ros/camera_diagnosis.h"
+#include "ros/image_messages.h"
+#include "ros/log_text.h"
+#include "ros/replay_tracking.h"
+#include "ros/topics.h"
+#include "ros/tracking_input.h"
+#include "settings/quantile.h"
+#include "perception/tracking/annotate.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using diagnostic_updater::DiagnosticStatusWrapper;
+using sensor_msgs::CameraInfo;
+using sensor_msgs::Image;
+using Status = diagnostic_msgs::DiagnosticStatus;
+
+constexpr double diagnosis_period_s = 1;
+
+struct NodeOptions {
+  TrackingInputOptions input;
+  std::string balls, bag, output;
+};
+
+NodeOptions read_options(const ros::NodeHandle& node) {
+  NodeOptions options;
+  TrackingInputOptions& input = options.input;
+  node.getParam("cameras", input.tracking.cameras);
+  node.getParam("sync_tolerance_s", input.tracking.sync_tolerance_s);
+  node.getParam("sync_timeout_s", input.tracking.sync_timeout_s);
+  if (!node.getParam("tracker", input.tracker))
+    throw std::invalid_argument("tracker: missing; give the path of its settings");
+  if (!node.getParam("poses", input.poses))
+    throw std::invalid_argument("poses: missing; give the path of the cameras' poses");
+  node.getParam("default_poses", input.default_poses);
+  node.getParam("scene", input.scene);
+  node.getParam("use_simulated", input.use_simulated);
+  node.getParam("balls", options.balls);
+  node.getParam("bag", options.bag);
+  node.getParam("output", options.output);
+  if (!options.bag.empty() && options.output.empty())
+    throw std::invalid_argument("output: missing; give the path of the bag to write, beside bag");
+  return options;
+}
+
+class TrackerNode {
+ public:
+  explicit TrackerNode(const NodeOptions& options);
+
+ private:
+  struct Camera {
+    explicit Camera(const std::string& name) : diagnosis(name) {}
+    message_filters::Subscriber<Image> colour, depth;
+    ImagePair pair{waiting_images};
+    ros::Subscriber info;
+    CameraDiagnosis diagnosis;
+  };
+
+  template <typename Action>
+  bool attempt(const std::string& what, Action action);
+  void subscribe(const std::string& camera);
+  void on_pair(const std::string& camera, const Image& colour, const Image& depth);
+  void on_result(const MarkerTracking::Result& result);
+  void publish_image(const MarkerTracking::Result& result) const;
+  void tell_knocked_cameras();
+  void broadcast(const std::vector<CameraPose>& poses);
+  bool calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response);
+  void diagnose(DiagnosticStatusWrapper& status);
+  void diagnose_camera(const std::string& camera, DiagnosticStatusWrapper& status);
+  void diagnose_places(DiagnosticStatusWrapper& status);
+
+  NodeOptions options_;
+  TrackingInput input_;
+  std::unique_ptr<CalibrationSession> calibration_;
+  std::string problem_;                            // the last, since the last diagnosis
+  std::vector<std::string> lost_;                  // as last reported
+  std::vector<double> latencies_s_;                // from stamp to markers, since the last diagnosis
+  std::vector<std::vector<std::string>> knocked_;  // told in the log
+
+  ros::NodeHandle node_;
+  ros::Publisher markers_, steps_, image_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::map<std::string, std::unique_ptr<Camera>> cameras_;
+  ros::ServiceServer calibrate_;
+  tf2_ros::StaticTransformBroadcaster frames_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+TrackerNode::TrackerNode(const NodeOptions& options)
+    : options_(options), input_(options.input, [this](const auto& result) { on_result(result); }) {
+  markers_ = node_.advertise<MarkerObservations>(topics::tracker_markers, 100);
+  steps_ = node_.advertise<TrackerUpdateLog>(topics::tracker_steps, 100);
+  image_ = node_.advertise<Image>(topics::tracker_image, 2);
+  if (!options_.balls.empty()) {
+    calibration_ = std::make_unique<CalibrationSession>(read_ball_placement(options_.balls), BallFinderSettings());
+    calibrate_ = node_.advertiseService(topics::calibrate, &TrackerNode::calibrate_cameras, this);
+  }
+  if (!input_.poses_file().empty()) ROS_INFO("the cameras stand as %s says", input_.poses_file().c_str());
+  broadcast(input_.poses());
+  if (options_.input.scene.empty())
+    subscribers_.push_back(node_.subscribe<std_msgs::String>(
+        topics::simulator_scene, 1,
+        [this](const std_msgs::String::ConstPtr& path) { attempt("scene", [&] { input_.start(path->data); }); }));
+  subscribers_.push_back(node_.subscribe<MarkerObservations>(
+      topics::simulator_markers, 60, [this](const MarkerObservations::ConstPtr& message) {
+        attempt(topics::simulator_markers, [&] { input_.add_simulated(*message); });
+      }));
+  diagnostics_.setHardwareID("cameras");
+  diagnostics_.add("tracker", this, &TrackerNode::diagnose);
+  diagnostics_.add("places of cameras", this, &TrackerNode::diagnose_places);
+  for (const std::string& camera : options_.input.tracking.cameras) {
+    subscribe(camera);
+    diagnostics_.add(camera, [this, camera](DiagnosticStatusWrapper& status) { diagnose_camera(camera, status); });
+  }
+  diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(diagnosis_period_s),
+                                             [this](const auto&) { diagnostics_.force_update(); });
+}
+
+void TrackerNode::subscribe(const std::string& name) {
+  Camera& camera = *(cameras_[name] = std::make_unique<Camera>(name));
+  camera.info = node_.subscribe<CameraInfo>(info_topic(name), 5, [this, name](const CameraInfo::ConstPtr& info) {
+    const bool usable = attempt(name, [&] {
+      input_.add_info(name, *info);
+      if (calibration_) calibration_->set_camera({name, camera_model(*info), Eigen::Isometry3d::Identity()});
+    });
+    if (!usable) cameras_.at(name)->diagnosis.failed(problem_);
+  });
+  camera.colour.subscribe(node_, colour_topic(name), waiting_images);
+  camera.depth.subscribe(node_, depth_topic(name), waiting_images);
+  camera.colour.registerCallback([&camera](const Image::ConstPtr&) { camera.diagnosis.colour_came(); });
+  camera.depth.registerCallback([&camera](const Image::ConstPtr&) { camera.diagnosis.depth_came(); });
+  camera.pair.connectInput(camera.colour, camera.depth);
+  const boost::function<void(const Image::ConstPtr&, const Image::ConstPtr&)> paired =
+      [this, name](const Image::ConstPtr& colour, const Image::ConstPtr& depth) { on_pair(name, *colour, *depth); };
+  camera.pair.registerCallback(boost::bind<void>(paired, boost::placeholders::_1, boost::placeholders::_2));
+}
+
+void TrackerNode::on_pair(const std::string& camera, const Image& colour, const Image& depth) {
+  CameraDiagnosis& diagnosis = cameras_.at(camera)->diagnosis;
+  diagnosis.frame_came();
+  const bool usable = attempt(camera, [&] {
+    const RgbdFrame frame = rgbd_frame(camera, colour, depth);
+    if (calibration_) calibration_->add(frame);
+    input_.add_frame(frame);
+  });
+  if (!usable) diagnosis.failed(problem_);
+}
+
+// Whether it could be done. Bad messages are told and counted; the next ones go on.
+template <typename Action>
+bool TrackerNode::attempt(const std::string& what, Action action) {
+  try {
+    action();
+    return true;
+  } catch (const std::exception& error) {
+    problem_ = what + ": " + error.what();
+    ROS_WARN_THROTTLE(1.0, "%s", log_text(problem_).c_str());
+    return false;
+  }
+}
+
+void TrackerNode::on_result(const MarkerTracking::Result& result) {
+  const TrackerReport& report = result.report;
+  for (const CameraProblem& problem : report.problems) {
+    if (problem.silent && !problem_.empty()) continue;  // why it has not is already told
+    problem_ = problem.message;
+    ROS_WARN_THROTTLE(1.0, "%s", log_text(problem_).c_str());
+    if (problem.silent) continue;  // its own diagnosis finds that out
+    cameras_.at(problem.camera)->diagnosis.failed(problem.message);
+  }
+  if (!report.updated) return;
+  markers_.publish(result.observations);
+  steps_.publish(result.step);
+  latencies_s_.push_back((ros::Time::now() - result.observations.header.stamp).toSec());
+  lost_ = report.lost;
+  for (auto& [name, camera] : cameras_) {
+    const auto own = std::count_if(report.sights.begin(), report.sights.end(),
+                                   [name = name](const CameraObservation& sight) { return sight.camera == name; });
+    camera->diagnosis.tracked(static_cast<std::size_t>(own), report.sights.size());
+  }
+  tell_knocked_cameras();
+  if (image_.getNumSubscribers() > 0) publish_image(result);
+}
+
+void TrackerNode::publish_image(const MarkerTracking::Result& result) const {
+  const RgbdFrame& frame = result.frames.front();
+  const TrackerCamera& camera = input_.tracking()->cameras().at(frame.camera);
+  RgbdFrame drawn = frame;
+  drawn.colour = annotate(frame, camera, result.report, input_.settings().marker_radius_m);
+  image_.publish(frame_messages(drawn, camera.model, result.observations.header.stamp).colour);
+}
+
+// Each once, when it begins.
+void TrackerNode::tell_knocked_cameras() {
+  std::vector<std::vector<std::string>> displaced;
+  for (const CameraWarning& warning : input_.tracking()->watch().warnings()) {
+    displaced.push_back(warning.cameras);
+    if (std::find(knocked_.begin(), knocked_.end(), warning.cameras) == knocked_.end())
+      ROS_WARN("%s", warning.message.c_str());
+  }
+  knocked_ = std::move(displaced);
+}
+
+void TrackerNode::broadcast(const std::vector<CameraPose>& poses) {
+  std::vector<geometry_msgs::TransformStamped> messages;
+  for (const CameraPose& pose : poses)
+    messages.push_back(transform_message(topics::world_frame, optical_frame(pose.name), pose.world_from_camera));
+  if (!messages.empty()) frames_.sendTransform(messages);
+}
+
+bool TrackerNode::calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response) {
+  const std::vector<CameraPose> found = calibrate(request, *calibration_, options_.input.poses, response);
+  if (!found.empty()) {
+    input_.set_poses(found);
+    broadcast(found);
+  }
+  if (!response.success) ROS_WARN("%s refused: %s", topics::calibrate, log_text(response.message).c_str());
+  return true;
+}
+
+void TrackerNode::diagnose(DiagnosticStatusWrapper& status) {
+  const MarkerTracking* tracking = input_.tracking();
+  if (!tracking) {
+    status.summary(Status::WARN, "waits for a scene");
+  } else if (tracking->cameras().empty()) {
+    status.summary(Status::ERROR, "no camera can be used: of none both its pose and its lens are known");
+  } else if (!problem_.empty()) {
+    status.summary(Status::WARN, problem_);
+  } else if (latencies_s_.empty()) {
+    status.summary(Status::ERROR, "no images could be used in the last second");
+  } else if (!lost_.empty()) {
+    status.summary(Status::WARN, std::to_string(lost_.size()) + " markers are lost, the first is " + lost_.front());
+  } else {
+    status.summary(Status::OK, "all markers are followed");
+  }
+  if (tracking) status.add("frames of cameras not known yet", tracking->unusable_frames());
+  if (!latencies_s_.empty()) {
+    status.add("latency, median [ms]", 1e3 * median(latencies_s_));
+    status.add("latency, worst [ms]", 1e3 * quantile(latencies_s_, 1));
+  }
+  latencies_s_.clear();
+  problem_.clear();
+}
+
+void TrackerNode::diagnose_camera(const std::string& camera, DiagnosticStatusWrapper& status) {
+  CameraDiagnosis& diagnosis = cameras_.at(camera)->diagnosis;
+  const auto finding = diagnosis.diagnose(diagnosis_period_s, input_.missing(camera));
+  using Level = CameraDiagnosis::Level;
+  status.summary(finding.level == Level::ok        ? Status::OK
+                 : finding.level == Level::warning ? Status::WARN
+                                                   : Status::ERROR,
+                 finding.message);
+  status.add("frames", diagnosis.all_frames());
+}
+
+// Whether a camera was displaced.
+void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) {
+  const MarkerTracking* tracking = input_.tracking();
+  std::string unwatched;
+  for (const std::string& camera : options_.input.tracking.cameras)
+    if (!tracking || tracking->watch().watched().count(camera) == 0)
+      unwatched += (unwatched.empty() ? "" : ", ") + camera;
+  status.summary(Status::OK, unwatched.empty()
+                                 ? "what all cameras see agrees"
+                                 : "not watched, for want of markers that another camera sees too: " + unwatched);
+  if (!tracking) return;
+  for (const CameraWarning& warning : tracking->watch().warnings()) status.mergeSummary(Status::WARN, warning.message);
+}
+
+void tell(const ReplaySummary& summary, const std::string& output) {
+  ROS_INFO("%s: %ld times all markers, %.3f CPU-seconds", output.c_str(), summary.written, summary.cpu_s);
+  if (!summary.repeated) return;
+  ROS_INFO("%ld times markers and %ld gaps are the session's to the last digit, %ld and %ld are not",
+           summary.markers_alike, summary.gaps_alike, summary.markers_other, summary.gaps_other);
+  if (summary.without_images > 0)
+    ROS_WARN("%ld of the tracker's steps were left out: the recording lacks their images", summary.without_images);
+  ROS_INFO("%ld times the filters' state was taken from the recording, else from the step before", summary.resumed);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
+  return run_node(argc, argv, "tracker", [] {
+    const NodeOptions options = read_options(ros::NodeHandle("~"));
+    if (!options.bag.empty()) {
+      tell(replay_tracking(options.input, options.bag, options.output), options.output);
+      return;
+    }
+    const TrackerNode node(options);
+    ros::spin();
+  });
+}

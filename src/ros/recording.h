@@ -1,0 +1,61 @@
+// A recorded session, or one that goes on, as fits and reports need it: who was asked for what, and where markers were.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <soft_robot_lab/RealityGap.h>
+
+#include "soft_robot_lab/control/identification/fit_model.h"
+#include "measured_rest.h"
+#include "messages.h"
+
+namespace soft_robot_lab {
+
+// Since `time_s`, until the next.
+struct CommandsSince {
+  double time_s;
+  std::map<std::string, double> values;  // of all actuators that were ever commanded until then
+};
+
+struct Recording {
+  std::vector<CommandsSince> commands;  // where they changed
+  std::vector<CommandsSince> reached;   // by motors that stood and knew where, in units of commands; where it changed
+  std::vector<MarkerObservations> measured, simulated;
+  std::vector<RealityGap> gaps;  // of these two
+  std::string scene;             // that the simulator ran last; empty where it is not told
+  double start_s = 0.0, end_s = 0.0;
+
+  // In order of time; a message older than the one before is left out.
+  void add(const ActuatorCommand& command, double time_s);
+  void add(const MotorState& motors, double time_s);
+  void add_measured(const MarkerObservations& markers);
+};
+
+// Throws std::runtime_error for a file that is no bag, holds no tracked markers, or is cut off.
+Recording read_recording(const std::string& bag);
+
+// As a session's own; here `observations` are of each marker, and windows longer where fewer frames came.
+struct RestCriteria : MeasuredRestCriterion {
+  double longest_s = 5.0;  // of a rest no more is averaged
+};
+
+// The robot at rest under commands that do not change.
+struct RestPeriod {
+  double start_s = 0.0, end_s = 0.0;  // averaged between
+  MeasuredPose pose;                  // markers seen, with the covariance of their mean
+};
+
+// In order of time. A marker that cameras saw in fewer observations of a period is not in it.
+std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriteria& criteria = {});
+
+// For a fit: the rest periods, and between them, without markers, commands that were held without rest, so that
+// friction knows the way.
+std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestCriteria& criteria = {});
+
+// For a fit of damping: wherever the robot rested, was moved, and then left to itself for two windows at least, what
+// cameras saw of the next seconds.
+std::vector<MeasuredSwing> measured_swings(const Recording& recording, const RestCriteria& criteria = {});
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,39 @@
+// The body's skin as triangles for rviz, chambers coloured by their pressure.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <ros/time.h>
+#include <visualization_msgs/Marker.h>
+
+#include "soft_robot_lab/mechanics/tet_mesh.h"
+
+namespace soft_robot_lab {
+
+class SurfaceMarker {
+ public:
+  explicit SurfaceMarker(const TetMesh& mesh);
+
+  // Whether a node of the skin moved visibly since the last `message`; true at first, and once after `forget`.
+  bool moved(const Eigen::Matrix3Xd& positions_m) const;
+  void forget() { drawn_positions_m_.resize(3, 0); }
+
+  // Gauge pressures by the name of the surface they act on.
+  visualization_msgs::Marker message(const Eigen::Matrix3Xd& positions_m, const ros::Time& stamp,
+                                     const std::map<std::string, double>& gauge_pressures_pa = {});
+
+ private:
+  struct Triangle {
+    std::array<int, 3> nodes;
+    int surface;  // as in TetMesh::face_surface
+  };
+  std::vector<Triangle> triangles_;  // four for a face with mid-edge nodes
+  std::vector<std::string> surface_names_;
+  Eigen::Matrix3Xd drawn_positions_m_;  // as in the last message; empty at first
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,41 @@
+// Names of topics, services and frames; relative, so that a session can be pushed into a namespace.
+#pragma once
+
+namespace soft_robot_lab::topics {
+
+constexpr char actuator_command[] = "actuators/command";
+constexpr char simulator_markers[] = "simulator/markers";
+constexpr char tracker_markers[] = "tracker/markers";
+constexpr char tracker_steps[] = "tracker/steps";  // what each of them was made from
+constexpr char tracker_image[] = "tracker/image";  // what a camera sees, with the markers found
+constexpr char simulator_actuators[] = "simulator/actuators";
+constexpr char simulator_surface[] = "simulator/surface";
+constexpr char simulator_scene[] = "simulator/scene";  // std_msgs/String, latched: path of the scene that runs
+constexpr char controller_progress[] = "controller/progress";
+constexpr char controller_target[] = "controller/target";  // latched: what the last accepted request asked for
+constexpr char overlay[] = "overlay";
+constexpr char overlay_image[] = "overlay/image";  // what a camera sees, with the simulated robot over it
+constexpr char reality_gap[] = "reality_gap";      // tracked less simulated markers
+constexpr char motor_state[] = "motor/state";
+constexpr char rig_shafts[] = "rig/shafts";            // of an emulated rig: the truth
+constexpr char plant_markers[] = "plant/markers";  // of the robot that it moves: the truth
+constexpr char plant_surface[] = "plant/surface";
+
+constexpr char simulator_reset[] = "simulator/reset";
+constexpr char simulator_load[] = "simulator/load";
+constexpr char motor_zero[] = "motor/zero";
+constexpr char motor_stop[] = "motor/stop";    // at once; holds until motor/clear
+constexpr char motor_clear[] = "motor/clear";  // faults and the emergency stop
+constexpr char rig_command[] = "rig/command";
+constexpr char show_balls[] = "rendered_cameras/show_balls";
+constexpr char move_camera[] = "rendered_cameras/move";
+constexpr char optimise_policy[] = "controller/optimise_policy";
+constexpr char execute_policy[] = "controller/execute_policy";
+constexpr char fit_model[] = "controller/fit_model";
+constexpr char calibrate[] = "tracker/calibrate";
+constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
+
+constexpr char world_frame[] = "world";
+constexpr char robot_frame[] = "robot_base";
+
+}  // namespace soft_robot_lab::topics

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+
+// A name goes into messages, results and pictures: 1 to 100 characters in UTF-8, no quotes, backslashes or control
+// characters. Throws SettingsError.
+std::string read_name(const YamlNode& owner, const std::string& key = "name");
+
+}  // namespace soft_robot_lab

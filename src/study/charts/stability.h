@@ -1,0 +1,115 @@
+// Where methods fail: every method in every hard case, for every body of the chart.
+#pragma once
+
+#include <functional>
+#include <istream>
+#include <string>
+#include <vector>
+
+#include "session/report/plot.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+
+namespace soft_robot_lab {
+
+enum class Outcome {
+  survived,   // every solve converged, no element is inverted at the end, and the markers are in the right place
+  recovered,  // the same at the end, but on the way a solve failed, or the start was no shape at all
+  reported,   // failed, and said so
+  too_slow,   // no failure, but not done within the limit of CPU time
+  silent,     // failed without a word: inverted elements, or markers in the wrong place, called converged
+  not_finite  // NaN or infinity left the solver
+};
+inline constexpr int kOutcomes = 6;
+const char* name_of(Outcome outcome);
+inline bool is_good(Outcome outcome) { return outcome == Outcome::survived || outcome == Outcome::recovered; }
+
+struct StabilityBody {
+  std::string name;
+  std::string scene;     // file below config/
+  std::string changes;   // YAML over it
+  bool chamber = false;  // driven by a chamber's beta; else by cables
+};
+
+struct StabilityMethod {
+  std::string name;
+  std::string body_changes;       // YAML over the scene: another element
+  std::string solver_changes;     // the same, without which the default solver works on the same elements
+  bool equilibrium = false;       // rest state at once; else in time
+  bool ours = false;              // the default solver, which must not fail
+  std::string cable_changes{};    // over each cable
+  std::string chamber_changes{};  // over each chamber
+  double duration_s = 2.0;        // in time: in which a body must have recovered
+  double cpu_limit_s = 60.0;      // of a cell
+
+  const std::string& drive_changes(const StabilityBody& body) const {
+    return body.chamber ? chamber_changes : cable_changes;
+  }
+  // Another coupling of cables is for bodies with cables.
+  bool fits(const StabilityBody& body) const {
+    return (cable_changes.empty() && chamber_changes.empty()) || !drive_changes(body).empty();
+  }
+};
+
+// What all bodies and methods go through. Commands are given at once, actuator by actuator; the rest stay at rest. No
+// commands for a kind of body: the case is not for it.
+struct HardCase {
+  std::string name;
+  std::vector<double> contractions;
+  std::vector<double> betas;
+  std::string changes;        // YAML over the scene
+  std::string drive_changes;  // over each cable or chamber
+  bool unique = true;         // false: there are several rest states; any stable one without inverted elements counts
+  std::function<void(TetMesh&)> change_mesh = nullptr;
+  std::function<void(const Body&, Eigen::Matrix3Xd&)> start_from = nullptr;  // moves the nodes before the start
+
+  const std::vector<double>& commands(const StabilityBody& body) const { return body.chamber ? betas : contractions; }
+};
+
+// The lists of the chart (src/study/charts/stability_lists.cpp): a body, a method or a case more is one entry there.
+// `quick`: coarse bodies, and fewer cases.
+std::vector<StabilityBody> stability_bodies(bool quick);
+std::vector<StabilityMethod> stability_methods();
+std::vector<HardCase> hard_cases(bool quick);
+
+struct StabilityCell {
+  std::string body, method, hard_case;
+  bool ours = false;
+  Outcome outcome = Outcome::reported;
+  int solves = 0, failed_solves = 0;
+  double off_m = 0.0;  // of the marker that is furthest from where the careful path leads
+  double cpu_s = 0.0;
+  std::string message;  // what is wrong, or why the last solve failed that did
+};
+
+// Runs cells. References, which the methods of a case share, are kept.
+class StabilityBench {
+ public:
+  // `options`: how scenes are loaded; `config_folder`: where the bodies' scenes are.
+  StabilityBench(SceneOptions options, std::string config_folder);
+
+  StabilityCell run(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case);
+
+ private:
+  struct Reference {
+    std::string key;
+    bool found = false;
+    Eigen::Matrix3Xd markers_m;
+  };
+  Scene load(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) const;
+  const Reference& reference(const StabilityBody& body, const HardCase& hard_case);
+  void judge(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case, const Simulation& end,
+             StabilityCell& cell);
+
+  SceneOptions options_;
+  std::string config_folder_;
+  std::vector<Reference> references_;
+};
+
+// A grid of squares coloured by outcome: cases along x, body and method along y.
+Plot stability_plot(const std::vector<StabilityCell>& cells);
+
+// A table with one line a cell; and back, throwing std::invalid_argument.
+std::string stability_csv(const std::vector<StabilityCell>& cells);
+std::vector<StabilityCell> read_stability_csv(std::istream& file);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,204 @@
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "stability.h"
+#include "settings/cpu_time.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kFewestSteps = 10;      // in time, however long a time step is
+constexpr double kRightPlace = 0.01;  // of the body's size: how far a marker may be off
+constexpr int kCarefulStages = 20;    // of the reference's command change
+
+Eigen::Matrix3Xd markers_of(const Simulation& simulation) {
+  const int count = static_cast<int>(simulation.markers().size());
+  Eigen::Matrix3Xd positions(3, count);
+  for (int i = 0; i < count; ++i) positions.col(i) = simulation.marker_position(i);
+  return positions;
+}
+
+bool all_finite(const Simulation& simulation, const SolveReport& report) {
+  const SimulationState& state = simulation.state();
+  bool finite = std::isfinite(report.residual) && std::isfinite(state.time_s) && state.positions_m.allFinite() &&
+                state.velocities_m_s.allFinite() && state.element_multipliers_pa.allFinite() &&
+                state.constraint_multipliers.allFinite() && state.element_forces_n.allFinite() &&
+                markers_of(simulation).allFinite();
+  for (int i = 0; i < static_cast<int>(simulation.actuators().size()); ++i) {
+    const ActuatorReading reading = simulation.actuator_state(i);
+    for (const auto& number : {reading.length_m, reading.rest_length_m, reading.tension_n, reading.volume_m3,
+                               reading.initial_volume_m3, reading.gauge_pressure_pa})
+      finite = finite && std::isfinite(number.value_or(0.0));
+  }
+  return finite;
+}
+
+void give_commands(Simulation& simulation, const std::vector<double>& commands, double share) {
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const Actuator& actuator = *simulation.actuators().at(i);
+    const double rest = actuator.limits().rest;
+    simulation.set_command(actuator.name(), rest + share * (commands[i] - rest));
+  }
+}
+
+std::string merged(const std::vector<std::string>& all) {
+  YamlNode sum = YamlNode::parse("{}", "changes");
+  for (const std::string& changes : all)
+    if (!changes.empty()) sum = merge_settings(sum, YamlNode::parse(changes, "changes"));
+  return sum.dump();
+}
+
+// The scene's cables or chambers, each with the changes: a list in a scene replaces another, it does not merge, nor
+// does a drive whose `model` changes.
+std::string changed_drives(const std::string& file, const std::string& kind, const std::vector<std::string>& changes) {
+  const YamlNode change = YamlNode::parse(merged(changes), "changes");
+  std::string text = kind + ":\n";
+  for (const YamlNode& drive : YamlNode::load_file(file).sequence(kind)) {
+    text += "  - {";
+    for (const std::string& key : drive.keys())
+      if (!change.has(key)) text += key + ": " + drive.child(key).dump() + ", ";
+    for (const std::string& key : change.keys()) text += key + ": " + change.child(key).dump() + ", ";
+    text += "}\n";
+  }
+  return text;
+}
+
+// Where the body comes to rest by the default solver. Empty, or why it does not.
+std::string settle(Simulation& simulation) {
+  const SolveReport report = simulation.solve_equilibrium();
+  if (!report.converged || report.inverted_elements > 0) return report.message;
+  try {
+    simulation.marker_sensitivities();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// A method for comparison that has not solved a single step by then is not going to.
+double patience_s(const StabilityMethod& method, const StabilityCell& cell) {
+  constexpr double kShare = 0.3;
+  return !method.ours && cell.failed_solves == cell.solves ? kShare * method.cpu_limit_s : method.cpu_limit_s;
+}
+
+}  // namespace
+
+const char* name_of(Outcome outcome) {
+  constexpr const char* kNames[kOutcomes] = {"survived", "recovered",       "failed and said so",
+                                             "too slow", "failed silently", "not finite"};
+  return kNames[static_cast<int>(outcome)];
+}
+
+StabilityBench::StabilityBench(SceneOptions options, std::string config_folder)
+    : options_(std::move(options)), config_folder_(std::move(config_folder)) {}
+
+Scene StabilityBench::load(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) const {
+  const std::string file = config_folder_ + "/" + body.scene;
+  SceneOptions options = options_;
+  options.changes = merged({changed_drives(file, body.chamber ? "chambers" : "cables",
+                                           {method.drive_changes(body), hard_case.drive_changes}),
+                            body.changes, hard_case.changes, method.body_changes, method.solver_changes});
+  options.change_mesh = hard_case.change_mesh;
+  return load_scene(file, options);
+}
+
+// The default solver from the rest shape, by small changes of the commands.
+const StabilityBench::Reference& StabilityBench::reference(const StabilityBody& body, const HardCase& hard_case) {
+  const std::string key = body.name + ": " + hard_case.name;
+  for (const Reference& known : references_)
+    if (known.key == key) return known;
+  const Scene scene = load(body, {}, hard_case);
+  Simulation& simulation = *scene.simulation;
+  settle(simulation);
+  Reference found{key, false, {}};
+  for (int stage = 1; stage <= kCarefulStages; ++stage) {
+    give_commands(simulation, hard_case.commands(body), static_cast<double>(stage) / kCarefulStages);
+    found.found = settle(simulation).empty();
+  }
+  found.markers_m = markers_of(simulation);
+  references_.push_back(std::move(found));
+  return references_.back();
+}
+
+// A body that still swings, as it does with short time steps, is in the right place where it swings about that: so the
+// default solver lets it come to rest from where it is.
+void StabilityBench::judge(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case,
+                           const Simulation& end, StabilityCell& cell) {
+  StabilityMethod still;
+  still.body_changes = method.body_changes;
+  const Scene scene = load(body, still, hard_case);
+  SimulationState state = scene.simulation->state();
+  state.positions_m = end.state().positions_m;
+  state.element_multipliers_pa = end.state().element_multipliers_pa;
+  state.constraint_multipliers = end.state().constraint_multipliers;
+  state.commands = end.state().commands;
+  state.actuated_commands = end.state().actuated_commands;
+  scene.simulation->set_state(state);
+  cell.outcome = Outcome::silent;
+  cell.message = settle(*scene.simulation);
+  if (!cell.message.empty()) {
+    cell.message = "no stable rest state where it ends: " + cell.message;
+    return;
+  }
+  const Reference& place = reference(body, hard_case);
+  if (place.found) cell.off_m = (markers_of(*scene.simulation) - place.markers_m).colwise().norm().maxCoeff();
+  const bool wrong = !place.found || cell.off_m > kRightPlace * end.body().size_m();
+  if (wrong && hard_case.unique) {
+    cell.message = place.found ? "the markers are in the wrong place" : "the careful path found no rest state";
+    return;
+  }
+  if (wrong) cell.message = "another stable rest state";
+  cell.outcome = cell.failed_solves == 0 && !hard_case.start_from ? Outcome::survived : Outcome::recovered;
+}
+
+StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) {
+  StabilityCell cell;
+  cell.body = body.name;
+  cell.method = method.name;
+  cell.hard_case = hard_case.name;
+  cell.ours = method.ours;
+  const Scene scene = load(body, method, hard_case);
+  Simulation& simulation = *scene.simulation;
+  if (hard_case.start_from) {
+    SimulationState state = simulation.state();
+    hard_case.start_from(simulation.body(), state.positions_m);
+    simulation.set_state(state);
+  }
+  give_commands(simulation, hard_case.commands(body), 1.0);
+
+  const double start_s = cpu_time_s();
+  const int in_time =
+      std::max(kFewestSteps, static_cast<int>(std::ceil(method.duration_s / simulation.options().time_step_s - 1e-6)));
+  const int solves = method.equilibrium ? 1 : in_time;
+  SolveReport last;
+  while (cell.solves < solves) {
+    last = method.equilibrium ? simulation.solve_equilibrium() : simulation.step();
+    ++cell.solves;
+    if (!last.converged) ++cell.failed_solves;
+    if (!last.converged || last.inverted_elements > 0) cell.message = last.message;
+    cell.cpu_s = cpu_time_s() - start_s;
+    if (!all_finite(simulation, last)) {
+      cell.outcome = Outcome::not_finite;
+      return cell;
+    }
+    if (cell.cpu_s > patience_s(method, cell) && cell.solves < solves) {
+      cell.outcome = last.converged ? Outcome::too_slow : Outcome::reported;
+      cell.message += (cell.message.empty() ? "" : "; ") + std::string("given up after ") +
+                      std::to_string(static_cast<int>(cell.cpu_s)) + " s of CPU time, " + std::to_string(cell.solves) +
+                      " of " + std::to_string(solves) + " steps";
+      return cell;
+    }
+  }
+  if (!last.converged) return cell;
+  if (last.inverted_elements > 0) {
+    cell.outcome = Outcome::silent;
+    return cell;
+  }
+  judge(body, method, hard_case, simulation, cell);
+  return cell;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,126 @@
+// What the chart of stability shows: bodies, methods, hard cases.
+#include "stability_starts.h"
+#include "stability.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Start = std::function<void(const Body&, Eigen::Matrix3Xd&)>;
+
+constexpr double kSlowDuration_s = 0.6;  // of methods that take most of the chart's time; drives arrive in 0.5 s
+
+HardCase moderate(const std::string& name) {
+  HardCase hard_case;
+  hard_case.name = name;
+  hard_case.contractions = {0.9};
+  hard_case.betas = {1.3};
+  return hard_case;
+}
+
+HardCase with_poissons_ratio(const std::string& ratio) {
+  HardCase hard_case = moderate("Poisson's ratio " + ratio);
+  hard_case.changes = "body: {material: {poissons_ratio: " + ratio + "}}";
+  return hard_case;
+}
+
+HardCase with_time_step(const std::string& step) {
+  HardCase hard_case = moderate("time step " + step + " s");
+  hard_case.changes = "solver: {time_step_s: " + step + "}";
+  return hard_case;
+}
+
+HardCase with_compliance(const std::string& compliance) {
+  HardCase hard_case = moderate("compliance " + compliance + " m/N");
+  hard_case.betas.clear();
+  hard_case.drive_changes = "compliance_m_n: " + compliance;
+  return hard_case;
+}
+
+// So far that bodies buckle, one way or another.
+HardCase pulled_at_once(const std::string& name, const std::vector<double>& contractions,
+                        const std::string& compliance) {
+  HardCase hard_case;
+  hard_case.name = name;
+  hard_case.contractions = contractions;
+  hard_case.drive_changes = "{pull_speed_m_s: 0, min_contraction: 0.5, compliance_m_n: " + compliance + "}";
+  hard_case.unique = false;
+  return hard_case;
+}
+
+HardCase filled_at_once(const std::string& name, const std::string& element_size_m) {
+  HardCase hard_case;
+  hard_case.name = name;
+  hard_case.betas = {5.0};
+  hard_case.changes = "body: {element_size_m: " + element_size_m + "}";
+  hard_case.unique = false;
+  return hard_case;
+}
+
+HardCase with_slivers(const std::string& height) {
+  HardCase hard_case = moderate("slivers, height " + height);
+  const double share = std::stod(height);
+  hard_case.change_mesh = [share](TetMesh& mesh) { add_slivers(mesh, share, 10); };
+  return hard_case;
+}
+
+// Bodies whose parts have passed through one another may come to rest so: nothing here knows of contact.
+HardCase from(const std::string& name, const Start& start, bool driven) {
+  HardCase hard_case = moderate(name);
+  if (!driven) hard_case.contractions = hard_case.betas = {1.0};
+  hard_case.start_from = start;
+  hard_case.unique = false;
+  return hard_case;
+}
+
+}  // namespace
+
+std::vector<StabilityBody> stability_bodies(bool quick) {
+  const std::string coarse = quick ? "body: {element_size_m: 0.03}" : "";
+  return {{"cantilever", "scenes/cantilever_cables.yaml", coarse},
+          {"Hammerbot", "robots/hammerbot/robot.yaml", coarse},
+          {"Spinebot", "robots/spinebot/robot.yaml", ""},
+          {"cuboid", "scenes/hollow_cuboid.yaml", coarse, true}};
+}
+
+std::vector<StabilityMethod> stability_methods() {
+  const std::string linear = "body: {element: linear}", bdf2 = "solver: {integrator: bdf2}",
+                    substeps = "solver: {method: xpbd, substeps: 50}";
+  return {{"newton, equilibrium", "", "", true, true},
+          {"newton, in time", "", "", false, true},
+          {"newton, in time, bdf2", "", bdf2, false, true},
+          {"newton, linear elements", linear, "", false, false, "", "", 2.0, 20.0},
+          {"xpbd", "", substeps, false, false, "", "", kSlowDuration_s, 15.0},
+          {"xpbd, linear", linear, substeps, false, false, "", "", kSlowDuration_s, 10.0},
+          {"explicit coupling", "", "", false, false, "", "model: explicit", kSlowDuration_s, 6.0}};
+}
+
+std::vector<HardCase> hard_cases(bool quick) {
+  using Names = std::vector<const char*>;
+  std::vector<HardCase> cases;
+  for (const char* ratio : quick ? Names{"0.499999"} : Names{"0.45", "0.499", "0.4999", "0.499999"})
+    cases.push_back(with_poissons_ratio(ratio));
+  for (const char* step : quick ? Names{"1"} : Names{"0.001", "0.01", "0.1", "1"})
+    cases.push_back(with_time_step(step));
+  for (const char* compliance : quick ? Names{"0"} : Names{"1.0e-2", "1.0e-3", "1.0e-4", "0"})
+    cases.push_back(with_compliance(compliance));
+  cases.push_back(pulled_at_once("contraction 1 to 0.5 at once", {0.5}, "1.0e-5"));
+  if (!quick) cases.push_back(pulled_at_once("the same, rigid cable", {0.5}, "0"));
+  cases.push_back(pulled_at_once("the same, both cables", {0.5, 0.5}, "1.0e-5"));
+  cases.push_back(filled_at_once("beta 1 to 5 at once, coarse", "0.03"));
+  if (!quick) cases.push_back(filled_at_once("beta 1 to 5 at once, fine", "0.0075"));
+  for (const char* height : quick ? Names{"1.0e-3"} : Names{"1.0e-2", "1.0e-4"}) cases.push_back(with_slivers(height));
+  cases.push_back(from("scrambled nodes, driven", scramble, true));
+  if (!quick) {
+    cases.push_back(from("scrambled nodes", scramble, false));
+    cases.push_back(from("collapsed to a plane", collapse_to_plane, false));
+    cases.push_back(from("collapsed to a line", collapse_to_line, false));
+    cases.push_back(from("collapsed to a point", collapse_to_point, false));
+  }
+  cases.push_back(from("collapsed to a point, driven", collapse_to_point, true));
+  cases.push_back(from("turned inside out", mirror, false));
+  cases.push_back(from("cable spans of no length", collapse_spans, true));
+  cases.back().betas.clear();
+  return cases;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,203 @@
+#include "rest_states_experiment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <sstream>
+#include <utility>
+
+#include "soft_robot_lab/robot/scene/scene.h"
+#include "settings/cpu_time.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+namespace {
+
+struct RestBody {
+  std::string name, scene, changes;
+  std::vector<std::pair<std::string, double>> commands;
+};
+
+struct RestMethod {
+  std::string name;
+  std::string solver;  // YAML
+  std::vector<double> steps_s;
+  std::vector<double> substeps;  // one for each step, or none
+};
+
+struct Settings {
+  double rayleigh_mass_per_s, start_share, still_m, still_for_s, longest_s;
+  std::vector<RestBody> bodies;
+  std::vector<RestMethod> methods;
+};
+
+std::vector<double> numbers(const YamlNode& node, const std::string& key) {
+  std::vector<double> values;
+  for (const YamlNode& item : node.optional_sequence(key))
+    values.push_back(item.as_number(AllowedRange::positive()));
+  return values;
+}
+
+Settings read_settings(const ExperimentContext& context) {
+  const YamlNode node = YamlNode::load_file(context.settings_file("rest_states"));
+  Settings settings;
+  settings.rayleigh_mass_per_s = node.number("rayleigh_mass_per_s", AllowedRange::not_negative());
+  settings.start_share = node.number("start_share", {0.0, 1.0});
+  settings.still_m = node.number("still_m", AllowedRange::positive());
+  settings.still_for_s = node.number("still_for_s", AllowedRange::positive());
+  settings.longest_s = node.number("longest_s", AllowedRange::positive());
+  for (const YamlNode& item : node.sequence("bodies")) {
+    const auto changes = item.optional_child("changes");
+    RestBody body{
+        item.text("name"), context.config_folder + "/" + item.text("scene"), changes ? changes->dump() : "{}", {}};
+    const YamlNode commands = item.child("commands");
+    for (const std::string& name : commands.keys())
+      body.commands.emplace_back(name, commands.number(name, AllowedRange::positive()));
+    settings.bodies.push_back(body);
+  }
+  for (const YamlNode& item : node.sequence("methods")) {
+    RestMethod method{item.text("name"), item.child("solver").dump(), numbers(item, "steps_s"),
+                      numbers(item, "substeps")};
+    if (method.steps_s.empty()) item.fail("steps_s is empty");
+    if (!method.substeps.empty() && method.substeps.size() != method.steps_s.size())
+      item.fail("substeps must name one for each of steps_s");
+    settings.methods.push_back(method);
+  }
+  node.require_all_read();
+  return settings;
+}
+
+Eigen::Matrix3Xd markers_of(const Simulation& simulation) {
+  Eigen::Matrix3Xd positions(3, static_cast<Eigen::Index>(simulation.markers().size()));
+  for (int i = 0; i < static_cast<int>(positions.cols()); ++i) positions.col(i) = simulation.marker_position(i);
+  return positions;
+}
+
+double largest_distance(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  return (a - b).colwise().norm().maxCoeff();
+}
+
+Scene load(const ExperimentContext& context, const Settings& settings, const RestBody& body,
+           const std::string& solver) {
+  std::ostringstream damping;
+  damping << "body: {damping: {rayleigh_mass_per_s: " << settings.rayleigh_mass_per_s << "}}";
+  YamlNode changes = YamlNode::parse(body.changes, "changes");
+  changes = merge_settings(changes, YamlNode::parse(damping.str(), "damping"));
+  changes = merge_settings(changes, YamlNode::parse("solver: " + solver, "method"));
+  return load_scene(body.scene, context.scene_options(changes.dump()));
+}
+
+// This share of the way from the actuators' rest to the commands.
+void give_commands(const RestBody& body, double share, Simulation& simulation) {
+  for (const auto& [name, value] : body.commands) {
+    const double rest =
+        simulation.actuators()[static_cast<std::size_t>(simulation.actuator_index(name))]->limits().rest;
+    simulation.set_command(name, rest + share * (value - rest));
+  }
+}
+
+SimulationState equilibrium(const RestBody& body, double share, Simulation& simulation) {
+  give_commands(body, share, simulation);
+  const SolveReport report = simulation.solve_equilibrium();
+  if (!report.converged) throw std::runtime_error(body.name + ": " + report.message);
+  return simulation.state();
+}
+
+// A body with commands begins at rest near its end; one without, in its rest shape.
+void start(const RestBody& body, const SimulationState& near, Simulation& simulation) {
+  if (body.commands.empty()) return;
+  SimulationState state = simulation.state();
+  state.positions_m = near.positions_m;
+  state.element_multipliers_pa = near.element_multipliers_pa;
+  state.constraint_multipliers = near.constraint_multipliers;
+  state.commands = near.commands;
+  state.actuated_commands = near.actuated_commands;
+  state.element_forces_n.resize(0);
+  simulation.set_state(state);
+  give_commands(body, 1.0, simulation);
+}
+
+struct Settled {
+  Eigen::Matrix3Xd markers_m;
+  bool still = false;
+  double time_s = 0.0, cpu_s = 0.0;
+  std::string message;
+};
+
+Settled settle(const Settings& settings, Simulation& simulation) {
+  Settled settled;
+  const double start_s = cpu_time_s(), h = simulation.options().time_step_s;
+  const int steps = std::max(1, static_cast<int>(std::lround(settings.still_for_s / h)));
+  settled.markers_m = markers_of(simulation);
+  while (!settled.still && simulation.state().time_s < settings.longest_s) {
+    settled.message.clear();
+    for (int i = 0; i < steps; ++i) {
+      const SolveReport report = simulation.step();
+      if (!report.converged) settled.message = report.message;
+    }
+    const Eigen::Matrix3Xd now_m = markers_of(simulation);
+    settled.still = settled.message.empty() && largest_distance(now_m, settled.markers_m) < settings.still_m;
+    settled.markers_m = now_m;
+  }
+  settled.time_s = simulation.state().time_s;
+  settled.cpu_s = cpu_time_s() - start_s;
+  if (!settled.still && settled.message.empty()) settled.message = "not at rest yet";
+  return settled;
+}
+
+std::string solver_of(const RestMethod& method, std::size_t i) {
+  std::ostringstream step;
+  step << "{time_step_s: " << method.steps_s[i];
+  if (!method.substeps.empty()) step << ", substeps: " << method.substeps[i];
+  step << "}";
+  return merge_settings(YamlNode::parse(method.solver, "method"), YamlNode::parse(step.str(), "step")).dump();
+}
+
+}  // namespace
+
+ExperimentResult run_rest_states_experiment(const ExperimentContext& context) {
+  const Settings settings = read_settings(context);
+  ExperimentResult result;
+  result.title = "Rest states reached in time, and the equilibrium";
+  result.table.columns = {{"body"},
+                          {"method"},
+                          {"time step [ms]", 3},
+                          {"at rest after [s]", 3},
+                          {"CPU time [s]", 3},
+                          {"moved by [mm]"},
+                          {"from equilibrium [um]", 2},
+                          {"remark"}};
+  double worst_m = 0.0, done = 0.0;
+  for (const RestBody& body : settings.bodies) {
+    const Scene still = load(context, settings, body, "{}");
+    const Eigen::Matrix3Xd start_m = markers_of(*still.simulation);
+    const SimulationState near = equilibrium(body, settings.start_share, *still.simulation);
+    equilibrium(body, 1.0, *still.simulation);
+    const Eigen::Matrix3Xd rest_m = markers_of(*still.simulation);
+    for (const RestMethod& method : settings.methods) {
+      context.tell(done++ / static_cast<double>(settings.bodies.size() * settings.methods.size()),
+                   body.name + ", " + method.name);
+      for (std::size_t i = 0; i < method.steps_s.size(); ++i) {
+        const Scene scene = load(context, settings, body, solver_of(method, i));
+        start(body, near, *scene.simulation);
+        const Settled settled = settle(settings, *scene.simulation);
+        const double off_m = largest_distance(settled.markers_m, rest_m);
+        worst_m = std::max(worst_m, off_m);
+        result.table.rows.push_back({body.name, method.name, 1e3 * method.steps_s[i], settled.time_s, settled.cpu_s,
+                                     1e3 * largest_distance(settled.markers_m, start_m), 1e6 * off_m, settled.message});
+        if (settled.still) continue;
+        result.converged = false;
+        result.message += body.name + ", " + method.name + ": " + settled.message + "; ";
+      }
+    }
+  }
+  result.numbers["worst_distance_m"] = worst_m;
+  std::ostringstream words;
+  words.precision(2);
+  words << "at rest, no marker is further than " << 1e6 * worst_m
+        << " um from the equilibrium, by any solver and with any time step.";
+  result.we_find = words.str();
+  return result;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "study/experiment.h"
+
+namespace soft_robot_lab {
+
+ExperimentResult run_tentacle_experiment(const ExperimentContext& context);
+
+}  // namespace soft_robot_lab

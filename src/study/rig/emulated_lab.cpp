@@ -1,0 +1,135 @@
+#include "emulated_lab.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "hardware/testbench/emulated_session.h"
+#include "hardware/plant/same_commands.h"
+#include "perception/calibration/calibration_session.h"
+#include "soft_robot_lab/perception/tracking/tracker.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kFrame_s = 1.0 / 30.0;
+constexpr double kStep_s = 1.0 / 60.0;  // robot and rig tell each other where they are so often
+constexpr double kLook_s = 0.5;         // at rest: no marker moved by kStill_m in this time
+constexpr double kStill_m = 5.0e-5;
+constexpr double kLimit_s = 60.0;
+const Eigen::Vector3d kWhite(0.9, 0.9, 0.9);
+
+std::vector<TrackedMarker> tracked(const Simulation& simulation) {
+  std::vector<TrackedMarker> markers;
+  for (const Marker& marker : simulation.markers()) markers.push_back({marker.name(), marker.rest_position_m()});
+  return markers;
+}
+
+double farthest_m(const MarkerPlaces& from, const MarkerPlaces& to) {
+  double most_m = 0.0;
+  for (const auto& [name, place_m] : from) most_m = std::max(most_m, (to.at(name) - place_m).norm());
+  return most_m;
+}
+
+void give_backlash(const PlantSettings& plant, const RigSettings& rig, Testbench& board) {
+  for (const auto& [actuator, steps] : plant.backlash_steps) {
+    const auto motor = std::find_if(rig.motors.begin(), rig.motors.end(),
+                                    [&name = actuator](const MotorSettings& one) { return one.name == name; });
+    if (motor == rig.motors.end())
+      throw std::invalid_argument("backlash_steps: the rig has no motor named '" + actuator + "'");
+    board.ask("backlash " + std::to_string(motor - rig.motors.begin()) + " " + std::to_string(steps));
+  }
+}
+
+}  // namespace
+
+EmulatedLab::EmulatedLab(const EmulatedLabSettings& settings, const SceneOptions& options)
+    : settings_(settings),
+      plant_(settings.plant, options),
+      real_cameras_(settings.plant.shifted(settings.cameras)),
+      recorder_(plant_.simulation(), real_cameras_, settings.film) {
+  if (settings.frames < 1 || settings.frames > 1000)
+    throw std::invalid_argument("frames: " + std::to_string(settings.frames) + " is out of range [1, 1000]");
+  require_same_commands(plant_.simulation(), settings.plant.robot.source(), settings.rig, "the rig");
+  for (const RigCamera& camera : settings.cameras.cameras) believed_[camera.pose.name] = camera.pose.world_from_camera;
+  session_ = std::make_unique<EmulatedSession>(settings.rig, settings.film.seed, settings.emulator);
+  give_backlash(settings.plant, settings.rig, session_->rig);
+  if (!session_->run_until_ready()) throw std::runtime_error("the emulated rig does not get ready");
+}
+
+EmulatedLab::~EmulatedLab() = default;
+
+double EmulatedLab::time_s() const { return session_->rig.time_s(); }
+
+void EmulatedLab::pass(double duration_s) {
+  std::vector<std::string> names;
+  for (const MotorSettings& motor : settings_.rig.motors) names.push_back(motor.name);
+  for (const double end_s = time_s() + duration_s; time_s() < end_s;) {
+    const double start_s = time_s();
+    session_->run(std::min(kStep_s, end_s - start_s));
+    const std::vector<ShaftTruth> shafts = session_->rig.shafts();
+    std::vector<double> values;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      values.push_back(value_of(settings_.rig.motors[i], shafts.at(i).spool_steps));
+    plant_.advance(time_s() - start_s, names, values);
+  }
+}
+
+void EmulatedLab::go(const std::vector<std::string>& names, const std::vector<double>& commands) {
+  session_->command(names, commands);
+  MarkerPlaces before_m = plant_.markers_m();
+  for (const double limit_s = time_s() + kLimit_s; time_s() < limit_s;) {
+    pass(kLook_s);
+    for (const MotorStatus& motor : session_->driver().motors())
+      if (!motor.fault.empty()) throw std::runtime_error("a motor faults: " + motor.fault);
+    const MarkerPlaces now_m = plant_.markers_m();
+    if (session_->at_rest() && farthest_m(before_m, now_m) < kStill_m) return;
+    before_m = now_m;
+  }
+  throw std::runtime_error("the emulated robot does not come to rest");
+}
+
+Capture EmulatedLab::take(FrameRecorder& film) {
+  pass(kFrame_s);
+  return film.take(plant_.present(), plant_.present(), time_s());
+}
+
+void EmulatedLab::calibrate(const BallPlacement& placement) {
+  CalibrationSession calibration(placement, {}, settings_.frames);
+  for (const RigCamera& camera : settings_.cameras.cameras)
+    calibration.set_camera({camera.pose.name, camera.model, believed_.at(camera.pose.name)});
+  CameraSetup with_balls = real_cameras_;
+  for (const PlacedBall& ball : placement.balls)
+    with_balls.surroundings.balls.push_back({ball.position_m, placement.radius_m, kWhite});
+  FrameRecorder recorder_of_balls(plant_.simulation(), with_balls, settings_.film);
+  for (int i = 0; i < settings_.frames; ++i)
+    for (const RgbdFrame& frame : take(recorder_).frames) calibration.add(frame);
+  calibration.remember_without_balls();
+  for (int i = 0; i < settings_.frames; ++i)
+    for (const RgbdFrame& frame : take(recorder_of_balls).frames) calibration.add(frame);
+  for (const CameraCalibration& found : calibration.calibrate())
+    believed_[found.pose.name] = found.pose.world_from_camera;
+}
+
+MeasuredMarkers EmulatedLab::measure(const MarkerPlaces& expected_m) {
+  Tracker tracker(settings_.tracker, tracked(plant_.simulation()));
+  for (const RigCamera& camera : settings_.cameras.cameras)
+    tracker.set_camera({camera.pose.name, camera.model, believed_.at(camera.pose.name)});
+  std::vector<Eigen::Vector3d> expected;
+  for (const Marker& marker : plant_.simulation().markers()) expected.push_back(expected_m.at(marker.name()));
+  tracker.set_simulated(expected);
+  std::map<std::string, std::pair<Eigen::Vector3d, int>> sums;
+  for (int i = 0; i < settings_.frames; ++i) {
+    for (const MarkerObservation& marker : tracker.update(take(recorder_).frames).markers) {
+      if (marker.source != MarkerSource::seen) continue;
+      auto& [sum_m, count] = sums.try_emplace(marker.name, Eigen::Vector3d::Zero(), 0).first->second;
+      sum_m += marker.position_m;
+      ++count;
+    }
+  }
+  MeasuredMarkers mean_m;
+  for (const auto& [name, sum] : sums) mean_m[name] = sum.first / sum.second;
+  return mean_m;
+}
+
+}  // namespace soft_robot_lab

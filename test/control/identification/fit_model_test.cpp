@@ -1,0 +1,200 @@
+// Fitting to rest states, on a coarse bar with two cables whose truth is known.
+#include "soft_robot_lab/control/identification/fit_model.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "fitted_bar.h"
+
+namespace soft_robot_lab {
+namespace {
+
+TEST(FitModel, FindsWhatMadeTheData) {
+  const std::string given = kLying + "cables: [" + cable("left", -0.007, "compliance_m_n: 1.0e-5") + ", " +
+                            cable("right", 0.007, "compliance_m_n: 1.0e-5") + "]\n";
+  const std::string truth = kLying + "body: {material: {youngs_modulus_pa: 303830}}\ncables: [" +
+                            cable("left", -0.007, "compliance_m_n: 2.0e-4, length_offset_m: 0.0006") + ", " +
+                            cable("right", 0.007, "compliance_m_n: 2.0e-4, length_offset_m: -0.0004") + "]";
+  Eigen::Isometry3d shifted(Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, 2, -1).normalized()));
+  shifted.translation() << 0.002, -0.001, 0.0015;
+  FitRequest request;
+  request.model_error_m = 0.0;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}},
+                        {"compliance_m_n", {}, {}, {}},
+                        {"length_offset_m", {}, {}, {}},
+                        {"camera_to_base", {}, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(given), measure(truth, kWay, shifted, 5e-5, 1), request);
+  EXPECT_TRUE(result.converged) << result.message;
+  expect_within(result, "youngs_modulus_pa", 303830);
+  EXPECT_LT(value_of(result, "youngs_modulus_pa").deviation, 0.03 * 303830);
+  expect_within(result, "compliance_m_n", 2e-4);
+  expect_within(result, "length_offset_m.left", 6e-4);
+  expect_within(result, "length_offset_m.right", -4e-4);
+  expect_within(result, "camera_to_base.x_m", 0.002);
+  EXPECT_GT(result.before.rms_m, 1e-3);
+  EXPECT_LT(result.after.rms_m, 1.2e-4);
+  EXPECT_GT(result.after.rms_m, 0.5e-4);  // no more than the noise allows
+
+  // Poses that it has not seen, with the scene that it writes.
+  const std::string file = (std::filesystem::temp_directory_path() / "soft_robot_lab_fitted.yaml").string();
+  write_fitted_scene(result, kScene, file);
+  const std::vector<MeasuredPose> unseen = measure(truth, {{0.92, 0.98}, {0.97, 0.9}}, shifted, 0.0, 2);
+  EXPECT_LT(model_gap(file, options_with(""), unseen, result.measured_from_base).rms_m,
+            0.1 * model_gap(kScene, options_with(given), unseen).rms_m);
+  std::filesystem::remove(file);
+}
+
+// Tendons that command tension weigh the robot, so that stiffness and density can both be told.
+TEST(FitModel, FindsStiffnessAndDensityWhereCablesCommandTensions) {
+  const auto with_tensions = [](const std::string& material) {
+    return kLying + "body: {material: {" + material + "}}\ncables: [" + cable("left", -0.007, "command: tension_n") +
+           ", " + cable("right", 0.007, "command: tension_n") + "]\n";
+  };
+  const std::string truth = with_tensions("youngs_modulus_pa: 303830, density_kg_m3: 1300");
+  const std::vector<MeasuredPose> poses =
+      measure(truth, {{0.0, 0.0}, {0.3, 0.0}, {0.6, 0.1}, {0.0, 0.5}}, Eigen::Isometry3d::Identity(), 0.0, 1);
+  FitRequest request;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}}, {"density_kg_m3", {}, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(with_tensions("density_kg_m3: 1070")), poses, request);
+  EXPECT_TRUE(result.converged) << result.message;
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 303830, 300);
+  EXPECT_NEAR(value_of(result, "density_kg_m3").value, 1300, 2);
+  request.mass_kg = 0.05;
+  EXPECT_THROW(fit_model(kScene, options_with(with_tensions("")), poses, request), std::invalid_argument);
+}
+
+TEST(FitModel, FindsFrictionFromTheWayThere) {
+  const auto with_friction = [](const std::string& coefficient) {
+    return kLying + "cables: [" + cable("left", -0.007, "model: friction, friction_coefficient: " + coefficient) +
+           ", " + cable("right", 0.007, "model: friction, friction_coefficient: " + coefficient) + "]";
+  };
+  FitRequest request;
+  request.model_error_m = 0.0;
+  request.parameters = {{"friction_coefficient", 0.15, {}, {}}, {"youngs_modulus_pa", {}, {}, {}}};
+  // In small moves, as rigs and fits make them.
+  std::vector<std::pair<double, double>> way;
+  for (double c = 1.0; c > 0.85; c -= 0.02) way.emplace_back(c, 1.0);
+  for (double c = 0.86; c < 0.95; c += 0.02) way.emplace_back(c, 1.0);
+  const std::vector<MeasuredPose> poses = measure(with_friction("0.3"), way, Eigen::Isometry3d::Identity(), 0.0, 1);
+  const FitResult result = fit_model(kScene, options_with(with_friction("0.1")), poses, request);
+  EXPECT_NEAR(value_of(result, "friction_coefficient").value, 0.3, 0.01) << summary(result);
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 264200, 2600) << summary(result);
+}
+
+// Noise on a way with friction: where cables begin to slip is not smooth, and no step gains at the end.
+TEST(FitModel, StopsWhereStepsAreInVain) {
+  const std::string scene = kLying + "cables: [" +
+                            cable("left", -0.007, "model: friction, friction_coefficient: 0.02") + ", " +
+                            cable("right", 0.007, "model: friction, friction_coefficient: 0.02") + "]";
+  FitRequest request;
+  request.parameters = {{"friction_coefficient", {}, {}, {}}, {"length_offset_m", {}, {}, {}}};
+  double last_m = -1.0;
+  int in_vain = 0;
+  request.progress = [&](int, double rms_gap_m) {
+    in_vain = rms_gap_m == last_m ? in_vain + 1 : 0;
+    last_m = rms_gap_m;
+    return true;
+  };
+  const std::vector<MeasuredPose> poses = measure(kLying, kWay, Eigen::Isometry3d::Identity(), 2e-4, 2);
+  EXPECT_TRUE(fit_model(kScene, options_with(scene), poses, request).converged);
+  EXPECT_EQ(in_vain, 4);
+}
+
+TEST(FitModel, TakesThePlaceThatDrivesReallyReached) {
+  const std::string truth = kLying + "body: {material: {youngs_modulus_pa: 303830}}\n";
+  std::vector<std::pair<double, double>> reached = kWay;
+  for (auto& [left, right] : reached) left += 0.003, right -= 0.003;
+  std::vector<MeasuredPose> poses = measure(truth, reached, Eigen::Isometry3d::Identity(), 0.0, 1);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].reached = poses[i].commands;
+    poses[i].commands = {{"left", kWay[i].first}, {"right", kWay[i].second}};
+  }
+  FitRequest request;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}}, {"length_offset_m", {}, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(kLying), poses, request);
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 303830, 0.01 * 303830) << summary(result);
+  EXPECT_NEAR(value_of(result, "length_offset_m.left").value, 0.0, 1e-5);
+  EXPECT_LT(result.after.rms_m, 1e-5);
+}
+
+TEST(FitModel, TellsStiffnessAgainstTheWeightThatWasWeighed) {
+  const std::string truth = kLying + "body: {material: {youngs_modulus_pa: 303830, density_kg_m3: 1177}}\n";
+  const std::vector<MeasuredPose> poses = measure(truth, kWay, Eigen::Isometry3d::Identity(), 0.0, 1);
+  const Scene model = load_scene(kScene, options_with(kLying));
+  const double mass_kg = 1177.0 * volume(model.simulation->body().mesh());
+  FitRequest request;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}}};
+  EXPECT_NEAR(value_of(fit_model(kScene, options_with(kLying), poses, request), "youngs_modulus_pa").value,
+              303830 / 1.1, 5000);
+  request.mass_kg = mass_kg;
+  const FitResult result = fit_model(kScene, options_with(kLying), poses, request);
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 303830, 3000) << summary(result);
+  EXPECT_NE(result.changes.find("1177"), std::string::npos) << result.changes;
+  for (const double wrong : {0.0, -1.0, std::nan("")}) {
+    request.mass_kg = wrong;
+    EXPECT_THROW(fit_model(kScene, options_with(kLying), poses, request), std::invalid_argument);
+  }
+}
+
+TEST(FitModel, SaysWhatTheDataCannotTell) {
+  const std::vector<MeasuredPose> slack =
+      measure(kLying, {{1.1, 1.1}, {1.2, 1.1}}, Eigen::Isometry3d::Identity(), 0, 1);
+  FitRequest request;
+  request.parameters = {
+      {"youngs_modulus_pa", {}, {}, {}}, {"compliance_m_n.left", {}, {}, {}}, {"damping", {}, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(kLying), slack, request);
+  EXPECT_TRUE(warns(result, "cannot tell compliance_m_n.left")) << summary(result);
+  EXPECT_TRUE(warns(result, "damping"));
+  EXPECT_FALSE(value_of(result, "compliance_m_n.left").told);
+  EXPECT_TRUE(value_of(result, "youngs_modulus_pa").told);
+  for (const FittedValue& value : result.values) EXPECT_TRUE(std::isfinite(value.deviation)) << value.name;
+}
+
+TEST(FitModel, OutliersHardlyMoveIt) {
+  std::vector<MeasuredPose> poses = measure(kLying, kWay, Eigen::Isometry3d::Identity(), 5e-5, 3);
+  poses[2].markers[0].position_m.y() += 0.02;
+  FitRequest request;
+  request.model_error_m = 0.0;
+  request.parameters = {{"youngs_modulus_pa", 200000.0, {}, {}}};
+  const FitResult result = fit_model(kScene, options_with(kLying), poses, request);
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 264200, 0.05 * 264200) << summary(result);
+}
+
+TEST(FitModel, RefusesBadRequests) {
+  const std::vector<MeasuredPose> poses = measure(kLying, {{1.0, 1.0}}, Eigen::Isometry3d::Identity(), 1e-4, 1);
+  const auto refusal = [&](const std::vector<FitParameter>& parameters, const std::vector<MeasuredPose>& data) {
+    FitRequest request;
+    request.parameters = parameters;
+    try {
+      fit_model(kScene, options_with(kLying), data, request);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing refused");
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  has(refusal({{"stiffness", {}, {}, {}}}, poses), "is not one of youngs_modulus_pa");
+  has(refusal({{"compliance_m_n.middle", {}, {}, {}}}, poses), "known: left, right");
+  has(refusal({{"youngs_modulus_pa", 1.0, 2.0, 3.0}}, poses), "is not in [2, 3]");
+  has(refusal({{"youngs_modulus_pa", {}, -1.0, {}}}, poses), "from above 0");
+  has(refusal({{"compliance_m_n", {}, {}, {}}, {"compliance_m_n.left", {}, {}, {}}}, poses), "twice");
+  has(refusal({{"camera_to_base", {}, {}, {}}}, poses), "cannot tell 6 parameters");
+  has(refusal({{"youngs_modulus_pa", {}, {}, {}}}, {}), "nowhere at rest");
+  has(refusal({{"damping", {}, {}, {}}}, poses), "none that data could tell");
+  has(refusal({{"damping", {}, -1.0, {}}}, poses), "from above 0");
+  has(refusal({{"damping", 1.0, {}, {}}}, poses), "damping: start 1 is not in [1e-05, 0.1]");
+  has(refusal({{"damping", {}, {}, {}}, {"damping", {}, {}, {}}}, poses), "twice");
+  std::vector<MeasuredPose> strange = poses;
+  strange[0].markers[0].name = "nose";
+  has(refusal({{"youngs_modulus_pa", {}, {}, {}}}, strange), "unknown marker 'nose'");
+  strange = poses;
+  strange[0].markers[0].position_m.x() = std::nan("");
+  has(refusal({{"youngs_modulus_pa", {}, {}, {}}}, strange), "not finite");
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

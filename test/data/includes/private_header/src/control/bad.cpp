@@ -1,1 +1,0 @@
-#include "sim/newton_solver.h"

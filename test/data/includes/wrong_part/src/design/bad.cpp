@@ -1,1 +1,0 @@
-#include "soft_robot_lab/sim/body.h"

@@ -1,0 +1,39 @@
+// The emulated rig's serial device, as the driver finds it.
+#include "hardware/emulator/pseudo_terminal.h"
+
+#include <string>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace soft_robot_lab {
+namespace {
+
+bool is_exclusive(int file) {
+  int exclusive = -1;
+  EXPECT_EQ(ioctl(file, TIOCGEXCL, &exclusive), 0);
+  return exclusive != 0;
+}
+
+// A driver that was killed takes nothing back; where it was not root's, the next one could not open the device.
+TEST(PseudoTerminal, ForgetsTheExclusiveModeOfADriverThatIsGone) {
+  const std::string device = testing::TempDir() + "soft_robot_lab_terminal_" + std::to_string(getpid());
+  PseudoTerminal terminal(device);
+  terminal.plug();
+  const int driver = open(device.c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(driver, 0);
+  ASSERT_EQ(ioctl(driver, TIOCEXCL), 0);
+  ASSERT_TRUE(is_exclusive(driver));
+  close(driver);
+
+  terminal.read();
+  const int next = open(device.c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(next, 0);
+  EXPECT_FALSE(is_exclusive(next));
+  close(next);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

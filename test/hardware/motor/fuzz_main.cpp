@@ -1,0 +1,7 @@
+// For libFuzzer; see the README's tests.
+#include "fuzz_protocol.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  soft_robot_lab::fuzz_protocol(data, size);
+  return 0;
+}

@@ -1,0 +1,180 @@
+// A cable with friction: capstan law, stick and slip, and what it remembers.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "test_bar.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// A quarter of a ring, radius 50 mm, in the x-y plane, held all over; the cable runs along its middle, straight for a
+// step before and after.
+Simulation ring(double friction_coefficient, int points) {
+  TetMesh mesh = box_mesh({0, -0.005, -0.005}, {0.1, 0.005, 0.005}, {12, 2, 2});
+  const auto bend =
+      [](const Eigen::Vector3d& p) -> Eigen::Vector3d {  // the middle three fifths of the bar turn by 90 degrees
+    const double angle = std::clamp((p.x() - 0.02) / 0.06, 0.0, 1.0) * M_PI / 2, radius = 0.06 / (M_PI / 2);
+    const Eigen::Vector3d tangent(std::cos(angle), std::sin(angle), 0), normal(-std::sin(angle), std::cos(angle), 0);
+    const double straight = p.x() < 0.02 ? p.x() - 0.02 : std::max(0.0, p.x() - 0.08);
+    return Eigen::Vector3d(radius * std::sin(angle), radius * (1 - std::cos(angle)), p.z()) + straight * tangent +
+           p.y() * normal;
+  };
+  for (Eigen::Index i = 0; i < mesh.nodes_m.cols(); ++i) mesh.nodes_m.col(i) = bend(mesh.nodes_m.col(i));
+  Body body(std::move(mesh), Material{});
+  body.fix_nodes({-1, -1, -1}, {1, 1, 1}, {true, true, true});
+  const MeshLocator locator(body.mesh());
+  std::ostringstream settings;
+  settings << "{name: cable, model: friction, friction_coefficient: " << friction_coefficient
+           << ", compliance_m_n: 1.0e-4, sheath_radius_m: 0.002, points_m: [";
+  for (int i = 0; i <= points; ++i) {
+    const Eigen::Vector3d p = bend({0.1 * i / points, 0, 0});
+    settings << (i > 0 ? ", [" : "[") << p.x() << ", " << p.y() << ", " << p.z() << "]";
+  }
+  settings << "]}";
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  actuators.push_back(std::make_unique<Cable>());
+  actuators.back()->initialise(YamlNode::parse(settings.str(), "ring"), body, locator);
+  return Simulation(std::move(body), std::move(actuators), {}, SolverOptions{});
+}
+
+// The drive's tension of the ring's cable, by hand. Held silicone lets it only stretch, by compliance times its mean
+// tension, which falls along the arc only: T0 over the first fifth, T0 exp(-mu angle) over the middle three, and what
+// is left over the last.
+double drive_tension_n(double mu, double stretch_m) {
+  const double turn = mu * M_PI / 2, compliance_m_n = 1.0e-4;
+  const double over_the_arc = turn > 0.0 ? (1.0 - std::exp(-turn)) / turn : 1.0;
+  return stretch_m / compliance_m_n / (0.2 + 0.6 * over_the_arc + 0.2 * std::exp(-turn));
+}
+
+TEST(CableFriction, FollowsTheCapstanFormulaAroundABentBody) {
+  for (const double mu : {0.0, 0.1, 0.5}) {
+    Simulation simulation = ring(mu, 20);
+    simulation.set_command("cable", 0.99);
+    ASSERT_TRUE(simulation.solve_equilibrium().converged);
+    const ActuatorReading pulled = simulation.actuator_state(0);
+    EXPECT_NEAR(pulled.span_tensions_n.front() / pulled.span_tensions_n.back(), std::exp(mu * M_PI / 2),
+                0.01 * std::exp(mu * M_PI / 2));
+    const double drive_n = drive_tension_n(mu, 0.01 * *pulled.rest_length_m);
+    EXPECT_NEAR(*pulled.tension_n, drive_n, 0.01 * drive_n);
+
+    simulation.set_command("cable", 0.9902);  // a little back: the drive's end slips first, the far end sticks
+    ASSERT_TRUE(simulation.solve_equilibrium().converged);
+    const ActuatorReading eased = simulation.actuator_state(0);
+    EXPECT_LT(*eased.tension_n, *pulled.tension_n);
+    if (mu > 0.0) {
+      EXPECT_NEAR(eased.span_tensions_n.back(), pulled.span_tensions_n.back(), 1e-6);
+    }
+    simulation.set_command("cable", 0.9985);  // far back: all has slipped the other way
+    ASSERT_TRUE(simulation.solve_equilibrium().converged);
+    const ActuatorReading back = simulation.actuator_state(0);
+    EXPECT_NEAR(back.span_tensions_n.back() / back.span_tensions_n.front(), std::exp(mu * M_PI / 2),
+                0.01 * std::exp(mu * M_PI / 2));
+  }
+}
+
+// The work that one pull and release takes from the drive.
+double loop_area_j(double friction_coefficient) {
+  Simulation simulation = hanging_bar("model: friction, friction_coefficient: " + std::to_string(friction_coefficient));
+  double area = 0.0, last_length = 0.0, last_tension = 0.0;
+  for (int i = 0; i <= 24; ++i) {
+    const double pull = i < 8 ? i / 8.0 : i < 16 ? 1.0 - (i - 8) / 8.0 : (i - 16) / 8.0;
+    simulation.set_command("cable", 1.0 - 0.1 * pull);
+    const SolveReport report = simulation.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    const ActuatorReading at = simulation.actuator_state(0);
+    const double length = at.actuated_command * *at.rest_length_m;
+    if (i > 8) area += 0.5 * (last_tension + *at.tension_n) * (last_length - length);
+    last_length = length;
+    last_tension = *at.tension_n;
+  }
+  return area;
+}
+
+TEST(CableFriction, LoopOfPullingAndReleasingClosesWithoutFriction) {
+  const double none = loop_area_j(0.0), little = loop_area_j(0.02), more = loop_area_j(0.2);
+  EXPECT_NEAR(none, 0.0, 1e-3 * little);
+  EXPECT_GT(little, 1e-5);
+  EXPECT_NEAR(more / little, 10.0, 2.0);
+}
+
+TEST(CableFriction, WithoutACoefficientIsTheSlidingCable) {
+  Simulation sliding = hanging_bar("compliance_m_n: 1.0e-4"),
+             friction = hanging_bar("compliance_m_n: 1.0e-4, model: friction, friction_coefficient: 0");
+  for (Simulation* simulation : {&sliding, &friction}) {
+    simulation->set_command("cable", 0.85);
+    ASSERT_TRUE(simulation->solve_equilibrium().converged);
+  }
+  EXPECT_LT((sliding.marker_position(0) - friction.marker_position(0)).norm(), 1e-7);
+  EXPECT_NEAR(*sliding.actuator_state(0).tension_n, *friction.actuator_state(0).tension_n, 1e-5);
+}
+
+TEST(CableFriction, RemembersWhereItComesFrom) {
+  Simulation simulation = hanging_bar("model: friction, friction_coefficient: 0.4");
+  const auto tip_at = [&](double command) {
+    simulation.set_command("cable", command);
+    EXPECT_TRUE(simulation.solve_equilibrium().converged);
+    return simulation.marker_position(0).x();
+  };
+  const double pulled = tip_at(0.95);
+  tip_at(0.85);
+  EXPECT_GT(std::abs(tip_at(0.95) - pulled), 1e-4);
+}
+
+TEST(CableFriction, RestoredStateGoesOnToTheLastBit) {
+  Simulation simulation = hanging_bar(
+      "model: friction, friction_coefficient: 0.4, pull_speed_m_s: 0.02, "
+      "pull_delay_s: 0.0199");
+  const auto steps = [&](double command, int count) {
+    simulation.set_command("cable", command);
+    for (int i = 0; i < count; ++i) EXPECT_TRUE(simulation.step().converged);
+  };
+  steps(0.93, 20);
+  simulation.set_command("cable", 0.97);
+  const SimulationState saved = simulation.state();
+  steps(0.97, 10);
+  const Eigen::Matrix3Xd first = simulation.state().positions_m;
+  simulation.reset();
+  steps(0.9, 3);
+  simulation.set_state(saved);
+  steps(0.97, 10);
+  EXPECT_EQ(simulation.state().positions_m, first);
+}
+
+TEST(CableFriction, StepsInTimeEndWhereTheDrivePutIt) {
+  Simulation simulation = hanging_bar("model: friction, friction_coefficient: 0.3, compliance_m_n: 0");
+  simulation.set_command("cable", 0.9);
+  for (int i = 0; i < 90; ++i) {
+    const SolveReport report = simulation.step();
+    ASSERT_TRUE(report.converged) << report.message;
+  }
+  const ActuatorReading at = simulation.actuator_state(0);
+  EXPECT_NEAR(*at.length_m, 0.9 * *at.rest_length_m, 1e-5);
+}
+
+TEST(CableFriction, IsRefusedByXpbd) {
+  SolverOptions options;
+  options.method = SolverOptions::Method::xpbd;
+  EXPECT_THROW(hanging_bar("model: friction, friction_coefficient: 0.3", options), std::invalid_argument);
+}
+
+TEST(CableFriction, RatioFollowsItsAngle) {
+  const Simulation simulation = hanging_bar("model: friction, friction_coefficient: 0.7");
+  Eigen::Matrix3Xd bent = simulation.body().mesh().nodes_m;
+  for (Eigen::Index i = 0; i < bent.cols(); ++i) bent(0, i) += 20.0 * std::pow(bent(1, i), 2) + 0.3 * bent(2, i);
+  for (const FrictionContact* contact : simulation.actuators()[0]->friction_contacts()) {
+    EXPECT_GT(contact->ratio(bent), 1.01);
+    Eigen::Matrix3Xd exact = Eigen::Matrix3Xd::Zero(3, bent.cols());
+    contact->add_log_ratio_gradient(bent, 1.0, exact);
+    for (Eigen::Index i = 0; i < bent.size(); ++i) {
+      Eigen::Matrix3Xd plus = bent, minus = bent;
+      plus.data()[i] += 1e-7;
+      minus.data()[i] -= 1e-7;
+      EXPECT_NEAR(exact.data()[i], std::log(contact->ratio(plus) / contact->ratio(minus)) / 2e-7,
+                  1e-6 * exact.norm());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

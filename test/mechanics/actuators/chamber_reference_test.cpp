@@ -1,0 +1,114 @@
+// Chambers against reference solutions (config/reference): pressurised sphere and cylinder, and the hollow cuboid.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "hollow_mesh.h"
+#include "reference_table.h"
+#include "soft_robot_lab/mechanics/actuators/chamber.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+#include "soft_robot_lab/mechanics/simulation.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kP0 = 101000.0;
+
+Simulation inflatable(Body body) {
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  actuators.push_back(std::make_unique<Chamber>());
+  actuators[0]->initialise(YamlNode::parse("{name: air, surface: cavity, initial_pressure_pa: 101000}", "test"),
+                           body, MeshLocator(body.mesh()));
+  return Simulation(std::move(body), std::move(actuators), {}, {});
+}
+
+ActuatorReading inflate(Simulation& simulation, double beta) {
+  simulation.set_command("air", beta);
+  const SolveReport report = simulation.solve_equilibrium();
+  EXPECT_TRUE(report.converged) << report.message;
+  EXPECT_EQ(report.inverted_elements, 0);
+  return simulation.actuator_state(0);
+}
+
+// Holds a body that is symmetric about the planes x = 0, y = 0 (and z = 0) where they hold it.
+void hold_symmetry_planes(Body& body, int planes) {
+  for (int axis = 0; axis < planes; ++axis) {
+    const Eigen::Vector3d slab = Eigen::Vector3d::Ones() - (1.0 - 1e-9) * Eigen::Vector3d::Unit(axis);
+    body.fix_nodes(-slab, slab, Eigen::Matrix<bool, 3, 1>(axis == 0, axis == 1, axis == 2));
+  }
+}
+
+// Squares become circles (dimensions 2) or cubes spheres (3) of the same inner size.
+std::function<Eigen::Vector3d(const Eigen::Vector3d&)> rounded(int dimensions) {
+  return [dimensions](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+    Eigen::Vector3d result = x;
+    result.head(dimensions) *= x.head(dimensions).cwiseAbs().maxCoeff() / x.head(dimensions).norm();
+    return result;
+  };
+}
+
+const std::vector<double> kAcross = mirrored({0.005, 0.010, 0.013, 0.020});
+
+// Inner radius 10 mm, outer 20 mm. Fills in as much gas as reaches each stretch of the table, which must then be found
+// together with its pressure.
+void expect_table(Simulation& simulation, const std::string& table, int dimensions) {
+  for (const ReferenceRow& row : read_reference(table)) {
+    const double stretch = row.number("inner_radius_stretch"), pressure_pa = row.number("p_Pa_nu0.499_iso");
+    if (stretch > 1.3) continue;
+    SCOPED_TRACE(stretch);
+    const double growth = std::pow(stretch, dimensions);
+    const ActuatorReading found = inflate(simulation, (1.0 + pressure_pa / kP0) * growth);
+    EXPECT_NEAR(std::pow(*found.volume_m3 / *found.initial_volume_m3, 1.0 / dimensions), stretch, 0.01 * stretch);
+    EXPECT_NEAR(*found.gauge_pressure_pa, pressure_pa, 0.01 * pressure_pa);
+  }
+}
+
+TEST(ChamberReference, ThickSphereSwells) {
+  const Eigen::Vector3d corner = Eigen::Vector3d::Constant(0.010);
+  Body body(hollow_mesh({{kAcross, kAcross, kAcross}, -corner, corner, true, rounded(3)}), {264200.0, 0.499, 1070.0});
+  hold_symmetry_planes(body, 3);
+  Simulation sphere = inflatable(std::move(body));
+  EXPECT_NEAR(*sphere.actuator_state(0).initial_volume_m3, 4.0 / 3.0 * M_PI * 1e-6, 0.005 * 4.19e-6);
+  expect_table(sphere, "r3_sphere", 3);
+  // The closed form of the incompressible sphere, at the last stretch that is asked for.
+  const double a = 1.3, b = std::cbrt(1.0 + (a * a * a - 1.0) / 8.0);
+  const double p = 264200.0 / 6.0 * ((4.0 / b + std::pow(b, -4)) - (4.0 / a + std::pow(a, -4)));
+  EXPECT_NEAR(*inflate(sphere, (1.0 + p / kP0) * a * a * a).gauge_pressure_pa, p, 0.01 * p);
+}
+
+// Its ends are capped, and kept in their planes.
+TEST(ChamberReference, LongThickCylinderSwells) {
+  Body body(
+      hollow_mesh({{kAcross, kAcross, {0.0, 0.004}}, {-0.010, -0.010, -1.0}, {0.010, 0.010, 1.0}, true, rounded(2)}),
+      {264200.0, 0.499, 1070.0});
+  hold_symmetry_planes(body, 2);
+  body.fix_nodes(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Ones(), {false, false, true});
+  Simulation cylinder = inflatable(std::move(body));
+  expect_table(cylinder, "r3_cylinder_planestrain", 2);
+}
+
+// Its upper half, whose chamber a cap closes in the plane of symmetry.
+TEST(ChamberReference, HollowCuboidSwellsAndShrinks) {
+  const std::vector<double> across = mirrored({0.005, 0.0088, 0.010, 0.01125, 0.015});
+  const std::vector<double> along = {0.0, 0.012, 0.0237, 0.0284, 0.029566375, 0.030816375, 0.034566375};
+  Body body(hollow_mesh({{across, across, along}, {-0.010, -0.010, -1.0}, {0.010, 0.010, 0.029566375}, true, {}}),
+            {264200.0, 0.499, 1070.0});
+  body.fix_nodes({-1, -1, 0.0345}, {1, 1, 1}, {true, true, true});
+  body.fix_nodes({-1, -1, -1}, {1, 1, 1e-9}, {false, false, true});
+  Simulation cuboid = inflatable(std::move(body));
+  for (const ReferenceRow& row : read_reference("r4_chamber")) {
+    if (row.text("nu") != "0.499" || row.text("law") != "iso") continue;
+    SCOPED_TRACE(row.text("beta"));
+    const ActuatorReading found = inflate(cuboid, row.number("beta"));
+    EXPECT_NEAR(2.0 * *found.initial_volume_m3, row.number("V0_m3"), 1e-9 * row.number("V0_m3"));
+    EXPECT_NEAR(2.0 * *found.volume_m3, row.number("V_m3"), 0.01 * row.number("V_m3"));
+    // The reference knows the small pressure at beta 0.975 to 2 % only.
+    const double pressure_pa = row.number("P_gauge_Pa");
+    EXPECT_NEAR(*found.gauge_pressure_pa, pressure_pa, std::max(0.01 * std::abs(pressure_pa), row.number("unc_P_Pa")));
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,187 @@
+// Damping and hysteresis of the silicone: how motion dies away, and what must not change.
+#include "soft_robot_lab/mechanics/viscosity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "box_mesh.h"
+#include "mechanics/simulation/modal.h"
+#include "soft_robot_lab/mechanics/simulation.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const Viscosity kAll{1.0, 0.002, 0.3, 0.02};
+
+Body cantilever(const Viscosity& viscosity) {
+  Body body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {5, 1, 1}), {264200.0, 0.499, 1070.0});
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  body.set_viscosity(viscosity);
+  return body;
+}
+
+Simulation released(const Viscosity& viscosity, SolverOptions options) {
+  Body body = cantilever(viscosity);
+  body.set_gravity({0, -9.81, 0});
+  return Simulation(std::move(body), {}, {}, options);
+}
+
+SolverOptions stepping(Integrator integrator, double time_step_s) {
+  SolverOptions options;
+  options.integrator = integrator;
+  options.time_step_s = time_step_s;
+  options.dynamic_tolerance = 1e-7;
+  return options;
+}
+
+// The rate at which the first mode's amplitude decays, over the mode's angular frequency.
+double decay_over_frequency(const Viscosity& damping_over_frequency, SolverOptions options) {
+  const ModalResult modes = modal_analysis(cantilever({}), 1);
+  const double omega = 2.0 * M_PI * modes.frequencies_hz[0];
+  Viscosity viscosity;
+  viscosity.rayleigh_mass_per_s = damping_over_frequency.rayleigh_mass_per_s * omega;
+  viscosity.rayleigh_stiffness_s = damping_over_frequency.rayleigh_stiffness_s / omega;
+  options.time_step_s = 2.0 * M_PI / omega / 100.0;
+  Simulation simulation(cantilever(viscosity), {}, {}, options);
+  const Body& body = simulation.body();
+  const Eigen::Map<const Eigen::Matrix3Xd> shape(modes.shapes.data(), 3, body.mesh().node_count());
+  const auto amplitude = [&] {
+    const auto along = [&](const Eigen::Matrix3Xd& vectors) {
+      return shape.cwiseProduct(vectors * body.node_masses_kg().asDiagonal()).sum();
+    };
+    return std::hypot(along(simulation.state().positions_m - body.mesh().nodes_m),
+                      along(simulation.state().velocities_m_s) / omega);
+  };
+  SimulationState state = simulation.state();
+  state.positions_m += 1e-4 / shape.cwiseAbs().maxCoeff() * shape;
+  simulation.set_state(state);
+  const double start = amplitude();
+  for (int i = 0; i < 300; ++i) EXPECT_TRUE(simulation.step().converged);
+  return std::log(start / amplitude()) / simulation.state().time_s / omega;
+}
+
+TEST(Viscosity, DampsTheFirstModeAsRayleighsFormulaSays) {
+  const SolverOptions options = stepping(Integrator::bdf2, 1.0);
+  EXPECT_LT(std::abs(decay_over_frequency({}, options)), 3e-4);  // the integrator's own
+  EXPECT_NEAR(decay_over_frequency({0.1, 0.0}, options), 0.05, 0.001);
+  EXPECT_NEAR(decay_over_frequency({0.0, 0.1}, options), 0.05, 0.001);
+  EXPECT_NEAR(decay_over_frequency({0.06, 0.04}, options), 0.05, 0.001);
+}
+
+TEST(Viscosity, OfMassDampsAlikeWithXpbd) {
+  SolverOptions options;
+  options.method = SolverOptions::Method::xpbd;
+  options.substep_count = 20;
+  EXPECT_NEAR(decay_over_frequency({0.1, 0.0}, options) - decay_over_frequency({}, options), 0.05, 0.003);
+}
+
+// A cube on a slippery floor, spun about the vertical.
+TEST(Viscosity, OfStrainLeavesASpinningBodyItsEnergy) {
+  std::vector<double> energies;
+  for (const Viscosity& viscosity : {Viscosity{}, Viscosity{0.0, 0.05, 1.0, 0.1}}) {
+    Body body(box_mesh({-0.01, -0.01, 0}, {0.01, 0.01, 0.01}, {2, 2, 1}), {264200.0, 0.45, 1070.0});
+    body.fix_nodes({-1, -1, -1}, {1, 1, 1e-9}, {false, false, true});
+    body.set_viscosity(viscosity);
+    Simulation simulation(std::move(body), {}, {}, stepping(Integrator::bdf2, 0.005));
+    SimulationState state = simulation.state();
+    for (Eigen::Index node = 0; node < state.positions_m.cols(); ++node)
+      state.velocities_m_s.col(node) = Eigen::Vector3d(0, 0, 10.0).cross(state.positions_m.col(node));
+    simulation.set_state(state);
+    const auto energy = [&] {
+      return simulation.state().velocities_m_s.colwise().squaredNorm().dot(simulation.body().node_masses_kg());
+    };
+    const double start = energy();
+    for (int i = 0; i < 130; ++i) ASSERT_TRUE(simulation.step().converged);  // a full turn
+    energies.push_back(energy() / start);
+  }
+  EXPECT_GT(energies[0], 0.99);  // the integrator's own
+  EXPECT_NEAR(energies[1], energies[0], 1e-3);
+}
+
+TEST(Viscosity, ConvergesWithTheTimeStepInTheOrderOfTheIntegrator) {
+  const auto tip_m = [](Integrator integrator, int steps) {
+    Simulation simulation = released(kAll, stepping(integrator, 0.08 / steps));
+    for (int i = 0; i < steps; ++i) EXPECT_TRUE(simulation.step().converged);
+    return simulation.state().positions_m.row(1).minCoeff();
+  };
+  for (const bool second : {false, true}) {
+    const Integrator integrator = second ? Integrator::bdf2 : Integrator::implicit_euler;
+    const double coarse = tip_m(integrator, 20), middle = tip_m(integrator, 40), fine = tip_m(integrator, 80);
+    const double order = std::log2(std::abs((coarse - middle) / (middle - fine)));
+    EXPECT_NEAR(order, second ? 2.0 : 1.0, 0.35);
+  }
+}
+
+// Sought from the midst of its motion, when velocities and the branch's stress would lead elsewhere if they counted.
+TEST(Viscosity, LeavesTheEquilibriumAloneThatIsSoughtWhileItMoves) {
+  Simulation plain = released({}, {}), moving = released(kAll, {});
+  ASSERT_TRUE(plain.solve_equilibrium().converged);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(moving.step().converged);
+  EXPECT_GT(moving.state().branch_stress_pa.cwiseAbs().maxCoeff(), 100.0);
+  const auto apart_m = [&] {
+    return (plain.state().positions_m - moving.state().positions_m).colwise().norm().maxCoeff();
+  };
+  EXPECT_GT(apart_m(), 1e-3);
+  ASSERT_TRUE(moving.solve_equilibrium().converged);
+  EXPECT_LT(apart_m(), 1e-7);
+  EXPECT_EQ(moving.state().branch_stress_pa.norm(), 0.0);
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(moving.step().converged);
+  EXPECT_LT(apart_m(), 1e-6);  // and rests there
+}
+
+TEST(Viscosity, ComesToRestAtTheEquilibrium) {
+  Simulation plain = released({}, {}), viscous = released(kAll, {});
+  ASSERT_TRUE(plain.solve_equilibrium().converged);
+  for (int i = 0; i < 65; ++i) ASSERT_TRUE(viscous.step().converged);
+  EXPECT_LT((plain.state().positions_m - viscous.state().positions_m).colwise().norm().maxCoeff(), 2e-5);
+}
+
+TEST(Viscosity, GoesOnFromASavedStateToTheLastBit) {
+  for (const Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2}) {
+    SolverOptions options;
+    options.integrator = integrator;
+    Simulation first = released(kAll, options), second = released(kAll, options);
+    SimulationState middle;
+    for (int i = 0; i < 8; ++i) {
+      ASSERT_TRUE(first.step().converged);
+      if (i == 3) middle = first.state();
+    }
+    second.set_state(middle);
+    for (int i = 4; i < 8; ++i) ASSERT_TRUE(second.step().converged);
+    EXPECT_EQ((first.state().positions_m - second.state().positions_m).norm(), 0.0);
+    EXPECT_EQ((first.state().branch_stress_pa - second.state().branch_stress_pa).norm(), 0.0);
+  }
+}
+
+TEST(Viscosity, RefusesAStateWithoutItsHysteresis) {
+  Simulation plain = released({}, {}), viscous = released(kAll, {});
+  EXPECT_THROW(viscous.set_state(plain.state()), std::invalid_argument);
+}
+
+TEST(Viscosity, RefusesWhatIsOutOfRange) {
+  const std::pair<Viscosity, const char*> cases[] = {
+      {{-1.0, 0, 0, 1}, "damping.rayleigh_mass_per_s: -1 is out of range [0"},
+      {{0, -1.0, 0, 1}, "damping.rayleigh_stiffness_s: -1 is out of range [0"},
+      {{0, std::nan(""), 0, 1}, "damping.rayleigh_stiffness_s: nan"},
+      {{0, 0, -0.1, 1}, "hysteresis.stiffness_ratio: -0.1 is out of range [0"},
+      {{0, 0, 0.1, 0}, "hysteresis.relaxation_time_s: 0 is out of range (0"}};
+  for (const auto& [viscosity, words] : cases) {
+    try {
+      cantilever(viscosity);
+      ADD_FAILURE() << words;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  }
+  SolverOptions local;
+  local.method = SolverOptions::Method::xpbd;
+  EXPECT_THROW(released({0, 0.01, 0, 1}, local), std::invalid_argument);
+  EXPECT_THROW(released({0, 0, 0.1, 1}, local), std::invalid_argument);
+  EXPECT_NO_THROW(released({0.1, 0, 0, 1}, local));
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

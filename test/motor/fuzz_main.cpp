@@ -1,7 +1,0 @@
-// For libFuzzer; see the README's tests.
-#include "motor/fuzz_protocol.h"
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  soft_robot_lab::fuzz_protocol(data, size);
-  return 0;
-}

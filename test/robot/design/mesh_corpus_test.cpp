@@ -1,0 +1,15 @@
+// What fuzzing found worth keeping, and its like.
+#include <gtest/gtest.h>
+
+#include "fuzz_rules.h"
+#include "fuzz_mesh.h"
+
+namespace soft_robot_lab {
+namespace {
+
+TEST(MeshReaders, SurvivesTheFuzzersCorpusAndItsLike) {
+  EXPECT_GE(run_corpus(SOFT_ROBOT_LAB_SOURCE "/test/data/fuzz/mesh", fuzz_mesh, 40), 6);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,442 @@
+// The real mesher: every kind of solid against closed forms, named surfaces, refinement, files.
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "robot/design/mesh_quality.h"
+#include "soft_robot_lab/robot/design/mesher.h"
+#include "soft_robot_lab/mechanics/tet_mesh.h"
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double kPi = 3.14159265358979323846;
+
+// Sources are joined to it, results stay until the next run of this test.
+class MeshRobot : public testing::Test {
+ protected:
+  MeshRobot() {
+    fs::remove_all(options_.cache_folder);
+    options_.program = SOFT_ROBOT_LAB_MESHER;
+  }
+
+  std::string file_of(const MeshRequest& request) { return mesh_file_for(request, options_); }
+
+  TetMesh mesh_of(const std::string& solid, double element_size_m, bool quadratic = true) {
+    MeshRequest request;
+    request.solid_yaml = solid;
+    request.element_size_m = element_size_m;
+    request.quadratic = quadratic;
+    TetMesh mesh = read_msh(file_of(request));
+    check_mesh(mesh);
+    EXPECT_EQ(mesh.quadratic(), quadratic);
+    return mesh;
+  }
+
+  std::string refusal(const std::string& solid, double element_size_m = 0.01) {
+    try {
+      mesh_of(solid, element_size_m);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  fs::path write(const std::string& name, const std::string& text) {
+    const fs::path path = fs::path(testing::TempDir()) / name;
+    std::ofstream(path, std::ios::binary) << text;
+    return path;
+  }
+
+  TetMesh convert(const fs::path& file) {
+    MeshRequest request;
+    request.mesh_file = file;
+    TetMesh mesh = read_msh(file_of(request));
+    check_mesh(mesh);
+    return mesh;
+  }
+
+  MesherOptions options_{"", fs::path(testing::TempDir()) / "mesh_robot_test", 100.0};
+};
+
+// Area of the faces of a surface (-1: those without a name); curved faces are cut into small flat triangles.
+double area(const TetMesh& mesh, int surface) {
+  constexpr int n = 12;
+  double sum = 0;
+  for (int face = 0; face < mesh.faces.cols(); ++face) {
+    if (mesh.face_surface[static_cast<size_t>(face)] != surface) continue;
+    const auto at = [&](int i, int j) -> Eigen::Vector3d {
+      const double b = double(i) / n, c = double(j) / n, a = 1 - b - c;
+      const auto x = [&](int node) { return mesh.nodes_m.col(mesh.faces(node, face)); };
+      if (!mesh.quadratic()) return a * x(0) + b * x(1) + c * x(2);
+      return a * (2 * a - 1) * x(0) + b * (2 * b - 1) * x(1) + c * (2 * c - 1) * x(2) + 4 * a * b * x(3) +
+             4 * b * c * x(4) + 4 * c * a * x(5);
+    };
+    const auto add = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& r) {
+      sum += (q - p).cross(r - p).norm() / 2;
+    };
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; i + j < n; ++j) {
+        add(at(i, j), at(i + 1, j), at(i, j + 1));
+        if (i + j + 1 < n) add(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+      }
+    }
+  }
+  return sum;
+}
+
+double area(const TetMesh& mesh, const std::string& name) {
+  const auto found = std::find(mesh.surface_names.begin(), mesh.surface_names.end(), name);
+  if (found == mesh.surface_names.end()) throw std::invalid_argument("no surface " + name);
+  return area(mesh, static_cast<int>(found - mesh.surface_names.begin()));
+}
+
+void expect_relative(double value, double expected, double tolerance) {
+  EXPECT_NEAR(value / expected, 1.0, tolerance) << value << " instead of " << expected;
+}
+
+constexpr const char* kBeam = "{box: {size_m: [0.1, 0.02, 0.02], center_m: [0.05, 0, 0]}}";
+constexpr const char* kCavity = "{box: {size_m: [0.08, 0.01, 0.01], center_m: [0.05, 0, 0]}, name: cavity}";
+
+TEST_F(MeshRobot, MakesABoxWithExactCorners) {
+  const TetMesh mesh = mesh_of(kBeam, 0.01);
+  expect_relative(volume(mesh), 4e-5, 1e-12);
+  EXPECT_EQ(mesh.nodes_m.rowwise().minCoeff(), Eigen::Vector3d(0, -0.01, -0.01));
+  EXPECT_EQ(mesh.nodes_m.rowwise().maxCoeff(), Eigen::Vector3d(0.1, 0.01, 0.01));
+  EXPECT_TRUE(mesh.surface_names.empty());
+  EXPECT_GT(measure_quality(mesh.nodes_m, mesh.tets).min, 0.15);
+  const TetMesh linear = mesh_of(kBeam, 0.01, false);
+  expect_relative(volume(linear), 4e-5, 1e-12);
+  EXPECT_EQ(linear.tet_count(), mesh.tet_count());
+}
+
+TEST_F(MeshRobot, FollowsRoundSurfaces) {
+  const TetMesh ball = mesh_of("{sphere: {radius_m: 0.02, center_m: [0, 0, 0.1]}, name: skin}", 0.01);
+  expect_relative(volume(ball), 4.0 / 3.0 * kPi * 8e-6, 2e-3);
+  expect_relative(area(ball, "skin"), 4 * kPi * 4e-4, 2e-3);
+  EXPECT_EQ(ball.surface_names, std::vector<std::string>{"skin"});
+
+  const double length = std::sqrt(0.05 * 0.05 + 0.03 * 0.03);
+  const std::string axis = "start_m: [0, 0, 0.01], end_m: [0.05, 0, 0.04]";
+  expect_relative(volume(mesh_of("{cylinder: {" + axis + ", radius_m: 0.02}}", 0.01)), kPi * 4e-4 * length, 2e-3);
+  expect_relative(volume(mesh_of("{cone: {" + axis + ", radius_m: 0.02, end_radius_m: 0.01}}", 0.01)),
+                  kPi / 3 * length * (4e-4 + 2e-4 + 1e-4), 2e-3);
+  expect_relative(volume(mesh_of("{cone: {" + axis + ", radius_m: 0.02, end_radius_m: 0}}", 0.01)),
+                  kPi / 3 * length * 4e-4, 2e-3);
+  expect_relative(volume(mesh_of("{cone: {" + axis + ", radius_m: 0.01, end_radius_m: 0.01}}", 0.01)),
+                  kPi * length * 1e-4, 2e-3);
+}
+
+TEST_F(MeshRobot, MakesValidElementsOfBallsThatAreSmallerThanAnElement) {
+  const TetMesh mesh = mesh_of("{sphere: {radius_m: 0.01, center_m: [0, 0, 0]}}", 0.1);
+  expect_relative(volume(mesh), 4.0 / 3.0 * kPi * 1e-6, 0.05);
+}
+
+TEST_F(MeshRobot, ExtrudesPolygonsOfEitherSense) {
+  const double expected = 3 * 0.01 * 0.01 * 0.03;
+  for (const char* corners : {"[0, 0], [0.02, 0], [0.02, 0.01], [0.01, 0.01], [0.01, 0.02], [0, 0.02]",
+                              "[0, 0.02], [0.01, 0.02], [0.01, 0.01], [0.02, 0.01], [0.02, 0], [0, 0]"}) {
+    const TetMesh mesh = mesh_of(std::string("{extrude: {polygon_m: [") + corners + "], z_m: [-0.01, 0.02]}}", 0.01);
+    expect_relative(volume(mesh), expected, 1e-12);
+    EXPECT_EQ(mesh.nodes_m.row(2).minCoeff(), -0.01);
+    EXPECT_EQ(mesh.nodes_m.row(2).maxCoeff(), 0.02);
+  }
+}
+
+TEST_F(MeshRobot, CombinesSolids) {
+  const std::string left = "{box: {size_m: [0.04, 0.02, 0.02], center_m: [0, 0, 0]}}";
+  const std::string right = "{box: {size_m: [0.04, 0.02, 0.02], center_m: [0.03, 0, 0]}}";
+  expect_relative(volume(mesh_of("{union: [" + left + ", " + right + "]}", 0.01)), 0.07 * 4e-4, 1e-12);
+  expect_relative(volume(mesh_of("{intersection: [" + left + ", " + right + "]}", 0.01)), 0.01 * 4e-4, 1e-12);
+  expect_relative(volume(mesh_of("{difference: [" + left + ", " + right + "]}", 0.01)), 0.03 * 4e-4, 1e-12);
+  const std::string touching = "{box: {size_m: [0.04, 0.02, 0.02], center_m: [0.04, 0, 0]}}";
+  expect_relative(volume(mesh_of("{union: [" + left + ", " + touching + "]}", 0.01)), 0.08 * 4e-4, 1e-12);
+  const std::string lens =
+      "{intersection: [{sphere: {radius_m: 0.02, center_m: [0, 0, 0]}, name: a}, "
+      "{sphere: {radius_m: 0.02, center_m: [0.02, 0, 0]}, name: b}]}";
+  const TetMesh mesh = mesh_of(lens, 0.005);  // two caps of height h = r / 2: pi h^2 (3 r - h) / 3 and 2 pi r h
+  expect_relative(volume(mesh), 2 * kPi * 1e-4 * (0.06 - 0.01) / 3, 3e-3);
+  expect_relative(area(mesh, "a"), 2 * kPi * 0.02 * 0.01, 3e-3);
+  expect_relative(area(mesh, "b"), 2 * kPi * 0.02 * 0.01, 3e-3);
+}
+
+TEST_F(MeshRobot, NamesTheCavityOfADifference) {
+  const TetMesh mesh = mesh_of(std::string("{difference: [") + kBeam + ", " + kCavity + "]}", 0.01);
+  expect_relative(volume(mesh), 4e-5 - 8e-6, 1e-12);
+  EXPECT_EQ(mesh.surface_names, std::vector<std::string>{"cavity"});
+  expect_relative(area(mesh, "cavity"), 2 * 0.01 * 0.01 + 4 * 0.08 * 0.01, 1e-9);
+  expect_relative(area(mesh, -1), 2 * 0.02 * 0.02 + 4 * 0.1 * 0.02, 1e-9);
+}
+
+TEST_F(MeshRobot, NamesOnlyThePartOfASurfaceThatBoundsTheBody) {
+  // Two coplanar boxes overlap by 0.01 m; the right one's end inside the left one is no surface of the body.
+  const std::string solid =
+      "{union: [{box: {size_m: [0.04, 0.02, 0.02], center_m: [0, 0, 0]}}, "
+      "{box: {size_m: [0.04, 0.02, 0.02], center_m: [0.03, 0, 0]}, name: right}]}";
+  const TetMesh mesh = mesh_of(solid, 0.01);
+  expect_relative(volume(mesh), 0.07 * 4e-4, 1e-12);
+  expect_relative(area(mesh, "right"), 4 * 0.04 * 0.02 + 0.02 * 0.02, 1e-9);
+  // An open chamber: the cylinder leaves the box, its ends are not there.
+  const TetMesh tube =
+      mesh_of(std::string("{difference: [") + kBeam +
+                  ", {cylinder: {start_m: [-1, 0, 0], end_m: [1, 0, 0], radius_m: 0.005}, name: bore}]}",
+              0.01);
+  expect_relative(area(tube, "bore"), 2 * kPi * 0.005 * 0.1, 3e-3);
+}
+
+TEST_F(MeshRobot, LetsTheDeepestAndThenTheLastNameWin) {
+  const std::string one = "{box: {size_m: [0.02, 0.02, 0.02], center_m: [0, 0, 0]}, name: one}";
+  const std::string two = "{box: {size_m: [0.02, 0.02, 0.02], center_m: [0.01, 0, 0]}, name: two}";
+  const TetMesh mesh = mesh_of("{union: [" + one + ", " + two + "], name: both}", 0.01);
+  expect_relative(area(mesh, "two"), 4 * 0.02 * 0.02 + 0.02 * 0.02, 1e-9);
+  expect_relative(area(mesh, "one"), 4 * 0.01 * 0.02 + 0.02 * 0.02, 1e-9);
+  EXPECT_EQ(std::count(mesh.surface_names.begin(), mesh.surface_names.end(), "both"), 0);
+  EXPECT_EQ(area(mesh, -1), 0.0);
+}
+
+TEST_F(MeshRobot, LeavesOutNamesThatBoundNothing) {
+  const std::string far = "{sphere: {radius_m: 0.005, center_m: [1, 0, 0]}, name: far}";
+  const std::string nothing =
+      "{intersection: [{sphere: {radius_m: 0.005, center_m: [2, 0, 0]}}, " + far + "], name: nothing}";
+  const TetMesh mesh = mesh_of(std::string("{difference: [") + kBeam + ", " + nothing + ", " + far + "]}", 0.01);
+  EXPECT_TRUE(mesh.surface_names.empty());
+}
+
+TEST_F(MeshRobot, RefinesAroundAPointAndGrowsAway) {
+  MeshRequest request;
+  request.solid_yaml = kBeam;
+  request.refinements = {{{0.1, 0, 0}, 0.004, 0.002}};
+  const TetMesh mesh = make_linear(read_msh(file_of(request)));
+  check_mesh(mesh);
+  const auto mean_edge = [&](double x_min, double x_max) {
+    double sum = 0;
+    int count = 0;
+    for (int tet = 0; tet < mesh.tet_count(); ++tet) {
+      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+      for (int i = 0; i < 4; ++i) centre += mesh.nodes_m.col(mesh.tets(i, tet)) / 4;
+      const double off = std::hypot(centre.y(), centre.z());
+      if (centre.x() < x_min || centre.x() > x_max || off > 0.003) continue;
+      for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < i; ++j, ++count) {
+          sum += (mesh.nodes_m.col(mesh.tets(i, tet)) - mesh.nodes_m.col(mesh.tets(j, tet))).norm();
+        }
+      }
+    }
+    return sum / count;
+  };
+  EXPECT_LT(mean_edge(0.097, 0.1), 0.0026);
+  EXPECT_GT(mean_edge(0.0, 0.05), 0.005);
+  EXPECT_GT(mean_edge(0.08, 0.09), mean_edge(0.097, 0.1));
+  EXPECT_GT(measure_quality(mesh.nodes_m, mesh.tets).min, 0.1);
+}
+
+TEST_F(MeshRobot, RefinesAlongANamedSurfaceOrItsEdges) {
+  MeshRequest request;
+  request.solid_yaml =
+      "{difference: [{box: {size_m: [0.06, 0.06, 0.06], center_m: [0, 0, 0]}}, "
+      "{box: {size_m: [0.03, 0.03, 0.03], center_m: [0, 0, 0]}, name: cavity}]}";
+  request.element_size_m = 0.03;
+  const double even_volume = volume(read_msh(file_of(request)));
+  const auto nodes_near = [](const TetMesh& mesh, const Eigen::Vector3d& place_m) {
+    return ((mesh.nodes_m.colwise() - place_m).colwise().norm().array() < 0.006).count();
+  };
+  const Eigen::Vector3d on_edge(0.015, 0.015, 0.0);
+  request.refinements.resize(1);
+  request.refinements[0].size_m = 0.003;
+  request.refinements[0].surface = "cavity";
+  const TetMesh surface = read_msh(file_of(request));
+  request.refinements[0].edges_only = true;
+  const TetMesh edges = read_msh(file_of(request));
+  for (const TetMesh* mesh : {&surface, &edges}) {
+    EXPECT_NEAR(volume(*mesh), even_volume, 1e-12);
+    ASSERT_EQ(mesh->surface_names, std::vector<std::string>{"cavity"});
+    EXPECT_GT(nodes_near(*mesh, on_edge), 50);
+  }
+  EXPECT_GT(surface.tet_count(), edges.tet_count());
+
+  request.refinements[0].surface = "hole";
+  try {
+    file_of(request);
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "refinements: the solid has no surface 'hole'; known: cavity");
+  }
+}
+
+TEST_F(MeshRobot, MakesTheSameBytesOfTheSameRequest) {
+  MeshRequest request;
+  request.solid_yaml =
+      std::string("{difference: [") + kBeam + ", {sphere: {radius_m: 0.006, center_m: [0.05, 0, 0]}}]}";
+  request.refinements = {{{0.1, 0, 0}, 0.004, 0.003}};
+  const auto text = [&] {
+    std::ifstream file(file_of(request));
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string first = text();
+  fs::remove_all(options_.cache_folder);
+  EXPECT_GT(first.size(), 1000u);
+  EXPECT_TRUE(text() == first);
+}
+
+TEST_F(MeshRobot, SaysWhatIsWrongWithASolid) {
+  const std::string ball = "{sphere: {radius_m: 0.005, center_m: [0.05, 0, 0]}}";
+  const std::string far = "{sphere: {radius_m: 0.005, center_m: [1, 0, 0]}}";
+  EXPECT_EQ(refusal("{difference: [" + ball + ", " + kBeam + "]}"), "empty solid: nothing is left of it");
+  EXPECT_EQ(refusal("{intersection: [" + far + ", " + kBeam + "]}"), "empty solid: nothing is left of it");
+  EXPECT_EQ(refusal("{intersection: [" + far + ", " + kBeam + ", " + ball + "]}"),
+            "empty solid: nothing is left of it");
+  EXPECT_EQ(refusal("{union: [" + far + ", " + kBeam + "]}"), "the solid falls into 2 parts, must be one");
+  EXPECT_NE(refusal(kBeam, 1e-5).find("element_size_m 1e-05"), std::string::npos);
+  EXPECT_NE(refusal("{union: [" + ball + ", {stl: \"" SOFT_ROBOT_LAB_SOURCE "/test/data/hollow_box.stl\"}]}")
+                .find("must be the whole solid"),
+            std::string::npos);
+  EXPECT_NE(refusal("{step: \"" SOFT_ROBOT_LAB_SOURCE "/test/data/hollow_box.stl\"}"), "accepted");
+  EXPECT_NE(refusal("{stl: \"" SOFT_ROBOT_LAB_SOURCE "/test/data/cylinder.step\"}"), "accepted");
+}
+
+TEST_F(MeshRobot, ReadsStepFilesInMillimetres) {
+  const std::string step = "{step: \"" SOFT_ROBOT_LAB_SOURCE "/test/data/cylinder.step\", name: part}";
+  const TetMesh mesh = mesh_of(step, 0.005);  // radius 10 mm, length 30 mm
+  expect_relative(volume(mesh), kPi * 1e-4 * 0.03, 2e-3);
+  expect_relative(area(mesh, "part"), 2 * kPi * 1e-4 + 2 * kPi * 0.01 * 0.03, 2e-3);
+  const TetMesh cut =
+      mesh_of("{difference: [{box: {size_m: [0.04, 0.04, 0.04], center_m: [0, 0, 0.02]}}, " + step + "]}", 0.01);
+  expect_relative(volume(cut), 6.4e-5 - kPi * 1e-4 * 0.03, 2e-3);
+  expect_relative(area(cut, "part"), kPi * 1e-4 + 2 * kPi * 0.01 * 0.03, 3e-3);  // one end lies in the box's face
+}
+
+TEST_F(MeshRobot, ReadsStlFilesInMetres) {
+  const TetMesh mesh = mesh_of("{stl: \"" SOFT_ROBOT_LAB_SOURCE "/test/data/hollow_box.stl\", name: skin}", 0.01);
+  expect_relative(volume(mesh), 4e-5 - 8e-6, 1e-6);
+  expect_relative(area(mesh, "skin"), 2 * 4e-4 + 4 * 2e-3 + 2 * 1e-4 + 4 * 8e-4, 1e-6);
+  EXPECT_EQ(area(mesh, -1), 0.0);
+}
+
+// Its sides are patches of one triangle each.
+TEST_F(MeshRobot, MeshesATetrahedronOfFourTriangles) {
+  const std::vector<Eigen::Vector3d> corners = {{0, 0, 0}, {0.05, 0, 0}, {0, 0.05, 0}, {0, 0, 0.05}};
+  std::ostringstream text;
+  text << "solid tetrahedron\n";
+  for (const auto& side : std::vector<std::vector<size_t>>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}) {
+    text << "facet normal 0 0 0\nouter loop\n";
+    for (const size_t corner : side) text << "vertex " << corners[corner].transpose() << "\n";
+    text << "endloop\nendfacet\n";
+  }
+  const fs::path file = write("tetrahedron.stl", text.str() + "endsolid tetrahedron\n");
+  options_.time_limit_s = 40;  // meshed in less than one
+  const TetMesh mesh = mesh_of("{stl: \"" + file.string() + "\", name: skin}", 0.01);
+  expect_relative(volume(mesh), std::pow(0.05, 3) / 6, 1e-6);
+  expect_relative(area(mesh, "skin"), (1.5 + std::sqrt(3) / 2) * 0.05 * 0.05, 1e-6);
+}
+
+// Bulges of different size on every edge: in the wrong order the element would fold.
+TEST_F(MeshRobot, ConvertsQuadraticVtkToTheOwnNodeOrder) {
+  const fs::path file = write("bulge.vtk",
+                              "# vtk DataFile Version 3.0\none element\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                              "POINTS 10 double\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0.5 0 -0.01\n0.52 0.52 0\n-0.03 0.5 0\n"
+                              "0 -0.04 0.5\n0.56 0 0.56\n0 0.55 0.55\nCELLS 1 11\n10 0 1 2 3 4 5 6 7 8 9\n"
+                              "CELL_TYPES 1\n24\n");
+  const TetMesh mesh = convert(file);
+  ASSERT_TRUE(mesh.quadratic());
+  ASSERT_EQ(mesh.node_count(), 10);
+  const auto node = [&](int i) -> Eigen::Vector3d { return mesh.nodes_m.col(mesh.tets(i, 0)); };
+  EXPECT_EQ(node(7), Eigen::Vector3d(0, -0.04, 0.5));              // edge 0 3
+  EXPECT_EQ(node(8), Eigen::Vector3d(0, 0.55, 0.55));              // edge 2 3
+  EXPECT_EQ(node(9), Eigen::Vector3d(0.56, 0, 0.56));              // edge 1 3
+  EXPECT_EQ(mesh.nodes_m.col(8), Eigen::Vector3d(0.56, 0, 0.56));  // nodes keep the order of the file
+}
+
+// As ParaView and meshio write it, with fields, and points that only a triangle uses.
+TEST_F(MeshRobot, ConvertsVtkOfVersion5) {
+  const fs::path file = write(
+      "five.vtk",
+      "# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\nFIELD FieldData 1\nTIME 1 1 double\n7\n"
+      "POINTS 6 float\n9 9 9 0 0 0 1 0 0\n0 1 0 0 0 1 1 1 1\nMETADATA\nINFORMATION 0\n\nCELLS 4 11\n"
+      "OFFSETS vtktypeint64\n0 3 7 11\nCONNECTIVITY vtktypeint64\n0 1 2 1 2 3 4 2 3 4 5\n"
+      "CELL_TYPES 3\n5\n10\n10\nPOINT_DATA 6\nSCALARS s float\n");
+  const TetMesh mesh = convert(file);
+  EXPECT_EQ(mesh.node_count(), 5);
+  EXPECT_EQ(mesh.tets.col(1), Eigen::Vector4i(1, 2, 3, 4));
+  EXPECT_NEAR(volume(mesh), 0.5, 1e-15);
+}
+
+std::string big_endian(uint64_t bits, int bytes) {
+  std::string text;
+  for (int i = bytes - 1; i >= 0; --i) text += static_cast<char>(bits >> (8 * i) & 0xff);
+  return text;
+}
+
+TEST_F(MeshRobot, ConvertsBinaryVtk) {
+  std::string points, cells = big_endian(4, 4);
+  for (const double value : {0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.1}) {
+    uint64_t bits;
+    std::memcpy(&bits, &value, sizeof bits);
+    points += big_endian(bits, 8);
+  }
+  for (uint64_t node = 0; node < 4; ++node) cells += big_endian(node, 4);
+  const std::string head = "# vtk DataFile Version 2.0\nt\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n";
+  const std::string types = "\nCELL_TYPES 1\n" + big_endian(10, 4) + "\n";
+  const TetMesh mesh = convert(write("binary.vtk", head + points + "\nCELLS 1 5\n" + cells + types));
+  EXPECT_NEAR(volume(mesh), 1e-3 / 6, 1e-18);
+  EXPECT_EQ(mesh.nodes_m(0, 1), 0.1);
+  EXPECT_THROW(convert(write("short.vtk", head + points + "\nCELLS 1 5\n" + cells.substr(0, 9))),
+               std::invalid_argument);
+}
+
+TEST_F(MeshRobot, RefusesDamagedVtk) {
+  const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n";
+  const std::string points = "POINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n";
+  const std::string cells = "CELLS 1 5\n4 0 1 2 3\n";
+  const std::string types = "CELL_TYPES 1\n10\n";
+  EXPECT_NO_THROW(convert(write("damaged.vtk", head + points + cells + types)));
+  for (const std::string& rest :
+       {points + cells, points + types, cells + types, points + "CELLS 1 5\n4 0 1 2 4\n" + types,
+        points + "CELLS 1 5\n5 0 1 2 3\n" + types, points + "CELLS 1 4\n3 0 1 2\n" + types,
+        points + "CELLS 99999999999 5\n4 0 1 2 3\n" + types, points + cells + "CELL_TYPES 1\n13\n",
+        std::string("POINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 nan\n") + cells + types,
+        std::string("POINTS 4 string\n0 0 0 1 0 0 0 1 0 0 0 1\n") + cells + types,
+        points + "CELLS 2 4\nOFFSETS vtktypeint64\n0 -4\nCONNECTIVITY vtktypeint64\n0 1 2 3\n" + types,
+        std::string()}) {
+    EXPECT_THROW(convert(write("damaged.vtk", head + rest)), std::invalid_argument) << rest;
+  }
+}
+
+TEST_F(MeshRobot, ConvertsMsh4WithItsNamedSurfaces) {
+  const fs::path file = write(
+      "four.msh",
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"front door\"\n3 1 \"body\"\n"
+      "$EndPhysicalNames\n$Entities\n0 0 1 1\n1 0 0 0 1 1 0 1 7 0\n1 0 0 0 1 1 1 1 1 1 1\n"
+      "$EndEntities\n$Nodes\n1 5 1 9\n3 1 0 5\n9\n2\n3\n4\n5\n0.1 0.2 0.30000000000000004\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n"
+      "$EndNodes\n$Elements\n2 3 1 3\n2 1 2 1\n1 2 3 5\n3 1 4 2\n2 9 2 3 4\n3 2 3 4 5\n$EndElements\n");
+  const TetMesh mesh = convert(file);
+  EXPECT_EQ(mesh.tet_count(), 2);
+  EXPECT_EQ(mesh.surface_names, std::vector<std::string>{"front door"});
+  EXPECT_NEAR(area(mesh, "front door"), Eigen::Vector3d(-1, 1, 0).cross(Eigen::Vector3d(0, 1, 1)).norm() / 2, 1e-12);
+  EXPECT_EQ(mesh.nodes_m.col(4),
+            Eigen::Vector3d(0.1, 0.2, 0.30000000000000004));  // in the order of tags, no digit lost
+}
+
+TEST_F(MeshRobot, RefusesMeshFilesOfOtherElements) {
+  const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n";
+  const std::string cube =
+      "POINTS 8 double\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\n"
+      "CELL_TYPES 1\n12\n";
+  EXPECT_THROW(convert(write("cube.vtk", head + cube)), std::invalid_argument);
+  EXPECT_THROW(convert(write("empty.msh", "")), std::invalid_argument);
+  EXPECT_THROW(convert(write("text.msh", "nonsense\n")), std::invalid_argument);
+  EXPECT_THROW(convert(write("mesh.obj", "v 0 0 0\n")), std::invalid_argument);
+  EXPECT_THROW(convert(write("flat.vtk", head + "POINTS 4 double\n0 0 0\n1 0 0\n0 1 0\n1 1 0\nCELLS 1 5\n4 0 1 2 3\n"
+                                                "CELL_TYPES 1\n10\n")),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,116 @@
+#include "soft_robot_lab/robot/design/solid.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+namespace soft_robot_lab {
+namespace {
+
+Solid read(const std::string& text, const std::string& source = "scene.yaml") {
+  const YamlNode node = YamlNode::parse(text, source);
+  const Solid solid = read_solid(node);
+  node.require_all_read();
+  return solid;
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    read(text);
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+const char* const kGoodSolids[] = {
+    "box: {size_m: [0.1, 0.02, 0.02], center_m: [0.05, 0, 0]}",
+    "sphere: {radius_m: 0.01, center_m: [0, 1, 2]}",
+    "cylinder: {start_m: [0, 0, 0], end_m: [0, 0, 1], radius_m: 0.3}",
+    "cone: {start_m: [0, 0, 0], end_m: [0, 0, 1], radius_m: 0.3, end_radius_m: 0}",
+    "extrude: {polygon_m: [[0, 0], [1, 0], [0, 1]], z_m: [-1, 1]}",
+    "union: [{box: {size_m: [1, 1, 1], center_m: [0, 0, 0]}}]",
+    "difference: [{box: {size_m: [1, 1, 1], center_m: [0, 0, 0]}},\n"
+    "             {sphere: {radius_m: 0.1, center_m: [0, 0, 0]}, name: cavity}]",
+    "intersection: [{box: {size_m: [1, 1, 1], center_m: [0, 0, 0]}, name: \"a \\\\ b\"},\n"
+    "               {union: [{sphere: {radius_m: 0.1, center_m: [0.1, 0.2, 0.3]}}]}]",
+};
+
+TEST(Solid, WritesWhatItReads) {
+  for (const char* text : kGoodSolids) {
+    const std::string written = to_yaml(read(text));
+    EXPECT_EQ(to_yaml(read(written)), written) << text;
+    EXPECT_NE(written.find("center_m") != std::string::npos,
+              written.find("end_m") != std::string::npos || written.find("polygon_m") != std::string::npos)
+        << written;
+  }
+}
+
+TEST(Solid, KeepsEveryDimension) {
+  const Solid cone =
+      read("{cone: {start_m: [1, 2, 3], end_m: [4, 5, 6], radius_m: 0.1, end_radius_m: 0.2}, name: tip}");
+  EXPECT_EQ(cone.kind, Solid::Kind::cone);
+  EXPECT_EQ(cone.name, "tip");
+  EXPECT_EQ(cone.start_m, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(cone.end_m, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(cone.radius_m, 0.1);
+  EXPECT_EQ(cone.end_radius_m, 0.2);
+  const Solid cut = read(kGoodSolids[6]);
+  ASSERT_EQ(cut.parts.size(), 2u);
+  EXPECT_EQ(cut.kind, Solid::Kind::difference);
+  EXPECT_EQ(cut.parts[0].size_m, Eigen::Vector3d(1, 1, 1));
+  EXPECT_EQ(cut.parts[1].name, "cavity");
+  const Solid prism = read("extrude: {polygon_m: [[0, 0], [1, 0], [0.5, 2]], z_m: [-1, 3]}");
+  EXPECT_EQ(prism.polygon_m[2], Eigen::Vector2d(0.5, 2));
+  EXPECT_EQ(prism.z_m, Eigen::Vector2d(-1, 3));
+}
+
+TEST(Solid, TakesANameAmongTheDimensionsToo) {
+  EXPECT_EQ(read("sphere: {radius_m: 0.1, center_m: [0, 0, 0], name: cavity}").name, "cavity");
+}
+
+TEST(Solid, NamesThePlaceOfWhatIsWrong) {
+  const std::vector<std::pair<std::string, std::string>> faults = {
+      {"5", "must be a solid such as"},
+      {"bx: {}", "holds no shape but 'bx'; must hold one of box, sphere, cylinder, cone, extrude, union, difference"},
+      {"{box: {}, sphere: {}}", "'box' and 'sphere' in one solid"},
+      {"box: {size_m: [1, 0, 1], center_m: [0, 0, 0]}", "box.size_m[1]: 0 is out of range (0, inf)"},
+      {"box: {size_m: [1, 1, 1]}", "box: key 'center_m' is missing"},
+      {"box: {size_m: [1, 1, 1], center_m: [0, 0, 0], colour: red}", "box: unknown key 'colour'"},
+      {"sphere: {radius_m: -1, center_m: [0, 0, 0]}", "sphere.radius_m: -1 is out of range (0, inf)"},
+      {"cylinder: {start_m: [0, 0, 1], end_m: [0, 0, 1], radius_m: 1}", "start_m and end_m are the same point"},
+      {"cone: {start_m: [0, 0, 0], end_m: [0, 0, 1], radius_m: 0, end_radius_m: 0}", "are both 0"},
+      {"cone: {start_m: [0, 0, 0], end_m: [0, 0, 1], radius_m: 1, end_radius_m: -1}",
+       "cone.end_radius_m: -1 is out of"},
+      {"extrude: {polygon_m: [[0, 0], [1, 0]], z_m: [0, 1]}", "has 2 corners, must have at least 3"},
+      {"extrude: {polygon_m: [[0, 0], [1, 0], [2, 0]], z_m: [0, 1]}", "polygon_m: "},
+      {"extrude: {polygon_m: [[0, 0], [1, 1], [1, 0], [0, 3]], z_m: [0, 1]}", "edges after corners 0 and 2 cross"},
+      {"extrude: {polygon_m: [[0, 0], [1, 0], [1, 0], [0, 1]], z_m: [0, 1]}", "corners 1 and 2 are the same"},
+      {"extrude: {polygon_m: [[0, 0], [1, 0, 0], [0, 1]], z_m: [0, 1]}", "polygon_m[1]: has 3 numbers, must have 2"},
+      {"extrude: {polygon_m: [[0, 0], [1, 0], [0, 1]], z_m: [1, 1]}", "must be [min, max] with min < max"},
+      {"difference: [{sphere: {radius_m: 1, center_m: [0, 0, 0]}}]", "has 1 solids, must have at least 2"},
+      {"union: []", "has 0 solids, must have at least 1"},
+      {"\nunion:\n- sphere: {radius_m: 1, center_m: [0, 0, 0]}\n- sphere: {radius_m: nan, center_m: [0, 0, 0]}",
+       "scene.yaml:4: union[1].sphere.radius_m: 'nan' is not a finite number"},
+      {"step: no/such.step", "there is no file"},
+      {"{sphere: {radius_m: 1, center_m: [0, 0, 0]}, name: ''}", "name: '' is no name"},
+      {"{sphere: {radius_m: 1, center_m: [0, 0, 0]}, name: 'a\"b'}", "is no name"},
+      {"{sphere: {radius_m: 1, center_m: [0, 0, 0], name: a}, name: b}", "has two names"},
+  };
+  for (const auto& [text, message] : faults) {
+    EXPECT_NE(refusal(text).find(message), std::string::npos) << refusal(text) << "\nwanted: " << message;
+  }
+}
+
+TEST(Solid, FindsFilesBesideTheSceneFile) {
+  const std::string folder = testing::TempDir() + "solid_test";
+  std::filesystem::create_directories(folder + "/parts");
+  std::ofstream(folder + "/parts/it's a part.step") << "x";
+  const Solid solid = read("step: ../solid_test/parts/it's a part.step", folder + "/scene.yaml");
+  EXPECT_EQ(solid.file, folder + "/parts/it's a part.step");
+  EXPECT_EQ(read(to_yaml(solid), "elsewhere.yaml").file, solid.file);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,41 @@
+// The robots with cables that the package brings along, in time.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// Its first cable pulls by a fifth, as fast as the drive can, which takes all that time.
+void expect_easy_pull(const std::string& robot, double duration_s, int iterations_a_step) {
+  SCOPED_TRACE(robot);
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + robot + "/robot.yaml", options);
+  Simulation& simulation = *scene.simulation;
+  const Actuator& cable = *simulation.actuators().front();
+  simulation.set_command(cable.name(), 0.8);
+  const int steps = static_cast<int>(duration_s / simulation.options().time_step_s);
+  int iterations = 0;
+  for (int i = 0; i < steps; ++i) {
+    const SolveReport report = simulation.step();
+    EXPECT_TRUE(report.converged) << i << ": " << report.message;
+    EXPECT_EQ(report.inverted_elements, 0) << i << ": " << report.message;
+    iterations += report.iterations;
+  }
+  EXPECT_DOUBLE_EQ(cable.actuated_command(), 0.8);
+  EXPECT_LE(iterations, iterations_a_step * steps);
+}
+
+TEST(CableRobots, TakeAFifthOfTheirLengthInFewIterations) {
+  expect_easy_pull("hanging_bar", 1.4, 2);
+  expect_easy_pull("spinebot", 0.9, 3);
+  expect_easy_pull("hammerbot", 1.1, 3);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

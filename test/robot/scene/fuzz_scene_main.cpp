@@ -1,0 +1,7 @@
+// For libFuzzer; see the README's tests.
+#include "fuzz_scene.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  soft_robot_lab::fuzz_scene(data, size);
+  return 0;
+}

@@ -1,0 +1,188 @@
+// What a run does and writes, on the bar with two cables. The order of commands matters, so each test loads its own
+// scene.
+#include "soft_robot_lab/robot/scene/run_scene.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "scene_files.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Outcome {
+  RunReport report;
+  Json json;
+  std::string summary;
+};
+
+Outcome run(const std::string& text) {
+  const SceneFolder folder;
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  Scene scene = load_scene(folder.write("scene.yaml", "include: bar.yaml\n" + text), options);
+  Outcome outcome;
+  outcome.report = run_scene(scene);
+  outcome.json = Json::parse(result_json(scene, outcome.report));
+  outcome.summary = result_summary(scene, outcome.report);
+  return outcome;
+}
+
+std::vector<std::string> keys(const Json& json) {
+  std::vector<std::string> names;
+  for (const auto& item : json.items()) names.push_back(item.key());
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
+  const Outcome outcome = run("run: {mode: equilibrium, commands: [{time_s: 0, left: 0.95}]}\n");
+  EXPECT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
+  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "solver"}));
+  EXPECT_EQ(keys(outcome.json["markers"]), (Names{"tip", "middle"}));
+  EXPECT_EQ(keys(outcome.json["markers"]["tip"]), (Names{"position_m", "displacement_m"}));
+  EXPECT_EQ(keys(outcome.json["cables"]), (Names{"left", "right"}));
+  EXPECT_EQ(keys(outcome.json["cables"]["left"]),
+            (Names{"length_m", "rest_length_m", "tension_n", "stretch_m", "slack_m", "pretension_n"}));
+  EXPECT_TRUE(outcome.json["chambers"].is_object());
+  EXPECT_EQ(keys(outcome.json["solver"]), (Names{"converged", "iterations", "residual", "steps", "wall_s", "nodes",
+                                                 "elements", "inverted", "warnings"}));
+  EXPECT_EQ(outcome.json["solver"]["converged"], true);
+  EXPECT_EQ(outcome.json["solver"]["inverted"], 0);
+  EXPECT_LT(outcome.json["solver"]["residual"].get<double>(), 1e-6);
+  EXPECT_NE(outcome.summary.find("marker tip at ["), std::string::npos);
+  EXPECT_NE(outcome.summary.find("actuator left at command 0.95, tension "), std::string::npos);
+}
+
+TEST(RunScene, PullsTheCableItCommands) {
+  const Outcome outcome = run("gravity_m_s2: [0, 0, 0]\nrun: {commands: [{left: 0.95, right: 1.2}]}\n");
+  const Json& left = outcome.json["cables"]["left"];
+  EXPECT_NEAR(left["rest_length_m"].get<double>(), 0.1, 1e-3);
+  EXPECT_NEAR(left["length_m"].get<double>(), 0.95 * left["rest_length_m"].get<double>(), 1e-4);
+  EXPECT_GT(left["tension_n"].get<double>(), 0.1);
+  EXPECT_EQ(outcome.json["cables"]["right"]["tension_n"].get<double>(), 0.0);
+  EXPECT_LT(outcome.json["markers"]["tip"]["displacement_m"][1].get<double>(), -0.005);  // towards the left cable
+}
+
+TEST(RunScene, SolvesEveryTimedCommandAndReportsTheLast) {
+  const Outcome there = run("run: {commands: [{time_s: 0, left: 0.95}]}\n");
+  const Outcome back = run("run: {commands: [{time_s: 0, right: 0.93}, {time_s: 1, right: 1, left: 0.95}]}\n");
+  EXPECT_TRUE(back.report.solve.converged);
+  EXPECT_GT(back.report.solve.iterations, there.report.solve.iterations);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(back.json["markers"]["tip"]["position_m"][axis].get<double>(),
+                there.json["markers"]["tip"]["position_m"][axis].get<double>(), 1e-6);
+  }
+}
+
+// Central differences over a command, against what the run reports.
+// A bar of next to no stiffness falls through itself; each of its steps is solved.
+TEST(RunScene, DoesNotConvergeToElementsThatAreInsideOut) {
+  const Outcome outcome =
+      run("body: {element: linear, element_size_m: 0.05, material: {youngs_modulus_pa: 1.0e-3, poissons_ratio: 0.3}}\n"
+          "cables: []\nrun: {mode: dynamic, duration_s: 0.3}\n");
+  EXPECT_GT(outcome.report.solve.inverted_elements, 0);
+  EXPECT_FALSE(outcome.report.solve.converged);
+  EXPECT_NE(outcome.report.solve.message.find("are inverted at the end"), std::string::npos);
+}
+
+TEST(RunScene, WritesTheSensitivityOfEveryMarkerOnRequest) {
+  const auto tip = [](const Outcome& outcome, int axis) {
+    return outcome.json["markers"]["tip"]["position_m"][axis].get<double>();
+  };
+  const std::string tight = "solver: {tolerance: 1.0e-9}\n";
+  const Outcome at = run(tight + "run: {sensitivity: true, commands: [{left: 0.9, right: 1.2}]}\n");
+  const Outcome less = run(tight + "run: {commands: [{left: 0.8995, right: 1.2}]}\n");
+  const Outcome more = run(tight + "run: {commands: [{left: 0.9005, right: 1.2}]}\n");
+  ASSERT_TRUE(at.json.contains("sensitivity"));
+  EXPECT_FALSE(less.json.contains("sensitivity"));
+  EXPECT_EQ(keys(at.json["sensitivity"]), (Names{"tip", "middle"}));
+  EXPECT_EQ(keys(at.json["sensitivity"]["tip"]), (Names{"left", "right"}));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double difference = (tip(more, axis) - tip(less, axis)) / 0.001;
+    EXPECT_NEAR(at.json["sensitivity"]["tip"]["left"][axis].get<double>(), difference, 1e-4);
+    EXPECT_EQ(at.json["sensitivity"]["tip"]["right"][axis].get<double>(), 0.0);  // slack
+  }
+}
+
+TEST(RunScene, RecordsATrajectoryInTime) {
+  const Outcome outcome =
+      run("solver: {time_step_s: 0.01}\n"
+          "run: {mode: dynamic, duration_s: 0.2, record_every_s: 0.05, commands: [{time_s: 0.1, left: 0.95}]}\n");
+  EXPECT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
+  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "solver", "trajectory"}));
+  const Json& trajectory = outcome.json["trajectory"];
+  EXPECT_EQ(keys(trajectory), (Names{"time_s", "markers"}));
+  ASSERT_EQ(trajectory["time_s"].size(), 5u);
+  for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(trajectory["time_s"][i].get<double>(), 0.05 * i, 1e-9);
+  const Json& tip = trajectory["markers"]["tip"];
+  ASSERT_EQ(tip.size(), 5u);
+  EXPECT_EQ(tip[0], Json::parse("[0.1, 0.0, 0.0]"));
+  EXPECT_LT(tip[2][1].get<double>(), -0.005);  // falling
+  EXPECT_EQ(tip[4], outcome.json["markers"]["tip"]["position_m"]);
+  EXPECT_GT(outcome.json["cables"]["left"]["tension_n"].get<double>(), 0.0);
+}
+
+TEST(RunScene, RecordsEveryStepByDefault) {
+  const Outcome outcome = run("solver: {time_step_s: 0.01}\nrun: {mode: dynamic, duration_s: 0.07}\n");
+  EXPECT_EQ(outcome.json["trajectory"]["time_s"].size(), 8u);
+  EXPECT_GE(outcome.report.solve.steps, 7);
+}
+
+TEST(RunScene, GivesCommandsNoSoonerThanTheirTime) {
+  const std::string run_of = "solver: {time_step_s: 0.01}\nrun: {mode: dynamic, duration_s: 0.1, commands: ";
+  const Outcome free = run(run_of + "[]}\n");
+  const Outcome late = run(run_of + "[{time_s: 0.05, left: 0.9}]}\n");
+  const Json& unpulled = free.json["trajectory"]["markers"]["tip"];
+  const Json& pulled = late.json["trajectory"]["markers"]["tip"];
+  for (size_t i = 0; i <= 5; ++i) EXPECT_EQ(unpulled[i], pulled[i]);
+  EXPECT_NE(unpulled[7], pulled[7]);
+}
+
+TEST(RunScene, WritesTheFrequenciesOfTheRestShape) {
+  const Outcome outcome = run("run: {mode: modal, modes: 3}\n");
+  EXPECT_TRUE(outcome.report.solve.converged);
+  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "solver", "frequencies_hz"}));
+  const std::vector<double> found_hz = outcome.json["frequencies_hz"];
+  ASSERT_EQ(found_hz.size(), 3u);
+  // Reference R6: 5.04 Hz; these elements are as large as the bar is thick.
+  for (int i = 0; i < 2; ++i) EXPECT_NEAR(found_hz[i], 5.04, 0.05 * 5.04);
+  EXPECT_GT(found_hz[2], 15.0);
+  EXPECT_GT(outcome.json["solver"]["iterations"].get<int>(), 1);
+  EXPECT_NE(outcome.summary.find("mode 3 at "), std::string::npos);
+}
+
+TEST(RunScene, WarnsOfACommandThatTheDriveHasNotReached) {
+  const Outcome outcome =
+      run("cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], pull_speed_m_s: 0.02}]\n"
+          "run: {mode: dynamic, duration_s: 0.1, commands: [{left: 0.9}]}\n");
+  const Json& warnings = outcome.json["solver"]["warnings"];
+  ASSERT_EQ(warnings.size(), 1u) << warnings.dump(2);
+  EXPECT_EQ(warnings[0]["kind"], "command_not_reached");
+  EXPECT_EQ(warnings[0]["actuator"], "left");
+  EXPECT_EQ(warnings[0]["commanded"].get<double>(), 0.9);
+  EXPECT_NEAR(warnings[0]["reached"].get<double>(), 0.98, 1e-3);
+  EXPECT_NEAR(warnings[0]["size"].get<double>(), 0.08, 1e-3);
+  EXPECT_NE(warnings[0]["text"].get<std::string>().find("actuator left: commanded to 0.9"), std::string::npos);
+  EXPECT_EQ(run("run: {commands: [{left: 0.95}]}\n").json["solver"]["warnings"], Json::array());
+}
+
+TEST(RunScene, IsTheSameEveryTime) {
+  const std::string text = "run: {sensitivity: true, commands: [{left: 0.95}, {left: 0.9, right: 1.2}]}\n";
+  Json once = run(text).json;
+  Json again = run(text).json;
+  once["solver"].erase("wall_s");
+  again["solver"].erase("wall_s");
+  EXPECT_EQ(once.dump(), again.dump());
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,7 +1,0 @@
-// For libFuzzer; see the README's tests.
-#include "scene/fuzz_scene.h"
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  soft_robot_lab::fuzz_scene(data, size);
-  return 0;
-}

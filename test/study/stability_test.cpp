@@ -1,0 +1,122 @@
+// The chart of stability on a small body: the default solver must not fail, and nothing may be other than finite.
+#include "study/charts/stability.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+
+namespace soft_robot_lab {
+namespace {
+
+StabilityBench make_bench() {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  return {options, std::string(SOFT_ROBOT_LAB_SOURCE) + "/config"};
+}
+
+// The quick chart's bodies that cost least: one with cables, one with a chamber.
+std::vector<StabilityBody> small_bodies() {
+  std::vector<StabilityBody> small;
+  for (const StabilityBody& body : stability_bodies(true))
+    if (body.name == "cantilever" || body.name == "cuboid") small.push_back(body);
+  return small;
+}
+
+TEST(Stability, DefaultSolverSurvivesOrRecoversEverywhere) {
+  StabilityBench bench = make_bench();
+  int cells = 0;
+  for (const StabilityBody& body : small_bodies()) {
+    for (const StabilityMethod& method : stability_methods()) {
+      for (const HardCase& hard_case : hard_cases(true)) {
+        const bool other_integrator = !method.solver_changes.empty();  // in safety_net_test
+        if (!method.ours || other_integrator || hard_case.commands(body).empty()) continue;
+        const StabilityCell cell = bench.run(body, method, hard_case);
+        EXPECT_TRUE(is_good(cell.outcome)) << cell.body << ", " << cell.method << ", " << cell.hard_case << ": "
+                                           << name_of(cell.outcome) << ": " << cell.message;
+        ++cells;
+      }
+    }
+  }
+  EXPECT_GE(cells, 30);
+}
+
+// On the mesh as it is, in time, these ended with inverted elements.
+TEST(Stability, DefaultSolverUnfoldsThePulledAndTheScrambledCantilever) {
+  StabilityBench bench = make_bench();
+  int cells = 0;
+  for (const StabilityMethod& method : stability_methods()) {
+    for (const HardCase& hard_case : hard_cases(false)) {
+      const bool once_bad = hard_case.name == "contraction 1 to 0.5 at once" ||
+                            hard_case.name == "the same, rigid cable" || hard_case.name == "scrambled nodes";
+      if (method.name != "newton, in time" || !once_bad) continue;
+      const StabilityCell cell = bench.run(stability_bodies(false).front(), method, hard_case);
+      EXPECT_TRUE(is_good(cell.outcome)) << cell.hard_case << ": " << name_of(cell.outcome) << ": " << cell.message;
+      ++cells;
+    }
+  }
+  EXPECT_EQ(cells, 3);
+}
+
+// xpbd takes too long for a test on the chamber.
+TEST(Stability, NoMethodLeavesTheFiniteNumbers) {
+  StabilityBench bench = make_bench();
+  for (const StabilityBody& body : small_bodies()) {
+    for (const StabilityMethod& method : stability_methods()) {
+      for (const HardCase& hard_case : hard_cases(true)) {
+        const bool hard = hard_case.name == "time step 1 s" || hard_case.name == "scrambled nodes, driven";
+        const bool slow = body.chamber && method.name.find("xpbd") == 0;
+        if (method.ours || !method.fits(body) || !hard || slow) continue;
+        const StabilityCell cell = bench.run(body, method, hard_case);
+        EXPECT_NE(cell.outcome, Outcome::not_finite) << cell.body << ", " << cell.method << ", " << cell.hard_case;
+      }
+    }
+  }
+}
+
+// The chart must be able to tell a failure: linear elements lock, converge, and are in the wrong place.
+TEST(Stability, ShowsWhatIsInTheWrongPlace) {
+  StabilityBench bench = make_bench();
+  const StabilityBody body = small_bodies().front();
+  StabilityMethod linear;
+  linear.body_changes = "body: {element: linear}";
+  linear.equilibrium = true;
+  const HardCase incompressible = hard_cases(true).front();
+  const StabilityCell cell = bench.run(body, linear, incompressible);
+  EXPECT_EQ(cell.outcome, Outcome::silent) << cell.message;
+  EXPECT_GT(cell.off_m, 1e-3);
+}
+
+TEST(Stability, DrawsEveryCellOnce) {
+  StabilityCell cell{"bar", "newton", "scrambled", true, Outcome::recovered, 1, 0, 0.0, 0.1, ""};
+  std::vector<StabilityCell> cells{cell};
+  cell.hard_case = "slivers";
+  cell.outcome = Outcome::silent;
+  cells.push_back(cell);
+  const Plot plot = stability_plot(cells);
+  ASSERT_EQ(plot.series.size(), 2u);
+  EXPECT_EQ(plot.series[0].label, "recovered");
+  EXPECT_EQ(plot.series[1].x, std::vector<double>{1.0});
+  EXPECT_EQ(plot.x.ticks.size(), 2u);
+  EXPECT_EQ(plot.y.ticks.size(), 1u);
+}
+
+TEST(Stability, ReadsItsTableAgain) {
+  const StabilityCell cell{"bar", "newton, in time", "slivers", true, Outcome::silent, 7, 2, 0.25,
+                           1.5,   "wrong, \"so\""};
+  std::istringstream file(stability_csv({cell, cell}));
+  const std::vector<StabilityCell> read = read_stability_csv(file);
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[1].method, cell.method);
+  EXPECT_EQ(read[1].outcome, cell.outcome);
+  EXPECT_EQ(read[1].failed_solves, 2);
+  EXPECT_DOUBLE_EQ(read[1].cpu_s, 1.5);
+  EXPECT_EQ(read[1].message, "wrong, 'so'");
+  std::istringstream other("body,method\n");
+  EXPECT_THROW(read_stability_csv(other), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -23,11 +23,36 @@ end_session() { # roslaunch passes SIGINT on and waits for its nodes
 trap end_session EXIT
 trap 'exit 130' INT TERM
 
-"$launch/install_dependencies.sh" || fail "this machine lacks something"
-output=$(cd "$launch/.." && pwd)/build/demo
+package=$(cd "$launch/.." && pwd)
+output=$package/build/demo
 mkdir -p "$output"
-echo "Building ..."
-"$launch/build.sh" session >"$output/build.log" 2>&1 || { tail -20 "$output/build.log" >&2; fail "the build failed: $output/build.log"; }
+
+# stage TITLE LOG COMMAND...: what it prints goes to the log; a terminal shows how far it is, where it says so, and for how long.
+stage() {
+  local title=$1 log=$2 done_share
+  shift 2
+  "$@" >"$log" 2>&1 &
+  local running=$! start=$SECONDS
+  [[ -t 1 ]] || echo "$title ..."
+  while kill -0 "$running" 2>/dev/null; do
+    done_share=$(tail -c 2000 "$log" | grep -oE '^\[ *[0-9]+%\]' | tail -1 || true)
+    [[ ! -t 1 ]] || printf '\r%s ... %s %d:%02d ' "$title" "$done_share" $(((SECONDS - start) / 60)) $(((SECONDS - start) % 60))
+    sleep 0.3
+  done
+  [[ ! -t 1 ]] || echo
+  wait "$running" || { tail -20 "$log" >&2; fail "$title: $log has the reason"; }
+}
+
+unbuilt() { # whether a file or folder changed since the last build
+  [[ ! -e $output/built || -n $(find "$package"/{src,include,launch,msg,srv,config,CMakeLists.txt,package.xml} -newer "$output/built" -print -quit) ]]
+}
+
+"$launch/install_dependencies.sh" --check || stage "Installing packages" "$output/install.log" "$launch/install_dependencies.sh"
+if unbuilt; then
+  touch "$output/begun"
+  stage "Building" "$output/build.log" "$launch/build.sh" session
+  mv "$output/begun" "$output/built"
+fi
 . "$launch/environment.sh"
 
 echo "Starting the session ..."

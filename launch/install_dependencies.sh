@@ -1,5 +1,6 @@
 #!/bin/bash
-# Installs the Debian 12 packages that this package is built, run and tested with. Does nothing where all are there.
+# install_dependencies.sh [--check]: installs the Debian 12 packages that this package is built, run and tested with. Does nothing
+# where all are there; --check only ends with 1 where some are missing.
 set -euo pipefail
 if ! getent ahostsv4 localhost >/dev/null; then # as in a bare chroot; roslaunch asks for it whatever ROS_IP says
   echo "localhost does not resolve, so ROS cannot start: add the line '127.0.0.1 localhost' to /etc/hosts" >&2
@@ -20,11 +21,10 @@ packages=(
   gcc-avr avr-libc libsimavr-dev libelf-dev
   libgtest-dev librostest-dev python3-rostest libbenchmark-dev
 )
-missing=()
-for package in "${packages[@]}"; do
-  [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
-done
+installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null | awk '$2 == "installed" {print $1}' || true)
+mapfile -t missing < <(comm -23 <(printf '%s\n' "${packages[@]}" | sort -u) <(sort -u <<<"$installed"))
 ((${#missing[@]} > 0)) || exit 0
+[[ ${1-} != --check ]] || exit 1
 
 echo "Installing: ${missing[*]}"
 as_root=()

@@ -1,6 +1,7 @@
 #!/bin/bash
 # record.sh FOLDER ROBOT [IMAGES]: records a session into FOLDER/DATE_ROBOT.bag until SIGINT. Everything but /clock, which
 # `rosbag play --clock` makes anew, and what cameras see and the tracker's steps with it, unless IMAGES is `true`.
+# Where that is taken, as after a start within the same second or a clock that was set back, it is DATE_ROBOT_2.bag, ...
 set -euo pipefail
 folder=$1 robot=$2 images=${3:-false}
 shift $(($# < 3 ? 2 : 3)) # the rest is for ROS: __name:=..., __log:=...
@@ -8,5 +9,8 @@ topics=(/actuators/command /simulator/markers /simulator/actuators /simulator/su
   /controller/progress /controller/target /overlay /reality_gap /motor/state /rig/shafts /plant/markers /tf /tf_static /diagnostics /rosout)
 [[ $images != true ]] || topics+=(/tracker/steps --regex '/[^/]+/(color|aligned_depth_to_color)/(image_raw|camera_info)')
 mkdir -p "$folder"
+bag=$folder/$(date +%Y-%m-%d_%H-%M-%S)_$robot part=2
+name=$bag
+while [[ -e $name.bag || -e $name.bag.active ]]; do name=${bag}_$((part++)); done
 # Whoever replays a recording misses what its buffer [MB] did not hold.
-exec rosrun rosbag record --buffsize=1024 --output-name="$folder/$(date +%Y-%m-%d_%H-%M-%S)_$robot.bag" "${topics[@]}" "$@"
+exec rosrun rosbag record --buffsize=1024 --output-name="$name.bag" "${topics[@]}" "$@"

@@ -24,6 +24,8 @@ class CameraDiagnosis {
 
   // Of the last `passed_s`, and starts anew; `missing` as TrackingInput says it.
   Finding diagnose(double passed_s, const std::string& missing);
+  // Colour and depth came since the last diagnosis, but not together.
+  bool unpaired() const { return colour_ > 0 && depth_ > 0 && frames_ == 0; }
   long all_frames() const { return all_frames_; }
 
  private:

@@ -112,9 +112,9 @@ CameraSetting with_request(CameraSetting setting, const Config& request, const C
 
 CameraDriver::CameraDriver(ros::NodeHandle& node, const std::string& camera, double sync_timeout_s) {
   const std::string name = node.resolveName(set_parameters_service(camera));
-  const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(sync_timeout_s);
+  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(sync_timeout_s);
   while (!ros::service::exists(name, false)) {
-    if (!ros::ok() || ros::WallTime::now() > limit)
+    if (!ros::ok() || ros::SteadyTime::now() > limit)
       throw std::runtime_error("there is no service " + name + "; start the camera's driver, or name another camera");
     ros::WallDuration(0.1).sleep();
   }
@@ -124,7 +124,7 @@ CameraDriver::CameraDriver(ros::NodeHandle& node, const std::string& camera, dou
       parameter_descriptions_topic(camera), 1,
       boost::function<void(const ConfigDescription::ConstPtr&)>([&](const auto& message) { described = message; }));
   while (!described) {
-    if (!ros::ok() || ros::WallTime::now() > limit)
+    if (!ros::ok() || ros::SteadyTime::now() > limit)
       throw std::runtime_error("nothing comes on " + descriptions.getTopic() + "; is that driver realsense2_camera?");
     ros::spinOnce();
     ros::WallDuration(0.02).sleep();

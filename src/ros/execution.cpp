@@ -18,7 +18,7 @@ std::vector<double> values_of(const Eigen::VectorXd& commands) {
 ExecutePolicy::Response Execution::execute(const ExecutionOrder& order) {
   std::unique_lock lock(mutex_);
   if (run_) throw std::runtime_error("busy with another policy; ask again when it ended");
-  const std::string fault = motors_.fault(order.policy.names, ros::WallTime::now());
+  const std::string fault = motors_.fault(order.policy.names, ros::SteadyTime::now());
   if (!fault.empty()) throw std::runtime_error(fault);
   run_.emplace(order);
   const std::shared_ptr<void> ended(nullptr, [this](void*) { run_.reset(); });
@@ -48,7 +48,7 @@ std::string Execution::problem() const {
   if (run_->elapsed_s() > run_->order.time_limit_s)
     return "not at rest within " + std::to_string(run_->order.time_limit_s) + " s";
   if (ros::isInitialized() && !ros::ok()) return "cancelled: the session ends";
-  if ((ros::WallTime::now() - run_->heard).toSec() > silence_s) return "no markers came for 10 s";
+  if ((ros::SteadyTime::now() - run_->heard).toSec() > silence_s) return "no markers came for 10 s";
   return "";
 }
 
@@ -101,14 +101,27 @@ bool Execution::cancel() {
   return run_.has_value();
 }
 
+// A policy is played by the session's time: where that jumps, nothing it would do next was meant.
+bool Execution::follow_clock(double stamp_s) {
+  constexpr double longest_back_s = 1.0, longest_ahead_s = 3600.0;  // of messages that a busy machine loses
+  const double step_s = stamp_s - run_->now_s;
+  if (run_->start_s && (step_s < -longest_back_s || step_s > longest_ahead_s)) {
+    run_->fault = "the clock was set by " + std::to_string(step_s) + " s";
+    changed_.notify_all();
+    return false;
+  }
+  run_->now_s = stamp_s;
+  return true;
+}
+
 void Execution::add_simulated(const MarkerObservations& markers) {
   const std::lock_guard lock(mutex_);
   if (!run_) return;
   look_at_motors();
   if (run_->cancelled || !run_->fault.empty()) return;
-  run_->now_s = markers.header.stamp.toSec();
+  if (!follow_clock(markers.header.stamp.toSec())) return;
   if (!run_->start_s) run_->start_s = run_->now_s;
-  run_->heard = ros::WallTime::now();
+  run_->heard = ros::SteadyTime::now();
   run_->answer.markers = markers;
   if (!run_->sent) {
     play();
@@ -130,7 +143,7 @@ void Execution::add_measured(const MarkerObservations& markers) {
 
 void Execution::add_motors(const MotorState& state) {
   const std::lock_guard lock(mutex_);
-  motors_.add(state, ros::WallTime::now());
+  motors_.add(state, ros::SteadyTime::now());
   if (!run_) return;
   look_at_motors();
   changed_.notify_all();
@@ -139,7 +152,7 @@ void Execution::add_motors(const MotorState& state) {
 // Motors refuse commands that follow one another too fast.
 void Execution::play() {
   constexpr double least_period_s = 0.01;  // of wall time
-  if (motors_.known() && (ros::WallTime::now() - run_->told).toSec() < least_period_s) return;
+  if (motors_.known() && (ros::SteadyTime::now() - run_->told).toSec() < least_period_s) return;
   send(run_->player.names(), run_->player.values_at(run_->elapsed_s()));
   run_->sent = run_->elapsed_s() >= run_->player.end_s();
 }
@@ -153,7 +166,7 @@ void Execution::repeat() {
 void Execution::send(const std::vector<std::string>& names, const std::vector<double>& values) {
   run_->answer.names = names;
   run_->answer.values = values;
-  run_->told = ros::WallTime::now();
+  run_->told = ros::SteadyTime::now();
   run_->told_s = run_->now_s;
   send_(names, values);
 }
@@ -163,7 +176,7 @@ void Execution::look_at_motors() {
   std::vector<std::string> needed = run_->order.policy.names;
   if (run_->order.loop != nullptr)
     needed.insert(needed.end(), run_->order.loop->actuators().begin(), run_->order.loop->actuators().end());
-  if (run_->fault.empty()) run_->fault = motors_.fault(needed, ros::WallTime::now());
+  if (run_->fault.empty()) run_->fault = motors_.fault(needed, ros::SteadyTime::now());
 }
 
 }  // namespace soft_robot_lab

@@ -54,10 +54,10 @@ class Execution {
     std::optional<double> start_s;  // stamp of the first markers
     double now_s = 0.0;             // of the last
     double seen_s = 0.0;            // when a marker that cameras see was last told
-    ros::WallTime heard = ros::WallTime::now();
-    ros::WallTime told;   // when the last command was sent,
-    double told_s = 0.0;  // and in session time
-    bool sent = false;    // the policy's last command
+    ros::SteadyTime heard = ros::SteadyTime::now();
+    ros::SteadyTime told;  // when the last command was sent,
+    double told_s = 0.0;   // and in session time
+    bool sent = false;     // the policy's last command
     bool rested = false;
     bool cancelled = false;
     std::string fault;
@@ -71,6 +71,7 @@ class Execution {
   std::string problem() const;
   std::string correct(std::unique_lock<std::mutex>& lock);
   bool may_correct(double after_s) const;
+  bool follow_clock(double stamp_s);  // false where it jumped, which ends the run
   void play();
   void repeat();
   void send(const std::vector<std::string>& names, const std::vector<double>& values);

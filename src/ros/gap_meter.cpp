@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,6 +15,13 @@ namespace {
 constexpr double kept_s = 5.0;  // of simulated markers: longer than a tracker takes
 using Places = std::map<std::string, Eigen::Vector3d>;
 
+// A ros::Duration holds 68 years only, and a clock may be set by more.
+double seconds_between(const ros::Time& from, const ros::Time& to) {
+  constexpr std::int64_t ns_per_s = 1000000000;
+  const std::int64_t ns = (std::int64_t{to.sec} - from.sec) * ns_per_s + to.nsec - from.nsec;
+  return static_cast<double>(ns / ns_per_s) + 1e-9 * static_cast<double>(ns % ns_per_s);
+}
+
 Places places_of(const MarkerObservations& markers) {
   Places places;
   for (size_t i = 0; i < markers.names.size(); ++i)
@@ -24,7 +32,8 @@ Places places_of(const MarkerObservations& markers) {
 Places between(const MarkerObservations& before, const MarkerObservations& after, const ros::Time& stamp) {
   Places places = places_of(before);
   if (stamp == before.header.stamp) return places;
-  const double share = (stamp - before.header.stamp).toSec() / (after.header.stamp - before.header.stamp).toSec();
+  const double share =
+      seconds_between(before.header.stamp, stamp) / seconds_between(before.header.stamp, after.header.stamp);
   const Places then = places_of(after);
   for (auto& [name, place_m] : places)
     if (const auto found = then.find(name); found != then.end()) place_m += share * (found->second - place_m);
@@ -61,12 +70,14 @@ std::optional<RealityGap> gap_of(const MarkerObservations& measured, const Place
 }  // namespace
 
 void GapMeter::add_simulated(const MarkerObservations& markers) {
+  if (!simulated_.empty() && markers.header.stamp < simulated_.back().header.stamp) simulated_.clear();
   simulated_.push_back(markers);
-  while ((markers.header.stamp - simulated_.front().header.stamp).toSec() > kept_s) simulated_.pop_front();
+  while (seconds_between(simulated_.front().header.stamp, markers.header.stamp) > kept_s) simulated_.pop_front();
   compare();
 }
 
 void GapMeter::add_measured(const MarkerObservations& markers) {
+  if (!measured_.empty() && markers.header.stamp < measured_.back().header.stamp) measured_.clear();
   measured_.push_back(markers);
   compare();
 }

@@ -19,7 +19,7 @@ class GapMeter {
   explicit GapMeter(OnGap on_gap) : on_gap_(std::move(on_gap)) {}
 
   // Each in order of time. A tracked observation is compared as soon as there are simulated ones at its stamp or on
-  // both sides of it.
+  // both sides of it. Where the clock goes back, what was heard on that topic before is forgotten.
   void add_simulated(const MarkerObservations& markers);
   void add_measured(const MarkerObservations& markers);
 

@@ -101,7 +101,17 @@ std::vector<MarkerTracking::Result> MarkerTracking::add(const RgbdFrame& frame) 
     ++unusable_frames_;
     return {};
   }
+  follow_clock(frame);
   return track(joiner_.add(frame));
+}
+
+// Frames of before may still come after the simulation's clock was set back; none after them would count as newer.
+void MarkerTracking::follow_clock(const RgbdFrame& frame) {
+  constexpr double longest_back_s = 1.0;  // of frames that merely overtook each other
+  const auto newest = newest_s_.find(frame.camera);
+  if (newest != newest_s_.end() && frame.stamp_s < newest->second - longest_back_s) reset();
+  double& newest_s = newest_s_.try_emplace(frame.camera, frame.stamp_s).first->second;
+  newest_s = std::max(newest_s, frame.stamp_s);
 }
 
 std::vector<MarkerTracking::Result> MarkerTracking::finish() { return track(joiner_.finish()); }
@@ -111,6 +121,7 @@ void MarkerTracking::reset() {
   joiner_.reset();
   watch_.reset();
   simulated_.clear();
+  newest_s_.clear();
   ++next_step_;  // which then does not follow the one before
 }
 

@@ -46,7 +46,7 @@ class MarkerTracking {
   void add_info(const std::string& camera, const sensor_msgs::CameraInfo& info);
   void add_simulated(const MarkerObservations& message);
   // What came of frames that are complete now. Frames of a camera whose pose or lens is not known yet are left out and
-  // counted.
+  // counted. A frame that is more than a second older than the camera's newest tells that the clock was set back.
   std::vector<Result> add(const RgbdFrame& frame);
   std::vector<Result> finish();
   void reset();  // for a clock that goes back
@@ -67,6 +67,7 @@ class MarkerTracking {
   void describe(const std::vector<RgbdFrame>& group, const std::vector<std::string>& used, TrackerUpdateLog& step);
   std::vector<Eigen::Vector3d> simulated_before(double stamp_s);
   void introduce(const std::string& camera);
+  void follow_clock(const RgbdFrame& frame);
 
   struct Simulated {
     double stamp_s;
@@ -82,6 +83,7 @@ class MarkerTracking {
   std::map<std::string, sensor_msgs::CameraInfo> infos_;
   std::map<std::string, TrackerCamera> ready_;  // both known
   std::deque<Simulated> simulated_;
+  std::map<std::string, double> newest_s_;  // frame of each camera
   std::uint32_t next_step_ = 0;
   long unusable_frames_ = 0;
 };

@@ -4,12 +4,12 @@
 
 namespace soft_robot_lab {
 
-void MotorWatch::add(const MotorState& state, const ros::WallTime& now) {
+void MotorWatch::add(const MotorState& state, const ros::SteadyTime& now) {
   state_ = state;
   heard_ = now;
 }
 
-std::string MotorWatch::fault(const std::vector<std::string>& actuators, const ros::WallTime& now) const {
+std::string MotorWatch::fault(const std::vector<std::string>& actuators, const ros::SteadyTime& now) const {
   // Fifty states; must stay below the 3 s that motor.launch waits before it starts the node anew.
   constexpr double silence_s = 1.0;
   if (!state_) return "";

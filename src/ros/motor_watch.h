@@ -12,17 +12,17 @@ namespace soft_robot_lab {
 
 class MotorWatch {
  public:
-  void add(const MotorState& state, const ros::WallTime& now);
+  void add(const MotorState& state, const ros::SteadyTime& now);
 
   // Why one of the actuators may not move, and what to do about it. Empty where all may, and where no motors ever told
   // of themselves, as in a simulated session.
-  std::string fault(const std::vector<std::string>& actuators, const ros::WallTime& now) const;
+  std::string fault(const std::vector<std::string>& actuators, const ros::SteadyTime& now) const;
   bool known() const { return state_.has_value(); }  // motors ever told of themselves
   bool moving() const;
 
  private:
   std::optional<MotorState> state_;
-  ros::WallTime heard_;
+  ros::SteadyTime heard_;
 };
 
 }  // namespace soft_robot_lab

@@ -47,7 +47,7 @@ std::optional<RestPeriod> rest_at_end(const Recording& recording, const Commands
 RestCriteria for_frames_of(const Recording& recording, RestCriteria criteria) {
   std::vector<double> periods_s;
   for (size_t i = 1; i < recording.measured.size(); ++i)
-    periods_s.push_back((recording.measured[i].header.stamp - recording.measured[i - 1].header.stamp).toSec());
+    periods_s.push_back(recording.measured[i].header.stamp.toSec() - recording.measured[i - 1].header.stamp.toSec());
   if (periods_s.empty()) return criteria;
   criteria.window_s = std::max(criteria.window_s, (criteria.observations + 0.5) * median(std::move(periods_s)));
   return criteria;

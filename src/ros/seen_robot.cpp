@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t most_markers = 64;        // a second at the usual step
 constexpr double standing_still_m = 1.0e-4;     // the simulator sends a skin for less
-const ros::Duration longest_velocity_gap(0.1);  // two skins further apart tell no velocity
+constexpr double longest_velocity_gap_s = 0.1;  // two skins further apart tell no velocity
 
 void require_robot_frame(const std_msgs::Header& header, const std::string& topic) {
   if (header.frame_id != topics::robot_frame)
@@ -125,8 +125,8 @@ std::optional<SeenMoment> SeenRobotStates::newest() const {
       return SeenMoment{settled.stamp, {{present_->state.vertices_m, settled.positions_m}, {}, 0}};
   }
   SeenMoment moment{present_->stamp, {present_->state, {}, 0}};
-  const bool moves =
-      before_ && present_->stamp > before_->stamp && present_->stamp - before_->stamp < longest_velocity_gap;
+  const double interval_s = before_ ? present_->stamp.toSec() - before_->stamp.toSec() : 0.0;
+  const bool moves = interval_s > 0.0 && interval_s < longest_velocity_gap_s;
   if (moves) {
     moment.motion.before = before_->state;
     moment.motion.interval_s = (present_->stamp - before_->stamp).toSec();

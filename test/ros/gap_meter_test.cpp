@@ -43,6 +43,18 @@ TEST_F(Gaps, InterpolateTheSimulationAtTheStampOfWhatWasSeen) {
   EXPECT_NEAR(gaps[0].rms_m, 0.003, 1e-12);
 }
 
+TEST_F(Gaps, GoOnWhereTheClockIsSetBack) {
+  for (const double stamp_s : {4.0e9, 0.0, 100.0, 4.0e9}) {
+    gaps.clear();
+    see(stamp_s + 2.0, 0.001);  // is never compared where the clock goes back
+    simulate(stamp_s);
+    see(stamp_s + 0.25, 0.003);
+    simulate(stamp_s + 0.5);
+    ASSERT_EQ(gaps.size(), 1u) << stamp_s;
+    EXPECT_EQ(gaps[0].header.stamp, ros::Time(stamp_s + 0.25));
+  }
+}
+
 TEST_F(Gaps, AreTheSameToTheLastDigitInWhateverOrderTheTopicsCame) {
   std::vector<RealityGap> others;
   GapMeter other([&](const RealityGap& gap) { others.push_back(gap); });

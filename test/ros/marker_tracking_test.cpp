@@ -76,6 +76,25 @@ TEST(MarkerTracking, FindsTheMarkersOfTwoCameras) {
   EXPECT_LT((position_of(last, "lower") - lower_at(2 / 30.0)).norm(), 2e-4);
 }
 
+// Images lag behind the simulation: one of before may come after the simulation's clock was set back.
+TEST(MarkerTracking, GoesOnWhereTheClockIsSetBack) {
+  MarkerTracking tracking = make_tracking();
+  const TrackerCamera camera = two_cameras().front();
+  tracking.add_info(camera.name, messages(camera, 0).info);
+  const auto see = [&](int index, double shift_s) {
+    FrameMessages frame = messages(camera, index);
+    for (auto* image : {&frame.colour, &frame.depth}) image->header.stamp += ros::Duration(shift_s);
+    Results results = tracking.add(rgbd_frame(camera.name, frame.colour, frame.depth));
+    append(results, tracking.finish());
+    return results.size() == 1 && results[0].report.updated;
+  };
+  EXPECT_TRUE(see(0, 1.0e9));
+  tracking.add_simulated(simulated(0));
+  EXPECT_TRUE(see(1, 1.0e9));
+  EXPECT_TRUE(see(0, 0.0));
+  EXPECT_TRUE(see(1, 0.0));
+}
+
 // A recording plays in another order, and faster than its session ran.
 TEST(MarkerTracking, GivesTheSameInWhateverOrderMessagesCome) {
   const std::vector<TrackerCamera> cameras = two_cameras();

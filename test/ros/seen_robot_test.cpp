@@ -103,6 +103,16 @@ TEST(SeenRobotStates, StartsAnewWhenTimeGoesBack) {
   }
 }
 
+TEST(SeenRobotStates, TellsNoVelocityWhereTheClockIsSet) {
+  SeenRobotStates states;
+  for (const double stamp_s : {1.0, 1.8e9, 4.0e9, 0.5}) {
+    states.add_surface(surface(stamp_s));
+    states.add_markers(markers(stamp_s));
+    ASSERT_TRUE(states.newest());
+    EXPECT_EQ(states.newest()->motion.interval_s, 0) << stamp_s;
+  }
+}
+
 TEST(SeenRobotStates, RefusesWhatCannotBeDrawn) {
   SeenRobotStates states;
   states.add_markers(markers(1));

@@ -150,6 +150,34 @@ TEST_F(Session, LoadsASceneAgain) {
   expect_goes_on();
 }
 
+// It would run, but from nowhere near where it hangs.
+TEST_F(Session, RefusesASceneThatDoesNotComeToRest) {
+  LoadScene::Request request;
+  request.path = scenes + "restless_bar.yaml";
+  const auto response = ask<LoadScene>(topics::simulator_load, request);
+  EXPECT_FALSE(response.success);
+  EXPECT_NE(response.message.find("restless_bar.yaml: does not start at rest: "), std::string::npos)
+      << response.message;
+  EXPECT_EQ(hear<std_msgs::String>(topics::simulator_scene)->data, scenes + "cable_bar.yaml");
+  expect_goes_on();
+}
+
+TEST_F(Session, PublishesTinyStepsAtMostAThousandTimesASecond) {
+  LoadScene::Request request;
+  request.path = scenes + "cable_bar_tiny_step.yaml";
+  const auto tiny = ask<LoadScene>(topics::simulator_load, request);
+  ASSERT_TRUE(tiny.success) << tiny.message;
+  int heard = 0;
+  const ros::Subscriber all = node_.subscribe<MarkerObservations>(
+      topics::simulator_markers, 100000,
+      boost::function<void(const MarkerObservations::ConstPtr&)>([&](const auto&) { ++heard; }));
+  const ros::SteadyTime begin = ros::SteadyTime::now();
+  EXPECT_TRUE(spin_until([&] { return heard >= 1000; }, 60.0));
+  EXPECT_LT(heard, 1500.0 * (ros::SteadyTime::now() - begin).toSec());  // a busy machine only publishes less often
+  request.path = scenes + "cable_bar.yaml";
+  EXPECT_TRUE(ask<LoadScene>(topics::simulator_load, request).success);
+}
+
 TEST_F(Session, RefusesBadOptimisations) {
   struct Case {
     const char* words;  // expected in the message

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -13,6 +14,23 @@ namespace {
 
 constexpr std::size_t longest_line = 4096;
 
+bool is_answered(const sockaddr_un& address) {
+  const int file = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const bool answered = connect(file, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 ||
+                        errno == EAGAIN;  // it has not yet taken others
+  close(file);
+  return answered;
+}
+
+// Of an emulator that was killed; nobody else's.
+void remove_socket(const std::string& path, const sockaddr_un& address) {
+  struct stat file {};
+  if (lstat(path.c_str(), &file) != 0 && errno == ENOENT) return;
+  if (!S_ISSOCK(file.st_mode)) throw std::runtime_error(path + ": is there already, and is not a socket");
+  if (is_answered(address)) throw std::runtime_error(path + ": another emulator uses it");
+  unlink(path.c_str());
+}
+
 }  // namespace
 
 ControlSocket::ControlSocket(const std::string& path) : path_(path) {
@@ -20,7 +38,7 @@ ControlSocket::ControlSocket(const std::string& path) : path_(path) {
   address.sun_family = AF_UNIX;
   if (path.size() >= sizeof(address.sun_path)) throw std::runtime_error(path + ": too long for a socket");
   std::memcpy(address.sun_path, path.c_str(), path.size());
-  unlink(path.c_str());
+  remove_socket(path, address);
   listener_ = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (listener_ < 0 || bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0 ||
       listen(listener_, 8) != 0) {

@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -33,8 +34,16 @@ void PseudoTerminal::plug() {
   if (slave_ < 0 || tcgetattr(slave_, &raw) != 0) fail(name);
   cfmakeraw(&raw);
   if (tcsetattr(slave_, TCSANOW, &raw) != 0) fail(name);
-  unlink(link_.c_str());
+  remove_link();
   if (symlink(name, link_.c_str()) != 0) fail(link_);
+}
+
+// Of an emulator that was killed. What is no link may be a real device.
+void PseudoTerminal::remove_link() const {
+  struct stat file {};
+  if (lstat(link_.c_str(), &file) != 0 && errno == ENOENT) return;
+  if (!S_ISLNK(file.st_mode)) throw std::runtime_error(link_ + ": is there already, and is not an emulator's link");
+  unlink(link_.c_str());
 }
 
 void PseudoTerminal::unplug() {

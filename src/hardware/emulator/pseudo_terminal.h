@@ -22,6 +22,8 @@ class PseudoTerminal {
   void write(const std::vector<std::uint8_t>& bytes);  // what nobody reads in time is lost, as on a serial line
 
  private:
+  void remove_link() const;
+
   std::string link_;
   int master_ = -1;
   int slave_ = -1;  // kept open: else reading fails while no host has the device open

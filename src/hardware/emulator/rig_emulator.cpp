@@ -17,6 +17,7 @@
 #include "control.h"
 #include "control_socket.h"
 #include "emulated_rig.h"
+#include "file_guard.h"
 #include "pseudo_terminal.h"
 #include "hardware/motor/rig_settings.h"
 
@@ -91,16 +92,22 @@ void serve_in_real_time(EmulatedRig& rig, const std::string& device) {
   for (const int signal : {SIGINT, SIGTERM}) {
     std::signal(signal, [](int) { stopped = 1; });
   }
+  FileGuard guard({device, device + ".control"});
+  ControlSocket control(device + ".control");  // first: it finds out whether another emulator runs
+  guard.made(1);
   PseudoTerminal terminal(device);
-  terminal.plug();
-  ControlSocket control(device + ".control");
+  const auto plug = [&] {
+    terminal.plug();
+    guard.made(0);
+  };
+  plug();
   auto start = Clock::now();
   while (stopped == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     control.serve([&rig](const std::string& line) { return answer(rig, line, false); });
     if (rig.plugged() != terminal.plugged()) {
       if (rig.plugged())
-        terminal.plug();
+        plug();
       else
         terminal.unplug();
     }

@@ -14,7 +14,14 @@ void RealTimePlant::pass_until(double time_s) {
   reached_s_ = std::max(reached_s_, time_s);
 }
 
+void RealTimePlant::follow_clock(double now_s, double latest_s) {
+  if (now_s < reached_s_ - latest_s) reached_s_ = now_s;
+  for (Shafts& shafts : ahead_)
+    if (shafts.time_s > now_s + latest_s) shafts.time_s = now_s;
+}
+
 void RealTimePlant::advance(double now_s, double longest_s, double latest_s) {
+  follow_clock(now_s, latest_s);
   const double until_s = std::min(now_s, reached_s_ + longest_s);
   while (!ahead_.empty() && ahead_.front().time_s <= until_s) {
     const Shafts shafts = std::move(ahead_.front());

@@ -130,7 +130,7 @@ class CameraNode {
   std::vector<ros::ServiceServer> services_;
   tf2_ros::StaticTransformBroadcaster true_poses_;
   diagnostic_updater::Updater diagnostics_;
-  ros::WallTimer diagnostics_timer_;
+  ros::SteadyTimer diagnostics_timer_;
 };
 
 CameraNode::CameraNode(const CameraOptions& options)
@@ -155,7 +155,7 @@ CameraNode::CameraNode(const CameraOptions& options)
   diagnostics_.setHardwareID("rendered");
   diagnostics_.add("rendered cameras", this, &CameraNode::diagnose);
   diagnostics_timer_ =
-      node_.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+      node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
 }
 
 void CameraNode::run() {

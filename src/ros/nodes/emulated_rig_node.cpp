@@ -30,12 +30,12 @@ std::string required(const ros::NodeHandle& node, const std::string& name) {
 
 // The emulator may still be starting.
 std::unique_ptr<RigControl> connect(const std::string& path) {
-  const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(10.0);
+  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(10.0);
   while (true) {
     try {
       return std::make_unique<RigControl>(path);
     } catch (const std::runtime_error&) {
-      if (!ros::ok() || ros::WallTime::now() > limit) throw;
+      if (!ros::ok() || ros::SteadyTime::now() > limit) throw;
     }
     ros::WallDuration(0.05).sleep();
   }
@@ -49,7 +49,7 @@ class EmulatedRigNode {
     set_backlash();
     shafts_ = node_.advertise<ShaftState>(topics::rig_shafts, 10);
     command_ = node_.advertiseService(topics::rig_command, &EmulatedRigNode::command, this);
-    timer_ = node_.createWallTimer(ros::WallDuration(0.01), [this](const auto&) { publish(); });
+    timer_ = node_.createSteadyTimer(ros::WallDuration(0.01), [this](const auto&) { publish(); });
   }
 
  private:
@@ -100,7 +100,7 @@ class EmulatedRigNode {
   ros::NodeHandle node_;
   ros::Publisher shafts_;
   ros::ServiceServer command_;
-  ros::WallTimer timer_;
+  ros::SteadyTimer timer_;
 };
 
 }  // namespace

@@ -58,8 +58,8 @@ class MotorNode {
     diagnostics_.setHardwareID(rig.device);
     diagnostics_.add("motors", [this](auto& status) { diagnose_motors(driver_, status); });
     diagnostics_timer_ =
-        node_.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
-    state_timer_ = node_.createWallTimer(ros::WallDuration(state_period_s), [this](const auto&) {
+        node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+    state_timer_ = node_.createSteadyTimer(ros::WallDuration(state_period_s), [this](const auto&) {
       state_.publish(motor_state(driver_, ros::Time::now()));
     });
   }
@@ -166,7 +166,7 @@ class MotorNode {
   ros::Subscriber commands_;
   ros::ServiceServer zero_, stop_, clear_;
   diagnostic_updater::Updater diagnostics_;
-  ros::WallTimer diagnostics_timer_, state_timer_;
+  ros::SteadyTimer diagnostics_timer_, state_timer_;
 };
 
 }  // namespace

@@ -78,7 +78,7 @@ class OverlayNode {
   }
 
   void publish(const ros::Time& stamp) {
-    const double age_s = (stamp - published_).toSec();
+    const double age_s = stamp.toSec() - published_.toSec();
     if (age_s >= 0.0 && age_s < period_s) return;
     published_ = stamp;
     publisher_.publish(overlay_of(inputs_, options_, stamp));

@@ -54,7 +54,7 @@ class PlantNode {
     diagnostics_.setHardwareID("emulated");
     diagnostics_.add("plant", this, &PlantNode::diagnose);
     diagnostics_timer_ =
-        node_.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+        node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
   }
 
   void run() {
@@ -86,7 +86,8 @@ class PlantNode {
     const Simulation& simulation = plant_.simulation();
     markers_publisher_.publish(marker_observations(simulation, stamp));
     const double period = std::floor(stamp.toSec() * surface_rate_hz_);
-    if (period > surface_period_ && surface_.moved(simulation.state().positions_m)) {
+    if (period < surface_period_) surface_.forget();  // the clock was set back: who sees it waits for a new one
+    if (period != surface_period_ && surface_.moved(simulation.state().positions_m)) {
       surface_publisher_.publish(surface_.message(simulation.state().positions_m, stamp));
       surface_period_ = period;
     }
@@ -119,7 +120,7 @@ class PlantNode {
   ros::Publisher markers_publisher_, surface_publisher_;
   ros::Subscriber shafts_subscriber_;
   diagnostic_updater::Updater diagnostics_;
-  ros::WallTimer diagnostics_timer_;
+  ros::SteadyTimer diagnostics_timer_;
 };
 
 }  // namespace

@@ -3,7 +3,8 @@
 // Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 // gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
 // often as they film), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes the
-// same commands, which a scene has to suit).
+// same commands, which a scene has to suit), ~max_publish_rate_hz (1000: clock, markers and actuators of at most so
+// many steps in each second of the session, or of the wall where that is longer).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -28,6 +29,7 @@
 #include "ros/latched_publisher.h"
 #include "ros/conversions.h"
 #include "ros/log_text.h"
+#include "ros/publish_limit.h"
 #include "ros/surface_marker.h"
 #include "ros/topics.h"
 #include "soft_robot_lab/robot/scene/scene.h"
@@ -37,13 +39,16 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
+double machine_time_s() { return std::chrono::duration<double>(SteadyClock::now().time_since_epoch()).count(); }
+
 struct SimulatorOptions {
   std::string scene;
   double real_time_factor = 1.0;  // [0, 1000]; 0: as fast as possible
   bool start_at_rest = true;
   double surface_rate_hz = 15.0;  // (0, 1000]
   bool publish_clock = true;
-  std::string rig;  // empty: none
+  std::string rig;                      // empty: none
+  double max_publish_rate_hz = 1000.0;  // [1, 100000]
 
   void validate() const {
     if (!(real_time_factor >= 0.0 && real_time_factor <= 1000.0)) {
@@ -51,6 +56,10 @@ struct SimulatorOptions {
     }
     if (!(surface_rate_hz > 0.0 && surface_rate_hz <= 1000.0)) {
       throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz) + " is not in (0, 1000]");
+    }
+    if (!(max_publish_rate_hz >= 1.0 && max_publish_rate_hz <= 1.0e5)) {
+      throw std::invalid_argument("max_publish_rate_hz: " + std::to_string(max_publish_rate_hz) +
+                                  " is not in [1, 100000]");
     }
     if (!publish_clock && real_time_factor != 1.0) {
       throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) +
@@ -67,6 +76,7 @@ SimulatorOptions read_options(const ros::NodeHandle& node) {
   node.getParam("surface_rate_hz", options.surface_rate_hz);
   node.getParam("publish_clock", options.publish_clock);
   node.getParam("rig", options.rig);
+  node.getParam("max_publish_rate_hz", options.max_publish_rate_hz);
   options.validate();
   return options;
 }
@@ -112,6 +122,7 @@ class SimulatorNode {
 
  private:
   std::unique_ptr<RunningScene> prepare(const std::string& path) const;
+  std::string settle(RunningScene& scene) const;  // returns why it is not at rest, where it should be
   void start(std::unique_ptr<RunningScene> scene);
   double step();  // returns the scene's time step [s]
   void publish();
@@ -129,7 +140,7 @@ class SimulatorNode {
 
   std::mutex mutex_;  // guards what follows between stepping and loading
   std::unique_ptr<RunningScene> scene_;
-  double session_s_ = 0.0;        // never goes back, unlike the scene's own time at a reset
+  double session_s_ = 0.0;        // goes back with the machine's clock only, unlike the scene's own time at a reset
   double surface_period_ = -1.0;  // number of the period of session time in which the skin was last published
   SolveReport last_report_;
   int unconverged_steps_ = 0;           // since the last diagnosis
@@ -137,6 +148,7 @@ class SimulatorNode {
   int refused_commands_ = 0;
   std::string last_refusal_;
   RealTimeFactor real_time_factor_;
+  PublishLimit publish_limit_{options_.max_publish_rate_hz};
 
   ros::NodeHandle node_;
   ros::Publisher clock_, markers_, actuators_, surface_;
@@ -144,7 +156,7 @@ class SimulatorNode {
   ros::Subscriber commands_;
   tf2_ros::StaticTransformBroadcaster frames_;
   diagnostic_updater::Updater diagnostics_;
-  ros::WallTimer diagnostics_timer_;
+  ros::SteadyTimer diagnostics_timer_;
   ros::ServiceServer reset_, load_;
   // Loading takes seconds; meanwhile the old scene goes on.
   ros::CallbackQueue loading_queue_;
@@ -157,7 +169,9 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   markers_ = node_.advertise<MarkerObservations>(topics::simulator_markers, 1000);
   actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
   publish_frames();
-  start(prepare(options_.scene));
+  auto first = prepare(options_.scene);
+  if (const std::string failure = settle(*first); !failure.empty()) ROS_WARN("%s", log_text(failure).c_str());
+  start(std::move(first));
   surface_ = advertise_latched<visualization_msgs::Marker>(topics::simulator_surface,
                                                                 [this](const auto&) { show_surface_again(); });
 
@@ -171,7 +185,7 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   diagnostics_.setHardwareID("simulated");
   diagnostics_.add("simulation", this, &SimulatorNode::diagnose);
   diagnostics_timer_ =
-      node_.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+      node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
 }
 
 void SimulatorNode::publish_frames() {
@@ -185,11 +199,6 @@ void SimulatorNode::publish_frames() {
 std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) const {
   auto scene = std::make_unique<RunningScene>(load_scene(path, scene_options_));
   if (!options_.rig.empty()) require_same_commands(*scene->simulation, path, load_rig(options_.rig), options_.rig);
-  if (options_.start_at_rest) {
-    const SolveReport report = scene->simulation->solve_equilibrium();
-    if (!report.converged) ROS_WARN("%s: does not start at rest: %s", path.c_str(), report.message.c_str());
-  }
-  scene->start = scene->simulation->state();
   const TetMesh& mesh = scene->simulation->body().mesh();
   ROS_INFO("%s: %d elements, %d nodes", path.c_str(), mesh.tet_count(), mesh.node_count());
   if (scene->fidelity) {
@@ -198,6 +207,16 @@ std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) co
       ROS_WARN("%s: expected error of the markers: %s", path.c_str(), expected_error_text(*scene->fidelity).c_str());
   }
   return scene;
+}
+
+std::string SimulatorNode::settle(RunningScene& scene) const {
+  std::string failure;
+  if (options_.start_at_rest) {
+    const SolveReport report = scene.simulation->solve_equilibrium();
+    if (!report.converged) failure = scene.path + ": does not start at rest: " + report.message;
+  }
+  scene.start = scene.simulation->state();
+  return failure;
 }
 
 void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
@@ -239,9 +258,9 @@ double SimulatorNode::step() {
   if (!last_report_.converged) ++unconverged_steps_;
   for (const SolveWarning& warning : last_report_.warnings) add_warning(warning, warnings_);
   const double time_step_s = scene_->simulation->options().time_step_s;
-  session_s_ = options_.publish_clock ? session_s_ + time_step_s : ros::WallTime::now().toSec();
+  session_s_ = options_.publish_clock ? session_s_ + time_step_s : ros::Time::now().toSec();
   real_time_factor_.update(session_s_);
-  publish();
+  if (publish_limit_.due(session_s_, machine_time_s())) publish();
   return time_step_s;
 }
 
@@ -258,7 +277,8 @@ void SimulatorNode::publish() {
 
   constexpr double rounding = 1.0e-6;
   const double period = std::floor(session_s_ * options_.surface_rate_hz + rounding);
-  if (period > surface_period_ && scene_->surface.moved(simulation.state().positions_m)) {
+  if (period < surface_period_) scene_->surface.forget();  // the clock was set back: who sees it waits for a new one
+  if (period != surface_period_ && scene_->surface.moved(simulation.state().positions_m)) {
     surface_.publish(scene_->surface.message(simulation.state().positions_m, stamp, gauge_pressures_pa(simulation)));
     surface_period_ = period;
   }
@@ -291,7 +311,9 @@ bool SimulatorNode::reset(std_srvs::Trigger::Request& /*request*/, std_srvs::Tri
 
 bool SimulatorNode::load(LoadScene::Request& request, LoadScene::Response& response) {
   try {
-    start(prepare(request.path));
+    auto next = prepare(request.path);
+    if (const std::string failure = settle(*next); !failure.empty()) throw std::runtime_error(failure);
+    start(std::move(next));
     response.success = true;
     response.message = "runs " + request.path;
   } catch (const std::exception& error) {

@@ -75,7 +75,7 @@ class TrackerNode {
   struct Camera {
     explicit Camera(const std::string& name) : diagnosis(name) {}
     message_filters::Subscriber<Image> colour, depth;
-    ImagePair pair{waiting_images};
+    std::unique_ptr<ImagePair> pair;
     ros::Subscriber info;
     CameraDiagnosis diagnosis;
   };
@@ -83,6 +83,7 @@ class TrackerNode {
   template <typename Action>
   bool attempt(const std::string& what, Action action);
   void subscribe(const std::string& camera);
+  void pair_up(const std::string& camera);
   void on_pair(const std::string& camera, const Image& colour, const Image& depth);
   void on_result(const MarkerTracking::Result& result);
   void publish_image(const MarkerTracking::Result& result) const;
@@ -108,7 +109,7 @@ class TrackerNode {
   ros::ServiceServer calibrate_;
   tf2_ros::StaticTransformBroadcaster frames_;
   diagnostic_updater::Updater diagnostics_;
-  ros::WallTimer diagnostics_timer_;
+  ros::SteadyTimer diagnostics_timer_;
 };
 
 TrackerNode::TrackerNode(const NodeOptions& options)
@@ -137,8 +138,8 @@ TrackerNode::TrackerNode(const NodeOptions& options)
     subscribe(camera);
     diagnostics_.add(camera, [this, camera](DiagnosticStatusWrapper& status) { diagnose_camera(camera, status); });
   }
-  diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(diagnosis_period_s),
-                                             [this](const auto&) { diagnostics_.force_update(); });
+  diagnostics_timer_ = node_.createSteadyTimer(ros::WallDuration(diagnosis_period_s),
+                                               [this](const auto&) { diagnostics_.force_update(); });
 }
 
 void TrackerNode::subscribe(const std::string& name) {
@@ -154,10 +155,17 @@ void TrackerNode::subscribe(const std::string& name) {
   camera.depth.subscribe(node_, depth_topic(name), waiting_images);
   camera.colour.registerCallback([&camera](const Image::ConstPtr&) { camera.diagnosis.colour_came(); });
   camera.depth.registerCallback([&camera](const Image::ConstPtr&) { camera.diagnosis.depth_came(); });
-  camera.pair.connectInput(camera.colour, camera.depth);
+  pair_up(name);
+}
+
+// Pairs nothing that is older than its last pair.
+void TrackerNode::pair_up(const std::string& name) {
+  Camera& camera = *cameras_.at(name);
+  camera.pair = std::make_unique<ImagePair>(waiting_images);
+  camera.pair->connectInput(camera.colour, camera.depth);
   const boost::function<void(const Image::ConstPtr&, const Image::ConstPtr&)> paired =
       [this, name](const Image::ConstPtr& colour, const Image::ConstPtr& depth) { on_pair(name, *colour, *depth); };
-  camera.pair.registerCallback(boost::bind<void>(paired, boost::placeholders::_1, boost::placeholders::_2));
+  camera.pair->registerCallback(boost::bind<void>(paired, boost::placeholders::_1, boost::placeholders::_2));
 }
 
 void TrackerNode::on_pair(const std::string& camera, const Image& colour, const Image& depth) {
@@ -196,7 +204,7 @@ void TrackerNode::on_result(const MarkerTracking::Result& result) {
   if (!report.updated) return;
   markers_.publish(result.observations);
   steps_.publish(result.step);
-  latencies_s_.push_back((ros::Time::now() - result.observations.header.stamp).toSec());
+  latencies_s_.push_back(ros::Time::now().toSec() - result.observations.header.stamp.toSec());
   lost_ = report.lost;
   for (auto& [name, camera] : cameras_) {
     const auto own = std::count_if(report.sights.begin(), report.sights.end(),
@@ -269,6 +277,7 @@ void TrackerNode::diagnose(DiagnosticStatusWrapper& status) {
 
 void TrackerNode::diagnose_camera(const std::string& camera, DiagnosticStatusWrapper& status) {
   CameraDiagnosis& diagnosis = cameras_.at(camera)->diagnosis;
+  if (diagnosis.unpaired()) pair_up(camera);  // as where the clock was set back
   const auto finding = diagnosis.diagnose(diagnosis_period_s, input_.missing(camera));
   using Level = CameraDiagnosis::Level;
   status.summary(finding.level == Level::ok        ? Status::OK

@@ -115,10 +115,10 @@ CameraTuner::CameraTuner(const Options& options)
 
 RgbdFrame CameraTuner::next_frame() {
   frame_.reset();
-  const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(options_.sync_timeout_s);
+  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(options_.sync_timeout_s);
   while (!frame_ || !model_) {
     if (interrupted) throw std::runtime_error("interrupted");
-    if (!ros::ok() || ros::WallTime::now() > limit)
+    if (!ros::ok() || ros::SteadyTime::now() > limit)
       throw std::runtime_error(options_.camera + ": no pictures of colour, aligned depth and lens came within " +
                                std::to_string(std::lround(options_.sync_timeout_s)) + " s" + problem_);
     ros::spinOnce();
@@ -142,7 +142,7 @@ void CameraTuner::set(const CameraSetting& setting) {
 std::vector<BallPlace> CameraTuner::wait_for_balls() {
   const std::vector<RgbdFrame> empty_box = next_frames();
   ROS_INFO("the empty box is filmed; now hang up white balls, and leave");
-  const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(options_.sync_timeout_s);
+  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(options_.sync_timeout_s);
   std::vector<BallPlace> before;
   while (true) {
     const BallSearch search = find_balls(empty_box, next_frames(), *model_, options_.finder);
@@ -153,7 +153,7 @@ std::vector<BallPlace> CameraTuner::wait_for_balls() {
       still = (places[i].centre_px - before[i].centre_px).norm() < 1;
     if (still) return places;
     before = places;
-    if (ros::WallTime::now() < limit) continue;
+    if (ros::SteadyTime::now() < limit) continue;
     std::string why;
     for (const std::string& rejected : search.rejected) why += "; " + rejected;
     throw std::runtime_error(options_.camera + ": no ball found that hangs still within " +

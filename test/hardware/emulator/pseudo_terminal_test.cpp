@@ -1,6 +1,8 @@
 // The emulated rig's serial device, as the driver finds it.
 #include "hardware/emulator/pseudo_terminal.h"
 
+#include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include <fcntl.h>
@@ -33,6 +35,23 @@ TEST(PseudoTerminal, ForgetsTheExclusiveModeOfADriverThatIsGone) {
   ASSERT_GE(next, 0);
   EXPECT_FALSE(is_exclusive(next));
   close(next);
+}
+
+// As root, a device of the real rig would be gone.
+TEST(PseudoTerminal, TakesTheNameOfALeftLinkButNotOfAFile) {
+  const std::string device = testing::TempDir() + "soft_robot_lab_name_" + std::to_string(getpid());
+  ASSERT_EQ(symlink("/dev/pts/no_such_terminal", device.c_str()), 0);
+  {
+    PseudoTerminal terminal(device);
+    terminal.plug();
+    EXPECT_EQ(access(device.c_str(), R_OK | W_OK), 0);
+  }
+  EXPECT_NE(access(device.c_str(), F_OK), 0);
+  std::ofstream(device) << "a file";
+  PseudoTerminal terminal(device);
+  EXPECT_THROW(terminal.plug(), std::runtime_error);
+  EXPECT_EQ(access(device.c_str(), F_OK), 0);
+  unlink(device.c_str());
 }
 
 }  // namespace

@@ -129,6 +129,23 @@ TEST_F(PlantTest, LosesTimeOnlyWhereItIsTooLate) {
   EXPECT_NEAR(late.late_s(5.0), 0.0, 1e-9);
 }
 
+// A clock that is set back must not stop the robot until that time comes again.
+TEST_F(PlantTest, GoesOnWhereTheClockIsSet) {
+  Plant robot = plant();
+  RealTimePlant late(robot, 1.8e9);
+  const Eigen::Vector3d tip_m = robot.markers_m().at("tip");
+  for (const double now_s : {1.8e9, 4.0e9, 0.0, 1.8e9}) {
+    const double before_s = robot.present().time_s;
+    for (int i = 0; i <= 10; ++i) late.advance(now_s + 0.01 * i, 0.1, 5.0);
+    EXPECT_NEAR(robot.present().time_s - before_s, 0.1, 0.11) << now_s;
+    EXPECT_GT(robot.present().time_s, before_s) << now_s;
+    EXPECT_LT(late.late_s(now_s + 0.1), 5.1) << now_s;
+  }
+  late.add(4.0e9, {"right"}, {0.9});  // was on its way when the clock was set
+  for (int i = 0; i < 100; ++i) late.advance(1.8e9 + 1.0 + 0.01 * i, 0.1, 5.0);
+  EXPECT_GT((robot.markers_m().at("tip") - tip_m).norm(), 0.002);
+}
+
 TEST_F(PlantTest, RefusesWhatNoShaftTells) {
   Plant stiffer = plant();
   const Eigen::Vector3d tip_m = stiffer.markers_m().at("tip");

@@ -3,10 +3,12 @@
 
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "hardware/emulator/control_socket.h"
@@ -44,6 +46,29 @@ TEST_F(Emulator, IsAskedOneShortLineAtATime) {
        {std::string("counts\nunplug"), std::string("counts\r"), std::string("a\0b", 3), std::string(100000, 'x')})
     EXPECT_THROW(control.ask(text), std::invalid_argument);
   EXPECT_EQ(control.ask("counts"), "counts");  // no answer is another's
+}
+
+TEST_F(Emulator, KeepsItsSocketFromASecondOne) {
+  EXPECT_THROW(ControlSocket second(path_), std::runtime_error);
+  EXPECT_EQ(RigControl(path_).ask("counts"), "counts");
+}
+
+// A socket that nobody listens on is what a killed emulator leaves.
+TEST(ControlSocket, TakesTheNameOfALeftSocketButNotOfAFile) {
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("left_socket_" + std::to_string(getpid()))).string();
+  const pid_t killed = fork();
+  if (killed == 0) {
+    const ControlSocket socket(path);
+    _exit(0);  // without its destructor
+  }
+  waitpid(killed, nullptr, 0);
+  ASSERT_TRUE(std::filesystem::exists(path));
+  EXPECT_NO_THROW(ControlSocket socket(path));
+  EXPECT_FALSE(std::filesystem::exists(path));
+  std::ofstream(path) << "a file";
+  EXPECT_THROW(ControlSocket socket(path), std::runtime_error);
+  EXPECT_TRUE(std::filesystem::remove(path));
 }
 
 }  // namespace

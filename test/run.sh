@@ -1,7 +1,9 @@
 #!/bin/bash
 # run.sh: installs what is missing, builds, and runs every test: the parts without ROS under the address and
 # undefined-behaviour sanitisers, then everything. Works from any folder; a second run builds only what changed.
-#   run.sh --all   afterwards runs every experiment too, with its checks, and writes test/nightly/last_result.md
+#   run.sh --all   afterwards runs what takes longer too: every experiment with its checks, all bad scenes, messages and
+#                  bags, an hour's session, what is long under the sanitisers, and threads under theirs. Writes
+#                  test/nightly/last_result.md
 set -euo pipefail
 package=$(cd "$(dirname "$0")/.." && pwd)
 jobs=${JOBS:-2}
@@ -25,6 +27,8 @@ ctest --test-dir "$package/build" --output-on-failure -j"$jobs"
 
 status=0
 ctest --test-dir "$package/build" -C nightly -L nightly --output-on-failure || status=$?
+ctest --test-dir "$package/build/sanitise" -C nightly -L nightly --output-on-failure -j"$jobs" || status=$?
+JOBS=$jobs "$package/test/check_threads.sh" "$package/build/thread" || status=$?
 {
   echo "# What the nightly suite found last"
   echo

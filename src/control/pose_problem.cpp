@@ -15,6 +15,17 @@ std::vector<std::string> movable(const Simulation& simulation, const Pose& pose)
   return all;
 }
 
+// Squares of what lies far beyond these are no finite numbers, and no robot is as large or as slow.
+constexpr double kFarthest_m = 1e3, kMostEffort_m = 1e3, kMostWeight = 1e6, kLongest_s = 1e6;
+
+void require_goal(const Simulation& simulation, const MarkerGoal& goal) {
+  simulation.marker_index(goal.marker);
+  if (!(goal.target_m.cwiseAbs().maxCoeff() <= kFarthest_m) || !goal.target_m.allFinite())
+    refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] is not within ", kFarthest_m, " m");
+  if (!(goal.weight > 0.0 && goal.weight <= kMostWeight))
+    refuse("weight of ", goal.marker, ": ", goal.weight, " is not in (0, ", kMostWeight, "]");
+}
+
 void require_bounds(const Simulation& simulation, const ActuatorBounds& asked) {
   const CommandLimits& own =
       simulation.actuators()[static_cast<size_t>(simulation.actuator_index(asked.actuator))]->limits();
@@ -35,20 +46,14 @@ void require_task(const Simulation& simulation, const PolicyTask& task) {
   if (task.poses.empty()) refuse("poses: empty; give at least one");
   for (const Pose& pose : task.poses) {
     if (pose.goals.empty()) refuse("goals: empty; give at least one");
-    for (const MarkerGoal& goal : pose.goals) {
-      simulation.marker_index(goal.marker);
-      if (!goal.target_m.allFinite())
-        refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] must be finite");
-      if (!(goal.weight > 0.0 && std::isfinite(goal.weight)))
-        refuse("weight of ", goal.marker, ": ", goal.weight, " is not in (0, inf)");
-    }
+    for (const MarkerGoal& goal : pose.goals) require_goal(simulation, goal);
     for (const std::string& name : pose.actuators) simulation.actuator_index(name);
-    if (!(pose.duration_s > 0.0 && std::isfinite(pose.duration_s)))
-      refuse("duration_s: ", pose.duration_s, " is not in (0, inf)");
+    if (!(pose.duration_s > 0.0 && pose.duration_s <= kLongest_s))
+      refuse("duration_s: ", pose.duration_s, " is not in (0, ", kLongest_s, "]");
   }
   for (const ActuatorBounds& asked : task.bounds) require_bounds(simulation, asked);
-  if (!(task.effort_m >= 0.0 && std::isfinite(task.effort_m)))
-    refuse("effort_m: ", task.effort_m, " is not in [0, inf)");
+  if (!(task.effort_m >= 0.0 && task.effort_m <= kMostEffort_m))
+    refuse("effort_m: ", task.effort_m, " is not in [0, ", kMostEffort_m, "]");
 }
 
 namespace {

@@ -52,13 +52,23 @@ geometry_msgs::Point to_message(const Eigen::Vector3d& position_m) {
 
 Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field) {
   Eigen::Vector3d position_m(position.x, position.y, position.z);
-  if (!position_m.allFinite()) {
+  constexpr double farthest_m = 1e6;  // squares and sums of these are finite
+  if (!position_m.allFinite() || position_m.cwiseAbs().maxCoeff() > farthest_m) {
     std::ostringstream message;
     message << field << ": [" << position.x << ", " << position.y << ", " << position.z
-            << "] must be three finite numbers [m]";
+            << "] must be three finite numbers [m], within " << farthest_m;
     throw std::invalid_argument(message.str());
   }
   return position_m;
+}
+
+void require_whole(const MarkerObservations& markers) {
+  const size_t count = markers.names.size();
+  if (markers.positions.size() != count || markers.sources.size() != count)
+    throw std::invalid_argument("markers: " + std::to_string(count) + " names, " +
+                                std::to_string(markers.positions.size()) + " positions and " +
+                                std::to_string(markers.sources.size()) + " sources; they must be as many");
+  for (const geometry_msgs::Point& position : markers.positions) from_message(position, "positions");
 }
 
 MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp) {

@@ -15,8 +15,11 @@ namespace soft_robot_lab {
 
 geometry_msgs::Point to_message(const Eigen::Vector3d& position_m);
 
-// Throws std::invalid_argument naming the field where a coordinate is not finite.
+// Throws std::invalid_argument naming the field where a coordinate is not finite, or far beyond any robot.
 Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field);
+
+// Throws std::invalid_argument: names, positions and sources that are not as many, or positions as above.
+void require_whole(const MarkerObservations& markers);
 
 MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp);
 ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp);

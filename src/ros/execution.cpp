@@ -4,7 +4,11 @@
 #include <memory>
 #include <stdexcept>
 
+#include <ros/console.h>
 #include <ros/init.h>
+
+#include "conversions.h"
+#include "log_text.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -114,7 +118,23 @@ bool Execution::follow_clock(double stamp_s) {
   return true;
 }
 
+namespace {
+
+// Markers that are not whole are told in the log; the next ones count.
+bool are_whole(const MarkerObservations& markers) {
+  try {
+    require_whole(markers);
+    return true;
+  } catch (const std::invalid_argument& error) {
+    ROS_WARN_THROTTLE(5.0, "%s", log_text(error.what()).c_str());
+    return false;
+  }
+}
+
+}  // namespace
+
 void Execution::add_simulated(const MarkerObservations& markers) {
+  if (!are_whole(markers)) return;
   const std::lock_guard lock(mutex_);
   if (!run_) return;
   look_at_motors();
@@ -134,6 +154,7 @@ void Execution::add_simulated(const MarkerObservations& markers) {
 }
 
 void Execution::add_measured(const MarkerObservations& markers) {
+  if (!are_whole(markers)) return;
   const std::lock_guard lock(mutex_);
   if (!run_) return;
   run_->answer.measured = markers;

@@ -2,25 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 
 #include "conversions.h"
+#include "stamps.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kept_s = 5.0;  // of simulated markers: longer than a tracker takes
 using Places = std::map<std::string, Eigen::Vector3d>;
-
-// A ros::Duration holds 68 years only, and a clock may be set by more.
-double seconds_between(const ros::Time& from, const ros::Time& to) {
-  constexpr std::int64_t ns_per_s = 1000000000;
-  const std::int64_t ns = (std::int64_t{to.sec} - from.sec) * ns_per_s + to.nsec - from.nsec;
-  return static_cast<double>(ns / ns_per_s) + 1e-9 * static_cast<double>(ns % ns_per_s);
-}
 
 Places places_of(const MarkerObservations& markers) {
   Places places;
@@ -38,6 +31,13 @@ Places between(const MarkerObservations& before, const MarkerObservations& after
   for (auto& [name, place_m] : places)
     if (const auto found = then.find(name); found != then.end()) place_m += share * (found->second - place_m);
   return places;
+}
+
+// A clock that goes back begins anew. Throws std::invalid_argument for what could not be compared.
+void add(const MarkerObservations& markers, std::deque<MarkerObservations>& queue) {
+  require_whole(markers);
+  if (!queue.empty() && markers.header.stamp < queue.back().header.stamp) queue.clear();
+  queue.push_back(markers);
 }
 
 // Absent where no marker that is simulated was seen.
@@ -70,15 +70,13 @@ std::optional<RealityGap> gap_of(const MarkerObservations& measured, const Place
 }  // namespace
 
 void GapMeter::add_simulated(const MarkerObservations& markers) {
-  if (!simulated_.empty() && markers.header.stamp < simulated_.back().header.stamp) simulated_.clear();
-  simulated_.push_back(markers);
+  add(markers, simulated_);
   while (seconds_between(simulated_.front().header.stamp, markers.header.stamp) > kept_s) simulated_.pop_front();
   compare();
 }
 
 void GapMeter::add_measured(const MarkerObservations& markers) {
-  if (!measured_.empty() && markers.header.stamp < measured_.back().header.stamp) measured_.clear();
-  measured_.push_back(markers);
+  add(markers, measured_);
   compare();
 }
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "conversions.h"
 #include "topics.h"
 
 namespace soft_robot_lab {
@@ -154,10 +156,45 @@ void draw_error(const MarkerObservations& markers, const Target& target, const O
   drawing.text("error_text", place, text_of(1000.0 * distance_m, "%.2f mm"));
 }
 
+void require_number(double value, const char* field) {
+  if (!std::isfinite(value)) throw std::invalid_argument(std::string(field) + ": must be a finite number");
+}
+
+void require_whole(const ActuatorState& actuators) {
+  for (const CableState& cable : actuators.cables) {
+    require_number(cable.tension_n, "tension_n");
+    for (const geometry_msgs::Point& point : cable.path) from_message(point, "path");
+  }
+  for (const ChamberState& chamber : actuators.chambers) {
+    from_message(chamber.centre, "centre");
+    require_number(chamber.gauge_pressure_pa, "gauge_pressure_pa");
+    require_number(chamber.volume_m3, "volume_m3");
+  }
+}
+
+void require_whole(const RealityGap& gap) {
+  const size_t count = gap.names.size();
+  for (const size_t size : {gap.measured.size(), gap.gaps.size(), gap.distances_m.size(), gap.seen.size()})
+    if (size != count) throw std::invalid_argument("gap: lists of different lengths");
+  for (size_t i = 0; i < count; ++i) {
+    geometry_msgs::Point end;
+    end.x = gap.gaps[i].x;
+    end.y = gap.gaps[i].y;
+    end.z = gap.gaps[i].z;
+    from_message(gap.measured[i], "measured");
+    from_message(end, "gaps");
+    require_number(gap.distances_m[i], "distances_m");
+  }
+  require_number(gap.rms_m, "rms_m");
+}
+
 }  // namespace
 
 visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const OverlayOptions& options,
                                            const ros::Time& stamp) {
+  for (const MarkerObservations* markers : {&inputs.simulated, &inputs.measured}) require_whole(*markers);
+  require_whole(inputs.actuators);
+  if (inputs.gap) require_whole(*inputs.gap);
   Drawing drawing(options, stamp);
   draw_markers(inputs.simulated, "simulated", simulated_colour, {}, options, drawing);
   draw_markers(inputs.measured, "measured", measured_colour, inputs.simulated.names, options, drawing);
@@ -165,6 +202,7 @@ visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const Ov
   draw_cables(inputs.actuators, options, drawing);
   draw_chambers(inputs.actuators, drawing);
   if (inputs.target) {
+    from_message(inputs.target->position, "target");
     draw_target(*inputs.target, options, drawing);
     draw_error(inputs.measured.names.empty() ? inputs.simulated : inputs.measured, *inputs.target, options, drawing);
   }

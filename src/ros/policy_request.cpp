@@ -1,6 +1,5 @@
 #include "policy_request.h"
 
-#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -8,22 +7,6 @@
 
 namespace soft_robot_lab {
 namespace {
-
-// Squares of what lies far beyond them are no finite numbers.
-void require_size(const char* field, double value, double most) {
-  if (std::abs(value) <= most) return;
-  std::ostringstream text;
-  text << field << ": " << value << " is out of range [" << -most << ", " << most << "]";
-  throw std::invalid_argument(text.str());
-}
-
-constexpr double kFarthest_m = 1e3, kMostEffort_m = 1e3, kMostWeight = 1e6;
-
-Eigen::Vector3d target_of(const geometry_msgs::Point& point, const char* field) {
-  const Eigen::Vector3d target_m = from_message(point, field);
-  require_size(field, target_m.cwiseAbs().maxCoeff(), kFarthest_m);
-  return target_m;
-}
 
 Pose pose_of(const PolicyPose& asked, double ramp_s) {
   if (asked.targets.size() != asked.markers.size())
@@ -33,9 +16,8 @@ Pose pose_of(const PolicyPose& asked, double ramp_s) {
     throw std::invalid_argument("poses.weights: " + std::to_string(asked.weights.size()) + " weights for " +
                                 std::to_string(asked.markers.size()) + " markers");
   Pose pose;
-  for (const double weight : asked.weights) require_size("poses.weights", weight, kMostWeight);
   for (size_t i = 0; i < asked.markers.size(); ++i)
-    pose.goals.push_back({asked.markers[i], target_of(asked.targets[i], "poses.targets"),
+    pose.goals.push_back({asked.markers[i], from_message(asked.targets[i], "poses.targets"),
                           asked.weights.empty() ? 1.0 : asked.weights[i]});
   pose.duration_s = asked.duration_s == 0.0 ? ramp_s : asked.duration_s;
   pose.actuators = asked.actuators;
@@ -69,12 +51,11 @@ PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s) {
   PolicyTask task;
   for (const PolicyPose& pose : request.poses) task.poses.push_back(pose_of(pose, ramp_s));
   if (task.poses.empty()) {
-    task.poses.push_back({{{request.marker, target_of(request.target, "target"), 1.0}}, ramp_s, {}});
+    task.poses.push_back({{{request.marker, from_message(request.target, "target"), 1.0}}, ramp_s, {}});
   } else if (!request.marker.empty()) {
     throw std::invalid_argument("marker: '" + request.marker + "' beside poses; give one or the other");
   }
   for (const ActuatorLimits& limits : request.limits) task.bounds.push_back(bounds_of(limits));
-  require_size("effort_m", request.effort_m, kMostEffort_m);
   task.effort_m = request.effort_m;
   return task;
 }

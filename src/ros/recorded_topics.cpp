@@ -12,6 +12,13 @@ rosbag::View only(const rosbag::Bag& bag, const std::vector<std::string>& topics
   });
 }
 
+std::vector<std::uint8_t> bytes_of(const rosbag::MessageInstance& message) {
+  std::vector<std::uint8_t> bytes(message.size());
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  message.write(stream);
+  return bytes;
+}
+
 void refuse_type(const rosbag::MessageInstance& message, const std::string& type, const std::string& md5) {
   const std::string text = "topic " + message.getTopic() + " holds " + message.getDataType();
   if (message.getDataType() != type) throw std::runtime_error(text + ", must hold " + type + "; record it again");

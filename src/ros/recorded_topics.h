@@ -1,13 +1,16 @@
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include <boost/shared_ptr.hpp>
+#include <boost/make_shared.hpp>
 #include <ros/message_traits.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
+
+#include "message_layout.h"
 
 namespace soft_robot_lab {
 
@@ -19,17 +22,23 @@ rosbag::View only(const rosbag::Bag& bag, const std::vector<std::string>& topics
 [[noreturn]] void refuse_type(const rosbag::MessageInstance& message, const std::string& type, const std::string& md5);
 [[noreturn]] void refuse_content(const rosbag::MessageInstance& message, const std::string& reason);
 
+std::vector<std::uint8_t> bytes_of(const rosbag::MessageInstance& message);
+
 // A message of a recording, which may have been made by anybody: of another type, or damaged, it is refused as above.
 template <typename Message>
 boost::shared_ptr<Message> read_message(const rosbag::MessageInstance& message) {
   namespace traits = ros::message_traits;
-  boost::shared_ptr<Message> read;
+  if (!message.isType<Message>()) refuse_type(message, traits::datatype<Message>(), traits::md5sum<Message>());
+  static const MessageLayout layout(traits::datatype<Message>(), traits::definition<Message>());
+  const auto read = boost::make_shared<Message>();
   try {
-    read = message.instantiate<Message>();
+    std::vector<std::uint8_t> bytes = bytes_of(message);
+    layout.require_fits(bytes);
+    ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+    ros::serialization::deserialize(stream, *read);
   } catch (const std::exception& error) {
     refuse_content(message, error.what());
   }
-  if (!read) refuse_type(message, traits::datatype<Message>(), traits::md5sum<Message>());
   return read;
 }
 

@@ -6,6 +6,7 @@
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 
+#include "bag_index.h"
 #include "recorded_topics.h"
 #include "gap_meter.h"
 #include "topics.h"
@@ -66,19 +67,20 @@ Recording read_recording(const std::string& path) {
     throw std::runtime_error(path + ": cannot be read as a bag: it is no regular file");
   Recording recording;
   try {
+    require_sound_index(path);
     const rosbag::Bag bag(path, rosbag::bagmode::Read);
     rosbag::View view(bag);
     recording.start_s = view.getBeginTime().toSec();
     recording.end_s = view.getEndTime().toSec();
     for (const rosbag::MessageInstance& message : view) add(message, recording);
+    recording.gaps = gaps_between(recording.measured, recording.simulated);
   } catch (const rosbag::BagException& error) {
     throw std::runtime_error(path + ": cannot be read as a bag: " + error.what());
-  } catch (const std::runtime_error& error) {
+  } catch (const std::exception& error) {
     throw std::runtime_error(path + ": " + error.what());
   }
   if (recording.measured.empty())
     throw std::runtime_error(path + ": holds no markers of a tracker (topic " + topics::tracker_markers + ")");
-  recording.gaps = gaps_between(recording.measured, recording.simulated);
   return recording;
 }
 

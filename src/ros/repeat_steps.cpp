@@ -25,6 +25,8 @@ template <>
 struct MD5Sum<soft_robot_lab::ImageStamp> : MD5Sum<sensor_msgs::Image> {};
 template <>
 struct DataType<soft_robot_lab::ImageStamp> : DataType<sensor_msgs::Image> {};
+template <>
+struct Definition<soft_robot_lab::ImageStamp> : Definition<sensor_msgs::Image> {};
 }  // namespace message_traits
 namespace serialization {
 template <>

@@ -8,6 +8,7 @@
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 
+#include "bag_index.h"
 #include "recorded_topics.h"
 #include "repeat_steps.h"
 #include "gap_meter.h"
@@ -97,6 +98,7 @@ void write(rosbag::Bag& bag, const std::string& topic, const std::vector<Message
 
 ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::string& bag_path,
                               const std::string& output_path) {
+  require_sound_index(bag_path);
   const rosbag::Bag bag(bag_path, rosbag::bagmode::Read);
   rosbag::Bag output(output_path, rosbag::bagmode::Write);
   const double start_s = cpu_time_s();

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "same_place.h"
+#include "stamps.h"
 #include "conversions.h"
 #include "recording.h"
 #include "settings/quantile.h"
@@ -47,7 +48,7 @@ std::optional<RestPeriod> rest_at_end(const Recording& recording, const Commands
 RestCriteria for_frames_of(const Recording& recording, RestCriteria criteria) {
   std::vector<double> periods_s;
   for (size_t i = 1; i < recording.measured.size(); ++i)
-    periods_s.push_back(recording.measured[i].header.stamp.toSec() - recording.measured[i - 1].header.stamp.toSec());
+    periods_s.push_back(seconds_between(recording.measured[i - 1].header.stamp, recording.measured[i].header.stamp));
   if (periods_s.empty()) return criteria;
   criteria.window_s = std::max(criteria.window_s, (criteria.observations + 0.5) * median(std::move(periods_s)));
   return criteria;

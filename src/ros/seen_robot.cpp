@@ -5,6 +5,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "stamps.h"
 #include "conversions.h"
 #include "topics.h"
 
@@ -125,11 +126,11 @@ std::optional<SeenMoment> SeenRobotStates::newest() const {
       return SeenMoment{settled.stamp, {{present_->state.vertices_m, settled.positions_m}, {}, 0}};
   }
   SeenMoment moment{present_->stamp, {present_->state, {}, 0}};
-  const double interval_s = before_ ? present_->stamp.toSec() - before_->stamp.toSec() : 0.0;
-  const bool moves = interval_s > 0.0 && interval_s < longest_velocity_gap_s;
+  const bool moves = before_ && present_->stamp > before_->stamp &&
+                     seconds_between(before_->stamp, present_->stamp) < longest_velocity_gap_s;
   if (moves) {
     moment.motion.before = before_->state;
-    moment.motion.interval_s = (present_->stamp - before_->stamp).toSec();
+    moment.motion.interval_s = seconds_between(before_->stamp, present_->stamp);
   }
   return moment;
 }

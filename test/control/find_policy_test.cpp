@@ -1,6 +1,8 @@
 // Tasks of several poses, bounds and limits on a bar with two cables.
 #include "soft_robot_lab/control/find_policy.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "cabled_bar.h"
@@ -96,6 +98,23 @@ TEST(FindPolicy, KeepsTheBestWhenItIsCancelled) {
   EXPECT_LT(answer.summaries[0].final_distance_m, answer.summaries[0].initial_distance_m);
 }
 
+// Up to where targets, weights and efforts are taken, all that comes out is a number.
+TEST(FindPolicy, AnswersWithNumbersUpToItsLimits) {
+  Simulation simulation = bar();
+  PolicyTask task = reach({1000.0, -1000.0, 1000.0});
+  task.poses[0].goals[0].weight = 1e6;
+  task.poses[0].goals.push_back({"middle", {0.05, 0.0, 0.0}, 1e-300});
+  task.poses[0].duration_s = 1e6;
+  task.effort_m = 1000.0;
+  const PolicyAnswer answer = find_policy(simulation, task, {});
+  ASSERT_EQ(answer.summaries.size(), 1u);
+  const OptimisationSummary& summary = answer.summaries[0];
+  EXPECT_NEAR(summary.final_distance_m, 1000.0 * std::sqrt(3.0), 1.0) << summary.stop_reason;
+  EXPECT_TRUE(summary.commands.allFinite() && summary.markers_m.allFinite());
+  for (const TimedCommandValues& step : answer.policy.steps)
+    for (const double value : step.values) EXPECT_TRUE(std::isfinite(value));
+}
+
 TEST(FindPolicy, RefusesWhatItCannotDo) {
   struct Case {
     const char* words;
@@ -106,6 +125,11 @@ TEST(FindPolicy, RefusesWhatItCannotDo) {
       {"goals: empty", [](PolicyTask& t) { t.poses[0].goals.clear(); }},
       {"unknown marker 'tail'", [](PolicyTask& t) { t.poses[0].goals[0].marker = "tail"; }},
       {"target of tip", [](PolicyTask& t) { t.poses[0].goals[0].target_m.x() = NAN; }},
+      {"is not within 1000 m", [](PolicyTask& t) { t.poses[0].goals[0].target_m.y() = -1000.1; }},
+      {"is not within 1000 m", [](PolicyTask& t) { t.poses[0].goals[0].target_m.z() = 1e300; }},
+      {"weight of tip: 1e+300 is not in (0, 1e+06]", [](PolicyTask& t) { t.poses[0].goals[0].weight = 1e300; }},
+      {"duration_s: 1e+300 is not in (0, 1e+06]", [](PolicyTask& t) { t.poses[0].duration_s = 1e300; }},
+      {"effort_m: 1e+300 is not in [0, 1000]", [](PolicyTask& t) { t.effort_m = 1e300; }},
       {"weight of tip: -1", [](PolicyTask& t) { t.poses[0].goals[0].weight = -1.0; }},
       {"duration_s: 0", [](PolicyTask& t) { t.poses[0].duration_s = 0.0; }},
       {"unknown actuator 'top'", [](PolicyTask& t) { t.poses[0].actuators = {"top"}; }},

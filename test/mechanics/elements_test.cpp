@@ -1,6 +1,7 @@
 #include "mechanics/elements/elements.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -233,6 +234,27 @@ TEST(BlockCholesky, SolvesAndCountsWhatIsIndefinite) {
   Eigen::MatrixXd solved = right;
   factor.solve(solved);
   EXPECT_LT((full * solved - right).norm(), 1e-6 * right.norm());
+}
+
+// Nodes coupled at random, as those of no mesh are: the matrix is small, its factor all but full.
+TEST(BlockCholesky, RefusesAFactorBeyondItsMemoryBeforeItIsTaken) {
+  constexpr int nodes = 40000;
+  std::mt19937 random(1);
+  std::vector<std::vector<int>> cliques;
+  for (int i = 0; i < nodes; ++i)
+    cliques.push_back({i, static_cast<int>(random() % nodes), static_cast<int>(random() % nodes)});
+  const BlockMatrix matrix(nodes, cliques);
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  try {
+    BlockCholesky factor(matrix);
+    ADD_FAILURE() << "took " << factor.factor_size() << " numbers";
+  } catch (const std::invalid_argument& error) {
+    for (const char* words : {"GB to factorise, at most 6 are taken", "body.element_size_m", "body.element: linear"})
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+  }
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 1500000) << "kB";
 }
 
 TEST(BlockCholesky, RefusesWhatIsSingularOrNotANumber) {

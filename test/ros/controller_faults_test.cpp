@@ -1,4 +1,5 @@
 // What becomes of policies on a robot that is not its model: closed loop, and faults during execution.
+#include <cmath>
 #include <csignal>
 #include <future>
 #include <memory>
@@ -149,6 +150,33 @@ TEST_F(Controller, HoldsWhenAMotorStalls) {
   EXPECT_FALSE(refused.success);
   EXPECT_NE(refused.message.find("motor left: stall"), std::string::npos) << refused.message;
   expect_commands_are_held();
+}
+
+// Names without the numbers that belong to them, and numbers that are none.
+TEST_F(Controller, GoesOnThoughMessagesAreNotWhole) {
+  const pid_t process = process_of("/controller");
+  MarkerObservations markers;
+  markers.header.stamp = ros::Time(4.0e9);
+  markers.names = {"tip", "middle"};
+  markers.sources = {MarkerObservations::SEEN};
+  ActuatorState actuators;
+  actuators.names = {"left", "right"};
+  actuators.commands = {std::nan("")};
+  const auto simulated = node_.advertise<MarkerObservations>(topics::simulator_markers, 10);
+  const auto tracked = node_.advertise<MarkerObservations>(topics::tracker_markers, 10);
+  const auto states = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
+  ASSERT_TRUE(spin_until([&] {
+    return simulated.getNumSubscribers() > 0 && tracked.getNumSubscribers() > 0 && states.getNumSubscribers() > 0;
+  }));
+  auto answer = execute_meanwhile(pull(0.9, 10.0));
+  wait_for_commands(3);
+  simulated.publish(markers);
+  tracked.publish(markers);
+  states.publish(actuators);
+  const auto played = answer.get();
+  EXPECT_TRUE(played.success) << played.message;
+  EXPECT_TRUE(execute(pull(1.0, 1.0)).success);
+  EXPECT_EQ(process_of("/controller"), process);
 }
 
 TEST_F(Controller, RepeatsTheLastCommandThatAMotorMayHaveRefused) {

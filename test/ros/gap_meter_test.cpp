@@ -55,6 +55,26 @@ TEST_F(Gaps, GoOnWhereTheClockIsSetBack) {
   }
 }
 
+TEST_F(Gaps, GoOnThoughOneStampIsFarAhead) {
+  simulate(100.0);
+  simulate(4.0e9);
+  see(4.0e9, 0.001);
+  gaps.clear();
+  simulate(100.1);
+  see(100.15, 0.003);
+  simulate(100.2);
+  ASSERT_EQ(gaps.size(), 1u);
+  EXPECT_NEAR(gaps[0].rms_m, 0.003, 1e-9);
+}
+
+TEST_F(Gaps, RefuseMarkersThatAreNotWhole) {
+  MarkerObservations bad = markers_at(100.0, MarkerObservations::SEEN);
+  bad.positions.pop_back();
+  EXPECT_THROW(meter.add_measured(bad), std::invalid_argument);
+  bad = markers_at(100.0, MarkerObservations::SEEN, 1e300);
+  EXPECT_THROW(meter.add_simulated(bad), std::invalid_argument);
+}
+
 TEST_F(Gaps, AreTheSameToTheLastDigitInWhateverOrderTheTopicsCame) {
   std::vector<RealityGap> others;
   GapMeter other([&](const RealityGap& gap) { others.push_back(gap); });

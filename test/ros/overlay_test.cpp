@@ -1,6 +1,9 @@
 #include "ros/overlay.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -20,6 +23,7 @@ geometry_msgs::Point point(double x, double y, double z) {
 OverlayInputs inputs() {
   OverlayInputs result;
   result.simulated.names = {"tip"};
+  result.simulated.sources.assign(1, MarkerObservations::SIMULATED);
   result.simulated.positions = {point(0.0, 0.0, -0.1)};
   CableState cable;
   cable.name = "left";
@@ -51,6 +55,7 @@ TEST(Overlay, DrawsEveryMarkerWithItsName) {
 TEST(Overlay, WritesTheNameOfAMarkerOnce) {
   OverlayInputs tracked = inputs();
   tracked.measured.names = {"tip", "joint_1"};
+  tracked.measured.sources.assign(2, MarkerObservations::SEEN);
   tracked.measured.positions = {point(0.001, 0.0, -0.1), point(0.0, 0.0, -0.02)};
   EXPECT_EQ(shapes_in(tracked, "measured").size(), 2u);
   EXPECT_EQ(shapes_in(tracked, "simulated_names").size(), 1u);
@@ -95,6 +100,29 @@ TEST(Overlay, LeavesTheErrorOutForAMarkerNobodySees) {
   aimed.target = target_for("tail");
   EXPECT_EQ(shapes_in(aimed, "target").size(), 1u);
   EXPECT_TRUE(shapes_in(aimed, "error").empty());
+}
+
+TEST(Overlay, RefusesWhatIsNotWhole) {
+  const std::function<void(OverlayInputs&)> spoil[] = {
+      [](OverlayInputs& all) { all.simulated.positions.pop_back(); },
+      [](OverlayInputs& all) { all.simulated.positions[0].x = std::nan(""); },
+      [](OverlayInputs& all) { all.actuators.cables[0].tension_n = std::nan(""); },
+      [](OverlayInputs& all) { all.actuators.cables[0].path[0].z = INFINITY; },
+      [](OverlayInputs& all) {
+        all.target = target_for("tip");
+        all.target->position.y = 1e300;
+      },
+      [](OverlayInputs& all) {
+        all.gap = RealityGap();
+        all.gap->names = {"tip"};
+      },
+  };
+  EXPECT_NO_THROW(overlay_of(inputs(), OverlayOptions(), ros::Time(1.0)));
+  for (const auto& change : spoil) {
+    OverlayInputs all = inputs();
+    change(all);
+    EXPECT_THROW(overlay_of(all, OverlayOptions(), ros::Time(1.0)), std::invalid_argument);
+  }
 }
 
 TEST(Overlay, GivesEveryShapeItsOwnNumber) {

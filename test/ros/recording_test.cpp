@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
@@ -307,6 +308,21 @@ TEST_F(Session, RefusesADamagedMessage) {
   add_bytes<MotorState>(bag, ros::message_traits::md5sum<MotorState>(), std::string(40, '\xff'));
   const std::string reason = refusal_of([&] { read_recording(bag); });
   EXPECT_NE(reason.find("/motor/state holds a damaged soft_robot_lab/MotorState"), std::string::npos) << reason;
+}
+
+// roscpp takes the memory of a list before it reads it.
+TEST_F(Session, RefusesAListThatIsLongerThanItsMessage) {
+  const std::string bag = write_bag(true);
+  std::string bytes(14, '\0');  // behind the sequence number: stamp, no frame, linked, emergency_stop
+  bytes += "\xff\xff\xff\x0f";
+  add_bytes<MotorState>(bag, ros::message_traits::md5sum<MotorState>(), bytes);
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  const std::string reason = refusal_of([&] { read_recording(bag); });
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_NE(reason.find("holds a damaged soft_robot_lab/MotorState"), std::string::npos) << reason;
+  EXPECT_NE(reason.find(" items, more than there are bytes"), std::string::npos) << reason;
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 500000) << "kB";
 }
 
 TEST_F(Session, DoesNotPassOnFilesThatItsRecordingNames) {

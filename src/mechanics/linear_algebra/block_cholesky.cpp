@@ -25,17 +25,30 @@ namespace {
 
 constexpr double kOne = 1.0, kMinusOne = -1.0, kZero = 0.0;
 
+// Before it is taken: a machine that runs out of memory ends other programs first.
+void require_memory(std::ptrdiff_t doubles) {
+  constexpr double most_gb = 6.0;
+  const double needed_gb = 8e-9 * static_cast<double>(doubles);
+  if (needed_gb <= most_gb) return;
+  std::ostringstream text;
+  text << "the mesh takes at least " << needed_gb << " GB to factorise, at most " << most_gb
+       << " are taken; choose a larger body.element_size_m, or body.element: linear";
+  throw std::invalid_argument(text.str());
+}
+
 // Rows of each column of the factor below the diagonal, and each column's parent in the elimination tree.
 struct ColumnStructure {
   std::vector<std::vector<int>> rows;
   std::vector<int> parent;
 };
 
+// What it holds itself is a part of what the factor will take, and refused as early.
 ColumnStructure column_structure(const BlockMatrix& matrix) {
   const int count = matrix.node_count();
   ColumnStructure columns{std::vector<std::vector<int>>(count), std::vector<int>(count, -1)};
   std::vector<std::vector<int>> children(count);
   std::vector<int> mark(count, -1);
+  std::ptrdiff_t doubles = 0;
   for (int j = 0; j < count; ++j) {
     auto& rows = columns.rows[j];
     const auto take = [&](int row) {
@@ -46,6 +59,8 @@ ColumnStructure column_structure(const BlockMatrix& matrix) {
     for (int s = matrix.column_start()[j]; s < matrix.column_start()[j + 1]; ++s) take(matrix.rows()[s]);
     for (int child : children[j])
       for (int row : columns.rows[child]) take(row);
+    doubles += 9 * (1 + static_cast<std::ptrdiff_t>(rows.size()));
+    require_memory(doubles);
     std::sort(rows.begin(), rows.end());
     if (rows.empty()) continue;
     columns.parent[j] = rows.front();
@@ -109,17 +124,6 @@ void eliminate(const double* l, int k, int ld, const double* signs, double* belo
     dsyr_("L", &rows, &twice, column, &next, rest, &ld_rest);
     std::transform(column, column + rows, column, std::negate<double>());
   }
-}
-
-// Before it is taken: a machine that runs out of memory ends other programs first.
-void require_memory(std::ptrdiff_t doubles) {
-  constexpr double kMostGb = 6.0;
-  const double needed_gb = 8e-9 * static_cast<double>(doubles);
-  if (needed_gb <= kMostGb) return;
-  std::ostringstream text;
-  text << "the mesh takes " << needed_gb << " GB to factorise, at most " << kMostGb
-       << " are taken; choose a larger body.element_size_m, or body.element: linear";
-  throw std::invalid_argument(text.str());
 }
 
 }  // namespace

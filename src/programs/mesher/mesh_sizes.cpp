@@ -16,6 +16,9 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kGrowth = 0.4;     // of element size per distance, around refinements
 constexpr double kMostCurved = 10;  // curvature makes elements this much smaller at most: the tip of a cone has no end
 constexpr double kMostElements = 2e6;
+// What an element takes until it is known what its factorisation will, measured: its share of nodes, and of a matrix.
+constexpr double kQuadraticElement_kb = 6.5, kLinearElement_kb = 2.0;
+constexpr double kMost_gb = 6.0;  // as of a factorisation
 constexpr double kElementsPerCube = 8.5;  // of a cube with the edge of an element; regular ones fill it 1 / 0.118 times
 constexpr double kSamples = 200;          // along a curve, and along both ways of a surface
 
@@ -84,10 +87,12 @@ void check_count(double volume_m3, const MeshSizes& sizes) {
     const double ball_m3 = 4.0 / 3.0 * kPi * std::pow(r.radius_m, 3);
     count += kElementsPerCube * std::min(ball_m3, volume_m3) / std::pow(r.size_m, 3);
   }
-  if (count <= kMostElements) return;
+  const double needed_gb = 1e-6 * count * (sizes.quadratic ? kQuadraticElement_kb : kLinearElement_kb);
+  if (count <= kMostElements && needed_gb <= kMost_gb) return;
   std::ostringstream message;
   message << "element_size_m " << sizes.element_size_m << " and refinements ask for about " << count
-          << " elements, at most " << kMostElements << " are made; choose larger ones";
+          << " elements, which take " << needed_gb << " GB; at most " << kMostElements << " elements and " << kMost_gb
+          << " GB are taken; choose larger ones" << (sizes.quadratic ? ", or element: linear" : "");
   throw std::invalid_argument(message.str());
 }
 

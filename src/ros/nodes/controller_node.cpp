@@ -3,6 +3,8 @@
 // Parameters: ~scene (path; absent where the simulator tells which scene runs), ~ramp_s (how long an optimised policy
 // takes to reach its commands), ~markers_topic (what corrects a policy), ~lost_after_s (without any marker for so long
 // a closed loop stops).
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -129,7 +131,8 @@ void ControllerNode::on_scene(const std_msgs::String& path) {
 
 void ControllerNode::on_actuators(const ActuatorState& actuators) {
   const std::lock_guard lock(mutex_);
-  for (size_t i = 0; i < actuators.names.size(); ++i) commands_[actuators.names[i]] = actuators.commands.at(i);
+  for (size_t i = 0; i < std::min(actuators.names.size(), actuators.commands.size()); ++i)
+    if (std::isfinite(actuators.commands[i])) commands_[actuators.names[i]] = actuators.commands[i];
 }
 
 bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response) {

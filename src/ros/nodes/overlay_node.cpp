@@ -46,14 +46,27 @@ class OverlayNode {
 
  private:
   void on_simulated(const MarkerObservations& markers) {
-    inputs_.simulated = markers;
-    gap_.add_simulated(markers);
-    publish(markers.header.stamp);
+    attempt([&] {
+      gap_.add_simulated(markers);
+      inputs_.simulated = markers;
+      publish(markers.header.stamp);
+    });
   }
   void on_measured(const MarkerObservations& markers) {
-    inputs_.measured = markers;
-    gap_.add_measured(markers);
-    publish(markers.header.stamp);
+    attempt([&] {
+      gap_.add_measured(markers);
+      inputs_.measured = markers;
+      publish(markers.header.stamp);
+    });
+  }
+  // Bad messages are told in the log; the next ones go on.
+  template <typename Action>
+  void attempt(const Action& action) const {
+    try {
+      action();
+    } catch (const std::exception& error) {
+      ROS_WARN_THROTTLE(5.0, "%s: %s", topics::overlay, log_text(error.what()).c_str());
+    }
   }
   void on_gap(const RealityGap& gap) {
     inputs_.gap = gap;

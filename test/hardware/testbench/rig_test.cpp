@@ -370,6 +370,53 @@ TEST_F(Rig, RefusesAChainOfAnotherLength) {
   EXPECT_EQ(driver.link_failure(), "the board found 3 motor drivers, the rig's file lists 2");
 }
 
+// Every command of PROTOCOL.md with each of its words replaced by each bad one, left out and doubled.
+std::vector<std::string> bad_lines() {
+  const std::vector<std::vector<std::string>> good = {{"shafts"},
+                                                      {"counts"},
+                                                      {"noise", "0.01", "0", "0", "0.1", "0.001"},
+                                                      {"unplug"},
+                                                      {"replug"},
+                                                      {"reset", "0.01"},
+                                                      {"brownout", "0.01"},
+                                                      {"stall", "0", "on"},
+                                                      {"slip", "0", "3"},
+                                                      {"overheat", "1", "off"},
+                                                      {"backlash", "0", "2"},
+                                                      {"run", "100", "00ff"}};
+  const std::vector<std::string> bad = {
+      "nan", "-inf", "1e300", "-1",  "0x1p99999", "1e", "2147483648", "\"'", "\xff\xfe", "%n%s", std::string(2000, '9'),
+      "",    "run",  "on",    "0.5", "zz",        "abc"};
+  std::vector<std::string> lines = {"", " ", "\t", "help", std::string(4000, 'x')};
+  for (const auto& words : good)
+    for (std::size_t at = 0; at < words.size(); ++at)
+      for (std::string other : bad) {
+        if (other == "abc") other = words[at] + " " + words[at];
+        std::string line;
+        for (std::size_t i = 0; i < words.size(); ++i) line += (i ? " " : "") + (i == at ? other : words[i]);
+        lines.push_back(line);
+      }
+  return lines;
+}
+
+TEST(RigCommands, AreAnsweredHoweverBadTheyAre) {
+  Testbench rig(2, 1, SOFT_ROBOT_LAB_RIG_EMULATOR);
+  int refused = 0;
+  for (const std::string& line : bad_lines()) {
+    SCOPED_TRACE(line.substr(0, 80));
+    try {
+      rig.ask(line);
+    } catch (const std::invalid_argument& error) {
+      EXPECT_STRNE(error.what(), "");
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 200);
+  rig.ask("noise 0 0 0");
+  EXPECT_EQ(rig.shafts().size(), 2u) << "answers are no longer those of the questions";
+  for (const ShaftTruth& shaft : rig.shafts()) EXPECT_TRUE(std::isfinite(shaft.shaft_steps + shaft.spool_steps));
+}
+
 TEST_F(Rig, KeepsTheSessionThroughDelays) {
   session.rig.ask("noise 0 0 0 0.01 0.05");
   start();

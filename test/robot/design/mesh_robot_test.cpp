@@ -302,6 +302,16 @@ TEST_F(MeshRobot, SaysWhatIsWrongWithASolid) {
   EXPECT_NE(refusal("{stl: \"" SOFT_ROBOT_LAB_SOURCE "/test/data/cylinder.step\"}"), "accepted");
 }
 
+// Quadratic elements take more memory than as many linear ones, and are refused earlier.
+TEST_F(MeshRobot, RefusesMoreElementsThanThereIsMemoryForBeforeItMakesThem) {
+  constexpr double million = 1.2, per_cube = 8.5;
+  const double size_m = std::cbrt(per_cube * 0.1 * 0.02 * 0.02 / (1e6 * million));
+  const std::string words = refusal(kBeam, size_m);
+  for (const char* part : {"element_size_m 0.0006", "1.2e+06 elements, which take 7.8 GB", "6 GB are taken",
+                           "choose larger ones, or element: linear"})
+    EXPECT_NE(words.find(part), std::string::npos) << words;
+}
+
 TEST_F(MeshRobot, ReadsStepFilesInMillimetres) {
   const std::string step = "{step: \"" SOFT_ROBOT_LAB_SOURCE "/test/data/cylinder.step\", name: part}";
   const TetMesh mesh = mesh_of(step, 0.005);  // radius 10 mm, length 30 mm

@@ -63,7 +63,7 @@ PolicyAnswer find_policy(Simulation& simulation, const PolicyTask& task, const O
   options.validate();
   require_task(simulation, task);
   pose_problem(simulation, task, task.poses.front());  // refuses what the bounds make impossible
-  // A failure is found again, and told, by the first evaluation.
+  // A failure is found again, and reported, by the first evaluation.
   simulation.solve_equilibrium();
   PolicyAnswer answer;
   double time_s = 0.0;

@@ -31,18 +31,18 @@ std::vector<std::string> limits_met(const ReachProblem& problem, const Evaluatio
   std::vector<std::string> met;
   for (Eigen::Index i = 0; i < at.commands.size(); ++i) {
     const double close = 1.0e-6 * (problem.max[i] - problem.min[i]);
-    const auto tell = [&](const std::string& words, double limit, const char* unit) {
+    const auto note = [&](const std::string& words, double limit, const char* unit) {
       std::ostringstream text;
       text << problem.names[i] << words << limit << unit;
       met.push_back(text.str());
     };
     const bool other = !problem.bound_words.empty() && !problem.bound_words[i].empty();
     const std::string why = other ? " (" + problem.bound_words[i] + ") " : " ";
-    if (at.commands[i] <= problem.min[i] + close) tell(" at its minimum" + why, problem.min[i], "");
-    if (at.commands[i] >= problem.max[i] - close) tell(" at its maximum" + why, problem.max[i], "");
+    if (at.commands[i] <= problem.min[i] + close) note(" at its minimum" + why, problem.min[i], "");
+    if (at.commands[i] >= problem.max[i] - close) note(" at its maximum" + why, problem.max[i], "");
     if (problem.max_tension_n.size() == 0) continue;
     if (at.prediction.tensions_n[i] > (1.0 - kTensionBand) * problem.max_tension_n[i])
-      tell(" near its largest tension ", problem.max_tension_n[i], " N");
+      note(" near its largest tension ", problem.max_tension_n[i], " N");
   }
   return met;
 }

@@ -43,7 +43,7 @@ struct CommandProblem {
   pagmo::thread_safety get_thread_safety() const { return pagmo::thread_safety::none; }
 };
 
-// One generation at a time, so that it can be told and cancelled; the first step size is a quarter of the range.
+// One generation at a time, so that it can be reported and cancelled; the first step size is a quarter of the range.
 pagmo::algorithm make_method(const std::string& kind, unsigned int seed) {
   constexpr double own = -1.0, first_step = 0.25, precision = 1.0e-12;
   if (kind == "cma_es")

@@ -1,4 +1,4 @@
-// What every search method shares: evaluating the problem, remembering the best commands, telling the progress.
+// What every search method shares: evaluating the problem, remembering the best commands, reporting the progress.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// fit_model BAG --parameters A,B,C: fits a robot's scene to a recorded session, or tells how far it is from one.
+// fit_model BAG --parameters A,B,C: fits a robot's scene to a recorded session, or reports how far it is from one.
 #include <iomanip>
 #include <iostream>
 #include <sstream>
@@ -21,13 +21,13 @@ constexpr const char* kUsage =
     "Fits numbers of the robot's scene to the markers of a recording, wherever the robot was at rest, and writes a "
     "scene\n"
     "with them (fitted.yaml). Exact derivatives, least squares with bounds; says how sure each value is, and what the\n"
-    "data cannot tell. Without parameters it tells how far the scene is from the recording, and fits nothing.\n"
+    "data cannot identify. Without parameters it reports how far the scene is from the recording, and fits nothing.\n"
     "--parameters   youngs_modulus_pa, density_kg_m3, friction_coefficient, compliance_m_n, length_offset_m (each "
     "with\n"
     "               .CABLE for one cable), camera_to_base, damping (by how the robot swings where cables let go of "
     "it)\n"
     "--scene        the robot's file, where it is not the one that the recording names\n"
-    "--mass         of the whole robot, weighed: stiffness is told against weight; otherwise the scene's density "
+    "--mass         of the whole robot, weighed: stiffness is measured against weight; otherwise the scene's density "
     "counts\n"
     "--model-error  by how much the model would still miss a marker's coordinate; 1e-4\n"
     "Exit status: 0 fitted, 1 stopped before it converged (the file is still written), 2 bad recording or arguments.\n";
@@ -87,7 +87,7 @@ Arguments parse(int count, char** values) {
   return arguments;
 }
 
-int tell_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses) {
+int print_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses) {
   const ModelGap gap = model_gap(scene, options, poses);
   std::cout << std::setprecision(3) << "rms gap " << 1e3 * gap.rms_m << " mm\n";
   for (const auto& [marker, rms_m] : gap.marker_rms_m) std::cout << "  " << marker << ": " << 1e3 * rms_m << " mm\n";
@@ -103,7 +103,7 @@ int fit(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
   const std::vector<MeasuredPose> poses = measured_poses(recording);
-  if (!fits) return tell_gap(scene, options, poses);
+  if (!fits) return print_gap(scene, options, poses);
   FitRequest request = arguments.request;
   request.progress = [](int iteration, double rms_gap_m) {
     std::cerr << "iteration " << iteration << ": rms gap " << 1e3 * rms_gap_m << " mm\n";

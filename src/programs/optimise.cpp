@@ -26,7 +26,7 @@ constexpr const char* kUsage =
     "       optimise ROBOT.yaml --replay POLICY.yaml --marker NAME [--target X Y Z] [--result FILE]\n"
     "Finds the commands that bring markers to targets [m, robot_base]; --then begins the next pose of a path. Writes "
     "the\n"
-    "answer as JSON to --result and the policy as YAML to --policy; --replay tells where a policy takes the markers.\n"
+    "answer as JSON to --result and the policy as YAML to --policy; --replay shows where a policy takes the markers.\n"
     "Methods: gauss_newton (default), rmsprop, pid, pid_projected, cma_es, differential_evolution.\n"
     "Limits, of every actuator: --max-tension [N], --max-rate [command per second]; --duration [s] of a pose (2).\n"
     "Ctrl-C keeps the best so far. Exit status: 0 an answer was found, 1 it stopped early, 2 bad robot or arguments.\n";
@@ -140,7 +140,7 @@ nlohmann::ordered_json json_of(const OptimisationSummary& summary, const Pose& p
   return result;
 }
 
-void tell(const OptimisationSummary& summary, const Pose& pose) {
+void print(const OptimisationSummary& summary, const Pose& pose) {
   std::printf("%s: %.3f mm before, %.3f mm after %d iterations, %d equilibria, %.2f s CPU\n",
               summary.stop_reason.c_str(), 1e3 * summary.initial_distance_m, 1e3 * summary.final_distance_m,
               summary.iterations, summary.evaluations, summary.cpu_s);
@@ -212,7 +212,7 @@ int optimise_robot(const Arguments& arguments) {
   }
   nlohmann::ordered_json result;
   for (size_t i = 0; i < answer.summaries.size(); ++i) {
-    tell(answer.summaries[i], task.poses[i]);
+    print(answer.summaries[i], task.poses[i]);
     result["poses"].push_back(json_of(answer.summaries[i], task.poses[i]));
   }
   result["policy"]["names"] = answer.policy.names;

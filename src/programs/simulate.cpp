@@ -15,7 +15,7 @@ using namespace soft_robot_lab;
 constexpr const char* kUsage =
     "usage: simulate SCENE.yaml [--result FILE] [--estimate-error]\n"
     "Runs the scene and writes the result as JSON to FILE, or to the standard output.\n"
-    "--estimate-error  also tells how wrong the scene's mesh and time step make the markers.\n"
+    "--estimate-error  also reports how wrong the scene's mesh and time step make the markers.\n"
     "Exit status: 0 converged, 1 ran but did not converge or did not meet the scene's fidelity (the result is still\n"
     "written), 2 bad scene or arguments.\n";
 

@@ -173,7 +173,7 @@ void Execution::add_motors(const MotorState& state) {
 // Motors refuse commands that follow one another too fast.
 void Execution::play() {
   constexpr double least_period_s = 0.01;  // of wall time
-  if (motors_.known() && (ros::SteadyTime::now() - run_->told).toSec() < least_period_s) return;
+  if (motors_.known() && (ros::SteadyTime::now() - run_->commanded).toSec() < least_period_s) return;
   send(run_->player.names(), run_->player.values_at(run_->elapsed_s()));
   run_->sent = run_->elapsed_s() >= run_->player.end_s();
 }
@@ -181,14 +181,14 @@ void Execution::play() {
 // The last command may have been refused all the same, where two were waiting for the motors' node.
 void Execution::repeat() {
   constexpr double period_s = 0.2;  // less than what counts as rest
-  if (motors_.known() && run_->now_s - run_->told_s >= period_s) send(run_->answer.names, run_->answer.values);
+  if (motors_.known() && run_->now_s - run_->commanded_s >= period_s) send(run_->answer.names, run_->answer.values);
 }
 
 void Execution::send(const std::vector<std::string>& names, const std::vector<double>& values) {
   run_->answer.names = names;
   run_->answer.values = values;
-  run_->told = ros::SteadyTime::now();
-  run_->told_s = run_->now_s;
+  run_->commanded = ros::SteadyTime::now();
+  run_->commanded_s = run_->now_s;
   send_(names, values);
 }
 

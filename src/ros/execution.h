@@ -53,11 +53,11 @@ class Execution {
     RestDetector rest;
     std::optional<double> start_s;  // stamp of the first markers
     double now_s = 0.0;             // of the last
-    double seen_s = 0.0;            // when a marker that cameras see was last told
+    double seen_s = 0.0;            // when a marker that cameras see was last reported
     ros::SteadyTime heard = ros::SteadyTime::now();
-    ros::SteadyTime told;  // when the last command was sent,
-    double told_s = 0.0;   // and in session time
-    bool sent = false;     // the policy's last command
+    ros::SteadyTime commanded;  // when the last command was sent,
+    double commanded_s = 0.0;   // and in session time
+    bool sent = false;          // the policy's last command
     bool rested = false;
     bool cancelled = false;
     std::string fault;

@@ -51,7 +51,7 @@ void fill_response(const FitResult& result, FitModel::Response& response) {
     response.deviations.push_back(value.deviation);
     response.lows.push_back(value.low);
     response.highs.push_back(value.high);
-    response.told.push_back(value.told);
+    response.identifiable.push_back(value.identifiable);
   }
   for (Eigen::Index row = 0; row < result.correlations.rows(); ++row)
     for (Eigen::Index column = 0; column < result.correlations.cols(); ++column)
@@ -134,7 +134,7 @@ bool FitService::fit(FitModel::Request& request, FitModel::Response& response) {
     if (!request.file.empty()) require_writable(request.file);
     const Recording recording = request.bag.empty() ? heard() : read_recording(request.bag);
     const std::string scene = request.scene.empty() ? recording.scene : request.scene;
-    if (scene.empty()) throw std::invalid_argument("scene: none is given, and the recording does not tell one");
+    if (scene.empty()) throw std::invalid_argument("scene: none is given, and the recording does not name one");
     const std::vector<MeasuredPose> poses = measured_poses(recording);
     const FitResult result = fit_model(scene, options_, poses, fit, measured_swings(recording));
     fill_response(result, response);

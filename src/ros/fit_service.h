@@ -18,7 +18,7 @@ void fill_response(const FitResult& result, FitModel::Response& response);
 
 class FitService {
  public:
-  // A fit keeps one of the node's threads for seconds to minutes. `scene`: its path until the simulator tells another;
+  // A fit keeps one of the node's threads for seconds to minutes. `scene`: its path until the simulator names another;
   // may be empty.
   FitService(ros::NodeHandle& node, SceneOptions options, const std::string& scene);
 

@@ -23,7 +23,7 @@ class LatchedPublisher {
   explicit LatchedPublisher(const std::string& topic) : topic_(topic) {}
 
   // From now on instead of the one before.
-  void tell(const Message& message) {
+  void publish(const Message& message) {
     publisher_.shutdown();
     publisher_ = advertise_latched<Message>(
         topic_, [message](const ros::SingleSubscriberPublisher& newcomer) { newcomer.publish(message); });

@@ -1,4 +1,4 @@
-// Averages tracked markers over windows of time, and tells when those that are seen have come to rest.
+// Averages tracked markers over windows of time, and says when those that are seen have come to rest.
 #pragma once
 
 #include <map>

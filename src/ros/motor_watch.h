@@ -1,4 +1,4 @@
-// Tells from motor/state whether the drives may move.
+// Judges from motor/state whether the drives may move.
 #pragma once
 
 #include <optional>
@@ -14,10 +14,10 @@ class MotorWatch {
  public:
   void add(const MotorState& state, const ros::SteadyTime& now);
 
-  // Why one of the actuators may not move, and what to do about it. Empty where all may, and where no motors ever told
-  // of themselves, as in a simulated session.
+  // Why one of the actuators may not move, and what to do about it. Empty where all may, and where no motors ever
+  // reported of themselves, as in a simulated session.
   std::string fault(const std::vector<std::string>& actuators, const ros::SteadyTime& now) const;
-  bool known() const { return state_.has_value(); }  // motors ever told of themselves
+  bool known() const { return state_.has_value(); }  // motors ever reported
   bool moving() const;
 
  private:

@@ -34,7 +34,7 @@ ActuatorBounds bounds_of(const ActuatorLimits& asked) {
   return bounds;
 }
 
-std::string told(const OptimisationSummary& summary, const Pose& pose) {
+std::string outcome(const OptimisationSummary& summary, const Pose& pose) {
   if (!summary.usable || summary.target_reached || summary.stop_reason != "converged") return summary.stop_reason;
   std::ostringstream text;
   text << summary.stop_reason << "; out of reach by " << 1e3 * summary.final_distance_m << " mm, nearest:";
@@ -78,7 +78,7 @@ void fill_response(const PolicyAnswer& answer, const PolicyTask& task, OptimiseP
   for (const OptimisationSummary& summary : answer.summaries) response.poses.push_back(to_message(summary));
   response.summary = response.poses.back();
   response.success = answer.success;
-  response.message = told(answer.summaries.back(), task.poses[answer.summaries.size() - 1]);
+  response.message = outcome(answer.summaries.back(), task.poses[answer.summaries.size() - 1]);
   if (answer.success) response.policy = to_message(answer.policy);
 }
 

@@ -16,13 +16,13 @@ PolicySearch::PolicySearch(ros::NodeHandle& node)
 PolicyAnswer PolicySearch::find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options) {
   model.reset();
   cancelled_ = false;
-  std::optional<size_t> told;
+  std::optional<size_t> published;
   searching_ = true;
   const std::shared_ptr<void> no_longer(nullptr, [this](void*) { searching_ = false; });
   return find_policy(model, task, options, [&](size_t pose, const auto& actuators, const auto& progress) {
     const MarkerGoal& goal = task.poses[pose].goals.front();
-    if (told != pose) publish_target(goal);
-    told = pose;
+    if (published != pose) publish_target(goal);
+    published = pose;
     publish_progress(options.method, goal.marker, actuators, progress);
     return ros::ok() && !cancelled_;
   });

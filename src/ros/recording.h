@@ -24,7 +24,7 @@ struct Recording {
   std::vector<CommandsSince> reached;   // by motors that stood and knew where, in units of commands; where it changed
   std::vector<MarkerObservations> measured, simulated;
   std::vector<RealityGap> gaps;  // of these two
-  std::string scene;             // that the simulator ran last; empty where it is not told
+  std::string scene;             // that the simulator ran last; empty where it is not recorded
   double start_s = 0.0, end_s = 0.0;
 
   // In order of time; a message older than the one before is left out.

@@ -23,7 +23,7 @@ namespace {
 using sensor_msgs::CameraInfo;
 using sensor_msgs::Image;
 
-// Pairs of each camera's images that go to the input. A bad pair is told and left out, as in a session.
+// Pairs of each camera's images that go to the input. A bad pair is logged and left out, as in a session.
 std::map<std::string, std::unique_ptr<ImagePair>> pair_up(const std::vector<std::string>& cameras,
                                                           TrackingInput& input) {
   std::map<std::string, std::unique_ptr<ImagePair>> pairs;
@@ -47,7 +47,7 @@ ros::MessageEvent<Message const> event_of(const rosbag::MessageInstance& message
   return ros::MessageEvent<Message const>(read_message<Message>(message));
 }
 
-// Of bare cameras, or by a tracker that did not tell its steps.
+// Of bare cameras, or by a tracker that did not publish its steps.
 void track_anew(const rosbag::Bag& bag, const TrackingInputOptions& options, const TrackingInput::OnResult& on_result) {
   TrackingInput input(options, on_result);
   const auto pairs = pair_up(options.tracking.cameras, input);

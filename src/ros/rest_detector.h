@@ -1,4 +1,4 @@
-// Tells when markers have come to rest.
+// Says when markers have come to rest.
 #pragma once
 
 #include <vector>

@@ -59,7 +59,7 @@ struct Hold {
   double end_s;
 };
 
-// Where motors last stood in a hold: at its end they may be told of the next one already.
+// Where motors last stood in a hold: at its end they may have the next command already.
 std::map<std::string, double> reached_in(const Recording& recording, const Hold& hold) {
   const auto after = [&](double time_s) {
     return std::partition_point(recording.reached.begin(), recording.reached.end(),

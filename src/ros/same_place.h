@@ -1,4 +1,4 @@
-// Whether markers rest, told from where cameras saw them in two windows of time: in a session and in its recording.
+// Whether markers rest, judged from where cameras saw them in two windows of time: in a session and in its recording.
 #pragma once
 
 #include "measured_rest.h"

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t most_markers = 64;        // a second at the usual step
 constexpr double standing_still_m = 1.0e-4;     // the simulator sends a skin for less
-constexpr double longest_velocity_gap_s = 0.1;  // two skins further apart tell no velocity
+constexpr double longest_velocity_gap_s = 0.1;  // two skins further apart give no velocity
 
 void require_robot_frame(const std_msgs::Header& header, const std::string& topic) {
   if (header.frame_id != topics::robot_frame)

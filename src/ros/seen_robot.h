@@ -41,7 +41,7 @@ class SeenRobotStates {
   void add_markers(const MarkerObservations& markers);
   void add_surface(const visualization_msgs::Marker& surface);
 
-  // The newest moment that both topics tell: a skin with the markers of its stamp, or, while these stand still, newer
+  // The newest moment that both topics report: a skin with the markers of its stamp, or, while these stand still, newer
   // markers with the skin that they had. nullopt until there is one.
   std::optional<SeenMoment> newest() const;
 

@@ -25,7 +25,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr size_t kDrawnPoints = 1000, kDrawnMarks = 150;  // of a curve: more cannot be told apart
+constexpr size_t kDrawnPoints = 1000, kDrawnMarks = 150;  // of a curve: more cannot be distinguished
 constexpr size_t kPictured = 40;                          // configurations at rest, at most
 const char* const kAxes = "xyz";
 
@@ -258,7 +258,7 @@ Table facts(const std::string& bag, const Recording& recording, const std::strin
   Table table;
   table.columns = {{"what"}, {""}};
   table.rows = {{std::string("recording"), bag},
-                {std::string("scene"), scene.empty() ? "not told" : scene},
+                {std::string("scene"), scene.empty() ? "not recorded" : scene},
                 {std::string("duration"), number(recording.end_s - recording.start_s, 4) + " s"},
                 {std::string("tracked observations"), std::to_string(recording.measured.size())},
                 {std::string("simulated observations"), std::to_string(recording.simulated.size())},

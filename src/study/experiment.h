@@ -17,10 +17,10 @@ struct ExperimentContext {
   std::string config_folder;  // the package's config/: robots, scenes, experiments, reference
   std::string output_folder;  // exists; for files of its own (plots and table are written by the program)
   std::string mesher;         // as in SceneOptions
-  // Share done in [0, 1], and what is done now; may be empty: call tell().
+  // Share done in [0, 1], and what is done now; may be empty: call report().
   std::function<void(double share, const std::string& what)> progress;
 
-  void tell(double share, const std::string& what) const {
+  void report(double share, const std::string& what) const {
     if (progress) progress(share, what);
   }
   // To load a scene with our actuators, `changes` laid over it.

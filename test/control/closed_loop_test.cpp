@@ -1,4 +1,5 @@
-// The closed loop on a plant that is another simulation: softer by 15 %, and with cables that are longer than told.
+// The closed loop on a plant that is another simulation: softer by 15 %, and with cables that are longer than
+// specified.
 #include "soft_robot_lab/control/closed_loop.h"
 
 #include <algorithm>

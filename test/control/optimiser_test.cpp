@@ -318,18 +318,18 @@ TEST_P(EveryMethod, TakesAnAnswerThatIsNotANumberForAFailure) {
 }
 
 TEST_P(EveryMethod, TellsEveryIterationAndStopsWhenAsked) {
-  std::vector<OptimisationProgress> told;
+  std::vector<OptimisationProgress> reported;
   const OptimisationSummary summary =
       optimise(arc_problem({0.72, 0.98}), method(GetParam()), [&](const OptimisationProgress& progress) {
-        told.push_back(progress);
+        reported.push_back(progress);
         return progress.iteration < 2;
       });
   EXPECT_EQ(summary.stop_reason, "cancelled");
   EXPECT_TRUE(summary.usable);
   EXPECT_EQ(summary.iterations, 2);
-  ASSERT_EQ(told.size(), 2u);
-  EXPECT_EQ(told[0].iteration, 1);
-  for (const OptimisationProgress& progress : told) {
+  ASSERT_EQ(reported.size(), 2u);
+  EXPECT_EQ(reported[0].iteration, 1);
+  for (const OptimisationProgress& progress : reported) {
     const Eigen::Vector3d tip = Arc()(progress.commands, nullptr);
     EXPECT_NEAR(progress.distance_m, (tip - arc_problem({0.72, 0.98}).goals[0].target_m).norm(), 1e-12);
   }

@@ -1,4 +1,4 @@
-// What the methods are told of the package's own robots: derivatives by implicit differentiation beside central
+// What the methods know of the package's own robots: derivatives by implicit differentiation beside central
 // differences of the equilibria.
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// What is told of a solve that ended badly.
+// What is reported of a solve that ended badly.
 #include "mechanics/simulation/solve_ending.h"
 
 #include <gtest/gtest.h>

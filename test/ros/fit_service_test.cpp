@@ -93,7 +93,7 @@ TEST_F(FitModelService, FindsHowSoftTheRobotIsAndWritesItsScene) {
   EXPECT_GT(fitted.deviations[0], 0.0);
   EXPECT_LT(fitted.lows[0], soft_pa);
   EXPECT_GT(fitted.highs[0], soft_pa);
-  EXPECT_TRUE(fitted.told[0]);
+  EXPECT_TRUE(fitted.identifiable[0]);
   EXPECT_LT(fitted.rms_after_m, 0.1 * fitted.rms_before_m);
 
   request.scene = request.file;  // what was written is what was found

@@ -16,6 +16,7 @@ unset LD_LIBRARY_PATH
 export CMAKE_PREFIX_PATH=$here ROS_PACKAGE_PATH=$here/share PYTHONPATH=$here/lib/python3/dist-packages ROS_IP=127.0.0.1
 [[ $(rospack find soft_robot_lab) == "$package" ]] || fail "rospack does not find the package"
 says "$package/config/actuator_plugins.xml" rospack plugins --attrib=plugin soft_robot_lab || fail "no plugins"
+[[ ! -e $package/config/doc ]] || fail "pictures of the documentation are installed"
 says names rosmsg show soft_robot_lab/ActuatorCommand || fail "no messages"
 for launch in session.launch motor.launch; do
   says "$package/launch/$launch" roslaunch --files soft_robot_lab "$launch" emulated:=true || fail "no $launch"

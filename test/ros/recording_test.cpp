@@ -165,9 +165,9 @@ TEST(RestPeriods, StandWhereTheMotorsStood) {
   const struct {
     double time_s, left;
     bool moving, known;
-  } told[] = {{10.0, 1.0, false, true},    {13.1, 0.95, true, true}, {14.0, 0.8998, false, true},
-              {15.99, 0.8998, true, true}, {17.0, 0.79, true, true}, {19.1, 0.7, false, false}};
-  for (const auto& one : told) recording.add(motors(one.time_s, one.left, one.moving, one.known), one.time_s);
+  } reports[] = {{10.0, 1.0, false, true},    {13.1, 0.95, true, true}, {14.0, 0.8998, false, true},
+                 {15.99, 0.8998, true, true}, {17.0, 0.79, true, true}, {19.1, 0.7, false, false}};
+  for (const auto& one : reports) recording.add(motors(one.time_s, one.left, one.moving, one.known), one.time_s);
   const std::vector<MeasuredPose> poses = measured_poses(recording);
   ASSERT_EQ(poses.size(), 4u);
   EXPECT_EQ(poses[0].reached.at("left"), 1.0);

@@ -1,4 +1,4 @@
-// A session with a rendered camera: what it publishes, and that it films what the simulator tells.
+// A session with a rendered camera: what it publishes, and that it films what the simulator publishes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -231,7 +231,7 @@ TEST_F(RenderedCameras, TellWhatFramesCost) {
   film();
   std::map<std::string, double> values;
   using Diagnostics = diagnostic_msgs::DiagnosticArray;
-  // Of all nodes that tell some: the next message may be another's each time.
+  // Of all nodes that send some: the next message may be another's each time.
   const ros::Subscriber subscriber = node_.subscribe<Diagnostics>(
       "/diagnostics", 10, boost::function<void(const Diagnostics::ConstPtr&)>([&](const auto& diagnostics) {
         for (const auto& status : diagnostics->status)

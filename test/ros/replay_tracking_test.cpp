@@ -37,8 +37,8 @@ class Replay : public testing::Test {
   ReplaySummary replay() const { return replay_tracking(options_, path("session.bag"), path("output.bag")); }
   std::string path(const char* name) const { return folder_ / name; }
 
-  // The tip moves; the session's tracker has seen a frame before the recording begins, and tells `tell_m` off.
-  void record(double tell_m, bool images) const {
+  // The tip moves; the session's tracker has seen a frame before the recording begins, and reports `reported_m` off.
+  void record(double reported_m, bool images) const {
     const TrackerCamera camera = test::camera_at("eye", {-0.2, -0.5, -0.1}, tip_m);
     MarkerTracking session(options_.tracking, load_tracker(options_.tracker), {{"tip", tip_m}});
     session.set_poses({{"eye", camera.world_from_camera, {}}});
@@ -60,7 +60,7 @@ class Replay : public testing::Test {
       bag.write("/simulator/markers", stamp, simulated);
       for (auto& result : results) {
         bag.write("/tracker/steps", stamp, result.step);
-        result.observations.positions[0].x += tell_m;
+        result.observations.positions[0].x += reported_m;
         bag.write("/tracker/markers", stamp, result.observations);
       }
     }

@@ -294,7 +294,7 @@ TEST_F(Session, RefusesBadPolicies) {
   EXPECT_NE(ask<ExecutePolicy>(topics::execute_policy, request).message.find("time_limit_s: 1"), std::string::npos);
 }
 
-// Subscribers that come before and after a message, and while it is told.
+// Subscribers that come before and after a message, and while it is published.
 TEST_F(Session, AnnouncementsAreHeardOnceByEveryone) {
   LatchedPublisher<std_msgs::String> latched_publisher("announced");
   std::vector<std::vector<std::string>> heard(20);
@@ -311,11 +311,11 @@ TEST_F(Session, AnnouncementsAreHeardOnceByEveryone) {
   std_msgs::String message;
   message.data = "first";
   for (int i = 0; i < 10; ++i) listen();
-  latched_publisher.tell(message);
+  latched_publisher.publish(message);
   for (int i = 0; i < 10; ++i) listen();
   EXPECT_TRUE(spin_until([&] { return all_heard(1); }));
   message.data = "second";
-  latched_publisher.tell(message);
+  latched_publisher.publish(message);
   EXPECT_TRUE(spin_until([&] { return all_heard(2); }));
   for (const auto& words : heard) EXPECT_EQ(words, (std::vector<std::string>{"first", "second"}));
 }

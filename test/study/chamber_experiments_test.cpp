@@ -45,7 +45,7 @@ class ChamberExperiments : public testing::Test {
   }
 
   static void expect_sound(const ExperimentResult& result) {
-    EXPECT_TRUE(result.converged) << result.message;  // which tells of inverted elements too
+    EXPECT_TRUE(result.converged) << result.message;  // which names inverted elements too
     EXPECT_LT(result.numbers["gas_residual"].get<double>(), 1e-6);
     for (const Plot& plot : result.plots) EXPECT_NO_THROW(plot.validate()) << plot.name;
   }

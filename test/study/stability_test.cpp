@@ -84,7 +84,7 @@ TEST(Stability, NoMethodLeavesTheFiniteNumbers) { EXPECT_GE(cells_with_finite_nu
 // It takes too long for a test on the chamber, and on the cantilever for every change.
 TEST(Stability, XpbdDoesNotLeaveTheFiniteNumbers) { EXPECT_EQ(cells_with_finite_numbers(true), 4); }
 
-// The chart must be able to tell a failure: linear elements lock, converge, and are in the wrong place.
+// The chart must be able to show a failure: linear elements lock, converge, and are in the wrong place.
 TEST(Stability, ShowsWhatIsInTheWrongPlace) {
   StabilityBench bench = make_bench();
   const StabilityBody body = small_bodies().front();

@@ -1,7 +1,7 @@
 // Brings markers of a robot that is not quite its model to a pose: the model predicts, measurements correct. Whenever
 // the robot rests, the offset between measured and predicted markers is taken up, and the model is asked for commands
 // that bring the predicted markers to the targets less the offsets. Where the offsets have settled, the measured
-// markers are as near to their targets as the model's Jacobian can tell.
+// markers are as near to their targets as the model's Jacobian can show.
 #pragma once
 
 #include <map>
@@ -52,7 +52,7 @@ class ClosedLoop {
 
   const std::vector<std::string>& actuators() const { return actuators_; }
 
-  // Call it when the robot rests at the last commands, or has no markers to tell; `fault`: what is wrong with the
+  // Call it when the robot rests at the last commands, or has no markers to judge by; `fault`: what is wrong with the
   // drives, empty for nothing. After an end it must not be called again.
   LoopStep correct(double time_s, const MeasuredMarkers& measured, const std::string& fault);
 

@@ -55,7 +55,8 @@ struct OptimisationSummary {
   bool target_reached = false;             // final distance below the tolerance
 };
 
-// Throws std::invalid_argument for a bad problem or option; a failing model ends the search and is told in stop_reason.
+// Throws std::invalid_argument for a bad problem or option; a failing model ends the search and is named in
+// stop_reason.
 OptimisationSummary optimise(const ReachProblem& problem, const OptimiserOptions& options,
                              const ProgressCallback& progress = {});
 

@@ -45,8 +45,8 @@ class Simulation {
   SolveReport solve_equilibrium(const EquilibriumOptions& options = {});
 
   // d marker / d command at the present equilibrium: 3*markers x actuators. Zero where a command does nothing (slack
-  // cable). Where friction tells going on from turning back, what slipped last goes on. `tensions_n`, where given,
-  // becomes d tension / d command, actuators x actuators; zero where there is no tension.
+  // cable). Where friction distinguishes going on from turning back, what slipped last goes on. `tensions_n`, where
+  // given, becomes d tension / d command, actuators x actuators; zero where there is no tension.
   Eigen::MatrixXd marker_sensitivities(Eigen::MatrixXd* tensions_n = nullptr);
 
   // d marker / d parameter at the present equilibrium and commands: 3*markers x parameters. With friction it depends on

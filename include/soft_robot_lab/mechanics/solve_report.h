@@ -26,7 +26,7 @@ struct SolveWarning {
 void add_warning(const SolveWarning& warning, std::vector<SolveWarning>& all);
 
 // What a solve did. A solve that did not converge says so, and leaves the best state it had. A time step of
-// xpbd, which does a fixed amount of work, counts as converged where it created no energy; its residual tells
+// xpbd, which does a fixed amount of work, counts as converged where it created no energy; its residual says
 // how exact it was.
 struct SolveReport {
   bool converged = false;

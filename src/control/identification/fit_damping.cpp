@@ -145,7 +145,7 @@ FittedValue with_confidence(const FitNumber& number, double value_s, double info
   fitted.deviation = spread * value_s;
   fitted.low = std::max(number.min, value_s * std::exp(-kOf95Percent * spread));
   fitted.high = std::min(number.max, value_s * std::exp(kOf95Percent * spread));
-  fitted.told = spread * spread < kUntold * width * width;
+  fitted.identifiable = spread * spread < kUnidentified * width * width;
   return fitted;
 }
 
@@ -167,7 +167,7 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
   const ChosenSwings chosen = choose_swings(*undamped.simulation, swings, request.model_error_m);
   if (chosen.swings.empty()) {
     result.warnings.push_back(
-        "damping: the data cannot tell it, as nothing swings, measured and simulated; it stays as it is");
+        "damping: the data cannot identify it, as nothing swings, measured and simulated; it stays as it is");
     return;
   }
   SwingPredictor predictor(scene, options, chosen.swings, number.start);
@@ -224,9 +224,9 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
   std::vector<double*> others;
   for (Eigen::Vector3d& swing : of_swings) others.push_back(swing.data());
   for (Place& place : places) others.push_back(place.data());
-  const double told = information(problem, &predictor.unknown, others);
-  const FittedValue value = with_confidence(number, predictor.damping_s(), told);
-  if (!value.told) result.warnings.push_back("the data cannot tell damping");
+  const double information_of_it = information(problem, &predictor.unknown, others);
+  const FittedValue value = with_confidence(number, predictor.damping_s(), information_of_it);
+  if (!value.identifiable) result.warnings.push_back("the data cannot identify damping");
   if (value.value < 1.01 * number.min || value.value > 0.99 * number.max)
     result.warnings.push_back("damping ended on its bound " + text_of(value.value) +
                               " s; at the lower one the scene's own time step damps as much as the robot does");

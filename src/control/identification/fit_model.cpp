@@ -145,7 +145,7 @@ ModelGap gap_of(const std::vector<MeasuredPose>& poses,
   return gap;
 }
 
-// What is told by rest states.
+// What is identified by rest states.
 FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene, const SceneOptions& options,
                       const std::vector<MeasuredPose>& poses, const FitRequest& request) {
   PoseModel model(scene, options, poses);
@@ -166,7 +166,7 @@ FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene,
                                &loss, unknowns.data());
   }
   require(residuals > 0, "poses: the robot is nowhere at rest with markers seen; allowed: at least one such pose");
-  require(residuals > unknown_count, "poses: " + std::to_string(residuals) + " coordinates cannot tell " +
+  require(residuals > unknown_count, "poses: " + std::to_string(residuals) + " coordinates cannot identify " +
                                          std::to_string(unknown_count) + " parameters");
   for (int i = 0; i < unknown_count; ++i) {
     const FitNumber& number = parameters.numbers()[static_cast<std::size_t>(i)];
@@ -227,7 +227,8 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
     result = fit_to_rest(parameters, scene, options, poses, request);
   }
   if (parameters.damping()) fit_damping(scene, options, swings, *parameters.damping(), request, result);
-  require(!result.values.empty(), "parameters: none that data could tell; damping is told by a robot that swings");
+  require(!result.values.empty(),
+          "parameters: none that data could identify; damping is identified by a robot that swings");
   result.cpu_s = cpu_time_s() - start_cpu_s;
   return result;
 }

@@ -12,7 +12,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kPart = 0.3;       // of a unit direction: a parameter takes part in it
-constexpr double kTogether = 0.95;  // correlation beyond which two parameters are told together only
+constexpr double kTogether = 0.95;  // correlation beyond which two parameters are identified together only
 constexpr double kOnBound = 1e-6;   // of the range
 
 std::string short_text(double value) {
@@ -33,8 +33,8 @@ void warn_of_blind_directions(const std::vector<FitNumber>& numbers, const Eigen
       names += (parts++ ? ", " : "") + numbers[static_cast<std::size_t>(i)].name;
     }
     result.warnings.push_back(parts == 1
-                                  ? "the data cannot tell " + names
-                                  : "the data cannot tell " + names + " apart: some combination of them stays open");
+                                  ? "the data cannot identify " + names
+                                  : "the data cannot distinguish " + names + ": some combination of them stays open");
   }
 }
 
@@ -43,8 +43,9 @@ void warn_of_pairs(const std::vector<FitNumber>& numbers, FitResult& result) {
     for (std::size_t j = i + 1; j < numbers.size(); ++j) {
       const double together = result.correlations(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
       if (std::abs(together) < kTogether) continue;
-      result.warnings.push_back(numbers[i].name + " and " + numbers[j].name + " are told together only (correlation " +
-                                short_text(together) + "): changed together they fit nearly as well");
+      result.warnings.push_back(numbers[i].name + " and " + numbers[j].name +
+                                " are identified together only (correlation " + short_text(together) +
+                                "): changed together they fit nearly as well");
     }
   }
 }
@@ -66,7 +67,7 @@ Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix) {
 }
 
 // The bounds count as a normal distribution whose 95 % they hold, so that every deviation is finite: where the data
-// tell a parameter, this changes nothing that counts.
+// identify a parameter, this changes nothing that counts.
 void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian,
                     const std::vector<double>& residuals, FitResult& result) {
   const std::vector<FitNumber>& numbers = parameters.numbers();
@@ -95,7 +96,7 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
     fitted.deviation = spread[i] * widths[i];
     fitted.low = std::max(number.min, fitted.value - kOf95Percent * fitted.deviation);
     fitted.high = std::min(number.max, fitted.value + kOf95Percent * fitted.deviation);
-    fitted.told = covariance(i, i) < kUntold;
+    fitted.identifiable = covariance(i, i) < kUnidentified;
     const double range = number.max - number.min;
     const bool low = fitted.value - number.min < kOnBound * range, high = number.max - fitted.value < kOnBound * range;
     if (low || high)
@@ -112,7 +113,7 @@ std::string summary(const FitResult& result) {
   for (const FittedValue& value : result.values)
     text << value.name << " = " << std::setprecision(5) << value.value << " +- " << std::setprecision(2)
          << value.deviation << std::setprecision(5) << " (95 %: " << value.low << " to " << value.high << "; was "
-         << value.start << ")" << (value.told ? "" : ", not told by the data") << "\n";
+         << value.start << ")" << (value.identifiable ? "" : ", not identifiable from the data") << "\n";
   text << std::setprecision(3) << "rms gap " << 1e3 * result.before.rms_m << " mm before, " << 1e3 * result.after.rms_m
        << " mm after\n";
   for (const auto& [marker, rms_m] : result.before.marker_rms_m)

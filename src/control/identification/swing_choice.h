@@ -1,4 +1,4 @@
-// Which of the measured swings tell a robot's damping, and what of them.
+// Which of the measured swings identify a robot's damping, and what of them.
 #pragma once
 
 #include <string>

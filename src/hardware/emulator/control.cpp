@@ -176,8 +176,8 @@ std::string answer(EmulatedRig& rig, const std::string& line, bool lock_step) {
     if (name == "run" && lock_step) return "ok " + run(rig, words);
     const auto command = commands().find(name);
     if (command == commands().end()) throw std::invalid_argument("unknown command '" + name + "'");
-    const std::string told = command->second(rig, words);
-    return told.empty() ? "ok" : "ok " + told;
+    const std::string answer = command->second(rig, words);
+    return answer.empty() ? "ok" : "ok " + answer;
   } catch (const std::invalid_argument& error) {
     return std::string("error ") + error.what();
   }

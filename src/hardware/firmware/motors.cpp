@@ -21,7 +21,7 @@ struct Motor {
   bool busy = false;
   bool pending = false;   // the chip has not been sent to the target yet
   bool stopping = false;  // when at rest, the target becomes where it is, unless one is pending
-  bool stopped = false;   // told once
+  bool stopped = false;   // reported once
   uint8_t configuration[wire::motor::length] = {};
 };
 
@@ -45,7 +45,7 @@ void halt(uint8_t mask, uint8_t command) {
   }
 }
 
-// Latches what a chip's status tells. Each of these may have lost steps.
+// Latches what a chip's status reports. Each of these may have lost steps.
 uint16_t faults_in(uint16_t status) {
   if (status == 0 || status == 0xffff) return wire::flag_no_answer;  // undriven line, or a chip without power
   uint16_t faults = 0;

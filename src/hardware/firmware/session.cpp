@@ -140,7 +140,7 @@ void send_states() {
   if (next_state < chain::count() && send_state(next_state)) ++next_state;
 }
 
-// The end of a motion is told at once.
+// The end of a motion is reported at once.
 void send_stops() {
   bool read = false;
   for (uint8_t i = 0; i < chain::count(); ++i) {
@@ -157,7 +157,7 @@ void handle(const wire::Frame& frame) {
   if (frame.kind == wire::kind_hello) {
     if (frame.session == wire::no_session) return;
     if (frame.payload[wire::hello::version] == wire::protocol_version) session = frame.session;
-    welcome();  // tells our version, whichever it is
+    welcome();  // names our version, whichever it is
   }
   if (frame.kind == wire::kind_emergency_stop) {
     motors::emergency_stop();

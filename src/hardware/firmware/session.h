@@ -1,4 +1,4 @@
-// Answers the host's frames, tells the motors' states, and stops them when the host has been silent for too long.
+// Answers the host's frames, reports the motors' states, and stops them when the host has been silent for too long.
 #pragma once
 
 #include <stdint.h>

@@ -45,7 +45,7 @@ inline uint8_t encode(const Frame& frame, uint8_t* out) {
   put_u16(plain + size, crc16(plain, size));
   size = static_cast<uint8_t>(size + crc_size);
 
-  // Each code tells how far the next zero lies.
+  // Each code says how far the next zero lies.
   uint8_t code_at = 0;
   uint8_t written = 1;
   for (uint8_t i = 0; i < size; ++i) {

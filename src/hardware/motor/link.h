@@ -1,5 +1,5 @@
 // A session with the board: opens the port and opens it again when it is lost, greets, sends one numbered request at a
-// time until it is answered, and hands on what the board tells. Never waits; time is an argument.
+// time until it is answered, and hands on what the board reports. Never waits; time is an argument.
 #pragma once
 
 #include <cstdint>

@@ -40,7 +40,7 @@ MotorDriver::MotorDriver(RigSettings rig, DriverOptions options, OpenPort open_p
 
 void MotorDriver::update(double now_s) {
   for (const LinkEvent& event : link_.update(now_s)) {
-    std::visit([this](const auto& told) { on(told); }, event);
+    std::visit([this](const auto& event_of_kind) { on(event_of_kind); }, event);
   }
   const bool clearing = operation_ == OperationState::running && !steps_.empty() && steps_[0].kind == wire::kind_clear;
   if (emergency_stopped_ && !clearing && now_s - emergency_sent_s_ >= emergency_period_s) {
@@ -67,7 +67,7 @@ bool MotorDriver::ready() const {
                      [](const Motor& motor) { return motor.report.has_value(); });
 }
 
-// ---- what the link tells
+// ---- what the link reports
 
 void MotorDriver::on(const LinkOpened& event) {
   for (Motor& motor : motors_) motor.report.reset();
@@ -310,7 +310,7 @@ void MotorDriver::refuse_targets(Targets& targets, const std::string& why) {
   targets = {};
 }
 
-// ---- what is told
+// ---- what is reported
 
 std::string MotorDriver::fault_of(int index) const {
   const Motor& motor = motors_[static_cast<std::size_t>(index)];

@@ -17,7 +17,7 @@ class RealTimePlant {
   void add(double time_s, std::vector<std::string> names, std::vector<double> values);
 
   // Lets plant come nearer to now, by at most `longest_s`; what is later than `latest_s` then is lost, which it
-  // tells. A clock that went back by more than that is followed, and stamps that far ahead of it count as now.
+  // reports. A clock that went back by more than that is followed, and stamps that far ahead of it count as now.
   // Throws std::invalid_argument for shafts where they cannot be: those stay where they were, time goes on.
   void advance(double now_s, double longest_s, double latest_s);
 

@@ -43,13 +43,13 @@ struct SimulationParts {
 
   std::vector<double> multipliers_of(std::size_t actuator) const;  // its constraints' multipliers
 
-  // Tells the actuators from where a step starts, or with an infinite one an equilibrium.
+  // Passes to the actuators from where a step starts, or with an infinite one an equilibrium.
   void begin_step(double time_step_s = std::numeric_limits<double>::infinity());
 
   // The actuated commands: this share of the way from `from` to the commands.
   void move_actuators(const std::vector<double>& from, double share);
 
-  // Solves from the present state, which it leaves alone; the report counts the work and tells how this solve ended.
+  // Solves from the present state, which it leaves alone; the report counts the work and says how this solve ended.
   NewtonReport solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report);
 
   // The same after a fall down the energy from the present state (NewtonSolver::descend), for where Newton finds no

@@ -22,7 +22,7 @@ namespace soft_robot_lab {
 
 class StepWarp {
  public:
-  // `packs` holds all elements of the body, and must outlive this; `matrix` tells a good order of elimination.
+  // `packs` holds all elements of the body, and must outlive this; `matrix` gives a good order of elimination.
   StepWarp(const Body& body, const ElementPacks& packs, const BlockMatrix& matrix);
 
   // From `positions_m` by `step_m`, which does not move what is held; 3 x nodes. An element that is inverted there, or

@@ -11,7 +11,7 @@
 // Departure from the paper: with one sweep a substep it starts multipliers at zero, and then the body is softer by
 // terms of h^2 that come from elements which pull against each other: a silicone cantilever sagged 49 % too far with 50
 // substeps at 60 Hz, 14 % with 100. Multipliers kept from the substep before (as contact solvers do) leave a body at
-// rest exactly where its forces balance. The price is that too long substeps create energy, which the report tells.
+// rest exactly where its forces balance. The price is that too long substeps create energy, which is in the report.
 #pragma once
 
 #include <functional>

@@ -99,7 +99,7 @@ class BallJudge {
 
   void measure(const Eigen::Matrix3Xd& points_m, const CloudSphere& sphere, const std::string& what,
                BallSearch& search) const {
-    // The cloud alone tells the radius badly; cloud and outline together tell it well.
+    // The cloud alone gives the radius badly; cloud and outline together give it well.
     const BallMeasurement rough = measurement(points_m, sphere.center_m, sphere.radius_m);
     const BallFit free = fit_ball(rough, sphere.center_m, sphere.radius_m, settings_.radius_m);
     if (!(std::abs(free.radius_m - settings_.radius_m) <= settings_.radius_tolerance * settings_.radius_m)) {

@@ -12,7 +12,7 @@
 
 namespace soft_robot_lab {
 
-// What was filmed does not tell where the camera stands; the message says why, and what to do.
+// What was filmed does not show where the camera stands; the message says why, and what to do.
 class CalibrationError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -19,7 +19,7 @@ constexpr double calm_memory_windows = 3;  // how far back "used to be" is, befo
 constexpr double clear_ratio = 1.5;        // by which one camera must have gone further than the other, to be named
 constexpr double sigma_floor_m = 0.0003;   // of a sight
 constexpr double outlier_sigmas = 3;
-// Beliefs of a motion, which only matter where markers do not tell it, as a turn about the line that they lie on.
+// Beliefs of a motion, which only matter where markers do not show it, as a turn about the line that they lie on.
 constexpr double turn_sigma = 0.05, shift_sigma_m = 0.1;
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -144,7 +144,7 @@ void ExtrinsicsMonitor::check() {
     for (std::size_t j = i + 1; j < names.size(); ++j) {
       const Pair pair{names[i], names[j]};
       const std::vector<Difference> differences = between(pair);
-      // Too little tells neither that they differ nor that they do not: what was known stays.
+      // Too little shows neither that they differ nor that they do not: what was known stays.
       const bool enough = static_cast<int>(differences.size()) >= settings_.min_sights;
       const double displacement_m = enough ? size_m(fit(differences), differences) : 0;
       if (!enough || displacement_m > calm_share * settings_.threshold_m)

@@ -18,14 +18,14 @@ struct ExtrinsicsMonitorSettings {
   double window_s = 4;          // > 0; over which sights are taken together
   double check_period_s = 0.2;  // >= 0; between two looks at the window
   double threshold_m = 0.0025;  // > 0; root mean square by which two cameras' markers may differ
-  double confirm_s = 0.5;       // >= 0; for how long they differ before it is told
+  double confirm_s = 0.5;       // >= 0; for how long they differ before it is reported
   int min_sights = 40;          // >= 6; of markers in a window, by both cameras: six markers at 1.7 Hz
 
   void validate() const;  // throws std::invalid_argument: field, value, allowed range
 };
 
 struct CameraWarning {
-  std::vector<std::string> cameras;  // one; or two, where nothing tells which of them moved
+  std::vector<std::string> cameras;  // one; or two, where nothing shows which of them moved
   double displacement_m = 0;         // of what they see
   std::string message;
 };
@@ -40,7 +40,7 @@ struct SmallMotion {
 };
 
 // Two cameras differ when one has moved, and never because the robot does something that nobody expected. Which one it
-// was is told by a third camera, or by whose markers went away from where they used to be against what is expected.
+// was is shown by a third camera, or by whose markers went away from where they used to be against what is expected.
 class ExtrinsicsMonitor {
  public:
   explicit ExtrinsicsMonitor(const ExtrinsicsMonitorSettings& settings);

@@ -1,4 +1,4 @@
-// Which of these points are which of those, told by their configuration alone.
+// Which of these points are which of those, found by their configuration alone.
 #pragma once
 
 #include <vector>

@@ -37,7 +37,7 @@ void require_shape(const Eigen::Matrix3Xd& points_m) {
       Eigen::JacobiSVD<Eigen::Matrix3Xd>(spread).singularValues()[1] / std::sqrt(static_cast<double>(points_m.cols()));
   if (!(width_m >= min_width_m))
     throw std::invalid_argument("the points lie on a line within " + std::to_string(1000 * width_m) +
-                                " mm: nothing tells the turn about it; allowed: " + std::to_string(1000 * min_width_m) +
+                                " mm: nothing fixes the turn about it; allowed: " + std::to_string(1000 * min_width_m) +
                                 " mm or more to its side");
 }
 

@@ -44,7 +44,7 @@ Eigen::Vector3d median_colour(const cv::Mat& rgb, const cv::Mat& where) {
   return {median(std::move(channels[0])), median(std::move(channels[1])), median(std::move(channels[2]))};
 }
 
-// The direction in RGB along which marker and background are told apart, of length 1.
+// The direction in RGB along which marker and background are distinguished, of length 1.
 Eigen::Vector3d telling_direction(const Eigen::Vector3d& difference, SegmentationMethod method) {
   const Eigen::Vector3d chroma = difference.array() - difference.mean();
   const bool colourful = method == SegmentationMethod::colour && chroma.norm() > kColourful * kFullScale;

@@ -20,7 +20,7 @@ class FrameJoiner {
   FrameJoiner(const std::vector<std::string>& cameras, double sync_tolerance_s, double sync_timeout_s);
 
   // The groups that are ready now, oldest first. A frame that comes after newer ones of its camera makes a group of its
-  // own. Throws std::invalid_argument for a camera that it was not told of.
+  // own. Throws std::invalid_argument for a camera that it does not know.
   std::vector<std::vector<RgbdFrame>> add(RgbdFrame frame);
   // What still waits, at the end of a recording.
   std::vector<std::vector<RgbdFrame>> finish();

@@ -29,8 +29,8 @@ class MarkerEstimator {
   const std::vector<Eigen::Vector3d>& reference_m() const { return reference_m_; }
   // As if no marker had ever been seen.
   void restart();
-  // All that is believed. Whoever sets it goes on as whoever told it, to the last digit. Throws std::invalid_argument
-  // for what no beliefs about as many markers would tell.
+  // All that is believed. Whoever sets it goes on as whoever had it, to the last digit. Throws std::invalid_argument
+  // for what no beliefs about as many markers would hold.
   std::vector<double> state() const;
   void set_state(const std::vector<double>& state);
 
@@ -40,7 +40,7 @@ class MarkerEstimator {
   bool started() const { return time_s_.has_value(); }
 
   // Of where markers are to be looked for: by their motion and, where there is one, the simulation. After a long gap
-  // between frames the motion tells next to nothing.
+  // between frames the motion says next to nothing.
   std::vector<MarkerPrediction> predictions() const;
   const std::vector<std::vector<int>>& neighbours() const { return neighbours_; }
 

@@ -18,7 +18,7 @@ struct MeshSizes {
 // Throws std::invalid_argument where so many elements are asked for that memory and time are not those of a robot.
 void check_count(double volume_m3, const MeshSizes& sizes);
 
-// Tells Gmsh the sizes for the current model. Refinements that name surfaces need their entities; throws
+// Gives Gmsh the sizes for the current model. Refinements that name surfaces need their entities; throws
 // std::invalid_argument where there is no such surface.
 void set_sizes(const MeshSizes& sizes, double units_per_metre, const std::vector<NamedSurface>& surfaces);
 

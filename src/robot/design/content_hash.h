@@ -4,7 +4,7 @@
 
 namespace soft_robot_lab {
 
-// FNV-1a with 128 bits (Fowler, Noll, Vo): tells contents apart, does not resist an attacker.
+// FNV-1a with 128 bits (Fowler, Noll, Vo): distinguishes contents, does not resist an attacker.
 class ContentHash {
  public:
   // Each piece is hashed with its length, so that moving a boundary changes the result.

@@ -9,7 +9,7 @@ std::unique_ptr<Actuator> make(const ActuatorFactory& factory, const std::string
   return in_section(place, [&] { return factory(plugin); });
 }
 
-// A stalk turns with the body: a far longer one is a mistake, and its end tells nothing but rounding.
+// A stalk turns with the body: a far longer one is a mistake, and its end shows nothing but rounding.
 double longest_stalk_m(const Body& body) {
   const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
   return 10.0 * (nodes_m.rowwise().maxCoeff() - nodes_m.rowwise().minCoeff()).norm();

@@ -1,6 +1,6 @@
 // Finds policies on a model of its own, and plays and corrects them on whatever listens to the actuator commands.
 //
-// Parameters: ~scene (path; absent where the simulator tells which scene runs), ~ramp_s (how long an optimised policy
+// Parameters: ~scene (path; absent where the simulator names which scene runs), ~ramp_s (how long an optimised policy
 // takes to reach its commands), ~markers_topic (what corrects a policy), ~lost_after_s (without any marker for so long
 // a closed loop stops).
 #include <algorithm>

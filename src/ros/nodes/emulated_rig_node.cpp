@@ -1,5 +1,5 @@
-// Tells where the shafts of an emulated rig really are, and passes requests for faults on to it. Where the line to the
-// emulator breaks, it connects again; without one, it fails.
+// Publishes where the shafts of an emulated rig really are, and passes requests for faults on to it. Where the line to
+// the emulator breaks, it connects again; without one, it fails.
 //
 // Parameters: ~rig (path), ~control (the emulator's socket), ~plant (path: the backlash that its motors really have;
 // absent: none).

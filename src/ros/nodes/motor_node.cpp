@@ -141,7 +141,7 @@ class MotorNode {
       return true;
     }
     finish(longest_operation_s);
-    wait_for_zero(request.names);  // the board says that it is done before it tells where the motors are
+    wait_for_zero(request.names);  // the board says that it is done before it reports where the motors are
     state_.publish(motor_state(driver_, ros::Time::now()));
     return answer(response, "here is zero");
   }

@@ -8,11 +8,11 @@
 
 namespace soft_robot_lab {
 
-// Runs `run` after ROS has been set up; what it throws is told in the log, and gives the exit status 2.
+// Runs `run` after ROS has been set up; what it throws is written to the log, and gives the exit status 2.
 template <class Run>
 int run_node(int argc, char** argv, const std::string& name, Run run) {
   ros::init(argc, argv, name);
-  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be told
+  const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be logged
   try {
     run();
   } catch (const std::exception& error) {

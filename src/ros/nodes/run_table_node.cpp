@@ -1,5 +1,5 @@
 // Drives a session through an experiment's configurations in their order, as the tables 6.4 to 6.6 of the thesis, waits
-// for rest at each, and tells how large the gap between robot and simulation is there.
+// for rest at each, and prints how large the gap between robot and simulation is there.
 //
 // Usage: run_table_node EXPERIMENT.yaml [HOLD_S]. Each configuration is held for 3 s, or as long as is asked for:
 // silicone creeps, and a fit takes the end of a hold. Exit status: 0 done, 1 a part failed, 2 bad file or arguments.

@@ -227,7 +227,7 @@ void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
     scene_ = std::move(scene);
     surface_period_ = -1.0;
   }
-  scene_path_.tell(path);
+  scene_path_.publish(path);
 }
 
 void SimulatorNode::run() {

@@ -3,9 +3,9 @@
 //
 // Parameters: ~cameras (list of names: the topics' first parts), ~tracker (path of the tracker's settings), ~poses
 // (path: where the cameras stand; a calibration writes it), ~default_poses (path, read while there is no such file),
-// ~scene (path; absent where simulator/scene tells), ~use_simulated (simulated markers say where to look first), ~balls
-// (path of the calibration's balls; absent: no calibration), ~bag and ~output (paths: a recording to read, and a bag to
-// write).
+// ~scene (path; absent where simulator/scene names it), ~use_simulated (simulated markers say where to look first),
+// ~balls (path of the calibration's balls; absent: no calibration), ~bag and ~output (paths: a recording to read, and a
+// bag to write).
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -100,7 +100,7 @@ class TrackerNode {
   std::string problem_;                            // the last, since the last diagnosis
   std::vector<std::string> lost_;                  // as last reported
   std::vector<double> latencies_s_;                // from stamp to markers, since the last diagnosis
-  std::vector<std::vector<std::string>> knocked_;  // told in the log
+  std::vector<std::vector<std::string>> knocked_;  // named in the log
 
   ros::NodeHandle node_;
   ros::Publisher markers_, steps_, image_;
@@ -179,7 +179,7 @@ void TrackerNode::on_pair(const std::string& camera, const Image& colour, const 
   if (!usable) diagnosis.failed(problem_);
 }
 
-// Whether it could be done. Bad messages are told and counted; the next ones go on.
+// Whether it could be done. Bad messages are logged and counted; the next ones go on.
 template <typename Action>
 bool TrackerNode::attempt(const std::string& what, Action action) {
   try {
@@ -195,7 +195,7 @@ bool TrackerNode::attempt(const std::string& what, Action action) {
 void TrackerNode::on_result(const MarkerTracking::Result& result) {
   const TrackerReport& report = result.report;
   for (const CameraProblem& problem : report.problems) {
-    if (problem.silent && !problem_.empty()) continue;  // why it has not is already told
+    if (problem.silent && !problem_.empty()) continue;  // why it has not is already logged
     problem_ = problem.message;
     ROS_WARN_THROTTLE(1.0, "%s", log_text(problem_).c_str());
     if (problem.silent) continue;  // its own diagnosis finds that out
@@ -301,7 +301,7 @@ void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) {
   for (const CameraWarning& warning : tracking->watch().warnings()) status.mergeSummary(Status::WARN, warning.message);
 }
 
-void tell(const ReplaySummary& summary, const std::string& output) {
+void print(const ReplaySummary& summary, const std::string& output) {
   ROS_INFO("%s: %ld times all markers, %.3f CPU-seconds", output.c_str(), summary.written, summary.cpu_s);
   if (!summary.repeated) return;
   ROS_INFO("%ld times markers and %ld gaps are the session's to the last digit, %ld and %ld are not",
@@ -319,7 +319,7 @@ int main(int argc, char** argv) {
   return run_node(argc, argv, "tracker", [] {
     const NodeOptions options = read_options(ros::NodeHandle("~"));
     if (!options.bag.empty()) {
-      tell(replay_tracking(options.input, options.bag, options.output), options.output);
+      print(replay_tracking(options.input, options.bag, options.output), options.output);
       return;
     }
     const TrackerNode node(options);

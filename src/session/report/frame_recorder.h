@@ -34,7 +34,7 @@ struct Capture {
 
 class FrameRecorder {
  public:
-  // Keeps a reference to the simulation, for its markers. Its mesh in its rest shape tells how the robot looks.
+  // Keeps a reference to the simulation, for its markers. Its mesh in its rest shape gives the look of the robot.
   FrameRecorder(const Simulation& simulation, const CameraSetup& rig, const FrameRecorderOptions& options = {});
 
   // What the cameras see of `present`, the robot moving as from `previous` to it in the time between the two; at rest

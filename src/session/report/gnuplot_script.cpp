@@ -10,7 +10,7 @@
 namespace soft_robot_lab {
 namespace {
 
-// Okabe & Ito's palette (Wong 2011, Nature Methods 8:441): told apart by colour-blind readers too.
+// Okabe & Ito's palette (Wong 2011, Nature Methods 8:441): distinguished by colour-blind readers too.
 constexpr std::array<const char*, 8> kPalette = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                                  "#E69F00", "#56B4E9", "#000000", "#B8A800"};
 constexpr std::array<int, 8> kMarks = {7, 5, 9, 11, 13, 6, 4, 8};  // of gnuplot: circle, square, triangles, ...

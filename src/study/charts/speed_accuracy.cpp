@@ -69,7 +69,7 @@ struct Climber {
       const double frequency_hz = before || settled ? -1.0 : frequency_of(context, problem, poissons_ratio);
       if (frequency_hz > 0.0)
         run.frequency_error = measure_frequency(problem, poissons_ratio, rung, size, frequency_hz, tools);
-      if (!before) context.tell(share, describe(run));
+      if (!before) context.report(share, describe(run));
       if (run.cpu_s > ladder.stop_after_cpu_s) break;
     }
     write_runs(context.output_folder + "/runs.json", runs);
@@ -178,11 +178,11 @@ ExperimentResult run_speed_accuracy(const ExperimentContext& context, const Spee
   result.numbers = claims.numbers;
   result.we_find = claims.words;
   if (ladder.problems.front().name == kCantilever) {
-    context.tell(1.0, "convergence");
+    context.report(1.0, "convergence");
     const std::vector<ConvergenceSeries> convergence = run_convergence(context, ladder, options.quick);
     for (Plot& plot : plot_convergence(convergence)) result.plots.push_back(std::move(plot));
     result.numbers["convergence"] = convergence_json(convergence);
-    context.tell(1.0, "release");
+    context.report(1.0, "release");
     const std::vector<ReleaseRun> releases = run_releases(context, ladder.release);
     result.plots.push_back(plot_releases(releases));
     result.numbers["release"] = releases_json(releases);

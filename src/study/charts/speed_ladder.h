@@ -51,7 +51,7 @@ struct ReleaseProblem {
 struct ElsewherePoint {
   std::string name;
   std::string poissons_ratio;
-  std::optional<double> cost;  // CPU-seconds per simulated second; not told for every point
+  std::optional<double> cost;  // CPU-seconds per simulated second; not known for every point
   double error_percent = 0.0;
 };
 

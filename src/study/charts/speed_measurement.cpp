@@ -75,7 +75,7 @@ Eigen::Matrix3Xd moved_m(const Simulation& simulation) {
   return moved;
 }
 
-void tell(SpeedRun& run, const SolveReport& report) {
+void note(SpeedRun& run, const SolveReport& report) {
   if (report.converged) return;
   run.ended = false;
   if (run.message.empty()) run.message = report.message.empty() ? "did not converge" : report.message;
@@ -93,7 +93,7 @@ void settle(Simulation& simulation, const SpeedProblem& problem, const Truth& tr
     const SolveReport report = simulation.step();
     const double step_s = cpu_time_s() - before_s;
     run.cpu_s += step_s;
-    tell(run, report);
+    note(run, report);
     iterations += report.iterations;
     if (report.iterations > 0) {
       ++active;
@@ -109,7 +109,7 @@ void find_equilibrium(Simulation& simulation, const Truth& truth, SpeedRun& run)
   const double before_s = cpu_time_s();
   const SolveReport report = simulation.solve_equilibrium();
   run.cost = run.cpu_s = cpu_time_s() - before_s;
-  tell(run, report);
+  note(run, report);
   run.iterations = report.iterations;
   truth.judge(moved_m(simulation), run);
 }

@@ -155,7 +155,7 @@ std::vector<StiffnessRun> pull_all(const ExperimentContext& context, const Stiff
   for (const auto& [model, k] : wanted) {
     std::ostringstream what;
     what << name_of(model) << ", " << k << " N/m";
-    context.tell(double(runs.size()) / double(wanted.size()), what.str());
+    context.report(double(runs.size()) / double(wanted.size()), what.str());
     runs.push_back(pull(context, settings, model, k));
   }
   return runs;

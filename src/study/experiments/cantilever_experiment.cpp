@@ -45,7 +45,7 @@ Sag find_sag(const ExperimentContext& context, const Settings& settings, const s
   return {sag_m, simulation.body().mesh().tet_count(), report.solve};
 }
 
-// Nearer and nearer to incompressible: 1/2 - nu, so that the last decades can be told apart.
+// Nearer and nearer to incompressible: 1/2 - nu, so that the last decades can be distinguished.
 Axis incompressibility_axis(const std::vector<ReferenceRow>& rows) {
   Axis axis;
   axis.label = "Poisson's ratio";
@@ -88,8 +88,8 @@ ExperimentResult run_cantilever_experiment(const ExperimentContext& context) {
   for (const std::string& element : settings.elements) {
     Series series{element, {}, {}};
     for (const ReferenceRow& row : rows) {
-      context.tell(done++ / static_cast<double>(settings.elements.size() * rows.size()),
-                   element + " at " + row.text("nu"));
+      context.report(done++ / static_cast<double>(settings.elements.size() * rows.size()),
+                     element + " at " + row.text("nu"));
       const Sag found = find_sag(context, settings, element, row.text("nu"));
       const double reference_m = -row.number("tip_uy_m"), error = found.sag_m / reference_m - 1.0;
       result.table.rows.push_back({row.text("nu"), element, double(found.elements), 1e3 * found.sag_m,

@@ -167,14 +167,14 @@ std::vector<ChamberRun> run_chambers(const ExperimentContext& context, const Cha
   double count = 0.0, done = 0.0;
   for (const ChamberMesh& mesh : settings.meshes) count += static_cast<double>(mesh.betas.size());
   for (const ChamberMesh& mesh : settings.meshes) {
-    context.tell(done / count, mesh.name + " mesh");
+    context.report(done / count, mesh.name + " mesh");
     ChamberRun run{mesh.name, load_scene(mesh.file, context.scene_options(settings.changes)), {}};
     Simulation& simulation = *run.scene.simulation;
     const int actuator = actuator_of(settings, simulation);
     for (const double beta : mesh.betas) {
       std::ostringstream what;
       what << mesh.name << " at beta " << beta;
-      context.tell(done++ / count, what.str());
+      context.report(done++ / count, what.str());
       simulation.set_command(simulation.actuators().at(static_cast<size_t>(actuator))->name(), beta);
       const SolveReport solve = simulation.solve_equilibrium();
       run.states.push_back(observe(simulation, actuator, beta, solve));
@@ -208,7 +208,7 @@ Pumping pump_chamber(const ExperimentContext& context, const ChamberSettings& se
   for (long i = 1; i <= steps && trouble(report).empty(); ++i) {
     const double change = pump.beta - 1.0, so_far = pump.beta_per_step * static_cast<double>(i);
     const double beta = std::abs(change) <= so_far ? pump.beta : 1.0 + std::copysign(so_far, change);
-    if (i % 10 == 0) context.tell(static_cast<double>(i) / static_cast<double>(steps), pump.mesh + " in time");
+    if (i % 10 == 0) context.report(static_cast<double>(i) / static_cast<double>(steps), pump.mesh + " in time");
     simulation.set_command(simulation.actuators().at(static_cast<size_t>(actuator))->name(), beta);
     report = simulation.step();
     record();

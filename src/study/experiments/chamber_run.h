@@ -54,7 +54,7 @@ struct ChamberSettings {
 ChamberSettings read_chamber_settings(const ExperimentContext& context, const std::string& name);
 
 // A run per mesh, each beta a rest state reached from the one before. Solves that fail or leave an element inverted are
-// told in `result`.
+// reported in `result`.
 std::vector<ChamberRun> run_chambers(const ExperimentContext& context, const ChamberSettings& settings,
                                      ExperimentResult& result);
 
@@ -63,7 +63,7 @@ struct Pumping {
   std::vector<double> time_s, volume_m3, gauge_pressure_pa;
 };
 
-// From the rest state at beta 1; `settings` must have a pump. Steps that fail are told in `result`.
+// From the rest state at beta 1; `settings` must have a pump. Steps that fail are reported in `result`.
 Pumping pump_chamber(const ExperimentContext& context, const ChamberSettings& settings, ExperimentResult& result);
 
 double worst_gas_residual(const std::vector<ChamberRun>& runs);

@@ -137,7 +137,7 @@ std::vector<Visit> visit_all(const ExperimentContext& context, const Settings& s
   std::vector<Visit> visits;
   SimulationState before = simulation.state();  // where the last configuration began
   for (const Configuration& configuration : settings.configurations) {
-    context.tell(double(visits.size()) / double(settings.configurations.size()), cable + ", " + configuration.name);
+    context.report(double(visits.size()) / double(settings.configurations.size()), cable + ", " + configuration.name);
     const bool moving = contains(settings.moving, configuration.name);
     if (moving)
       simulation.set_state(before);

@@ -131,7 +131,7 @@ nlohmann::ordered_json to_json(const ModelGap& gap) {
 
 ExperimentResult run_fit_experiment(const ExperimentContext& context) {
   const FitSettings settings = read_settings(context);
-  context.tell(0.0, "measuring");
+  context.report(0.0, "measuring");
   Truth truth(context, settings);
   const std::vector<MeasuredPose> table = truth.measure(settings.table, true),
                                   unseen = truth.measure(settings.unseen, false);
@@ -140,11 +140,11 @@ ExperimentResult run_fit_experiment(const ExperimentContext& context) {
   request.progress = [&](int iteration, double rms_gap_m) {
     std::ostringstream text;
     text << "iteration " << iteration << ", rms gap " << 1e3 * rms_gap_m << " mm";
-    context.tell(std::min(0.9, 0.1 + 0.03 * iteration), text.str());
+    context.report(std::min(0.9, 0.1 + 0.03 * iteration), text.str());
     return true;
   };
   const FitResult fit = fit_model(settings.robot, options, table, request);
-  context.tell(0.95, "unseen poses");
+  context.report(0.95, "unseen poses");
   const ModelGap before = model_gap(settings.robot, options, unseen);
   const ModelGap after = model_gap(settings.robot, context.scene_options(fit.changes), unseen, fit.measured_from_base);
 
@@ -159,7 +159,7 @@ ExperimentResult run_fit_experiment(const ExperimentContext& context) {
                                             {"found", value.value},
                                             {"deviation", value.deviation},
                                             {"true", truth.value(value.name)},
-                                            {"told", value.told}};
+                                            {"identifiable", value.identifiable}};
   }
   result.numbers["warnings"] = fit.warnings;
   result.numbers["fit"] = {{"before", to_json(fit.before)}, {"after", to_json(fit.after)}};

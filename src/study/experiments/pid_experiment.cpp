@@ -66,7 +66,7 @@ std::vector<PidRun> judge(const std::vector<TargetRuns>& all, const std::string&
                           const ExperimentContext& context) {
   std::vector<PidRun> runs;
   for (const TargetRuns& target : all) {
-    context.tell(0.9, "loop gain on the way to target " + target.target.name);
+    context.report(0.9, "loop gain on the way to target " + target.target.name);
     PidRun run{&target, find(target, "pid"), find(target, "rmsprop"), {}};
     if (!run.pid || !run.descent) throw std::invalid_argument("7.3.2: methods must name pid and rmsprop");
     run.loop_gain = loop_gains(*robot.scene.simulation, robot.hanging, marker, *run.pid);

@@ -112,7 +112,7 @@ std::vector<TargetRuns> run_all(const MethodSettings& settings, const HangingRob
   for (const ReachTarget& target : settings.reach.targets) {
     all.push_back({target, {}});
     for (const OptimiserOptions& options : settings.methods) {
-      context.tell(done++ / count, "target " + target.name + ", " + options.method);
+      context.report(done++ / count, "target " + target.name + ", " + options.method);
       const MarkerGoal goal{settings.reach.marker, target.place_m, 1.0};
       all.back().runs.push_back(run_policy_method(*robot.scene.simulation, robot.hanging, goal, options));
     }

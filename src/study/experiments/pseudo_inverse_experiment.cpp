@@ -156,7 +156,7 @@ ExperimentResult run_pseudo_inverse_experiment(const ExperimentContext& context)
   for (const std::string element : {"linear", "quadratic"}) {
     const Scene scene = load_scene(settings.robot, context.scene_options("body: {element: " + element + "}\n"));
     for (const End& end : ends(settings, scene.simulation->body().mesh())) {
-      context.tell(double(runs.size()) / 10.0, element + ", " + end.name);
+      context.report(double(runs.size()) / 10.0, element + ", " + end.name);
       CouplingRun run;
       run.element = element;
       run.end = end.name;

@@ -149,7 +149,7 @@ std::vector<OrderRun> run_orders(const ExperimentContext& context, const OrderSe
   const double count = 2.0 * double(kOrders.size() + 1);
   for (const std::string way : {"equilibria", "dynamics"}) {
     for (const Order& order : kOrders) {
-      context.tell(double(runs.size()) / count, robot.name + ", " + order.name + ", " + way);
+      context.report(double(runs.size()) / count, robot.name + ", " + order.name + ", " + way);
       simulation.set_state(hanging);
       set(simulation, {0, 1}, 1.0);
       const auto& pull = way == "dynamics" ? pull_in_time : pull_quasi_statically;

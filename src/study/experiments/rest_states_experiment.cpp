@@ -175,8 +175,8 @@ ExperimentResult run_rest_states_experiment(const ExperimentContext& context) {
     equilibrium(body, 1.0, *still.simulation);
     const Eigen::Matrix3Xd rest_m = markers_of(*still.simulation);
     for (const RestMethod& method : settings.methods) {
-      context.tell(done++ / static_cast<double>(settings.bodies.size() * settings.methods.size()),
-                   body.name + ", " + method.name);
+      context.report(done++ / static_cast<double>(settings.bodies.size() * settings.methods.size()),
+                     body.name + ", " + method.name);
       for (std::size_t i = 0; i < method.steps_s.size(); ++i) {
         const Scene scene = load(context, settings, body, solver_of(method, i));
         start(body, near, *scene.simulation);

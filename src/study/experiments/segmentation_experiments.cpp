@@ -167,8 +167,8 @@ Outcome run(const ExperimentContext& context, const std::string& name) {
   Outcome outcome;
   auto& [result, names, scores] = outcome;
   const auto states = rest_states(simulation, experiment.configurations, result);
-  const auto tell = [&](double share) { context.tell(share, "images"); };
-  const MarkerSightings sightings = sight_markers(states, simulation, experiment.rig, experiment.detector, tell);
+  const auto report = [&](double share) { context.report(share, "images"); };
+  const MarkerSightings sightings = sight_markers(states, simulation, experiment.rig, experiment.detector, report);
   result.table.columns = {{"marker"},           {"in sight"}, {"found"}, {"found [%]", 3}, {"mean distance [px]", 3},
                           {"deviation [px]", 3}};
   for (std::size_t i = 0; i < simulation.markers().size(); ++i) {

@@ -149,7 +149,7 @@ std::string words(const MeasuredTentacle& tentacle, const std::vector<AtMaterial
        << " mm above the measured one: the measuring frame was never registered against the arm, and the markers were "
           "put "
        << "on again between the sessions. Of what is left some 6 mm are of that frame, whatever the model: this "
-       << "comparison tells models apart that differ by more, and no better, and the fitted stiffness has taken up a "
+       << "comparison distinguishes models that differ by more, and no better, and the fitted stiffness has taken up a "
           "part "
        << "of it.";
   return text.str();
@@ -167,7 +167,7 @@ FitResult best_fit(const TentacleSettings& settings, const ExperimentContext& co
     request.progress = [&](int iteration, double rms_gap_m) {
       std::ostringstream text;
       text << "from " << start_pa << " Pa: iteration " << iteration << ", rms gap " << 1e3 * rms_gap_m << " mm";
-      context.tell(0.5, text.str());
+      context.report(0.5, text.str());
       return true;
     };
     const FitResult fit = fit_model(settings.robot, context.scene_options(start.changes()), poses, request);
@@ -190,7 +190,7 @@ ExperimentResult run_tentacle_experiment(const ExperimentContext& context) {
   const auto compare = [&](const std::string& name, const std::string& changes) {
     ours.push_back({name, tentacle_gap(settings.robot, context.scene_options(changes), all)});
   };
-  context.tell(0.0, "at the published materials");
+  context.report(0.0, "at the published materials");
   compare("start", tentacle.start.changes());
   compare("identified", tentacle.identified.changes());
   const FitResult fit = best_fit(settings, context, fitted);
@@ -205,7 +205,7 @@ ExperimentResult run_tentacle_experiment(const ExperimentContext& context) {
   for (const AtMaterial& at : ours) result.numbers[at.name] = numbers_of(at);
   for (const FittedValue& value : fit.values)
     result.numbers["values"][value.name] = {
-        {"found", value.value}, {"deviation", value.deviation}, {"told", value.told}};
+        {"found", value.value}, {"deviation", value.deviation}, {"identifiable", value.identifiable}};
   result.numbers["published"] = {{"soromox_start_session_a_m", tentacle.soromox_start_m},
                                  {"soromox_identified_m", tentacle.soromox_identified_m},
                                  {"rod_fitted_to_all_m", tentacle.fitted_rod_m}};

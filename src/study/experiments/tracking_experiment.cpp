@@ -14,7 +14,7 @@ namespace {
 struct TrackingRun {
   std::string name;
   SensorModel sensor;
-  DepthSettings depth;  // what the tracker is told of it
+  DepthSettings depth;  // what the tracker knows of it
   double share = 1;     // of the film
 };
 
@@ -103,7 +103,7 @@ ExperimentResult run_tracking_experiment(const ExperimentContext& context) {
   step << "solver: {time_step_s: " << 0.5 / experiment.rate_hz << "}";
   const Scene scene = load_scene(experiment.robot, context.scene_options(step.str()));
   Simulation& simulation = *scene.simulation;
-  context.tell(0, "moving");
+  context.report(0, "moving");
   const std::vector<Moment> moments = move_through(simulation, experiment.pulls, experiment.hold_s, experiment.rate_hz);
   const std::vector<TrackedMarker> markers = tracked_markers(simulation);
   ExperimentResult result;
@@ -129,7 +129,7 @@ ExperimentResult run_tracking_experiment(const ExperimentContext& context) {
     settings.readout_s = run.sensor.readout_time_s;
     settings.depth = run.depth;
     const auto progress = [&](double share) {
-      context.tell((double(i) + share) / double(experiment.runs.size()), run.name);
+      context.report((double(i) + share) / double(experiment.runs.size()), run.name);
     };
     const auto end = moments.begin() + static_cast<std::ptrdiff_t>(run.share * double(moments.size()));
     const TrackingScore score = track({moments.begin(), end}, simulation, rig, settings, progress);

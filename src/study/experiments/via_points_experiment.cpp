@@ -182,8 +182,8 @@ ExperimentResult run_via_points_experiment(const ExperimentContext& context) {
   for (const double contraction : settings.contractions) {
     const std::size_t first = runs.size();
     for (const int count : counts) {
-      context.tell(double(runs.size()) / double(settings.contractions.size() * counts.size()),
-                   std::to_string(count) + " via points");
+      context.report(double(runs.size()) / double(settings.contractions.size() * counts.size()),
+                     std::to_string(count) + " via points");
       runs.push_back(pull(context, settings, contraction, count));
     }
     references.push_back(runs[runs.size() - 2]);

@@ -125,7 +125,7 @@ ExperimentResult run_workspace(const ExperimentContext& context, const std::stri
   for (const double left : settings.contractions) {
     for (const double right : settings.contractions) {
       const Pair pair{left, right};
-      context.tell(double(tips.size()) / count, label(pair));
+      context.report(double(tips.size()) / count, label(pair));
       simulation.set_state(hanging);
       simulation.set_command(simulation.actuators().at(0)->name(), left);
       simulation.set_command(simulation.actuators().at(1)->name(), right);

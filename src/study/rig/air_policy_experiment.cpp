@@ -76,12 +76,12 @@ Reached reach(const AirSettings& settings, const AirTarget& target, EmulatedLab&
 std::vector<Reached> reach_all(const AirSettings& settings, const ExperimentContext& context, int& failed_steps) {
   const Scene model = load_scene(settings.files.robot, context.scene_options());
   model.simulation->solve_equilibrium();
-  context.tell(0, "calibrating the cameras");
+  context.report(0, "calibrating the cameras");
   EmulatedLab lab(settings.files.lab, context.scene_options());
   lab.calibrate(settings.files.balls);
   std::vector<Reached> reached;
   for (const AirTarget& target : settings.targets) {
-    context.tell(double(reached.size()) / double(settings.targets.size()), target.name);
+    context.report(double(reached.size()) / double(settings.targets.size()), target.name);
     reached.push_back(reach(settings, target, lab, *model.simulation));
   }
   failed_steps = lab.plant().failed_steps();

@@ -171,7 +171,7 @@ class Attempts {
     const MeasuredMarkers measured = lab.measure(marker_places(*model_));
     attempt.true_m.push_back(distance_m(lab.plant().markers_m()));
     attempt.measured_m.push_back(distance_m(measured));
-    context_.tell(0.5, std::to_string(attempt.true_m.size()) + " times at rest");
+    context_.report(0.5, std::to_string(attempt.true_m.size()) + " times at rest");
     return measured;
   }
 
@@ -217,9 +217,9 @@ struct Reached {
 
 Reached reach(const BallSettings& settings, const std::string& what, const Eigen::Vector3d& target_m,
               const ExperimentContext& context) {
-  context.tell(0.0, what + ": nearest that plant can reach");
+  context.report(0.0, what + ": nearest that plant can reach");
   Reached reached{what, RealReach(settings, context.scene_options()).nearest_m(target_m), {}, {}, {}};
-  context.tell(0.2, what + ": policy on the model");
+  context.report(0.2, what + ": policy on the model");
   Attempts attempts(settings, target_m, context);
   reached.searches = attempts.searches();
   reached.as_believed = attempts.run(false);

@@ -13,7 +13,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kFrame_s = 1.0 / 30.0;
-constexpr double kStep_s = 1.0 / 60.0;  // robot and rig tell each other where they are so often
+constexpr double kStep_s = 1.0 / 60.0;  // robot and rig exchange where they are so often
 constexpr double kLook_s = 0.5;         // at rest: no marker moved by kStill_m in this time
 constexpr double kStill_m = 5.0e-5;
 constexpr double kLimit_s = 60.0;

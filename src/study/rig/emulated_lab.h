@@ -48,7 +48,7 @@ class EmulatedLab {
   void go(const std::vector<std::string>& names, const std::vector<double>& commands);
 
   // Films the resting robot and tracks it, as if it were seen for the first time; of each marker the mean of the frames
-  // that show it. `expected_m`: where a simulation has every marker, which tells which is which.
+  // that show it. `expected_m`: where a simulation has every marker, which shows which is which.
   MeasuredMarkers measure(const MarkerPlaces& expected_m);
 
   const Plant& plant() const { return plant_; }

@@ -55,7 +55,7 @@ Plot draw(const std::string& title, const FaultRunResult& found) {
 
 ExperimentResult run_fault_experiment(const ExperimentContext& context) {
   Settings settings = read_settings(context);
-  settings.options.progress = [&](double share) { context.tell(share, "commands"); };
+  settings.options.progress = [&](double share) { context.report(share, "commands"); };
   const FaultRunResult found = run_with_faults(load_rig(settings.rig), settings.options);
 
   ExperimentResult result;

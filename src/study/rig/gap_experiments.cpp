@@ -83,7 +83,7 @@ std::vector<GapRecord> run_table(const GapSettings& settings, const ExperimentCo
                                  Simulation& model) {
   std::vector<GapRecord> records;
   for (const Configuration& configuration : settings.configurations) {
-    context.tell(double(records.size()) / double(settings.configurations.size()), configuration.name);
+    context.report(double(records.size()) / double(settings.configurations.size()), configuration.name);
     GapRecord record{configuration.name, record_at_rest(lab, model, configuration.commands), {}, {}, {}, {}, {}};
     record.steps = motor_steps(settings.files.lab.rig, record.rest);
     record.model = readings(model);
@@ -253,7 +253,7 @@ Plot shapes(const std::string& name, const std::string& robot, const GapSettings
   return plot;
 }
 
-void tell_gaps(const std::vector<GapRecord>& records, ExperimentResult& result, std::ostream& text) {
+void describe_gaps(const std::vector<GapRecord>& records, ExperimentResult& result, std::ostream& text) {
   std::vector<double> gaps_m, true_gaps_m, errors_m;
   for (const GapRecord& record : records) {
     gaps_m.push_back(rms_m(record.rest.measured_m, record.rest.simulated_m));
@@ -271,7 +271,7 @@ void tell_gaps(const std::vector<GapRecord>& records, ExperimentResult& result, 
        << 1e3 * rms(errors_m) << " mm. ";
 }
 
-void tell_come_back(const GapSettings& settings, const nlohmann::ordered_json& numbers, std::ostream& text) {
+void describe_come_back(const GapSettings& settings, const nlohmann::ordered_json& numbers, std::ostream& text) {
   for (const auto& [name, distances] : numbers.items())
     text << "In " << name << " the robot rests " << 1e3 * distances["true_rms_m"].get<double>() << " mm (measured "
          << 1e3 * distances["measured_rms_m"].get<double>() << " mm, tip "
@@ -279,7 +279,7 @@ void tell_come_back(const GapSettings& settings, const nlohmann::ordered_json& n
          << ", the simulation " << 1e3 * distances["simulated_rms_m"].get<double>() << " mm. ";
 }
 
-void tell_branches(const std::vector<GapRecord>& records, std::ostream& text) {
+void describe_branches(const std::vector<GapRecord>& records, std::ostream& text) {
   for (const GapRecord& record : records) {
     if (record.mirrored_m.empty()) continue;
     text << "In " << record.name << " the model's mirror image is a rest state as well: plant is "
@@ -289,7 +289,7 @@ void tell_branches(const std::vector<GapRecord>& records, std::ostream& text) {
   }
 }
 
-void tell_bending(const std::vector<GapRecord>& records, const GapSettings& settings, std::ostream& text) {
+void describe_bending(const std::vector<GapRecord>& records, const GapSettings& settings, std::ostream& text) {
   std::string more, less;
   for (const GapRecord& record : records) {
     const double robot_m = tip_moved_m(records, record, settings, &RestRecord::true_m);
@@ -303,7 +303,7 @@ void tell_bending(const std::vector<GapRecord>& records, const GapSettings& sett
 }
 
 // At the configuration with the highest pressure: amounts of gas as the source counts them, over that at rest.
-void tell_pressures(const std::vector<GapRecord>& records, std::ostream& text) {
+void describe_pressures(const std::vector<GapRecord>& records, std::ostream& text) {
   const GapRecord* highest = nullptr;
   std::size_t chamber = 0;
   for (const GapRecord& record : records) {
@@ -326,7 +326,7 @@ ExperimentResult run_gap(const ExperimentContext& context, const std::string& na
   const Scene model = load_scene(settings.files.robot, context.scene_options());
   const SolveReport hanging = model.simulation->solve_equilibrium();
   if (!hanging.converged) throw std::runtime_error("the model finds no rest: " + hanging.message);
-  context.tell(0, "calibrating the cameras");
+  context.report(0, "calibrating the cameras");
   EmulatedLab lab(settings.files.lab, context.scene_options());
   lab.calibrate(settings.files.balls);
   const std::vector<GapRecord> records = run_table(settings, context, lab, *model.simulation);
@@ -339,11 +339,11 @@ ExperimentResult run_gap(const ExperimentContext& context, const std::string& na
   result.numbers["come_back"] = come_back(records, settings);
   std::ostringstream text;
   text.precision(3);
-  tell_gaps(records, result, text);
-  tell_come_back(settings, result.numbers["come_back"], text);
-  tell_bending(records, settings, text);
-  tell_branches(records, text);
-  tell_pressures(records, text);
+  describe_gaps(records, result, text);
+  describe_come_back(settings, result.numbers["come_back"], text);
+  describe_bending(records, settings, text);
+  describe_branches(records, text);
+  describe_pressures(records, text);
   result.we_find = text.str();
   result.plots = {bars(name, records), shapes(name, robot, settings, records)};
   result.converged = lab.plant().failed_steps() == 0;

@@ -60,7 +60,7 @@ std::vector<Pull> pull_in_rounds(EmulatedSession& session, const Settings& setti
   std::mt19937_64 random(1);
   std::vector<Pull> pulls;
   for (int round = 0; round < settings.repeats; ++round) {
-    context.tell(double(round) / settings.repeats, "round " + std::to_string(round + 1));
+    context.report(double(round) / settings.repeats, "round " + std::to_string(round + 1));
     for (const double pull_mm : settings.pulls_mm) {
       session.run(0.02 * static_cast<double>(random() % 1000) / 1000.0 + 0.02);
       const double steps = motor.direction * std::round(1e-3 * pull_mm / motor.step_m);

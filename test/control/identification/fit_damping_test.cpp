@@ -110,7 +110,7 @@ TEST(FitModel, TakesNoDampingFromWhatDoesNotSwing) {
   request.parameters = {{"youngs_modulus_pa", {}, {}, {}}, {"damping", {}, {}, {}}};
   const std::vector<MeasuredPose> poses = measure(kLying, kWay, Eigen::Isometry3d::Identity(), 5e-5, 1);
   const FitResult result = fit_model(kScene, options_with(kLying), poses, request, {creep, held});
-  EXPECT_TRUE(warns(result, "damping: the data cannot tell it")) << summary(result);
+  EXPECT_TRUE(warns(result, "damping: the data cannot identify it")) << summary(result);
   EXPECT_EQ(result.values.size(), 1u);
   EXPECT_EQ(result.changes.find("damping"), std::string::npos) << result.changes;
 }

@@ -46,7 +46,7 @@ TEST(FitModel, FindsWhatMadeTheData) {
   std::filesystem::remove(file);
 }
 
-// Tendons that command tension weigh the robot, so that stiffness and density can both be told.
+// Tendons that command tension weigh the robot, so that stiffness and density can both be identified.
 TEST(FitModel, FindsStiffnessAndDensityWhereCablesCommandTensions) {
   const auto with_tensions = [](const std::string& material) {
     return kLying + "body: {material: {" + material + "}}\ncables: [" + cable("left", -0.007, "command: tension_n") +
@@ -145,10 +145,10 @@ TEST(FitModel, SaysWhatTheDataCannotTell) {
   request.parameters = {
       {"youngs_modulus_pa", {}, {}, {}}, {"compliance_m_n.left", {}, {}, {}}, {"damping", {}, {}, {}}};
   const FitResult result = fit_model(kScene, options_with(kLying), slack, request);
-  EXPECT_TRUE(warns(result, "cannot tell compliance_m_n.left")) << summary(result);
+  EXPECT_TRUE(warns(result, "cannot identify compliance_m_n.left")) << summary(result);
   EXPECT_TRUE(warns(result, "damping"));
-  EXPECT_FALSE(value_of(result, "compliance_m_n.left").told);
-  EXPECT_TRUE(value_of(result, "youngs_modulus_pa").told);
+  EXPECT_FALSE(value_of(result, "compliance_m_n.left").identifiable);
+  EXPECT_TRUE(value_of(result, "youngs_modulus_pa").identifiable);
   for (const FittedValue& value : result.values) EXPECT_TRUE(std::isfinite(value.deviation)) << value.name;
 }
 
@@ -182,9 +182,9 @@ TEST(FitModel, RefusesBadRequests) {
   has(refusal({{"youngs_modulus_pa", 1.0, 2.0, 3.0}}, poses), "is not in [2, 3]");
   has(refusal({{"youngs_modulus_pa", {}, -1.0, {}}}, poses), "from above 0");
   has(refusal({{"compliance_m_n", {}, {}, {}}, {"compliance_m_n.left", {}, {}, {}}}, poses), "twice");
-  has(refusal({{"camera_to_base", {}, {}, {}}}, poses), "cannot tell 6 parameters");
+  has(refusal({{"camera_to_base", {}, {}, {}}}, poses), "cannot identify 6 parameters");
   has(refusal({{"youngs_modulus_pa", {}, {}, {}}}, {}), "nowhere at rest");
-  has(refusal({{"damping", {}, {}, {}}}, poses), "none that data could tell");
+  has(refusal({{"damping", {}, {}, {}}}, poses), "none that data could identify");
   has(refusal({{"damping", {}, -1.0, {}}}, poses), "from above 0");
   has(refusal({{"damping", 1.0, {}, {}}}, poses), "damping: start 1 is not in [1e-05, 0.1]");
   has(refusal({{"damping", {}, {}, {}}, {"damping", {}, {}, {}}}, poses), "twice");

@@ -16,7 +16,7 @@
 namespace soft_robot_lab {
 
 inline const std::string kScene = std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/scenes/cable_bar.yaml";
-// As if the bar lay on its side: its weight bends it, and tells its stiffness.
+// As if the bar lay on its side: its weight bends it, and shows its stiffness.
 inline const std::string kLying = "gravity_m_s2: [0, 9.81, 0]\n";
 
 inline SceneOptions options_with(const std::string& changes) {
@@ -69,7 +69,7 @@ inline const FittedValue& value_of(const FitResult& result, const std::string& n
 inline void expect_within(const FitResult& result, const std::string& name, double truth) {
   const FittedValue& value = value_of(result, name);
   EXPECT_NEAR(value.value, truth, 3.0 * value.deviation) << name << "\n" << summary(result);
-  EXPECT_TRUE(value.told) << name;
+  EXPECT_TRUE(value.identifiable) << name;
 }
 
 inline bool warns(const FitResult& result, const std::string& of) {

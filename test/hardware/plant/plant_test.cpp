@@ -94,7 +94,7 @@ TEST_F(PlantTest, ShaftsPressAirIntoItsChambers) {
 }
 
 TEST_F(PlantTest, FeelsEveryPlaceOfTheShaftsHoweverLateItIs) {
-  // A pull of 8 mm that takes half a second, told every 10 ms.
+  // A pull of 8 mm that takes half a second, reported every 10 ms.
   Plant punctual = plant(), late = plant();
   RealTimePlant in_time(punctual, 10.0), too_late(late, 10.0);
   Eigen::Vector3d halfway_m = Eigen::Vector3d::Zero();

@@ -179,10 +179,10 @@ TEST_F(CableTest, MovesPointsJustOutsideOntoTheBody) {
       cable("{name: n, points_m: [[0.01, 0.0105, 0], [0.05, 0.0105, 0]], sheath_radius_m: 0.001, plug_radius_m: 0}");
   for (const Eigen::Vector3d& point : near->observe(body_.mesh().nodes_m, {0.0}).path_m)
     EXPECT_LE(point.y(), 0.01 + 1e-9);
-  const std::vector<PathChange> told = near->observe(body_.mesh().nodes_m, {0.0}).path_changes;
-  ASSERT_EQ(told.size(), 2u);
-  EXPECT_EQ(told[1].point, 1);
-  EXPECT_NEAR(told[1].moved_m, 0.0005, 1e-9);
+  const std::vector<PathChange> changes = near->observe(body_.mesh().nodes_m, {0.0}).path_changes;
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[1].point, 1);
+  EXPECT_NEAR(changes[1].moved_m, 0.0005, 1e-9);
 }
 
 TEST_F(CableTest, PointsOnHeldMaterialStayPoints) {

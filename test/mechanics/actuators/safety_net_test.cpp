@@ -100,11 +100,11 @@ TEST(SafetyNet, LaysOutAnewWhatStaysInverted) {
     bar.set_state(folded);
     const SolveReport report = bar.step();
     EXPECT_TRUE(report.converged) << report.message;
-    const bool told = std::any_of(report.warnings.begin(), report.warnings.end(),
-                                  [](const SolveWarning& warning) { return warning.kind == "untangleed"; });
-    EXPECT_EQ(told, inverted_steps == 1);
+    const bool warned = std::any_of(report.warnings.begin(), report.warnings.end(),
+                                    [](const SolveWarning& warning) { return warning.kind == "untangleed"; });
+    EXPECT_EQ(warned, inverted_steps == 1);
     EXPECT_EQ(bar.state().inverted_steps, report.inverted_elements > 0 ? inverted_steps + 1 : 0);
-    EXPECT_TRUE(!told || report.inverted_elements == 0);
+    EXPECT_TRUE(!warned || report.inverted_elements == 0);
   }
 }
 

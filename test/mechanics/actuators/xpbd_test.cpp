@@ -140,7 +140,7 @@ TEST(Xpbd, GoesOnFromAStateOfTheGlobalSolver) {
   state.constraint_multipliers = newton.state().constraint_multipliers;
   state.commands = newton.state().commands;
   state.actuated_commands = newton.state().actuated_commands;
-  state.element_forces_n.resize(0);  // as the shape tells
+  state.element_forces_n.resize(0);  // as the shape has them
   local.set_state(state);
   for (int i = 0; i < 5; ++i) {
     const SolveReport report = local.step();

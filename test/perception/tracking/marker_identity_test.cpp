@@ -76,7 +76,7 @@ TEST_F(MarkerIdentity, AnUncertainMarkerDoesNotTakeACertainOnesSight) {
 }
 
 TEST_F(MarkerIdentity, SightsSwappedByAWrongGuessChangePlacesForTheirNeighboursDistances) {
-  // 3 and 4 are believed to be nearly in one place, in the wrong order; the others tell how far each is.
+  // 3 and 4 are believed to be nearly in one place, in the wrong order; the others show how far each is.
   auto expected = predictions(0.0005);
   expected[4].position_m = rest_m_[3] + Eigen::Vector3d(0.002, 0, -0.001);
   expected[3].position_m = rest_m_[3] + Eigen::Vector3d(0.002, 0, -0.002);

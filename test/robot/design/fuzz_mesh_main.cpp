@@ -1,4 +1,4 @@
-// For libFuzzer; see the README's tests.
+// For libFuzzer; see test/README.md.
 #include "fuzz_mesh.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

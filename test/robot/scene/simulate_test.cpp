@@ -128,14 +128,14 @@ TEST(Simulate, TellsWhatIsWrongWithASceneOrArgument) {
 
 TEST(Simulate, EndsWithOneWhereTheDiskIsFull) {
   const SceneFolder folder;
-  const std::string told = "cannot be written: No space left on device";
+  const std::string message = "cannot be written: No space left on device";
   const int status = std::system(
       (std::string(SOFT_ROBOT_LAB_SIMULATE) + " " + kCantilever + " >/dev/full 2>" + folder.path("err")).c_str());
   EXPECT_EQ(WEXITSTATUS(status), 1);
-  EXPECT_NE(contents(folder.path("err")).find(told), std::string::npos);
+  EXPECT_NE(contents(folder.path("err")).find(message), std::string::npos);
   const Outcome outcome = simulate(folder, kCantilever + " --result /dev/full");
   EXPECT_EQ(outcome.exit_status, 1);
-  EXPECT_NE(outcome.err.find("/dev/full: " + told), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("/dev/full: " + message), std::string::npos) << outcome.err;
 }
 
 TEST(Simulate, ExplainsItself) {

@@ -70,7 +70,7 @@ struct FittedValue {
   double deviation = 0.0;        // standard
   double low = 0.0, high = 0.0;  // of 95 %, within the bounds
   double min = 0.0, max = 0.0;
-  bool told = true;  // by the data; otherwise the interval is all that the bounds leave
+  bool identifiable = true;  // from the data; otherwise the interval is all that the bounds leave
 };
 
 struct ModelGap {
@@ -83,9 +83,9 @@ struct FitResult {
   std::string message;  // why it stopped
   std::vector<FittedValue> values;
   Eigen::MatrixXd correlations;       // of the values, ones on the diagonal
-  std::vector<std::string> warnings;  // what the data cannot tell, with the parameters' names
+  std::vector<std::string> warnings;  // what the data cannot identify, with the parameters' names
   ModelGap before, after;             // at rest
-  int swings = 0;                     // that told the damping
+  int swings = 0;                     // that identified the damping
   double swing_rms_m = 0.0;           // by which the fitted model misses them
   int iterations = 0;
   double cpu_s = 0.0;

@@ -1,0 +1,1 @@
+void read(const YamlNode& node) { node.number("force_n"); }

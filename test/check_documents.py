@@ -3,6 +3,7 @@
 
 Lists every fault as FILE: what, and ends with 1. Checks: keys, interface, links, length, sentences, words (all when none is named).
 """
+import fnmatch
 import glob
 import os
 import re
@@ -20,28 +21,29 @@ SKIPPED = {'build', 'devel', '.git', 'install', 'documents'}  # test/data/docume
 # word that could be a key or a choice is looked for; of the others only what reads settings is.
 SECTIONS = {
     'Scene': {
-        'config': ['robots', 'scenes'],
-        'strict': ['actuators', 'design/solid.cpp', 'design/mesh_refinement.cpp', 'scene/actuator_section.cpp',
-                   'scene/body_section.cpp', 'scene/fidelity_section.cpp', 'scene/include_files.cpp',
-                   'scene/material_section.cpp', 'scene/mesh_section.cpp', 'scene/run_section.cpp',
-                   'scene/solver_section.cpp'],
-        'loose': ['scene/choose_fidelity.cpp', 'scene/fidelity_report.cpp', 'scene/scene_cables.cpp',
-                  'scene/scene_file.cpp', 'design/mesher.cpp'],
+        'config': ['robots/*/robot.yaml', 'robots/*/fine.yaml', 'scenes'],
+        'strict': ['mechanics/actuators', 'robot/design/solid.cpp', 'robot/design/mesh_refinement.cpp',
+                   'robot/scene/actuator_section.cpp', 'robot/scene/body_section.cpp', 'robot/scene/fidelity_section.cpp',
+                   'robot/scene/include_files.cpp', 'robot/scene/material_section.cpp', 'robot/scene/mesh_section.cpp',
+                   'robot/scene/run_section.cpp', 'robot/scene/solver_section.cpp'],
+        'loose': ['robot/scene/choose_fidelity.cpp', 'robot/scene/fidelity_report.cpp', 'robot/scene/scene_cables.cpp',
+                  'robot/scene/scene_file.cpp', 'robot/design/mesher.cpp'],
     },
     'Material preset': {'config': ['materials']},
-    'Motor rig': {'config': ['rigs'], 'strict': ['motor/rig_settings.cpp']},
-    'Plant': {'config': [], 'strict': ['rig/plant.cpp']},  # `robot` is a scene
-    'Camera rig': {'config': ['cameras'], 'strict': ['render/camera_setup.cpp', 'render/sensor_model.cpp']},
-    'Camera poses': {'config': ['calibration/box_poses.yaml'], 'strict': ['vision/camera_pose.cpp']},
-    'Calibration balls': {'config': ['calibration'], 'but': ['calibration/box_poses.yaml'], 'strict': ['vision/calibration.cpp'],
+    'Motor rig': {'config': ['robots/*/motors.yaml', 'motors'], 'strict': ['hardware/motor/rig_settings.cpp']},
+    'Plant': {'config': [], 'strict': ['hardware/plant/plant.cpp']},  # `robot` is a scene
+    'Camera setup': {'config': ['cameras'], 'but': ['cameras/*_poses.yaml'],
+                     'strict': ['perception/render/camera_setup.cpp', 'perception/render/sensor_model.cpp']},
+    'Camera poses': {'config': ['cameras/*_poses.yaml'], 'strict': ['perception/calibration/camera_pose.cpp']},
+    'Calibration balls': {'config': ['robots/*/balls.yaml'], 'strict': ['perception/calibration/calibration.cpp'],
                           'no_keys': {'markers'}},  # of calibrate_by_markers, which reads no file
-    'Tracker': {'config': ['trackers'], 'strict': ['vision/tracker_settings.cpp']},
-    'Task': {'config': ['tasks'], 'loose': ['nodes/reach_target_node.cpp', 'experiment/reach_targets.cpp']},
+    'Tracker': {'config': ['robots/*/tracker*.yaml'], 'strict': ['perception/tracking/tracker_settings.cpp']},
+    'Task': {'config': ['robots/*/tasks'], 'loose': ['ros/nodes/reach_target_node.cpp', 'study/reach_targets.cpp']},
     'Policy': {'config': [], 'strict': ['control/policy.cpp']},
-    'Experiments': {'config': ['experiments'], 'loose': ['experiment', 'rig', 'programs/bullet_peer.cpp']},
+    'Experiments': {'config': ['experiments'], 'loose': ['study', 'control/configuration_table.cpp', 'programs/bullet_peer.cpp']},
 }
 # These read what no user writes: requests of our own programs, tables, what another program measured.
-NO_FILE_OF_A_USER = {'emulator/control.cpp', 'programs/mesh_robot.cpp', 'ros/overlay.cpp', 'settings'}
+NO_FILE_OF_A_USER = {'hardware/emulator/control.cpp', 'programs/mesh_robot.cpp', 'ros/overlay.cpp', 'settings'}
 # Words in strict sources that are neither keys nor choices: units, parts of messages, settings of a camera's driver.
 NO_KEYS = {'m', 'ml', 'N', 'Pa', 'node', 'exposure', 'gain', 'before', 'now', 'none', 'choice', 'gravity', 'nodes'}
 # Columns of tables in config/reference, which are read in the same way.
@@ -125,7 +127,7 @@ def keys_of_file(node):
 
 
 def below(path, places):
-    return any(path == place or path.startswith(place + '/') for place in places)
+    return any(fnmatch.fnmatch(path, place) or path.startswith(place + '/') for place in places)
 
 
 def check_keys(root):

@@ -120,7 +120,7 @@ bool Execution::follow_clock(double stamp_s) {
 
 namespace {
 
-// Markers that are not whole are told in the log; the next ones count.
+// Markers that are not whole stand in the log; the next ones count.
 bool are_whole(const MarkerObservations& markers) {
   try {
     require_whole(markers);

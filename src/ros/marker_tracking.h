@@ -46,7 +46,7 @@ class MarkerTracking {
   void add_info(const std::string& camera, const sensor_msgs::CameraInfo& info);
   void add_simulated(const MarkerObservations& message);
   // What came of frames that are complete now. Frames of a camera whose pose or lens is not known yet are left out and
-  // counted. A frame that is more than a second older than the camera's newest tells that the clock was set back.
+  // counted. A frame that is more than a second older than the camera's newest shows that the clock was set back.
   std::vector<Result> add(const RgbdFrame& frame);
   std::vector<Result> finish();
   void reset();  // for a clock that goes back

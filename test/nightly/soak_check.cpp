@@ -49,7 +49,7 @@ class Soak {
                     node_.subscribe(topics::simulator_actuators, 1000, &Soak::on_actuators, this)};
     for (const std::string& node : kNodes) processes_[node] = process_of(node);
     if (!spin_until([this] { return last_ && !name_.empty() && commands_.getNumSubscribers() > 0; }, 60.0))
-      throw std::runtime_error("no session tells of markers and actuators");
+      throw std::runtime_error("no session sends markers and actuators");
   }
 
   void run(double duration_s) {

@@ -124,7 +124,7 @@ class SessionFaults : public testing::Test {
 
   bool lamp_says(const std::string& words) const { return lamp_.message.find(words) != std::string::npos; }
 
-  // Everything slips, and the lamp, told anew, has nothing to say but that the disk may be small.
+  // Everything slips, and the lamp, asked anew, has nothing to say but that the disk may be small.
   void expect_flows(const std::string& after) {
     for (auto& [topic, count] : heard_) count = 0;
     lamps_ = 0;
@@ -289,11 +289,11 @@ TEST_F(SessionFaults, ClockOfTheSessionMayJump) {
   for (const double to_s : {0.0, 4.0e9, 0.0}) {
     rosgraph_msgs::Clock clock;
     clock.clock = ros::Time(to_s);
-    int told = 0;
+    int heard = 0;
     spin_until(
         [&] {
           intruder.publish(clock);
-          return ++told == 300;
+          return ++heard == 300;
         },
         patience_s);
     expect_flows("a clock of " + std::to_string(to_s));

@@ -122,7 +122,7 @@ class CameraNode {
   RenderedRig rig_;
   SeenRobotStates robot_;
   std::string refusal_;  // the last of a message from the simulator, since the last diagnosis
-  long told_dropped_ = 0;
+  long reported_dropped_ = 0;
 
   ros::NodeHandle node_;
   std::vector<CameraPublishers> publishers_;  // as rig_.cameras()
@@ -230,8 +230,8 @@ void CameraNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   for (std::size_t i = 0; i < rig_.cameras().size(); ++i) dropped += rig_.counts(i).dropped;
   if (!refusal_.empty())
     status.summary(Status::WARN, refusal_);
-  else if (dropped > told_dropped_)
-    status.summary(Status::WARN, "frames dropped in the last second: " + std::to_string(dropped - told_dropped_));
+  else if (dropped > reported_dropped_)
+    status.summary(Status::WARN, "frames dropped in the last second: " + std::to_string(dropped - reported_dropped_));
   else
     status.summary(Status::OK, "renders what is subscribed to");
   for (std::size_t i = 0; i < rig_.cameras().size(); ++i) {
@@ -242,7 +242,7 @@ void CameraNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.add(name + " CPU time per frame [ms]",
                counts.taken > 0 ? 1000.0 * counts.cpu_s / static_cast<double>(counts.taken) : 0.0);
   }
-  told_dropped_ = dropped;
+  reported_dropped_ = dropped;
   refusal_.clear();
 }
 

@@ -82,8 +82,8 @@ class MotorNode {
   void update() {
     driver_.update(now_s());
     const std::string& failure = driver_.link_failure();
-    if (failure == told_failure_) return;
-    told_failure_ = failure;
+    if (failure == logged_failure_) return;
+    logged_failure_ = failure;
     if (failure.empty())
       ROS_INFO("linked to %s", driver_.rig().device.c_str());
     else
@@ -160,7 +160,7 @@ class MotorNode {
   }
 
   MotorDriver driver_;
-  std::string told_failure_;
+  std::string logged_failure_;
   ros::NodeHandle node_;
   ros::Publisher state_;
   ros::Subscriber commands_;

@@ -59,7 +59,7 @@ class OverlayNode {
       publish(markers.header.stamp);
     });
   }
-  // Bad messages are told in the log; the next ones go on.
+  // Bad messages stand in the log; the next ones go on.
   template <typename Action>
   void attempt(const Action& action) const {
     try {

@@ -97,15 +97,15 @@ class PlantNode {
     using Status = diagnostic_msgs::DiagnosticStatus;
     if (!refusal_.empty())
       status.summary(Status::WARN, refusal_);
-    else if (late_.lost_s() > told_lost_s_ + 0.1)
+    else if (late_.lost_s() > reported_lost_s_ + 0.1)
       status.summary(Status::WARN, "slower than real time");
     else
       status.summary(Status::OK, "runs");
     status.add("late [s]", late_.late_s(ros::Time::now().toSec()));
-    status.add("time lost [s]", late_.lost_s() - told_lost_s_);
+    status.add("time lost [s]", late_.lost_s() - reported_lost_s_);
     status.add("steps not converged", plant_.failed_steps());
     refusal_.clear();
-    told_lost_s_ = late_.lost_s();
+    reported_lost_s_ = late_.lost_s();
   }
 
   SceneOptions scene_options_ = scene_options();  // keeps the plugins loaded
@@ -114,7 +114,7 @@ class PlantNode {
   double surface_rate_hz_ = 15.0;
   double surface_period_ = -1.0;
   RealTimePlant late_{plant_, ros::Time::now().toSec()};
-  double told_lost_s_ = 0.0;  // until the last diagnosis
+  double reported_lost_s_ = 0.0;  // until the last diagnosis
   std::string refusal_;       // since then
   ros::NodeHandle node_;
   ros::Publisher markers_publisher_, surface_publisher_;

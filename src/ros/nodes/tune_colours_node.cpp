@@ -74,7 +74,7 @@ class ColourTuner {
   std::string tracker_, output_;
   TrackerSettings settings_;
   std::size_t colour_ = 0, range_ = 0;
-  std::string told_ = help;  // below the picture
+  std::string message_ = help;  // below the picture
   cv::Mat rgb_;
   std::vector<cv::Vec3b> samples_;
   ros::NodeHandle node_;
@@ -125,7 +125,7 @@ void ColourTuner::run() {
     read_sliders();
     if (!rgb_.empty()) {
       cv::cvtColor(tuning_view(rgb_, settings_.detector, colour_), view, cv::COLOR_RGB2BGR);
-      write(told_, {16, view.rows - 16}, view);
+      write(message_, {16, view.rows - 16}, view);
     }
     cv::imshow(window, view);
     const int key = cv::waitKey(30);
@@ -147,7 +147,7 @@ void ColourTuner::read_sliders() {
 }
 
 void ColourTuner::click(const cv::Point& place) {
-  told_ = help;
+  message_ = help;
   const std::vector<cv::Vec3b> pixels = sample(rgb_, place, sample_radius_px);
   samples_.insert(samples_.end(), pixels.begin(), pixels.end());
   try {
@@ -155,7 +155,7 @@ void ColourTuner::click(const cv::Point& place) {
     show_range();
   } catch (const std::invalid_argument& error) {
     samples_.resize(samples_.size() - pixels.size());
-    told_ = error.what();
+    message_ = error.what();
     ROS_WARN("%s", error.what());
   }
 }
@@ -168,11 +168,11 @@ void ColourTuner::on_mouse(int event, int x, int y, int, void* tuner) {
 void ColourTuner::save() {
   try {
     write_file(output_, with_colours(text_of(tracker_), settings_.detector.colours));
-    told_ = "saved to " + output_;
-    ROS_INFO("%s", told_.c_str());
+    message_ = "saved to " + output_;
+    ROS_INFO("%s", message_.c_str());
   } catch (const std::exception& error) {
-    told_ = std::string("not saved: ") + error.what();
-    ROS_ERROR("%s", told_.c_str());
+    message_ = std::string("not saved: ") + error.what();
+    ROS_ERROR("%s", message_.c_str());
   }
 }
 

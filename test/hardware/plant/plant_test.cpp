@@ -163,7 +163,7 @@ TEST_F(PlantTest, MovesCamerasFromWhereTheyAreBelieved) {
   believed.cameras.resize(2);
   believed.cameras[0].pose.name = "camera_left";
   believed.cameras[0].pose.world_from_camera.translation() = Eigen::Vector3d(1, 2, 3);
-  believed.cameras[1].pose.name = "camera_setupht";
+  believed.cameras[1].pose.name = "camera_right";
   const CameraSetup real = settings(kStiffer).shifted(believed);
   EXPECT_NEAR((real.cameras[0].pose.world_from_camera * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1.002, 3, 3)).norm(),
               0.0, 1e-12);

@@ -118,7 +118,7 @@ TEST_F(FilmedBalls, TellWhereTheCamerasStand) {
 TEST_F(FilmedBalls, TellOneCameraFromTheOther) {
   const CameraPose& known = rig->cameras[0].pose;
   const CameraCalibration calibration = calibrate_by_camera((*views)[1], (*views)[0], known, tolerance_m);
-  EXPECT_EQ(calibration.pose.name, "camera_setupht");
+  EXPECT_EQ(calibration.pose.name, "camera_right");
   EXPECT_LT(turn_deg(calibration.pose.world_from_camera, rig->cameras[1].pose.world_from_camera), 0.1);
   EXPECT_LT(shift_m(calibration.pose.world_from_camera, rig->cameras[1].pose.world_from_camera), 0.0005);
 }

@@ -30,7 +30,7 @@ TEST(CameraPose, SurvivesItsFile) {
   left.name = "camera_left";
   left.world_from_camera = look_at({0.2, -0.5, -0.3}, {0, 0, -0.05});
   left.residual_m = 0.00021;
-  right.name = "camera_setupht";
+  right.name = "camera_right";
   right.world_from_camera = look_at({-0.1, -0.5, 0.3}, {0, 0, -0.05});
   const std::string path = testing::TempDir() + "a_new_folder/written_poses.yaml";
   write_camera_poses(path, {left, right});

@@ -104,7 +104,7 @@ TEST_F(EmulatedLabTest, RobotAndModelFollowTheSameCommandsInTheSameOrder) {
 
 TEST_F(EmulatedLabTest, FindsCamerasThatWereKnockedOutOfTheirPlace) {
   EmulatedLab lab(settings("cameras: {camera_left: {translation_m: [0.003, 0, 0]}, "
-                           "camera_setupht: {translation_m: [0.003, 0, 0]}}\n"),
+                           "camera_right: {translation_m: [0.003, 0, 0]}}\n"),
                   options());
   const MarkerPlaces true_m = lab.plant().markers_m();
   EXPECT_NEAR(farthest_m(lab.measure(true_m), true_m), 0.003, 5e-4);

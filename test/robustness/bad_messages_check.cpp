@@ -108,6 +108,8 @@ void take_optimise_request(const OptimisePolicy::Request& request) {
   const PolicyTask task = policy_task(request, 2.0);
   OptimiserOptions options = optimiser_options(request);
   options.max_iterations = 1;
+  static int tasks = 0;
+  if (tasks++ % 8 != 0) return;  // an equilibrium of the bar costs as much as a thousand other messages
   const PolicyAnswer answer = find_policy(model(), task, options, [](auto&&...) { return false; });
   OptimisePolicy::Response response;
   fill_response(answer, task, response);

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # build.sh [TARGET...]: builds the package, or `session` for all but the tests, into build/ beside this folder; fast when
 # nothing changed.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # demo.sh [--keep]: on a fresh Debian 12 machine, from nothing to a simulated Spinebot that reaches for a ball.
 # Prints a short report and ends with status 0, or with a plain message and another status when a part failed.
 # --keep leaves the session running until Ctrl-C.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Source this: makes the built package known to ROS programs, with a ROS master of its own on a free port, so that a
 # master that already runs is not disturbed.
 package=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # install_dependencies.sh [--check]: installs the Debian 12 packages that this package is built, run and tested with. Does nothing
 # where all are there; --check only ends with 1 where some are missing.
 set -euo pipefail
@@ -19,7 +20,7 @@ packages=(
   libbullet-dev libopencv-dev libpcl-dev libembree-dev
   libmessage-filters-dev ros-sensor-msgs libsensor-msgs-dev python3-sensor-msgs
   gcc-avr avr-libc libsimavr-dev libelf-dev
-  libgtest-dev librostest-dev python3-rostest libbenchmark-dev doxygen
+  clang-format libgtest-dev librostest-dev python3-rostest libbenchmark-dev doxygen
 )
 installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null | awk '$2 == "installed" {print $1}' || true)
 mapfile -t missing < <(comm -23 <(printf '%s\n' "${packages[@]}" | sort -u) <(sort -u <<<"$installed"))

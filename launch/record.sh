@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # record.sh FOLDER ROBOT [IMAGES]: records a session into FOLDER/DATE_ROBOT.bag until SIGINT. Everything but /clock, which
 # `rosbag play --clock` makes anew, and what cameras see and the tracker's steps with it, unless IMAGES is `true`.
 # Where that is taken, as after a start within the same second or a clock that was set back, it is DATE_ROBOT_2.bag, ...

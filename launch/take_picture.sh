@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # take_picture.sh OUTPUT.png [VIEW]: what rviz shows of the running session, drawn on a hidden screen. VIEW: `session`, or
 # `session_cameras`, whose docked image a full screen would hide.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """check_documents.py ROOT [CHECK...]: holds the READMEs to the tree that they describe, and to the rules of their language.
 
 Lists every fault as FILE: what, and ends with 1. Checks: keys, interface, links, length, sentences, words (all when none is named).

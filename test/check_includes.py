@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """check_includes.py ROOT: every part includes only the parts that its row names, only ros/ and programs/ know ROS, and installed
 headers include no others of ours. Lists each offending line and ends with 1."""
 import pathlib

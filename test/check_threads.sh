@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # check_threads.sh BUILD_FOLDER: builds the nodes with threads and the tests that use them there with the thread
 # sanitiser, runs these, and ends with status 1 where one failed or a race was found.
 set -euo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the fuzzers' targets share: a rule that must hold, and bytes as a file that is read.
 #pragma once
 

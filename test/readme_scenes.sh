@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # readme_scenes.sh SIMULATE README...: the first example in YAML of each README is a whole scene, and converges.
 set -euo pipefail
 simulate=$1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The reference solutions of the package, for tests.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # run.sh: installs what is missing, builds, and runs every test: the parts without ROS under the address and
 # undefined-behaviour sanitisers, then everything. Works from any folder; a second run builds only what changed.
 #   run.sh --all   afterwards runs what takes longer too: every experiment with its checks, all bad scenes, messages and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A program of ours as a user runs it in a shell.
 #pragma once
 

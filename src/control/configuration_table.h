@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A table of configurations as the source has them: each is commanded after the one before, in the table's order.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Levenberg-Marquardt with bounds on exact derivatives, for nonlinear least squares of a few variables. Beside targets
 // out of reach, where residuals stay large, J^T J alone zigzags through curved valleys; so the second-order part
 // sum r grad^2 r is learnt by secants, as in NL2SOL (Dennis, Gay, Welsch 1981, ACM TOMS 7, eqs. 2.9 to 3.1).

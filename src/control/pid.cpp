@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Two PID controllers on the model, which count time in iterations.
 //
 // `pid` as published (7.12 to 7.16), in position form, the commands after iteration t, on O = 1/2 |y - x|^2 in m^2:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/control/policy.h"
 
 #include <cmath>
@@ -102,10 +103,10 @@ std::vector<double> PolicyPlayer::values_at(double time_s) const {
   const TimedCommandValues& before = policy_.steps[next - 1];
   if (next == policy_.steps.size()) return before.values;
   const TimedCommandValues& after = policy_.steps[next];
-  const double share = (time_s - before.time_s) / (after.time_s - before.time_s);
+  const double fraction = (time_s - before.time_s) / (after.time_s - before.time_s);
   std::vector<double> values(before.values.size());
   for (size_t i = 0; i < values.size(); ++i)
-    values[i] = before.values[i] + share * (after.values[i] - before.values[i]);
+    values[i] = before.values[i] + fraction * (after.values[i] - before.values[i]);
   return values;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Population methods, by pagmo2: CMA-ES and differential evolution on the objective over commands scaled to [0, 1].
 #include <limits>
 
@@ -19,20 +20,20 @@ constexpr double kNoEquilibrium_m2 = 1.0e6;  // worse than any objective, and a 
 struct CommandProblem {
   Search* search = nullptr;
 
-  Eigen::VectorXd commands_at(const pagmo::vector_double& share) const {
+  Eigen::VectorXd commands_at(const pagmo::vector_double& fraction) const {
     const ReachProblem& problem = search->problem();
-    const Eigen::Map<const Eigen::VectorXd> shares(share.data(), static_cast<Eigen::Index>(share.size()));
-    const Eigen::VectorXd commands = problem.min + shares.cwiseProduct(problem.max - problem.min);
+    const Eigen::Map<const Eigen::VectorXd> fractions(fraction.data(), static_cast<Eigen::Index>(fraction.size()));
+    const Eigen::VectorXd commands = problem.min + fractions.cwiseProduct(problem.max - problem.min);
     return commands.cwiseMax(problem.min).cwiseMin(problem.max);  // rounding may leave the bounds
   }
   pagmo::vector_double shares_of(const Eigen::VectorXd& commands) const {
     const ReachProblem& problem = search->problem();
-    const Eigen::VectorXd shares = (commands - problem.min).cwiseQuotient(problem.max - problem.min);
-    return pagmo::vector_double(shares.data(), shares.data() + shares.size());
+    const Eigen::VectorXd fractions = (commands - problem.min).cwiseQuotient(problem.max - problem.min);
+    return pagmo::vector_double(fractions.data(), fractions.data() + fractions.size());
   }
 
-  pagmo::vector_double fitness(const pagmo::vector_double& share) const {
-    const Evaluation* here = search->evaluate(commands_at(share), false);
+  pagmo::vector_double fitness(const pagmo::vector_double& fraction) const {
+    const Evaluation* here = search->evaluate(commands_at(fraction), false);
     if (!here) return {kNoEquilibrium_m2};
     return {here->objective_m2() + (here->allowed ? 0.0 : 0.5 * kNoEquilibrium_m2)};
   }
@@ -47,8 +48,7 @@ struct CommandProblem {
 pagmo::algorithm make_method(const std::string& kind, unsigned int seed) {
   constexpr double own = -1.0, first_step = 0.25, precision = 1.0e-12;
   if (kind == "cma_es")
-    return pagmo::algorithm(
-        pagmo::cmaes(1u, own, own, own, own, first_step, precision, precision, true, true, seed));
+    return pagmo::algorithm(pagmo::cmaes(1u, own, own, own, own, first_step, precision, precision, true, true, seed));
   return pagmo::algorithm(pagmo::de(1u, 0.8, 0.9, 2u, precision, precision, seed));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From a task to the problems of its poses.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How control's parts refuse what they cannot use.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // RMSprop on 1/2 |y - x(alpha)|^2 with the published constants, kept for comparison. It stops where every derivative is
 // below a tolerance, if one is given: the source gives one, and another for another robot.
 // The thesis's eq. 7.5 drops the minus sign of this objective's gradient, which would climb: here the step descends.

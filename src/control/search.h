@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What every search method shares: evaluating the problem, remembering the best commands, reporting the progress.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // bullet_peer SCENE.yaml: a scene by Bullet's deformable solver, for comparison (chart_speed_accuracy).
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,7 @@ namespace {
 using namespace soft_robot_lab;
 
 constexpr const char* kUsage =
-    "usage: bullet_peer SCENE.yaml [--changes YAML] [--settings YAML] [--duration SECONDS] [--judged SECONDS]\n"
+    "usage: bullet_peer SCENE.yaml [--overrides YAML] [--settings YAML] [--duration SECONDS] [--judged SECONDS]\n"
     "                   [--cpu-limit SECONDS] [--mesher PROGRAM] [--result FILE]\n"
     "Lets Bullet's deformable solver run the scene from rest, at its first commands, and writes where its markers\n"
     "were (x, y, z of each) in the last (--judged) seconds and the CPU time it took as JSON. Changes are laid over the "
@@ -32,7 +33,7 @@ constexpr const char* kUsage =
 constexpr double kFarAway_m = 1.0e3;
 
 struct Arguments {
-  std::string scene, changes, settings = "{}", mesher, result;
+  std::string scene, overrides, settings = "{}", mesher, result;
   double duration_s = 1.0;
   double judged_s = 0.0;
   double cpu_limit_s = 60.0;
@@ -45,8 +46,8 @@ Arguments parse(int count, char** values) {
     const std::string word = words.word();
     if (word == "-h" || word == "--help") {
       arguments.help = true;
-    } else if (word == "--changes") {
-      arguments.changes = words.value();
+    } else if (word == "--overrides") {
+      arguments.overrides = words.value();
     } else if (word == "--settings") {
       arguments.settings = words.value();
     } else if (word == "--mesher") {
@@ -90,7 +91,7 @@ BulletSettings read_settings(const std::string& text) {
 int run(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
-  options.changes = arguments.changes;
+  options.overrides = arguments.overrides;
   options.mesher = arguments.mesher;
   Scene scene = load_scene(arguments.scene, options);
   if (!scene.run.commands.empty()) {

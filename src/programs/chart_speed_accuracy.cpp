@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // chart_speed_accuracy: draws error against CPU time of our methods and of Bullet's, without a ROS master.
 #include <filesystem>
 #include <iostream>
@@ -69,7 +70,7 @@ int chart(const Arguments& arguments) {
     ExperimentContext context;
     context.config_folder = config_folder();
     context.output_folder = arguments.output;
-    context.progress = [&](double share, const std::string& what) { bar.show(share, what); };
+    context.progress = [&](double fraction, const std::string& what) { bar.show(fraction, what); };
     report.result = run_speed_accuracy(context, options);
     for (const Plot& plot : report.result.plots) report.pictures.push_back(write_plot(plot, arguments.output));
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // chart_stability: every method in every hard case, drawn as a grid.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // experiment NAME: repeats an experiment, prints its table and draws its pictures, without a ROS master.
 #include <algorithm>
 #include <filesystem>
@@ -93,7 +94,7 @@ ExperimentReport run(const Experiment& experiment, const std::string& output_fol
     ExperimentContext context;
     context.config_folder = config_folder();
     context.output_folder = output_folder;
-    context.progress = [&](double share, const std::string& what) { bar.show(share, what); };
+    context.progress = [&](double fraction, const std::string& what) { bar.show(fraction, what); };
     report.result = experiment.run(context);
     for (const Plot& plot : report.result.plots) {
       bar.show(1.0, "drawing");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // fit_model BAG --parameters A,B,C: fits a robot's scene to a recorded session, or reports how far it is from one.
 #include <iomanip>
 #include <iostream>

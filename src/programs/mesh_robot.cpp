@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // mesh_robot REQUEST.yaml OUTPUT.msh
 //
 // Meshes a solid, or rewrites a mesh file, as MSH 2.2 text with named surfaces. The request holds either
 //   solid: {...}                         see design/solid.h
 //   element_size_m: 0.01
 //   quadratic: true
-//   refinements: [{center_m: [x, y, z], radius_m: r, size_m: s}, {surface: NAME, size_m: s}, {edges_of: NAME, size_m: s}]
+//   refinements: [{center_m: [x, y, z], radius_m: r, size_m: s}, {surface: NAME, size_m: s}, {edges_of: NAME, size_m:
+//   s}]
 // or
 //   mesh_file: robot.msh                 .msh of any version or .vtk; elements, node order and surface names are kept
 // The same request gives the same file, byte by byte. Exit status: 0 done, 1 internal fault, 2 bad request; the reason

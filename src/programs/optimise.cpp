@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // optimise ROBOT.yaml --marker NAME --target X Y Z: finds a policy from the shell, without a ROS master.
 #include <csignal>
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <unistd.h>
@@ -19,8 +20,8 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  void show(double share, const std::string& what) {
-    const int percent = static_cast<int>(100.0 * std::clamp(share, 0.0, 1.0));
+  void show(double fraction, const std::string& what) {
+    const int percent = static_cast<int>(100.0 * std::clamp(fraction, 0.0, 1.0));
     if (terminal_) {
       const int full = percent * kWidth / 100;
       std::fprintf(stderr, "\r\033[K%s [%s%s] %3d %% %s", name_.c_str(), std::string(full, '#').c_str(),

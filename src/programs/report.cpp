@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // report BAG --output FOLDER: a recorded session as one HTML page.
 #include <cstdio>
 #include <stdexcept>

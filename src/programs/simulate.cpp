@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // simulate SCENE.yaml [--result FILE] [--estimate-error]: runs a scene from the shell, without a ROS master.
 #include <iostream>
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Actuators from plugin libraries, this package's and those of other packages.
 #pragma once
 

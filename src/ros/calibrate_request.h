@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Requests of the tracker's calibration to the core, and poses back.
 #pragma once
 

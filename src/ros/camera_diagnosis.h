@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is wrong with one camera of the tracker, by what came of it since it was last asked.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Exposure and gain of a camera through its driver's dynamic_reconfigure, as realsense2_camera has it: below
 // CAMERA/rgb_camera the service set_parameters, and the latched topic parameter_descriptions.
 #pragma once
@@ -29,8 +30,8 @@ CameraSetting with_request(CameraSetting setting, const dynamic_reconfigure::Con
 
 class CameraDriver {
  public:
-  // Waits for the driver. Throws std::runtime_error: no service or no descriptions within `sync_timeout_s`, and what to do;
-  // std::invalid_argument: parameters that are missing.
+  // Waits for the driver. Throws std::runtime_error: no service or no descriptions within `sync_timeout_s`, and what to
+  // do; std::invalid_argument: parameters that are missing.
   CameraDriver(ros::NodeHandle& node, const std::string& camera, double sync_timeout_s);
 
   const CameraSettingLimits& limits() const { return limits_; }

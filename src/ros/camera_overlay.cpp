@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "camera_overlay.h"
 
 #include <algorithm>
@@ -109,11 +110,11 @@ CloseUp::View CloseUp::of(const cv::Mat& image, const CameraModel& model, const 
   const Eigen::Vector2d all_px(image.cols, image.rows);
   const Eigen::AlignedBox2d robot_px = box_of(surface, model, camera_from_robot);
   if (robot_px.isEmpty()) return {image, model};
-  const double share = std::clamp(margin * robot_px.sizes().cwiseQuotient(all_px).maxCoeff(), least, 1.0);
-  const bool fits = window_px_.contains(robot_px) && window_px_.sizes().x() < 1.5 * share * all_px.x() &&
+  const double fraction = std::clamp(margin * robot_px.sizes().cwiseQuotient(all_px).maxCoeff(), least, 1.0);
+  const bool fits = window_px_.contains(robot_px) && window_px_.sizes().x() < 1.5 * fraction * all_px.x() &&
                     (window_px_.max().array() <= all_px.array()).all();
   if (!fits) {
-    const Eigen::Vector2d size_px = (share * all_px).array().round();
+    const Eigen::Vector2d size_px = (fraction * all_px).array().round();
     const Eigen::Vector2d corner_px = (robot_px.center() - 0.5 * size_px).cwiseMax(0.0).cwiseMin(all_px - size_px);
     window_px_ = {corner_px.array().round(), corner_px.array().round() + size_px.array()};
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a camera sees, with the simulated robot drawn over it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Core types to messages and back. Frame of all positions: robot_base.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Plays a policy on whatever listens to the actuator commands and, in closed loop, corrects it by what tracked markers
 // show. Driven by the stamps of messages, so in whatever time a session runs. One thread executes and waits; others add
 // what topics say.

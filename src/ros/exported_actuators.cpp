@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The plugin library: this package's actuators for pluginlib (config/actuator_plugins.xml).
 #include <pluginlib/class_list_macros.hpp>
 

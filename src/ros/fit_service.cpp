@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fit_service.h"
 
 #include <algorithm>
@@ -64,9 +65,9 @@ void fill_response(const FitResult& result, FitModel::Response& response) {
     response.marker_rms_before_m.push_back(rms_m);
     response.marker_rms_after_m.push_back(result.after.marker_rms_m.at(marker));
   }
-  const Eigen::Vector3d place_m = result.measured_from_base.translation();
+  const Eigen::Vector3d position_m = result.measured_from_base.translation();
   const Eigen::Quaterniond turn(result.measured_from_base.linear());
-  response.measured_from_base.position = to_message(place_m);
+  response.measured_from_base.position = to_message(position_m);
   response.measured_from_base.orientation.x = turn.x();
   response.measured_from_base.orientation.y = turn.y();
   response.measured_from_base.orientation.z = turn.z();

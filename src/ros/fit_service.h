@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The service controller/fit_model, and the recording of the running session that it fits to.
 #pragma once
 

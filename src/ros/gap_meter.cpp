@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "gap_meter.h"
 
 #include <algorithm>
@@ -25,11 +26,11 @@ Places places_of(const MarkerObservations& markers) {
 Places between(const MarkerObservations& before, const MarkerObservations& after, const ros::Time& stamp) {
   Places places = places_of(before);
   if (stamp == before.header.stamp) return places;
-  const double share =
+  const double fraction =
       seconds_between(before.header.stamp, stamp) / seconds_between(before.header.stamp, after.header.stamp);
   const Places then = places_of(after);
-  for (auto& [name, place_m] : places)
-    if (const auto found = then.find(name); found != then.end()) place_m += share * (found->second - place_m);
+  for (auto& [name, position_m] : places)
+    if (const auto found = then.find(name); found != then.end()) position_m += fraction * (found->second - position_m);
   return places;
 }
 

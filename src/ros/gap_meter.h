@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Compares tracked markers with simulated ones at the same instant.
 #pragma once
 

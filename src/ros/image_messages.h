@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Frames of RGB-D cameras as realsense2_camera publishes them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Topics that no newcomer misses anything of: a latched topic of roscpp (1.15) loses its message for who connects just
 // while it is published, as all do while a session starts.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The tracker behind messages, of a session and of a recording alike.
 #pragma once
 
@@ -22,8 +23,8 @@ namespace soft_robot_lab {
 
 struct TrackingOptions {
   std::vector<std::string> cameras;  // by the first part of their topics; at least one
-  double sync_tolerance_s = 0.016;             // frames within it are one moment: half a frame at 30 Hz
-  double sync_timeout_s = 0.1;           // waited for a camera's frame, by the others' stamps
+  double sync_tolerance_s = 0.016;   // frames within it are one moment: half a frame at 30 Hz
+  double sync_timeout_s = 0.1;       // waited for a camera's frame, by the others' stamps
   // Where a simulation has the markers is asked for so long before a frame, that its message has come for certain: so
   // the answer does not depend on who was faster.
   double simulated_before_s = 0.05;
@@ -35,7 +36,7 @@ class MarkerTracking {
   struct Result {
     TrackerReport report;
     MarkerObservations observations;  // frame_id: robot_base; only where report.updated
-    TrackerUpdateLog step;                 // what they were made from; only where report.updated
+    TrackerUpdateLog step;            // what they were made from; only where report.updated
     std::vector<RgbdFrame> frames;
   };
 
@@ -51,8 +52,8 @@ class MarkerTracking {
   std::vector<Result> finish();
   void reset();  // for a clock that goes back
 
-  // Does a recorded step of the same markers again, with its frames, poses and camera_infos. Where it follows the last one,
-  // this goes on from its own state, else from the recorded one. Throws std::invalid_argument for lists of wrong
+  // Does a recorded step of the same markers again, with its frames, poses and camera_infos. Where it follows the last
+  // one, this goes on from its own state, else from the recorded one. Throws std::invalid_argument for lists of wrong
   // lengths.
   Result repeat(const TrackerUpdateLog& step, std::vector<RgbdFrame> frames);
   bool follows(const TrackerUpdateLog& step) const { return step.number == next_step_; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Averages tracked markers over windows of time, and says when those that are seen have come to rest.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The fields of a message type, as its definition has them, to judge bytes by before they are read.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Judges from motor/state whether the drives may move.
 #pragma once
 

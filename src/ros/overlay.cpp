@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "overlay.h"
 
 #include <algorithm>
@@ -97,8 +98,8 @@ void draw_markers(const MarkerObservations& markers, const std::string& ns, cons
 }
 
 std_msgs::ColorRGBA tension_colour(double tension_n, const OverlayOptions& options) {
-  const float share = static_cast<float>(std::clamp(tension_n / options.full_tension_n, 0.0, 1.0));
-  return colour(0.15f + 0.75f * share, 0.60f - 0.50f * share, 0.15f);
+  const float fraction = static_cast<float>(std::clamp(tension_n / options.full_tension_n, 0.0, 1.0));
+  return colour(0.15f + 0.75f * fraction, 0.60f - 0.50f * fraction, 0.15f);
 }
 
 void draw_cables(const ActuatorState& actuators, const OverlayOptions& options, Drawing& drawing) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What rviz draws over the body: markers, simulated and measured, and the gap between them, target, cables by tension,
 // chambers' pressures, and the remaining error.
 #pragma once

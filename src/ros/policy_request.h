@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Service requests of the controller to tasks and options of the core, and policies and summaries back.
 #pragma once
 

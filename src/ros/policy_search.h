@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Searches for policies as a session sees them: controller/target says what is searched for, controller/progress how
 // far it is, and a search may be cancelled.
 #pragma once

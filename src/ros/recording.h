@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A recorded session, or one that goes on, as fits and reports need it: who was asked for what, and where markers were.
 #pragma once
 

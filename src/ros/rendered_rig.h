@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rendered cameras of a session: which frames are due, and what stands before the cameras.
 #pragma once
 

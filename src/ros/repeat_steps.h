@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Does what a session's tracker did again, from the recorded images.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whether markers rest, judged from where cameras saw them in two windows of time: in a session and in its recording.
 #pragma once
 

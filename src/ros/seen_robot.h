@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The robot as cameras see it, put together from what the simulator publishes about skin and markers.
 #pragma once
 

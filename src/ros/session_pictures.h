@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a camera saw of the robot in a recorded session, with the simulated robot drawn over it.
 #pragma once
 

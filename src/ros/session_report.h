@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One HTML page about a recorded session: how far robot and simulation were apart, when, where, and under what.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Judges from what is seen of a session's nodes and of its recording, once a second, whether they do their work. Times
 // are the machine's, which no clock that is set changes.
 #pragma once

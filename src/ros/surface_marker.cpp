@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "surface_marker.h"
 
 #include <algorithm>
@@ -37,8 +38,8 @@ std_msgs::ColorRGBA shaded(const Eigen::Vector3d& normal, const Eigen::Vector3d&
 }
 
 Eigen::Vector3d colour_of(double gauge_pressure_pa) {
-  const double share = std::clamp(std::abs(gauge_pressure_pa) / full_gauge_pressure_pa, 0.0, 1.0);
-  return (1.0 - share) * still_air_colour + share * (gauge_pressure_pa < 0.0 ? vacuum_colour : pressure_colour);
+  const double fraction = std::clamp(std::abs(gauge_pressure_pa) / full_gauge_pressure_pa, 0.0, 1.0);
+  return (1.0 - fraction) * still_air_colour + fraction * (gauge_pressure_pa < 0.0 ? vacuum_colour : pressure_colour);
 }
 
 }  // namespace

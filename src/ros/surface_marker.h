@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The body's skin as triangles for rviz, chambers coloured by their pressure.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Names of topics, services and frames; relative, so that a session can be pushed into a namespace.
 #pragma once
 
@@ -17,7 +18,7 @@ constexpr char overlay[] = "overlay";
 constexpr char overlay_image[] = "overlay/image";  // what a camera sees, with the simulated robot over it
 constexpr char reality_gap[] = "reality_gap";      // tracked less simulated markers
 constexpr char motor_state[] = "motor/state";
-constexpr char rig_shafts[] = "rig/shafts";            // of an emulated rig: the truth
+constexpr char rig_shafts[] = "rig/shafts";        // of an emulated rig: the truth
 constexpr char plant_markers[] = "plant/markers";  // of the robot that it moves: the truth
 constexpr char plant_surface[] = "plant/surface";
 

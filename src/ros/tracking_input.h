@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Images of cameras become pairs, pairs become groups, groups become markers: in a session and from a recording alike.
 #pragma once
 

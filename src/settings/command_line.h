@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the package's programs share: their exit status, and how they end on a mistake.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Settings laid over others.
 #include <algorithm>
 #include <utility>
@@ -16,7 +17,7 @@ YamlNode YamlNode::Data::copy(const YamlNode& node) {
 }
 
 // Both are maps.
-YamlNode YamlNode::Data::lay_over(const YamlNode& base, const YamlNode& overlay) {
+YamlNode YamlNode::Data::merge(const YamlNode& base, const YamlNode& overlay) {
   YamlNode merged = copy(overlay);
   for (const Member& member : base.data_->members) {
     auto& members = merged.data_->members;
@@ -32,17 +33,17 @@ YamlNode YamlNode::Data::lay_over(const YamlNode& base, const YamlNode& overlay)
 }
 
 // A list of named items, and a map from names to what changes.
-YamlNode YamlNode::Data::change_named(const YamlNode& list, const YamlNode& changes) {
+YamlNode YamlNode::Data::change_named(const YamlNode& list, const YamlNode& overrides) {
   YamlNode merged = copy(list);
   std::vector<std::string> names;
   for (YamlNode& item : merged.data_->items) {
     if (!item.is_map() || !item.has("name"))
       list.fail("has items without a name, so that they cannot be changed by it");
     names.push_back(item.text("name"));
-    for (const Member& change : changes.data_->members)
-      if (change.key == names.back() && change.value.is_map()) item = lay_over(item, change.value);
+    for (const Member& change : overrides.data_->members)
+      if (change.key == names.back() && change.value.is_map()) item = merge(item, change.value);
   }
-  for (const Member& change : changes.data_->members) {
+  for (const Member& change : overrides.data_->members) {
     if (!change.value.is_map()) change.value.fail("must hold keys and values that change '" + change.key + "'");
     if (std::find(names.begin(), names.end(), change.key) == names.end())
       change.value.fail("'" + change.key + "' is not one of " + join(names));
@@ -58,7 +59,7 @@ YamlNode merge_settings(const YamlNode& base, const YamlNode& overlay) {
     return std::any_of(members.begin(), members.end(), [&](const Data::Member& member) { return member.key == key; });
   };
   if (!base.is_map() || !overlay.is_map() || names("preset") || names("model")) return Data::copy(overlay);
-  return Data::lay_over(base, overlay);
+  return Data::merge(base, overlay);
 }
 
 }  // namespace soft_robot_lab

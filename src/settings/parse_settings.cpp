@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From the text of a settings file to its tree.
 #include <sstream>
 #include <unordered_map>

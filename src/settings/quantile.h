@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <algorithm>
@@ -8,8 +9,8 @@
 namespace soft_robot_lab {
 
 // Of at least one value, `share` in [0, 1]: always one of them, between two the nearer, half way the upper.
-inline double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
+inline double quantile(std::vector<double> values, double fraction) {
+  const auto at = values.begin() + std::lround(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Files whose names come from users, from other files or from recordings: a pipe would block and a device never ends.
 #pragma once
 

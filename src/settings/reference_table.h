@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reference solutions (config/reference): CSV with one line of column names. SI; a column's name ends with its unit.
 #pragma once
 

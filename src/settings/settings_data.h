@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <algorithm>
@@ -35,8 +36,8 @@ struct YamlNode::Data {
 
   static YamlNode build(const YAML::Node& yaml, Data place, int depth, long& bytes_left);
   static YamlNode copy(const YamlNode& node);
-  static YamlNode lay_over(const YamlNode& base, const YamlNode& overlay);
-  static YamlNode change_named(const YamlNode& list, const YamlNode& changes);
+  static YamlNode merge(const YamlNode& base, const YamlNode& overlay);
+  static YamlNode change_named(const YamlNode& list, const YamlNode& overrides);
 
   Member* find(const std::string& key) {
     if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Words and numbers of settings, and of what is said about wrong ones.
 #pragma once
 

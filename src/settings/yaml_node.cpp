@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/settings/yaml_node.h"
 
 #include <algorithm>
@@ -46,9 +47,7 @@ YamlNode YamlNode::child(const std::string& key) const {
 }
 
 std::vector<YamlNode> YamlNode::sequence(const std::string& key) const { return child(key).items(); }
-double YamlNode::number(const std::string& key, const AllowedRange& range) const {
-  return child(key).as_number(range);
-}
+double YamlNode::number(const std::string& key, const AllowedRange& range) const { return child(key).as_number(range); }
 std::string YamlNode::text(const std::string& key) const { return child(key).as_text(); }
 
 int YamlNode::integer(const std::string& key, int min, int max) const {
@@ -102,7 +101,7 @@ std::string YamlNode::text_or(const std::string& key, const std::string& otherwi
   return optional_child(key) ? text(key) : otherwise;
 }
 std::string YamlNode::choice_or(const std::string& key, const std::string& otherwise,
-                                    const std::vector<std::string>& allowed) const {
+                                const std::vector<std::string>& allowed) const {
   return optional_child(key) ? choice(key, allowed) : otherwise;
 }
 Eigen::Vector3d YamlNode::vector3_or(const std::string& key, const Eigen::Vector3d& otherwise) const {

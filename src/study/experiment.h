@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the program `experiment` can repeat: an experiment of the thesis, named by its section, or one of ours.
 #pragma once
 
@@ -18,13 +19,13 @@ struct ExperimentContext {
   std::string output_folder;  // exists; for files of its own (plots and table are written by the program)
   std::string mesher;         // as in SceneOptions
   // Share done in [0, 1], and what is done now; may be empty: call report().
-  std::function<void(double share, const std::string& what)> progress;
+  std::function<void(double fraction, const std::string& what)> progress;
 
-  void report(double share, const std::string& what) const {
-    if (progress) progress(share, what);
+  void report(double fraction, const std::string& what) const {
+    if (progress) progress(fraction, what);
   }
   // To load a scene with our actuators, `changes` laid over it.
-  SceneOptions scene_options(const std::string& changes = "") const;
+  SceneOptions scene_options(const std::string& overrides = "") const;
   // The experiment's settings: config/experiments/NAME.yaml.
   std::string settings_file(const std::string& name) const { return config_folder + "/experiments/" + name + ".yaml"; }
 };

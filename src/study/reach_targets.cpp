@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "reach_targets.h"
 
 #include <limits>
@@ -20,12 +21,12 @@ std::vector<ReachTarget> draw(const YamlNode& node) {
     node.fail("from_centre_m: the box has no such places");
   std::vector<ReachTarget> targets;
   while (static_cast<int>(targets.size()) < count) {
-    Eigen::Vector3d place_m = min_m;
+    Eigen::Vector3d position_m = min_m;
     for (int axis = 0; axis < 3; ++axis) {
       if (max_m[axis] == min_m[axis]) continue;
-      place_m[axis] += (max_m[axis] - min_m[axis]) * (engine() / 4294967296.0);
+      position_m[axis] += (max_m[axis] - min_m[axis]) * (engine() / 4294967296.0);
     }
-    if ((place_m - center_m).norm() >= away_m) targets.push_back({std::to_string(targets.size() + 1), place_m});
+    if ((position_m - center_m).norm() >= away_m) targets.push_back({std::to_string(targets.size() + 1), position_m});
   }
   return targets;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Places that a robot's marker reaches for from hanging, drawn by a fixed seed: the same for every experiment that
 // reads the same settings.
 #pragma once
@@ -12,7 +13,7 @@ namespace soft_robot_lab {
 
 struct ReachTarget {
   std::string name;
-  Eigen::Vector3d place_m;
+  Eigen::Vector3d position_m;
 };
 
 struct ReachTargets {

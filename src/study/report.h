@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An experiment's outcome for a reader on a terminal, for a program, and for a browser.
 #pragma once
 
@@ -24,9 +25,8 @@ void print_table(const Table& table, std::ostream& out);
 // Title, table, paragraphs and files.
 void print_report(const ExperimentReport& report, std::ostream& out);
 
-// One experiment: {title, converged, message, source_reports, we_differ, we_find, table: [{column: value}], its numbers by
-// their names, pictures}.
-// Several: {name: that}.
+// One experiment: {title, converged, message, source_reports, we_differ, we_find, table: [{column: value}], its numbers
+// by their names, pictures}. Several: {name: that}.
 std::string experiments_json(const std::vector<ExperimentReport>& reports);
 
 // One page that holds its pictures, so that it can be sent as one file.

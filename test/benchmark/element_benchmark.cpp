@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What one pass over all elements of the cantilever (100 x 20 x 20 mm) costs, without any linear solve. CPU time of one
 // thread, comparable between versions on one machine.
 #include <benchmark/benchmark.h>

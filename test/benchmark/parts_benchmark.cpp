@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What each optional part of a scene costs where it is listed; a scene that does not list it runs the first row. A bar
 // of 100 x 20 x 20 mm swings for half a second at 60 Hz, or settles. CPU time of one thread.
 #include <algorithm>
@@ -19,12 +20,12 @@ const std::string kSettle = "run: {mode: equilibrium}\n";
 const std::string kSlackCable =
     "cables: [{name: c, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], compliance_m_n: 1.0e-5}]\n";
 
-void run(benchmark::State& state, const std::string& file, const std::string& changes) {
+void run(benchmark::State& state, const std::string& file, const std::string& overrides) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.cache_folder = SOFT_ROBOT_LAB_CACHE;
   options.actuator_factory = make_actuator;
-  options.changes = (changes.find("markers") == std::string::npos ? "markers: []\n" : "") + changes;
+  options.overrides = (overrides.find("markers") == std::string::npos ? "markers: []\n" : "") + overrides;
   Scene scene = load_scene(file, options);
   RunReport report = run_scene(scene);  // warm up
   for (auto _ : state) {
@@ -37,8 +38,8 @@ void run(benchmark::State& state, const std::string& file, const std::string& ch
 
 double smallest(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
 
-void measured(const std::string& name, const std::string& changes, const std::string& file = kBar) {
-  benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) { run(state, file, changes); })
+void measured(const std::string& name, const std::string& overrides, const std::string& file = kBar) {
+  benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) { run(state, file, overrides); })
       ->Unit(benchmark::kMillisecond)
       ->MinTime(0.2)
       ->Repetitions(5)

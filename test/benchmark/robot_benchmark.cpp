@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How fast the robots of config/robots are simulated, and Spinebot taught. CPU time of one thread: run with
 // OPENBLAS_NUM_THREADS=1 on a quiet machine. Comparable between versions on one machine; the ratio of the two methods
 // also between machines.

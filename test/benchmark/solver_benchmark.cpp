@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where the time goes and how far from the machine's limit: the parts of a Newton iteration on bars of growing meshes,
 // beside what dgemm and a copy of memory reach here. CPU time of one thread.
 #include <algorithm>
@@ -17,7 +18,7 @@ extern "C" void dgemm_(const char* transa, const char* transb, const int* m, con
 namespace soft_robot_lab {
 namespace {
 
-// Additions and multiplications of pack_gradient and pack_hessian for an element of 10 nodes and 4 points, counted by
+// Additions and multiplications of batch_gradient and batch_hessian for an element of 10 nodes and 4 points, counted by
 // hand; gathering and scattering count as none.
 constexpr double kGradientFlops = 2.6e3, kHessianFlops = 1.36e4;
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A bar of 100 x 20 x 20 mm, held at x = 0, with a cable on either side.
 #pragma once
 
@@ -13,7 +14,8 @@
 
 namespace soft_robot_lab {
 
-inline std::unique_ptr<Actuator> cable(const std::string& name, double y_m, const Body& body, const MeshLocator& locator) {
+inline std::unique_ptr<Actuator> cable(const std::string& name, double y_m, const Body& body,
+                                       const MeshLocator& locator) {
   const std::string y = std::to_string(y_m);
   auto actuator = make_actuator("soft_robot_lab/Cable");
   actuator->initialise(

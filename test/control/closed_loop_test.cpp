@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The closed loop on a plant that is another simulation: softer by 15 %, and with cables that are longer than
 // specified.
 #include "soft_robot_lab/control/closed_loop.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tasks of several poses, bounds and limits on a bar with two cables.
 #include "soft_robot_lab/control/find_policy.h"
 
@@ -66,7 +67,8 @@ TEST(FindPolicy, NeverMovesACommandFasterThanItsRate) {
   ASSERT_TRUE(answer.success);
   EXPECT_GE(answer.policy.steps[0].values[0], 0.96 - 1e-12);
   ASSERT_FALSE(answer.summaries[0].active_limits.empty());
-  EXPECT_NE(answer.summaries[0].active_limits[0].find("rate"), std::string::npos) << answer.summaries[0].active_limits[0];
+  EXPECT_NE(answer.summaries[0].active_limits[0].find("rate"), std::string::npos)
+      << answer.summaries[0].active_limits[0];
 }
 
 TEST(FindPolicy, KeepsTheTensionBelowItsLimitAtEveryIterate) {
@@ -133,10 +135,22 @@ TEST(FindPolicy, RefusesWhatItCannotDo) {
       {"weight of tip: -1", [](PolicyTask& t) { t.poses[0].goals[0].weight = -1.0; }},
       {"duration_s: 0", [](PolicyTask& t) { t.poses[0].duration_s = 0.0; }},
       {"unknown actuator 'top'", [](PolicyTask& t) { t.poses[0].actuators = {"top"}; }},
-      {"limits: [-1, 1] for 'left'", [](PolicyTask& t) { t.bounds.push_back({"left", -1.0, 1.0}); }},
-      {"max_tension_n 0", [](PolicyTask& t) { t.bounds.push_back({"left", 0.8, 1.0, 0.0}); }},
-      {"max_rate_per_s -1", [](PolicyTask& t) { t.bounds.push_back({"left", 0.8, 1.0, 1.0, -1.0}); }},
-      {"cannot come within", [](PolicyTask& t) { t.bounds.push_back({"left", 0.8, 0.9, 1.0, 0.01}); }},
+      {"limits: [-1, 1] for 'left'",
+       [](PolicyTask& t) {
+         t.bounds.push_back({"left", -1.0, 1.0});
+       }},
+      {"max_tension_n 0",
+       [](PolicyTask& t) {
+         t.bounds.push_back({"left", 0.8, 1.0, 0.0});
+       }},
+      {"max_rate_per_s -1",
+       [](PolicyTask& t) {
+         t.bounds.push_back({"left", 0.8, 1.0, 1.0, -1.0});
+       }},
+      {"cannot come within",
+       [](PolicyTask& t) {
+         t.bounds.push_back({"left", 0.8, 0.9, 1.0, 0.01});
+       }},
       {"effort_m: -1", [](PolicyTask& t) { t.effort_m = -1.0; }},
   };
   Simulation simulation = bar();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The forward model, and the optimiser on it.
 #include "soft_robot_lab/control/forward_model.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The methods on closed-form robots: a planar arc that two cables bend, and a linear map.
 #include "soft_robot_lab/control/optimiser.h"
 

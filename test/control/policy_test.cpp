@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/control/policy.h"
 
 #include <cmath>

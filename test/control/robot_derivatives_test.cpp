@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the methods know of the package's own robots: derivatives by implicit differentiation beside central
 // differences of the equilibria.
 #include <string>
@@ -16,7 +17,7 @@ namespace {
 struct Case {
   std::string name, robot, marker;
   Eigen::VectorXd commands;
-  std::string changes = {};  // of the scene
+  std::string overrides = {};  // of the scene
 };
 
 // The robot has syringes.
@@ -35,7 +36,7 @@ TEST_P(RobotDerivatives, AreThoseOfTheEquilibria) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.changes = "solver: {tolerance: 1.0e-9}" + it.changes;
+  options.overrides = "solver: {tolerance: 1.0e-9}" + it.overrides;
   const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + it.robot + "/robot.yaml", options);
   std::vector<std::string> names;
   for (const auto& actuator : scene.simulation->actuators()) names.push_back(actuator->name());
@@ -73,15 +74,15 @@ TEST(Bubblebot, IsBroughtToAPlaceByTheGasInItsThreeChambers) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.changes = kBubblebotByGas;
+  options.overrides = kBubblebotByGas;
   const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/bubblebot/robot.yaml", options);
   Simulation& simulation = *scene.simulation;
   ASSERT_TRUE(simulation.solve_equilibrium().converged);
   const SimulationState hanging = simulation.state();
   const Eigen::Vector3d betas = vector({1.6, 1.25, 1.05});
-  const Eigen::Vector3d place_m = ForwardModel(simulation, {"tip"}, {"a", "b", "c"}).predict(betas, false).markers_m;
+  const Eigen::Vector3d position_m = ForwardModel(simulation, {"tip"}, {"a", "b", "c"}).predict(betas, false).markers_m;
   simulation.set_state(hanging);
-  const PolicyAnswer answer = find_policy(simulation, {{{{{"tip", place_m, 1.0}}, 2.0, {}}}, {}, 0.0}, {});
+  const PolicyAnswer answer = find_policy(simulation, {{{{{"tip", position_m, 1.0}}, 2.0, {}}}, {}, 0.0}, {});
   ASSERT_TRUE(answer.success);
   const OptimisationSummary& summary = answer.summaries.front();
   EXPECT_GT(summary.initial_distance_m, 1e-3);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Structured test meshes: a box of cells, each cut into six tetrahedra.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mechanics/elements/elements.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +46,7 @@ const Material kNeoHookean{1.0e5, 0.45, 1000.0};
 const Material kMooneyRivlin{1.0e5, 0.45, 1000.0, MaterialModel::mooney_rivlin, 7.0e3};
 const Material kYeoh{1.0e5, 0.45, 1000.0, MaterialModel::yeoh, 0.0, -4.0e3, 2.0e3};
 
-// Six elements (so that the last pack of four is not full) of a small, strongly disturbed block.
+// Six elements (so that the last batch of four is not full) of a small, strongly disturbed block.
 class ElementsTest : public ::testing::TestWithParam<Silicone> {
  protected:
   ElementsTest()

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Accuracy in time, on the bar of reference R1 clamped at x = 0.
 #include <algorithm>
 #include <cmath>

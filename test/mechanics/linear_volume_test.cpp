@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Linear elements with their volume averaged around vertices, on the cantilever of reference R1.
 #include <gtest/gtest.h>
 

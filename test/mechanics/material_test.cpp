@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The silicones in a uniaxial pull, against the closed forms of incompressible material.
 #include "soft_robot_lab/mechanics/material.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mechanics/newton/multiplier_problem.h"
 
 #include <random>
@@ -24,7 +25,8 @@ MultiplierProblem random_problem(std::mt19937& random, int spans) {
   problem.laws[0].min_multiplier = problem.laws[0].max_multiplier = 0.3;  // driven by tension
   for (int cable = 0; cable < 2; ++cable)
     for (int i = 0; i + 1 < spans; ++i)
-      problem.friction_contacts.push_back({cable * spans + i, cable * spans + i + 1, std::exp(std::abs(0.2 * normal(random)))});
+      problem.friction_contacts.push_back(
+          {cable * spans + i, cable * spans + i + 1, std::exp(std::abs(0.2 * normal(random)))});
   return problem;
 }
 
@@ -46,8 +48,9 @@ void expect_solved(const MultiplierProblem& problem, const Multipliers& solved) 
     EXPECT_LE(at < law.max_multiplier - 1e-7 ? pull : 0.0, 1e-9);
   }
   for (std::size_t j = 0; j < problem.friction_contacts.size(); ++j)
-    EXPECT_LT(friction_violation(problem.friction_contacts[j], y, solved.slips_m[static_cast<Eigen::Index>(j)], 1e-6, 1.0),
-              1e-6);
+    EXPECT_LT(
+        friction_violation(problem.friction_contacts[j], y, solved.slips_m[static_cast<Eigen::Index>(j)], 1e-6, 1.0),
+        1e-6);
 }
 
 TEST(MultiplierProblem, IsSolvedFromAnyGuess) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What shortens the solution of a time step.
 #include "mechanics/simulation/prediction.h"
 

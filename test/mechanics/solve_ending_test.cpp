@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is reported of a solve that ended badly.
 #include "mechanics/simulation/solve_ending.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mechanics/xpbd/step_warp.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@ class StepWarpTest : public ::testing::TestWithParam<bool> {
 
   const Eigen::Matrix3Xd& rest() const { return body_.mesh().nodes_m; }
   Eigen::Matrix3Xd follow(const Eigen::Matrix3Xd& step) const {
-    return StepWarp(body_, elements_.packs(), matrix_).follow(rest(), step);
+    return StepWarp(body_, elements_.batches(), matrix_).follow(rest(), step);
   }
   void hold_corner(const Eigen::Matrix<bool, 3, 1>& axes) {
     body_.fix_nodes(Eigen::Vector3d::Constant(-1e-6), Eigen::Vector3d::Constant(1e-6), axes);
@@ -60,7 +61,7 @@ TEST_P(StepWarpTest, IsTheStepItselfToFirstOrder) {
     const double x = rest()(0, node) / 0.03;
     bend.col(node) = 0.01 * Eigen::Vector3d(0.3 * x * rest()(2, node) / 0.02, x * x, -0.5 * x * x * x);
   }
-  const auto beyond = [&](double share) { return (follow(share * bend) - rest() - share * bend).norm(); };
+  const auto beyond = [&](double fraction) { return (follow(fraction * bend) - rest() - fraction * bend).norm(); };
   EXPECT_GT(beyond(1.0), 1e-3 * bend.norm());
   EXPECT_NEAR(beyond(0.01) / beyond(0.005), 4.0, 0.1);
 }
@@ -85,7 +86,7 @@ TEST_P(StepWarpTest, StaysFiniteWhereElementsAreInvertedOrFlat) {
   mirrored.row(1) *= -1.0;
   flat.row(2).setZero();
   const Eigen::Matrix3Xd step = 3.0 * rest();
-  const StepWarp warp(body_, elements_.packs(), matrix_);
+  const StepWarp warp(body_, elements_.batches(), matrix_);
   EXPECT_LT((warp.follow(mirrored, step) - mirrored - step).norm(), 1e-12);
   EXPECT_TRUE(warp.follow(flat, step).allFinite());
   EXPECT_TRUE(warp.follow(rest(), -5.0 * rest()).allFinite());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mechanics/elements/strain_springs.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +27,7 @@ class StrainSpringsTest : public ::testing::TestWithParam<bool> {
       : body_(box_mesh({0, 0, 0}, {0.02, 0.01, 0.015}, {1, 1, 1}, GetParam()), {1.0e5, 0.45, 1000.0}),
         matrix_(body_.mesh().node_count(), stiffness_cliques(body_)),
         elements_(body_, matrix_),
-        springs_(elements_.packs(), elements_.slots()),
+        springs_(elements_.batches(), elements_.slots()),
         positions_(disturbed(body_.mesh().nodes_m, 0.0015, 7)),
         pull_{2.0e4, springs_.strains(disturbed(body_.mesh().nodes_m, 0.0015, 8))} {}
 
@@ -34,7 +35,7 @@ class StrainSpringsTest : public ::testing::TestWithParam<bool> {
     Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions.cols());
     return springs_.add_gradient(positions, pull_, unused);
   }
-  Eigen::Matrix3Xd gradient(const Eigen::Matrix3Xd& positions, const StrainPull& pull) const {
+  Eigen::Matrix3Xd gradient(const Eigen::Matrix3Xd& positions, const StrainTarget& pull) const {
     Eigen::Matrix3Xd result = Eigen::Matrix3Xd::Zero(3, positions.cols());
     springs_.add_gradient(positions, pull, result);
     return result;
@@ -57,7 +58,7 @@ class StrainSpringsTest : public ::testing::TestWithParam<bool> {
   Elements elements_;
   StrainSprings springs_;
   Eigen::Matrix3Xd positions_;
-  StrainPull pull_;
+  StrainTarget pull_;
 };
 
 TEST_P(StrainSpringsTest, GradientAndHessianAgreeWithCentralDifferences) {
@@ -82,7 +83,7 @@ TEST_P(StrainSpringsTest, ConvexHessianIsPositiveWhereTheExactOneIsNot) {
 
 // Viscosity between any shape and the same one turned is nothing, and it turns and moves nothing either.
 TEST_P(StrainSpringsTest, RigidMotionFeelsNothing) {
-  const StrainPull here{2.0e4, springs_.strains(positions_)};
+  const StrainTarget here{2.0e4, springs_.strains(positions_)};
   const Eigen::Affine3d motion =
       Eigen::Translation3d(0.3, -0.2, 0.1) * Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized());
   EXPECT_LT(gradient(motion * positions_, here).norm(), 1e-12 * gradient(positions_, pull_).norm());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mechanics/mesh/subdivide.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mechanics/newton/untangle.h"
 
 #include <algorithm>
@@ -17,9 +18,9 @@ Body bar() {
   return body;
 }
 
-int node_at(const Body& body, const Eigen::Vector3d& place_m) {
+int node_at(const Body& body, const Eigen::Vector3d& position_m) {
   Eigen::Index node = 0;
-  (body.mesh().nodes_m.colwise() - place_m).colwise().squaredNorm().minCoeff(&node);
+  (body.mesh().nodes_m.colwise() - position_m).colwise().squaredNorm().minCoeff(&node);
   return static_cast<int>(node);
 }
 

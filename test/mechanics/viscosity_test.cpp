@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Damping and hysteresis of the silicone: how motion dies away, and what must not change.
 #include "soft_robot_lab/mechanics/viscosity.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // experiments_check FOLDER: runs every experiment as a user does, into FOLDER, checks what each result must hold, and
 // writes a table of them to FOLDER/experiments.md.
 #include <sys/resource.h>

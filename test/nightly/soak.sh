@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # soak.sh SOAK_CHECK SECONDS: a simulated session of Spinebot that runs so long, commanded and watched by soak_check.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

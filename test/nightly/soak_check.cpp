@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // soak_check SECONDS: commands a running simulated session once a second for so long, and holds what its nodes take and
 // how fast they answer to limits: memory that does not grow, markers that keep their period, commands that are heard at
 // once. Status 1 where one does not hold.

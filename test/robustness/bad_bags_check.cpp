@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // bad_bags_check [PART]: reads bad and extreme recordings, of which PART takes every PART-th only, and counts how each
 // ended: read, or refused with a reason. All of them at once: every hundredth becomes a report as well. Status 1 where
 // one ended as none may.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bytes that are bad or extreme, each in one way, made from good ones: of messages, of records of a bag.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // bad_messages_check [PART]: hands bad and extreme messages to the parts behind our nodes, of which PART takes every
 // PART-th only, and counts how each ended: taken, or refused with a reason. Status 1 where one ended as none may.
 #include <cmath>
@@ -150,8 +151,8 @@ void take_in_rest(const MarkerObservations& markers) {
   MeasuredRest measured;
   for (int i = 0; i < 20; ++i) measured.add(i == 10 ? markers : two_markers(10.0 + 0.1 * i));
   if (!measured.at_rest()) return;
-  for (const auto& [name, place_m] : *measured.at_rest())
-    if (!place_m.allFinite()) throw Nonsense(name + " rests nowhere");
+  for (const auto& [name, position_m] : *measured.at_rest())
+    if (!position_m.allFinite()) throw Nonsense(name + " rests nowhere");
 }
 
 void take_in_recording(const MarkerObservations& markers) {

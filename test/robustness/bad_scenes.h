@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scenes that are bad or extreme, each in one way, made from good ones. The same seed makes the same scenes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "guarded.h"
 
 #include <sys/mman.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs what may crash, hang or take all memory, case by case, in a process that may end so, and counts how each ended.
 #pragma once
 

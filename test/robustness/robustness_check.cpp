@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // robustness_check SIMULATE FOLDER [PART]: runs `simulate` on bad and extreme scenes, of which PART takes every
 // PART-th only, and counts how each ended. Status 1 where one ended as none may; its scene stays in FOLDER.
 #include <fcntl.h>

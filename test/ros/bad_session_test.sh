@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # bad_session_test.sh ERROR ARGUMENT...: a session of such arguments ends by itself and says ERROR.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

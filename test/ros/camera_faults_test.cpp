@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A closed loop whose cameras are unplugged one after the other: it goes on with the second, and holds without any.
 #include <csignal>
 #include <future>

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """check_rostests.py "FILE.test ARG:=VALUE ..." ...: whether each of these rostests writes its results to a file of its own.
 
 rostest names that file by the test-name alone: where two have the same, the one that starts removes what the other has just

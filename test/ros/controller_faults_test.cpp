@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What becomes of policies on a robot that is not its model: closed loop, and faults during execution.
 #include <cmath>
 #include <csignal>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // controller/fit_model on a recording of a bar that is softer than its model.
 #include <algorithm>
 #include <filesystem>

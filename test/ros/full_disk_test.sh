@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # The disk fills up while a session is recorded: the lamp says so, the session goes on, and the recording when there is
 # space again. In a namespace of its own, in which this may mount a small disk.
 set -euo pipefail

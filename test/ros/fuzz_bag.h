@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any bytes whatever as a recording. Aborts where a rule is broken.
 #pragma once
 

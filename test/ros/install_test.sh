@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # install_test.sh BUILD PREFIX: installs into a temporary folder, from where programs, launch files, messages and plugins are
 # found, and programs read the config that lies there.
 set -euo pipefail

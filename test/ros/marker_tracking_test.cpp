@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The tracker behind messages: drawn images of two cameras as realsense2_camera would send them.
 #include "ros/marker_tracking.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The motors of an emulated rig behind their topics and services: the table of the thesis, an emergency stop, a stall,
 // a killed node.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The process of a node, for tests that kill it.
 #pragma once
 

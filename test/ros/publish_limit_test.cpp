@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "ros/publish_limit.h"
 
 #include <gtest/gtest.h>

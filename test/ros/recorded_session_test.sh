@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # A recorded session of Spinebot: it reaches for the ball, ends at SIGINT, and its bag is whole and holds every topic.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

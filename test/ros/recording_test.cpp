@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Recordings of sessions: where the robot rested, and the page about them.
 #include "ros/recording.h"
 
@@ -42,7 +43,7 @@ ActuatorCommand command(double time_s, double left) {
 }
 
 // Three seconds at rest, a move of one second with commands all along, three seconds at rest, a move without rest.
-double place_m(double time_s) {
+double position_m(double time_s) {
   return time_s < 13.0 ? 0.0 : time_s < 14.0 ? 0.02 * (time_s - 13.0) : time_s < 17.0 ? 0.02 : 0.02 * (time_s - 16.0);
 }
 
@@ -66,9 +67,9 @@ class Session : public ::testing::Test {
       const double time_s = 10.0 + i / 30.0;
       if (tracked)
         bag.write("/tracker/markers", ros::Time(time_s),
-                  observation(time_s, place_m(time_s) + noise_m(random), 5.0, MarkerObservations::SEEN));
+                  observation(time_s, position_m(time_s) + noise_m(random), 5.0, MarkerObservations::SEEN));
       bag.write("/simulator/markers", ros::Time(time_s),
-                observation(time_s, place_m(time_s) + 0.003, 0.0, MarkerObservations::SIMULATED));
+                observation(time_s, position_m(time_s) + 0.003, 0.0, MarkerObservations::SIMULATED));
       if (time_s >= 13.0 && time_s < 14.0)
         bag.write("/actuators/command", ros::Time(time_s), command(time_s, 1.0 - 0.1 * (time_s - 13.0)));
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A session with a rendered camera: what it publishes, and that it films what the simulator publishes.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "ros/rendered_rig.h"
 
 #include <cmath>
@@ -12,7 +13,9 @@ namespace soft_robot_lab {
 namespace {
 
 // One small camera at 10 Hz, and a ball to calibrate it.
-RenderedRig small_rig() { return RenderedRig(read_camera_setup(SOFT_ROBOT_LAB_SOURCE "/test/data/cameras/bar.yaml"), 1); }
+RenderedRig small_rig() {
+  return RenderedRig(read_camera_setup(SOFT_ROBOT_LAB_SOURCE "/test/data/cameras/bar.yaml"), 1);
+}
 
 SeenRobotStates robot_at(double stamp_s) {
   SeenRobotStates robot;

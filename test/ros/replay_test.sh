@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # replay_test.sh [emulated]: a session with rendered cameras, of the simulated robot or of the one that an emulated rig moves. The
 # tracker finds the tip where it is, and its recording gives the session's markers and gaps again, to the last digit, however often it
 # is read; although the session's tracker had frames from before the recording, which a filter never quite forgets.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A recording of a session whose recorder lost an image.
 #include "ros/replay_tracking.h"
 

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # required_nodes_test.sh [ARGUMENT:=VALUE...] NODE...: a session of a coarse bar with cameras ends when one of these nodes
 # is killed, says which, and leaves no process, link or socket.
 set -euo pipefail

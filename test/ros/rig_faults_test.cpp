@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Policies on an emulated rig: played, and stopped where a motor stalls or the motors' node is killed.
 #include <csignal>
 #include <future>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A robot of record in a session of its own files: one command moves the simulation and, with `emulated`, the robot on
 // the rig to the same side, and the tracker sees it.
 #include <cmath>

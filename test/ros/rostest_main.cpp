@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs a rostest's cases as one node, which gets its name from the .test file.
 #include <gtest/gtest.h>
 #include <ros/ros.h>

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Recorders that are started again, as after kill -9, or whose clock was set back, never write over a recording.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

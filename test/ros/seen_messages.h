@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a simulator would say of two triangles with a side in common and of a marker.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Nodes of a whole session are killed or stopped in turn, and its clock is set: what is required of each stands in
 // launch/README.md.
 #include <algorithm>
@@ -247,7 +248,7 @@ TEST_F(SessionFaults, StoppedNodesGoOn) {
   std::vector<std::vector<std::string>> groups = {
       {"simulator"}, {"cameras", "overlay", "recorder"}, {"tracker", "controller", "session_watch"}};
   if (emulated_)
-    groups = {{"rig_emulator"},       {"motor", "tracker"},        {"emulated_rig", "recorder"},
+    groups = {{"rig_emulator"},     {"motor", "tracker"},        {"emulated_rig", "recorder"},
               {"plant", "overlay"}, {"simulator", "controller"}, {"cameras", "session_watch"}};
   for (const auto& group : groups) stop_for_5_s(group);
   expect_plays(0.97, "stopping all");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A whole simulated session of a coarse bar: topics flow, services answer, bad requests change nothing.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Preloaded, it shows a program another wall clock: shifted by the seconds in the file SHIFTED_CLOCK, which may change
 // at any time. What the machine counts from its start stays as it is.
 #include <cstdint>

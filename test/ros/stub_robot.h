@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A softer bar than the controller's model, with motors and a tracker, behind the topics of a session. It rests at once
 // wherever it is commanded to, and its session's time runs five times as fast as the wall's.
 #pragma once
@@ -45,7 +46,7 @@ class StubRobot {
   std::atomic<bool> stalled{false};  // the left motor
   std::atomic<double> knock_m{0.0};  // by which all is seen elsewhere
   std::atomic<int> commands_heard{0};
-  std::atomic<double> last_command_s{0.0};  // when it was sent
+  std::atomic<double> last_command_s{0.0};    // when it was sent
   std::atomic<double> left{1.0}, right{1.0};  // as commanded
   std::atomic<double> refused{0.0};           // the next command with this value of the right cable is
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A running tracker gets what real cameras send on bad days: it says so, and goes on with the other camera.
 #include <cstring>
 #include <functional>
@@ -119,8 +120,8 @@ class TrackedCameras : public testing::Test {
     ASSERT_TRUE(play_until([&] { return latest_ != nullptr; }));
     EXPECT_EQ(latest_->names.size(), places_m.size());
     for (const std::uint8_t source : latest_->sources) EXPECT_EQ(source, MarkerObservations::SEEN);
-    for (const auto& [name, place_m] : places_m)
-      EXPECT_LT((position_of(*latest_, name) - place_m).norm(), within_m) << name;
+    for (const auto& [name, position_m] : places_m)
+      EXPECT_LT((position_of(*latest_, name) - position_m).norm(), within_m) << name;
   }
 
   ros::NodeHandle node_;

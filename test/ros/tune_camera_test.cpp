@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A rendered camera behind its driver's dynamic_reconfigure, and the program that tunes it as it would a real one.
 #include <future>
 #include <string>

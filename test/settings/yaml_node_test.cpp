@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/settings/yaml_node.h"
 
 #include <filesystem>
@@ -238,8 +239,8 @@ TEST(MergeSettings, ChangesItemsOfAListByTheirNames) {
   EXPECT_EQ(cables[1].number("points"), 4.0);
   EXPECT_FALSE(robot.sequence("cables")[1].has("model"));
 
-  const auto refusal = [&](const std::string& changes) {
-    return error_of([&] { merge_settings(robot, YamlNode::parse(changes, "lab.yaml")); });
+  const auto refusal = [&](const std::string& overrides) {
+    return error_of([&] { merge_settings(robot, YamlNode::parse(overrides, "lab.yaml")); });
   };
   EXPECT_EQ(refusal("\ncables: {rigth: {points: 5}}\n"), "lab.yaml:2: cables.rigth: 'rigth' is not one of left, right");
   EXPECT_EQ(refusal("cables: {left: 5}\n"), "lab.yaml:1: cables.left: must hold keys and values that change 'left'");

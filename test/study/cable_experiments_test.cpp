@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The experiments with cables, on a small bar and with shorter lists than config/experiments has them.
 #include <cmath>
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The experiments with air chambers, on coarser meshes and with fewer steps than config/experiments has them.
 #include <cmath>
 #include <filesystem>

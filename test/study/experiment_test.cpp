@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The program `experiment` as a user runs it.
 #include <cmath>
 #include <filesystem>

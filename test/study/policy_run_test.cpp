@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "study/experiments/policy_run.h"
 
 #include <filesystem>
@@ -55,17 +56,17 @@ TEST(ReachTargets, AreTheSameTenForDescentAndPid) {
   const ReachTargets descent = settings_of("7.3.1").reach, pid = settings_of("7.3.2").reach;
   ASSERT_EQ(descent.targets.size(), 10u);
   ASSERT_EQ(pid.targets.size(), 10u);
-  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(descent.targets[i].place_m, pid.targets[i].place_m);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(descent.targets[i].position_m, pid.targets[i].position_m);
 }
 
 TEST(ReachTargets, LieInTheCablesPlaneNearTheLowerHalfAndAwayFromTheCentre) {
   const ReachTargets reach = settings_of("7.3.1").reach;
   EXPECT_EQ(reach.marker, "tip");
   for (const ReachTarget& target : reach.targets) {
-    EXPECT_EQ(target.place_m.y(), 0.0);
-    EXPECT_GE((target.place_m - Eigen::Vector3d(0.0, 0.0, -0.05)).norm(), 0.025);
-    EXPECT_LE(target.place_m.z(), -0.05);
-    EXPECT_GE(target.place_m.z(), -0.1);
+    EXPECT_EQ(target.position_m.y(), 0.0);
+    EXPECT_GE((target.position_m - Eigen::Vector3d(0.0, 0.0, -0.05)).norm(), 0.025);
+    EXPECT_LE(target.position_m.z(), -0.05);
+    EXPECT_GE(target.position_m.z(), -0.1);
   }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Experiments 3.3.1 and 3.3.2, and how sightings of markers are scored.
 #include <cmath>
 

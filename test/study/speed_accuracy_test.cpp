@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The chart of error against CPU time: its ladder, what it concludes from its runs, and the program at its quickest.
 #include <algorithm>
 #include <cmath>

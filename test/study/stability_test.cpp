@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The chart of stability on a small body: the default solver must not fail, and nothing may be other than finite.
 #include "study/charts/stability.h"
 
@@ -31,7 +32,7 @@ TEST(Stability, DefaultSolverSurvivesOrRecoversEverywhere) {
   for (const StabilityBody& body : small_bodies()) {
     for (const StabilityMethod& method : stability_methods()) {
       for (const HardCase& hard_case : hard_cases(true)) {
-        const bool other_integrator = !method.solver_changes.empty();  // in safety_net_test
+        const bool other_integrator = !method.solver_overrides.empty();  // in safety_net_test
         if (!method.ours || other_integrator || hard_case.commands(body).empty()) continue;
         const StabilityCell cell = bench.run(body, method, hard_case);
         EXPECT_TRUE(is_good(cell.outcome)) << cell.body << ", " << cell.method << ", " << cell.hard_case << ": "
@@ -89,7 +90,7 @@ TEST(Stability, ShowsWhatIsInTheWrongPlace) {
   StabilityBench bench = make_bench();
   const StabilityBody body = small_bodies().front();
   StabilityMethod linear;
-  linear.body_changes = "body: {element: linear}";
+  linear.body_overrides = "body: {element: linear}";
   linear.equilibrium = true;
   const HardCase incompressible = hard_cases(true).front();
   const StabilityCell cell = bench.run(body, linear, incompressible);

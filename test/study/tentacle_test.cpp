@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The scene of the measured tentacle, against a converged rod at the same material, which was computed elsewhere.
 #include <cmath>
 
@@ -13,11 +14,11 @@ const std::string kConfig = SOFT_ROBOT_LAB_SOURCE "/config/";
 const std::string kRobot = kConfig + "robots/tentacle/robot.yaml";
 const std::string kData = kConfig + "reference/tentacle/single_tendon_1.json";
 
-SceneOptions options_with(const std::string& changes) {
+SceneOptions options_with(const std::string& overrides) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.changes = changes;
+  options.overrides = overrides;
   return options;
 }
 
@@ -39,7 +40,7 @@ TEST(MeasuredTentacle, HasItsPosesWithWhatWasPublished) {
 // Of its own weight alone: 0.77 mm at M1 to 1.45 mm beyond the tip.
 TEST(TentacleScene, HangsAsTheRodDoes) {
   const MeasuredTentacle tentacle = read_measured_tentacle(kData);
-  const Scene scene = load_scene(kRobot, options_with(tentacle.identified.changes()));
+  const Scene scene = load_scene(kRobot, options_with(tentacle.identified.overrides()));
   scene.simulation->set_command("tendon_1", 0.0);
   ASSERT_TRUE(scene.simulation->solve_equilibrium().converged);
   for (const auto& [name, rod_m] : tentacle.hanging_rest_m) {
@@ -56,7 +57,7 @@ TEST(TentacleScene, BendsAsTheRodDoes) {
   const TentaclePose& pose = tentacle.poses.front();
   MeasuredPose rod = pose.measured;
   for (MeasuredMarker& marker : rod.markers) marker.position_m = pose.rod_m.at(marker.name);
-  const TentacleGap gap = tentacle_gap(kRobot, options_with(tentacle.identified.changes()), {rod});
+  const TentacleGap gap = tentacle_gap(kRobot, options_with(tentacle.identified.overrides()), {rod});
   for (const auto& [name, off_m] : gap.offset_m) EXPECT_LT(off_m.norm(), 0.004) << name << " " << off_m.transpose();
 }
 

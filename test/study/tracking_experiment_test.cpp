@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rendered cameras film Spinebot, and the tracker finds its markers.
 #include "study/experiments/tracking_score.h"
 
@@ -18,7 +19,7 @@ TrackingScore track_spinebot(const SensorModel& sensor, const DepthSettings& dep
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.changes = "solver: {time_step_s: 0.0166667}";
+  options.overrides = "solver: {time_step_s: 0.0166667}";
   const Scene scene = load_scene(kConfig + "robots/spinebot/robot.yaml", options);
   Simulation& simulation = *scene.simulation;
   const auto moments = move_through(simulation, {{0.8, 1.1}, {1, 1}}, 4 / kRate_hz + 1e-9, kRate_hz);

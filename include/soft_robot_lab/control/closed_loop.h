@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Brings markers of a robot that is not quite its model to a pose: the model predicts, measurements correct. Whenever
 // the robot rests, the offset between measured and predicted markers is taken up, and the model is asked for commands
 // that bring the predicted markers to the targets less the offsets. Where the offsets have settled, the measured
@@ -39,15 +40,17 @@ enum class LoopEnd {
 
 struct LoopStep {
   LoopEnd end = LoopEnd::none;
-  std::string reason;                 // for a reader, where it ended
-  Eigen::VectorXd commands;           // to be sent; at an end those that the robot has, to be held
-  std::optional<double> distance_m;   // measured, weighted as an optimisation's; absent while a goal's marker is not seen
+  std::string reason;        // for a reader, where it ended
+  Eigen::VectorXd commands;  // to be sent; at an end those that the robot has, to be held
+  std::optional<double>
+      distance_m;  // measured, weighted as an optimisation's; absent while a goal's marker is not seen
   bool safe() const { return end == LoopEnd::none || end == LoopEnd::settled || end == LoopEnd::correction_limit; }
 };
 
 class ClosedLoop {
  public:
-  // Starts from the model's present commands, which the robot has too. Throws std::invalid_argument as find_policy does.
+  // Starts from the model's present commands, which the robot has too. Throws std::invalid_argument as find_policy
+  // does.
   ClosedLoop(Simulation& model, PolicyTask task, const ClosedLoopOptions& options);
 
   const std::vector<std::string>& actuators() const { return actuators_; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Finds a policy for a task: one pose of the markers after the other, each step from the state of the one before, so
 // that the order of pulling counts where a body buckles or its cables have friction.
 #pragma once
@@ -19,7 +20,7 @@ struct MarkerGoal {
 
 struct Pose {
   std::vector<MarkerGoal> goals;
-  double duration_s = 2.0;                  // > 0, from the pose before; bounds the change where there is a largest rate
+  double duration_s = 2.0;  // > 0, from the pose before; bounds the change where there is a largest rate
   std::vector<std::string> actuators = {};  // that may move on the way here; empty: all
 };
 
@@ -39,8 +40,8 @@ struct PolicyTask {
 };
 
 struct PolicyAnswer {
-  bool success = false;  // every pose has a usable summary
-  CommandPolicy policy;  // a step for each pose that has one
+  bool success = false;                        // every pose has a usable summary
+  CommandPolicy policy;                        // a step for each pose that has one
   std::vector<OptimisationSummary> summaries;  // one per pose, up to one that failed or was cancelled
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the controller believes: commands in, marker positions at rest out. Wraps a simulation of its own.
 #pragma once
 
@@ -32,8 +33,8 @@ class ForwardModel {
   Prediction predict(const Eigen::VectorXd& commands, bool with_derivatives);
 
   // The same for a step of a search, which would rather cut a long one than follow it dearly: throws ForwardModelError
-  // too where the body would buckle on the way, and the equilibrium is rough (residual 1e-3), also where it is asked for
-  // again. A short step is answered like any other.
+  // too where the body would buckle on the way, and the equilibrium is rough (residual 1e-3), also where it is asked
+  // for again. A short step is answered like any other.
   Prediction try_out(const Eigen::VectorXd& commands, bool with_derivatives);
 
   // Makes itself the problem's models; must outlive their use.

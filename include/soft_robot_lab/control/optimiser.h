@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Solves a reach problem (control/reach_problem.h) by one of several methods.
 #pragma once
 

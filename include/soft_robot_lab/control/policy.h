@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A policy: commands over time, read from and written to YAML, and played.
 //   names: [left, right]
 //   steps:
@@ -20,7 +21,7 @@ struct TimedCommandValues {
 
 // Commands move linearly from step to step, and from the present commands to the first step.
 struct CommandPolicy {
-  std::vector<std::string> names;             // of actuators
+  std::vector<std::string> names;         // of actuators
   std::vector<TimedCommandValues> steps;  // in order of time
 };
 

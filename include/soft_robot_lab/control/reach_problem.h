@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What an optimisation is about, apart from how it is solved: variables, their bounds, and the objective
 //   1/2 sum_k w_k |target_k - marker_k(commands)|^2 + 1/2 sum_i (effort_m (commands_i - rest_i))^2,   sum_k w_k = 1.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The plugin interface of everything that drives the body: cables, air chambers, and what a lab adds of its own.
 // Called in this order: initialise once; then per command set_command; per time step begin_step and advance; per solver
 // iteration the constraints; when the step is accepted end_step; after a solve observe.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A silicone body: what never changes while it is simulated.
 #pragma once
 

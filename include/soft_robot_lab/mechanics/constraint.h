@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The one interface through which anything pulls, pushes or fills the body: a compliant scalar constraint.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Points carried by the mesh: where a rest position lies, and how it follows the nodes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A body with its actuators and markers, moved through time or to equilibrium.
 #pragma once
 
@@ -50,9 +51,10 @@ class Simulation {
   Eigen::MatrixXd marker_sensitivities(Eigen::MatrixXd* tensions_n = nullptr);
 
   // d marker / d parameter at the present equilibrium and commands: 3*markers x parameters. With friction it depends on
-  // the way here: `slipped_m`, d length slipped so far / d parameter, friction_contacts x parameters, is what equilibria hand
-  // on; start it empty at the rest shape, and ask at every equilibrium on the way. Throws std::invalid_argument for a
-  // parameter that an actuator does not know, std::runtime_error where the equilibrium is not stable.
+  // the way here: `slipped_m`, d length slipped so far / d parameter, friction_contacts x parameters, is what
+  // equilibria hand on; start it empty at the rest shape, and ask at every equilibrium on the way. Throws
+  // std::invalid_argument for a parameter that an actuator does not know, std::runtime_error where the equilibrium is
+  // not stable.
   Eigen::MatrixXd parameter_sensitivities(const std::vector<ModelParameter>& parameters, Eigen::MatrixXd& slipped_m);
 
   void reset();  // rest shape, rest commands, time zero

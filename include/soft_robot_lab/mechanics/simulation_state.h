@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <memory>
@@ -20,9 +21,9 @@ struct SimulationState {
   // xpbd: each element's, in an order of the solver's own; empty with `newton`, and in a state that is set: those of
   // the shape at rest.
   Eigen::VectorXd element_forces_n;
-  Eigen::VectorXd branch_stress_pa;        // of hysteresis, in an order of the solver's own; empty without
-  std::vector<double> commands;            // per actuator
-  std::vector<double> actuated_commands;   // per actuator
+  Eigen::VectorXd branch_stress_pa;                    // of hysteresis, in an order of the solver's own; empty without
+  std::vector<double> commands;                        // per actuator
+  std::vector<double> actuated_commands;               // per actuator
   std::vector<Eigen::VectorXd> actuator_memories;      // per actuator: what else it carries from step to step
   std::shared_ptr<const Linearisation> linearisation;  // so that a restored state goes on to the last bit
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A tetrahedral mesh of the rest shape, with named boundary surfaces. Lengths in metres, frame: robot_base.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Strict reading of YAML: every key is read exactly once, or it is an error with file and line.
 #pragma once
 
@@ -68,9 +69,9 @@ class YamlNode {
   // This node itself as a value (an item of a list).
   double as_number(const AllowedRange& range = AllowedRange::any()) const;
   std::string as_text() const;
-  Eigen::VectorXd as_numbers() const;       // a list of finite numbers of any length
-  std::vector<YamlNode> items() const;  // when this node is a list
-  std::vector<std::string> keys() const;    // when this node is a map; reading them marks nothing
+  Eigen::VectorXd as_numbers() const;     // a list of finite numbers of any length
+  std::vector<YamlNode> items() const;    // when this node is a list
+  std::vector<std::string> keys() const;  // when this node is a map; reading them marks nothing
 
   // Throws for the first key, here or below, that nobody read: call once, when a document was read.
   void require_all_read() const;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fit_damping.h"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ constexpr double kMostExtent = 3.0, kMostTempo = 1.2;       // or its inverse
 constexpr double kDelaySize_s = 0.01, kPlaceSize_m = 1e-3;  // what counts as a change of about one
 
 SceneOptions with_damping(SceneOptions options, double damping_s) {
-  options.changes = lay_over(options.changes, "body: {damping: {rayleigh_stiffness_s: " + text_of(damping_s) + "}}\n");
+  options.overrides = merge(options.overrides, "body: {damping: {rayleigh_stiffness_s: " + text_of(damping_s) + "}}\n");
   return options;
 }
 
@@ -79,7 +80,7 @@ class SwingResidual : public ceres::SizedCostFunction<3, 1, 3, 9> {
   Eigen::Vector3d miss_m(double const* const* parameters) const {
     const Eigen::Map<const Eigen::Vector3d> mean(parameters[2]), drift(parameters[2] + 3), change(parameters[2] + 6);
     return parameters[1][0] * (turn_ * predictor_.now(track_.swing).deflection_m(track_.marker, time_s(parameters))) +
-           kPlaceSize_m * (mean + share() * (drift + share() * change)) - track_.measured[sample_].position_m;
+           kPlaceSize_m * (mean + fraction() * (drift + fraction() * change)) - track_.measured[sample_].position_m;
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
@@ -99,7 +100,8 @@ class SwingResidual : public ceres::SizedCostFunction<3, 1, 3, 9> {
     }
     if (jacobians[2]) {
       Eigen::Map<Eigen::Matrix<double, 3, 9, Eigen::RowMajor>> place(jacobians[2]);
-      place << kPlaceSize_m * weight_, kPlaceSize_m * share() * weight_, kPlaceSize_m * share() * share() * weight_;
+      place << kPlaceSize_m * weight_, kPlaceSize_m * fraction() * weight_,
+          kPlaceSize_m * fraction() * fraction() * weight_;
     }
     return true;
   }
@@ -111,7 +113,7 @@ class SwingResidual : public ceres::SizedCostFunction<3, 1, 3, 9> {
   double time_s(double const* const* parameters) const {
     return track_.free_s + parameters[1][2] * since_free_s(parameters);
   }
-  double share() const { return track_.share(track_.times_s[sample_]); }
+  double fraction() const { return track_.fraction(track_.times_s[sample_]); }
 
   const SwingPredictor& predictor_;
   const SwingTrack& track_;
@@ -162,7 +164,7 @@ void append(FittedValue value, FitResult& result) {
 void fit_damping(const std::string& scene, const SceneOptions& asked, const std::vector<MeasuredSwing>& swings,
                  const FitNumber& number, const FitRequest& request, FitResult& result) {
   SceneOptions options = asked;
-  options.changes = result.changes;
+  options.overrides = result.overrides;
   const Scene undamped = load_scene(scene, with_damping(options, number.min));
   const ChosenSwings chosen = choose_swings(*undamped.simulation, swings, request.model_error_m);
   if (chosen.swings.empty()) {
@@ -231,7 +233,7 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
     result.warnings.push_back("damping ended on its bound " + text_of(value.value) +
                               " s; at the lower one the scene's own time step damps as much as the robot does");
   append(value, result);
-  result.changes = with_damping(options, value.value).changes;
+  result.overrides = with_damping(options, value.value).overrides;
   result.swings = static_cast<int>(chosen.swings.size());
   result.swing_rms_m = rms_m();
 }

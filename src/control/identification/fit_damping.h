@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The damping by which a simulated robot's swings die away as the measured ones do.
 #pragma once
 

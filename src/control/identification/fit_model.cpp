@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/control/identification/fit_model.h"
 
 #include <algorithm>
@@ -35,7 +36,7 @@ class Predictor : public ceres::EvaluationCallback {
     now_ = {asked, {}};
     try {
       now_.poses = model_.predict(
-          parameters_.changes(asked),
+          parameters_.overrides(asked),
           derivatives ? [this](const Simulation& simulation) { return parameters_.model_parameters(simulation); }
                       : PoseModel::Parameters{});
       if (derivatives) differentiated_ = now_;
@@ -195,7 +196,7 @@ FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene,
   result.after = gap_now();
   const Eigen::VectorXd values = predictor.values(unknowns);
   result.measured_from_base = parameters.measured_from_base(values);
-  result.changes = parameters.changes(values);
+  result.overrides = parameters.overrides(values);
   add_statistics(parameters, values, dense(jacobian), scaled, result);
   return result;
 }
@@ -221,7 +222,7 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
   const FitParameters parameters(scene, options, request.parameters);
   FitResult result;
   if (parameters.numbers().empty()) {
-    result.changes = options.changes;
+    result.overrides = options.overrides;
     result.before = result.after = model_gap(scene, options, poses);
   } else {
     result = fit_to_rest(parameters, scene, options, poses, request);
@@ -235,7 +236,7 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
 
 ModelGap model_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
                    const Eigen::Isometry3d& measured_from_base) {
-  const std::vector<PosePrediction> predicted = PoseModel(scene, options, poses).predict(options.changes);
+  const std::vector<PosePrediction> predicted = PoseModel(scene, options, poses).predict(options.overrides);
   return gap_of(poses, [&](std::size_t p, Eigen::Index m) -> Eigen::Vector3d {
     return measured_from_base * predicted[p].markers_m.col(m);
   });

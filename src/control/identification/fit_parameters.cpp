@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fit_parameters.h"
 
 #include <algorithm>
@@ -48,9 +49,9 @@ std::string text_of(double value) {
   return text.str();
 }
 
-std::string lay_over(const std::string& base, const std::string& top) {
+std::string merge(const std::string& base, const std::string& top) {
   if (base.empty() || top.empty()) return base + top;
-  const YamlNode merged = merge_settings(YamlNode::parse(base, "changes"), YamlNode::parse(top, "fit"));
+  const YamlNode merged = merge_settings(YamlNode::parse(base, "overrides"), YamlNode::parse(top, "fit"));
   std::string text;
   for (const std::string& key : merged.keys()) text += key + ": " + merged.child(key).dump() + "\n";
   return text;
@@ -59,13 +60,13 @@ std::string lay_over(const std::string& base, const std::string& top) {
 SceneOptions weighed(const std::string& scene, SceneOptions options, double mass_kg) {
   const double volume_m3 = volume(load_scene(scene, options).simulation->body().mesh());
   const std::string density_kg_m3 = text_of(mass_kg / volume_m3);
-  options.changes = lay_over(options.changes, "body: {material: {density_kg_m3: " + density_kg_m3 + "}}\n");
+  options.overrides = merge(options.overrides, "body: {material: {density_kg_m3: " + density_kg_m3 + "}}\n");
   return options;
 }
 
 FitParameters::FitParameters(const std::string& scene, const SceneOptions& options,
                              const std::vector<FitParameter>& asked)
-    : base_changes_(options.changes), cables_(scene, options.changes) {
+    : base_overrides_(options.overrides), cables_(scene, options.overrides) {
   const Scene loaded = load_scene(scene, options);
   material_ = loaded.simulation->body().material();
   damping_s_ = loaded.simulation->body().viscosity().rayleigh_stiffness_s;
@@ -178,7 +179,7 @@ FitNumber FitParameters::with_bounds(FitNumber number, const FitParameter& asked
   return number;
 }
 
-std::string FitParameters::changes(const Eigen::VectorXd& values) const {
+std::string FitParameters::overrides(const Eigen::VectorXd& values) const {
   SceneCables cables = cables_;
   std::optional<double> modulus_pa, density_kg_m3;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
@@ -195,7 +196,7 @@ std::string FitParameters::changes(const Eigen::VectorXd& values) const {
   if (modulus_pa || density_kg_m3)
     text = material_yaml(material_, modulus_pa.value_or(material_.youngs_modulus_pa),
                          density_kg_m3.value_or(material_.density_kg_m3));
-  return lay_over(base_changes_, text + cables.yaml());
+  return merge(base_overrides_, text + cables.yaml());
 }
 
 Eigen::Matrix<double, 6, 1> FitParameters::camera(const Eigen::VectorXd& values) const {

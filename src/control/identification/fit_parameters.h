@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The numbers that a fit changes: their names, bounds and present values, and the scene that they make.
 #pragma once
 
@@ -24,7 +25,7 @@ struct FitNumber {
 };
 
 // YAML text over YAML text, as a file over one that it includes.
-std::string lay_over(const std::string& base, const std::string& top);
+std::string merge(const std::string& base, const std::string& top);
 
 // Twelve digits, in the "C" locale.
 std::string text_of(double value);
@@ -40,7 +41,7 @@ class FitParameters {
   const std::vector<FitNumber>& numbers() const { return numbers_; }
   const std::optional<FitNumber>& damping() const { return damping_; }  // where asked for; not among the numbers
 
-  std::string changes(const Eigen::VectorXd& values) const;  // with those of the scene's options
+  std::string overrides(const Eigen::VectorXd& values) const;  // with those of the scene's options
   Eigen::Isometry3d measured_from_base(const Eigen::VectorXd& values) const;
   // Columns of the numbers that are of the model, and what they are there; cables are actuators of the same names.
   std::vector<std::size_t> model_columns() const;
@@ -55,7 +56,7 @@ class FitParameters {
   double present(const std::string& cable, const std::string& key, double otherwise) const;
   Eigen::Matrix<double, 6, 1> camera(const Eigen::VectorXd& values) const;
 
-  std::string base_changes_;
+  std::string base_overrides_;
   Material material_;
   SceneCables cables_;
   std::vector<FitNumber> numbers_;

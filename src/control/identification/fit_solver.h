@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Ceres as every fit uses it.
 #pragma once
 

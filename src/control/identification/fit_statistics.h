@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How sure a fit is, and what its data cannot identify.
 #pragma once
 
@@ -10,7 +11,7 @@
 namespace soft_robot_lab {
 
 constexpr double kOf95Percent = 1.96;  // standard deviations
-constexpr double kUnidentified = 0.5;        // share of the variance that the bounds alone would leave
+constexpr double kUnidentified = 0.5;  // share of the variance that the bounds alone would leave
 
 // Of residuals in standard deviations, which so many unknowns were fitted to; at least the one expected.
 double residual_variance(const std::vector<double>& residuals, Eigen::Index unknowns);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
@@ -43,7 +44,7 @@ void write_fitted_scene(const FitResult& result, const std::string& scene, const
   out << "# Where the cameras believe robot_base to be: " << t.x() << " " << t.y() << " " << t.z() << " m, quaternion "
       << q.x() << " " << q.y() << " " << q.z() << " " << q.w() << " (x y z w); a scene does not hold it.\n"
       << "include: \"" << path_from(file, scene) << "\"\n"
-      << result.changes;
+      << result.overrides;
   write_file(file, out.str());
 }
 

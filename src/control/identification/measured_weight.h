@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a measured marker has to be, and what its coordinates are divided by, so that what is left has unit deviation.
 #pragma once
 

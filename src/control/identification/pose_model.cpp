@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "pose_model.h"
 
 #include <algorithm>
@@ -66,10 +67,10 @@ class Walk {
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
 
  private:
-  int solve(const std::vector<double>& from, const std::vector<double>& to, double share) {
+  int solve(const std::vector<double>& from, const std::vector<double>& to, double fraction) {
     for (std::size_t i = 0; i < to.size(); ++i)
       simulation_.set_command(simulation_.actuators()[i]->name(),
-                              share >= 1.0 - 1e-9 ? to[i] : from[i] + share * (to[i] - from[i]));
+                              fraction >= 1.0 - 1e-9 ? to[i] : from[i] + fraction * (to[i] - from[i]));
     const SolveReport report = simulation_.solve_equilibrium();
     if (!report.converged) throw std::runtime_error(report.message);
     return report.steps;
@@ -116,9 +117,9 @@ PoseModel::PoseModel(std::string scene, SceneOptions options, const std::vector<
   }
 }
 
-std::vector<PosePrediction> PoseModel::predict(const std::string& changes, const Parameters& parameters) {
+std::vector<PosePrediction> PoseModel::predict(const std::string& overrides, const Parameters& parameters) {
   SceneOptions options = options_;
-  options.changes = changes;
+  options.overrides = overrides;
   const Scene scene = load_scene(scene_, options);
   Simulation& simulation = *scene.simulation;
   const bool remember = !has_friction(simulation), warm = remember && last_.size() == poses_.size();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a scene says about a list of rest states, one after the other.
 #pragma once
 
@@ -24,7 +25,7 @@ class PoseModel {
 
   // With the changes laid over the scene. `parameters` may be empty: no derivatives. Throws std::runtime_error where a
   // pose has no stable equilibrium.
-  std::vector<PosePrediction> predict(const std::string& changes, const Parameters& parameters = {});
+  std::vector<PosePrediction> predict(const std::string& overrides, const Parameters& parameters = {});
 
  private:
   std::string scene_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "swing_choice.h"
 
 #include <algorithm>
@@ -21,14 +22,14 @@ constexpr std::size_t kSamples = 8;                        // of a marker in a s
 constexpr double kMotion = 1.0;                            // in deviations of its noise: a marker swings
 
 // Root mean square of what a parabola in time leaves of the places.
-double motion_m(const SwingTrack& track, const std::function<Eigen::Vector3d(std::size_t)>& place_m) {
+double motion_m(const SwingTrack& track, const std::function<Eigen::Vector3d(std::size_t)>& position_m) {
   const auto count = static_cast<Eigen::Index>(track.times_s.size());
   Eigen::MatrixX3d line(count, 3);
   Eigen::MatrixX3d places(count, 3);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const double share = track.share(track.times_s[static_cast<std::size_t>(i)]);
-    line.row(i) << 1.0, share, share * share;
-    places.row(i) = place_m(static_cast<std::size_t>(i)).transpose();
+    const double fraction = track.fraction(track.times_s[static_cast<std::size_t>(i)]);
+    line.row(i) << 1.0, fraction, fraction * fraction;
+    places.row(i) = position_m(static_cast<std::size_t>(i)).transpose();
   }
   const Eigen::MatrixX3d left = places - line * line.colPivHouseholderQr().solve(places);
   return std::sqrt(left.squaredNorm() / static_cast<double>(count));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which of the measured swings identify a robot's damping, and what of them.
 #pragma once
 
@@ -19,7 +20,7 @@ struct SwingTrack {
   std::vector<MeasuredMarker> measured;
   double free_s = 0.0;    // since when nothing moves the robot, simulated
   double middle_s = 0.0;  // of the window
-  double share(double time_s) const { return (time_s - middle_s) / (0.5 * kSwingWindow_s); }
+  double fraction(double time_s) const { return (time_s - middle_s) / (0.5 * kSwingWindow_s); }
 };
 
 struct ChosenSwings {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How a scene says that a measured swing goes.
 #pragma once
 

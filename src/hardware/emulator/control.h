@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One line of text, one line of answer: how tests, nodes and people ask the emulated rig for faults and for the truth.
 // The commands are listed in src/hardware/firmware/PROTOCOL.md.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A Unix socket that takes lines of text and answers each with one.
 #pragma once
 

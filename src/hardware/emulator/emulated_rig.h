@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rig without the rig: the compiled firmware on an emulated ATmega328P (simavr), L6470s with motors on its SPI bus,
 // and a serial line. Time passes only in run().
 #pragma once

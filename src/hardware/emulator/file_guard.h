@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Removes files of this program that it could not remove itself, as it was killed.
 #pragma once
 

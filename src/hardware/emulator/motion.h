@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A motion of constant accelerations, piece after piece: where it is at any time, without stepping through it.
 #pragma once
 

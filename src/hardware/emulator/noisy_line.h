@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One direction of a serial line at 115200 baud that may damage, lose, double and delay bytes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A pseudo-terminal that stands for a USB serial device: it appears under a name of our choice, and vanishes when
 // unplugged.
 #pragma once

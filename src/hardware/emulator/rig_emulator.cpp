@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // rig_emulator: the rig's real firmware on an emulated board, with emulated stepper drivers, motors and faults.
 // A program of its own, as simavr is GPL.
 #include <cerrno>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One L6470 with its motor: commands and registers as on SPI, and where the shaft really is.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // L6470s in a daisy chain on SPI. Each time the select line is low, one byte per chip goes round; chips act when it
 // rises.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rig's board, an ATmega328P at 16 MHz: frames from the host on the serial line, L6470s in a daisy chain on SPI.
 #include <avr/interrupt.h>
 #include <avr/io.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What each motor is asked to do, does, and has suffered. A motor moves only while it is configured, its position is
 // known, no fault is latched and no emergency stop is on.
 #pragma once

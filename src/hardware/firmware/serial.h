@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The USB serial line: bytes through two rings, sent and received by interrupts, so nothing ever waits.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bytes to frames and back, without any input or output; shared with the firmware, so freestanding C++14.
 //
 //       0      1         2        3 ..           3+n    5+n

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The L6470 (dSPIN) stepper driver's commands, registers and status bits; numbers from ST's data sheet. Freestanding.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A session with the board: opens the port and opens it again when it is lost, greets, sends one numbered request at a
 // time until it is answered, and hands on what the board reports. Never waits; time is an argument.
 #pragma once

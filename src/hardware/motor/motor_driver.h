@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Drives a rig: values of actuators to shaft positions, within limits, through a link that may fail. Each command ends
 // as acknowledged, superseded or refused, and is counted. Never waits; time is an argument.
 #pragma once

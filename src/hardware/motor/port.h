@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where bytes go to and come from. A closed port says so by PortError; opening another is the link's task.
 #pragma once
 

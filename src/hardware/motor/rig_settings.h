@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a rig's YAML file says: the device, and of each motor in the chain what it pulls and how it is driven.
 #pragma once
 
@@ -15,7 +16,7 @@ struct DriveSettings {
   double acceleration_steps_s2 = 16000.0;  // (0, 59590]; and 19.9 ms beside
   double deceleration_steps_s2 = 16000.0;  // (0, 59590]
   int microsteps = 16;                     // 1, 2, 4 ... 128
-  double hold_voltage_ratio = 0.16;              // of the supply's, [0, 1)
+  double hold_voltage_ratio = 0.16;        // of the supply's, [0, 1)
   double run_voltage = 0.16;
   double acceleration_voltage = 0.16;
   double overcurrent_a = 3.375;  // [0.375, 6]; switches the bridges off

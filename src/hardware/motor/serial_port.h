@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A serial device, for us alone.
 #pragma once
 

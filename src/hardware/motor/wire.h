@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rig's protocol as both ends see it: kinds of frames, their payloads, flags. The firmware includes this file too,
 // so it is freestanding C++14. Byte drawings and rules: src/hardware/firmware/PROTOCOL.md.
 #pragma once

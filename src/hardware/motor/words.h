@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Results and flags of the protocol in words.
 #pragma once
 

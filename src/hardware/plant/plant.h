@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A robot that is not quite its model: a second simulation that plays plant, whose cables the shafts of an emulated
 // rig pull. How it differs stands in config/robots/*/plant.yaml, which no controller or tracker reads.
 #pragma once

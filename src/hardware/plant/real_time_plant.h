@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plant that runs beside the clock, and may be late: where its steps cost more than the time they cover, it makes
 // up for that later, and is pulled the way the shafts went all the same. Without that, a shaft that turns while a step
 // is computed would jump, and the jolt would shake off the friction of its cable.

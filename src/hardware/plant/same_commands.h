@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One command message goes to a simulation and to a rig: both must take it for the same thing.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A program that answers lines of text with lines of text.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A driver and an emulated rig in lock-step: the driver is updated whenever a frame arrives, and every 5 ms.
 #pragma once
 

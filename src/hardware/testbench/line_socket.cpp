@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "line_socket.h"
 
 #include <algorithm>

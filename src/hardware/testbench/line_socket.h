@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A socket whose other end answers lines of text with lines of text.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A rig_emulator that runs in real time: asks it for faults and for the truth.
 #pragma once
 

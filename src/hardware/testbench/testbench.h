@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An emulated rig in a process of its own, whose time passes only in run(): what a driver does with it repeats exactly.
 #pragma once
 
@@ -26,7 +27,8 @@ class Testbench {
   // Of this rig, which must outlive them. Opening fails while the rig is unplugged.
   OpenPort ports();
 
-  // A command of the emulator, as src/hardware/firmware/PROTOCOL.md lists them; throws std::invalid_argument when it refuses.
+  // A command of the emulator, as src/hardware/firmware/PROTOCOL.md lists them; throws std::invalid_argument when it
+  // refuses.
   std::string ask(const std::string& command);
   std::vector<ShaftTruth> shafts();
   LineFaults line_faults();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The edge of an open surface, as loops.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Adds one constraint's second derivatives to a BlockMatrix without searching for their places each time.
 #pragma once
 

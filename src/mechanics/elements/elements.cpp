@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "elements.h"
 
 #include <algorithm>
@@ -8,35 +9,35 @@
 namespace soft_robot_lab {
 namespace {
 
-// The kernels over all packs; plain pointers so that every copy of the code stays self-contained.
+// The kernels over all batches; plain pointers so that every copy of the code stays self-contained.
 struct ElementArrays {
-  int packs, count;
+  int batches, count;
   const int *nodes, *slots;
-  const Pack *gradients, *weights, *laplacian;
+  const Batch *gradients, *weights, *laplacian;
   double lambda;
 };
 
 template <int Nodes, int Points, class Law>
 inline void all_gradients(const ElementArrays& e, const Law& law, const double* positions, const double* multipliers,
                           double* forces, ElementSums* sums) {
-  Pack x[3 * Nodes], f[3 * Nodes];
-  for (int pack = 0; pack < e.packs; ++pack) {
-    const int* nodes = e.nodes + static_cast<std::ptrdiff_t>(pack) * Nodes * kLanes;
-    const Pack* weights = e.weights + static_cast<std::ptrdiff_t>(pack) * Points;
-    const int lanes = std::min(kLanes, e.count - pack * kLanes);
-    Pack p = splat(0.0);
-    for (int lane = 0; lane < lanes; ++lane) p[lane] = multipliers[pack * kLanes + lane];
+  Batch x[3 * Nodes], f[3 * Nodes];
+  for (int batch = 0; batch < e.batches; ++batch) {
+    const int* nodes = e.nodes + static_cast<std::ptrdiff_t>(batch) * Nodes * kLanes;
+    const Batch* weights = e.weights + static_cast<std::ptrdiff_t>(batch) * Points;
+    const int lanes = std::min(kLanes, e.count - batch * kLanes);
+    Batch p = splat(0.0);
+    for (int lane = 0; lane < lanes; ++lane) p[lane] = multipliers[batch * kLanes + lane];
     gather(positions, nodes, Nodes, x);
-    const PackSums result = pack_gradient<Nodes, Points>(
-        x, e.gradients + static_cast<std::ptrdiff_t>(pack) * Points * Nodes * 3, weights, law, p, f);
+    const BatchSums result = batch_gradient<Nodes, Points>(
+        x, e.gradients + static_cast<std::ptrdiff_t>(batch) * Points * Nodes * 3, weights, law, p, f);
     scatter_add(f, nodes, Nodes, forces);
     for (int lane = 0; lane < lanes; ++lane) {
       sums->elastic_energy += result.energy[lane];
-      sums->volumetric_strain[pack * kLanes + lane] = result.mean_determinant[lane] - 1.0;
+      sums->volumetric_strain[batch * kLanes + lane] = result.mean_determinant[lane] - 1.0;
       if (!(result.smallest_determinant[lane] > 0.0)) ++sums->inverted;
       if (result.smallest_determinant[lane] < sums->smallest_determinant) {
         sums->smallest_determinant = result.smallest_determinant[lane];
-        sums->worst_element = pack * kLanes + lane;
+        sums->worst_element = batch * kLanes + lane;
       }
     }
   }
@@ -44,20 +45,20 @@ inline void all_gradients(const ElementArrays& e, const Law& law, const double* 
 
 template <int Nodes, int Points, class Law>
 inline void all_hessians(const ElementArrays& e, const Law& law, const double* positions, const double* multipliers,
-                         bool convex, double* values, Pack* volume_gradients) {
+                         bool convex, double* values, Batch* volume_gradients) {
   constexpr int kPairs = Nodes * (Nodes + 1) / 2;
-  Pack x[3 * Nodes], blocks[9 * kPairs];
-  for (int pack = 0; pack < e.packs; ++pack) {
-    const int* nodes = e.nodes + static_cast<std::ptrdiff_t>(pack) * Nodes * kLanes;
-    const int* slots = e.slots + static_cast<std::ptrdiff_t>(pack) * kPairs * kLanes;
-    const int lanes = std::min(kLanes, e.count - pack * kLanes);
-    Pack p = splat(0.0);
-    for (int lane = 0; lane < lanes; ++lane) p[lane] = multipliers[pack * kLanes + lane];
+  Batch x[3 * Nodes], blocks[9 * kPairs];
+  for (int batch = 0; batch < e.batches; ++batch) {
+    const int* nodes = e.nodes + static_cast<std::ptrdiff_t>(batch) * Nodes * kLanes;
+    const int* slots = e.slots + static_cast<std::ptrdiff_t>(batch) * kPairs * kLanes;
+    const int lanes = std::min(kLanes, e.count - batch * kLanes);
+    Batch p = splat(0.0);
+    for (int lane = 0; lane < lanes; ++lane) p[lane] = multipliers[batch * kLanes + lane];
     gather(positions, nodes, Nodes, x);
-    pack_hessian<Nodes, Points>(x, e.gradients + static_cast<std::ptrdiff_t>(pack) * Points * Nodes * 3,
-                                e.weights + static_cast<std::ptrdiff_t>(pack) * Points,
-                                e.laplacian + static_cast<std::ptrdiff_t>(pack) * kPairs, law, e.lambda, p, convex,
-                                blocks, volume_gradients + static_cast<std::ptrdiff_t>(pack) * 3 * Nodes);
+    batch_hessian<Nodes, Points>(x, e.gradients + static_cast<std::ptrdiff_t>(batch) * Points * Nodes * 3,
+                                 e.weights + static_cast<std::ptrdiff_t>(batch) * Points,
+                                 e.laplacian + static_cast<std::ptrdiff_t>(batch) * kPairs, law, e.lambda, p, convex,
+                                 blocks, volume_gradients + static_cast<std::ptrdiff_t>(batch) * 3 * Nodes);
     for (int pair = 0; pair < kPairs; ++pair) {
       for (int lane = 0; lane < lanes; ++lane) {
         double* target = values + static_cast<std::ptrdiff_t>(9) * slots[pair * kLanes + lane];
@@ -72,7 +73,7 @@ SOFT_ROBOT_LAB_CLONES void quadratic_gradients(const ElementArrays& e, const Neo
   all_gradients<10, 4>(e, law, x, p, forces, sums);
 }
 SOFT_ROBOT_LAB_CLONES void quadratic_hessians(const ElementArrays& e, const NeoHookean& law, const double* x,
-                                              const double* p, bool convex, double* values, Pack* volume_gradients) {
+                                              const double* p, bool convex, double* values, Batch* volume_gradients) {
   all_hessians<10, 4>(e, law, x, p, convex, values, volume_gradients);
 }
 SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const NeoHookean& law, const double* x,
@@ -80,7 +81,7 @@ SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const NeoHoo
   all_gradients<4, 1>(e, law, x, p, forces, sums);
 }
 SOFT_ROBOT_LAB_CLONES void linear_hessians(const ElementArrays& e, const NeoHookean& law, const double* x,
-                                           const double* p, bool convex, double* values, Pack* volume_gradients) {
+                                           const double* p, bool convex, double* values, Batch* volume_gradients) {
   all_hessians<4, 1>(e, law, x, p, convex, values, volume_gradients);
 }
 SOFT_ROBOT_LAB_CLONES void quadratic_gradients(const ElementArrays& e, const Rivlin& law, const double* x,
@@ -88,7 +89,7 @@ SOFT_ROBOT_LAB_CLONES void quadratic_gradients(const ElementArrays& e, const Riv
   all_gradients<10, 4>(e, law, x, p, forces, sums);
 }
 SOFT_ROBOT_LAB_CLONES void quadratic_hessians(const ElementArrays& e, const Rivlin& law, const double* x,
-                                              const double* p, bool convex, double* values, Pack* volume_gradients) {
+                                              const double* p, bool convex, double* values, Batch* volume_gradients) {
   all_hessians<10, 4>(e, law, x, p, convex, values, volume_gradients);
 }
 SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const Rivlin& law, const double* x, const double* p,
@@ -96,7 +97,7 @@ SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const Rivlin
   all_gradients<4, 1>(e, law, x, p, forces, sums);
 }
 SOFT_ROBOT_LAB_CLONES void linear_hessians(const ElementArrays& e, const Rivlin& law, const double* x, const double* p,
-                                           bool convex, double* values, Pack* volume_gradients) {
+                                           bool convex, double* values, Batch* volume_gradients) {
   all_hessians<4, 1>(e, law, x, p, convex, values, volume_gradients);
 }
 
@@ -112,9 +113,11 @@ std::vector<int> positions_in(const BlockMatrix& matrix, int node_count) {
   return positions;
 }
 
-ElementArrays arrays(const ElementPacks& packs, const std::vector<int>& slots, int count, double lambda) {
-  return {packs.count(),          count, packs.nodes.data(), slots.data(), packs.gradients.data(), packs.weights.data(),
-          packs.laplacian.data(), lambda};
+ElementArrays arrays(const ElementBatches& batches, const std::vector<int>& slots, int count, double lambda) {
+  return {batches.count(),          count,
+          batches.nodes.data(),     slots.data(),
+          batches.gradients.data(), batches.weights.data(),
+          batches.laplacian.data(), lambda};
 }
 
 }  // namespace
@@ -124,50 +127,52 @@ Elements::Elements(const Body& body, const BlockMatrix& matrix)
       mu_(body.material().lame_mu_pa()),
       lambda_(bulk_lambda_pa(body.material())),
       law_(law_of(body.material())),
-      packs_(body.mesh(), mu_, mesh_order(count_), positions_in(matrix, body.mesh().node_count())) {
-  const auto place = [&](int pack, int a, int lane) {
-    return matrix.position(packs_.nodes[(static_cast<std::size_t>(pack) * packs_.node_count + a) * kLanes + lane]);
+      batches_(body.mesh(), mu_, mesh_order(count_), positions_in(matrix, body.mesh().node_count())) {
+  const auto place = [&](int batch, int a, int lane) {
+    return matrix.position(batches_.nodes[(static_cast<std::size_t>(batch) * batches_.node_count + a) * kLanes + lane]);
   };
-  for (int pack = 0; pack < packs_.count(); ++pack)
-    for (int a = 0; a < packs_.node_count; ++a)
+  for (int batch = 0; batch < batches_.count(); ++batch)
+    for (int a = 0; a < batches_.node_count; ++a)
       for (int b = 0; b <= a; ++b)
         for (int lane = 0; lane < kLanes; ++lane)
-          slots_.push_back(matrix.slot(place(pack, a, lane), place(pack, b, lane)));
-  volume_gradients_.assign(static_cast<std::size_t>(packs_.count()) * packs_.node_count * 3, splat(0.0));
+          slots_.push_back(matrix.slot(place(batch, a, lane), place(batch, b, lane)));
+  volume_gradients_.assign(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0));
   element_volumes_ = Eigen::VectorXd::Zero(count_);
   for (int e = 0; e < count_; ++e)
-    for (int q = 0; q < packs_.point_count; ++q)
-      element_volumes_[e] += packs_.weights[static_cast<std::size_t>(e / kLanes) * packs_.point_count + q][e % kLanes];
-  if (body.linear_volume() == LinearVolume::vertex_averaged) patches_.emplace(packs_, element_volumes_, matrix);
+    for (int q = 0; q < batches_.point_count; ++q)
+      element_volumes_[e] +=
+          batches_.weights[static_cast<std::size_t>(e / kLanes) * batches_.point_count + q][e % kLanes];
+  if (body.linear_volume() == LinearVolume::vertex_averaged) patches_.emplace(batches_, element_volumes_, matrix);
 }
 
 ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers,
                                    Eigen::Matrix3Xd& forces) const {
-  const ElementArrays all = arrays(packs_, slots_, count_, lambda_);
+  const ElementArrays all = arrays(batches_, slots_, count_, lambda_);
   const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(multipliers) : Eigen::VectorXd();
   const double* p = patches_ ? averaged.data() : multipliers.data();
   ElementSums sums;
   sums.volumetric_strain.resize(count_);
   const auto add = [&](const auto& law) {
-    if (packs_.node_count == 10)
+    if (batches_.node_count == 10)
       quadratic_gradients(all, law, positions.data(), p, forces.data(), &sums);
     else
       linear_gradients(all, law, positions.data(), p, forces.data(), &sums);
   };
   std::visit(add, law_);
   if (patches_)
-    sums.volumetric_strain = patches_->on_vertices(sums.volumetric_strain.cwiseProduct(element_volumes_)).cwiseQuotient(rest_volumes_m3());
+    sums.volumetric_strain =
+        patches_->on_vertices(sums.volumetric_strain.cwiseProduct(element_volumes_)).cwiseQuotient(rest_volumes_m3());
   return sums;
 }
 
 void Elements::add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
                            BlockMatrix& matrix) {
-  const ElementArrays all = arrays(packs_, slots_, count_, patches_ ? 0.0 : lambda_);
+  const ElementArrays all = arrays(batches_, slots_, count_, patches_ ? 0.0 : lambda_);
   const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(multipliers) : Eigen::VectorXd();
   const double* p = patches_ ? averaged.data() : multipliers.data();
   double* values = matrix.block(0);
   const auto add = [&](const auto& law) {
-    if (packs_.node_count == 10)
+    if (batches_.node_count == 10)
       quadratic_hessians(all, law, positions.data(), p, convex, values, volume_gradients_.data());
     else
       linear_hessians(all, law, positions.data(), p, convex, values, volume_gradients_.data());
@@ -180,24 +185,25 @@ void Elements::add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matri
   const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(mismatch) : Eigen::VectorXd();
   const Eigen::VectorXd& of_elements = patches_ ? averaged : mismatch;
   for (int element = 0; element < count_; ++element) {
-    const int pack = element / kLanes, lane = element % kLanes;
+    const int batch = element / kLanes, lane = element % kLanes;
     const double pressure = lambda_ * of_elements[element];
-    for (int a = 0; a < packs_.node_count; ++a) {
-      const std::size_t place = static_cast<std::size_t>(pack) * packs_.node_count + a;
-      const int node = packs_.nodes[place * kLanes + lane];
+    for (int a = 0; a < batches_.node_count; ++a) {
+      const std::size_t place = static_cast<std::size_t>(batch) * batches_.node_count + a;
+      const int node = batches_.nodes[place * kLanes + lane];
       for (int i = 0; i < 3; ++i) forces(i, node) += pressure * volume_gradients_[place * 3 + i][lane];
     }
   }
 }
 
-Eigen::VectorXd Elements::updated_multipliers(const Eigen::VectorXd& volumetric_strain, const Eigen::Matrix3Xd& step) const {
+Eigen::VectorXd Elements::updated_multipliers(const Eigen::VectorXd& volumetric_strain,
+                                              const Eigen::Matrix3Xd& step) const {
   Eigen::VectorXd change(count_);  // of V0 Jbar
   for (int element = 0; element < count_; ++element) {
-    const int pack = element / kLanes, lane = element % kLanes;
+    const int batch = element / kLanes, lane = element % kLanes;
     double sum = 0.0;
-    for (int a = 0; a < packs_.node_count; ++a) {
-      const std::size_t place = static_cast<std::size_t>(pack) * packs_.node_count + a;
-      const int node = packs_.nodes[place * kLanes + lane];
+    for (int a = 0; a < batches_.node_count; ++a) {
+      const std::size_t place = static_cast<std::size_t>(batch) * batches_.node_count + a;
+      const int node = batches_.nodes[place * kLanes + lane];
       for (int i = 0; i < 3; ++i) sum += volume_gradients_[place * 3 + i][lane] * step(i, node);
     }
     change[element] = sum;

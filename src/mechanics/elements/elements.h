@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The silicone of a body as mixed tetrahedra: quadratic displacements with one volume multiplier per element (P2/P0),
 // or linear ones. Energy of an element, with J = det F and the material's own energy density Psi (material_law.h) at
 // the quadrature points, whose rest volumes are w; only the volumetric part is averaged:
@@ -13,7 +14,7 @@
 #include <Eigen/Core>
 
 #include "mechanics/linear_algebra/block_matrix.h"
-#include "element_packs.h"
+#include "element_batches.h"
 #include "mechanics/material/material_law.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "volume_patches.h"
@@ -65,7 +66,7 @@ class Elements {
   const Eigen::VectorXd& rest_volumes_m3() const { return patches_ ? patches_->volumes_m3() : element_volumes_; }
   int multiplier_count() const { return static_cast<int>(rest_volumes_m3().size()); }
   int count() const { return count_; }
-  const ElementPacks& packs() const { return packs_; }
+  const ElementBatches& batches() const { return batches_; }
   const std::vector<int>& slots() const { return slots_; }
   double lambda_pa() const { return lambda_; }
   void set_lambda_pa(double lambda_pa) { lambda_ = lambda_pa; }
@@ -75,10 +76,10 @@ class Elements {
   int count_;
   double mu_, lambda_;
   MaterialLaw law_;
-  ElementPacks packs_;                  // in the mesh's order; nodes of each sorted by elimination order
-  std::vector<int> slots_;              // per pack: pair (a >= b) x lanes, slots of the matrix
-  std::vector<Pack> volume_gradients_;  // per pack: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
-  Eigen::VectorXd element_volumes_;     // V0 = sum w [m^3]
+  ElementBatches batches_;               // in the mesh's order; nodes of each sorted by elimination order
+  std::vector<int> slots_;               // per batch: pair (a >= b) x lanes, slots of the matrix
+  std::vector<Batch> volume_gradients_;  // per batch: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
+  Eigen::VectorXd element_volumes_;      // V0 = sum w [m^3]
   std::optional<VolumePatches> patches_;
 };
 

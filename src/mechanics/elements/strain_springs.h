@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Springs on the strain of every quadrature point: energy  sum_q w kappa/2 |E - E*|^2,  E = (F^T F - I) / 2.
 // Within a time step viscosity and hysteresis are such springs, which pull towards the strain they come from. A
 // polynomial of degree four, finite for inverted elements.
@@ -8,34 +9,36 @@
 #include <Eigen/Core>
 
 #include "mechanics/linear_algebra/block_matrix.h"
-#include "element_packs.h"
+#include "element_batches.h"
 
 namespace soft_robot_lab {
 
-// E of all quadrature points: pack x Q x (xx, yy, zz, xy, xz, yz).
-using Strains = std::vector<Pack>;
+// E of all quadrature points: batch x Q x (xx, yy, zz, xy, xz, yz).
+using Strains = std::vector<Batch>;
 
-struct StrainPull {
+struct StrainTarget {
   double stiffness_pa = 0.0;  // kappa
   Strains target;             // E*
 };
 
 class StrainSprings {
  public:
-  // References to what Elements has: its packs, and the matrix's slots per pack and pair of nodes.
-  StrainSprings(const ElementPacks& packs, const std::vector<int>& slots) : packs_(packs), slots_(slots) {}
+  // References to what Elements has: its batches, and the matrix's slots per batch and pair of nodes.
+  StrainSprings(const ElementBatches& batches, const std::vector<int>& slots) : batches_(batches), slots_(slots) {}
 
-  std::size_t pack_count() const { return static_cast<std::size_t>(packs_.count()) * packs_.point_count * 6; }
+  std::size_t batch_count() const { return static_cast<std::size_t>(batches_.count()) * batches_.point_count * 6; }
   Strains strains(const Eigen::Matrix3Xd& positions_m) const;
 
   // Adds the gradient [N]; returns the energy [J].
-  double add_gradient(const Eigen::Matrix3Xd& positions_m, const StrainPull& pull, Eigen::Matrix3Xd& forces_n) const;
+  double add_gradient(const Eigen::Matrix3Xd& positions_m, const StrainTarget& strain_target,
+                      Eigen::Matrix3Xd& forces_n) const;
 
   // `convex` adds what makes every quadrature point's Hessian positive.
-  void add_hessian(const Eigen::Matrix3Xd& positions_m, const StrainPull& pull, bool convex, BlockMatrix& matrix) const;
+  void add_hessian(const Eigen::Matrix3Xd& positions_m, const StrainTarget& strain_target, bool convex,
+                   BlockMatrix& matrix) const;
 
  private:
-  const ElementPacks& packs_;
+  const ElementBatches& batches_;
   const std::vector<int>& slots_;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "viscous_step.h"
 
 #include <cmath>
@@ -34,24 +35,26 @@ ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const Sim
   if (!viscosity.of_strain()) return;
   const double twice_mu_pa = 2.0 * body.material().lame_mu_pa();
   const Strains start = solver.strains(state.positions_m);
-  auto pull = std::make_shared<StrainPull>();
+  auto strain_target = std::make_shared<StrainTarget>();
   if (viscosity.rayleigh_stiffness_s > 0.0) {
-    pull->stiffness_pa = viscosity.rayleigh_stiffness_s * twice_mu_pa / difference.gamma_s;
-    pull->target = difference.weight_before == 0.0 ? start
-                                                   : combined(difference.weight_now, start, -difference.weight_before,
-                                                              solver.strains(state.previous_positions_m));
+    strain_target->stiffness_pa = viscosity.rayleigh_stiffness_s * twice_mu_pa / difference.gamma_s;
+    strain_target->target = difference.weight_before == 0.0
+                                ? start
+                                : combined(difference.weight_now, start, -difference.weight_before,
+                                           solver.strains(state.previous_positions_m));
   }
   if (viscosity.hysteresis_ratio > 0.0) {
     const double steps = h / viscosity.relaxation_time_s;
     branch_stiffness_pa_ = viscosity.hysteresis_ratio * twice_mu_pa * -std::expm1(-steps) / steps;
     branch_from_ = combined(1.0, start, -std::exp(-steps) / branch_stiffness_pa_, from_state(state.branch_stress_pa));
-    const double both_pa = pull->stiffness_pa + branch_stiffness_pa_;
-    pull->target = pull->stiffness_pa > 0.0 ? combined(pull->stiffness_pa / both_pa, pull->target,
-                                                       branch_stiffness_pa_ / both_pa, branch_from_)
-                                            : branch_from_;
-    pull->stiffness_pa = both_pa;
+    const double both_pa = strain_target->stiffness_pa + branch_stiffness_pa_;
+    strain_target->target = strain_target->stiffness_pa > 0.0
+                                ? combined(strain_target->stiffness_pa / both_pa, strain_target->target,
+                                           branch_stiffness_pa_ / both_pa, branch_from_)
+                                : branch_from_;
+    strain_target->stiffness_pa = both_pa;
   }
-  pull_ = std::move(pull);
+  strain_target_ = std::move(strain_target);
 }
 
 Eigen::VectorXd ViscousStep::branch_stress_pa(const NewtonSolver& solver, const Eigen::Matrix3Xd& positions_m) const {

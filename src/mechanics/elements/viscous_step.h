@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Viscosity within one time step, as springs on the strain (strain_springs.h). Kelvin-Voigt, with the strain's rate
 // from the integrator's own difference, dE/dt = (E - E_from) / gamma:
 //   S = b 2 mu / gamma (E - E_from)
@@ -21,13 +22,15 @@ class ViscousStep {
   ViscousStep(const Body& body, const NewtonSolver& solver, const SimulationState& state,
               const BackwardDifference& difference, double h);
 
-  const std::shared_ptr<const StrainPull>& pull() const { return pull_; }  // null where there is none
+  const std::shared_ptr<const StrainTarget>& strain_target() const {
+    return strain_target_;
+  }  // null where there is none
 
   // The branch's stress at the end of the step, in the state's order; empty where there is no branch.
   Eigen::VectorXd branch_stress_pa(const NewtonSolver& solver, const Eigen::Matrix3Xd& positions_m) const;
 
  private:
-  std::shared_ptr<const StrainPull> pull_;
+  std::shared_ptr<const StrainTarget> strain_target_;
   double branch_stiffness_pa_ = 0.0;
   Strains branch_from_;  // the strain at which the branch would be free of stress
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "volume_patches.h"
 
 #include <algorithm>
@@ -33,13 +34,13 @@ std::vector<std::vector<int>> stiffness_cliques(const Body& body) {
   return cliques;
 }
 
-VolumePatches::VolumePatches(const ElementPacks& packs, const Eigen::VectorXd& element_volumes_m3,
+VolumePatches::VolumePatches(const ElementBatches& batches, const Eigen::VectorXd& element_volumes_m3,
                              const BlockMatrix& matrix) {
   int node_count = 0;
   for (Eigen::Index e = 0; e < element_volumes_m3.size(); ++e) {
     std::array<int, 4> nodes;
     for (int a = 0; a < 4; ++a) {
-      nodes[a] = packs.nodes[static_cast<std::size_t>(e / kLanes * 4 + a) * kLanes + e % kLanes];
+      nodes[a] = batches.nodes[static_cast<std::size_t>(e / kLanes * 4 + a) * kLanes + e % kLanes];
       node_count = std::max(node_count, nodes[a] + 1);
     }
     vertices_.push_back(nodes);
@@ -57,10 +58,10 @@ VolumePatches::VolumePatches(const ElementPacks& packs, const Eigen::VectorXd& e
   for (std::size_t e = 0; e < vertices_.size(); ++e) {
     for (const int vertex : vertices_[e]) {
       const std::vector<int>& nodes = around[vertex];
-      Share share{static_cast<int>(e), {}};
+      Share fraction{static_cast<int>(e), {}};
       for (int a = 0; a < 4; ++a)
-        share.places[a] = static_cast<int>(std::find(nodes.begin(), nodes.end(), vertices_[e][a]) - nodes.begin());
-      patches_[vertex].shares.push_back(share);
+        fraction.places[a] = static_cast<int>(std::find(nodes.begin(), nodes.end(), vertices_[e][a]) - nodes.begin());
+      patches_[vertex].fractions.push_back(fraction);
     }
   }
   volumes_ = on_vertices(element_volumes_m3);
@@ -83,16 +84,16 @@ Eigen::VectorXd VolumePatches::on_vertices(const Eigen::VectorXd& of_elements) c
   return result;
 }
 
-void VolumePatches::add_hessian(const std::vector<Pack>& gradients, double lambda_pa, BlockMatrix& matrix) const {
+void VolumePatches::add_hessian(const std::vector<Batch>& gradients, double lambda_pa, BlockMatrix& matrix) const {
   for (std::size_t vertex = 0; vertex < patches_.size(); ++vertex) {
     const Patch& patch = patches_[vertex];
     Eigen::Matrix3Xd g = Eigen::Matrix3Xd::Zero(3, patch.node_count);
-    for (const Share& share : patch.shares)
+    for (const Share& fraction : patch.fractions)
       for (int a = 0; a < 4; ++a)
         for (int i = 0; i < 3; ++i)
-          g(i, share.places[a]) +=
+          g(i, fraction.places[a]) +=
               0.25 *
-              gradients[static_cast<std::size_t>(share.element / kLanes * 4 + a) * 3 + i][share.element % kLanes];
+              gradients[static_cast<std::size_t>(fraction.element / kLanes * 4 + a) * 3 + i][fraction.element % kLanes];
     const double stiffness = lambda_pa / volumes_[static_cast<Eigen::Index>(vertex)];
     std::size_t pair = 0;
     for (int a = 0; a < patch.node_count; ++a)

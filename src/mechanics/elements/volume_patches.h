@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Linear tetrahedra whose volume is averaged over those around a vertex (Bonet & Burton 1998, "A simple average nodal
 // pressure tetrahedral element"), as compliant constraints, one multiplier p a vertex v. Each element gives a quarter
 // of its rest volume V_e to each of its vertices:
@@ -11,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "mechanics/linear_algebra/block_matrix.h"
-#include "element_packs.h"
+#include "element_batches.h"
 #include "soft_robot_lab/mechanics/body.h"
 
 namespace soft_robot_lab {
@@ -21,7 +22,7 @@ std::vector<std::vector<int>> stiffness_cliques(const Body& body);
 
 class VolumePatches {
  public:
-  VolumePatches(const ElementPacks& packs, const Eigen::VectorXd& element_volumes_m3, const BlockMatrix& matrix);
+  VolumePatches(const ElementBatches& batches, const Eigen::VectorXd& element_volumes_m3, const BlockMatrix& matrix);
 
   const Eigen::VectorXd& volumes_m3() const { return volumes_; }  // V_v
 
@@ -29,16 +30,16 @@ class VolumePatches {
   Eigen::VectorXd on_elements(const Eigen::VectorXd& of_vertices) const;
   Eigen::VectorXd on_vertices(const Eigen::VectorXd& of_elements) const;
 
-  // Adds lambda / V_v g g^T for every vertex, g = d(V_v Jbar_v)/dx. `gradients`: d(V_e J_e)/dx in packs.
-  void add_hessian(const std::vector<Pack>& gradients, double lambda_pa, BlockMatrix& matrix) const;
+  // Adds lambda / V_v g g^T for every vertex, g = d(V_v Jbar_v)/dx. `gradients`: d(V_e J_e)/dx in batches.
+  void add_hessian(const std::vector<Batch>& gradients, double lambda_pa, BlockMatrix& matrix) const;
 
  private:
   struct Share {
     int element;
-    std::array<int, 4> places;  // of its nodes, in the order of the packs, within the patch
+    std::array<int, 4> places;  // of its nodes, in the order of the batches, within the patch
   };
   struct Patch {
-    std::vector<Share> shares;
+    std::vector<Share> fractions;
     int node_count = 0;
     std::vector<int> slots;  // of the matrix, per pair (a >= b) of nodes sorted by elimination order
   };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Anderson's acceleration of a fixed-point iteration (Anderson 1965; Walker & Ni 2011): from the last few iterates z
 // with residuals r and steps d, the next is z + d less the combination of differences that makes the linear model of r
 // least. With steps of an old factor it is a preconditioned GMRES that needs no new matrix.
@@ -23,9 +24,9 @@ class AndersonMixing {
       Eigen::MatrixXd change(residual.size(), past_.size());
       for (std::size_t i = 0; i < past_.size(); ++i)
         change.col(static_cast<Eigen::Index>(i)) = residual - past_[i].residual;
-      const Eigen::VectorXd share = change.colPivHouseholderQr().solve(residual);
+      const Eigen::VectorXd fraction = change.colPivHouseholderQr().solve(residual);
       for (std::size_t i = 0; i < past_.size(); ++i)
-        result -= share[static_cast<Eigen::Index>(i)] * (at - past_[i].at + step - past_[i].step);
+        result -= fraction[static_cast<Eigen::Index>(i)] * (at - past_[i].at + step - past_[i].step);
     }
     past_.push_back({std::move(at), std::move(step), std::move(residual)});
     if (past_.size() > depth_) past_.pop_front();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "block_cholesky.h"
 
 #include <algorithm>
@@ -71,10 +72,10 @@ ColumnStructure column_structure(const BlockMatrix& matrix) {
 
 // Explicit zeros that may be stored for fewer, larger dense blocks.
 bool worth_merging(int columns, double zeros, double entries) {
-  const double share = zeros / entries;
-  if (columns <= 4) return share < 0.7;
-  if (columns <= 16) return share < 0.25;
-  return share < 0.08;
+  const double fraction = zeros / entries;
+  if (columns <= 4) return fraction < 0.7;
+  if (columns <= 16) return fraction < 0.25;
+  return fraction < 0.08;
 }
 
 constexpr int kBlock = 64;  // columns at a time

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sparse factor L S L' of a BlockMatrix, S = diag(+-1), by the multifrontal method (Duff & Reid 1983; Liu 1992), dense
 // fronts through LAPACK. A Cholesky factor where the matrix is positive definite; else S counts its negative
 // eigenvalues. There is no pivoting: a body held in an unstable shape by its cables is indefinite in a few directions,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A symmetric sparse matrix of 3x3 blocks over the nodes, lower triangle by columns, in an order that keeps its factor
 // small.
 #pragma once

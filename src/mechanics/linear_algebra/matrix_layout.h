@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Who is coupled with whom in Newton's matrix, and where. The mesh's nodes come first, then the constraints' carried
 // points, each tied to its nodes by a spring that is stiff against everything it carries (so the second derivative is
 // softened by less than 1e-3).

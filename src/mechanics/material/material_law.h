@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The elastic energy of silicone at a point, all but the volumetric term, as the kernels need it: four elements at
 // once. With F the deformation gradient, C = F^T F, J = det F, I1 = tr C = |F|^2 and I2 = |cof F|^2:
 //   neo_hookean    mu/2 phi,                   phi = I1 - 3 - 2 (J - 1) + (J - 1)^2   (Macklin & Mueller 2021)
@@ -11,7 +12,7 @@
 
 #include <variant>
 
-#include "mechanics/elements/packs.h"
+#include "mechanics/elements/batches.h"
 #include "soft_robot_lab/mechanics/material.h"
 
 namespace soft_robot_lab {
@@ -33,33 +34,33 @@ inline MaterialLaw law_of(const Material& material) {
 }
 
 // d energy / dF = along_f F + along_cofactor cof F (+ what Rivlin's I2 adds).
-struct PackStress {
-  Pack energy, along_f, along_cofactor;
+struct BatchStress {
+  Batch energy, along_f, along_cofactor;
 };
 
-inline Pack shear_energy(const PackMatrix& f, Pack j) {
+inline Batch shear_energy(const BatchMatrix& f, Batch j) {
   return squared_norm(f) - 3.0 - 2.0 * (j - 1.0) + (j - 1.0) * (j - 1.0);
 }
 
-inline PackStress stress_of(const NeoHookean& law, const PackMatrix& f, const PackMatrix&, Pack j) {
+inline BatchStress stress_of(const NeoHookean& law, const BatchMatrix& f, const BatchMatrix&, Batch j) {
   return {law.mu * (0.5 * (squared_norm(f) - 3.0) - (j - 1.0) + 0.5 * (j - 1.0) * (j - 1.0)), splat(law.mu),
           law.mu * (j - 2.0)};
 }
 
 // d phi/dF = 2 F + 2 (J - 2) cof F,  d xi/dF = 2 (I1 F - F C) - 4 cof F.
-inline PackStress stress_of(const Rivlin& law, const PackMatrix& f, const PackMatrix& c, Pack j) {
-  const Pack phi = shear_energy(f, j);
-  const Pack slope = 2.0 * (law.c10 + phi * (2.0 * law.c2 + 3.0 * law.c3 * phi));
+inline BatchStress stress_of(const Rivlin& law, const BatchMatrix& f, const BatchMatrix& c, Batch j) {
+  const Batch phi = shear_energy(f, j);
+  const Batch slope = 2.0 * (law.c10 + phi * (2.0 * law.c2 + 3.0 * law.c3 * phi));
   return {phi * (law.c10 + phi * (law.c2 + phi * law.c3)) + law.c01 * (squared_norm(c) - 3.0 - 4.0 * (j - 1.0)),
           slope + 2.0 * law.c01 * squared_norm(f), slope * (j - 2.0) - 4.0 * law.c01};
 }
 
-inline void add_rest_of_stress(const NeoHookean&, const PackMatrix&, Pack, PackMatrix&) {}
+inline void add_rest_of_stress(const NeoHookean&, const BatchMatrix&, Batch, BatchMatrix&) {}
 
 // - 2 c01 F C, times the weight.
-inline void add_rest_of_stress(const Rivlin& law, const PackMatrix& f, Pack weight, PackMatrix& stress) {
-  const PackMatrix b = times_transposed(f);
-  const Pack factor = -2.0 * law.c01 * weight;
+inline void add_rest_of_stress(const Rivlin& law, const BatchMatrix& f, Batch weight, BatchMatrix& stress) {
+  const BatchMatrix b = times_transposed(f);
+  const Batch factor = -2.0 * law.c01 * weight;
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k)
       stress.m[i][k] += factor * (b.m[i][0] * f.m[0][k] + b.m[i][1] * f.m[1][k] + b.m[i][2] * f.m[2][k]);

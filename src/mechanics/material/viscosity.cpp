@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/mechanics/viscosity.h"
 
 #include "mechanics/simulation/require.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/mechanics/body.h"
 
 #include <cmath>
@@ -70,8 +71,8 @@ Body::Body(TetMesh mesh, const Material& material) : mesh_(std::move(mesh)), mat
   for (int e = 0; e < mesh_.tet_count(); ++e) {
     const double mass = material_.density_kg_m3 * rest_volume(mesh_, e);
     for (Eigen::Index a = 0; a < mesh_.tets.rows(); ++a) {
-      const double share = !mesh_.quadratic() ? 0.25 : a < 4 ? 1.0 / 36.0 : 4.0 / 27.0;
-      node_masses_kg_[mesh_.tets(a, e)] += share * mass;
+      const double fraction = !mesh_.quadratic() ? 0.25 : a < 4 ? 1.0 / 36.0 : 4.0 / 27.0;
+      node_masses_kg_[mesh_.tets(a, e)] += fraction * mass;
     }
   }
 }

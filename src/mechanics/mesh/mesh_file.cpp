@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Gmsh's MSH 2.2 text format: https://gmsh.info/doc/texinfo/gmsh.html, "MSH file format version 2".
 #include <charconv>
 #include <fstream>

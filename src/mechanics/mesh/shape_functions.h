@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Shape functions of 4- and 10-node tetrahedra in reference coordinates (r, s, t) = weights of corners 1, 2, 3.
 // Node order as in TetMesh.
 #pragma once

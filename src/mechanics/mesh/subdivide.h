@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every element of a mesh cut into eight: the same body, twice as fine, nested in the coarse mesh.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The triangles of a tetrahedral mesh: which elements meet in each, and which of them bound the body.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // NewtonSolver::descend: Newton's method with positions as the only unknowns, made to go down from anywhere.
 #include <algorithm>
 #include <array>
@@ -77,8 +78,8 @@ int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const {
 }
 
 // The energy but for that of the constraints, and its gradient but for volume and constraints.
-NewtonSolver::Height NewtonSolver::height(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const {
-  Height at;
+NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const {
+  EnergyAt at;
   at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
   at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
   at.gradient_n -= loads_n_;
@@ -90,16 +91,16 @@ NewtonSolver::Height NewtonSolver::height(const NewtonTask& task, const Eigen::M
     at.energy += 0.5 * inertia.cwiseProduct(lag).sum();
     at.gradient_n += inertia;
   }
-  if (task.pull) at.energy += springs_.add_gradient(positions_m, *task.pull, at.gradient_n);
+  if (task.strain_target) at.energy += springs_.add_gradient(positions_m, *task.strain_target, at.gradient_n);
   for (const Constraint* constraint : constraints_) at.values.push_back(constraint->value(positions_m));
   return at;
 }
 
 // Blends the true matrix with one that is nearly always positive, which gives its elements the multiplier that cancels
 // most of their geometric stiffness. Beyond a convexity of 1: the positive one of linearise().
-bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
-                                   double convexity) {
-  if (convexity > 1.0) return linearise(state, task.inertia_per_s2, task.pull, true);
+bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& state,
+                                   const Eigen::VectorXd& volumetric_strain, double convexity) {
+  if (convexity > 1.0) return linearise(state, task.inertia_per_s2, task.strain_target, true);
   linearisation_.reset();
   const auto size = static_cast<Eigen::Index>(9 * matrix_.rows().size());
   Eigen::Map<Eigen::VectorXd> values(matrix_.block(0), size);
@@ -107,21 +108,22 @@ bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& st
   if (convexity > 0.0) {
     const Eigen::VectorXd cancelling = (elements_.mu_pa() * (1.0 - volumetric_strain.array())).matrix();
     elements_.add_hessian(state.positions_m, cancelling, true, matrix_);
-    if (task.pull) springs_.add_hessian(state.positions_m, *task.pull, true, matrix_);
+    if (task.strain_target) springs_.add_hessian(state.positions_m, *task.strain_target, true, matrix_);
   }
   if (convexity < 1.0) {
     const Eigen::VectorXd safe = values;
     matrix_.set_zero();
     elements_.add_hessian(state.positions_m, state.element_multipliers_pa, false, matrix_);
-    if (task.pull) springs_.add_hessian(state.positions_m, *task.pull, false, matrix_);
+    if (task.strain_target) springs_.add_hessian(state.positions_m, *task.strain_target, false, matrix_);
     values = (1.0 - convexity) * values + convexity * safe;
   }
   return add_rest_and_factorise(state, task.inertia_per_s2);
 }
 
 // A positive matrix with as little convexity as that takes, from a little less than the last one had.
-bool NewtonSolver::linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
-                                      double& convexity, NewtonReport& report) {
+bool NewtonSolver::linearise_downhill(const NewtonTask& task, const NewtonState& state,
+                                      const Eigen::VectorXd& volumetric_strain, double& convexity,
+                                      NewtonReport& report) {
   for (convexity = lowered(convexity);; convexity = raised(convexity)) {
     ++report.factorisations;
     const bool positive = linearise_blend(task, state, volumetric_strain, convexity) && factor_.negative_pivots() == 0;
@@ -157,7 +159,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
   Eigen::VectorXd ties;  // least compliances; known after the first factor, before which constraints have no say
   double convexity = 1.0;
   for (; report.iterations < kPatience * task.max_iterations; ++report.iterations) {
-    const Height here = height(task, state.positions_m);
+    const EnergyAt here = energy_at(task, state.positions_m);
     state.element_multipliers_pa = elements_.lambda_pa() * here.elements.volumetric_strain;
     Eigen::VectorXd compliances = ties;
     std::vector<int> open;
@@ -190,7 +192,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
       if (halving > 0) length *= 0.5;
       const Eigen::Matrix3Xd trial =
           state.positions_m + length * Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
-      const Height there = height(task, trial);
+      const EnergyAt there = energy_at(task, trial);
       double rise = there.energy - here.energy;
       for (int i = 0; i < count; ++i)
         rise +=

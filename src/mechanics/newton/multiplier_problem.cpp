@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "multiplier_problem.h"
 
 #include <algorithm>
@@ -21,7 +22,8 @@ struct Statuses {
 
 // y and q of an assumed status: one linear system.
 Multipliers solve_status(const MultiplierProblem& problem, const Statuses& status, const Eigen::VectorXd& bounds) {
-  const int constraints = static_cast<int>(problem.laws.size()), friction_contacts = static_cast<int>(problem.friction_contacts.size());
+  const int constraints = static_cast<int>(problem.laws.size()),
+            friction_contacts = static_cast<int>(problem.friction_contacts.size());
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(constraints + friction_contacts, constraints + friction_contacts);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(constraints + friction_contacts);
   for (int i = 0; i < constraints; ++i) {
@@ -193,7 +195,8 @@ int slipping(const FrictionContactBound& contact, const Eigen::VectorXd& y) {
   return second >= (1.0 - kOnBound) * contact.ratio * first ? -1 : 0;
 }
 
-std::vector<ConstraintLaw> after_flows(std::vector<ConstraintLaw> laws, const std::vector<FrictionContactBound>& friction_contacts,
+std::vector<ConstraintLaw> after_flows(std::vector<ConstraintLaw> laws,
+                                       const std::vector<FrictionContactBound>& friction_contacts,
                                        const Eigen::VectorXd& slips_m) {
   for (std::size_t j = 0; j < friction_contacts.size(); ++j) {
     const double q = slips_m[static_cast<Eigen::Index>(j)];

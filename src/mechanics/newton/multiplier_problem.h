@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The small problem that is left of a Newton step once the nodes are eliminated: multipliers y and slips q with
 //   S y + D q = e      where y is within its bounds (less or more than e on them)
 //   y_first <= ratio y_second and y_second <= ratio y_first      q > 0 or q < 0 only on these bounds
@@ -43,7 +44,8 @@ double violation(const ConstraintLaw& law, double y);
 int slipping(const FrictionContactBound& contact, const Eigen::VectorXd& y);
 
 // The laws once lengths have slipped.
-std::vector<ConstraintLaw> after_flows(std::vector<ConstraintLaw> laws, const std::vector<FrictionContactBound>& friction_contacts,
+std::vector<ConstraintLaw> after_flows(std::vector<ConstraintLaw> laws,
+                                       const std::vector<FrictionContactBound>& friction_contacts,
                                        const Eigen::VectorXd& slips_m);
 
 // How far multipliers and flow of a contact are from its law, relative to the larger multiplier, which counts as

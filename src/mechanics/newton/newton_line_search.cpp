@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The merit function of Newton's steps, and how far along one it falls.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "newton_solver.h"
 
 #include <algorithm>
@@ -35,7 +36,7 @@ NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> cons
       matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body)),
       factor_(matrix_),
       elements_(body, matrix_),
-      springs_(elements_.packs(), elements_.slots()),
+      springs_(elements_.batches(), elements_.slots()),
       ties_(matrix_, layout_.ties) {
   for (const auto& cliques : layout_.cliques) adders_.emplace_back(matrix_, cliques);
 }
@@ -68,7 +69,8 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     result.smooth_energy += 0.5 * inertia.cwiseProduct(lag).sum();
     result.residual_n += inertia;
   }
-  if (task.pull) result.smooth_energy += springs_.add_gradient(state.positions_m, *task.pull, result.residual_n);
+  if (task.strain_target)
+    result.smooth_energy += springs_.add_gradient(state.positions_m, *task.strain_target, result.residual_n);
   result.residual_n -= loads_n_;
 
   double constraint_residual = 0.0;
@@ -89,10 +91,10 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     constraint_residual = std::max(constraint_residual, off);
   }
   for (int j = 0; j < friction_contact_count(); ++j)
-    constraint_residual =
-        std::max(constraint_residual,
-                 friction_violation(result.friction_contacts[j], state.constraint_multipliers, state.slips_m[j], force_floor_n_,
-                                    std::max(std::abs(result.values[result.friction_contacts[j].first]), 1e-300)));
+    constraint_residual = std::max(
+        constraint_residual,
+        friction_violation(result.friction_contacts[j], state.constraint_multipliers, state.slips_m[j], force_floor_n_,
+                           std::max(std::abs(result.values[result.friction_contacts[j].first]), 1e-300)));
   release(result.residual_n);
   const double volume_residual =
       elements_.mismatch(result.elements.volumetric_strain, state.element_multipliers_pa).cwiseAbs().maxCoeff();
@@ -104,13 +106,13 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
 }
 
 bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
-                             const std::shared_ptr<const StrainPull>& pull, bool convex) {
+                             const std::shared_ptr<const StrainTarget>& strain_target, bool convex) {
   linearisation_.reset();
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
-  if (pull) springs_.add_hessian(state.positions_m, *pull, convex, matrix_);
+  if (strain_target) springs_.add_hessian(state.positions_m, *strain_target, convex, matrix_);
   if (!add_rest_and_factorise(state, inertia_per_s2)) return false;
-  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2, pull});
+  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2, strain_target});
   return true;
 }
 
@@ -133,9 +135,9 @@ bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inert
 }
 
 bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2,
-                                 const std::shared_ptr<const StrainPull>& pull) const {
-  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 && linearisation_->pull == pull &&
-         linearisation_->at.positions_m == state.positions_m &&
+                                 const std::shared_ptr<const StrainTarget>& strain_target) const {
+  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 &&
+         linearisation_->strain_target == strain_target && linearisation_->at.positions_m == state.positions_m &&
          linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
          linearisation_->at.constraint_multipliers == state.constraint_multipliers;
 }
@@ -143,7 +145,7 @@ bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
   if (linearisation == linearisation_) return;
   linearisation_.reset();
-  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, linearisation->pull, false);
+  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, linearisation->strain_target, false);
 }
 
 Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {
@@ -251,7 +253,7 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
 bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
                                   AndersonMixing& mixing) const {
   if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
-      (linearisation_->pull == nullptr) != (task.pull == nullptr))
+      (linearisation_->strain_target == nullptr) != (task.strain_target == nullptr))
     return false;
   Step step;
   if (!find_step(state, here, step)) return false;
@@ -295,9 +297,9 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 
     Step step;
     const auto fresh_step = [&] {
-      if (!convex && linearised_at(state, task.inertia_per_s2, task.pull)) return find_step(state, here, step);
+      if (!convex && linearised_at(state, task.inertia_per_s2, task.strain_target)) return find_step(state, here, step);
       ++report.factorisations;
-      return linearise(state, task.inertia_per_s2, task.pull, convex) && find_step(state, here, step);
+      return linearise(state, task.inertia_per_s2, task.strain_target, convex) && find_step(state, here, step);
     };
     bool found = fresh_step();
     if (!convex && (!found || step.slope > 0.0)) {
@@ -308,7 +310,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     if (convex) ++report.convexified;
     if (!found) return finish("the stiffness matrix could not be factorised");
 
-    if (!warp_) warp_ = std::make_unique<StepWarp>(body_, elements_.packs(), matrix_);
+    if (!warp_) warp_ = std::make_unique<StepWarp>(body_, elements_.batches(), matrix_);
     double length = 1.0;
     const bool accepted = search_line(task, step, state, here, length);
     if (length < 1.0) ++report.shortened;

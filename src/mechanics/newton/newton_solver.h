@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Newton's method on all constraints at once: positions x, element multipliers p and constraint multipliers y are
 // independent unknowns (so near-incompressible elements and rigid cables cost no extra iterations). p is condensed
 // element by element, y is solved as a border by its Schur complement. One factorisation an iteration.
@@ -5,7 +6,8 @@
 //   [ A   B ] [dx]   [ -r ]     A: inertia + elements (condensed) + y d2C/dx2,  B: constraint gradients
 //   [ B' -a ] [ y] = [ -o ]     a: compliance, o: offset (ConstraintLaw), y within its bounds
 //
-// Where constraints share their length (FrictionContact), the lengths q that slip between them are unknowns of the border too.
+// Where constraints share their length (FrictionContact), the lengths q that slip between them are unknowns of the
+// border too.
 #pragma once
 
 #include <memory>
@@ -52,19 +54,19 @@ struct SharedLength {
 struct Linearisation {
   NewtonState at;
   double inertia_per_s2 = 0.0;
-  std::shared_ptr<const StrainPull> pull;
+  std::shared_ptr<const StrainTarget> strain_target;
 };
 
 // minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)  +  energy of the pull
 struct NewtonTask {
-  double inertia_per_s2 = 0.0;                    // 1/h^2; zero asks for the equilibrium
-  const Eigen::Matrix3Xd* predicted_m = nullptr;  // needed where there is inertia
-  std::shared_ptr<const StrainPull> pull;         // of viscosity; may be null
+  double inertia_per_s2 = 0.0;                        // 1/h^2; zero asks for the equilibrium
+  const Eigen::Matrix3Xd* predicted_m = nullptr;      // needed where there is inertia
+  std::shared_ptr<const StrainTarget> strain_target;  // of viscosity; may be null
   double tolerance = 1e-6;
   int min_iterations = 0;
   int max_iterations = 60;
   bool only_through_stable = false;  // give up where the matrix is not convex, rather than shift it
-  bool reuse_factor = false;  // first try what the last factor can still do
+  bool reuse_factor = false;         // first try what the last factor can still do
 };
 
 struct NewtonReport {
@@ -91,7 +93,8 @@ struct NewtonDrive {
 
 // What follows from it, column by column.
 struct NewtonResponse {
-  bool stable = false;  // false: the tangent is not positive definite, there is no stable equilibrium; all else is empty
+  bool stable =
+      false;  // false: the tangent is not positive definite, there is no stable equilibrium; all else is empty
   Eigen::MatrixXd motions_m, multipliers, slips_m;
 };
 
@@ -115,7 +118,8 @@ class NewtonSolver {
   // `multipliers`, where given, becomes d multiplier / d command, constraints x constraints.
   Eigen::MatrixXd sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers = nullptr);
 
-  // The derivative of an equilibrium along anything else, by the implicit function theorem with the solver's own factor.
+  // The derivative of an equilibrium along anything else, by the implicit function theorem with the solver's own
+  // factor.
   NewtonResponse respond(const NewtonState& state, const NewtonDrive& drive);
 
   // What the residual force at an equilibrium gains where all moduli of the body grow by the factor 1 + d: the elastic
@@ -133,7 +137,7 @@ class NewtonSolver {
   void restore(const std::shared_ptr<const Linearisation>& linearisation);
 
   int element_multiplier_count() const { return elements_.multiplier_count(); }
-  Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.pack_count()) * kLanes; }
+  Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.batch_count()) * kLanes; }
   Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
   int friction_contact_count() const { return static_cast<int>(shared_.size()); }
@@ -158,7 +162,7 @@ class NewtonSolver {
     double slope = 0.0;               // of the merit function along the step
   };
 
-  struct Height {
+  struct EnergyAt {
     double energy = 0.0;
     Eigen::Matrix3Xd gradient_n;
     ElementSums elements;
@@ -166,11 +170,11 @@ class NewtonSolver {
   };
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
-  bool linearise(const NewtonState& state, double inertia_per_s2, const std::shared_ptr<const StrainPull>& pull,
-                 bool convex);
+  bool linearise(const NewtonState& state, double inertia_per_s2,
+                 const std::shared_ptr<const StrainTarget>& strain_target, bool convex);
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2);  // what is not of the elements
   bool linearised_at(const NewtonState& state, double inertia_per_s2,
-                     const std::shared_ptr<const StrainPull>& pull) const;
+                     const std::shared_ptr<const StrainTarget>& strain_target) const;
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
   std::vector<FrictionContactBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
@@ -181,7 +185,7 @@ class NewtonSolver {
                      Step& step) const;
   bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                    double& length) const;
-  Height height(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const;
+  EnergyAt energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const;
   bool linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
                        double convexity);
   bool linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,

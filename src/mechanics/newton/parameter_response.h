@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How an equilibrium answers to numbers of the scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "actuator_warnings.h"
 
 #include <cmath>

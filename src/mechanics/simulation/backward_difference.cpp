@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "backward_difference.h"
 
 namespace soft_robot_lab {

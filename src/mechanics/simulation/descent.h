@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // To a rest state at fixed commands, from the present state.
 #pragma once
 

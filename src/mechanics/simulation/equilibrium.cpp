@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "equilibrium.h"
 
 #include <algorithm>
@@ -30,11 +31,11 @@ double follow_commands(SimulationParts& parts, const std::vector<double>& from, 
                        SolveReport& report) {
   double done = 0.0, stage = 1.0;
   while (done < 1.0 && stage * kSmallestStage >= 1.0 && within_budget(parts, report)) {
-    const double share = std::min(1.0, done + stage);
-    parts.move_actuators(from, share);
+    const double fraction = std::min(1.0, done + stage);
+    parts.move_actuators(from, fraction);
     const bool cuttable = actuated(parts) != from && 0.5 * stage * kSmallestStage >= 1.0;
     const bool found = relax(parts, report, {options.tolerance, options.only_through_stable || cuttable});
-    if (found) done = share;
+    if (found) done = fraction;
     if (options.only_through_stable) break;
     stage *= found ? 2.0 : 0.5;
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Inverse subspace iteration with Rayleigh-Ritz projection (Bathe 1971; Bathe, Finite Element Procedures, 11.6).
 #include "modal.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Undamped small vibrations of a body about its rest shape: K phi = (2 pi f)^2 M phi. Loads, gravity and actuators play
 // no part.
 #pragma once

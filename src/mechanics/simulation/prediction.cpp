@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "prediction.h"
 
 namespace soft_robot_lab {
@@ -27,7 +28,8 @@ NewtonState predict(const SimulationState& state, double h, Integrator integrato
   const double before_s = state.previous_step_s, since_s = integrator == Integrator::bdf2 ? h : h + before_s;
   start.positions_m += (0.5 * h * since_s / before_s) * (state.velocities_m_s - state.previous_velocities_m_s);
   const double volumetric_strain = h / before_s;
-  start.element_multipliers_pa += volumetric_strain * (state.element_multipliers_pa - state.previous_element_multipliers_pa);
+  start.element_multipliers_pa +=
+      volumetric_strain * (state.element_multipliers_pa - state.previous_element_multipliers_pa);
   start.constraint_multipliers =
       extrapolated(state.constraint_multipliers, state.previous_constraint_multipliers, volumetric_strain);
   return start;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "simulation_parts.h"
 
 #include <stdexcept>
@@ -120,10 +121,10 @@ void SimulationParts::begin_step(double time_step_s) {
     actuators[i]->begin_step({time_step_s, state.positions_m, state.velocities_m_s, multipliers_of(i)});
 }
 
-void SimulationParts::move_actuators(const std::vector<double>& from, double share) {
+void SimulationParts::move_actuators(const std::vector<double>& from, double fraction) {
   for (std::size_t i = 0; i < actuators.size(); ++i) {
     const double target = actuators[i]->command();
-    actuators[i]->place(from[i] + share * (target - from[i]));
+    actuators[i]->place(from[i] + fraction * (target - from[i]));
   }
 }
 
@@ -140,10 +141,10 @@ NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown
 NewtonReport SimulationParts::solve_from_below(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
   if (solver.friction_contact_count() > 0) return {};
   unknown = unknowns();
-  const NewtonReport fall = solver.descend(task, unknown);
-  report.iterations += fall.iterations;
-  report.factorisations += fall.factorisations;
-  report.rejected_steps += fall.shortened + fall.convexified;
+  const NewtonReport descent = solver.descend(task, unknown);
+  report.iterations += descent.iterations;
+  report.factorisations += descent.factorisations;
+  report.rejected_steps += descent.shortened + descent.convexified;
   NewtonState bottom = unknown;
   const NewtonReport newton = solve(task, unknown, report);
   if (!newton.converged) unknown = std::move(bottom);

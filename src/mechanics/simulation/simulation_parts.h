@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a simulation is made of, for the parts of its solution: time_stepping, equilibrium, descent, substepping.
 #pragma once
 
@@ -47,14 +48,14 @@ struct SimulationParts {
   void begin_step(double time_step_s = std::numeric_limits<double>::infinity());
 
   // The actuated commands: this share of the way from `from` to the commands.
-  void move_actuators(const std::vector<double>& from, double share);
+  void move_actuators(const std::vector<double>& from, double fraction);
 
   // Solves from the present state, which it leaves alone; the report counts the work and says how this solve ended.
   NewtonReport solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report);
 
-  // The same after a fall down the energy from the present state (NewtonSolver::descend), for where Newton finds no
-  // way. Where it does not converge either, `unknown` is where the fall ended. With friction there is no fall, and
-  // `unknown` stays.
+  // The same after a descent down the energy from the present state (NewtonSolver::descend), for where Newton finds no
+  // way. Where it does not converge either, `unknown` is where the descent ended. With friction there is no descent,
+  // and `unknown` stays.
   NewtonReport solve_from_below(const NewtonTask& task, NewtonState& unknown, SolveReport& report);
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "time_stepping.h"
 
 #include <algorithm>
@@ -29,9 +30,9 @@ struct CommandPath {
       to.push_back(actuator->actuated_command());
     }
   }
-  void move(SimulationParts& parts, double share) const {
+  void move(SimulationParts& parts, double fraction) const {
     for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
-      const double reached = share == 1.0 ? to[i] : from[i] + share * (to[i] - from[i]);
+      const double reached = fraction == 1.0 ? to[i] : from[i] + fraction * (to[i] - from[i]);
       parts.actuators[i]->place(reached);
     }
   }
@@ -42,7 +43,7 @@ struct Part {
   double from = 0.0, to = 1.0;
   int depth = 0;
 
-  double share() const { return to - from; }
+  double fraction() const { return to - from; }
   Part first_half() const { return {from, 0.5 * (from + to), depth + 1}; }
   Part second_half() const { return {0.5 * (from + to), to, depth + 1}; }
 };
@@ -79,7 +80,7 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
   task.reuse_factor = true;
   task.inertia_per_s2 = slowed / (difference.gamma_s * difference.gamma_s);
   task.predicted_m = &predicted;
-  task.pull = viscous.pull();
+  task.strain_target = viscous.strain_target();
   NewtonState unknown = predict(before, h, parts.options.integrator);
   unknown.slips_m = Eigen::VectorXd::Zero(parts.solver.friction_contact_count());
   const bool solved =
@@ -92,10 +93,10 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
 // What bdf2 knows of the step before lets halves differ in length; where they grow too fast, as they may afterwards,
 // one step is implicit Euler's. A part that finds no solution at last falls down its energy, which never adds any.
 void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
-  if (part.depth > 0) parts.begin_step(part.share() * h);
+  if (part.depth > 0) parts.begin_step(part.fraction() * h);
   path.move(parts, part.to);
   const bool last_resort = part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
-  if (try_step(parts, part.share() * h, last_resort, report)) return;
+  if (try_step(parts, part.fraction() * h, last_resort, report)) return;
   advance(parts, h, path, part.first_half(), report);
   const bool first = report.converged;
   advance(parts, h, path, part.second_half(), report);

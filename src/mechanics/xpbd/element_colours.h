@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sets of elements that share no node, so that one after another or at once makes no difference.
 #pragma once
 

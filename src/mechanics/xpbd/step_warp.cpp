@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "step_warp.h"
 
 #include <cmath>
@@ -8,16 +9,16 @@ namespace {
 constexpr double kShift = 1e-11;  // of the diagonal, for an axis that nothing is held along
 
 // exp([w]x), by Rodrigues.
-inline PackMatrix rotation(const Pack* w) {
-  const Pack squared = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-  Pack along, across;  // sin t / t, (1 - cos t) / t^2
+inline BatchMatrix rotation(const Batch* w) {
+  const Batch squared = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+  Batch along, across;  // sin t / t, (1 - cos t) / t^2
   for (int lane = 0; lane < kLanes; ++lane) {
     const double angle = std::sqrt(squared[lane]);
     const double half = angle > 0.0 ? std::sin(0.5 * angle) / angle : 0.5;
     along[lane] = angle > 0.0 ? std::sin(angle) / angle : 1.0;
     across[lane] = 2.0 * half * half;
   }
-  PackMatrix r;
+  BatchMatrix r;
   for (int i = 0; i < 3; ++i) {
     const int next = (i + 1) % 3, last = (i + 2) % 3;
     r.m[i][i] = 1.0 - across * (squared - w[i] * w[i]);
@@ -27,34 +28,34 @@ inline PackMatrix rotation(const Pack* w) {
   return r;
 }
 
-inline PackMatrix times(const PackMatrix& a, const PackMatrix& b) {
-  PackMatrix c;
+inline BatchMatrix times(const BatchMatrix& a, const BatchMatrix& b) {
+  BatchMatrix c;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) c.m[i][j] = a.m[i][0] * b.m[0][j] + a.m[i][1] * b.m[1][j] + a.m[i][2] * b.m[2][j];
   return c;
 }
 
 // T F - (F + D), zero where F or I + e is inverted.
-inline PackMatrix what_turning_adds(const PackMatrix& f, const PackMatrix& d) {
-  const PackMatrix cofactors = cofactor(f);
-  const Pack j = determinant(f, cofactors);
-  PackMatrix g;  // D F^-1
+inline BatchMatrix what_turning_adds(const BatchMatrix& f, const BatchMatrix& d) {
+  const BatchMatrix cofactors = cofactor(f);
+  const Batch j = determinant(f, cofactors);
+  BatchMatrix g;  // D F^-1
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k)
       g.m[i][k] = (d.m[i][0] * cofactors.m[k][0] + d.m[i][1] * cofactors.m[k][1] + d.m[i][2] * cofactors.m[k][2]) / j;
-  const Pack w[3] = {0.5 * (g.m[2][1] - g.m[1][2]), 0.5 * (g.m[0][2] - g.m[2][0]), 0.5 * (g.m[1][0] - g.m[0][1])};
-  PackMatrix stretch;
+  const Batch w[3] = {0.5 * (g.m[2][1] - g.m[1][2]), 0.5 * (g.m[0][2] - g.m[2][0]), 0.5 * (g.m[1][0] - g.m[0][1])};
+  BatchMatrix stretch;
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) stretch.m[i][k] = 0.5 * (g.m[i][k] + g.m[k][i]) + (i == k ? 1.0 : 0.0);
-  const Pack volume = determinant(stretch, cofactor(stretch)), meant = 1.0 + g.m[0][0] + g.m[1][1] + g.m[2][2];
+  const Batch volume = determinant(stretch, cofactor(stretch)), meant = 1.0 + g.m[0][0] + g.m[1][1] + g.m[2][2];
   const auto usable = (j > 0.0) & (volume > 0.0) & (meant > 0.0);
-  Pack scale = splat(1.0);
+  Batch scale = splat(1.0);
   for (int lane = 0; lane < kLanes; ++lane)
     if (usable[lane]) scale[lane] = std::cbrt(meant[lane] / volume[lane]);
-  PackMatrix turned = times(rotation(w), times(stretch, f));
+  BatchMatrix turned = times(rotation(w), times(stretch, f));
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) {
-      const Pack added = scale * turned.m[i][k] - f.m[i][k] - d.m[i][k];
+      const Batch added = scale * turned.m[i][k] - f.m[i][k] - d.m[i][k];
       turned.m[i][k] = usable ? added : splat(0.0);
     }
   return turned;
@@ -62,28 +63,28 @@ inline PackMatrix what_turning_adds(const PackMatrix& f, const PackMatrix& d) {
 
 // Plain pointers, so that every copy of the code stays self-contained.
 struct ElementArrays {
-  int packs;
+  int batches;
   const int* nodes;
-  const Pack *gradients, *weights;
+  const Batch *gradients, *weights;
 };
 
 template <int Nodes, int Points>
 inline void all_additions(const ElementArrays& e, const double* positions, const double* step, double* sums) {
-  Pack x[3 * Nodes], d[3 * Nodes], sum[3 * Nodes];
-  for (int pack = 0; pack < e.packs; ++pack) {
-    const int* nodes = e.nodes + static_cast<std::ptrdiff_t>(pack) * Nodes * kLanes;
+  Batch x[3 * Nodes], d[3 * Nodes], sum[3 * Nodes];
+  for (int batch = 0; batch < e.batches; ++batch) {
+    const int* nodes = e.nodes + static_cast<std::ptrdiff_t>(batch) * Nodes * kLanes;
     gather(positions, nodes, Nodes, x);
     gather(step, nodes, Nodes, d);
-    for (Pack& value : sum) value = splat(0.0);
+    for (Batch& value : sum) value = splat(0.0);
     for (int q = 0; q < Points; ++q) {
-      const std::ptrdiff_t point = static_cast<std::ptrdiff_t>(pack) * Points + q;
-      const Pack* g = e.gradients + point * Nodes * 3;
-      PackMatrix added = what_turning_adds(deformation_gradient<Nodes>(x, g), deformation_gradient<Nodes>(d, g));
+      const std::ptrdiff_t point = static_cast<std::ptrdiff_t>(batch) * Points + q;
+      const Batch* g = e.gradients + point * Nodes * 3;
+      BatchMatrix added = what_turning_adds(deformation_gradient<Nodes>(x, g), deformation_gradient<Nodes>(d, g));
       for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k) added.m[i][k] *= e.weights[point];
       for (int a = 0; a < Nodes; ++a) {
-        const PackVector share = multiply(added, g + 3 * a);
-        for (int i = 0; i < 3; ++i) sum[3 * a + i] += share.v[i];
+        const BatchVector fraction = multiply(added, g + 3 * a);
+        for (int i = 0; i < 3; ++i) sum[3 * a + i] += fraction.v[i];
       }
     }
     scatter_add(sum, nodes, Nodes, sums);
@@ -99,8 +100,8 @@ SOFT_ROBOT_LAB_CLONES void linear_additions(const ElementArrays& e, const double
 
 }  // namespace
 
-StepWarp::StepWarp(const Body& body, const ElementPacks& packs, const BlockMatrix& matrix)
-    : packs_(packs), mu_pa_(body.material().lame_mu_pa()) {
+StepWarp::StepWarp(const Body& body, const ElementBatches& batches, const BlockMatrix& matrix)
+    : batches_(batches), mu_pa_(body.material().lame_mu_pa()) {
   for (int axis = 0; axis < 3; ++axis) {
     const bool as_before = axis > 0 && body.fixed().row(axis) == body.fixed().row(axis - 1);
     axes_[axis] = as_before ? axes_[axis - 1] : poisson(body.fixed().row(axis), matrix);
@@ -118,10 +119,10 @@ std::shared_ptr<const StepWarp::Poisson> StepWarp::poisson(const Eigen::Matrix<b
     result->free.push_back(node);
   }
   std::vector<Eigen::Triplet<double>> entries;
-  for (int pack = 0; pack < packs_.count(); ++pack) {
-    const int* nodes = packs_.nodes.data() + static_cast<std::ptrdiff_t>(pack) * packs_.node_count * kLanes;
-    const Pack* pairs = packs_.laplacian.data() + static_cast<std::ptrdiff_t>(pack) * packs_.pair_count();
-    for (int a = 0; a < packs_.node_count; ++a)
+  for (int batch = 0; batch < batches_.count(); ++batch) {
+    const int* nodes = batches_.nodes.data() + static_cast<std::ptrdiff_t>(batch) * batches_.node_count * kLanes;
+    const Batch* pairs = batches_.laplacian.data() + static_cast<std::ptrdiff_t>(batch) * batches_.pair_count();
+    for (int a = 0; a < batches_.node_count; ++a)
       for (int b = 0; b <= a; ++b, ++pairs)
         for (int lane = 0; lane < kLanes; ++lane) {
           const int row = place[nodes[a * kLanes + lane]], column = place[nodes[b * kLanes + lane]];
@@ -138,9 +139,10 @@ std::shared_ptr<const StepWarp::Poisson> StepWarp::poisson(const Eigen::Matrix<b
 }
 
 Eigen::Matrix3Xd StepWarp::follow(const Eigen::Matrix3Xd& positions_m, const Eigen::Matrix3Xd& step_m) const {
-  const ElementArrays arrays{packs_.count(), packs_.nodes.data(), packs_.gradients.data(), packs_.weights.data()};
+  const ElementArrays arrays{batches_.count(), batches_.nodes.data(), batches_.gradients.data(),
+                             batches_.weights.data()};
   Eigen::Matrix3Xd added = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  const auto sum = packs_.node_count == 10 ? quadratic_additions : linear_additions;
+  const auto sum = batches_.node_count == 10 ? quadratic_additions : linear_additions;
   sum(arrays, positions_m.data(), step_m.data(), added.data());
   Eigen::Matrix3Xd there = positions_m + step_m;
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where a long step of Newton's method leads once the body turns with it. Taken as it is, a step stretches all that it
 // turns by the square of the angle, and a line search would cut it for that. So the step is read as a small rotation
 // and a small strain of every quadrature point, grad d F^-1 = [w]x + e, and the nodes go where deformation gradients
@@ -15,15 +16,15 @@
 #include <Eigen/SparseCholesky>
 
 #include "mechanics/linear_algebra/block_matrix.h"
-#include "mechanics/elements/element_packs.h"
+#include "mechanics/elements/element_batches.h"
 #include "soft_robot_lab/mechanics/body.h"
 
 namespace soft_robot_lab {
 
 class StepWarp {
  public:
-  // `packs` holds all elements of the body, and must outlive this; `matrix` gives a good order of elimination.
-  StepWarp(const Body& body, const ElementPacks& packs, const BlockMatrix& matrix);
+  // `batches` holds all elements of the body, and must outlive this; `matrix` gives a good order of elimination.
+  StepWarp(const Body& body, const ElementBatches& batches, const BlockMatrix& matrix);
 
   // From `positions_m` by `step_m`, which does not move what is held; 3 x nodes. An element that is inverted there, or
   // would be after the step's strain, takes the step as it is.
@@ -38,7 +39,7 @@ class StepWarp {
   std::shared_ptr<const Poisson> poisson(const Eigen::Matrix<bool, 1, Eigen::Dynamic>& held,
                                          const BlockMatrix& matrix) const;
 
-  const ElementPacks& packs_;
+  const ElementBatches& batches_;
   double mu_pa_;
   std::array<std::shared_ptr<const Poisson>, 3> axes_;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "substepping.h"
 
 #include <algorithm>
@@ -29,8 +30,7 @@ NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdRep
 }
 
 // One time step of xpbd; kept only where it is finite.
-XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, bool at_rest,
-                                      SolveReport& report) {
+XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, bool at_rest, SolveReport& report) {
   const SimulationState before = parts.state;
   XpbdState moving{parts.unknowns(), parts.state.velocities_m_s, parts.state.element_forces_n};
   const XpbdReport done = parts.xpbd->advance_stably(task, moving);
@@ -71,10 +71,11 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
     to.push_back(actuator->actuated_command());
   }
   XpbdTask task = substepping(parts);
-  task.before_substep = [&](double share) {  // also a command without a speed limit takes the whole time step to arrive
-    for (std::size_t i = 0; i < parts.actuators.size(); ++i)
-      parts.actuators[i]->place(from[i] + share * (to[i] - from[i]));
-  };
+  task.before_substep =
+      [&](double fraction) {  // also a command without a speed limit takes the whole time step to arrive
+        for (std::size_t i = 0; i < parts.actuators.size(); ++i)
+          parts.actuators[i]->place(from[i] + fraction * (to[i] - from[i]));
+      };
   if (!advance_in_substeps(parts, task, false, report).finite) return;
   parts.state.time_s += task.time_step_s;
   parts.remember();

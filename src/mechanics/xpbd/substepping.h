@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Time steps and rest states by xpbd.
 #pragma once
 

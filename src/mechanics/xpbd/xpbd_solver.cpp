@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "xpbd_solver.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kPacksWorthAThread = 16;
+constexpr int kBatchesWorthAThread = 16;
 constexpr int kDoublings = 4;
 constexpr double kMostCreatedEnergy = 0.05;  // steps that go well stay below 0.01, those that do not exceed 0.3 at once
 
@@ -18,7 +19,7 @@ struct Colouring {
   std::vector<int> lanes, start;
 };
 
-// Colours in the lanes of packs, each colour from a pack of its own.
+// Colours in the lanes of batches, each colour from a batch of its own.
 Colouring lay_out(const TetMesh& mesh) {
   Colouring result;
   result.start.push_back(0);
@@ -30,7 +31,7 @@ Colouring lay_out(const TetMesh& mesh) {
   return result;
 }
 
-ElementPacks coloured_packs(const Body& body, Colouring colouring, std::vector<int>& start) {
+ElementBatches coloured_batches(const Body& body, Colouring colouring, std::vector<int>& start) {
   std::vector<int> rank(body.mesh().node_count());
   std::iota(rank.begin(), rank.end(), 0);
   start = std::move(colouring.start);
@@ -38,7 +39,7 @@ ElementPacks coloured_packs(const Body& body, Colouring colouring, std::vector<i
 }
 
 ElementStep element_step(const Body& body, double h, const Eigen::Matrix3Xd& root_inverse_masses, NewtonState& state,
-                         std::vector<Pack>& multipliers) {
+                         std::vector<Batch>& multipliers) {
   return {law_of(body.material()),
           bulk_lambda_pa(body.material()),
           h,
@@ -55,9 +56,9 @@ XpbdSolver::XpbdSolver(const Body& body, std::vector<const Constraint*> constrai
       constraints_(std::move(constraints)),
       thread_count_(thread_count),
       loads_n_(body.external_forces_n()),
-      packs_(coloured_packs(body, lay_out(body.mesh()), colour_start_)),
-      multipliers_(static_cast<std::size_t>(packs_.count()) * packs_.node_count * 3, splat(0.0)),
-      energies_(static_cast<std::size_t>(packs_.count()), splat(0.0)),
+      batches_(coloured_batches(body, lay_out(body.mesh()), colour_start_)),
+      multipliers_(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0)),
+      energies_(static_cast<std::size_t>(batches_.count()), splat(0.0)),
       gradient_(Eigen::Matrix3Xd::Zero(3, body.mesh().node_count())) {
   inverse_masses_ = body.node_masses_kg().cwiseInverse().transpose().replicate(3, 1);
   inverse_masses_ = body.fixed().array().select(0.0, inverse_masses_.array()).matrix();
@@ -68,14 +69,13 @@ template <class Work>
 void XpbdSolver::for_colours(Work work) const {
   for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
     const int first = colour_start_[colour], count = colour_start_[colour + 1] - first;
-    const int parts = std::clamp(count / kPacksWorthAThread, 1, thread_count_);
+    const int parts = std::clamp(count / kBatchesWorthAThread, 1, thread_count_);
 #pragma omp parallel for num_threads(parts) schedule(static, 1) if (parts > 1)
     for (int part = 0; part < parts; ++part) work(first + count * part / parts, first + count * (part + 1) / parts);
   }
 }
 
-const std::vector<int>& XpbdSolver::touched_by(const Constraint& constraint,
-                                                      const Eigen::Matrix3Xd& positions_m) {
+const std::vector<int>& XpbdSolver::touched_by(const Constraint& constraint, const Eigen::Matrix3Xd& positions_m) {
   for (const int node : touched_) gradient_.col(node).setZero();
   touched_.clear();
   constraint.add_gradient(positions_m, 1.0, gradient_);
@@ -120,7 +120,7 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
   } else {
     for (std::size_t place = 0; place < multipliers_.size(); ++place)
       for (int lane = 0; lane < kLanes; ++lane)
-        if (packs_.element[place / element_size() * kLanes + lane] >= 0)
+        if (batches_.element[place / element_size() * kLanes + lane] >= 0)
           motion.data()[coordinate(place, lane)] += root_inverse_mass(place, lane) * multipliers_[place][lane];
   }
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
@@ -136,7 +136,7 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
 
 void XpbdSolver::sweep_elements(double h, NewtonState& state) {
   const ElementStep step = element_step(body_, h, root_inverse_masses_, state, multipliers_);
-  for_colours([&](int first, int last) { move_elements(packs_, first, last, step); });
+  for_colours([&](int first, int last) { move_elements(batches_, first, last, step); });
 }
 
 // Eq. 18 with y = -lambda / h^2, the force: the correction is dy = (o - a y) / (a + h^2 grad C . M^-1 grad C).
@@ -163,11 +163,11 @@ double XpbdSolver::kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const 
 }
 
 double XpbdSolver::stored_energy(const Eigen::Matrix3Xd& positions_m) {
-  measure_energy(packs_, law_of(body_.material()), bulk_lambda_pa(body_.material()), positions_m.data(),
+  measure_energy(batches_, law_of(body_.material()), bulk_lambda_pa(body_.material()), positions_m.data(),
                  energies_.data());
   double sum = 0.0;
-  for (const Pack& pack : energies_)
-    for (int lane = 0; lane < kLanes; ++lane) sum += pack[lane];
+  for (const Batch& batch : energies_)
+    for (int lane = 0; lane < kLanes; ++lane) sum += batch[lane];
   return sum;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // XPBD (Macklin, Mueller & Chentanez 2016) with substeps (Macklin et al. 2019, "Small steps"), one element after
 // another. The compliant constraint of an element is vector-valued: its multipliers are the forces f on its nodes,
 // which follow f = dE/dx. Splitting it into scalar constraints makes parts fight that cancel only together. Eq. 18 of
@@ -19,7 +20,7 @@
 
 #include <Eigen/Core>
 
-#include "mechanics/elements/element_packs.h"
+#include "mechanics/elements/element_batches.h"
 #include "mechanics/newton/newton_solver.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/constraint.h"
@@ -29,8 +30,8 @@ namespace soft_robot_lab {
 struct XpbdTask {
   double time_step_s = 1.0 / 60.0;
   int substep_count = 20;
-  int iteration_count = 1;             // sweeps a substep
-  bool multipliers_from_zero = false;  // in each substep, as in the paper
+  int iteration_count = 1;                     // sweeps a substep
+  bool multipliers_from_zero = false;          // in each substep, as in the paper
   std::function<void(double)> before_substep;  // takes the share of the step that is over at its end; may be empty
 };
 
@@ -64,8 +65,8 @@ class XpbdSolver {
   // as it was.
   XpbdReport advance_stably(XpbdTask task, XpbdState& state);
 
-  // The multipliers that follow from a shape alone, dE/dx of each element. With zeros in their place the first substep lets go
-  // of a body under tension.
+  // The multipliers that follow from a shape alone, dE/dx of each element. With zeros in their place the first substep
+  // lets go of a body under tension.
   Eigen::VectorXd forces_of(NewtonState state);
   Eigen::Index force_count() const { return static_cast<Eigen::Index>(multipliers_.size()) * kLanes; }
 
@@ -79,9 +80,9 @@ class XpbdSolver {
   double stored_energy(const Eigen::Matrix3Xd& positions_m);
   const std::vector<int>& touched_by(const Constraint& constraint, const Eigen::Matrix3Xd& positions_m);
   // A place among the multipliers: a coordinate of a node of four elements.
-  std::size_t element_size() const { return static_cast<std::size_t>(packs_.node_count) * 3; }
+  std::size_t element_size() const { return static_cast<std::size_t>(batches_.node_count) * 3; }
   int coordinate(std::size_t place, int lane) const {
-    return 3 * packs_.nodes[place / 3 * kLanes + lane] + static_cast<int>(place % 3);
+    return 3 * batches_.nodes[place / 3 * kLanes + lane] + static_cast<int>(place % 3);
   }
   double root_inverse_mass(std::size_t place, int lane) const {
     return root_inverse_masses_.data()[coordinate(place, lane)];
@@ -94,12 +95,12 @@ class XpbdSolver {
   int thread_count_;
   Eigen::Matrix3Xd loads_n_;
   Eigen::Matrix3Xd inverse_masses_, root_inverse_masses_;  // 3 x nodes; zero where held
-  std::vector<int> colour_start_;                          // first pack of each colour, and the end
-  ElementPacks packs_;
-  std::vector<Pack> multipliers_;  // l, per pack: 3 P
-  std::vector<Pack> energies_;     // per pack
-  Eigen::Matrix3Xd gradient_;      // of one constraint; zero between uses
-  std::vector<int> touched_;       // its nodes
+  std::vector<int> colour_start_;                          // first batch of each colour, and the end
+  ElementBatches batches_;
+  std::vector<Batch> multipliers_;  // l, per batch: 3 P
+  std::vector<Batch> energies_;     // per batch
+  Eigen::Matrix3Xd gradient_;       // of one constraint; zero between uses
+  std::vector<int> touched_;        // its nodes
 };
 
 }  // namespace soft_robot_lab

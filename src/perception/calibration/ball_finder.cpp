@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "ball_finder.h"
 
 #include <algorithm>
@@ -62,16 +63,16 @@ class BallJudge {
     const double tolerance_m = sphere_sigmas * depth_sigma_m(depth_m, change_.depth_count, settings_);
     const auto sphere = find_sphere(cluster_m, 0.4 * settings_.radius_m, 2.5 * settings_.radius_m, tolerance_m);
     if (!sphere) return reject(what + " is no sphere", search);
-    const double share = static_cast<double>(sphere->inliers.size()) / static_cast<double>(cluster_m.cols());
-    if (share < settings_.min_sphere_share)
-      return reject(what + " is not one ball: " + percent(share) +
+    const double fraction = static_cast<double>(sphere->inliers.size()) / static_cast<double>(cluster_m.cols());
+    if (fraction < settings_.min_sphere_share)
+      return reject(what + " is not one ball: " + percent(fraction) +
                         " of its points lie on a sphere; balls must not touch each other or other things that came",
                     search);
     measure(columns(cluster_m, sphere->inliers), *sphere, what, search);
   }
 
  private:
-  static std::string percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
+  static std::string percent(double fraction) { return std::to_string(std::lround(100 * fraction)) + " %"; }
   static void reject(const std::string& why, BallSearch& search) { search.rejected.push_back(why); }
 
   double radians_per_px() const { return 2 / (camera_.focal_x_px + camera_.focal_y_px); }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Finds white balls as what changed between pictures without and with them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A sphere fitted to depths and to its outline.
 #pragma once
 

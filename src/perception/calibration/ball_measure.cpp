@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -83,8 +84,8 @@ std::optional<double> step_width_px(const std::vector<double>& profile) {
   const double within = median({profile.begin(), profile.begin() + beside});
   const double without = median({profile.end() - beside, profile.end()});
   if (within - without < min_contrast * 255) return std::nullopt;
-  const auto below = [&](double share) {
-    return [=](double value) { return value < without + share * (within - without); };
+  const auto below = [&](double fraction) {
+    return [=](double value) { return value < without + fraction * (within - without); };
   };
   const auto end = std::find_if(profile.begin(), profile.end(), below(0.1));
   auto begin = end;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The outline of a ball in a picture. It is a cone of rays about the centre's direction, not a circle about the
 // centre's image: an ellipse, and its middle is not where the centre is.
 #pragma once

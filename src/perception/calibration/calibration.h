@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where cameras stand, by white balls or by the robot's markers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A calibration as it is done: film, bring the balls, film again.
 #pragma once
 

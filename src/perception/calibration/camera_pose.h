@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where a camera stands: in files of calibrations and of rendered rigs alike.
 #pragma once
 

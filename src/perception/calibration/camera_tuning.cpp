@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "camera_tuning.h"
 
 #include <algorithm>
@@ -138,7 +139,7 @@ class Search {
            " of white. Line it in black, or turn the lamps from its walls";
   }
 
-  static std::string percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
+  static std::string percent(double fraction) { return std::to_string(std::lround(100 * fraction)) + " %"; }
 
   const TuningOptions& options_;
   const std::function<BallMeasure(const CameraSetting&)>& look_;

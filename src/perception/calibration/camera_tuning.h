@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Exposure and gain found by white balls in a dark box: the balls crisp, the box hardly to be seen.
 #pragma once
 

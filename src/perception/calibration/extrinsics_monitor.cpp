@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "extrinsics_monitor.h"
 
 #include <algorithm>
@@ -50,7 +51,9 @@ void ExtrinsicsMonitorSettings::validate() const {
   require("min_sights", min_sights, {6, 1e9});
 }
 
-ExtrinsicsMonitor::ExtrinsicsMonitor(const ExtrinsicsMonitorSettings& settings) : settings_(settings) { settings_.validate(); }
+ExtrinsicsMonitor::ExtrinsicsMonitor(const ExtrinsicsMonitorSettings& settings) : settings_(settings) {
+  settings_.validate();
+}
 
 void ExtrinsicsMonitor::reset() {
   window_.clear();
@@ -106,7 +109,7 @@ std::vector<ExtrinsicsMonitor::Difference> ExtrinsicsMonitor::against_expected(c
 SmallMotion ExtrinsicsMonitor::fit(const std::vector<Difference>& differences) {
   SmallMotion motion;
   for (const Difference& difference : differences)
-    motion.about_m += difference.place_m / static_cast<double>(differences.size());
+    motion.about_m += difference.position_m / static_cast<double>(differences.size());
   for (int round = 0; round < 3; ++round) {
     Vector6d beliefs;
     beliefs << Eigen::Vector3d::Constant(1 / (turn_sigma * turn_sigma)),
@@ -114,8 +117,8 @@ SmallMotion ExtrinsicsMonitor::fit(const std::vector<Difference>& differences) {
     Matrix6d matrix = beliefs.asDiagonal();
     Vector6d right = Vector6d::Zero();
     for (const Difference& difference : differences) {
-      const auto slope = slope_at(difference.place_m - motion.about_m);
-      const Eigen::Vector3d miss = difference.value_m - motion.at(difference.place_m);
+      const auto slope = slope_at(difference.position_m - motion.about_m);
+      const Eigen::Vector3d miss = difference.value_m - motion.at(difference.position_m);
       const double sigmas = std::sqrt(std::max(0.0, miss.dot(difference.weight * miss)));
       const double trust = round == 0 || sigmas <= outlier_sigmas ? 1 : outlier_sigmas / sigmas;
       const Eigen::Matrix<double, 6, 3> weighted = trust * slope.transpose() * difference.weight;
@@ -131,7 +134,7 @@ SmallMotion ExtrinsicsMonitor::fit(const std::vector<Difference>& differences) {
 
 double ExtrinsicsMonitor::size_m(const SmallMotion& motion, const std::vector<Difference>& differences) {
   double sum = 0;
-  for (const Difference& difference : differences) sum += motion.at(difference.place_m).squaredNorm();
+  for (const Difference& difference : differences) sum += motion.at(difference.position_m).squaredNorm();
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, differences.size())));
 }
 
@@ -176,7 +179,7 @@ double ExtrinsicsMonitor::change_m(const std::string& camera) const {
   const SmallMotion before = calm == calm_.end() || calm->second.empty() ? SmallMotion{} : calm->second.front().motion;
   double sum = 0;
   for (const Difference& difference : differences)
-    sum += (now.at(difference.place_m) - before.at(difference.place_m)).squaredNorm();
+    sum += (now.at(difference.position_m) - before.at(difference.position_m)).squaredNorm();
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, differences.size())));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Notices that a camera was displaced out of its place while a session runs.
 #pragma once
 
@@ -55,7 +56,7 @@ class ExtrinsicsMonitor {
 
  private:
   struct Difference {
-    Eigen::Vector3d place_m, value_m;
+    Eigen::Vector3d position_m, value_m;
     Eigen::Matrix3d weight;
   };
   struct Calm {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which of these points are which of those, found by their configuration alone.
 #pragma once
 

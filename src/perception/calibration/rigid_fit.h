@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rigid motion between two measurements of the same points.
 #pragma once
 

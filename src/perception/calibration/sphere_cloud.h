@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Point clouds: clusters, and spheres among their points (PCL).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "camera_setup.h"
 
 #include <set>
@@ -8,8 +9,7 @@
 namespace soft_robot_lab {
 namespace {
 
-Eigen::Vector3d read_colour(const YamlNode& node, const Eigen::Vector3d& otherwise,
-                            const std::string& key = "colour") {
+Eigen::Vector3d read_colour(const YamlNode& node, const Eigen::Vector3d& otherwise, const std::string& key = "colour") {
   const Eigen::Vector3d colour = node.vector3_or(key, otherwise);
   if (colour.minCoeff() < 0 || colour.maxCoeff() > 1) node.child(key).fail("allowed: [r, g, b] from 0 to 1");
   return colour;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A rig of rendered cameras as a file says it: config/cameras/*.yaml.
 #pragma once
 

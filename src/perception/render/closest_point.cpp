@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "closest_point.h"
 
 #include <algorithm>
@@ -31,8 +32,8 @@ double distance2(const Eigen::Vector3d& point, const Eigen::Vector3d& a, const E
 
 }  // namespace
 
-ClosestPoint closest_point(const Eigen::Vector3d& point_m, const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles,
-               int guess) {
+ClosestPoint closest_point(const Eigen::Vector3d& point_m, const Eigen::Matrix3Xd& vertices_m,
+                           const Eigen::Matrix3Xi& triangles, int guess) {
   ClosestPoint closest;
   double best2 = std::numeric_limits<double>::infinity();
   const auto look_at = [&](int t) {

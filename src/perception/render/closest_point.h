@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The place of a skin that is nearest to a point.
 #pragma once
 
@@ -11,7 +12,7 @@ struct ClosestPoint {
 };
 
 // Begins at the triangle `guess`, if it is one: the nearer it is, the quicker.
-ClosestPoint closest_point(const Eigen::Vector3d& point_m, const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles,
-               int guess);
+ClosestPoint closest_point(const Eigen::Vector3d& point_m, const Eigen::Matrix3Xd& vertices_m,
+                           const Eigen::Matrix3Xi& triangles, int guess);
 
 }  // namespace soft_robot_lab

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "exact_camera.h"
 
 #include <algorithm>
@@ -75,7 +76,8 @@ Eigen::Vector3f ExactCamera::direction(cv::Point pixel, float right, float down)
   return rotation_ * Eigen::Vector3f(ray[0], ray[1], 1);
 }
 
-RayHit ExactCamera::ray_hit(const RayScene& scene, cv::Point pixel, const Eigen::Vector3f& direction, float gloss) const {
+RayHit ExactCamera::ray_hit(const RayScene& scene, cv::Point pixel, const Eigen::Vector3f& direction,
+                            float gloss) const {
   const RayHit robot = scene.cast_at_robot(origin_m_, direction, gloss);
   if (background_edges_.at<std::uint8_t>(pixel) == 0) {
     // Here the background is one thing: what was drawn of it serves every ray of the pixel.

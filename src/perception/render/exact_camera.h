@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Pictures as a perfect pinhole camera behind a perfect lens would take them.
 #pragma once
 

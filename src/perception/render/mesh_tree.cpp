@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mesh_tree.h"
 
 #include <embree3/rtcore.h>

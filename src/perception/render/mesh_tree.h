@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A mesh that rays are cast at: Embree's tree, which is built once and refitted where the vertices move.
 #pragma once
 

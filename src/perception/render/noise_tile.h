@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Normally distributed numbers in a square without seams, drawn once and read from another place each time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "ray_scene.h"
 
 #include <stdexcept>
@@ -83,7 +84,7 @@ RayHit RayScene::cast_at_robot(const Eigen::Vector3f& origin_m, const Eigen::Vec
     const bool bare = painted == stickers.size();
     ray_hit.depth = hit.depth;
     ray_hit.colour = parts_->shade(bare ? parts_->robot.colour : stickers[painted].colour, point_m,
-                                  parts_->normals.at(hit.triangle, hit.u, hit.v), direction, bare ? gloss : 0);
+                                   parts_->normals.at(hit.triangle, hit.u, hit.v), direction, bare ? gloss : 0);
   }
   for (std::size_t i = 0; i < stickers.size(); ++i) {
     const float depth = parts_->ball_depth(i, origin_m, direction);

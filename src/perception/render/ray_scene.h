@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The seen things as something rays can be cast at (Embree).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "ray_scene_parts.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ void RayScene::Parts::move(const SeenState& next) {
   closest.resize(robot.stickers.size());
   for (std::size_t i = 0; i < closest.size(); ++i)
     closest[i] = closest_point(state.stickers_m.col(static_cast<Eigen::Index>(i)), state.vertices_m, robot.triangles,
-                        closest[i].triangle);
+                               closest[i].triangle);
 }
 
 bool RayScene::Parts::is_ball(std::size_t sticker) const {
@@ -75,14 +76,14 @@ bool RayScene::Parts::paints(std::size_t sticker, const Eigen::Vector3f& point_m
 }
 
 float RayScene::Parts::ball_depth(std::size_t sticker, const Eigen::Vector3f& origin_m,
-                               const Eigen::Vector3f& direction) const {
+                                  const Eigen::Vector3f& direction) const {
   if (!is_ball(sticker)) return 0;
   return soft_robot_lab::ball_depth(state.stickers_m.col(static_cast<Eigen::Index>(sticker)),
                                     0.5 * robot.stickers[sticker].diameter_m, origin_m, direction);
 }
 
 Eigen::Vector3f RayScene::Parts::shade(const Eigen::Vector3d& colour, const Eigen::Vector3f& point_m,
-                                    Eigen::Vector3f normal, const Eigen::Vector3f& direction, float gloss) const {
+                                       Eigen::Vector3f normal, const Eigen::Vector3f& direction, float gloss) const {
   if (!surroundings.lighting.shaded) return colour.cast<float>();
   const Eigen::Vector3f towards_eye = -direction.normalized();
   if (normal.dot(towards_eye) < 0) normal = -normal;

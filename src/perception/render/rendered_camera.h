@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An RGB-D camera that films a scene.
 #pragma once
 

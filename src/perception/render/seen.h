@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What cameras see, as plain data. Lengths in metres, frame: world. Colours are red, green, blue from 0 to 1, as they
 // stand in the image (no gamma).
 #pragma once

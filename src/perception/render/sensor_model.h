@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a real RGB-D camera makes of an exact picture.
 #pragma once
 

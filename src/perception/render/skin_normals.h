@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Normals of a skin's corners: smooth where it is smooth, split along sharp edges.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which part of a sticker a camera sees.
 #include <cmath>
 
@@ -20,7 +21,8 @@ Eigen::Vector3f disc_point(int i, const Eigen::Vector3f& center_m, const Eigen::
 
 }  // namespace
 
-bool RayScene::clear(const Eigen::Vector3f& camera_m, const Eigen::Vector3f& point_m, float slack_m, int sticker) const {
+bool RayScene::clear(const Eigen::Vector3f& camera_m, const Eigen::Vector3f& point_m, float slack_m,
+                     int sticker) const {
   const Eigen::Vector3f direction = point_m - camera_m;
   const float enough = 1 - slack_m / direction.norm();
   const auto blocks = [&](float depth) { return depth > 0 && depth < enough; };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "blob_shape.h"
 
 #include <algorithm>
@@ -92,8 +93,8 @@ void measure_blob(const BlobPatch& patch, const DetectorSettings& settings, Mark
   for (int row = 0; row < reach.rows; ++row)
     for (int column = 0; column < reach.cols; ++column) {
       if (!reach.at<uchar>(row, column)) continue;
-      const double share = direction.dot(pixel(patch.rgb, row, column) - background) / range;
-      const double weight = core.at<uchar>(row, column) ? 1 : std::clamp(share, 0.0, 1.0);
+      const double fraction = direction.dot(pixel(patch.rgb, row, column) - background) / range;
+      const double weight = core.at<uchar>(row, column) ? 1 : std::clamp(fraction, 0.0, 1.0);
       moments.add({double(column), double(row)}, weight);
     }
   fill_in(moments, settings, blob);

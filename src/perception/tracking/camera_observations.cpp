@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "camera_observations.h"
 
 #include <algorithm>
@@ -32,9 +33,11 @@ CameraObservation camera_observation(const MarkerDetection& sight, const MarkerP
 
 }  // namespace
 
-std::vector<std::optional<CameraObservation>> camera_observations(const std::vector<MarkerDetection>& sights, std::vector<int> chosen,
-                                                      const std::vector<MarkerPrediction>& predictions,
-                                                      const std::vector<std::vector<int>>& neighbours, double gate) {
+std::vector<std::optional<CameraObservation>> camera_observations(const std::vector<MarkerDetection>& sights,
+                                                                  std::vector<int> chosen,
+                                                                  const std::vector<MarkerPrediction>& predictions,
+                                                                  const std::vector<std::vector<int>>& neighbours,
+                                                                  double gate) {
   const auto usable = std::count_if(sights.begin(), sights.end(), tells_place);
   const auto found = std::count_if(chosen.begin(), chosen.end(), [](int sight) { return sight >= 0; });
   if (2 * found < std::min<std::ptrdiff_t>(usable, static_cast<std::ptrdiff_t>(chosen.size())))

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Finding the ranges of a marker's colour by eye: what a person clicks on, what a range takes in, and the file it goes
 // to.
 #pragma once

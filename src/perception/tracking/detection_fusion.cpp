@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "detection_fusion.h"
 
 #include <cmath>
@@ -100,8 +101,8 @@ double surprise(const FusedSights& fused, const MarkerPrediction& predicted) {
   return miss.dot(spread.ldlt().solve(miss));
 }
 
-std::optional<FusedSights> fuse_what_agrees(const std::vector<MarkerDetection>& sights, const MarkerPrediction& predicted,
-                                            double gate) {
+std::optional<FusedSights> fuse_what_agrees(const std::vector<MarkerDetection>& sights,
+                                            const MarkerPrediction& predicted, double gate) {
   Choice best;
   keep_better(sights, predicted, 0, best);
   if (best.fused && best.score <= gate) return best.fused;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <optional>
@@ -35,7 +36,7 @@ double surprise(const FusedSights& fused, const MarkerPrediction& predicted);
 
 // As fuse, but where the sights contradict each other or the prediction, leaves out the depth or the camera without
 // which they agree best. Nothing where the best still is beyond the gate.
-std::optional<FusedSights> fuse_what_agrees(const std::vector<MarkerDetection>& sights, const MarkerPrediction& predicted,
-                                            double gate);
+std::optional<FusedSights> fuse_what_agrees(const std::vector<MarkerDetection>& sights,
+                                            const MarkerPrediction& predicted, double gate);
 
 }  // namespace soft_robot_lab

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frame_joiner.h"
 
 #include <algorithm>
@@ -9,7 +10,8 @@ namespace soft_robot_lab {
 FrameJoiner::FrameJoiner(const std::vector<std::string>& cameras, double sync_tolerance_s, double sync_timeout_s)
     : slop_s_(sync_tolerance_s), patience_s_(sync_timeout_s) {
   if (cameras.empty()) throw std::invalid_argument("there are no cameras to join; allowed: at least one");
-  if (!(sync_tolerance_s >= 0)) throw std::invalid_argument("sync_tolerance_s is " + std::to_string(sync_tolerance_s) + "; allowed: [0, inf)");
+  if (!(sync_tolerance_s >= 0))
+    throw std::invalid_argument("sync_tolerance_s is " + std::to_string(sync_tolerance_s) + "; allowed: [0, inf)");
   if (!(sync_timeout_s >= 0))
     throw std::invalid_argument("sync_timeout_s is " + std::to_string(sync_timeout_s) + "; allowed: [0, inf)");
   for (const std::string& camera : cameras) waiting_[camera];

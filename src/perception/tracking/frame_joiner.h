@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Brings the frames of several cameras together that were taken at about one time.
 #pragma once
 
@@ -12,8 +13,9 @@
 namespace soft_robot_lab {
 
 // Goes by stamps alone, so that a recording is joined as the session was, however fast it is played: a group holds at
-// most one frame of each camera, taken within `sync_tolerance_s` of its oldest, and is ready once every camera has sent that
-// frame or a newer one, or somebody has sent one that is `sync_timeout_s` newer than the oldest: the others are silent.
+// most one frame of each camera, taken within `sync_tolerance_s` of its oldest, and is ready once every camera has sent
+// that frame or a newer one, or somebody has sent one that is `sync_timeout_s` newer than the oldest: the others are
+// silent.
 class FrameJoiner {
  public:
   // Throws std::invalid_argument: no cameras, sync_tolerance_s or sync_timeout_s below 0.

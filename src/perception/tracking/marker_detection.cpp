@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "marker_detection.h"
 
 #include <cmath>
@@ -20,7 +21,7 @@ Eigen::Vector3d MarkerDetection::point_m() const {
 }
 
 std::vector<MarkerDetection> look(const RgbdFrame& frame, const TrackerCamera& camera, const cv::Rect& region,
-                              double time_s, const TrackerSettings& settings) {
+                                  double time_s, const TrackerSettings& settings) {
   std::vector<MarkerDetection> sights;
   for (const MarkerBlob& blob : detect_markers(frame.colour, region, settings.detector)) {
     MarkerDetection sight;

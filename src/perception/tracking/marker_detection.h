@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <optional>
@@ -28,6 +29,6 @@ struct MarkerDetection {
 // Everything in the region that looks like a marker. What is seen in part, or is larger than a marker at its depth
 // (two in one), has its uncertainty widened to half the blob's radius.
 std::vector<MarkerDetection> look(const RgbdFrame& frame, const TrackerCamera& camera, const cv::Rect& region,
-                              double time_s, const TrackerSettings& settings);
+                                  double time_s, const TrackerSettings& settings);
 
 }  // namespace soft_robot_lab

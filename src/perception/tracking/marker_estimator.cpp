@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "marker_estimator.h"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ constexpr double kSpread_m = 1e-3;  // of weights of neighbours in the same plac
 }  // namespace
 
 MarkerEstimator::MarkerEstimator(const MotionSettings& settings, const std::vector<Eigen::Vector3d>& rest_positions_m,
-                             const std::vector<int>& colours)
+                                 const std::vector<int>& colours)
     : settings_(settings),
       rest_m_(rest_positions_m),
       colours_(colours),

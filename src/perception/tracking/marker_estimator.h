@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <limits>
@@ -19,7 +20,7 @@ class MarkerEstimator {
  public:
   // `colours`: of each marker, or -1 for any.
   MarkerEstimator(const MotionSettings& settings, const std::vector<Eigen::Vector3d>& rest_positions_m,
-                const std::vector<int>& colours);
+                  const std::vector<int>& colours);
 
   // Simulated positions from now on, in place of the rest shape.
   void set_reference(const std::vector<Eigen::Vector3d>& positions_m) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "marker_identity.h"
 
 #include <algorithm>
@@ -48,7 +49,8 @@ struct Costs {
   double of_none = 0;
 };
 
-Costs all_costs(const std::vector<MarkerDetection>& sights, const std::vector<MarkerPrediction>& predictions, double gate) {
+Costs all_costs(const std::vector<MarkerDetection>& sights, const std::vector<MarkerPrediction>& predictions,
+                double gate) {
   Costs costs{Eigen::MatrixXd::Constant(predictions.size(), sights.size(), kNever), -kNever};
   for (std::size_t i = 0; i < predictions.size(); ++i)
     for (std::size_t k = 0; k < sights.size(); ++k) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "segmentation.h"
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace {
 constexpr int kMaxHue = 179;
 
 int hue_byte(double hue_deg) { return std::min(kMaxHue, static_cast<int>(std::lround(hue_deg / 2))); }
-int byte(double share) { return static_cast<int>(std::lround(share * 255)); }
+int byte(double fraction) { return static_cast<int>(std::lround(fraction * 255)); }
 
 void add_range(const cv::Mat& hsv, const HsvRange& range, int hue_min, int hue_max, cv::Mat& mask) {
   cv::Mat within;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/perception/tracking/tracker.h"
 
 #include <algorithm>
@@ -54,7 +55,7 @@ struct Tracker::Parts {
   MarkerEstimator beliefs;
 
   std::vector<std::vector<MarkerDetection>> find_markers(const std::vector<UsableFrame>& frames,
-                                                     std::vector<CameraObservation>& by_camera) const;
+                                                         std::vector<CameraObservation>& by_camera) const;
   TrackerReport report() const;
 };
 
@@ -108,8 +109,8 @@ void Tracker::set_state(const std::vector<double>& state) {
 }
 
 // What each marker's sights are in these frames, camera by camera.
-std::vector<std::vector<MarkerDetection>> Tracker::Parts::find_markers(const std::vector<UsableFrame>& frames,
-                                                                   std::vector<CameraObservation>& by_camera) const {
+std::vector<std::vector<MarkerDetection>> Tracker::Parts::find_markers(
+    const std::vector<UsableFrame>& frames, std::vector<CameraObservation>& by_camera) const {
   const std::vector<MarkerPrediction> expected = beliefs.predictions();
   const double gate_2 = settings.motion.gate;
   std::vector<std::vector<MarkerDetection>> sights_of(markers.size());

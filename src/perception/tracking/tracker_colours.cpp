@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Other colours in the text of a tracker's settings, with everything around them left as a person wrote it.
 #include <algorithm>
 #include <sstream>

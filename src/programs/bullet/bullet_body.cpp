@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "bullet_body.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A scene's body as Bullet's deformable solver sees it: the same linear tetrahedra, lumped masses, held nodes and
 // loads.
 #pragma once

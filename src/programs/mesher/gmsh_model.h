@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What mesh_robot needs of Gmsh. Errors of Gmsh are thrown as std::string.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mesh_sizes.h"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ constexpr double kMostCurved = 10;  // curvature makes elements this much smalle
 constexpr double kMostElements = 2e6;
 // What an element takes until it is known what its factorisation will, measured: its share of nodes, and of a matrix.
 constexpr double kQuadraticElement_kb = 6.5, kLinearElement_kb = 2.0;
-constexpr double kMost_gb = 6.0;  // as of a factorisation
+constexpr double kMost_gb = 6.0;          // as of a factorisation
 constexpr double kElementsPerCube = 8.5;  // of a cube with the edge of an element; regular ones fill it 1 / 0.118 times
 constexpr double kSamples = 200;          // along a curve, and along both ways of a surface
 
@@ -55,8 +56,8 @@ std::vector<double> edges_of(const std::vector<int>& surfaces) {
   return tags;
 }
 
-// Small elements on surfaces, or on their edges, that grow with the distance from them. Gmsh carries the size on an edge
-// into the faces beside it, so these stay fine too.
+// Small elements on surfaces, or on their edges, that grow with the distance from them. Gmsh carries the size on an
+// edge into the faces beside it, so these stay fine too.
 int add_distance(const MeshRefinement& refinement, const std::vector<int>& surfaces, double units_per_metre,
                  double element_size_m) {
   const int distance = field::add("Distance");

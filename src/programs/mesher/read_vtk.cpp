@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // "VTK File Formats", https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
 #include "read_vtk.h"
 

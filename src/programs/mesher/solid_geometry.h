@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Solids as geometry of Gmsh's Open CASCADE kernel.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Files kept by the content that they were made of, for programs that run at the same time.
 #pragma once
 

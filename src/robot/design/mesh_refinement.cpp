@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/robot/design/mesher.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "sections.h"
 #include "settings/read_name.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -60,14 +61,14 @@ class Ladder {
  public:
   Ladder(const YamlNode& settings, const FidelityRequest& request, const SceneOptions& options)
       : settings_(settings), request_(request), options_(options), given_(settings.child("body").has("mesh")) {
-    if (!given_) size_m_ = coarsest_size_m(read_mesh(lay_over(settings, body_choice(kOutlineSize_m)), options));
+    if (!given_) size_m_ = coarsest_size_m(read_mesh(merge(settings, body_choice(kOutlineSize_m)), options));
   }
 
   // The next finer rung, judged; none beyond the limit on nodes.
   std::optional<Rung> next() {
     while (!done_) {
       Rung rung{given_ ? "body: {element: quadratic}" : body_choice(size_m_), {}, {}};
-      const YamlNode scene = lay_over(settings_, rung.choice);
+      const YamlNode scene = merge(settings_, rung.choice);
       rung.mesh = read_mesh(scene, options_);
       shrink(kLeastShrinking);
       done_ = given_ || rung.mesh.node_count() > request_.max_nodes;
@@ -153,7 +154,7 @@ FidelityReport choose(const YamlNode& settings, const FidelityRequest& request, 
     // The error of a time step hardly depends on the mesh, so that the coarsest will do.
     if (known && !time)
       time = !dynamic ? TimeError{}
-                      : choose_time_step(lay_over(settings, rung->choice), rung->mesh, options,
+                      : choose_time_step(merge(settings, rung->choice), rung->mesh, options,
                                          kShareOfTime * request.tolerance_m);
     const TimeError in_time = time.value_or(TimeError{});
     const double error_m = known ? *rung->error.expected_m * in_time.amplification + in_time.error_m : 0.0;
@@ -182,7 +183,7 @@ FidelityReport judge(const YamlNode& settings, bool dynamic, const SceneOptions&
 std::string content_key(const YamlNode& settings, const std::string& mesh_file) {
   ContentHash hash;
   hash.add(kVersion);
-  hash.add(lay_over(settings, "{}").dump());                       // of a copy: dumping counts as reading
+  hash.add(merge(settings, "{}").dump());                          // of a copy: dumping counts as reading
   hash.add(std::filesystem::path(mesh_file).filename().string());  // a hash of the files that the solid names
   return hash.hex();
 }
@@ -198,21 +199,21 @@ bool asks_for_motion(const YamlNode& settings, const YamlNode& place) {
 
 }  // namespace
 
-YamlNode lay_over(const YamlNode& settings, const std::string& changes) {
-  return merge_settings(settings, YamlNode::parse(changes, "chosen by fidelity"));
+YamlNode merge(const YamlNode& settings, const std::string& overrides) {
+  return merge_settings(settings, YamlNode::parse(overrides, "chosen by fidelity"));
 }
 
 std::optional<FidelityReport> settle_fidelity(const YamlNode& settings, const SceneOptions& options) {
   const std::optional<FidelityRequest> request = read_fidelity(settings);
   if (!request && !options.estimate_error) return std::nullopt;
   const bool dynamic = asks_for_motion(settings, request ? settings.child("fidelity") : settings);
-  const YamlNode outline = request ? lay_over(settings, body_choice(kOutlineSize_m)) : settings;
+  const YamlNode outline = request ? merge(settings, body_choice(kOutlineSize_m)) : settings;
   const std::string key = content_key(settings, mesh_file(outline, mesher_options(options)));
   const bool kept = !options.change_mesh;  // which the key does not know
   if (std::optional<FidelityReport> known; kept && (known = find_fidelity(key, options))) return known;
 
   const double start_s = cpu_time_s();
-  const YamlNode judged = lay_over(settings, kMethod);
+  const YamlNode judged = merge(settings, kMethod);
   FidelityReport report = request ? choose(judged, *request, dynamic, options) : judge(judged, dynamic, options);
   report.left_out = left_out(settings, dynamic);
   report.cpu_s = cpu_time_s() - start_s;

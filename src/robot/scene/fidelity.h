@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The parts of the fidelity estimate. Read choose_fidelity.cpp first.
 //
 // Mesh error. A scene is settled on its mesh, and again, from there, on the same mesh with every element cut into eight
@@ -80,6 +81,6 @@ std::vector<std::string> left_out(const YamlNode& settings, bool dynamic);
 // Chooses and judges, or only judges; none where neither is asked for. Throws SettingsError.
 std::optional<FidelityReport> settle_fidelity(const YamlNode& settings, const SceneOptions& options);
 
-YamlNode lay_over(const YamlNode& settings, const std::string& changes);
+YamlNode merge(const YamlNode& settings, const std::string& overrides);
 
 }  // namespace soft_robot_lab

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fidelity.h"
 #include "fidelity_json.h"
 #include "robot/design/content_cache.h"

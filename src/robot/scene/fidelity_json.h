@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // `fidelity` of result.json, which is also what the cache keeps.
 #pragma once
 

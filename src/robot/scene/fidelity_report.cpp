@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <sstream>
 
 #include "fidelity.h"
@@ -26,7 +27,7 @@ std::vector<std::string> left_out(const YamlNode& settings, bool dynamic) {
   const auto unless = [&](bool used, const char* part) {
     if (!used) parts.emplace_back(part);
   };
-  const YamlNode scene = lay_over(settings, "{}");  // a copy: looking is not reading
+  const YamlNode scene = merge(settings, "{}");  // a copy: looking is not reading
   const std::optional<YamlNode> contact = scene.optional_child("contact");
   const bool touches =
       contact && (contact->boolean_or("self", false) || !contact->optional_sequence("obstacles").empty());

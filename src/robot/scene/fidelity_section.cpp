@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fidelity.h"
 
 namespace soft_robot_lab {

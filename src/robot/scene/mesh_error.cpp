@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -116,7 +117,7 @@ MeshError estimate_mesh_error(const YamlNode& settings, const TetMesh& mesh, con
   if (states.empty()) return error;
 
   const Subdivision subdivision = subdivide(whole);
-  const Scene fine = build_scene(lay_over(settings, kFineEffort), subdivision.mesh, options);
+  const Scene fine = build_scene(merge(settings, kFineEffort), subdivision.mesh, options);
   Simulation& simulation = *fine.simulation;
   const SimulationState start = simulation.state();
   double difference = 0.0;

@@ -1,13 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/robot/scene/scene.h"
 
 #include "fidelity.h"
 
 namespace soft_robot_lab {
 
-YamlNode lay_changes_over(const YamlNode& scene, const std::string& changes) {
+YamlNode merge_overrides(const YamlNode& scene, const std::string& overrides) {
   const YamlNode settings = with_includes(scene);
-  if (changes.empty()) return settings;
-  return merge_settings(settings, YamlNode::parse(changes, scene.source() + " (with changes)"));
+  if (overrides.empty()) return settings;
+  return merge_settings(settings, YamlNode::parse(overrides, scene.source() + " (with changes)"));
 }
 
 Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& options) {
@@ -31,10 +32,10 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
 }
 
 Scene load_scene(const YamlNode& node, const SceneOptions& options) {
-  const YamlNode stated = lay_changes_over(node, options.changes);
+  const YamlNode stated = merge_overrides(node, options.overrides);
   std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
   const bool chosen = fidelity && !fidelity->choice.empty();
-  const YamlNode settings = chosen ? lay_over(stated, fidelity->choice) : stated;
+  const YamlNode settings = chosen ? merge(stated, fidelity->choice) : stated;
   Scene scene = build_scene(settings, read_mesh(settings, options), options);
   settings.require_all_read();
   scene.file = node.source();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "scene_cables.h"
 
 #include <stdexcept>
@@ -6,9 +7,9 @@
 
 namespace soft_robot_lab {
 
-SceneCables::Entries SceneCables::read(const std::string& scene_path, const std::string& changes,
+SceneCables::Entries SceneCables::read(const std::string& scene_path, const std::string& overrides,
                                        std::vector<std::string>& names) {
-  const YamlNode scene = lay_changes_over(YamlNode::load_file(scene_path), changes);
+  const YamlNode scene = merge_overrides(YamlNode::load_file(scene_path), overrides);
   Entries entries;
   names.clear();
   for (const YamlNode& cable : scene.optional_sequence("cables")) {
@@ -18,8 +19,8 @@ SceneCables::Entries SceneCables::read(const std::string& scene_path, const std:
   return entries;
 }
 
-SceneCables::SceneCables(const std::string& scene_path, const std::string& changes)
-    : in_file_(read(scene_path, "", names_)), now_(read(scene_path, changes, names_)) {}
+SceneCables::SceneCables(const std::string& scene_path, const std::string& overrides)
+    : in_file_(read(scene_path, "", names_)), now_(read(scene_path, overrides, names_)) {}
 
 std::optional<std::string> SceneCables::value(const std::string& cable, const std::string& key) const {
   const auto found = now_.find(cable);

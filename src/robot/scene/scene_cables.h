@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The cables that a scene file lists, and YAML that gives them other numbers.
 #pragma once
 
@@ -11,7 +12,7 @@ namespace soft_robot_lab {
 class SceneCables {
  public:
   // `changes`: as SceneOptions::changes. Throws SettingsError.
-  SceneCables(const std::string& scene_path, const std::string& changes);
+  SceneCables(const std::string& scene_path, const std::string& overrides);
 
   const std::vector<std::string>& names() const { return names_; }
   std::optional<std::string> value(const std::string& cable, const std::string& key) const;  // as YAML
@@ -23,7 +24,7 @@ class SceneCables {
  private:
   using Entries = std::map<std::string, std::map<std::string, std::string>>;  // by cable and key
 
-  static Entries read(const std::string& scene_path, const std::string& changes, std::vector<std::string>& names);
+  static Entries read(const std::string& scene_path, const std::string& overrides, std::vector<std::string>& names);
 
   std::vector<std::string> names_;
   Entries in_file_, now_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The sections of a scene file, one reader each. All throw SettingsError with file, line and key.
 #pragma once
 
@@ -18,7 +19,7 @@ namespace soft_robot_lab {
 YamlNode with_includes(const YamlNode& settings);
 
 // The same of a scene, with YAML text laid over it, unless that is empty.
-YamlNode lay_changes_over(const YamlNode& scene, const std::string& changes);
+YamlNode merge_overrides(const YamlNode& scene, const std::string& overrides);
 
 // The scene on this mesh, whatever mesh its file asks for.
 Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& options);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <limits>
 
 #include "sections.h"
@@ -8,8 +9,7 @@ SolverOptions read_solver(const YamlNode& scene) {
   SolverOptions options;
   const std::optional<YamlNode> node = scene.optional_child("solver");
   if (!node) return options;
-  if (node->choice_or("method", "newton", {"newton", "xpbd"}) == "xpbd")
-    options.method = SolverOptions::Method::xpbd;
+  if (node->choice_or("method", "newton", {"newton", "xpbd"}) == "xpbd") options.method = SolverOptions::Method::xpbd;
   if (node->choice_or("integrator", "implicit_euler", {"implicit_euler", "bdf2"}) == "bdf2") {
     options.integrator = Integrator::bdf2;
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -31,7 +32,7 @@ class Stretch {
 
   // Markers every `record_every_s`. Leaves the first trouble in `trouble`.
   Trajectory run(const TetMesh& mesh, Integrator integrator, double step_s, double record_every_s) {
-    Scene scene = build_scene(lay_over(settings_, "solver: {" + step_text(integrator, step_s) + "}"), mesh, options_);
+    Scene scene = build_scene(merge(settings_, "solver: {" + step_text(integrator, step_s) + "}"), mesh, options_);
     scene.run.duration_s = std::min(scene.run.duration_s, kStretch_s);
     scene.run.record_every_s = record_every_s;
     RunReport report = run_scene(scene);

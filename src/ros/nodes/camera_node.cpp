@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Films the simulated robot with rendered RGB-D cameras, behind the topics of realsense2_camera.
 //
 // Parameters: ~cameras (path of a rig, config/cameras/*.yaml), ~seed (of the sensors' noise), ~balls (path: where the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Finds policies on a model of its own, and plays and corrects them on whatever listens to the actuator commands.
 //
 // Parameters: ~scene (path; absent where the simulator names which scene runs), ~ramp_s (how long an optimised policy

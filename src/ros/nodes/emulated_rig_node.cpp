@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Publishes where the shafts of an emulated rig really are, and passes requests for faults on to it. Where the line to
 // the emulator breaks, it connects again; without one, it fails.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Drives the rig's motors by actuators/command.
 //
 // Parameters: ~rig (path), ~device (instead of the one in the rig's file), ~zero_at_start (the robot hangs at rest when

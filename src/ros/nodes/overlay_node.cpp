@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Draws markers, cables, target and error for rviz from what the session publishes, compares tracked with simulated
 // markers, and draws the simulated robot over what a camera sees of it, close up.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Plays the robot that an emulated rig moves: a second simulation, not quite the model, whose cables the rig's shafts
 // pull. What it publishes is the truth, for rendered cameras to see and for reports, not for controller or tracker.
 //
@@ -49,7 +50,7 @@ class PlantNode {
       throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz_) + " is not in (0, 1000]");
     markers_publisher_ = node_.advertise<MarkerObservations>(topics::plant_markers, 10);
     surface_publisher_ = advertise_latched<visualization_msgs::Marker>(topics::plant_surface,
-                                                                            [this](const auto&) { surface_.forget(); });
+                                                                       [this](const auto&) { surface_.forget(); });
     shafts_subscriber_ = node_.subscribe(topics::rig_shafts, 1000, &PlantNode::on_shafts, this);
     diagnostics_.setHardwareID("emulated");
     diagnostics_.add("plant", this, &PlantNode::diagnose);
@@ -117,7 +118,7 @@ class PlantNode {
   ros::Time published_;  // the last stamp
   RealTimePlant late_{plant_, ros::Time::now().toSec()};
   double reported_lost_s_ = 0.0;  // until the last diagnosis
-  std::string refusal_;       // since then
+  std::string refusal_;           // since then
   ros::NodeHandle node_;
   ros::Publisher markers_publisher_, surface_publisher_;
   ros::Subscriber shafts_subscriber_;

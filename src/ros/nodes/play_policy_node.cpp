@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Plays a policy's file on a running session and, where asked, corrects it by tracked markers.
 //
 // Exit status: 0 the robot rests where it was to go, 1 it does not, 2 bad file or arguments.

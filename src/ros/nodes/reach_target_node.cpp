@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Asks a running session for a task - bring a marker to a target - and reports how it went.
 //
 // Usage: reach_target_node TASK.yaml. Exit status: 0 done, 1 a part failed or the marker rests too far away, 2 bad

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How a node of this package starts and ends.
 #pragma once
 

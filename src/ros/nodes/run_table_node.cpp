@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Drives a session through an experiment's configurations in their order, as the tables 6.4 to 6.6 of the thesis, waits
 // for rest at each, and prints how large the gap between robot and simulation is there.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Watches over a session: says in /diagnostics, as `session`, whether its nodes run and its recording grows, or since
 // when not, and whether the disk is nearly full.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Simulates a scene in real time, or as fast as possible, behind the topics that a rig has too.
 //
 // Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
@@ -174,7 +175,7 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   if (const std::string failure = settle(*first); !failure.empty()) ROS_WARN("%s", log_text(failure).c_str());
   start(std::move(first));
   surface_ = advertise_latched<visualization_msgs::Marker>(topics::simulator_surface,
-                                                                [this](const auto&) { show_surface_again(); });
+                                                           [this](const auto&) { show_surface_again(); });
 
   commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
   reset_ = node_.advertiseService(topics::simulator_reset, &SimulatorNode::reset, this);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Follows the robot's markers with RGB-D cameras: images in, tracker/markers out. From a session, or from a recording
 // as fast as it can be read (~bag), with the same output.
 //

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sets a camera's exposure and gain by white balls in its dark box: films the empty box, waits until balls hang in it,
 // and then tries settings until the balls are crisp and the box is dark. What was set before is set again where it
 // fails. The answer stands in the log and, for realsense2_camera's launch file, in a file.
 //
 // Parameters: ~camera (first part of its topics), ~radius_m (of the balls), ~output (path of the file; default: none),
-// ~sync_timeout_s (for the driver, for pictures, and for somebody to hang up the balls), ~settle_frames (after a change,
-// that may still be of the setting before), ~max_exposure [0.1 ms].
+// ~sync_timeout_s (for the driver, for pictures, and for somebody to hang up the balls), ~settle_frames (after a
+// change, that may still be of the setting before), ~max_exposure [0.1 ms].
 #include <atomic>
 #include <csignal>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A window to tune the ranges of a marker's colour by: the image of a running camera (or of a bag that is played)
 // beside the mask. Sliders set the range; a click on a marker takes its colour, more clicks widen it. Keys: s saves, c
 // forgets the clicks, q ends.

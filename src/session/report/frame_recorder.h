@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A running simulation as the cameras of a rig film it, with the truth beside it. The world is robot_base.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One page that holds its pictures, so that it can be sent as one file.
 #pragma once
 

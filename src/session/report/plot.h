@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A picture of numbers: what is drawn, and writing it as SVG, PNG (both through the program gnuplot) and CSV.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The outer skin of a body as triangles that follow its nodes.
 #pragma once
 

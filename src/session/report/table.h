@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A table of numbers and words, for a terminal, a file or a page.
 #pragma once
 

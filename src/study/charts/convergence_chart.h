@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How fast errors fall: with elements cut into eight again and again, and with time steps halved.
 #pragma once
 

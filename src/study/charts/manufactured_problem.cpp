@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "manufactured_problem.h"
 
 #include <array>
@@ -129,7 +130,7 @@ class NodeLoads : public Actuator {
   // Its value is the negative work of the loads.
   struct Loads : Constraint {
     Eigen::Matrix3Xd loads_n;
-    double share = 0.0;
+    double fraction = 0.0;
 
     std::vector<Clique> cliques() const override { return {}; }
     double value(const Eigen::Matrix3Xd& positions_m) const override {
@@ -141,7 +142,7 @@ class NodeLoads : public Actuator {
     void add_hessian(const Eigen::Matrix3Xd&, double, CliqueSink&) const override {}
     ConstraintLaw law(double, double) const override {
       ConstraintLaw law;
-      law.min_multiplier = law.max_multiplier = share;
+      law.min_multiplier = law.max_multiplier = fraction;
       law.multiplier_per_command = 1.0;
       return law;
     }
@@ -151,7 +152,7 @@ class NodeLoads : public Actuator {
     limits_ = {0.0, 0.0, 1.0, "1"};
     constraint_.loads_n = holding_loads_n(body.mesh(), body.material());
   }
-  void actuate(double command) override { constraint_.share = command; }
+  void actuate(double command) override { constraint_.fraction = command; }
 
   Loads constraint_;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A body whose exact deformation is known: it was chosen, smooth and far from every singularity, and the loads were
 // computed from it (the method of manufactured solutions; Roache 2002).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "release_chart.h"
 
 #include <algorithm>
@@ -24,8 +25,8 @@ double height_at(const Curve& curve, double time_s) {
   if (next == curve.time_s.begin()) return curve.height_m.front();
   if (next == curve.time_s.end()) return curve.height_m.back();
   const auto i = static_cast<std::size_t>(next - curve.time_s.begin());
-  const double share = (time_s - curve.time_s[i - 1]) / (curve.time_s[i] - curve.time_s[i - 1]);
-  return curve.height_m[i - 1] + share * (curve.height_m[i] - curve.height_m[i - 1]);
+  const double fraction = (time_s - curve.time_s[i - 1]) / (curve.time_s[i] - curve.time_s[i - 1]);
+  return curve.height_m[i - 1] + fraction * (curve.height_m[i] - curve.height_m[i - 1]);
 }
 
 // Time and height of an extremum between two times, by a parabola through its three samples; `sign` 1: maximum.
@@ -56,10 +57,10 @@ Curve read_curve(const ExperimentContext& context, double until_s) {
 
 Curve run(const ExperimentContext& context, const ReleaseProblem& release, const std::string& integrator,
           ReleaseRun& result) {
-  std::ostringstream changes;
-  changes << "body: {element_size_m: " << release.element_size_m << ", material: {poissons_ratio: " << kPoissonsRatio
-          << "}}\nsolver: {integrator: " << integrator << ", time_step_s: " << result.step_s << "}\n";
-  const Scene scene = load_scene(release.scene, context.scene_options(changes.str()));
+  std::ostringstream overrides;
+  overrides << "body: {element_size_m: " << release.element_size_m << ", material: {poissons_ratio: " << kPoissonsRatio
+            << "}}\nsolver: {integrator: " << integrator << ", time_step_s: " << result.step_s << "}\n";
+  const Scene scene = load_scene(release.scene, context.scene_options(overrides.str()));
   Simulation& simulation = *scene.simulation;
   const double rest_m = simulation.markers().at(0).rest_position_m().y();
   Curve curve{{0.0}, {0.0}};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reference R6: how well a release without damping is followed, over integrator and time step.
 #pragma once
 

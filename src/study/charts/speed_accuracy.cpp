@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "speed_accuracy.h"
 
 #include <algorithm>
@@ -59,7 +60,7 @@ struct Climber {
   const std::vector<SpeedRun>& known;
 
   // A series grows finer until a run takes too long.
-  void climb(const SpeedProblem& problem, std::size_t nu, const SpeedRung& rung, bool settled, double share,
+  void climb(const SpeedProblem& problem, std::size_t nu, const SpeedRung& rung, bool settled, double fraction,
              std::vector<SpeedRun>& runs) const {
     const std::string& poissons_ratio = problem.poissons_ratios[nu];
     for (const double size : rung.sizes) {
@@ -69,7 +70,7 @@ struct Climber {
       const double frequency_hz = before || settled ? -1.0 : frequency_of(context, problem, poissons_ratio);
       if (frequency_hz > 0.0)
         run.frequency_error = measure_frequency(problem, poissons_ratio, rung, size, frequency_hz, tools);
-      if (!before) context.report(share, describe(run));
+      if (!before) context.report(fraction, describe(run));
       if (run.cpu_s > ladder.stop_after_cpu_s) break;
     }
     write_runs(context.output_folder + "/runs.json", runs);
@@ -89,10 +90,10 @@ std::vector<SpeedRun> run_all(const Climber& climber) {
   for (const SpeedProblem& problem : climber.ladder.problems) {
     for (std::size_t nu = 0; nu < problem.poissons_ratios.size(); ++nu) {
       for (const SpeedRung& rung : climber.ladder.rungs) {
-        const double share = done++ / all;
+        const double fraction = done++ / all;
         if (!is_tried(rung, problem, climber.tools)) continue;
-        if (rung.settled) climber.climb(problem, nu, rung, true, share, runs);
-        if (rung.equilibrium) climber.climb(problem, nu, rung, false, share, runs);
+        if (rung.settled) climber.climb(problem, nu, rung, true, fraction, runs);
+        if (rung.equilibrium) climber.climb(problem, nu, rung, false, fraction, runs);
       }
     }
   }

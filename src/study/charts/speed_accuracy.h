@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How exact at what cost: every rung of our ladder of methods, and Bullet's deformable solver, on bodies whose true
 // deformation is known (config/experiments/speed_accuracy.yaml).
 #pragma once

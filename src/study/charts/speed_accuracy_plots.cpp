@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "speed_accuracy_plots.h"
 
 #include <algorithm>

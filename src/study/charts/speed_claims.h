@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the runs of the chart prove: how cheap one per cent is, and who is beaten by how much.
 #pragma once
 

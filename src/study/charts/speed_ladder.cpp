@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "speed_ladder.h"
 
 #include <algorithm>
@@ -88,7 +89,7 @@ SpeedRung read_rung(const YamlNode& node, bool bullet) {
   SpeedRung rung;
   rung.name = node.text("name");
   rung.bullet = bullet;
-  rung.changes = dump_or_empty(node, bullet ? "settings" : "changes");
+  rung.overrides = dump_or_empty(node, bullet ? "settings" : "overrides");
   rung.sizes = numbers(node, "sizes");
   rung.quick = node.boolean_or("quick", true);
   for (const YamlNode& problem : node.optional_sequence("problems")) rung.problems.push_back(problem.as_text());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What chart_speed_accuracy compares: config/experiments/speed_accuracy.yaml.
 #pragma once
 
@@ -25,7 +26,7 @@ struct SpeedProblem {
 
 struct SpeedRung {
   std::string name;
-  std::string changes;  // YAML, laid over the scene; Bullet's own settings where `bullet`
+  std::string overrides;  // YAML, laid over the scene; Bullet's own settings where `bullet`
   bool bullet = false;
   bool settled = true;
   bool equilibrium = true;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "speed_measurement.h"
 
 #include <unistd.h>
@@ -30,8 +31,8 @@ constexpr double kWorthTelling = 0.99;
 // too.
 constexpr double kSameEquilibrium = 0.03;
 
-std::string changes_of(const SpeedProblem& problem, const std::string& nu, const std::string& more, double size,
-                       const MeasuringTools& tools) {
+std::string overrides_of(const SpeedProblem& problem, const std::string& nu, const std::string& more, double size,
+                         const MeasuringTools& tools) {
   std::ostringstream text;
   text << "body: {element_size_m: " << size * problem.size_m << ", material: {poissons_ratio: " << nu << "}}\n"
        << "solver: {time_step_s: " << tools.time_step_s << "}\nmarkers:\n";
@@ -43,11 +44,11 @@ std::string changes_of(const SpeedProblem& problem, const std::string& nu, const
   return merge_settings(YamlNode::parse(text.str(), "size"), YamlNode::parse(more, "ladder")).dump();
 }
 
-Scene load(const SpeedProblem& problem, const std::string& changes, const MeasuringTools& tools) {
+Scene load(const SpeedProblem& problem, const std::string& overrides, const MeasuringTools& tools) {
   SceneOptions options;
   options.mesher = tools.mesher;
   options.actuator_factory = make_actuator;
-  options.changes = changes;
+  options.overrides = overrides;
   Scene scene = load_scene(problem.scene, options);
   for (const TimedCommands& timed : scene.run.commands)
     for (const auto& [actuator, value] : timed.commands) scene.simulation->set_command(actuator, value);
@@ -114,9 +115,9 @@ void find_equilibrium(Simulation& simulation, const Truth& truth, SpeedRun& run)
   truth.judge(moved_m(simulation), run);
 }
 
-void run_ours(const SpeedProblem& problem, const Truth& truth, const std::string& changes, bool settled,
+void run_ours(const SpeedProblem& problem, const Truth& truth, const std::string& overrides, bool settled,
               const MeasuringTools& tools, SpeedRun& run) {
-  const Scene scene = load(problem, changes, tools);
+  const Scene scene = load(problem, overrides, tools);
   run.nodes = scene.simulation->body().mesh().node_count();
   run.elements = scene.simulation->body().mesh().tet_count();
   run.ended = true;
@@ -132,11 +133,11 @@ std::filesystem::path temporary_file(const std::string& ending) {
 }
 
 // A program of its own: it may crash, and it may take for ever.
-void run_bullet(const SpeedProblem& problem, const Truth& truth, const std::string& changes,
+void run_bullet(const SpeedProblem& problem, const Truth& truth, const std::string& overrides,
                 const std::string& settings, const MeasuringTools& tools, SpeedRun& run) {
   const auto result = temporary_file(".json"), errors = temporary_file(".errors");
   std::vector<std::string> command = {tools.bullet,  problem.scene,
-                                      "--changes",   changes,
+                                      "--overrides", overrides,
                                       "--settings",  settings,
                                       "--result",    result.string(),
                                       "--duration",  std::to_string(problem.duration_s),
@@ -182,10 +183,10 @@ SpeedRun measure(const SpeedProblem& problem, std::size_t poissons_ratio, const 
     run.bullet = rung.bullet;
     run.size_m = size * problem.size_m;
     if (rung.bullet) {
-      run_bullet(problem, truth, changes_of(problem, nu, "{body: {element: linear}}", size, tools), rung.changes, tools,
-                 run);
+      run_bullet(problem, truth, overrides_of(problem, nu, "{body: {element: linear}}", size, tools), rung.overrides,
+                 tools, run);
     } else {
-      run_ours(problem, truth, changes_of(problem, nu, rung.changes, size, tools), settled, tools, run);
+      run_ours(problem, truth, overrides_of(problem, nu, rung.overrides, size, tools), settled, tools, run);
     }
     if (i == 0 || run.cost < best.cost) best = run;
     if (run.cpu_s > kLong_s || !run.ended) break;
@@ -195,7 +196,7 @@ SpeedRun measure(const SpeedProblem& problem, std::size_t poissons_ratio, const 
 
 double measure_frequency(const SpeedProblem& problem, const std::string& poissons_ratio, const SpeedRung& rung,
                          double size, double frequency_hz, const MeasuringTools& tools) {
-  const Scene scene = load(problem, changes_of(problem, poissons_ratio, rung.changes, size, tools), tools);
+  const Scene scene = load(problem, overrides_of(problem, poissons_ratio, rung.overrides, size, tools), tools);
   const ModalResult result = modal_analysis(scene.simulation->body(), 2);
   // The bar's two lowest bend it about y and about z alike; the worse one counts.
   return (result.frequencies_hz.array() / frequency_hz - 1.0).abs().maxCoeff();

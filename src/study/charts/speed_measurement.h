@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One run of a rung: how wrong, and at what cost.
 #pragma once
 

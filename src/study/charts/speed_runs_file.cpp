@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "speed_runs_file.h"
 
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Measured runs as a file, so that long measurements can be split, continued and drawn again.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where methods fail: every method in every hard case, for every body of the chart.
 #pragma once
 
@@ -25,15 +26,15 @@ inline bool is_good(Outcome outcome) { return outcome == Outcome::survived || ou
 
 struct StabilityBody {
   std::string name;
-  std::string scene;     // file below config/
-  std::string changes;   // YAML over it
-  bool chamber = false;  // driven by a chamber's beta; else by cables
+  std::string scene;      // file below config/
+  std::string overrides;  // YAML over it
+  bool chamber = false;   // driven by a chamber's beta; else by cables
 };
 
 struct StabilityMethod {
   std::string name;
-  std::string body_changes;       // YAML over the scene: another element
-  std::string solver_changes;     // the same, without which the default solver works on the same elements
+  std::string body_overrides;     // YAML over the scene: another element
+  std::string solver_overrides;   // the same, without which the default solver works on the same elements
   bool equilibrium = false;       // rest state at once; else in time
   bool ours = false;              // the default solver, which must not fail
   std::string cable_changes{};    // over each cable
@@ -56,7 +57,7 @@ struct HardCase {
   std::string name;
   std::vector<double> contractions;
   std::vector<double> betas;
-  std::string changes;        // YAML over the scene
+  std::string overrides;      // YAML over the scene
   std::string drive_changes;  // over each cable or chamber
   bool unique = true;         // false: there are several rest states; any stable one without inverted elements counts
   std::function<void(TetMesh&)> change_mesh = nullptr;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -36,25 +37,26 @@ bool all_finite(const Simulation& simulation, const SolveReport& report) {
   return finite;
 }
 
-void give_commands(Simulation& simulation, const std::vector<double>& commands, double share) {
+void give_commands(Simulation& simulation, const std::vector<double>& commands, double fraction) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const Actuator& actuator = *simulation.actuators().at(i);
     const double rest = actuator.limits().rest;
-    simulation.set_command(actuator.name(), rest + share * (commands[i] - rest));
+    simulation.set_command(actuator.name(), rest + fraction * (commands[i] - rest));
   }
 }
 
 std::string merged(const std::vector<std::string>& all) {
-  YamlNode sum = YamlNode::parse("{}", "changes");
-  for (const std::string& changes : all)
-    if (!changes.empty()) sum = merge_settings(sum, YamlNode::parse(changes, "changes"));
+  YamlNode sum = YamlNode::parse("{}", "overrides");
+  for (const std::string& overrides : all)
+    if (!overrides.empty()) sum = merge_settings(sum, YamlNode::parse(overrides, "overrides"));
   return sum.dump();
 }
 
 // The scene's cables or chambers, each with the changes: a list in a scene replaces another, it does not merge, nor
 // does a drive whose `model` changes.
-std::string changed_drives(const std::string& file, const std::string& kind, const std::vector<std::string>& changes) {
-  const YamlNode change = YamlNode::parse(merged(changes), "changes");
+std::string changed_drives(const std::string& file, const std::string& kind,
+                           const std::vector<std::string>& overrides) {
+  const YamlNode change = YamlNode::parse(merged(overrides), "overrides");
   std::string text = kind + ":\n";
   for (const YamlNode& drive : YamlNode::load_file(file).sequence(kind)) {
     text += "  - {";
@@ -98,9 +100,9 @@ StabilityBench::StabilityBench(SceneOptions options, std::string config_folder)
 Scene StabilityBench::load(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) const {
   const std::string file = config_folder_ + "/" + body.scene;
   SceneOptions options = options_;
-  options.changes = merged({changed_drives(file, body.chamber ? "chambers" : "cables",
-                                           {method.drive_changes(body), hard_case.drive_changes}),
-                            body.changes, hard_case.changes, method.body_changes, method.solver_changes});
+  options.overrides = merged({changed_drives(file, body.chamber ? "chambers" : "cables",
+                                             {method.drive_changes(body), hard_case.drive_changes}),
+                              body.overrides, hard_case.overrides, method.body_overrides, method.solver_overrides});
   options.change_mesh = hard_case.change_mesh;
   return load_scene(file, options);
 }
@@ -128,7 +130,7 @@ const StabilityBench::Reference& StabilityBench::reference(const StabilityBody& 
 void StabilityBench::judge(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case,
                            const Simulation& end, StabilityCell& cell) {
   StabilityMethod still;
-  still.body_changes = method.body_changes;
+  still.body_overrides = method.body_overrides;
   const Scene scene = load(body, still, hard_case);
   SimulationState state = scene.simulation->state();
   state.positions_m = end.state().positions_m;

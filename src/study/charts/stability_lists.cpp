@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the chart of stability shows: bodies, methods, hard cases.
 #include "stability_starts.h"
 #include "stability.h"
@@ -19,13 +20,13 @@ HardCase moderate(const std::string& name) {
 
 HardCase with_poissons_ratio(const std::string& ratio) {
   HardCase hard_case = moderate("Poisson's ratio " + ratio);
-  hard_case.changes = "body: {material: {poissons_ratio: " + ratio + "}}";
+  hard_case.overrides = "body: {material: {poissons_ratio: " + ratio + "}}";
   return hard_case;
 }
 
 HardCase with_time_step(const std::string& step) {
   HardCase hard_case = moderate("time step " + step + " s");
-  hard_case.changes = "solver: {time_step_s: " + step + "}";
+  hard_case.overrides = "solver: {time_step_s: " + step + "}";
   return hard_case;
 }
 
@@ -51,15 +52,15 @@ HardCase filled_at_once(const std::string& name, const std::string& element_size
   HardCase hard_case;
   hard_case.name = name;
   hard_case.betas = {5.0};
-  hard_case.changes = "body: {element_size_m: " + element_size_m + "}";
+  hard_case.overrides = "body: {element_size_m: " + element_size_m + "}";
   hard_case.unique = false;
   return hard_case;
 }
 
 HardCase with_slivers(const std::string& height) {
   HardCase hard_case = moderate("slivers, height " + height);
-  const double share = std::stod(height);
-  hard_case.change_mesh = [share](TetMesh& mesh) { add_slivers(mesh, share, 10); };
+  const double fraction = std::stod(height);
+  hard_case.change_mesh = [fraction](TetMesh& mesh) { add_slivers(mesh, fraction, 10); };
   return hard_case;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bad meshes and bad starts. Held nodes stay where they are.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The cells of the chart of stability as a table: CSV, names and messages quoted, without quotation marks in them.
 #include <algorithm>
 #include <locale>

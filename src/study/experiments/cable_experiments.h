@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Experiments with cables: the source's, named by its sections, and ours. Each reads config/experiments/NAME.yaml.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "cantilever_experiment.h"
 
 #include <algorithm>
@@ -35,10 +36,10 @@ struct Sag {
 
 Sag find_sag(const ExperimentContext& context, const Settings& settings, const std::string& element,
              const std::string& poissons_ratio) {
-  std::ostringstream changes;
-  changes << "body: {element: " << element << ", element_size_m: " << settings.element_size_m
-          << ", material: {poissons_ratio: " << poissons_ratio << "}}\n";
-  Scene scene = load_scene(settings.scene, context.scene_options(changes.str()));
+  std::ostringstream overrides;
+  overrides << "body: {element: " << element << ", element_size_m: " << settings.element_size_m
+            << ", material: {poissons_ratio: " << poissons_ratio << "}}\n";
+  Scene scene = load_scene(settings.scene, context.scene_options(overrides.str()));
   const RunReport report = run_scene(scene);
   const Simulation& simulation = *scene.simulation;
   const double sag_m = (simulation.markers().at(0).rest_position_m() - simulation.marker_position(0)).y();

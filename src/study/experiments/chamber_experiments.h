@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The source's experiments with air chambers, named by its sections; each reads config/experiments/SECTION.yaml.
 #pragma once
 

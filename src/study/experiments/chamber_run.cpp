@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "chamber_run.h"
 
 #include <algorithm>
@@ -150,7 +151,7 @@ ChamberSettings read_chamber_settings(const ExperimentContext& context, const st
   const YamlNode node = YamlNode::load_file(context.settings_file(name));
   ChamberSettings settings;
   settings.chamber = node.text_or("chamber", "");
-  if (const auto set_up = node.optional_child("set_up")) settings.changes = set_up->dump();
+  if (const auto set_up = node.optional_child("set_up")) settings.overrides = set_up->dump();
   const YamlNode meshes = node.child("meshes"), betas = node.child("betas");
   for (const std::string& mesh : meshes.keys())
     settings.meshes.push_back({mesh, context.config_folder + "/" + meshes.text(mesh),
@@ -168,7 +169,7 @@ std::vector<ChamberRun> run_chambers(const ExperimentContext& context, const Cha
   for (const ChamberMesh& mesh : settings.meshes) count += static_cast<double>(mesh.betas.size());
   for (const ChamberMesh& mesh : settings.meshes) {
     context.report(done / count, mesh.name + " mesh");
-    ChamberRun run{mesh.name, load_scene(mesh.file, context.scene_options(settings.changes)), {}};
+    ChamberRun run{mesh.name, load_scene(mesh.file, context.scene_options(settings.overrides)), {}};
     Simulation& simulation = *run.scene.simulation;
     const int actuator = actuator_of(settings, simulation);
     for (const double beta : mesh.betas) {
@@ -192,7 +193,7 @@ Pumping pump_chamber(const ExperimentContext& context, const ChamberSettings& se
   const PumpSettings& pump = settings.pump.value();
   const auto mesh = std::find_if(settings.meshes.begin(), settings.meshes.end(),
                                  [&](const ChamberMesh& one) { return one.name == pump.mesh; });
-  Pumping pumping{{pump.mesh, load_scene(mesh->file, context.scene_options(settings.changes)), {}}, {}, {}, {}};
+  Pumping pumping{{pump.mesh, load_scene(mesh->file, context.scene_options(settings.overrides)), {}}, {}, {}, {}};
   Simulation& simulation = *pumping.run.scene.simulation;
   const int actuator = actuator_of(settings, simulation);
   SolveReport report = simulation.solve_equilibrium();

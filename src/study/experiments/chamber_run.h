@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <optional>
@@ -44,8 +45,8 @@ struct PumpSettings {
 };
 
 struct ChamberSettings {
-  std::string chamber;  // empty: the robot's first actuator
-  std::string changes;  // laid over the scenes
+  std::string chamber;    // empty: the robot's first actuator
+  std::string overrides;  // laid over the scenes
   std::vector<ChamberMesh> meshes;
   std::optional<PumpSettings> pump;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tables 6.2 and 6.3: a robot through a list of contractions, one after the other.
 #include <algorithm>
 #include <cmath>
@@ -126,13 +127,13 @@ std::string trouble(const SolveReport& solve) {
   return solve.inverted_elements > 0 ? "inverted elements" : "";
 }
 
-Scene load_robot(const ExperimentContext& context, const Settings& settings, const std::string& changes) {
-  return load_scene(settings.robot, context.scene_options("gravity_m_s2: " + settings.gravity + "\n" + changes));
+Scene load_robot(const ExperimentContext& context, const Settings& settings, const std::string& overrides) {
+  return load_scene(settings.robot, context.scene_options("gravity_m_s2: " + settings.gravity + "\n" + overrides));
 }
 
 std::vector<Visit> visit_all(const ExperimentContext& context, const Settings& settings, const std::string& cable,
-                             const std::string& changes, ExperimentResult& result) {
-  const Scene scene = load_robot(context, settings, changes);
+                             const std::string& overrides, ExperimentResult& result) {
+  const Scene scene = load_robot(context, settings, overrides);
   Simulation& simulation = *scene.simulation;
   std::vector<Visit> visits;
   SimulationState before = simulation.state();  // where the last configuration began
@@ -167,9 +168,9 @@ struct Return {
   double left_behind_m = 0.0, from_first_m = 0.0;
 };
 
-Return compare_returns(const ExperimentContext& context, const Settings& settings, const std::string& changes,
+Return compare_returns(const ExperimentContext& context, const Settings& settings, const std::string& overrides,
                        const std::vector<Visit>& visits) {
-  const Scene scene = load_robot(context, settings, changes);
+  const Scene scene = load_robot(context, settings, overrides);
   Return worst;
   for (const std::string& name : settings.returns) {
     const Configuration& configuration = *std::find_if(settings.configurations.begin(), settings.configurations.end(),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fit_experiment.h"
 
 #include <cmath>
@@ -28,8 +29,7 @@ FitSettings read_settings(const ExperimentContext& context) {
   FitSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
   std::vector<double> contractions;
-  for (const YamlNode& c : node.sequence("contractions"))
-    contractions.push_back(c.as_number(AllowedRange::positive()));
+  for (const YamlNode& c : node.sequence("contractions")) contractions.push_back(c.as_number(AllowedRange::positive()));
   for (const double left : contractions)
     for (const double right : contractions) settings.table.push_back(pose_of(left, right));
   for (const YamlNode& pair : node.sequence("unseen")) {
@@ -71,7 +71,7 @@ class Truth {
         pose.markers.push_back(
             {marker.name(), Eigen::Vector3d::Zero(), std::pow(settings_.deviation_m, 2) * Eigen::Matrix3d::Identity()});
     const std::vector<PosePrediction> at =
-        PoseModel(settings_.robot, options_, poses).predict(parameters_.changes(values_));
+        PoseModel(settings_.robot, options_, poses).predict(parameters_.overrides(values_));
     const Eigen::Isometry3d measured_from_base = parameters_.measured_from_base(values_);
     std::normal_distribution<double> normal(0.0, noisy ? settings_.deviation_m : 0.0);
     for (std::size_t p = 0; p < poses.size(); ++p) {
@@ -146,7 +146,8 @@ ExperimentResult run_fit_experiment(const ExperimentContext& context) {
   const FitResult fit = fit_model(settings.robot, options, table, request);
   context.report(0.95, "unseen poses");
   const ModelGap before = model_gap(settings.robot, options, unseen);
-  const ModelGap after = model_gap(settings.robot, context.scene_options(fit.changes), unseen, fit.measured_from_base);
+  const ModelGap after =
+      model_gap(settings.robot, context.scene_options(fit.overrides), unseen, fit.measured_from_base);
 
   ExperimentResult result;
   result.title = "Spinebot: the model fitted to its table of contractions";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <functional>
@@ -34,7 +35,7 @@ struct SightingScore {
 // Every camera of the rig films the robot at rest in each state, and the markers are sought in the whole image.
 MarkerSightings sight_markers(const std::vector<SimulationState>& states, const Simulation& simulation,
                               const CameraSetup& rig, const DetectorSettings& settings,
-                              const std::function<void(double share)>& progress);
+                              const std::function<void(double fraction)>& progress);
 
 SightingScore score(const MarkerSightings& sightings, std::optional<std::size_t> marker = {});
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measured_tentacle.h"
 
 #include <fstream>
@@ -59,7 +60,7 @@ MeasuredTentacle tentacle_of(const Json& json) {
 
 }  // namespace
 
-std::string TentacleMaterial::changes() const {
+std::string TentacleMaterial::overrides() const {
   return "body: {material: {youngs_modulus_pa: " + text_of(youngs_modulus_pa) +
          ", poissons_ratio: " + text_of(poissons_ratio) + ", density_kg_m3: " + text_of(density_kg_m3) + "}}\n";
 }
@@ -76,7 +77,7 @@ MeasuredTentacle read_measured_tentacle(const std::string& file) {
 
 TentacleGap tentacle_gap(const std::string& robot, const SceneOptions& options,
                          const std::vector<MeasuredPose>& poses) {
-  const std::vector<PosePrediction> predicted = PoseModel(robot, options, poses).predict(options.changes);
+  const std::vector<PosePrediction> predicted = PoseModel(robot, options, poses).predict(options.overrides);
   TentacleGap gap;
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const auto count = static_cast<double>(poses[p].markers.size());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The measured tentacle of config/reference/tentacle, as its JSON file has it.
 #pragma once
 
@@ -12,7 +13,7 @@ namespace soft_robot_lab {
 
 struct TentacleMaterial {
   double youngs_modulus_pa, poissons_ratio, density_kg_m3;
-  std::string changes() const;  // YAML to be laid over the robot
+  std::string overrides() const;  // YAML to be laid over the robot
 };
 
 struct TentaclePose {

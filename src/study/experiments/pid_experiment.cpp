@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // 7.3.2: PID as published on the targets of 7.3.1, with its loop gain, and descent beside it.
 #include <algorithm>
 #include <cmath>

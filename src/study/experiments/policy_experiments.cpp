@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // 7.3.1: the source's descent on ten random targets, and all other methods beside it.
 #include "policy_experiments.h"
 
@@ -162,7 +163,7 @@ ExperimentResult run_random_targets_experiment(const ExperimentContext& context)
     nlohmann::ordered_json methods;
     for (const PolicyRun& run : target.runs) methods[run.method] = json_of(run);
     result.numbers["targets"].push_back(methods);
-    const Eigen::Vector3d& at_m = target.target.place_m;
+    const Eigen::Vector3d& at_m = target.target.position_m;
     result.numbers["target_places_m"].push_back({at_m.x(), at_m.y(), at_m.z()});
   }
   result.source_reports =

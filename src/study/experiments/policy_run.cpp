@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "policy_run.h"
 
 #include <algorithm>
@@ -113,7 +114,7 @@ std::vector<TargetRuns> run_all(const MethodSettings& settings, const HangingRob
     all.push_back({target, {}});
     for (const OptimiserOptions& options : settings.methods) {
       context.report(done++ / count, "target " + target.name + ", " + options.method);
-      const MarkerGoal goal{settings.reach.marker, target.place_m, 1.0};
+      const MarkerGoal goal{settings.reach.marker, target.position_m, 1.0};
       all.back().runs.push_back(run_policy_method(*robot.scene.simulation, robot.hanging, goal, options));
     }
   }

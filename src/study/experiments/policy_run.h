@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A method's search for a policy, as it went.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the source's coupling of a cable to the mesh, the pseudo-inverse of the interpolation, does to the force.
 #include <cmath>
 #include <sstream>
@@ -19,7 +20,7 @@ struct CouplingSettings {
 // An end of the cable: at an element's corner, in the middle of an edge, of a face or of the element, or over a plug.
 struct End {
   std::string name;
-  Eigen::Vector3d place_m;
+  Eigen::Vector3d position_m;
   double plug_radius_m = 0.0;
 };
 
@@ -65,11 +66,11 @@ std::string triple(const Eigen::Vector3d& v) {
   return text.str();
 }
 
-std::string changes(const CouplingSettings& settings, const std::string& element, const End& end,
-                    const std::string& coupling) {
+std::string overrides(const CouplingSettings& settings, const std::string& element, const End& end,
+                      const std::string& coupling) {
   std::ostringstream text;
   text << "body: {element: " << element << "}\ncables: [{name: cable, points_m: [" << triple(settings.start_m) << ", "
-       << triple(end.place_m) << "], sheath_radius_m: 0, plug_radius_m: " << end.plug_radius_m
+       << triple(end.position_m) << "], sheath_radius_m: 0, plug_radius_m: " << end.plug_radius_m
        << ", model: springs, stiffness_n_m: " << settings.stiffness_n_m
        << ", integration: explicit, coupling: " << coupling << "}]\n";
   return text.str();
@@ -89,7 +90,7 @@ Eigen::Vector3d force_on_silicone_n(const Simulation& simulation) {
 void run_coupling(const ExperimentContext& context, const CouplingSettings& settings, const End& end, int coupling,
                   CouplingRun& run, ExperimentResult& result) {
   const Scene scene =
-      load_scene(settings.robot, context.scene_options(changes(settings, run.element, end, kCouplings[coupling])));
+      load_scene(settings.robot, context.scene_options(overrides(settings, run.element, end, kCouplings[coupling])));
   Simulation& simulation = *scene.simulation;
   const int tip = simulation.marker_index("tip");
   const Eigen::Vector3d start_m = simulation.marker_position(tip);

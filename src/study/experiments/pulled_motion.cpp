@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "pulled_motion.h"
 
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "rest_states_experiment.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ namespace soft_robot_lab {
 namespace {
 
 struct RestBody {
-  std::string name, scene, changes;
+  std::string name, scene, overrides;
   std::vector<std::pair<std::string, double>> commands;
 };
 
@@ -33,8 +34,7 @@ struct Settings {
 
 std::vector<double> numbers(const YamlNode& node, const std::string& key) {
   std::vector<double> values;
-  for (const YamlNode& item : node.optional_sequence(key))
-    values.push_back(item.as_number(AllowedRange::positive()));
+  for (const YamlNode& item : node.optional_sequence(key)) values.push_back(item.as_number(AllowedRange::positive()));
   return values;
 }
 
@@ -47,9 +47,9 @@ Settings read_settings(const ExperimentContext& context) {
   settings.still_for_s = node.number("still_for_s", AllowedRange::positive());
   settings.longest_s = node.number("longest_s", AllowedRange::positive());
   for (const YamlNode& item : node.sequence("bodies")) {
-    const auto changes = item.optional_child("changes");
+    const auto overrides = item.optional_child("overrides");
     RestBody body{
-        item.text("name"), context.config_folder + "/" + item.text("scene"), changes ? changes->dump() : "{}", {}};
+        item.text("name"), context.config_folder + "/" + item.text("scene"), overrides ? overrides->dump() : "{}", {}};
     const YamlNode commands = item.child("commands");
     for (const std::string& name : commands.keys())
       body.commands.emplace_back(name, commands.number(name, AllowedRange::positive()));
@@ -81,23 +81,23 @@ Scene load(const ExperimentContext& context, const Settings& settings, const Res
            const std::string& solver) {
   std::ostringstream damping;
   damping << "body: {damping: {rayleigh_mass_per_s: " << settings.rayleigh_mass_per_s << "}}";
-  YamlNode changes = YamlNode::parse(body.changes, "changes");
-  changes = merge_settings(changes, YamlNode::parse(damping.str(), "damping"));
-  changes = merge_settings(changes, YamlNode::parse("solver: " + solver, "method"));
-  return load_scene(body.scene, context.scene_options(changes.dump()));
+  YamlNode overrides = YamlNode::parse(body.overrides, "overrides");
+  overrides = merge_settings(overrides, YamlNode::parse(damping.str(), "damping"));
+  overrides = merge_settings(overrides, YamlNode::parse("solver: " + solver, "method"));
+  return load_scene(body.scene, context.scene_options(overrides.dump()));
 }
 
 // This share of the way from the actuators' rest to the commands.
-void give_commands(const RestBody& body, double share, Simulation& simulation) {
+void give_commands(const RestBody& body, double fraction, Simulation& simulation) {
   for (const auto& [name, value] : body.commands) {
     const double rest =
         simulation.actuators()[static_cast<std::size_t>(simulation.actuator_index(name))]->limits().rest;
-    simulation.set_command(name, rest + share * (value - rest));
+    simulation.set_command(name, rest + fraction * (value - rest));
   }
 }
 
-SimulationState equilibrium(const RestBody& body, double share, Simulation& simulation) {
-  give_commands(body, share, simulation);
+SimulationState equilibrium(const RestBody& body, double fraction, Simulation& simulation) {
+  give_commands(body, fraction, simulation);
   const SolveReport report = simulation.solve_equilibrium();
   if (!report.converged) throw std::runtime_error(body.name + ": " + report.message);
   return simulation.state();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,7 +17,7 @@ struct SegmentationExperiment {
   std::string robot;
   CameraSetup rig;
   DetectorSettings detector;
-  std::string changes;  // of the robot: its markers
+  std::string overrides;  // of the robot: its markers
   std::vector<CablePull> configurations;
 };
 
@@ -43,7 +44,7 @@ SegmentationExperiment read_experiment(const ExperimentContext& context, const s
   experiment.rig.marker_overrides.clear();
   experiment.detector = load_tracker(file("tracker")).detector;
   experiment.configurations = read_configurations(node);
-  experiment.changes = "markers: " + node.child("markers").dump();
+  experiment.overrides = "markers: " + node.child("markers").dump();
   node.require_all_read();
   return experiment;
 }
@@ -162,12 +163,12 @@ struct Outcome {
 
 Outcome run(const ExperimentContext& context, const std::string& name) {
   const SegmentationExperiment experiment = read_experiment(context, name);
-  const Scene scene = load_scene(experiment.robot, context.scene_options(experiment.changes));
+  const Scene scene = load_scene(experiment.robot, context.scene_options(experiment.overrides));
   Simulation& simulation = *scene.simulation;
   Outcome outcome;
   auto& [result, names, scores] = outcome;
   const auto states = rest_states(simulation, experiment.configurations, result);
-  const auto report = [&](double share) { context.report(share, "images"); };
+  const auto report = [&](double fraction) { context.report(fraction, "images"); };
   const MarkerSightings sightings = sight_markers(states, simulation, experiment.rig, experiment.detector, report);
   result.table.columns = {{"marker"},           {"in sight"}, {"found"}, {"found [%]", 3}, {"mean distance [px]", 3},
                           {"deviation [px]", 3}};

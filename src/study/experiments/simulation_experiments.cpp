@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "cable_experiments.h"
 #include "cantilever_experiment.h"
 #include "chamber_experiments.h"
@@ -11,11 +12,11 @@
 
 namespace soft_robot_lab {
 
-SceneOptions ExperimentContext::scene_options(const std::string& changes) const {
+SceneOptions ExperimentContext::scene_options(const std::string& overrides) const {
   SceneOptions options;
   options.mesher = mesher;
   options.actuator_factory = make_actuator;
-  options.changes = changes;
+  options.overrides = overrides;
   return options;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The measured tentacle: our model at the published materials, and fitted on every other pose, beside the measurement
 // and beside others' models.
 #include "tentacle_experiment.h"
@@ -170,7 +171,7 @@ FitResult best_fit(const TentacleSettings& settings, const ExperimentContext& co
       context.report(0.5, text.str());
       return true;
     };
-    const FitResult fit = fit_model(settings.robot, context.scene_options(start.changes()), poses, request);
+    const FitResult fit = fit_model(settings.robot, context.scene_options(start.overrides()), poses, request);
     if (best.values.empty() || fit.after.rms_m < best.after.rms_m) best = fit;
   }
   return best;
@@ -187,14 +188,14 @@ ExperimentResult run_tentacle_experiment(const ExperimentContext& context) {
     if (fitted_on(p)) fitted.push_back(all.back());
   }
   std::vector<AtMaterial> ours;
-  const auto compare = [&](const std::string& name, const std::string& changes) {
-    ours.push_back({name, tentacle_gap(settings.robot, context.scene_options(changes), all)});
+  const auto compare = [&](const std::string& name, const std::string& overrides) {
+    ours.push_back({name, tentacle_gap(settings.robot, context.scene_options(overrides), all)});
   };
   context.report(0.0, "at the published materials");
-  compare("start", tentacle.start.changes());
-  compare("identified", tentacle.identified.changes());
+  compare("start", tentacle.start.overrides());
+  compare("identified", tentacle.identified.overrides());
   const FitResult fit = best_fit(settings, context, fitted);
-  compare("fitted", fit.changes);
+  compare("fitted", fit.overrides);
 
   ExperimentResult result;
   result.title = "A measured tentacle: our model at published materials and fitted, beside others' models";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -15,7 +16,7 @@ struct TrackingRun {
   std::string name;
   SensorModel sensor;
   DepthSettings depth;  // what the tracker knows of it
-  double share = 1;     // of the film
+  double fraction = 1;  // of the film
 };
 
 struct TrackingExperiment {
@@ -51,7 +52,7 @@ TrackingExperiment read_experiment(const ExperimentContext& context) {
   for (const YamlNode& run : node.sequence("runs"))
     experiment.runs.push_back({run.text("name"), read_sensor_model(run.child("sensor")),
                                read_depth_settings(run, experiment.tracker.depth),
-                               run.number_or("share", 1, {0, 1, true})});
+                               run.number_or("fraction", 1, {0, 1, true})});
   node.require_all_read();
   return experiment;
 }
@@ -62,7 +63,7 @@ void add_run(const TrackingRun& run, const TrackingScore& score, const std::vect
                                double(score.seen), 1e3 * score.rms_m(), 1e3 * score.worst_error_m,
                                100 * score.missed_ratio(), 100 * score.false_ratio(), double(score.swaps),
                                1e3 * score.interpolated_rms_m(), score.cpu_cores(rate_hz)});
-  const auto latency_s = [&](double share) { return score.frames ? quantile(score.latency_s, share) : 0; };
+  const auto latency_s = [&](double fraction) { return score.frames ? quantile(score.latency_s, fraction) : 0; };
   auto& numbers = result.numbers[run.name];
   numbers = {{"rms_m", score.rms_m()},
              {"worst_m", score.worst_error_m},
@@ -128,10 +129,10 @@ ExperimentResult run_tracking_experiment(const ExperimentContext& context) {
     TrackerSettings settings = experiment.tracker;
     settings.readout_s = run.sensor.readout_time_s;
     settings.depth = run.depth;
-    const auto progress = [&](double share) {
-      context.report((double(i) + share) / double(experiment.runs.size()), run.name);
+    const auto progress = [&](double fraction) {
+      context.report((double(i) + fraction) / double(experiment.runs.size()), run.name);
     };
-    const auto end = moments.begin() + static_cast<std::ptrdiff_t>(run.share * double(moments.size()));
+    const auto end = moments.begin() + static_cast<std::ptrdiff_t>(run.fraction * double(moments.size()));
     const TrackingScore score = track({moments.begin(), end}, simulation, rig, settings, progress);
     add_run(run, score, markers, experiment.rate_hz, result);
     cpu_cores = std::max(cpu_cores, score.cpu_cores(experiment.rate_hz));

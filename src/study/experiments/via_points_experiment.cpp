@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The source's figure 4.4: a cable in a body held at both ends is as long as its via points let it be.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "air_policy_experiment.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Spinebot and a ball: a policy found on the model, replayed on the emulated rig, then corrected in closed loop. 7.3.3
 // has the source's ball and its method, `ball` the demonstration's, with a place within reach beside it.
 #include "ball_experiment.h"
@@ -29,8 +30,7 @@ struct BallSettings {
 
 BallSettings read_settings(const ExperimentContext& context, const std::string& name) {
   const YamlNode node = YamlNode::load_file(context.settings_file(name));
-  const YamlNode task =
-      node.has("task") ? YamlNode::load_file(context.config_folder + "/" + node.text("task")) : node;
+  const YamlNode task = node.has("task") ? YamlNode::load_file(context.config_folder + "/" + node.text("task")) : node;
   BallSettings settings{read_lab_files(node, context), task.text("marker"), task.vector3("target_m"), {}, {}, {}};
   if (node.has("within_reach_m")) settings.within_reach_m = node.vector3("within_reach_m");
   settings.methods = read_methods(node);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "emulated_lab.h"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ std::vector<TrackedMarker> tracked(const Simulation& simulation) {
 
 double farthest_m(const MarkerPlaces& from, const MarkerPlaces& to) {
   double most_m = 0.0;
-  for (const auto& [name, place_m] : from) most_m = std::max(most_m, (to.at(name) - place_m).norm());
+  for (const auto& [name, position_m] : from) most_m = std::max(most_m, (to.at(name) - position_m).norm());
   return most_m;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A whole lab without its hardware, in lock-step, so that it repeats to the last digit: the motor driver talks to the
 // real firmware on an emulated board, whose shafts pull the cables or press the syringes of a robot that plays plant,
 // which rendered cameras film and the tracker measures. Only frames of the robot at rest are rendered.

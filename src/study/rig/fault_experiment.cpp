@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fault_experiment.h"
 
 #include <sstream>
@@ -55,7 +56,7 @@ Plot draw(const std::string& title, const FaultRunResult& found) {
 
 ExperimentResult run_fault_experiment(const ExperimentContext& context) {
   Settings settings = read_settings(context);
-  settings.options.progress = [&](double share) { context.report(share, "commands"); };
+  settings.options.progress = [&](double fraction) { context.report(fraction, "commands"); };
   const FaultRunResult found = run_with_faults(load_rig(settings.rig), settings.options);
 
   ExperimentResult result;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fault_run.h"
 
 #include <array>
@@ -46,7 +47,7 @@ class FaultRun {
 
   // The same numbers on every platform, unlike those of std::uniform_real_distribution.
   double between(double min, double max) { return min + (max - min) * static_cast<double>(random_() >> 11) * 0x1p-53; }
-  bool chance(double share) { return between(0.0, 1.0) < share; }
+  bool chance(double fraction) { return between(0.0, 1.0) < fraction; }
 
   std::multimap<int, Mishap> plan_mishaps() {
     std::multimap<int, Mishap> plan;

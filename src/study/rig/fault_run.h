@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Random commands to an emulated rig whose line damages bytes, whose plug is pulled and whose board is reset: is the
 // position exact whenever the driver says that it knows it?
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tables 6.4 to 6.6: the robot on the rig beside its simulation, both taken through the source's configurations in its
 // order.
 #include "gap_experiments.h"
@@ -30,17 +31,17 @@ struct GapRecord {
 
 double farthest_m(const MarkerPlaces& one, const MarkerPlaces& other) {
   double most_m = 0.0;
-  for (const auto& [name, place_m] : one) most_m = std::max(most_m, (other.at(name) - place_m).norm());
+  for (const auto& [name, position_m] : one) most_m = std::max(most_m, (other.at(name) - position_m).norm());
   return most_m;
 }
 
 // Root mean square distance of the markers that both have; of none 0.
 double rms_m(const MarkerPlaces& places, const MarkerPlaces& others) {
   double sum_m2 = 0.0, count = 0.0;
-  for (const auto& [name, place_m] : places) {
+  for (const auto& [name, position_m] : places) {
     const auto other = others.find(name);
     if (other == others.end()) continue;
-    sum_m2 += (place_m - other->second).squaredNorm();
+    sum_m2 += (position_m - other->second).squaredNorm();
     count += 1.0;
   }
   return count > 0.0 ? std::sqrt(sum_m2 / count) : 0.0;
@@ -134,9 +135,9 @@ Table gap_table(const std::vector<GapRecord>& records, const GapSettings& settin
     std::vector<TableCell> row = {record.name};
     row.insert(row.end(), record.rest.commands.begin(), record.rest.commands.end());
     row.insert(row.end(), record.steps.begin(), record.steps.end());
-    for (const auto& [marker, place_m] : record.rest.simulated_m) {
+    for (const auto& [marker, position_m] : record.rest.simulated_m) {
       const auto seen = record.rest.measured_m.find(marker);
-      row.emplace_back(seen == record.rest.measured_m.end() ? TableCell("") : 1e3 * (seen->second - place_m).norm());
+      row.emplace_back(seen == record.rest.measured_m.end() ? TableCell("") : 1e3 * (seen->second - position_m).norm());
     }
     for (const double value_m :
          {rms_m(record.rest.measured_m, record.rest.simulated_m), rms_m(record.truth(), record.rest.simulated_m),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What config/experiments/6.4.*.yaml say.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "lab_settings.h"
 
 namespace soft_robot_lab {

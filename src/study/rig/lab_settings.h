@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the settings of experiments in the emulated lab have in common.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "rig_experiments.h"
 
 #include "air_policy_experiment.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The experiments with the rig, for the program `experiment`: they run the real firmware on the emulated board.
 #pragma once
 

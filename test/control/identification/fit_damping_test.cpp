@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Fitting the damping to swings, on a coarse bar with two cables whose truth is known.
 #include <cmath>
 #include <filesystem>
@@ -13,8 +14,8 @@ namespace soft_robot_lab {
 namespace {
 
 // Released from a pull, as cameras behind the drives would see it.
-MeasuredSwing swing_of(const std::string& changes, double pulled, double noise_m, unsigned seed) {
-  const Scene scene = load_scene(kScene, options_with(changes));
+MeasuredSwing swing_of(const std::string& overrides, double pulled, double noise_m, unsigned seed) {
+  const Scene scene = load_scene(kScene, options_with(overrides));
   Simulation& simulation = *scene.simulation;
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, noise_m);
@@ -51,7 +52,7 @@ TEST(FitModel, FindsTheDampingOfSwings) {
   EXPECT_LT(value_of(result, "damping.rayleigh_stiffness_s").deviation, 0.06 * 0.004);
   EXPECT_EQ(result.swings, 1);
   EXPECT_LT(result.swing_rms_m, 2.5e-4) << summary(result);
-  EXPECT_NE(result.changes.find("rayleigh_stiffness_s"), std::string::npos) << result.changes;
+  EXPECT_NE(result.overrides.find("rayleigh_stiffness_s"), std::string::npos) << result.overrides;
 }
 
 // Of a robot on a finer mesh with another stiffness, let go of more than once.
@@ -80,11 +81,11 @@ TEST(FitModel, FindsTheDampingBesideWhatRestTells) {
 
 TEST(SwingModel, IsFreeOnceItsCablesAreSlackThoughDrivesGoOn) {
   const std::string slow = "compliance_m_n: 1.0e-5, pull_speed_m_s: 0.05";
-  const std::string changes =
+  const std::string overrides =
       kFineSteps + "cables: [" + cable("left", -0.007, slow) + ", " + cable("right", 0.007, slow) + "]\n";
   const MeasuredSwing swing{{{"left", 0.9}}, {{10.0, {{"left", 1.2}}}}, {}};
   const SimulatedSwing simulated =
-      simulate_swings(*load_scene(kScene, options_with(changes)).simulation, {swing}, 0.5).front();
+      simulate_swings(*load_scene(kScene, options_with(overrides)).simulation, {swing}, 0.5).front();
   EXPECT_GT(simulated.free_s(), 10.1);
   EXPECT_LT(simulated.free_s(), 10.4) << "the drive arrives at 10.6 s";
   const Eigen::Vector3d before = simulated.deflection_m(0, 10.0), after = simulated.deflection_m(0, simulated.free_s());
@@ -112,7 +113,7 @@ TEST(FitModel, TakesNoDampingFromWhatDoesNotSwing) {
   const FitResult result = fit_model(kScene, options_with(kLying), poses, request, {creep, held});
   EXPECT_TRUE(warns(result, "damping: the data cannot identify it")) << summary(result);
   EXPECT_EQ(result.values.size(), 1u);
-  EXPECT_EQ(result.changes.find("damping"), std::string::npos) << result.changes;
+  EXPECT_EQ(result.overrides.find("damping"), std::string::npos) << result.overrides;
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Fitting to rest states, on a coarse bar with two cables whose truth is known.
 #include "soft_robot_lab/control/identification/fit_model.h"
 
@@ -131,7 +132,7 @@ TEST(FitModel, TellsStiffnessAgainstTheWeightThatWasWeighed) {
   request.mass_kg = mass_kg;
   const FitResult result = fit_model(kScene, options_with(kLying), poses, request);
   EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 303830, 3000) << summary(result);
-  EXPECT_NE(result.changes.find("1177"), std::string::npos) << result.changes;
+  EXPECT_NE(result.overrides.find("1177"), std::string::npos) << result.overrides;
   for (const double wrong : {0.0, -1.0, std::nan("")}) {
     request.mass_kg = wrong;
     EXPECT_THROW(fit_model(kScene, options_with(kLying), poses, request), std::invalid_argument);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A coarse bar with two cables whose truth is known, to fit its model to.
 #pragma once
 
@@ -19,11 +20,11 @@ inline const std::string kScene = std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/da
 // As if the bar lay on its side: its weight bends it, and shows its stiffness.
 inline const std::string kLying = "gravity_m_s2: [0, 9.81, 0]\n";
 
-inline SceneOptions options_with(const std::string& changes) {
+inline SceneOptions options_with(const std::string& overrides) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.changes = changes;
+  options.overrides = overrides;
   return options;
 }
 
@@ -34,10 +35,10 @@ inline std::string cable(const std::string& name, double x, const std::string& r
 }
 
 // Rest states of the scene as cameras would measure them.
-inline std::vector<MeasuredPose> measure(const std::string& changes,
+inline std::vector<MeasuredPose> measure(const std::string& overrides,
                                          const std::vector<std::pair<double, double>>& contractions,
                                          const Eigen::Isometry3d& measured_from_base, double noise_m, unsigned seed) {
-  const Scene scene = load_scene(kScene, options_with(changes));
+  const Scene scene = load_scene(kScene, options_with(overrides));
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, 1.0);
   std::vector<MeasuredPose> poses;

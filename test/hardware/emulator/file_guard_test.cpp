@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What an emulator that was killed leaves behind: nothing, and nothing of others is touched.
 #include "hardware/emulator/file_guard.h"
 

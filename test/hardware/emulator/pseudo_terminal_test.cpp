@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The emulated rig's serial device, as the driver finds it.
 #include "hardware/emulator/pseudo_terminal.h"
 

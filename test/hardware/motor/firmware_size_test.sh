@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # firmware_size_test.sh AVR_SIZE ELF: of 32 KiB of flash and 2 KiB of RAM a quarter each stays free, for the stack and for
 # what is to come.
 set -euo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Frames on the line: as the golden file says, whole or not at all.
 #include <algorithm>
 #include <filesystem>

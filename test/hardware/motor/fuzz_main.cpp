@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // For libFuzzer; see test/README.md.
 #include "fuzz_protocol.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any bytes whatever, to the frame decoder and to the host's end of a session. Aborts where a rule is broken.
 #pragma once
 

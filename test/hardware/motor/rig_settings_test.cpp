@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rig files: what they mean on the board, and what they may not say.
 #include <filesystem>
 
@@ -57,8 +58,7 @@ TEST(RigSettings, TurnsTheOtherWayWhereAMotorIsMountedTheOtherWay) {
 }
 
 TEST(RigSettings, DrivesSyringesByVolume) {
-  const RigSettings rig =
-      parse_rig(rig_with("syringe: {step_ml: 0.01, min_ml: 0, max_ml: 60}"), "rig.yaml");
+  const RigSettings rig = parse_rig(rig_with("syringe: {step_ml: 0.01, min_ml: 0, max_ml: 60}"), "rig.yaml");
   EXPECT_EQ(steps_of(rig.motors[0], 25.0), 2500);
   EXPECT_EQ(rig.motors[0].step_m, 0.0);
 }

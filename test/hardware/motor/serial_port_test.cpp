@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The serial port on a pseudo-terminal in place of the device.
 #include <cstdlib>
 #include <string>

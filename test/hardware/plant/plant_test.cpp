@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A second simulation that plays plant.
 #include "hardware/plant/plant.h"
 

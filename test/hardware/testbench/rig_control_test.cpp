@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Who asks the emulator, against its own socket.
 #include "hardware/testbench/rig_control.h"
 

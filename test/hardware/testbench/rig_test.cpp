@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The driver against the real firmware on the emulated rig.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A cable with friction: capstan law, stick and slip, and what it remembers.
 #include <cmath>
 
@@ -170,8 +171,7 @@ TEST(CableFriction, RatioFollowsItsAngle) {
       Eigen::Matrix3Xd plus = bent, minus = bent;
       plus.data()[i] += 1e-7;
       minus.data()[i] -= 1e-7;
-      EXPECT_NEAR(exact.data()[i], std::log(contact->ratio(plus) / contact->ratio(minus)) / 2e-7,
-                  1e-6 * exact.norm());
+      EXPECT_NEAR(exact.data()[i], std::log(contact->ratio(plus) / contact->ratio(minus)) / 2e-7, 1e-6 * exact.norm());
     }
   }
 }

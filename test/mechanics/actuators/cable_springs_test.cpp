@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The thesis's cable of springs, implicit and explicit; and what all models share.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Chambers against reference solutions (config/reference): pressurised sphere and cylinder, and the hollow cuboid.
 #include <algorithm>
 #include <cmath>
@@ -19,8 +20,8 @@ constexpr double kP0 = 101000.0;
 Simulation inflatable(Body body) {
   std::vector<std::unique_ptr<Actuator>> actuators;
   actuators.push_back(std::make_unique<Chamber>());
-  actuators[0]->initialise(YamlNode::parse("{name: air, surface: cavity, initial_pressure_pa: 101000}", "test"),
-                           body, MeshLocator(body.mesh()));
+  actuators[0]->initialise(YamlNode::parse("{name: air, surface: cavity, initial_pressure_pa: 101000}", "test"), body,
+                           MeshLocator(body.mesh()));
   return Simulation(std::move(body), std::move(actuators), {}, {});
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Collects a constraint's Hessian for tests.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Structured test meshes of hollow bodies: a lattice of cells, those of the hollow left out, each other cut into six
 // tetrahedra, mirrored about the origin's planes so that a symmetric body has a symmetric mesh.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The loop of force over length in a cyclic pull.
 #include <gtest/gtest.h>
 
@@ -23,8 +24,8 @@ Simulation block(double ratio, const SolverOptions& options) {
   std::vector<std::unique_ptr<Actuator>> cables;
   cables.push_back(std::make_unique<Cable>());
   cables[0]->initialise(YamlNode::parse("{name: axis, compliance_m_n: 0, plug_radius_m: 0.009, "
-                                            "points_m: [[0, 0, 0], [0.03, 0, 0]]}",
-                                            "block"),
+                                        "points_m: [[0, 0, 0], [0.03, 0, 0]]}",
+                                        "block"),
                         body, locator);
   return Simulation(std::move(body), std::move(cables), {}, options);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Derivatives of equilibria by numbers of the scene, against central differences.
 #include <cmath>
 #include <iomanip>

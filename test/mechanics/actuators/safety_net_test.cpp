@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the solver does where Newton's method alone finds no way, and that neither scale, time step nor method of
 // solution shows in where a body comes to rest.
 #include <gtest/gtest.h>
@@ -34,8 +35,8 @@ Simulation make_bar(const Bar& bar) {
   settings.precision(17);  // as the scaled number is, to its last bit
   settings << "{name: upper, " << bar.cable << ", sheath_radius_m: " << 0.05 * s * bar.thickness_m
            << ", plug_radius_m: " << 0.15 * s * bar.thickness_m << ", points_m: [";
-  for (const double share : {0.0, 0.3, 0.6, 0.95})
-    settings << (share > 0.0 ? ", " : "") << "[" << share * length << ", " << 0.6 * half << ", 0]";
+  for (const double fraction : {0.0, 0.3, 0.6, 0.95})
+    settings << (fraction > 0.0 ? ", " : "") << "[" << fraction * length << ", " << 0.6 * half << ", 0]";
   settings << "]}";
   std::vector<std::unique_ptr<Actuator>> actuators;
   actuators.push_back(std::make_unique<Cable>());
@@ -54,8 +55,8 @@ void move_free_nodes(Simulation& simulation, const std::function<Eigen::Vector3d
 
 // From a fixed linear congruence: the same everywhere.
 Eigen::Vector3d anywhere_in_the_box(int node) {
-  const auto share = [&](int axis) { return std::fmod(0.5 + 0.6180339887498949 * (3 * node + axis), 1.0); };
-  return {0.1 * share(0), 0.02 * (share(1) - 0.5), 0.02 * (share(2) - 0.5)};
+  const auto fraction = [&](int axis) { return std::fmod(0.5 + 0.6180339887498949 * (3 * node + axis), 1.0); };
+  return {0.1 * fraction(0), 0.02 * (fraction(1) - 0.5), 0.02 * (fraction(2) - 0.5)};
 }
 
 Eigen::Vector3d one_point(int) { return {0.05, 0.0, 0.0}; }

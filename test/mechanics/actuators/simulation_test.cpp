@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The mechanics as a whole, with the cable as its actuator.
 #include "soft_robot_lab/mechanics/simulation.h"
 
@@ -65,9 +66,8 @@ TEST(Step, BeginsOnceForTheActuators) {
   auto cable = std::make_unique<CountingCable>();
   CountingCable& counting = *cable;
   actuators.push_back(std::move(cable));
-  actuators.back()->initialise(
-      YamlNode::parse("{name: cable, points_m: [[0, 0.005, 0], [0.095, 0.005, 0]]}", "bar"), body,
-      MeshLocator(body.mesh()));
+  actuators.back()->initialise(YamlNode::parse("{name: cable, points_m: [[0, 0.005, 0], [0.095, 0.005, 0]]}", "bar"),
+                               body, MeshLocator(body.mesh()));
   Simulation simulation(std::move(body), std::move(actuators), {}, {});
   simulation.set_command("cable", 0.95);
   counting.steps_s.clear();

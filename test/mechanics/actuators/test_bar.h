@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A clamped silicone bar with one cable, for tests of cable models.
 #pragma once
 

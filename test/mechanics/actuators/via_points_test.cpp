@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Via points that a cable sets by itself, one in every element that it crosses.
 #include <cmath>
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The xpbd solver against the newton one, on the cantilever of reference R1 with cables.
 #include "mechanics/xpbd/xpbd_solver.h"
 
@@ -51,8 +52,8 @@ Simulation make_bar(const Bar& bar, const SolverOptions& options, double rayleig
     actuators.push_back(std::make_unique<Cable>());
     actuators.back()->initialise(
         YamlNode::parse("{name: " + side + ", " + bar.cables + ", points_m: [[0, " + y + ", 0], [0.03, " + y +
-                                ", 0], [0.06, " + y + ", 0], [0.095, " + y + ", 0]]}",
-                            "bar"),
+                            ", 0], [0.06, " + y + ", 0], [0.095, " + y + ", 0]]}",
+                        "bar"),
         body, locator);
   }
   std::vector<Marker> markers;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // White balls in a dark room, filmed without and with them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "perception/calibration/calibration_session.h"
 
 #include <stdexcept>

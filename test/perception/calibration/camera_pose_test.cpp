@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "perception/calibration/camera_pose.h"
 
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "perception/calibration/extrinsics_monitor.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "perception/render/camera_setup.h"
 
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Small things to film, and a camera at y = -distance that looks along y: its x is the world's, its y is -z.
 #pragma once
 

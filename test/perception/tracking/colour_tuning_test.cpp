@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "perception/tracking/colour_tuning.h"
 
 #include <stdexcept>

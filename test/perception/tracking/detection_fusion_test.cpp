@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "perception/tracking/detection_fusion.h"
 
 #include <gtest/gtest.h>

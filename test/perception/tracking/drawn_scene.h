@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Images with known truth: discs on patches of skin before the dark, ray-cast with 6 x 6 rays a pixel.
 #pragma once
 
@@ -27,10 +28,10 @@ inline void draw_disc(cv::Mat& rgb, const Eigen::Vector2d& centre_px, double rad
         const Eigen::Vector2d ray((i % kRays + 0.5) / kRays - 0.5, (i / kRays + 0.5) / kRays - 0.5);
         within += (Eigen::Vector2d(column, row) + ray - centre_px).norm() < radius_px;
       }
-      const double share = double(within) / (kRays * kRays);
+      const double fraction = double(within) / (kRays * kRays);
       auto& pixel = rgb.at<cv::Vec3b>(row, column);
       for (int c = 0; c < 3; ++c)
-        pixel[c] = static_cast<uchar>(std::lround(share * colour[c] + (1 - share) * pixel[c]));
+        pixel[c] = static_cast<uchar>(std::lround(fraction * colour[c] + (1 - fraction) * pixel[c]));
     }
 }
 

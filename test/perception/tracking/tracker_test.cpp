@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/perception/tracking/tracker.h"
 
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any bytes whatever to the readers of meshes. Aborts where a rule is broken.
 #pragma once
 

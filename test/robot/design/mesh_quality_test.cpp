@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "robot/design/mesh_quality.h"
 
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The real mesher: every kind of solid against closed forms, named surfaces, refinement, files.
 #include <cmath>
 #include <cstring>
@@ -245,8 +246,8 @@ TEST_F(MeshRobot, RefinesAlongANamedSurfaceOrItsEdges) {
       "{box: {size_m: [0.03, 0.03, 0.03], center_m: [0, 0, 0]}, name: cavity}]}";
   request.element_size_m = 0.03;
   const double even_volume = volume(read_msh(file_of(request)));
-  const auto nodes_near = [](const TetMesh& mesh, const Eigen::Vector3d& place_m) {
-    return ((mesh.nodes_m.colwise() - place_m).colwise().norm().array() < 0.006).count();
+  const auto nodes_near = [](const TetMesh& mesh, const Eigen::Vector3d& position_m) {
+    return ((mesh.nodes_m.colwise() - position_m).colwise().norm().array() < 0.006).count();
   };
   const Eigen::Vector3d on_edge(0.015, 0.015, 0.0);
   request.refinements.resize(1);

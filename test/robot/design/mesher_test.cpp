@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // mesh_file_for with small shell scripts in place of mesh_robot: caching, time limit, failures.
 #include "soft_robot_lab/robot/design/mesher.h"
 

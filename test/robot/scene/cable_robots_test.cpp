@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The robots with cables that the package brings along, in time.
 #include <string>
 

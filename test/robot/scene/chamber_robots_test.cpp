@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The robots with air chambers that the package brings along.
 #include <map>
 #include <string>
@@ -12,11 +13,11 @@ namespace {
 
 const std::string kRobots = SOFT_ROBOT_LAB_SOURCE "/config/robots/";
 
-Scene load(const std::string& robot, const std::string& changes = "") {
+Scene load(const std::string& robot, const std::string& overrides = "") {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.changes = changes;
+  options.overrides = overrides;
   return load_scene(kRobots + robot + "/robot.yaml", options);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Chambers as scene files describe them.
 #include <string>
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The error estimate against reference solutions and finer meshes, and the choice that rests on it.
 #include "soft_robot_lab/robot/scene/fidelity.h"
 

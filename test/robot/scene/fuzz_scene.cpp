@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fuzz_scene.h"
 
 #include <stdexcept>
@@ -32,7 +33,7 @@ TetMesh hollow_bar() {
 }
 
 void load(const std::string& text) {
-  const YamlNode settings = lay_changes_over(YamlNode::parse(text, "fuzz.yaml"), "");
+  const YamlNode settings = merge_overrides(YamlNode::parse(text, "fuzz.yaml"), "");
   const YamlNode body = settings.child("body");
   if (body.has("solid")) require_rule(!to_yaml(read_solid(body.child("solid"))).empty());
   for (const char* key : {"mesh", "element", "element_size_m", "refinements"})

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any text whatever as a scene on a small mesh. Aborts where a rule is broken.
 #pragma once
 

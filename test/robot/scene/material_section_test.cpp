@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // `body.material` in scene files: models, their constants, and the presets of config/materials.
 #include <cmath>
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scenes of the package against reference solutions (config/reference).
 #include <algorithm>
 #include <cmath>
@@ -15,13 +16,14 @@ namespace {
 
 // How far the scene's first marker moves, with `changes` on top of a scene of the package; `iterations_a_solve` at
 // most.
-Eigen::Vector3d displacement_m(const std::string& scene_name, const std::string& changes, int iterations_a_solve = 10) {
+Eigen::Vector3d displacement_m(const std::string& scene_name, const std::string& overrides,
+                               int iterations_a_solve = 10) {
   const SceneFolder folder;
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
   const std::string base = std::string(SOFT_ROBOT_LAB_SOURCE) + "/config/scenes/" + scene_name + ".yaml";
-  Scene scene = load_scene(folder.write("scene.yaml", "include: " + base + "\n" + changes), options);
+  Scene scene = load_scene(folder.write("scene.yaml", "include: " + base + "\n" + overrides), options);
   const RunReport report = run_scene(scene);
   EXPECT_TRUE(report.solve.converged) << report.solve.message;
   EXPECT_LE(report.solve.iterations, iterations_a_solve * std::max(1, report.solve.steps));

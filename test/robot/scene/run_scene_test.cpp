@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a run does and writes, on the bar with two cables. The order of commands matters, so each test loads its own
 // scene.
 #include "soft_robot_lab/robot/scene/run_scene.h"

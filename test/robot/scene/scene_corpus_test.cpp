@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What fuzzing found worth keeping, and its like.
 #include <gtest/gtest.h>
 

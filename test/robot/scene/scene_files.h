@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scene files for tests: a bar of 100 x 20 x 20 mm with two cables, and files written beside it that include it.
 #pragma once
 

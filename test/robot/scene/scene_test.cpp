@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/robot/scene/scene.h"
 
 #include <filesystem>
@@ -109,11 +110,11 @@ TEST(Scene, ReadsDampingAndHysteresis) {
 TEST(Scene, LaysChangesOverTheFile) {
   const SceneFolder folder;
   SceneOptions changed = options();
-  changed.changes = "body: {material: {poissons_ratio: 0.3}}";
+  changed.overrides = "body: {material: {poissons_ratio: 0.3}}";
   const Material material = load_scene(folder.path("bar.yaml"), changed).simulation->body().material();
   EXPECT_EQ(material.poissons_ratio, 0.3);
   EXPECT_EQ(material.density_kg_m3, 1070);
-  changed.changes = "body: {colour: blue}";
+  changed.overrides = "body: {colour: blue}";
   try {
     load_scene(folder.path("bar.yaml"), changed);
     ADD_FAILURE() << "accepted";

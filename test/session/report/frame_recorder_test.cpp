@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "session/report/frame_recorder.h"
 
 #include <cmath>
@@ -66,7 +67,7 @@ TEST(FrameRecorder, ShowsStickersWhereTheMarkersAre) {
       ++compared;
       EXPECT_LT((centre_of_blue(capture.frames[camera].colour, view.pixel) - view.pixel).norm(), 0.1);
       const float depth_m = capture.frames[camera].depth_m.at<float>(static_cast<int>(std::lround(view.pixel.y())),
-                                                                  static_cast<int>(std::lround(view.pixel.x())));
+                                                                     static_cast<int>(std::lround(view.pixel.x())));
       EXPECT_NEAR(depth_m, view.depth_m, 0.001);  // rounded to 1 mm, and up to half a pixel beside it on a slope
     }
   EXPECT_GE(compared, 8);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Firmware, shafts, a robot that is not its model, cameras and tracker in lock-step; coarse and with exact cameras.
 #include "study/rig/emulated_lab.h"
 
@@ -23,8 +24,8 @@ class EmulatedLabTest : public testing::Test {
   EmulatedLabSettings settings(const std::string& more = "backlash_steps: {left: 8}\n") const {
     const std::string plant = folder_.write(
         "plant.yaml", "robot: {include: " + kConfig + "robots/spinebot/robot.yaml, body: {element_size_m: 0.03, " +
-                            "material: {stiffness_ratio: 1.3}}, cables: {left: {pull_speed_m_s: 0}, " +
-                            "right: {pull_speed_m_s: 0}}}\n" + more);
+                          "material: {stiffness_ratio: 1.3}}, cables: {left: {pull_speed_m_s: 0}, " +
+                          "right: {pull_speed_m_s: 0}}}\n" + more);
     EmulatedLabSettings lab{load_rig(kConfig + "robots/spinebot/motors.yaml"), load_plant(plant),
                             read_camera_setup(kConfig + "cameras/box.yaml"),
                             load_tracker(kConfig + "robots/spinebot/tracker.yaml")};
@@ -39,7 +40,7 @@ class EmulatedLabTest : public testing::Test {
 
 double farthest_m(const MarkerPlaces& one, const MarkerPlaces& other) {
   double most_m = 0.0;
-  for (const auto& [name, place_m] : one) most_m = std::max(most_m, (other.at(name) - place_m).norm());
+  for (const auto& [name, position_m] : one) most_m = std::max(most_m, (other.at(name) - position_m).norm());
   return most_m;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whatever happens to the line, the plug and the board: the position is exact or declared unknown.
 #include <gtest/gtest.h>
 
@@ -10,7 +11,8 @@ TEST(FaultRun, EndsExactOrDeclaredUnknownWithEveryCommandAccountedFor) {
   FaultRunOptions options;
   options.commands = 2000;  // the experiment, which the nightly suite runs, sends ten thousand
   options.emulator = SOFT_ROBOT_LAB_RIG_EMULATOR;
-  const FaultRunResult result = run_with_faults(load_rig(SOFT_ROBOT_LAB_SOURCE "/config/robots/spinebot/motors.yaml"), options);
+  const FaultRunResult result =
+      run_with_faults(load_rig(SOFT_ROBOT_LAB_SOURCE "/config/robots/spinebot/motors.yaml"), options);
   EXPECT_EQ(result.commands, 2000);
   EXPECT_EQ(result.unplugs, 10);
   EXPECT_EQ(result.resets, 3);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rig's experiments, made shorter.
 #include <cmath>
 #include <filesystem>
@@ -66,10 +67,10 @@ TEST_F(RigExperiments, PullsInTheSourcesRoundsAndFitsFromWhereItIsAsked) {
 }
 
 TEST_F(RigExperiments, CountsWhatFaultsDo) {
-  const ExperimentResult result =
-      run("rig_faults",
-          "{rig: robots/hammerbot/motors.yaml, commands: 200, corrupted: 0.02, lost: 0, doubled: 0, unplugs: 1, resets: 1, "
-          "brown_outs: 0, seed: 2}");
+  const ExperimentResult result = run(
+      "rig_faults",
+      "{rig: robots/hammerbot/motors.yaml, commands: 200, corrupted: 0.02, lost: 0, doubled: 0, unplugs: 1, resets: 1, "
+      "brown_outs: 0, seed: 2}");
   EXPECT_TRUE(result.converged) << result.message;
   EXPECT_EQ(result.numbers["commands"], 200);
   EXPECT_EQ(result.numbers["unplugs"], 1);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The files of each robot of record belong together: one command for robot and rig, stickers and balls that the box's
 // cameras see, and the source's tables.
 #include <filesystem>
@@ -21,11 +22,11 @@ const std::vector<std::string> kRobots = {"spinebot",     "hammerbot",   "bubble
                                           "bubblefinger", "hanging_bar", "hollow_cuboid"};
 const std::vector<std::string> kRobotsOnRigs = {"spinebot", "hammerbot", "bubblebot", "bubblefinger"};
 
-std::unique_ptr<Simulation> load(const std::string& robot, const std::string& changes = "") {
+std::unique_ptr<Simulation> load(const std::string& robot, const std::string& overrides = "") {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.changes = changes;
+  options.overrides = overrides;
   return load_scene(kConfig + "robots/" + robot + "/robot.yaml", options).simulation;
 }
 
@@ -121,8 +122,7 @@ INSTANTIATE_TEST_SUITE_P(, SeenRobotOfRecord, testing::Values("spinebot", "hamme
 TEST(RobotFiles, EveryRobotHasItsOwn) {
   for (const std::string& robot : kRobots) {
     EXPECT_NO_THROW(load_tracker(kConfig + "robots/" + robot + "/tracker.yaml")) << robot;
-    EXPECT_NO_THROW(require_unambiguous(read_ball_placement(kConfig + "robots/" + robot + "/balls.yaml")))
-        << robot;
+    EXPECT_NO_THROW(require_unambiguous(read_ball_placement(kConfig + "robots/" + robot + "/balls.yaml"))) << robot;
   }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Fits numbers of a robot's scene, and where the cameras stand, to markers measured at rest: Levenberg-Marquardt with
 // bounds and a robust loss (Ceres), on exact derivatives of the equilibria (Simulation::parameter_sensitivities). Then,
 // with these numbers, its damping to markers measured while the robot swung.
@@ -89,7 +90,7 @@ struct FitResult {
   double swing_rms_m = 0.0;           // by which the fitted model misses them
   int iterations = 0;
   double cpu_s = 0.0;
-  std::string changes;  // YAML to be laid over the scene
+  std::string overrides;  // YAML to be laid over the scene
   Eigen::Isometry3d measured_from_base = Eigen::Isometry3d::Identity();
 };
 

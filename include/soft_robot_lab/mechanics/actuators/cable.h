@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A cable that runs through the body and shortens it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The air chamber: gas behind a named surface of the body.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The volume that a surface of the body encloses, exact on linear and quadratic faces, with its derivatives.
 #pragma once
 

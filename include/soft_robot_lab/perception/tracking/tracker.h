@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From colour and depth images to named markers, in the frame that the cameras' poses are given in.
 #pragma once
 
@@ -42,7 +43,7 @@ struct TrackerReport {
   std::vector<std::string> lost;           // not seen for MotionSettings::lost_after_s, or never
   std::vector<std::string> cameras;        // whose frames were used, in their order
   std::vector<CameraProblem> problems;     // frames refused and silent cameras, each with its reason
-  std::vector<CameraObservation> sights;         // markers as single cameras measured them, for ExtrinsicsMonitor
+  std::vector<CameraObservation> sights;   // markers as single cameras measured them, for ExtrinsicsMonitor
   int late_frames = 0;                     // refused so far because newer ones had come before
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a tracker's YAML file says: how markers look, how well cameras measure, and what is believed of motion.
 #pragma once
 

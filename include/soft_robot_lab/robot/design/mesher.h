@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Meshing in a separate program with a time limit, cached by content. Gmsh itself is never linked here: it is GPL, and
 // it may hang.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Constructive solid geometry of a robot: the scene file's `solid`, read and checked without a geometry kernel.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How wrong a scene's answer is expected to be, and the settings chosen so that it is not more wrong than asked for.
 #pragma once
 

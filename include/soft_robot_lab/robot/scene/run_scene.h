@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Carries out what a scene's `run` asks for, and writes down the outcome.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scene and robot files (README, "Scene files"): strict reading, and building a simulation from them.
 // A robot file is a scene without a run. `include: other.yaml` names settings that the rest of the file overrides: maps
 // merge key by key, lists replace, and `cables: {left: {...}}` changes keys of the cable of that name.
@@ -49,7 +50,7 @@ struct SceneOptions {
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;
   bool estimate_error = false;                // judge the scene as it is (scene/fidelity.h)
-  std::string changes;                        // YAML text laid over the file, as a file that includes it would be
+  std::string overrides;                      // YAML text laid over the file, as a file that includes it would be
   std::function<void(TetMesh&)> change_mesh;  // applied before anything binds to the mesh; may be empty
 };
 

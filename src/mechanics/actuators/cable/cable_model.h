@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How a cable turns length into tension: one file for each model of the Cable plugin.
 #pragma once
 

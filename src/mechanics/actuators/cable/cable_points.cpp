@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "cable_points.h"
 
 #include <algorithm>
@@ -82,7 +83,7 @@ void require_room(const YamlNode& settings, const Eigen::Vector3d& plug_m, const
 
 // A point that the cable is to run through, and its place among the given ones; -1 for one set between them.
 struct PathPoint {
-  Eigen::Vector3d place_m;
+  Eigen::Vector3d position_m;
   int given;
 };
 
@@ -115,14 +116,14 @@ std::vector<PathPoint> with_point_per_element(const std::vector<Eigen::Vector3d>
 
 std::vector<PathPoint> as_given(const std::vector<Eigen::Vector3d>& path) {
   std::vector<PathPoint> points;
-  for (const Eigen::Vector3d& place_m : path) points.push_back({place_m, static_cast<int>(points.size())});
+  for (const Eigen::Vector3d& position_m : path) points.push_back({position_m, static_cast<int>(points.size())});
   return points;
 }
 
 void require_near(const YamlNode& settings, const PathPoint& point, const Location& location, double reach_m) {
   if (location.distance_m <= reach_m) return;
   std::ostringstream message;
-  message << "point " << point.given << " at " << triple(point.place_m) << " lies " << location.distance_m
+  message << "point " << point.given << " at " << triple(point.position_m) << " lies " << location.distance_m
           << " m outside the body; the most is the sheath's radius, " << reach_m
           << " m; the nearest point of the body is " << triple(location.nearest_m);
   settings.sequence("points_m")[static_cast<std::size_t>(point.given)].fail(message.str());
@@ -142,11 +143,11 @@ CablePoints read_cable_points(const YamlNode& settings, const Body& body, const 
       per_element ? with_point_per_element(given, body.mesh(), locator) : as_given(given);
   CablePoints result;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const Location location = locator.locate(path[i].place_m);
+    const Location location = locator.locate(path[i].position_m);
     if (path[i].given >= 0) require_near(settings, path[i], location, reach);
     if (location.distance_m > kNear_m) result.changes.push_back({path[i].given, location.distance_m});
     const bool last = i + 1 == path.size();
-    const Eigen::Vector3d along = path[last ? i : i + 1].place_m - path[i == 0 ? i : i - 1].place_m;
+    const Eigen::Vector3d along = path[last ? i : i + 1].position_m - path[i == 0 ? i : i - 1].position_m;
     const EmbeddedPoint point = locator.embed(location);
     if (held(point, body.fixed())) {
       result.points.push_back(point);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where a cable's points take hold of the body.
 #pragma once
 

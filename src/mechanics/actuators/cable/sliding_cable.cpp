@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "cable_model.h"
 #include "path_length.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The cable of the thesis: from point to point a spring that pulls and never pushes, T = max(0, k (l - L) + b dl/dt).
 #include <algorithm>
 #include <cmath>

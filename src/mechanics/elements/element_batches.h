@@ -1,27 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rest shape of tetrahedra, laid out four at a time for the kernels: P nodes and Q quadrature points an element.
 #pragma once
 
 #include <vector>
 
-#include "packs.h"
+#include "batches.h"
 #include "soft_robot_lab/mechanics/tet_mesh.h"
 
 namespace soft_robot_lab {
 
-struct ElementPacks {
+struct ElementBatches {
   // `lanes`: the element in each lane, a multiple of kLanes; ~element marks an unused lane, which repeats that element
   // with no weight. The nodes of an element are sorted by `rank`, one number a node.
-  ElementPacks(const TetMesh& mesh, double mu_pa, std::vector<int> lanes, const std::vector<int>& rank);
+  ElementBatches(const TetMesh& mesh, double mu_pa, std::vector<int> lanes, const std::vector<int>& rank);
 
   int count() const { return static_cast<int>(element.size()) / kLanes; }
   int pair_count() const { return node_count * (node_count + 1) / 2; }
 
-  int node_count, point_count;  // P, Q
-  std::vector<int> element;     // pack x lanes
-  std::vector<int> nodes;       // pack x P x lanes
-  std::vector<Pack> gradients;  // pack x Q x P x 3: rest gradients [1/m]
-  std::vector<Pack> weights;    // pack x Q: rest volumes of the points [m^3]
-  std::vector<Pack> laplacian;  // pack x pair (a >= b): mu sum_q w (grad a . grad b) [N/m]
+  int node_count, point_count;   // P, Q
+  std::vector<int> element;      // batch x lanes
+  std::vector<int> nodes;        // batch x P x lanes
+  std::vector<Batch> gradients;  // batch x Q x P x 3: rest gradients [1/m]
+  std::vector<Batch> weights;    // batch x Q: rest volumes of the points [m^3]
+  std::vector<Batch> laplacian;  // batch x pair (a >= b): mu sum_q w (grad a . grad b) [N/m]
 };
 
 }  // namespace soft_robot_lab

@@ -1,4 +1,5 @@
-#include "element_packs.h"
+// SPDX-License-Identifier: BSD-3-Clause
+#include "element_batches.h"
 
 #include <algorithm>
 #include <numeric>
@@ -9,7 +10,7 @@
 
 namespace soft_robot_lab {
 
-ElementPacks::ElementPacks(const TetMesh& mesh, double mu_pa, std::vector<int> lanes, const std::vector<int>& rank)
+ElementBatches::ElementBatches(const TetMesh& mesh, double mu_pa, std::vector<int> lanes, const std::vector<int>& rank)
     : node_count(static_cast<int>(mesh.tets.rows())), point_count(mesh.quadratic() ? 4 : 1), element(std::move(lanes)) {
   std::vector<ShapeFunctions> shapes;
   if (mesh.quadratic()) {
@@ -19,34 +20,34 @@ ElementPacks::ElementPacks(const TetMesh& mesh, double mu_pa, std::vector<int> l
   }
   const double reference_weight = 1.0 / (6.0 * point_count);
 
-  const auto packs = static_cast<std::size_t>(count());
-  nodes.resize(packs * node_count * kLanes);
-  gradients.assign(packs * point_count * node_count * 3, splat(0.0));
-  weights.assign(packs * point_count, splat(0.0));
-  laplacian.assign(packs * pair_count(), splat(0.0));
+  const auto batches = static_cast<std::size_t>(count());
+  nodes.resize(batches * node_count * kLanes);
+  gradients.assign(batches * point_count * node_count * 3, splat(0.0));
+  weights.assign(batches * point_count, splat(0.0));
+  laplacian.assign(batches * pair_count(), splat(0.0));
 
   for (std::size_t slot = 0; slot < element.size(); ++slot) {
-    const std::size_t pack = slot / kLanes, lane = slot % kLanes;
+    const std::size_t batch = slot / kLanes, lane = slot % kLanes;
     const bool used = element[slot] >= 0;
     const int tet = used ? element[slot] : ~element[slot];
     std::vector<int> local(node_count);
     std::iota(local.begin(), local.end(), 0);
     std::sort(local.begin(), local.end(),
               [&](int a, int b) { return rank[mesh.tets(a, tet)] < rank[mesh.tets(b, tet)]; });
-    for (int a = 0; a < node_count; ++a) nodes[(pack * node_count + a) * kLanes + lane] = mesh.tets(local[a], tet);
+    for (int a = 0; a < node_count; ++a) nodes[(batch * node_count + a) * kLanes + lane] = mesh.tets(local[a], tet);
     for (int q = 0; q < point_count; ++q) {
       Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
       for (int a = 0; a < node_count; ++a)
         jacobian += mesh.nodes_m.col(mesh.tets(a, tet)) * shapes[q].gradients.col(a).transpose();
       const Eigen::Matrix<double, 3, Eigen::Dynamic> rest = jacobian.inverse().transpose() * shapes[q].gradients;
       const double weight = used ? jacobian.determinant() * reference_weight : 0.0;
-      weights[pack * point_count + q][lane] = weight;
+      weights[batch * point_count + q][lane] = weight;
       int pair = 0;
       for (int a = 0; a < node_count; ++a) {
         for (int i = 0; i < 3; ++i)
-          gradients[((pack * point_count + q) * node_count + a) * 3 + i][lane] = rest(i, local[a]);
+          gradients[((batch * point_count + q) * node_count + a) * 3 + i][lane] = rest(i, local[a]);
         for (int b = 0; b <= a; ++b, ++pair)
-          laplacian[pack * pair_count() + pair][lane] += mu_pa * weight * rest.col(local[a]).dot(rest.col(local[b]));
+          laplacian[batch * pair_count() + pair][lane] += mu_pa * weight * rest.col(local[a]).dot(rest.col(local[b]));
       }
     }
   }

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Four small dense symmetric systems at once, one per lane: A = L D L^T without pivoting, lower triangle by columns.
 #pragma once
 
-#include "mechanics/elements/packs.h"
+#include "mechanics/elements/batches.h"
 
 namespace soft_robot_lab {
 
@@ -11,15 +12,15 @@ constexpr int triangle_size(int n) { return n * (n + 1) / 2; }
 
 // Replaces A by L and 1/D; returns the smallest pivot of each lane, without which the factor is of no use where <= 0.
 template <int N>
-inline Pack factorise_ldlt(Pack* a) {
-  Pack smallest = splat(1e300);
+inline Batch factorise_ldlt(Batch* a) {
+  Batch smallest = splat(1e300);
   for (int k = 0; k < N; ++k) {
-    Pack* column = a + column_start(N, k);
+    Batch* column = a + column_start(N, k);
     smallest = column[k] < smallest ? column[k] : smallest;
-    const Pack inverse = 1.0 / column[k];
+    const Batch inverse = 1.0 / column[k];
     for (int j = k + 1; j < N; ++j) {
-      const Pack factor = column[j] * inverse;
-      Pack* target = a + column_start(N, j);
+      const Batch factor = column[j] * inverse;
+      Batch* target = a + column_start(N, j);
       for (int i = j; i < N; ++i) target[i] -= column[i] * factor;
     }
     column[k] = inverse;
@@ -29,12 +30,12 @@ inline Pack factorise_ldlt(Pack* a) {
 }
 
 template <int N>
-inline void solve_ldlt(const Pack* a, Pack* b) {
+inline void solve_ldlt(const Batch* a, Batch* b) {
   for (int k = 0; k < N; ++k)
     for (int i = k + 1; i < N; ++i) b[i] -= a[column_start(N, k) + i] * b[k];
   for (int k = N - 1; k >= 0; --k) {
-    const Pack* column = a + column_start(N, k);
-    Pack sum = b[k] * column[k];
+    const Batch* column = a + column_start(N, k);
+    Batch sum = b[k] * column[k];
     for (int i = k + 1; i < N; ++i) sum -= column[i] * b[i];
     b[k] = sum;
   }

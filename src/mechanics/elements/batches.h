@@ -1,4 +1,5 @@
-// Arithmetic of four tetrahedra at once, one per lane. Node and coordinate of an array of packs: 3 * node + axis.
+// SPDX-License-Identifier: BSD-3-Clause
+// Arithmetic of four tetrahedra at once, one per lane. Node and coordinate of an array of batches: 3 * node + axis.
 #pragma once
 
 #include <cstddef>
@@ -14,19 +15,19 @@ namespace soft_robot_lab {
 
 // Elements are worked on four at a time, one per lane.
 inline constexpr int kLanes = 4;
-typedef double Pack __attribute__((vector_size(kLanes * sizeof(double))));
+typedef double Batch __attribute__((vector_size(kLanes * sizeof(double))));
 
-struct PackVector {
-  Pack v[3];
+struct BatchVector {
+  Batch v[3];
 };
-struct PackMatrix {
-  Pack m[3][3];  // row, column
+struct BatchMatrix {
+  Batch m[3][3];  // row, column
 };
 
-inline Pack splat(double value) { return Pack{value, value, value, value}; }
+inline Batch splat(double value) { return Batch{value, value, value, value}; }
 
-inline PackMatrix cofactor(const PackMatrix& f) {
-  PackMatrix c;
+inline BatchMatrix cofactor(const BatchMatrix& f) {
+  BatchMatrix c;
   for (int i = 0; i < 3; ++i) {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
     for (int j = 0; j < 3; ++j) {
@@ -37,35 +38,35 @@ inline PackMatrix cofactor(const PackMatrix& f) {
   return c;
 }
 
-inline Pack determinant(const PackMatrix& f, const PackMatrix& cofactors) {
+inline Batch determinant(const BatchMatrix& f, const BatchMatrix& cofactors) {
   return f.m[0][0] * cofactors.m[0][0] + f.m[0][1] * cofactors.m[0][1] + f.m[0][2] * cofactors.m[0][2];
 }
 
-inline Pack squared_norm(const PackMatrix& f) {
-  Pack sum = splat(0.0);
+inline Batch squared_norm(const BatchMatrix& f) {
+  Batch sum = splat(0.0);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) sum += f.m[i][j] * f.m[i][j];
   return sum;
 }
 
 // F F^T
-inline PackMatrix times_transposed(const PackMatrix& f) {
-  PackMatrix b;
+inline BatchMatrix times_transposed(const BatchMatrix& f) {
+  BatchMatrix b;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) b.m[i][j] = f.m[i][0] * f.m[j][0] + f.m[i][1] * f.m[j][1] + f.m[i][2] * f.m[j][2];
   return b;
 }
 
-inline PackVector multiply(const PackMatrix& a, const Pack* x) {
-  PackVector y;
+inline BatchVector multiply(const BatchMatrix& a, const Batch* x) {
+  BatchVector y;
   for (int i = 0; i < 3; ++i) y.v[i] = a.m[i][0] * x[0] + a.m[i][1] * x[1] + a.m[i][2] * x[2];
   return y;
 }
 
 // Deformation gradient F = sum_a x_a (grad a)^T.
 template <int Nodes>
-inline PackMatrix deformation_gradient(const Pack* positions, const Pack* gradients) {
-  PackMatrix f;
+inline BatchMatrix deformation_gradient(const Batch* positions, const Batch* gradients) {
+  BatchMatrix f;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) f.m[i][j] = splat(0.0);
   for (int a = 0; a < Nodes; ++a)
@@ -74,13 +75,13 @@ inline PackMatrix deformation_gradient(const Pack* positions, const Pack* gradie
   return f;
 }
 
-inline void gather(const double* positions, const int* nodes, int node_count, Pack* out) {
+inline void gather(const double* positions, const int* nodes, int node_count, Batch* out) {
   for (int a = 0; a < node_count; ++a)
     for (int lane = 0; lane < kLanes; ++lane)
       for (int i = 0; i < 3; ++i) out[3 * a + i][lane] = positions[3 * nodes[a * kLanes + lane] + i];
 }
 
-inline void scatter_add(const Pack* in, const int* nodes, int node_count, double* forces) {
+inline void scatter_add(const Batch* in, const int* nodes, int node_count, double* forces) {
   for (int a = 0; a < node_count; ++a)
     for (int lane = 0; lane < kLanes; ++lane)
       for (int i = 0; i < 3; ++i) forces[3 * nodes[a * kLanes + lane] + i] += in[3 * a + i][lane];

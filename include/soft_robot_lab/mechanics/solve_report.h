@@ -12,7 +12,7 @@ namespace soft_robot_lab {
 // Something that is wrong with a state, with place and size. Kinds and their size:
 //   inverted_elements    smallest det F                    residual_not_met     residual
 //   command_not_reached  what is missing, in `unit`        slack                length in excess of the cable's path, <
-//   0 excessive_tension    the tension                       untangleed             elements laid out anew
+//   0 excessive_tension    the tension                       untangled             elements laid out anew
 struct SolveWarning {
   std::string kind;
   double size = 0.0;

@@ -66,9 +66,9 @@ void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report)
   }
 }
 
-void tell_untangleed(int elements, SolveReport& report) {
+void tell_untangled(int elements, SolveReport& report) {
   SolveWarning warning;
-  warning.kind = "untangleed";
+  warning.kind = "untangled";
   warning.size = elements;
   warning.text = std::to_string(elements) + " elements, those inverted before and around them, were laid out anew";
   add_warning(warning, report.warnings);

@@ -11,6 +11,6 @@ namespace soft_robot_lab {
 void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report);
 
 // That nodes did not move by the laws of mechanics: inverted elements and those around them were laid out anew.
-void tell_untangleed(int elements, SolveReport& report);
+void tell_untangled(int elements, SolveReport& report);
 
 }  // namespace soft_robot_lab

@@ -106,18 +106,18 @@ void advance(SimulationParts& parts, double h, const CommandPath& path, const Pa
 bool is_power_of_two(int number) { return number > 0 && (number & (number - 1)) == 0; }
 
 // A step from a shape whose inverted elements are laid out anew, with ever more of their surroundings the longer they
-// have been so; kept only where they stay untangleed.
-bool advance_untangleed(SimulationParts& parts, double h, SolveReport& report) {
+// have been so; kept only where they stay untangled.
+bool advance_untangled(SimulationParts& parts, double h, SolveReport& report) {
   SimulationState& state = parts.state;
   const SimulationState before = state;
-  const Untangled untangleed = untangle(parts.body, state.inverted_steps, state.positions_m);
-  if (untangleed.nodes.empty()) return false;
-  for (const int node : untangleed.nodes) state.velocities_m_s.col(node).setZero();
+  const Untangled untangled = untangle(parts.body, state.inverted_steps, state.positions_m);
+  if (untangled.nodes.empty()) return false;
+  for (const int node : untangled.nodes) state.velocities_m_s.col(node).setZero();
   state.element_multipliers_pa.setZero();
   parts.forget_previous_step();
   advance(parts, h, CommandPath(parts, h), Part(), report);
   if (report.converged && report.inverted_elements == 0) {
-    tell_untangleed(static_cast<int>(untangleed.elements.size()), report);
+    tell_untangled(static_cast<int>(untangled.elements.size()), report);
     return true;
   }
   parts.restore(before);
@@ -129,7 +129,7 @@ bool advance_untangleed(SimulationParts& parts, double h, SolveReport& report) {
 void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
   if (sleep_on(parts, h, report)) return;
   const int inverted_steps = parts.state.inverted_steps;
-  if (!is_power_of_two(inverted_steps) || !advance_untangleed(parts, h, report))
+  if (!is_power_of_two(inverted_steps) || !advance_untangled(parts, h, report))
     advance(parts, h, CommandPath(parts, h), Part(), report);
   parts.state.inverted_steps = report.inverted_elements > 0 ? inverted_steps + 1 : 0;
   fall_asleep_where_still(parts, h, report);

@@ -102,7 +102,7 @@ TEST(SafetyNet, LaysOutAnewWhatStaysInverted) {
     const SolveReport report = bar.step();
     EXPECT_TRUE(report.converged) << report.message;
     const bool warned = std::any_of(report.warnings.begin(), report.warnings.end(),
-                                    [](const SolveWarning& warning) { return warning.kind == "untangleed"; });
+                                    [](const SolveWarning& warning) { return warning.kind == "untangled"; });
     EXPECT_EQ(warned, inverted_steps == 1);
     EXPECT_EQ(bar.state().inverted_steps, report.inverted_elements > 0 ? inverted_steps + 1 : 0);
     EXPECT_TRUE(!warned || report.inverted_elements == 0);

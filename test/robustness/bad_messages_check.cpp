@@ -246,8 +246,8 @@ MotorState motors(double time_s) {
 
 void take_motors(const MotorState& state) {
   MotorWatch watch;
-  watch.add(state, ros::WallTime(1.0));
-  watch.fault({"left", "right"}, ros::WallTime(1.5));
+  watch.add(state, ros::SteadyTime(1.0));
+  watch.fault({"left", "right"}, ros::SteadyTime(1.5));
   watch.moving();
   Recording recording;
   recording.add(motors(10.0), 10.0);

@@ -45,14 +45,19 @@ TEST_F(Gaps, InterpolateTheSimulationAtTheStampOfWhatWasSeen) {
 }
 
 TEST_F(Gaps, GoOnWhereTheClockIsSetBack) {
-  for (const double stamp_s : {4.0e9, 0.0, 100.0, 4.0e9}) {
+  for (const double start_s : {4.0e9, 0.0, 100.0, 4.0e9}) {
+    const auto after = [start_s](double time_s, std::uint8_t source) {
+      MarkerObservations markers = markers_at(100.0 + time_s, source);
+      markers.header.stamp = ros::Time(start_s + time_s);
+      return markers;
+    };
     gaps.clear();
-    see(stamp_s + 2.0, 0.001);  // is never compared where the clock goes back
-    simulate(stamp_s);
-    see(stamp_s + 0.25, 0.003);
-    simulate(stamp_s + 0.5);
-    ASSERT_EQ(gaps.size(), 1u) << stamp_s;
-    EXPECT_EQ(gaps[0].header.stamp, ros::Time(stamp_s + 0.25));
+    meter.add_measured(after(2.0, MarkerObservations::SEEN));  // is never compared where the clock goes back
+    meter.add_simulated(after(0.0, MarkerObservations::SIMULATED));
+    meter.add_measured(after(0.25, MarkerObservations::SEEN));
+    meter.add_simulated(after(0.5, MarkerObservations::SIMULATED));
+    ASSERT_EQ(gaps.size(), 1u) << start_s;
+    EXPECT_EQ(gaps[0].header.stamp, ros::Time(start_s + 0.25));
   }
 }
 

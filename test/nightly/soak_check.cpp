@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "ros/node_process.h"
+#include "ros/process_of.h"
 #include "ros/session_ears.h"
 #include "ros/messages.h"
 #include "ros/topics.h"

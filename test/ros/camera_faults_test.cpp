@@ -9,7 +9,7 @@
 #include <soft_robot_lab/ActuatorCommand.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 
-#include "node_process.h"
+#include "process_of.h"
 #include "session_ears.h"
 #include "ros/conversions.h"
 #include "ros/topics.h"

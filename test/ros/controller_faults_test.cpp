@@ -11,7 +11,7 @@
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 
-#include "node_process.h"
+#include "process_of.h"
 #include "session_ears.h"
 #include "stub_robot.h"
 

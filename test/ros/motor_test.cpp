@@ -17,7 +17,7 @@
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_srvs/Trigger.h>
 
-#include "node_process.h"
+#include "process_of.h"
 #include "ros/topics.h"
 
 namespace soft_robot_lab {

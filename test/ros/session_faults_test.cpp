@@ -29,7 +29,7 @@
 #include <soft_robot_lab/ZeroMotors.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "node_process.h"
+#include "process_of.h"
 #include "session_ears.h"
 #include "ros/topics.h"
 

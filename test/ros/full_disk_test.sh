@@ -55,7 +55,10 @@ roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$here/../data/
   record:=true bag_folder:="$folder" >"$said" 2>&1 &
 session=$!
 set +m
-until rostopic list >/dev/null 2>&1; do kill -0 "$session" && sleep 0.2; done
+until rostopic list >/dev/null 2>&1; do
+  kill -0 "$session" 2>/dev/null || { tail -20 "$said"; echo "roslaunch ended"; exit 1; }
+  sleep 0.2
+done
 PYTHONUNBUFFERED=1 rostopic echo /diagnostics >>"$lamps" 2>&1 &
 echo=$!
 await_lamp "nearly full"

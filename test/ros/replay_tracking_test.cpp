@@ -58,6 +58,7 @@ class Replay : public testing::Test {
       simulated.header.stamp = stamp;
       simulated.names = {"tip"};
       simulated.positions = {to_message(tip_m)};
+      simulated.sources = {MarkerObservations::SIMULATED};
       bag.write("/simulator/markers", stamp, simulated);
       for (auto& result : results) {
         bag.write("/tracker/steps", stamp, result.step);

@@ -13,12 +13,12 @@ namespace {
 
 const std::string kRobots = SOFT_ROBOT_LAB_SOURCE "/config/robots/";
 
-Scene load(const std::string& robot, const std::string& overrides = "") {
+Scene load(const std::string& file, const std::string& overrides = "") {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
   options.overrides = overrides;
-  return load_scene(kRobots + robot + "/robot.yaml", options);
+  return load_scene(kRobots + file + ".yaml", options);
 }
 
 // Chambers have plane walls, so every mesh holds their volume exactly.
@@ -32,7 +32,7 @@ void expect_chambers(const Simulation& simulation, const std::map<std::string, d
 
 void expect_rest(const std::string& robot, const std::map<std::string, double>& volumes_m3) {
   SCOPED_TRACE(robot);
-  Scene scene = load(robot);
+  Scene scene = load(robot + "/robot");
   Simulation& simulation = *scene.simulation;
   expect_chambers(simulation, volumes_m3);
   for (const SolveReport& report : {simulation.solve_equilibrium(), simulation.step()}) {
@@ -44,7 +44,7 @@ void expect_rest(const std::string& robot, const std::map<std::string, double>& 
     EXPECT_LT(std::abs(*reading.gas_residual), 1e-6);
   }
   // The finer one differs by its mesh alone, which is not made here.
-  expect_chambers(*load(robot + "_fine", "body: {element_size_m: 0.03, refinements: []}").simulation, volumes_m3);
+  expect_chambers(*load(robot + "/fine", "body: {element_size_m: 0.03, refinements: []}").simulation, volumes_m3);
 }
 
 TEST(ChamberRobots, HaveTheirVolumesAndComeToRest) {

@@ -111,9 +111,9 @@ CameraSetting with_request(CameraSetting setting, const Config& request, const C
   return setting;
 }
 
-CameraDriver::CameraDriver(ros::NodeHandle& node, const std::string& camera, double sync_timeout_s) {
+CameraDriver::CameraDriver(ros::NodeHandle& node, const std::string& camera, double timeout_s) {
   const std::string name = node.resolveName(set_parameters_service(camera));
-  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(sync_timeout_s);
+  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(timeout_s);
   while (!ros::service::exists(name, false)) {
     if (!ros::ok() || ros::SteadyTime::now() > limit)
       throw std::runtime_error("there is no service " + name + "; start the camera's driver, or name another camera");

@@ -30,9 +30,9 @@ CameraSetting with_request(CameraSetting setting, const dynamic_reconfigure::Con
 
 class CameraDriver {
  public:
-  // Waits for the driver. Throws std::runtime_error: no service or no descriptions within `sync_timeout_s`, and what to
+  // Waits for the driver. Throws std::runtime_error: no service or no descriptions within `timeout_s`, and what to
   // do; std::invalid_argument: parameters that are missing.
-  CameraDriver(ros::NodeHandle& node, const std::string& camera, double sync_timeout_s);
+  CameraDriver(ros::NodeHandle& node, const std::string& camera, double timeout_s);
 
   const CameraSettingLimits& limits() const { return limits_; }
   CameraSetting setting();

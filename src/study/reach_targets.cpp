@@ -16,9 +16,9 @@ std::vector<ReachTarget> draw(const YamlNode& node) {
   const Eigen::Vector3d min_m = node.vector3("min_m"), max_m = node.vector3("max_m");
   if ((min_m.array() > max_m.array()).any()) node.fail("min_m must not be above max_m");
   const Eigen::Vector3d center_m = node.vector3("center_m");
-  const double away_m = node.number("from_centre_m", AllowedRange::not_negative());
+  const double away_m = node.number("from_center_m", AllowedRange::not_negative());
   if ((min_m - center_m).cwiseAbs().cwiseMax((max_m - center_m).cwiseAbs()).norm() <= away_m)
-    node.fail("from_centre_m: the box has no such places");
+    node.fail("from_center_m: the box has no such places");
   std::vector<ReachTarget> targets;
   while (static_cast<int>(targets.size()) < count) {
     Eigen::Vector3d position_m = min_m;

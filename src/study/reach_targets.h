@@ -27,7 +27,7 @@ struct ReachTargets {
 // seed: 1
 // min_m, max_m: [x, y, z]          # a box; where both are the same, that coordinate is fixed
 // center_m: [x, y, z]
-// from_centre_m: 0.025             # no place is nearer to it
+// from_center_m: 0.025             # no place is nearer to it
 ReachTargets read_reach_targets(const std::string& file, const std::string& config_folder);
 
 // The robot, hanging at rest.

@@ -124,7 +124,7 @@ TEST_F(TuneCamera, MakesTheBallCrispAndTheBoxDark) {
 
 TEST_F(TuneCamera, RefusesWithoutABallAndSetsTheOldSettingAgain) {
   reconfigure(config_message({false, 123, 45}));
-  const Outcome outcome = tune("_camera:=eye _patience_s:=4", false);
+  const Outcome outcome = tune("_camera:=eye _timeout_s:=4", false);
   EXPECT_EQ(outcome.exit_status, 2);
   EXPECT_NE((outcome.out + outcome.err).find("eye: no ball found"), std::string::npos) << outcome.out << outcome.err;
   const CameraSetting setting = reconfigure({});
@@ -134,7 +134,7 @@ TEST_F(TuneCamera, RefusesWithoutABallAndSetsTheOldSettingAgain) {
 }
 
 TEST_F(TuneCamera, RefusesWhereThereIsNoDriver) {
-  const Outcome outcome = tune("_camera:=nobody _patience_s:=1", false);
+  const Outcome outcome = tune("_camera:=nobody _timeout_s:=1", false);
   EXPECT_EQ(outcome.exit_status, 2);
   EXPECT_NE((outcome.out + outcome.err).find("no service /nobody/rgb_camera/set_parameters"), std::string::npos)
       << outcome.out << outcome.err;
@@ -166,7 +166,7 @@ class OddDriver {
 
 TEST_F(TuneCamera, RefusesADriverThatDoesNotTakeAValue) {
   const OddDriver driver(node_, config_message({false, 50, 64}));
-  const Outcome outcome = tune("_camera:=odd _patience_s:=5", false);
+  const Outcome outcome = tune("_camera:=odd _timeout_s:=5", false);
   EXPECT_EQ(outcome.exit_status, 2);
   EXPECT_NE((outcome.out + outcome.err).find("enable_auto_exposure: the camera's driver was asked for 1 and has 0"),
             std::string::npos)
@@ -177,7 +177,7 @@ TEST_F(TuneCamera, RefusesADriverWithoutGain) {
   Config answer = config_message({false, 50, 64});
   answer.ints.pop_back();
   const OddDriver driver(node_, answer);
-  const Outcome outcome = tune("_camera:=odd _patience_s:=5", false);
+  const Outcome outcome = tune("_camera:=odd _timeout_s:=5", false);
   EXPECT_EQ(outcome.exit_status, 2);
   EXPECT_NE((outcome.out + outcome.err).find("no parameter 'gain' of its type, only exposure"), std::string::npos)
       << outcome.out << outcome.err;

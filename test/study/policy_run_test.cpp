@@ -106,10 +106,10 @@ TEST(ReachTargets, RefuseABoxWithoutAnyPlace) {
     }
     return std::string("accepted");
   };
-  EXPECT_NE(refused("min_m: [0, 0, 0], max_m: [0.1, 0, 0], from_centre_m: 0.1").find("no such places"),
+  EXPECT_NE(refused("min_m: [0, 0, 0], max_m: [0.1, 0, 0], from_center_m: 0.1").find("no such places"),
             std::string::npos);
   EXPECT_NE(
-      refused("min_m: [0, 0.1, 0], max_m: [0.1, 0, 0], from_centre_m: 0.05").find("min_m must not be above max_m"),
+      refused("min_m: [0, 0.1, 0], max_m: [0.1, 0, 0], from_center_m: 0.05").find("min_m must not be above max_m"),
       std::string::npos);
 }
 

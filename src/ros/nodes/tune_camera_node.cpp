@@ -4,7 +4,7 @@
 // fails. The answer stands in the log and, for realsense2_camera's launch file, in a file.
 //
 // Parameters: ~camera (first part of its topics), ~radius_m (of the balls), ~output (path of the file; default: none),
-// ~sync_timeout_s (for the driver, for pictures, and for somebody to hang up the balls), ~settle_frames (after a
+// ~timeout_s (for the driver, for pictures, and for somebody to hang up the balls), ~settle_frames (after a
 // change, that may still be of the setting before), ~max_exposure [0.1 ms].
 #include <atomic>
 #include <csignal>
@@ -34,14 +34,14 @@ std::atomic<bool> interrupted{false};
 
 struct Options {
   std::string camera, output;
-  double sync_timeout_s = 60;
+  double timeout_s = 60;
   int settle_frames = 10;  // a D415's driver was seen to take 6
   BallFinderSettings finder;
   TuningOptions tuning;
 
   void validate() const {
-    if (!(sync_timeout_s > 0 && sync_timeout_s <= 3600))
-      throw std::invalid_argument("sync_timeout_s: " + std::to_string(sync_timeout_s) + " is not in (0, 3600]");
+    if (!(timeout_s > 0 && timeout_s <= 3600))
+      throw std::invalid_argument("timeout_s: " + std::to_string(timeout_s) + " is not in (0, 3600]");
     if (settle_frames < 0 || settle_frames > 1000)
       throw std::invalid_argument("settle_frames: " + std::to_string(settle_frames) + " is not in [0, 1000]");
     finder.validate();
@@ -53,7 +53,7 @@ Options read_options(const ros::NodeHandle& node) {
   Options options;
   if (!node.getParam("camera", options.camera)) throw std::invalid_argument("camera: missing; give its name");
   node.getParam("output", options.output);
-  node.getParam("sync_timeout_s", options.sync_timeout_s);
+  node.getParam("timeout_s", options.timeout_s);
   node.getParam("settle_frames", options.settle_frames);
   node.getParam("radius_m", options.finder.radius_m);
   node.getParam("max_exposure", options.tuning.limits.max_exposure);
@@ -87,7 +87,7 @@ class CameraTuner {
 };
 
 CameraTuner::CameraTuner(const Options& options)
-    : options_(options), driver_(node_, options.camera, options.sync_timeout_s) {
+    : options_(options), driver_(node_, options.camera, options.timeout_s) {
   CameraSettingLimits& limits = options_.tuning.limits;
   limits.min_exposure = driver_.limits().min_exposure;
   limits.max_exposure = std::min(limits.max_exposure, driver_.limits().max_exposure);
@@ -116,12 +116,12 @@ CameraTuner::CameraTuner(const Options& options)
 
 RgbdFrame CameraTuner::next_frame() {
   frame_.reset();
-  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(options_.sync_timeout_s);
+  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(options_.timeout_s);
   while (!frame_ || !model_) {
     if (interrupted) throw std::runtime_error("interrupted");
     if (!ros::ok() || ros::SteadyTime::now() > limit)
       throw std::runtime_error(options_.camera + ": no pictures of colour, aligned depth and lens came within " +
-                               std::to_string(std::lround(options_.sync_timeout_s)) + " s" + problem_);
+                               std::to_string(std::lround(options_.timeout_s)) + " s" + problem_);
     ros::spinOnce();
     ros::WallDuration(0.002).sleep();
   }
@@ -143,7 +143,7 @@ void CameraTuner::set(const CameraSetting& setting) {
 std::vector<BallPlace> CameraTuner::wait_for_balls() {
   const std::vector<RgbdFrame> empty_box = next_frames();
   ROS_INFO("the empty box is filmed; now hang up white balls, and leave");
-  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(options_.sync_timeout_s);
+  const ros::SteadyTime limit = ros::SteadyTime::now() + ros::WallDuration(options_.timeout_s);
   std::vector<BallPlace> before;
   while (true) {
     const BallSearch search = find_balls(empty_box, next_frames(), *model_, options_.finder);
@@ -158,7 +158,7 @@ std::vector<BallPlace> CameraTuner::wait_for_balls() {
     std::string why;
     for (const std::string& rejected : search.rejected) why += "; " + rejected;
     throw std::runtime_error(options_.camera + ": no ball found that hangs still within " +
-                             std::to_string(std::lround(options_.sync_timeout_s)) + " s" + why);
+                             std::to_string(std::lround(options_.timeout_s)) + " s" + why);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "conversions.h"
 #include "same_place.h"
 
 namespace soft_robot_lab {
@@ -15,6 +16,7 @@ void MeasuredRest::start(double time_s) {
 }
 
 bool MeasuredRest::add(const MarkerObservations& markers) {
+  require_whole(markers);
   const double time_s = markers.header.stamp.toSec();
   if (time_s < start_s_)
     return std::count(markers.sources.begin(), markers.sources.end(), MarkerObservations::SEEN) > 0;

@@ -29,8 +29,8 @@ class MeasuredRest {
 
   // Forgets what it heard; observations before that time do not count.
   void start(double time_s);
-  // Those not seen by cameras do not count; false where none was. Throws std::invalid_argument for a message that is not
-  // whole.
+  // Those not seen by cameras do not count; false where none was. Throws std::invalid_argument for a message that
+  // is not whole.
   bool add(const MarkerObservations& markers);
 
   // Means of the last window, where no marker moved since the window before; of one that jumped then, the median.

@@ -61,6 +61,11 @@ bool SurfaceMarker::moved(const Eigen::Matrix3Xd& positions_m) const {
   return (positions_m - drawn_positions_m_).cwiseAbs().maxCoeff() > visible_motion_m;
 }
 
+void SurfaceMarker::follow_clock(const ros::Time& stamp) {
+  if (stamp < followed_) forget();
+  followed_ = stamp;
+}
+
 visualization_msgs::Marker SurfaceMarker::message(const Eigen::Matrix3Xd& positions_m, const ros::Time& stamp,
                                                   const std::map<std::string, double>& gauge_pressures_pa) {
   std::vector<Eigen::Vector3d> colours(surface_names_.size() + 1, skin_colour);  // the last for faces without a name

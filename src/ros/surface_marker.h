@@ -22,6 +22,8 @@ class SurfaceMarker {
   // Whether a node of the skin moved visibly since the last `message`; true at first, and once after `forget`.
   bool moved(const Eigen::Matrix3Xd& positions_m) const;
   void forget() { drawn_positions_m_.resize(3, 0); }
+  // Forgets where the clock was set back: who sees the skin waits for a new one then.
+  void follow_clock(const ros::Time& stamp);
 
   // Gauge pressures by the name of the surface they act on.
   visualization_msgs::Marker message(const Eigen::Matrix3Xd& positions_m, const ros::Time& stamp,
@@ -35,6 +37,7 @@ class SurfaceMarker {
   std::vector<Triangle> triangles_;  // four for a face with mid-edge nodes
   std::vector<std::string> surface_names_;
   Eigen::Matrix3Xd drawn_positions_m_;  // as in the last message; empty at first
+  ros::Time followed_;                  // the last stamp
 };
 
 }  // namespace soft_robot_lab

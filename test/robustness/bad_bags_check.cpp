@@ -263,16 +263,5 @@ bool check(std::size_t part) {
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
-  const std::size_t part = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 1;
-  std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  if (argc > 2 || part == 0) {
-    std::fputs("usage: bad_bags_check [PART]\n", stderr);
-    return 2;
-  }
-  try {
-    return soft_robot_lab::check(part) ? 0 : 1;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
+  return soft_robot_lab::run_check(argc, argv, "bad_bags_check", soft_robot_lab::check);
 }

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <thread>
@@ -133,6 +134,21 @@ bool all_good(const std::map<std::string, int>& counts) {
     good = good && (outcome == kOutcomes[accepted] || outcome == kOutcomes[refused]);
   }
   return good;
+}
+
+int run_check(int argc, char** argv, const std::string& name, const std::function<bool(std::size_t)>& check) {
+  const std::size_t part = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 1;
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  if (argc > 2 || part == 0) {
+    std::fprintf(stderr, "usage: %s [PART]\n", name.c_str());
+    return 2;
+  }
+  try {
+    return check(part) ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
 }
 
 }  // namespace soft_robot_lab

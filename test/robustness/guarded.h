@@ -33,4 +33,7 @@ std::map<std::string, int> run_guarded(const GuardedCases& cases, const GuardLim
 // Prints the counts. True where all ended as they may.
 bool all_good(const std::map<std::string, int>& counts);
 
+// The program `name [PART]`, which checks every PART-th case, and its exit status: 0 all good, 1 not, 2 bad arguments.
+int run_check(int argc, char** argv, const std::string& name, const std::function<bool(std::size_t part)>& check);
+
 }  // namespace soft_robot_lab

@@ -42,8 +42,8 @@ struct LoopStep {
   LoopEnd end = LoopEnd::none;
   std::string reason;        // for a reader, where it ended
   Eigen::VectorXd commands;  // to be sent; at an end those that the robot has, to be held
-  std::optional<double>
-      distance_m;  // measured, weighted as an optimisation's; absent while a goal's marker is not seen
+  // Measured, weighted as an optimisation's; absent while a goal's marker is not seen.
+  std::optional<double> distance_m;
   bool safe() const { return end == LoopEnd::none || end == LoopEnd::settled || end == LoopEnd::correction_limit; }
 };
 

@@ -26,13 +26,12 @@ namespace {
 
 constexpr double kOne = 1.0, kMinusOne = -1.0, kZero = 0.0;
 
-// Before it is taken: a machine that runs out of memory ends other programs first.
+// Before it is taken.
 void require_memory(std::ptrdiff_t doubles) {
-  constexpr double most_gb = 6.0;
   const double needed_gb = 8e-9 * static_cast<double>(doubles);
-  if (needed_gb <= most_gb) return;
+  if (needed_gb <= kMostMemory_gb) return;
   std::ostringstream text;
-  text << "the mesh takes at least " << needed_gb << " GB to factorise, at most " << most_gb
+  text << "the mesh takes at least " << needed_gb << " GB to factorise, at most " << kMostMemory_gb
        << " are taken; choose a larger body.element_size_m, or body.element: linear";
   throw std::invalid_argument(text.str());
 }

@@ -13,6 +13,8 @@
 
 namespace soft_robot_lab {
 
+constexpr double kMostMemory_gb = 6.0;  // that a body may take: a machine that runs out of it ends other programs first
+
 class BlockCholesky {
  public:
   // Symbolic analysis, once per pattern.

@@ -8,6 +8,8 @@
 
 #include <gmsh.h>
 
+#include "mechanics/linear_algebra/block_cholesky.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -19,7 +21,6 @@ constexpr double kMostCurved = 10;  // curvature makes elements this much smalle
 constexpr double kMostElements = 2e6;
 // What an element takes until it is known what its factorisation will, measured: its share of nodes, and of a matrix.
 constexpr double kQuadraticElement_kb = 6.5, kLinearElement_kb = 2.0;
-constexpr double kMost_gb = 6.0;          // as of a factorisation
 constexpr double kElementsPerCube = 8.5;  // of a cube with the edge of an element; regular ones fill it 1 / 0.118 times
 constexpr double kSamples = 200;          // along a curve, and along both ways of a surface
 
@@ -89,11 +90,11 @@ void check_count(double volume_m3, const MeshSizes& sizes) {
     count += kElementsPerCube * std::min(ball_m3, volume_m3) / std::pow(r.size_m, 3);
   }
   const double needed_gb = 1e-6 * count * (sizes.quadratic ? kQuadraticElement_kb : kLinearElement_kb);
-  if (count <= kMostElements && needed_gb <= kMost_gb) return;
+  if (count <= kMostElements && needed_gb <= kMostMemory_gb) return;
   std::ostringstream message;
   message << "element_size_m " << sizes.element_size_m << " and refinements ask for about " << count
-          << " elements, which take " << needed_gb << " GB; at most " << kMostElements << " elements and " << kMost_gb
-          << " GB are taken; choose larger ones" << (sizes.quadratic ? ", or element: linear" : "");
+          << " elements, which take " << needed_gb << " GB; at most " << kMostElements << " elements and "
+          << kMostMemory_gb << " GB are taken; choose larger ones" << (sizes.quadratic ? ", or element: linear" : "");
   throw std::invalid_argument(message.str());
 }
 

@@ -15,6 +15,7 @@
 #include "ros/image_messages.h"
 #include "ros/log_text.h"
 #include "ros/overlay.h"
+#include "ros/stamps.h"
 #include "ros/topics.h"
 
 namespace soft_robot_lab {
@@ -92,7 +93,7 @@ class OverlayNode {
   }
 
   void publish(const ros::Time& stamp) {
-    const double age_s = stamp.toSec() - published_.toSec();
+    const double age_s = seconds_between(published_, stamp);
     if (age_s >= 0.0 && age_s < period_s) return;
     published_ = stamp;
     publisher_.publish(overlay_of(inputs_, options_, stamp));

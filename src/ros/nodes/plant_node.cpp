@@ -87,8 +87,7 @@ class PlantNode {
     const Simulation& simulation = plant_.simulation();
     markers_publisher_.publish(marker_observations(simulation, stamp));
     const double period = std::floor(stamp.toSec() * surface_rate_hz_);
-    if (stamp < published_) surface_.forget();  // the clock was set back: who sees it waits for a new one
-    published_ = stamp;
+    surface_.follow_clock(stamp);
     if (period != surface_period_ && surface_.moved(simulation.state().positions_m)) {
       surface_publisher_.publish(surface_.message(simulation.state().positions_m, stamp));
       surface_period_ = period;
@@ -115,7 +114,6 @@ class PlantNode {
   SurfaceMarker surface_;
   double surface_rate_hz_ = 15.0;
   double surface_period_ = -1.0;
-  ros::Time published_;  // the last stamp
   RealTimePlant late_{plant_, ros::Time::now().toSec()};
   double reported_lost_s_ = 0.0;  // until the last diagnosis
   std::string refusal_;           // since then

@@ -19,6 +19,7 @@
 
 #include "control/configuration_table.h"
 #include "session_client.h"
+#include "ros/stamps.h"
 #include "ros/topics.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
@@ -41,7 +42,7 @@ class RestingGap {
     sum_m2_ = 0.0;
     begin_ = ros::Time::now();
     for (double held_s = 0.0; ros::ok() && (held_s < hold_s || (count_ < least_gaps && held_s < hold_s + patience_s));
-         held_s = ros::Time::now().toSec() - begin_.toSec())
+         held_s = seconds_between(begin_, ros::Time::now()))
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
     return count_ > 0 ? std::sqrt(sum_m2_ / count_) : -1.0;
   }

@@ -143,7 +143,6 @@ class SimulatorNode {
   std::unique_ptr<RunningScene> scene_;
   double session_s_ = 0.0;        // goes back with the machine's clock only, unlike the scene's own time at a reset
   double surface_period_ = -1.0;  // number of the period of session time in which the skin was last published
-  ros::Time published_;           // the last stamp
   SolveReport last_report_;
   int unconverged_steps_ = 0;           // since the last diagnosis
   std::vector<SolveWarning> warnings_;  // likewise
@@ -279,8 +278,7 @@ void SimulatorNode::publish() {
 
   constexpr double rounding = 1.0e-6;
   const double period = std::floor(session_s_ * options_.surface_rate_hz + rounding);
-  if (stamp < published_) scene_->surface.forget();  // the clock was set back: who sees it waits for a new one
-  published_ = stamp;
+  scene_->surface.follow_clock(stamp);
   if (period != surface_period_ && scene_->surface.moved(simulation.state().positions_m)) {
     surface_.publish(scene_->surface.message(simulation.state().positions_m, stamp, gauge_pressures_pa(simulation)));
     surface_period_ = period;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <future>
 #include <limits>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -47,15 +49,21 @@ class Session : public testing::Test {
     EXPECT_GT(hear<MarkerObservations>(topics::simulator_markers)->header.stamp, before);
   }
 
+  // As the simulator's next diagnostics have it. One subscriber for all of them: all nodes publish in phase, so whoever
+  // subscribes anew after each message may hear the same other node for ever.
   int refused_commands() {
-    while (true) {
-      const auto diagnostics = hear<diagnostic_msgs::DiagnosticArray>("/diagnostics");
-      for (const auto& status : diagnostics->status) {
-        for (const auto& value : status.values) {
-          if (value.key == "refused commands") return std::stoi(value.value);
-        }
-      }
-    }
+    std::optional<int> refused;
+    const ros::Subscriber diagnostics = node_.subscribe<diagnostic_msgs::DiagnosticArray>(
+        "/diagnostics", 100,
+        boost::function<void(const diagnostic_msgs::DiagnosticArray::ConstPtr&)>([&](const auto& m) {
+          for (const auto& status : m->status) {
+            for (const auto& value : status.values) {
+              if (value.key == "refused commands") refused = std::stoi(value.value);
+            }
+          }
+        }));
+    if (!spin_until([&] { return refused.has_value(); })) throw std::runtime_error("no diagnostics of the simulator");
+    return *refused;
   }
 
   void expect_counted(const ActuatorCommand& command) {

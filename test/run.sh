@@ -15,15 +15,18 @@ case "${1-}" in
 esac
 "$package/launch/install_dependencies.sh"
 
+# The parts without ROS are tested under the sanitisers; with --all also as they are used.
+cmake -S "$package" -B "$package/build" -DSOFT_ROBOT_LAB_CORE_TESTS=${all:-no}
 JOBS=$jobs "$package/launch/build.sh"
 cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON -DSOFT_ROBOT_LAB_STUDY=OFF
 cmake --build "$package/build/sanitise" -j"$jobs"
 # The other BLAS kernels than those this machine takes by itself: their rounding differs, and no test may hang on it.
 grep -q avx512 /proc/cpuinfo && other=Haswell || other=Prescott
-OPENBLAS_CORETYPE=$other ctest --test-dir "$package/build/sanitise" --output-on-failure -j"$jobs"
+slots=$((2 * jobs)) # a session under test takes half a core, other tests one
+OPENBLAS_CORETYPE=$other ctest --test-dir "$package/build/sanitise" --output-on-failure -j"$slots"
 unset ROS_HOSTNAME
 export ROS_IP=127.0.0.1 # the machine's own name need not resolve
-ctest --test-dir "$package/build" --output-on-failure -j"$jobs"
+ctest --test-dir "$package/build" --output-on-failure -j"$slots"
 [[ -n $all ]] || exit 0
 
 status=0

@@ -6,8 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 
 namespace soft_robot_lab {
 namespace {
@@ -34,8 +33,9 @@ Eigen::Matrix3Xd seconds(const std::vector<PointPair>& pairs) {
 void require_shape(const Eigen::Matrix3Xd& points_m) {
   if (!points_m.allFinite()) throw std::invalid_argument("a point is not finite; allowed: positions in metres");
   const Eigen::Matrix3Xd spread = points_m.colwise() - points_m.rowwise().mean();
-  const double width_m =
-      Eigen::JacobiSVD<Eigen::Matrix3Xd>(spread).singularValues()[1] / std::sqrt(static_cast<double>(points_m.cols()));
+  const Eigen::Matrix3d scatter_m2 = spread * spread.transpose() / static_cast<double>(points_m.cols());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter_m2, Eigen::EigenvaluesOnly);
+  const double width_m = std::sqrt(std::max(axes.eigenvalues()[1], 0.0));
   if (!(width_m >= min_width_m))
     throw std::invalid_argument("the points lie on a line within " + std::to_string(1000 * width_m) +
                                 " mm: nothing fixes the turn about it; allowed: " + std::to_string(1000 * min_width_m) +
@@ -92,10 +92,11 @@ RigidFit fit_rigid(const std::vector<PointPair>& pairs) {
   const Eigen::Vector3d middle_m = first_m.rowwise().mean();
   for (int i = 0; i < max_iterations; ++i) {
     const NormalEquations equations = normal_equations(pairs, fit.first_from_second, middle_m);
-    const Vector6d step = equations.matrix.ldlt().solve(equations.right);
+    const Eigen::LDLT<Matrix6d> factor(equations.matrix);
+    const Vector6d step = factor.solve(equations.right);
     if (!step.allFinite()) throw std::invalid_argument("a point's covariance is not finite and positive");
     fit.first_from_second = moved(fit.first_from_second, step, middle_m);
-    fit.covariance = equations.matrix.inverse();
+    fit.covariance = factor.solve(Matrix6d::Identity());
     if (step.norm() < 1e-12) break;
   }
   fit.first_from_second.linear() = Eigen::Quaterniond(fit.first_from_second.linear()).normalized().toRotationMatrix();

@@ -37,51 +37,76 @@ std::string text_of(double value, const char* format) {
   return text;
 }
 
-// Collects shapes; each has a number of its own within its namespace.
+// Collects shapes; each has a name of its own within its namespace, and the number that it had before.
 class Drawing {
  public:
-  Drawing(const OverlayOptions& options, const ros::Time& stamp) : options_(options), stamp_(stamp) {}
+  Drawing(const OverlayOptions& options, const ros::Time& stamp, const OverlayNumbers& before, int& next)
+      : options_(options), stamp_(stamp), before_(before), next_(next) {}
 
-  void sphere(const std::string& ns, const geometry_msgs::Point& centre, double radius_m,
+  void sphere(const std::string& ns, const std::string& name, const geometry_msgs::Point& centre, double radius_m,
               const std_msgs::ColorRGBA& rgba) {
-    Shape& shape = add(ns, Shape::SPHERE, rgba);
+    Shape& shape = add(ns, name, Shape::SPHERE, rgba);
     shape.pose.position = centre;
     shape.scale.x = shape.scale.y = shape.scale.z = 2.0 * radius_m;
   }
 
-  void line(const std::string& ns, const std::vector<geometry_msgs::Point>& points, double width_m,
-            const std_msgs::ColorRGBA& rgba) {
-    Shape& shape = add(ns, Shape::LINE_STRIP, rgba);
+  void line(const std::string& ns, const std::string& name, const std::vector<geometry_msgs::Point>& points,
+            double width_m, const std_msgs::ColorRGBA& rgba) {
+    Shape& shape = add(ns, name, Shape::LINE_STRIP, rgba);
     shape.points = points;
     shape.scale.x = width_m;
   }
 
-  void text(const std::string& ns, const geometry_msgs::Point& place, const std::string& words) {
-    Shape& shape = add(ns, Shape::TEXT_VIEW_FACING, text_colour);
+  void text(const std::string& ns, const std::string& name, const geometry_msgs::Point& place,
+            const std::string& words) {
+    Shape& shape = add(ns, name, Shape::TEXT_VIEW_FACING, text_colour);
     shape.pose.position = place;
     shape.scale.z = options_.text_height_m;
     shape.text = words;
   }
 
-  visualization_msgs::MarkerArray finished() { return std::move(array_); }
+  // With what was shown before and is not now deleted.
+  visualization_msgs::MarkerArray finished() {
+    for (const auto& [key, number] : before_) {
+      if (numbers_.count(key) > 0) continue;
+      Shape gone = shape_of(key.first, number);
+      gone.action = Shape::DELETE;
+      array_.markers.push_back(gone);
+    }
+    return std::move(array_);
+  }
+
+  const OverlayNumbers& numbers() const { return numbers_; }
 
  private:
-  Shape& add(const std::string& ns, int type, const std_msgs::ColorRGBA& rgba) {
-    Shape shape;
-    shape.header.stamp = stamp_;
-    shape.header.frame_id = topics::robot_frame;
-    shape.ns = ns;
-    shape.id = static_cast<int>(array_.markers.size());
+  Shape& add(const std::string& ns, std::string name, int type, const std_msgs::ColorRGBA& rgba) {
+    while (numbers_.count({ns, name}) > 0) name += '\'';
+    const auto before = before_.find({ns, name});
+    const int number = before != before_.end() ? before->second : next_++;
+    numbers_[{ns, name}] = number;
+    Shape shape = shape_of(ns, number);
     shape.type = type;
-    shape.pose.orientation.w = 1.0;
     shape.color = rgba;
-    shape.lifetime = ros::Duration(1.0);  // markers of a scene that went away vanish
+    shape.lifetime = ros::Duration(1.0);  // all vanishes with the node
     array_.markers.push_back(shape);
     return array_.markers.back();
   }
 
-  OverlayOptions options_;
+  Shape shape_of(const std::string& ns, int number) const {
+    Shape shape;
+    shape.header.stamp = stamp_;
+    shape.header.frame_id = topics::robot_frame;
+    shape.ns = ns;
+    shape.id = number;
+    shape.pose.orientation.w = 1.0;
+    return shape;
+  }
+
+  const OverlayOptions& options_;
   ros::Time stamp_;
+  const OverlayNumbers& before_;
+  int& next_;
+  OverlayNumbers numbers_;
   visualization_msgs::MarkerArray array_;
 };
 
@@ -89,11 +114,11 @@ class Drawing {
 void draw_markers(const MarkerObservations& markers, const std::string& ns, const std_msgs::ColorRGBA& rgba,
                   const std::vector<std::string>& written, const OverlayOptions& options, Drawing& drawing) {
   for (size_t i = 0; i < markers.names.size(); ++i) {
-    drawing.sphere(ns, markers.positions[i], options.marker_radius_m, rgba);
+    drawing.sphere(ns, markers.names[i], markers.positions[i], options.marker_radius_m, rgba);
     if (std::find(written.begin(), written.end(), markers.names[i]) != written.end()) continue;
     geometry_msgs::Point above = markers.positions[i];
     above.z += options.marker_radius_m + 0.6 * options.text_height_m;
-    drawing.text(ns + "_names", above, markers.names[i]);
+    drawing.text(ns + "_names", markers.names[i], above, markers.names[i]);
   }
 }
 
@@ -105,24 +130,24 @@ std_msgs::ColorRGBA tension_colour(double tension_n, const OverlayOptions& optio
 void draw_cables(const ActuatorState& actuators, const OverlayOptions& options, Drawing& drawing) {
   for (const CableState& cable : actuators.cables) {
     if (cable.path.size() < 2) continue;
-    drawing.line("cables", cable.path, options.cable_width_m, tension_colour(cable.tension_n, options));
+    drawing.line("cables", cable.name, cable.path, options.cable_width_m, tension_colour(cable.tension_n, options));
     geometry_msgs::Point place = cable.path.front();
     place.x += (place.x < 0.0 ? -4.0 : 4.0) * options.text_height_m;
     place.z += 2.0 * options.text_height_m;
-    drawing.text("cable_tensions", place, cable.name + text_of(cable.tension_n, " %.1f N"));
+    drawing.text("cable_tensions", cable.name, place, cable.name + text_of(cable.tension_n, " %.1f N"));
   }
 }
 
 void draw_chambers(const ActuatorState& actuators, Drawing& drawing) {
   for (const ChamberState& chamber : actuators.chambers) {
-    drawing.text("chamber_pressures", chamber.centre,
+    drawing.text("chamber_pressures", chamber.name, chamber.centre,
                  chamber.name + text_of(1e-3 * chamber.gauge_pressure_pa, " %.1f kPa") +
                      text_of(1e6 * chamber.volume_m3, "\n%.1f ml"));
   }
 }
 
 void draw_target(const Target& target, const OverlayOptions& options, Drawing& drawing) {
-  drawing.sphere("target", target.position, options.target_radius_m, target_colour);
+  drawing.sphere("target", target.marker, target.position, options.target_radius_m, target_colour);
 }
 
 // A line from each simulated to its measured marker, with its length, where cameras see it.
@@ -134,14 +159,14 @@ void draw_gap(const RealityGap& gap, const OverlayOptions& options, Drawing& dra
     simulated.x -= gap.gaps[i].x;
     simulated.y -= gap.gaps[i].y;
     simulated.z -= gap.gaps[i].z;
-    drawing.line("gap", {simulated, measured}, 0.5 * options.cable_width_m, error_colour);
+    drawing.line("gap", gap.names[i], {simulated, measured}, 0.5 * options.cable_width_m, error_colour);
     geometry_msgs::Point beside = measured;
     beside.x += 3.0 * options.text_height_m;
-    drawing.text("gap_text", beside, text_of(1e3 * gap.distances_m[i], "%.2f mm"));
+    drawing.text("gap_text", gap.names[i], beside, text_of(1e3 * gap.distances_m[i], "%.2f mm"));
   }
   geometry_msgs::Point above;
   above.z = 6.0 * options.text_height_m;  // above the axes of the frame
-  drawing.text("gap_text", above, text_of(1e3 * gap.rms_m, "gap %.2f mm rms"));
+  drawing.text("gap_rms", "rms", above, text_of(1e3 * gap.rms_m, "gap %.2f mm rms"));
 }
 
 void draw_error(const MarkerObservations& markers, const Target& target, const OverlayOptions& options,
@@ -150,11 +175,11 @@ void draw_error(const MarkerObservations& markers, const Target& target, const O
   if (found == markers.names.end()) return;
   const geometry_msgs::Point& from = markers.positions[found - markers.names.begin()];
   const geometry_msgs::Point& to = target.position;
-  drawing.line("error", {from, to}, 0.5 * options.cable_width_m, error_colour);
+  drawing.line("error", target.marker, {from, to}, 0.5 * options.cable_width_m, error_colour);
   const double distance_m = std::hypot(to.x - from.x, to.y - from.y, to.z - from.z);
   geometry_msgs::Point place = to;
   place.z -= options.target_radius_m + options.text_height_m;
-  drawing.text("error_text", place, text_of(1000.0 * distance_m, "%.2f mm"));
+  drawing.text("error_text", target.marker, place, text_of(1000.0 * distance_m, "%.2f mm"));
 }
 
 void require_number(double value, const char* field) {
@@ -191,23 +216,24 @@ void require_whole(const RealityGap& gap) {
 
 }  // namespace
 
-visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const OverlayOptions& options,
-                                           const ros::Time& stamp) {
+visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const ros::Time& stamp) {
   for (const MarkerObservations* markers : {&inputs.simulated, &inputs.measured}) require_whole(*markers);
   require_whole(inputs.actuators);
   if (inputs.gap) require_whole(*inputs.gap);
-  Drawing drawing(options, stamp);
-  draw_markers(inputs.simulated, "simulated", simulated_colour, {}, options, drawing);
-  draw_markers(inputs.measured, "measured", measured_colour, inputs.simulated.names, options, drawing);
-  if (inputs.gap) draw_gap(*inputs.gap, options, drawing);
-  draw_cables(inputs.actuators, options, drawing);
+  Drawing drawing(options_, stamp, shown_, next_);
+  draw_markers(inputs.simulated, "simulated", simulated_colour, {}, options_, drawing);
+  draw_markers(inputs.measured, "measured", measured_colour, inputs.simulated.names, options_, drawing);
+  if (inputs.gap) draw_gap(*inputs.gap, options_, drawing);
+  draw_cables(inputs.actuators, options_, drawing);
   draw_chambers(inputs.actuators, drawing);
   if (inputs.target) {
     from_message(inputs.target->position, "target");
-    draw_target(*inputs.target, options, drawing);
-    draw_error(inputs.measured.names.empty() ? inputs.simulated : inputs.measured, *inputs.target, options, drawing);
+    draw_target(*inputs.target, options_, drawing);
+    draw_error(inputs.measured.names.empty() ? inputs.simulated : inputs.measured, *inputs.target, options_, drawing);
   }
-  return drawing.finished();
+  visualization_msgs::MarkerArray array = drawing.finished();
+  shown_ = drawing.numbers();
+  return array;
 }
 
 }  // namespace soft_robot_lab

@@ -3,7 +3,10 @@
 // chambers' pressures, and the remaining error.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include <soft_robot_lab/RealityGap.h>
 #include <visualization_msgs/MarkerArray.h>
@@ -20,6 +23,9 @@ struct OverlayInputs {
   std::optional<RealityGap> gap;
 };
 
+// Of what is shown: by namespace and name.
+using OverlayNumbers = std::map<std::pair<std::string, std::string>, int>;
+
 struct OverlayOptions {
   double marker_radius_m = 0.002;
   double target_radius_m = 0.004;
@@ -28,7 +34,19 @@ struct OverlayOptions {
   double full_tension_n = 5.0;  // drawn red; none is drawn green
 };
 
-visualization_msgs::MarkerArray overlay_of(const OverlayInputs& inputs, const OverlayOptions& options,
-                                           const ros::Time& stamp);
+class Overlay {
+ public:
+  explicit Overlay(const OverlayOptions& options = {}) : options_(options) {}
+
+  // All shapes of now. A shape keeps its number as long as it is drawn, so that rviz moves it and nothing takes the
+  // place of a marker that hides; what is not drawn any more is deleted. Throws std::invalid_argument for what is not
+  // finite or not whole; then the next array follows the one before.
+  visualization_msgs::MarkerArray draw(const OverlayInputs& inputs, const ros::Time& stamp);
+
+ private:
+  OverlayOptions options_;
+  OverlayNumbers shown_;
+  int next_ = 0;
+};
 
 }  // namespace soft_robot_lab

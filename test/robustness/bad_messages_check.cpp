@@ -222,7 +222,7 @@ RealityGap gap() {
 }
 
 void draw(const OverlayInputs& inputs) {
-  for (const auto& shape : overlay_of(inputs, {}, ros::Time(10.0)).markers) {
+  for (const auto& shape : Overlay().draw(inputs, ros::Time(10.0)).markers) {
     require_finite(shape.pose.position, "a drawn place");
     for (const auto& point : shape.points) require_finite(point, "a drawn line");
     for (const double part : {shape.color.r, shape.color.g, shape.color.b}) require_finite(part, "a colour");

@@ -42,7 +42,7 @@ Target target_for(const std::string& marker) {
 }
 
 std::vector<Shape> shapes_in(const OverlayInputs& from, const std::string& ns) {
-  std::vector<Shape> found = overlay_of(from, OverlayOptions(), ros::Time(1.0)).markers;
+  std::vector<Shape> found = Overlay().draw(from, ros::Time(1.0)).markers;
   found.erase(std::remove_if(found.begin(), found.end(), [&](const Shape& s) { return s.ns != ns; }), found.end());
   return found;
 }
@@ -118,19 +118,49 @@ TEST(Overlay, RefusesWhatIsNotWhole) {
         all.gap->names = {"tip"};
       },
   };
-  EXPECT_NO_THROW(overlay_of(inputs(), OverlayOptions(), ros::Time(1.0)));
+  EXPECT_NO_THROW(Overlay().draw(inputs(), ros::Time(1.0)));
   for (const auto& change : spoil) {
     OverlayInputs all = inputs();
     change(all);
-    EXPECT_THROW(overlay_of(all, OverlayOptions(), ros::Time(1.0)), std::invalid_argument);
+    EXPECT_THROW(Overlay().draw(all, ros::Time(1.0)), std::invalid_argument);
   }
+}
+
+// Or rviz would draw one marker where another was.
+TEST(Overlay, KeepsNumbersWhereAMarkerHidesAndDeletesIt) {
+  OverlayInputs both = inputs();
+  both.measured.names = {"joint_1", "tip"};
+  both.measured.sources.assign(2, MarkerObservations::SEEN);
+  both.measured.positions = {point(0.0, 0.0, -0.02), point(0.001, 0.0, -0.1)};
+  OverlayInputs one = both;
+  one.measured.names = {"tip"};
+  one.measured.sources.pop_back();
+  one.measured.positions.erase(one.measured.positions.begin());
+  Overlay overlay;
+  const auto before = overlay.draw(both, ros::Time(1.0)).markers;
+  const auto after = overlay.draw(one, ros::Time(2.0)).markers;
+  std::vector<Shape> deleted;
+  for (const Shape& shape : after) {
+    if (shape.action == Shape::DELETE) {
+      deleted.push_back(shape);
+      continue;
+    }
+    const auto same = std::find_if(before.begin(), before.end(), [&](const Shape& s) { return s.id == shape.id; });
+    ASSERT_NE(same, before.end()) << shape.ns;
+    EXPECT_EQ(same->ns, shape.ns);
+    EXPECT_EQ(same->pose.position.z, shape.pose.position.z) << shape.ns;
+  }
+  ASSERT_EQ(deleted.size(), 2u);  // the joint's sphere, and its name
+  EXPECT_EQ(deleted[0].ns, "measured");
+  EXPECT_EQ(deleted[0].id, before[2].id);
+  EXPECT_EQ(overlay.draw(one, ros::Time(3.0)).markers.size(), after.size() - 2);
 }
 
 TEST(Overlay, GivesEveryShapeItsOwnNumber) {
   OverlayInputs aimed = inputs();
   aimed.target = target_for("tip");
   std::vector<int> ids;
-  for (const Shape& shape : overlay_of(aimed, OverlayOptions(), ros::Time(1.0)).markers) ids.push_back(shape.id);
+  for (const Shape& shape : Overlay().draw(aimed, ros::Time(1.0)).markers) ids.push_back(shape.id);
   std::sort(ids.begin(), ids.end());
   EXPECT_EQ(std::unique(ids.begin(), ids.end()), ids.end());
 }

@@ -96,12 +96,12 @@ class OverlayNode {
     const double age_s = seconds_between(published_, stamp);
     if (age_s >= 0.0 && age_s < period_s) return;
     published_ = stamp;
-    publisher_.publish(overlay_of(inputs_, options_, stamp));
+    publisher_.publish(overlay_.draw(inputs_, stamp));
   }
 
   static constexpr double period_s = 1.0 / 15.0;
   OverlayInputs inputs_;
-  OverlayOptions options_;
+  Overlay overlay_;
   GapMeter gap_{[this](const RealityGap& gap) { on_gap(gap); }};
   std::string optical_frame_;
   CloseUp close_up_;

@@ -16,9 +16,10 @@ esac
 "$package/launch/install_dependencies.sh"
 
 # The parts without ROS are tested under the sanitisers; with --all also as they are used.
-cmake -S "$package" -B "$package/build" -DSOFT_ROBOT_LAB_CORE_TESTS=${all:-no}
+errors=-DSOFT_ROBOT_LAB_WARNINGS_ARE_ERRORS=${WARNINGS_ARE_ERRORS:-OFF}
+cmake -S "$package" -B "$package/build" -DSOFT_ROBOT_LAB_CORE_TESTS=${all:-no} "$errors"
 JOBS=$jobs "$package/launch/build.sh"
-cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON -DSOFT_ROBOT_LAB_STUDY=OFF
+cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON -DSOFT_ROBOT_LAB_STUDY=OFF "$errors"
 cmake --build "$package/build/sanitise" -j"$jobs"
 # The other BLAS kernels than those this machine takes by itself: their rounding differs, and no test may hang on it.
 grep -q avx512 /proc/cpuinfo && other=Haswell || other=Prescott

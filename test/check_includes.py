@@ -21,7 +21,7 @@ ALLOWED = {
     "perception/render": "perception/calibration perception/tracking settings",
     "hardware/motor": "settings",
     "hardware/firmware": "hardware/motor",
-    "hardware/emulator": "hardware/motor",
+    "hardware/emulator": "hardware/motor settings",
     "hardware/testbench": "hardware/motor settings",
     "hardware/plant": "hardware/motor perception/render robot/scene mechanics settings",
     "control": "mechanics settings",

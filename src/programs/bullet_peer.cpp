@@ -19,17 +19,6 @@ namespace {
 
 using namespace soft_robot_lab;
 
-constexpr const char* kUsage =
-    "usage: bullet_peer SCENE.yaml [--overrides YAML] [--settings YAML] [--duration SECONDS] [--judged SECONDS]\n"
-    "                   [--cpu-limit SECONDS] [--mesher PROGRAM] [--result FILE]\n"
-    "Lets Bullet's deformable solver run the scene from rest, at its first commands, and writes where its markers\n"
-    "were (x, y, z of each) in the last (--judged) seconds and the CPU time it took as JSON. Changes are laid over the "
-    "scene; settings "
-    "are Bullet's: model, implicit,\n"
-    "line_search, time_step_s, newton_iterations, newton_tolerance, krylov_iterations, krylov_tolerance, damping_s,\n"
-    "drag, mass_scale.\n"
-    "Exit status: 0 ran to the end, 1 blew up or ran into the limit, 2 bad scene or arguments.\n";
-
 constexpr double kFarAway_m = 1.0e3;
 
 struct Arguments {
@@ -37,37 +26,25 @@ struct Arguments {
   double duration_s = 1.0;
   double judged_s = 0.0;
   double cpu_limit_s = 60.0;
-  bool help = false;
 };
 
-Arguments parse(int count, char** values) {
-  Arguments arguments;
-  for (Words words(count, values); words.next();) {
-    const std::string word = words.word();
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--overrides") {
-      arguments.overrides = words.value();
-    } else if (word == "--settings") {
-      arguments.settings = words.value();
-    } else if (word == "--mesher") {
-      arguments.mesher = words.value();
-    } else if (word == "--result") {
-      arguments.result = words.value();
-    } else if (word == "--duration") {
-      arguments.duration_s = std::stod(words.value());
-    } else if (word == "--judged") {
-      arguments.judged_s = std::stod(words.value());
-    } else if (word == "--cpu-limit") {
-      arguments.cpu_limit_s = std::stod(words.value());
-    } else if (arguments.scene.empty() && word[0] != '-') {
-      arguments.scene = word;
-    } else {
-      throw std::invalid_argument("unknown argument " + word);
-    }
-  }
-  if (arguments.scene.empty() && !arguments.help) throw std::invalid_argument("no scene given");
-  return arguments;
+void declare(CLI::App& app, Arguments& arguments) {
+  const auto seconds = [&app](const std::string& name, double& value, const std::string& meaning) {
+    app.add_option(name, value, meaning)->type_name("SECONDS")->capture_default_str();
+  };
+  app.add_option("SCENE", arguments.scene, "a scene's file")->type_name("FILE")->required();
+  app.add_option("--overrides", arguments.overrides, "changes that are laid over the scene")->type_name("YAML");
+  app.add_option("--settings", arguments.settings,
+                 "Bullet's: model, implicit, line_search, time_step_s, newton_iterations, newton_tolerance, "
+                 "krylov_iterations, krylov_tolerance, damping_s, drag, mass_scale")
+      ->type_name("YAML");
+  seconds("--duration", arguments.duration_s, "how long it runs");
+  seconds("--judged", arguments.judged_s, "how much of its end is written");
+  seconds("--cpu-limit", arguments.cpu_limit_s, "after which it is stopped");
+  app.add_option("--mesher", arguments.mesher, "where mesh_robot is")->type_name("PROGRAM");
+  app.add_option("--result", arguments.result, "where the result goes; otherwise to the standard output")
+      ->type_name("FILE");
+  app.footer("Exit status: 0 ran to the end, 1 blew up or ran into the limit, 2 bad scene or arguments.");
 }
 
 BulletSettings read_settings(const std::string& text) {
@@ -142,4 +119,13 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_program("bullet_peer", kUsage, argc, argv, parse, run); }
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Lets Bullet's deformable solver run the scene from rest, at its first commands, and writes where its markers "
+      "were\n"
+      "(x, y, z of each) in the last seconds and the CPU time it took as JSON.",
+      "bullet_peer");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return run(arguments); });
+}

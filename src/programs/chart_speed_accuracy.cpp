@@ -16,46 +16,32 @@ namespace {
 
 using namespace soft_robot_lab;
 
-constexpr const char* kUsage =
-    "usage: chart_speed_accuracy [--quick] [--problem NAME]... [--poissons-ratio NUMBER]...\n"
-    "                            [--reuse FILE]... [--reuse-bullet-only] [--output FOLDER]\n"
-    "Runs the ladder of config/experiments/speed_accuracy.yaml and Bullet's deformable solver, and writes pictures\n"
-    "(SVG, PNG, CSV), speed_accuracy.json and report.html to FOLDER, by default charts/ where it is started. Takes\n"
-    "some 10 minutes of CPU time. --problem (cantilever, cook, cable_bar) and --poissons-ratio choose a part; --quick\n"
-    "runs the coarsest rungs of the first. --reuse takes what an earlier chart measured from its runs.json, so that a\n"
-    "chart can be measured in parts and drawn again; with --reuse-bullet-only our own runs are measured again.\n"
-    "Set OPENBLAS_NUM_THREADS=1 and OMP_NUM_THREADS=1 to measure one core.\n"
-    "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or it could not run.\n";
-
 struct Arguments {
   SpeedAccuracyOptions options;
   std::string output = "charts";
-  bool help = false;
 };
 
-Arguments parse(int count, char** values) {
-  Arguments arguments;
-  for (Words words(count, values); words.next();) {
-    const std::string word = words.word();
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--quick") {
-      arguments.options.quick = true;
-    } else if (word == "--reuse-bullet-only") {
-      arguments.options.reuse_bullet_only = true;
-    } else if (word == "--output") {
-      arguments.output = words.value();
-    } else if (word == "--problem") {
-      arguments.options.problems.push_back(words.value());
-    } else if (word == "--poissons-ratio") {
-      arguments.options.poissons_ratios.push_back(words.value());
-    } else if (word == "--reuse") {
-      arguments.options.reuse.push_back(words.value());
-    } else {
-      throw std::invalid_argument("unknown argument " + word);
-    }
-  }
-  return arguments;
+void declare(CLI::App& app, Arguments& arguments) {
+  SpeedAccuracyOptions& options = arguments.options;
+  app.add_flag("--quick", options.quick, "the coarsest rungs of the first problem");
+  app.add_option("--problem", options.problems, "cantilever, cook or cable_bar; can be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  app.add_option("--poissons-ratio", options.poissons_ratios, "one of a problem's; can be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NUMBER");
+  app.add_option("--reuse", options.reuse,
+                 "runs.json of an earlier chart, whose measurements are taken over, so that a chart can be measured in "
+                 "parts and drawn again; can be repeated")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  app.add_flag("--reuse-bullet-only", options.reuse_bullet_only, "measure our own runs again all the same");
+  app.add_option("--output", arguments.output, "a folder for pictures (SVG, PNG, CSV), JSON and report.html")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  app.footer(
+      "Takes some 10 minutes of CPU time. Set OPENBLAS_NUM_THREADS=1 and OMP_NUM_THREADS=1 to measure one core.\n"
+      "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or it could not run.");
 }
 
 int chart(const Arguments& arguments) {
@@ -84,4 +70,12 @@ int chart(const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_program("chart_speed_accuracy", kUsage, argc, argv, parse, chart); }
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Runs the ladder of config/experiments/speed_accuracy.yaml and Bullet's deformable solver, and draws error\n"
+      "against CPU time.",
+      "chart_speed_accuracy");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return chart(arguments); });
+}

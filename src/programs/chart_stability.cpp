@@ -19,43 +19,25 @@ namespace {
 
 using namespace soft_robot_lab;
 
-constexpr const char* kUsage =
-    "usage: chart_stability [--quick] [--output FOLDER] [--body TEXT] [--method TEXT] [--case TEXT]\n"
-    "Runs every method in every hard case, and writes stability.svg, .png and .csv (the places of the squares) and\n"
-    "stability_cells.csv (a line for each cell) to FOLDER, by default charts/ where it is started. Cells that stand "
-    "in\n"
-    "that table already are not run again. --quick: coarse bodies, fewer cases, and files named stability_quick.\n"
-    "--body, --method, --case: only those whose name holds the text.\n"
-    "Exit status: 0 the default solver survived or recovered everywhere and all was finite, 1 not so, 2 bad "
-    "arguments,\n"
-    "or the chart could not be made.\n";
-
 struct Arguments {
-  bool quick = false, help = false;
+  bool quick = false;
   std::string output = "charts", body, method, hard_case;
 };
 
-Arguments parse(int count, char** values) {
-  Arguments arguments;
-  for (Words words(count, values); words.next();) {
-    const std::string word = words.word();
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--quick") {
-      arguments.quick = true;
-    } else if (word == "--output") {
-      arguments.output = words.value();
-    } else if (word == "--body") {
-      arguments.body = words.value();
-    } else if (word == "--method") {
-      arguments.method = words.value();
-    } else if (word == "--case") {
-      arguments.hard_case = words.value();
-    } else {
-      throw std::invalid_argument("unknown argument " + word);
-    }
-  }
-  return arguments;
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_flag("--quick", arguments.quick, "coarse bodies, fewer cases, and files named stability_quick");
+  app.add_option(
+         "--output", arguments.output,
+         "a folder for stability.svg, .png and .csv (the places of the squares) and stability_cells.csv (a line "
+         "for each cell); cells that stand in that table already are not run again")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  app.add_option("--body", arguments.body, "only bodies whose name holds this");
+  app.add_option("--method", arguments.method, "only methods whose name holds this");
+  app.add_option("--case", arguments.hard_case, "only cases whose name holds this");
+  app.footer(
+      "Exit status: 0 the default solver survived or recovered everywhere and all was finite, 1 not so, 2 bad\n"
+      "arguments, or the chart could not be made.");
 }
 
 template <class Item>
@@ -147,4 +129,9 @@ int chart(const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_program("chart_stability", kUsage, argc, argv, parse, chart); }
+int main(int argc, char** argv) {
+  CLI::App app("Runs every method in every hard case, and draws a grid of how they ended.", "chart_stability");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return chart(arguments); });
+}

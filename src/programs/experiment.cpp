@@ -19,14 +19,6 @@ namespace {
 
 using namespace soft_robot_lab;
 
-constexpr const char* kUsage =
-    "usage: experiment NAME... [--result FILE] [--output FOLDER]\n"
-    "       experiment all [--result FILE] [--output FOLDER]\n"
-    "       experiment --list\n"
-    "Runs experiments, prints their tables, and writes pictures (SVG, PNG, CSV) and report.html to FOLDER, by default\n"
-    "experiments/ where it is started; --result writes the numbers as JSON.\n"
-    "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or an experiment could not run.\n";
-
 // Every part's experiments, in the order of a report.
 std::vector<Experiment> all_experiments() {
   std::vector<Experiment> all;
@@ -46,29 +38,17 @@ struct Arguments {
   std::string result;
   std::string output = "experiments";
   bool list = false;
-  bool help = false;
 };
 
-Arguments parse(int count, char** values) {
-  Arguments arguments;
-  for (Words words(count, values); words.next();) {
-    const std::string word = words.word();
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--list") {
-      arguments.list = true;
-    } else if (word == "--result") {
-      arguments.result = words.value();
-    } else if (word == "--output") {
-      arguments.output = words.value();
-    } else if (!word.empty() && word[0] == '-') {
-      throw std::invalid_argument("unknown option " + word);
-    } else {
-      arguments.names.push_back(word);
-    }
-  }
-  if (arguments.names.empty() && !arguments.help && !arguments.list) throw std::invalid_argument("no experiment named");
-  return arguments;
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("NAME", arguments.names, "experiments, or `all`")->type_name("");
+  app.add_flag("--list", arguments.list, "name all experiments, and run none");
+  app.add_option("--result", arguments.result, "where the numbers go as JSON")->type_name("FILE");
+  app.add_option("--output", arguments.output, "a folder for pictures (SVG, PNG, CSV) and report.html")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  app.footer(
+      "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or an experiment could not run.");
 }
 
 std::vector<Experiment> choose(const std::vector<Experiment>& all, const std::vector<std::string>& names) {
@@ -133,9 +113,15 @@ int experiment(const Arguments& arguments) {
     for (const Experiment& one : all) std::cout << one.name << ": " << one.summary << "\n";
     return kGood;
   }
+  if (arguments.names.empty()) throw std::invalid_argument("no experiment named; --list names all");
   return run_all(choose(all, arguments.names), arguments);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_program("experiment", kUsage, argc, argv, parse, experiment); }
+int main(int argc, char** argv) {
+  CLI::App app("Runs experiments, prints their tables, and draws their pictures, without a ROS master.", "experiment");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return experiment(arguments); });
+}

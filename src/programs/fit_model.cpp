@@ -2,7 +2,6 @@
 // fit_model BAG --parameters A,B,C: fits a robot's scene to a recorded session, or reports how far it is from one.
 #include <iomanip>
 #include <iostream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -15,77 +14,38 @@ namespace {
 
 using namespace soft_robot_lab;
 
-constexpr const char* kUsage =
-    "usage: fit_model BAG --parameters A,B,... [--scene SCENE.yaml] [--output FITTED.yaml] [--model-error METRES]\n"
-    "       [--mass KG]\n"
-    "       fit_model BAG [--scene SCENE.yaml]\n"
-    "Fits numbers of the robot's scene to the markers of a recording, wherever the robot was at rest, and writes a "
-    "scene\n"
-    "with them (fitted.yaml). Exact derivatives, least squares with bounds; says how sure each value is, and what the\n"
-    "data cannot identify. Without parameters it reports how far the scene is from the recording, and fits nothing.\n"
-    "--parameters   youngs_modulus_pa, density_kg_m3, friction_coefficient, compliance_m_n, length_offset_m (each "
-    "with\n"
-    "               .CABLE for one cable), camera_to_base, damping (by how the robot swings where cables let go of "
-    "it)\n"
-    "--scene        the robot's file, where it is not the one that the recording names\n"
-    "--mass         of the whole robot, weighed: stiffness is measured against weight; otherwise the scene's density "
-    "counts\n"
-    "--model-error  by how much the model would still miss a marker's coordinate; 1e-4\n"
-    "Exit status: 0 fitted, 1 stopped before it converged (the file is still written), 2 bad recording or arguments.\n";
-
 struct Arguments {
   std::string bag, scene, output = "fitted.yaml";
   FitRequest request;
-  bool help = false;
 };
 
-std::vector<FitParameter> parameters_of(const std::string& list) {
-  std::vector<FitParameter> parameters;
-  std::istringstream names(list);
-  for (std::string name; std::getline(names, name, ',');) parameters.push_back({name, {}, {}, {}});
-  return parameters;
-}
-
-double number_of(const std::string& option, const std::string& text) {
-  std::size_t used = 0;
-  double number = 0.0;
-  try {
-    number = std::stod(text, &used);
-  } catch (const std::logic_error&) {  // no number, or too large a one
-  }
-  if (used == 0 || used != text.size()) throw std::invalid_argument(option + ": '" + text + "' is not a number");
-  return number;
-}
-
-Arguments parse(int count, char** values) {
-  Arguments arguments;
-  Words words(count, values);
-  while (words.next()) {
-    const std::string word = words.word();
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--parameters") {
-      arguments.request.parameters = parameters_of(words.value());
-    } else if (word == "--scene") {
-      arguments.scene = words.value();
-    } else if (word == "--output") {
-      arguments.output = words.value();
-    } else if (word == "--model-error") {
-      arguments.request.model_error_m = number_of(word, words.value());
-    } else if (word == "--mass") {
-      arguments.request.mass_kg = number_of(word, words.value());
-    } else if (!word.empty() && word[0] == '-') {
-      throw std::invalid_argument("unknown option " + word);
-    } else if (arguments.bag.empty()) {
-      arguments.bag = word;
-    } else {
-      throw std::invalid_argument("more than one recording: " + word);
-    }
-  }
-  if (arguments.help) return arguments;
-  if (arguments.bag.empty()) throw std::invalid_argument("no recording given");
-  if (!arguments.request.parameters.empty()) arguments.request.validate();
-  return arguments;
+void declare(CLI::App& app, Arguments& arguments) {
+  FitRequest& request = arguments.request;
+  app.add_option("BAG", arguments.bag, "a recorded session")->type_name("FILE")->required();
+  app.add_option_function<std::vector<std::string>>(
+         "--parameters",
+         [&request](const std::vector<std::string>& names) {
+           for (const std::string& name : names) request.parameters.push_back({name, {}, {}, {}});
+         },
+         "what to fit, with commas between: youngs_modulus_pa, density_kg_m3, friction_coefficient, compliance_m_n, "
+         "length_offset_m (each with .CABLE for one cable), camera_to_base, damping (by how the robot swings where "
+         "cables let go of it)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("A,B,...");
+  app.add_option("--scene", arguments.scene, "the robot's file, where it is not the one that the recording names")
+      ->type_name("FILE");
+  app.add_option("--output", arguments.output, "where the fitted scene goes")->type_name("FILE")->capture_default_str();
+  app.add_option("--mass", request.mass_kg,
+                 "of the whole robot, weighed: stiffness is measured against weight; otherwise the scene's density "
+                 "counts")
+      ->type_name("KG");
+  app.add_option("--model-error", request.model_error_m, "by how much the model would still miss a marker's coordinate")
+      ->type_name("METRES")
+      ->capture_default_str();
+  app.footer(
+      "Exit status: 0 fitted, 1 stopped before it converged (the file is still written), 2 bad recording or "
+      "arguments.");
 }
 
 int print_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses) {
@@ -97,7 +57,10 @@ int print_gap(const std::string& scene, const SceneOptions& options, const std::
 
 int fit(const Arguments& arguments) {
   const bool fits = !arguments.request.parameters.empty();
-  if (fits) require_writable(arguments.output);
+  if (fits) {
+    arguments.request.validate();
+    require_writable(arguments.output);
+  }
   const Recording recording = read_recording(arguments.bag);
   const std::string scene = arguments.scene.empty() ? recording.scene : arguments.scene;
   if (scene.empty()) throw std::invalid_argument("the recording names no scene; give --scene");
@@ -119,4 +82,13 @@ int fit(const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_program("fit_model", kUsage, argc, argv, parse, fit); }
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Fits numbers of the robot's scene to the markers of a recording, wherever the robot was at rest, and writes a\n"
+      "scene with them. Exact derivatives, least squares with bounds; says how sure each value is, and what the\n"
+      "data cannot identify. Without parameters it reports how far the scene is from the recording.",
+      "fit_model");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return fit(arguments); });
+}

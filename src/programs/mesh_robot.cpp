@@ -14,7 +14,9 @@
 #include <algorithm>
 #include <exception>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
 #include <gmsh.h>
 
@@ -22,6 +24,7 @@
 #include "programs/mesher/mesh_solid.h"
 #include "programs/mesher/write_msh.h"
 #include "robot/design/mesh_quality.h"
+#include "settings/command_line.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace {
@@ -66,9 +69,13 @@ int report(int status, std::string message) {
 extern "C" const char* __lsan_default_suppressions() { return "leak:libgmsh\nleak:libTK\n"; }
 
 int main(int argc, char** argv) {
-  if (argc != 3) return report(2, "usage: mesh_robot REQUEST.yaml OUTPUT.msh");
+  CLI::App app("Meshes a solid, or rewrites a mesh file, as MSH 2.2 text with named surfaces.", "mesh_robot");
+  std::string request, output;
+  app.add_option("REQUEST", request, "what to mesh, as mesh_robot.cpp describes it")->type_name("YAML")->required();
+  app.add_option("OUTPUT", output, "the mesh")->type_name("MSH")->required();
   try {
-    run(argv[1], argv[2]);
+    if (const std::optional<int> ended = read_arguments(app, argc, argv)) return *ended;
+    run(request, output);
     return 0;
   } catch (const std::invalid_argument& error) {
     return report(2, error.what());

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // optimise ROBOT.yaml --marker NAME --target X Y Z: finds a policy from the shell, without a ROS master.
+#include <cmath>
 #include <csignal>
-#include <cstdlib>
+#include <cstdio>
 #include <iostream>
 #include <sstream>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "settings/command_line.h"
+#include "settings/words.h"
 #include "progress_bar.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/control/find_policy.h"
@@ -19,18 +21,6 @@
 namespace {
 
 using namespace soft_robot_lab;
-
-constexpr const char* kUsage =
-    "usage: optimise ROBOT.yaml (--marker NAME --target X Y Z [--weight W])... [--then (--marker ...)...]...\n"
-    "                [--method METHOD] [--max-tension N] [--max-rate R] [--duration S] [--effort M]\n"
-    "                [--tolerance M] [--iterations N] [--seed N] [--result FILE] [--policy FILE]\n"
-    "       optimise ROBOT.yaml --replay POLICY.yaml --marker NAME [--target X Y Z] [--result FILE]\n"
-    "Finds the commands that bring markers to targets [m, robot_base]; --then begins the next pose of a path. Writes "
-    "the\n"
-    "answer as JSON to --result and the policy as YAML to --policy; --replay shows where a policy takes the markers.\n"
-    "Methods: gauss_newton (default), rmsprop, pid, pid_projected, cma_es, differential_evolution.\n"
-    "Limits, of every actuator: --max-tension [N], --max-rate [command per second]; --duration [s] of a pose (2).\n"
-    "Ctrl-C keeps the best so far. Exit status: 0 an answer was found, 1 it stopped early, 2 bad robot or arguments.\n";
 
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
@@ -42,83 +32,67 @@ struct Arguments {
   double duration_s = 2.0;
   double max_tension_n = std::numeric_limits<double>::infinity();
   double max_rate_per_s = std::numeric_limits<double>::infinity();
-  bool help = false;
 };
 
-double number(const std::string& option, const std::string& text) {
-  size_t used = 0;
-  double value = 0.0;
-  try {
-    value = std::stod(text, &used);
-  } catch (const std::exception&) {
-  }
-  if (used == 0 || used != text.size()) throw std::invalid_argument(option + ": '" + text + "' is not a number");
-  return value;
-}
-
-int whole_number(const std::string& option, const std::string& text) {
-  const double value = number(option, text);
-  if (value != static_cast<int>(value)) throw std::invalid_argument(option + ": '" + text + "' is not a whole number");
-  return static_cast<int>(value);
-}
-
 MarkerGoal& last_goal(Arguments& arguments, const std::string& option) {
-  if (arguments.task.poses.back().goals.empty()) throw std::invalid_argument(option + " comes after its --marker");
+  if (arguments.task.poses.back().goals.empty()) throw CLI::ValidationError(option, "comes after its --marker");
   return arguments.task.poses.back().goals.back();
 }
 
-Arguments parse(int count, char** values) {
-  Arguments arguments;
+// What may be repeated, in order.
+void declare_task(CLI::App& app, Arguments& arguments) {
   arguments.task.poses.resize(1);
-  for (Words words(count, values); words.next();) {
-    const std::string word = words.word();
-    const auto next_number = [&] { return number(word, words.value()); };
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--marker") {
-      arguments.task.poses.back().goals.push_back({words.value(), Eigen::Vector3d::Constant(std::nan("")), 1.0});
-    } else if (word == "--target") {
-      MarkerGoal& goal = last_goal(arguments, word);
-      for (int axis = 0; axis < 3; ++axis) goal.target_m[axis] = next_number();
-    } else if (word == "--weight") {
-      last_goal(arguments, word).weight = next_number();
-    } else if (word == "--then") {
-      arguments.task.poses.emplace_back();
-    } else if (word == "--method") {
-      arguments.options.method = words.value();
-    } else if (word == "--max-tension") {
-      arguments.max_tension_n = next_number();
-    } else if (word == "--max-rate") {
-      arguments.max_rate_per_s = next_number();
-    } else if (word == "--duration") {
-      arguments.duration_s = next_number();
-    } else if (word == "--effort") {
-      arguments.task.effort_m = next_number();
-    } else if (word == "--tolerance") {
-      arguments.options.tolerance_m = next_number();
-    } else if (word == "--iterations") {
-      arguments.options.max_iterations = whole_number(word, words.value());
-    } else if (word == "--seed") {
-      arguments.options.seed = static_cast<unsigned int>(whole_number(word, words.value()));
-    } else if (word == "--result") {
-      arguments.result = words.value();
-    } else if (word == "--policy") {
-      arguments.policy = words.value();
-    } else if (word == "--replay") {
-      arguments.replay = words.value();
-    } else if (!word.empty() && word[0] == '-') {
-      throw std::invalid_argument("unknown option " + word);
-    } else if (arguments.robot.empty()) {
-      arguments.robot = word;
-    } else {
-      throw std::invalid_argument("more than one robot: " + word);
-    }
-  }
-  if (arguments.help) return arguments;
-  if (arguments.robot.empty()) throw std::invalid_argument("no robot given");
-  if (arguments.task.poses.front().goals.empty()) throw std::invalid_argument("no --marker given");
-  arguments.options.validate();
-  return arguments;
+  const auto add_marker = [&arguments](const std::string& name) {
+    arguments.task.poses.back().goals.push_back({name, Eigen::Vector3d::Constant(std::nan("")), 1.0});
+  };
+  const auto set_target = [&arguments](const std::vector<double>& target_m) {
+    last_goal(arguments, "--target").target_m = Eigen::Vector3d(target_m[0], target_m[1], target_m[2]);
+  };
+  const auto set_weight = [&arguments](const double& weight) { last_goal(arguments, "--weight").weight = weight; };
+  const std::string group = "Task, in this order; can be repeated";
+  app.add_option_function<std::string>("--marker", add_marker, "what to bring to a target")
+      ->type_name("NAME")
+      ->required()
+      ->trigger_on_parse()
+      ->group(group);
+  app.add_option_function<std::vector<double>>("--target", set_target, "where to bring it [m, robot_base]")
+      ->type_name("X Y Z")
+      ->expected(3)
+      ->trigger_on_parse()
+      ->group(group);
+  app.add_option_function<double>("--weight", set_weight, "of this marker among several (1)")
+      ->type_name("W")
+      ->trigger_on_parse()
+      ->group(group);
+  app.add_flag_callback(
+         "--then", [&arguments] { arguments.task.poses.emplace_back(); }, "begins the next pose of a path")
+      ->trigger_on_parse()
+      ->group(group);
+}
+
+void declare(CLI::App& app, Arguments& arguments) {
+  OptimiserOptions& options = arguments.options;
+  app.add_option("ROBOT", arguments.robot, "a scene's or robot's file")->type_name("FILE")->required();
+  declare_task(app, arguments);
+  app.add_option("--duration", arguments.duration_s, "of the way to a pose")->type_name("S")->capture_default_str();
+  app.add_option("--max-tension", arguments.max_tension_n, "limit of every actuator")->type_name("N");
+  app.add_option("--max-rate", arguments.max_rate_per_s, "limit of every actuator's command per second")
+      ->type_name("R");
+  app.add_option("--effort", arguments.task.effort_m, "what distance a unit of command away from rest is worth")
+      ->type_name("M");
+  app.add_option("--method", options.method, join(optimiser_methods()))->type_name("METHOD")->capture_default_str();
+  app.add_option("--tolerance", options.tolerance_m, "distance within which a target counts as reached")
+      ->type_name("M")
+      ->capture_default_str();
+  app.add_option("--iterations", options.max_iterations, "of the method, at most")->type_name("N");
+  app.add_option("--seed", options.seed, "of methods with random numbers")->type_name("N")->capture_default_str();
+  app.add_option("--result", arguments.result, "where the answer goes as JSON")->type_name("FILE");
+  app.add_option("--policy", arguments.policy, "where the policy goes as YAML")->type_name("FILE");
+  app.add_option("--replay", arguments.replay, "show where this policy takes the markers, and search nothing")
+      ->type_name("FILE");
+  app.footer(
+      "Ctrl-C keeps the best so far. Exit status: 0 an answer was found, 1 it stopped early, 2 bad robot or "
+      "arguments.");
 }
 
 nlohmann::ordered_json array_of(const Eigen::VectorXd& values) {
@@ -190,6 +164,7 @@ PolicyTask complete(const Arguments& arguments, const Simulation& simulation) {
 }
 
 int optimise_robot(const Arguments& arguments) {
+  arguments.options.validate();
   SceneOptions scene_options;
   scene_options.actuator_factory = make_actuator;
   const Scene scene = load_scene(arguments.robot, scene_options);
@@ -227,4 +202,11 @@ int optimise_robot(const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_program("optimise", kUsage, argc, argv, parse, optimise_robot); }
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Finds the commands that bring markers to targets, or shows where a policy takes them, without a ROS master.",
+      "optimise");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return optimise_robot(arguments); });
+}

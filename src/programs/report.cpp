@@ -11,41 +11,18 @@ namespace {
 
 using namespace soft_robot_lab;
 
-constexpr const char* kUsage =
-    "usage: report BAG --output FOLDER [--scene SCENE.yaml]\n"
-    "Writes FOLDER/report.html, which holds its pictures: gap over time and by configuration, policy, trajectories, "
-    "what\n"
-    "the cameras saw, the scene and the versions. The pictures lie in FOLDER too, as PNG, SVG and CSV.\n"
-    "--scene  the robot's file, where it is not the one that the recording names.\n"
-    "Exit status: 0 written, 2 bad recording or arguments.\n";
-
 struct Arguments {
   std::string bag, output, scene;
-  bool help = false;
 };
 
-Arguments parse(int count, char** values) {
-  Arguments arguments;
-  Words words(count, values);
-  while (words.next()) {
-    const std::string word = words.word();
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--output") {
-      arguments.output = words.value();
-    } else if (word == "--scene") {
-      arguments.scene = words.value();
-    } else if (!word.empty() && word[0] == '-') {
-      throw std::invalid_argument("unknown option " + word);
-    } else if (arguments.bag.empty()) {
-      arguments.bag = word;
-    } else {
-      throw std::invalid_argument("more than one recording: " + word);
-    }
-  }
-  if (!arguments.help && arguments.bag.empty()) throw std::invalid_argument("no recording given");
-  if (!arguments.help && arguments.output.empty()) throw std::invalid_argument("--output: no folder given");
-  return arguments;
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("BAG", arguments.bag, "a recorded session")->type_name("FILE")->required();
+  app.add_option("--output", arguments.output, "a folder for report.html and its pictures (PNG, SVG, CSV)")
+      ->type_name("FOLDER")
+      ->required();
+  app.add_option("--scene", arguments.scene, "the robot's file, where it is not the one that the recording names")
+      ->type_name("FILE");
+  app.footer("Exit status: 0 written, 2 bad recording or arguments.");
 }
 
 int report(const Arguments& arguments) {
@@ -58,4 +35,13 @@ int report(const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_program("report", kUsage, argc, argv, parse, report); }
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Writes a recorded session as one HTML page that holds its pictures: gap over time and by configuration, "
+      "policy,\n"
+      "trajectories, what the cameras saw, the scene and the versions.",
+      "report");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return report(arguments); });
+}

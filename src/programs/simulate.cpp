@@ -13,41 +13,21 @@ namespace {
 
 using namespace soft_robot_lab;
 
-constexpr const char* kUsage =
-    "usage: simulate SCENE.yaml [--result FILE] [--estimate-error]\n"
-    "Runs the scene and writes the result as JSON to FILE, or to the standard output.\n"
-    "--estimate-error  also reports how wrong the scene's mesh and time step make the markers.\n"
-    "Exit status: 0 converged, 1 ran but did not converge or did not meet the scene's fidelity (the result is still\n"
-    "written), 2 bad scene or arguments.\n";
-
 struct Arguments {
   std::string scene;
   std::string result;  // empty: standard output
   bool estimate_error = false;
-  bool help = false;
 };
 
-Arguments parse(int count, char** values) {
-  Arguments arguments;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = values[i];
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--estimate-error") {
-      arguments.estimate_error = true;
-    } else if (word == "--result") {
-      if (++i == count) throw std::invalid_argument("--result needs a file name");
-      arguments.result = values[i];
-    } else if (!word.empty() && word[0] == '-') {
-      throw std::invalid_argument("unknown option " + word);
-    } else if (arguments.scene.empty()) {
-      arguments.scene = word;
-    } else {
-      throw std::invalid_argument("more than one scene: " + word);
-    }
-  }
-  if (arguments.scene.empty() && !arguments.help) throw std::invalid_argument("no scene given");
-  return arguments;
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("SCENE", arguments.scene, "a scene's or robot's file")->type_name("FILE")->required();
+  app.add_option("--result", arguments.result, "where the result goes as JSON; otherwise to the standard output")
+      ->type_name("FILE");
+  app.add_flag("--estimate-error", arguments.estimate_error,
+               "also report how wrong the scene's mesh and time step make the markers");
+  app.footer(
+      "Exit status: 0 converged, 1 ran but did not converge or did not meet the scene's fidelity (the result is still\n"
+      "written), 2 bad scene or arguments.");
 }
 
 int simulate(const Arguments& arguments) {
@@ -71,4 +51,9 @@ int simulate(const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_program("simulate", kUsage, argc, argv, parse, simulate); }
+int main(int argc, char** argv) {
+  CLI::App app("Runs a scene and writes its result, without a ROS master.", "simulate");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return simulate(arguments); });
+}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the package's programs share: their exit status, and how they end on a mistake.
+// What the package's programs share: how they read their arguments (CLI11), their exit status, and how they end on a
+// mistake.
 #pragma once
 
 #include <cerrno>
@@ -7,9 +8,10 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
-#include <stdexcept>
+#include <optional>
 #include <string>
 
+#include <CLI/CLI.hpp>
 #include <unistd.h>
 
 #include "write_file.h"
@@ -29,53 +31,50 @@ inline void require_printed() {
                    (errno != 0 || still ? std::string(": ") + std::strerror(errno) : ""));
 }
 
-// The words after a program's name, one after the other.
-class Words {
- public:
-  Words(int count, char** values) : count_(count), values_(values) {}
+// An option that there is not, before words that may only look wrong because of it.
+inline std::string unexpected(const CLI::App& app, const CLI::ExtrasError& error) {
+  for (const std::string& word : app.remaining())
+    if (word.size() > 1 && word[0] == '-') return "unknown option " + word;
+  return error.what();
+}
 
-  bool next() {
-    word_ = ++at_;
-    return at_ < count_;
-  }
-  std::string word() const { return values_[word_]; }
-  // The next of what follows this word; throws std::invalid_argument where nothing does.
-  std::string value() {
-    if (++at_ >= count_) throw std::invalid_argument(word() + " needs a value");
-    return values_[at_];
-  }
+inline int refuse_arguments(const CLI::App& app, const std::string& why) {
+  std::cerr << app.get_name() << ": " << why << "\n"
+            << CLI::Formatter().make_usage(&app, app.get_name()) << "--help lists all arguments.\n";
+  return kFailed;
+}
 
- private:
-  int count_;
-  char** values_;
-  int word_ = 0, at_ = 0;
-};
-
-// Runs `run(arguments)` with what `parse(argc, argv)` read, or says on the error stream what was wrong and returns
-// kFailed. Arguments with `help` set print the usage. Results that could not be written whole are kNotGood.
-template <class Parse, class Run>
-int run_program(const std::string& name, const char* usage, int argc, char** argv, Parse parse, Run run) {
-  decltype(parse(argc, argv)) arguments;
+// Reads the arguments that `app` declares. A value is the status to end with at once: help was asked for and printed,
+// or an argument was wrong, which stands on the error stream.
+inline std::optional<int> read_arguments(CLI::App& app, int argc, char** argv) {
   try {
-    arguments = parse(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << name << ": " << error.what() << "\n" << usage;
-    return kFailed;
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    require_printed();
+    return kGood;
+  } catch (const CLI::ExtrasError& error) {
+    return refuse_arguments(app, unexpected(app, error));
+  } catch (const CLI::ParseError& error) {
+    return refuse_arguments(app, error.what());
   }
+}
+
+// Reads the arguments that `app` declares and calls `run()`, which returns the status. What goes wrong is said on the
+// error stream and ends with kFailed; results that could not be written whole are kNotGood.
+template <class Run>
+int run_program(CLI::App& app, int argc, char** argv, Run run) {
   try {
-    int status = kGood;
-    if (arguments.help) {
-      std::cout << usage;
-    } else {
-      status = run(arguments);
-    }
+    if (const std::optional<int> ended = read_arguments(app, argc, argv)) return *ended;
+    const int status = run();
     require_printed();
     return status;
   } catch (const WriteError& error) {
-    std::cerr << name << ": " << error.what() << "\n";
+    std::cerr << app.get_name() << ": " << error.what() << "\n";
     return kNotGood;
   } catch (const std::exception& error) {
-    std::cerr << name << ": " << error.what() << "\n";
+    std::cerr << app.get_name() << ": " << error.what() << "\n";
     return kFailed;
   }
 }

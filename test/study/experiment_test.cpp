@@ -63,7 +63,7 @@ TEST(Experiment, TellsWhatIsWrongWithItsArguments) {
   const std::vector<std::pair<std::string, std::string>> table = {
       {"9.9.9", "unknown experiment '9.9.9'; known: all, cantilever"},
       {"", "no experiment named"},
-      {"cantilever --result", "--result needs a value"},
+      {"cantilever --result", "--result: 1 required FILE missing"},
       {"cantilever --colour", "unknown option --colour"},
   };
   for (const auto& [arguments, words] : table) {

@@ -6,7 +6,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <iostream>
 #include <stdexcept>
 #include <string>
@@ -21,54 +20,38 @@
 #include "file_guard.h"
 #include "pseudo_terminal.h"
 #include "hardware/motor/rig_settings.h"
+#include "settings/command_line.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kUsage =
-    "usage: rig_emulator --device PATH [--motors N | --rig FILE] [--seed N]\n"
-    "       rig_emulator --lock-step [--motors N | --rig FILE] [--seed N]\n"
-    "It has N motors (2), or as many as the rig's file lists.\n"
-    "With --device it runs in real time: the board's serial line is the pseudo-terminal PATH, and the Unix socket\n"
-    "PATH.control takes commands, one a line: shafts, stall 0 on, unplug, ... With --lock-step it takes the same\n"
-    "commands from the standard input, and time passes only with the command: run MICROSECONDS [BYTES_IN_HEX].\n";
-
 struct Arguments {
-  std::string device;
+  std::string device, rig;
   int motors = 2;
   std::uint64_t seed = 1;
   bool lock_step = false;
-  bool help = false;
 };
 
-Arguments parse(int count, char** values) {
-  Arguments arguments;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = values[i];
-    const auto next = [&]() -> std::string {
-      if (++i == count) throw std::invalid_argument(word + " needs a value");
-      return values[i];
-    };
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--lock-step") {
-      arguments.lock_step = true;
-    } else if (word == "--device") {
-      arguments.device = next();
-    } else if (word == "--motors") {
-      arguments.motors = std::stoi(next());
-    } else if (word == "--rig") {
-      arguments.motors = static_cast<int>(load_rig(next()).motors.size());
-    } else if (word == "--seed") {
-      arguments.seed = std::stoull(next());
-    } else if (word.find(":=") == std::string::npos) {  // roslaunch's own are for nodes
-      throw std::invalid_argument("unknown argument " + word);
-    }
-  }
-  if (!arguments.help && arguments.lock_step == !arguments.device.empty()) {
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option(
+         "--device", arguments.device,
+         "in real time: the board's serial line is this pseudo-terminal, and the Unix socket PATH.control takes "
+         "commands, one a line: shafts, stall 0 on, unplug, ...")
+      ->type_name("PATH");
+  app.add_flag("--lock-step", arguments.lock_step,
+               "the same commands come from the standard input, and time passes only with the command: "
+               "run MICROSECONDS [BYTES_IN_HEX]");
+  app.add_option("--motors", arguments.motors, "how many there are")->type_name("N")->capture_default_str();
+  app.add_option("--rig", arguments.rig, "as many as this file lists")->type_name("FILE");
+  app.add_option("--seed", arguments.seed, "of what is random")->type_name("N")->capture_default_str();
+  app.allow_extras();
+}
+
+void check(const CLI::App& app, const Arguments& arguments) {
+  for (const std::string& word : app.remaining())  // roslaunch's own are for nodes
+    if (word.find(":=") == std::string::npos) throw std::invalid_argument("unknown argument " + word);
+  if (arguments.lock_step == !arguments.device.empty())
     throw std::invalid_argument("give either --device or --lock-step");
-  }
-  return arguments;
 }
 
 // What simavr prints must not come between the answers.
@@ -127,29 +110,29 @@ void serve_in_real_time(EmulatedRig& rig, const std::string& device) {
   }
 }
 
+int serve(const Arguments& arguments) {
+  const int motors = arguments.rig.empty() ? arguments.motors : static_cast<int>(load_rig(arguments.rig).motors.size());
+  std::FILE* out = take_standard_output();
+  EmulatedRig rig(motors, arguments.seed);
+  if (arguments.lock_step) {
+    serve_in_lock_step(rig, out);
+  } else {
+    serve_in_real_time(rig, arguments.device);
+  }
+  return kGood;
+}
+
 }  // namespace
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  try {
-    const Arguments arguments = parse(argc, argv);
-    if (arguments.help) {
-      std::cout << kUsage;
-      return 0;
-    }
-    std::FILE* out = take_standard_output();
-    EmulatedRig rig(arguments.motors, arguments.seed);
-    if (arguments.lock_step) {
-      serve_in_lock_step(rig, out);
-    } else {
-      serve_in_real_time(rig, arguments.device);
-    }
-    return 0;
-  } catch (const std::invalid_argument& error) {
-    std::cerr << "rig_emulator: " << error.what() << "\n" << kUsage;
-  } catch (const std::exception& error) {
-    std::cerr << "rig_emulator: " << error.what() << "\n";
-  }
-  return 2;
+  CLI::App app("The rig's firmware on an emulated board, with emulated stepper drivers, motors and faults.",
+               "rig_emulator");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] {
+    check(app, arguments);
+    return serve(arguments);
+  });
 }

@@ -4,6 +4,7 @@
 // Exit status: 0 the robot rests where it was to go, 1 it does not, 2 bad file or arguments.
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include <ros/ros.h>
 #include <soft_robot_lab/ExecutePolicy.h>
@@ -11,47 +12,34 @@
 #include "session_client.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/control/policy.h"
+#include "ros/conversions.h"
 #include "ros/policy_request.h"
 #include "ros/topics.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kUsage =
-    "usage: play_policy_node POLICY.yaml [--closed-loop [(--marker NAME --target X Y Z)...]]\n"
-    "Plays the policy on the running session and waits for rest. --closed-loop then brings markers to targets\n"
-    "[m, robot_base] by what the tracker sees; without any, to those of the last policy that the controller found.\n"
-    "Exit status: 0 at rest where it was to go, 1 stopped early, 2 bad file or arguments.\n";
-
 struct Arguments {
   std::string policy;
   ExecutePolicy::Request request;
-  bool help = false;
 };
 
-Arguments parse(int count, char** values) {
-  Arguments arguments;
+void declare(CLI::App& app, Arguments& arguments) {
   PolicyPose& goal = arguments.request.goal;
-  for (Words words(count, values); words.next();) {
-    const std::string word = words.word();
-    if (word == "-h" || word == "--help") {
-      arguments.help = true;
-    } else if (word == "--closed-loop") {
-      arguments.request.closed_loop = true;
-    } else if (word == "--marker") {
-      goal.markers.push_back(words.value());
-    } else if (word == "--target") {
-      goal.targets.emplace_back();
-      for (double* axis : {&goal.targets.back().x, &goal.targets.back().y, &goal.targets.back().z})
-        *axis = std::stod(words.value());
-    } else if (arguments.policy.empty() && word.rfind("--", 0) != 0) {
-      arguments.policy = word;
-    } else {
-      throw std::invalid_argument("not understood: " + word);
-    }
-  }
-  if (!arguments.help && arguments.policy.empty()) throw std::invalid_argument("no policy given");
-  return arguments;
+  const auto add_target = [&goal](const std::vector<double>& target_m) {
+    goal.targets.push_back(to_message(Eigen::Vector3d(target_m[0], target_m[1], target_m[2])));
+  };
+  app.add_option("POLICY", arguments.policy, "a policy's file")->type_name("FILE")->required();
+  app.add_flag_callback(
+      "--closed-loop", [&arguments] { arguments.request.closed_loop = true; },
+      "then bring markers to targets by what the tracker sees; without any, to those of the last policy that the "
+      "controller found");
+  app.add_option("--marker", goal.markers, "can be repeated")->type_name("NAME")->allow_extra_args(false);
+  app.add_option_function<std::vector<double>>("--target", add_target, "of the marker before it [m, robot_base]")
+      ->type_name("X Y Z")
+      ->expected(3)
+      ->trigger_on_parse();
+  app.footer("Exit status: 0 at rest where it was to go, 1 stopped early, 2 bad file or arguments.");
 }
 
 int play(const Arguments& arguments) {
@@ -81,5 +69,8 @@ int play(const Arguments& arguments) {
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
   ros::init(argc, argv, "play_policy", ros::init_options::AnonymousName);
-  return run_program("play_policy_node", kUsage, argc, argv, parse, play);
+  CLI::App app("Plays a policy on the running session and waits for rest.", "play_policy_node");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return play(arguments); });
 }

@@ -15,6 +15,7 @@
 #include <soft_robot_lab/OptimisePolicy.h>
 
 #include "session_client.h"
+#include "settings/command_line.h"
 #include "soft_robot_lab/control/optimiser.h"
 #include "ros/conversions.h"
 #include "ros/rest_detector.h"
@@ -124,25 +125,26 @@ class ReachTarget {
   bool resting_ = false;
 };
 
+int reach(const std::string& path) {
+  const Task task = read_task(path);
+  try {
+    if (ReachTarget(task).run()) return kGood;
+    std::fprintf(stderr, "the marker rests farther than %g mm from the target\n", 1e3 * task.accepted_distance_m);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  }
+  return kNotGood;
+}
+
 }  // namespace
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
   ros::init(argc, argv, "reach_target");
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: reach_target_node TASK.yaml\n");
-    return 2;
-  }
-  try {
-    const soft_robot_lab::Task task = soft_robot_lab::read_task(argv[1]);
-    if (soft_robot_lab::ReachTarget(task).run()) return 0;
-    std::fprintf(stderr, "the marker rests farther than %g mm from the target\n", 1e3 * task.accepted_distance_m);
-    return 1;
-  } catch (const soft_robot_lab::SettingsError& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
+  CLI::App app("Brings a marker of the running session to a target, and reports how it went.", "reach_target_node");
+  std::string task;
+  app.add_option("TASK", task, "a task's file")->type_name("FILE")->required();
+  app.footer("Exit status: 0 done, 1 a part failed or the marker rests too far away, 2 bad task.");
+  return run_program(app, argc, argv, [&] { return reach(task); });
 }

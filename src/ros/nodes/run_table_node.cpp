@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 
 #include "control/configuration_table.h"
 #include "session_client.h"
+#include "settings/command_line.h"
 #include "ros/stamps.h"
 #include "ros/topics.h"
 #include "soft_robot_lab/settings/yaml_node.h"
@@ -68,18 +70,6 @@ struct CommandTable {
 CommandTable read_table(const std::string& path) {
   const YamlNode file = YamlNode::load_file(path);
   return {read_configurations(file), commands_syringes(file)};
-}
-
-double read_hold_s(const std::string& text) {
-  std::size_t used = 0;
-  double hold_s = -1.0;
-  try {
-    hold_s = std::stod(text, &used);
-  } catch (const std::logic_error&) {  // no number, or too large a one
-  }
-  if (used != text.size() || !(hold_s > 0.0 && hold_s <= longest_hold_s))
-    throw std::invalid_argument("HOLD_S: '" + text + "' is not in (0, 600]");
-  return hold_s;
 }
 
 // In the scene's order, which is the table's.
@@ -152,25 +142,35 @@ class TableRun {
   std::vector<std::string> names_;
 };
 
+int run_table(const std::string& experiment, double hold_s) {
+  if (!(hold_s > 0.0 && hold_s <= longest_hold_s))
+    throw std::invalid_argument("HOLD_S: " + std::to_string(hold_s) + " is not in (0, 600]");
+  const CommandTable table = read_table(experiment);
+  try {
+    TableRun(table, hold_s).run();
+    return kGood;
+  } catch (const std::invalid_argument&) {
+    throw;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return kNotGood;
+  }
+}
+
 }  // namespace
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
   ros::init(argc, argv, "run_table");
-  if (argc != 2 && argc != 3) {
-    std::fprintf(stderr, "usage: run_table_node EXPERIMENT.yaml [HOLD_S]\n");
-    return 2;
-  }
-  try {
-    const CommandTable table = read_table(argv[1]);
-    TableRun(table, argc == 3 ? read_hold_s(argv[2]) : usual_hold_s).run();
-    return 0;
-  } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
+  CLI::App app("Drives a session through an experiment's configurations, and prints the gap at each.",
+               "run_table_node");
+  std::string experiment;
+  double hold_s = usual_hold_s;
+  app.add_option("EXPERIMENT", experiment, "an experiment's file")->type_name("FILE")->required();
+  app.add_option("HOLD_S", hold_s, "for how long each is held: silicone creeps, and a fit takes the end of a hold")
+      ->type_name("S")
+      ->capture_default_str();
+  app.footer("Exit status: 0 done, 1 a part failed, 2 bad file or arguments.");
+  return run_program(app, argc, argv, [&] { return run_table(experiment, hold_s); });
 }

@@ -113,10 +113,10 @@ TEST(Simulate, TellsWhatIsWrongWithASceneOrArgument) {
       {folder.path("bad.yaml"), "bad.yaml:2: body.element: 'cubic' is not one of linear, quadratic"},
       {folder.path("missing.yaml"), "missing.yaml: cannot be read"},
       {folder.write("text.yaml", "body: [1, 2\n"), "text.yaml:2: not YAML"},
-      {"", "usage: simulate SCENE.yaml"},
+      {"", "SCENE is required\nUsage: simulate [OPTIONS] SCENE\n"},
       {"--resutl x " + kCantilever, "unknown option --resutl"},
-      {kCantilever + " --result", "--result needs a file name"},
-      {kCantilever + " " + kCantilever, "more than one scene"},
+      {kCantilever + " --result", "--result: 1 required FILE missing"},
+      {kCantilever + " " + kCantilever, "not expected: " + kCantilever},
       {kCantilever + " --result /nowhere/result.json", "/nowhere/result.json: cannot be written"},
   };
   for (const auto& [arguments, words] : table) {
@@ -144,7 +144,7 @@ TEST(Simulate, ExplainsItself) {
   for (const std::string flag : {"-h", "--help"}) {
     const Outcome outcome = simulate(folder, flag);
     EXPECT_EQ(outcome.exit_status, 0);
-    EXPECT_NE(outcome.out.find("usage: simulate SCENE.yaml"), std::string::npos);
+    EXPECT_NE(outcome.out.find("Usage: simulate [OPTIONS] SCENE"), std::string::npos);
   }
 }
 

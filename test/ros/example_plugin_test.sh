@@ -1,16 +1,15 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds test/example_plugin as a stranger would, and runs its own test, a session with it:
-#   example_plugin_test.sh devel WORK SETUP             against the devel space of SETUP
-#   example_plugin_test.sh install WORK BUILD PREFIX    against what BUILD installs, moved from PREFIX
-#   example_plugin_test.sh workspace WORK               in a catkin workspace that builds both packages whole; then against
-#                                                       the install space of that workspace
-# WORK is a folder for the builds; the test begins with an empty one.
+#   example_plugin_test.sh devel SETUP             against the devel space of SETUP
+#   example_plugin_test.sh install BUILD PREFIX    against what BUILD installs, moved from PREFIX
+#   example_plugin_test.sh workspace               in a catkin workspace that builds both packages whole; then against the
+#                                                  install space of that workspace
 set -euo pipefail
 package=$(cd "$(dirname "$0")/../.." && pwd)
-mode=$1 work=$2
-rm -rf "$work"
-mkdir -p "$work"
+mode=$1
+work=$(mktemp -d) # not in the package, where roslaunch would find the installed launch files too
+trap 'rm -rf "$work"' EXIT
 cp -r "$package/test/example_plugin" "$work/example_plugin" # it needs nothing of where it lay
 unset ROS_HOSTNAME ROS_NAMESPACE LD_LIBRARY_PATH CMAKE_PREFIX_PATH ROS_PACKAGE_PATH PYTHONPATH
 export ROS_IP=127.0.0.1
@@ -37,12 +36,12 @@ run() { # BUILD
 
 case $mode in
   devel)
-    enter "$3"
+    enter "$2"
     build_and_run "$work/build"
     ;;
   install)
-    DESTDIR=$work/root cmake --install "$3" --strip >"$work/install.log" || { tail "$work/install.log"; exit 1; }
-    here=$work/root$4
+    DESTDIR=$work/root cmake --install "$2" --strip >"$work/install.log" || { tail "$work/install.log"; exit 1; }
+    here=$work/root$3
     export CMAKE_PREFIX_PATH=$here ROS_PACKAGE_PATH=$here/share PYTHONPATH=$here/lib/python3/dist-packages
     build_and_run "$work/build"
     ! grep -qF "$package/include" "$work/build/compile_commands.json" || { echo "built with headers of the sources"; exit 1; }

@@ -48,13 +48,9 @@ OptimisationSummary find_step(Simulation& simulation, const PolicyTask& task, si
 
 // All actuators, at each step as commanded then.
 void add_step(const Simulation& simulation, double time_s, CommandPolicy& policy) {
-  std::vector<double> values;
   policy.names.clear();
-  for (const auto& actuator : simulation.actuators()) {
-    policy.names.push_back(actuator->name());
-    values.push_back(actuator->command());
-  }
-  policy.steps.push_back({time_s, values});
+  for (const auto& actuator : simulation.actuators()) policy.names.push_back(actuator->name());
+  policy.steps.push_back({time_s, simulation.state().commands()});
 }
 
 }  // namespace

@@ -103,7 +103,8 @@ void ForwardModel::remember(const Eigen::VectorXd& commands) {
 
 void ForwardModel::settle(const Eigen::VectorXd& commands, bool trial) {
   Eigen::VectorXd from(commands.size());
-  for (Eigen::Index i = 0; i < commands.size(); ++i) from[i] = actuator(i).command();
+  for (Eigen::Index i = 0; i < commands.size(); ++i)
+    from[i] = simulation_.state().drives[static_cast<size_t>(actuators_[static_cast<size_t>(i)])].command;
   double stages = std::ceil(std::max(1.0, kStagesOfRange * distance(from, commands)));
   if (!(stages <= 2.0 * kStagesOfRange)) stages = 1.0;  // beyond the limits, to be refused
   EquilibriumOptions options;

@@ -90,14 +90,15 @@ ReachProblem pose_problem(const Simulation& simulation, const PolicyTask& task, 
   problem.bound_words.resize(problem.names.size());
   for (Eigen::Index i = 0; i < count; ++i) {
     const std::string& name = problem.names[static_cast<size_t>(i)];
-    const Actuator& actuator = *simulation.actuators()[static_cast<size_t>(simulation.actuator_index(name))];
-    const CommandLimits& own = actuator.limits();
+    const auto index = static_cast<size_t>(simulation.actuator_index(name));
+    const double command = simulation.state().drives[index].command;
+    const CommandLimits& own = simulation.actuators()[index]->limits();
     problem.rest[i] = own.rest;
     problem.min[i] = own.min;
     problem.max[i] = own.max;
-    problem.start[i] = actuator.command();
+    problem.start[i] = command;
     for (const ActuatorBounds& asked : task.bounds)
-      if (asked.actuator == name) narrow(problem, i, asked, pose.duration_s, actuator.command());
+      if (asked.actuator == name) narrow(problem, i, asked, pose.duration_s, command);
   }
   if ((problem.max_tension_n.array() == std::numeric_limits<double>::infinity()).all()) problem.max_tension_n.resize(0);
   return problem;

@@ -74,11 +74,10 @@ int run(const Arguments& arguments) {
   if (!scene.run.commands.empty()) {
     for (const auto& [name, value] : scene.run.commands[0].commands) scene.simulation->set_command(name, value);
   }
+  SimulationState state = scene.simulation->state();
+  for (DriveState& drive : state.drives) drive.actuated_command = drive.command;  // at once, as in an equilibrium
+  scene.simulation->set_state(state);
   const Simulation& simulation = *scene.simulation;
-  for (const auto& actuator : simulation.actuators()) {
-    const double command = actuator->command();
-    actuator->restore(command, command, actuator->memory());  // at once, as in the scene's equilibrium
-  }
   const BulletSettings settings = read_settings(arguments.settings);
   BulletBody body(simulation, settings);
   const long steps = std::lround(arguments.duration_s / settings.time_step_s);

@@ -120,7 +120,7 @@ void apply_command(const ActuatorCommand& command, Simulation& simulation) {
   std::vector<std::pair<std::string, double>> replaced;
   try {
     for (size_t i = 0; i < command.names.size(); ++i) {
-      const double old = simulation.actuators()[simulation.actuator_index(command.names[i])]->command();
+      const double old = simulation.state().drives[simulation.actuator_index(command.names[i])].command;
       simulation.set_command(command.names[i], command.values[i]);
       replaced.emplace_back(command.names[i], old);
     }

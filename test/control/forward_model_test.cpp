@@ -64,7 +64,7 @@ TEST(ForwardModel, LeavesTheStateWhereARequestIsRefused) {
   const SimulationState before = simulation.state();
   EXPECT_THROW(model.predict(Eigen::Vector2d(0.95, 7.0), false), std::invalid_argument);
   EXPECT_THROW(model.predict(Eigen::VectorXd::Ones(3), false), std::invalid_argument);
-  EXPECT_EQ(simulation.state().commands, before.commands);
+  EXPECT_EQ(simulation.state().commands(), before.commands());
   EXPECT_EQ(simulation.state().positions_m, before.positions_m);
 }
 
@@ -76,8 +76,8 @@ TEST(ForwardModel, GoesBackToTheLastGoodStateWhereItFindsNoEquilibrium) {
   ForwardModel model(simulation, {"tip"}, {"left", "right"});
   const SimulationState before = simulation.state();
   EXPECT_THROW(model.predict(Eigen::Vector2d(0.9, 1.0), false), ForwardModelError);
-  EXPECT_EQ(simulation.state().commands, before.commands);
-  EXPECT_EQ(simulation.state().actuated_commands, before.actuated_commands);
+  EXPECT_EQ(simulation.state().commands(), before.commands());
+  EXPECT_EQ(simulation.state().actuated_commands(), before.actuated_commands());
   EXPECT_EQ(simulation.state().positions_m, before.positions_m);
 }
 
@@ -89,7 +89,7 @@ TEST(ForwardModel, RefusesATrialThatLeadsThroughBuckling) {
   const SimulationState before = simulation.state();
   const Eigen::Vector2d buckled(0.85, 0.85);
   EXPECT_THROW(model.try_out(buckled, false), ForwardModelError);
-  EXPECT_EQ(simulation.state().commands, before.commands);
+  EXPECT_EQ(simulation.state().commands(), before.commands());
   EXPECT_EQ(simulation.state().positions_m, before.positions_m);
   EXPECT_NO_THROW(model.predict(buckled, false));
 }

@@ -22,7 +22,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 using OneMarker = std::function<Eigen::Vector3d(const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian)>;
 
 // The model of a single marker.
-Model model_of(const OneMarker& marker) {
+PredictionFunction model_of(const OneMarker& marker) {
   return [marker](const Eigen::VectorXd& commands, bool with_derivatives) {
     Prediction prediction;
     Eigen::Matrix3Xd jacobian;
@@ -78,7 +78,7 @@ OptimiserOptions method(const std::string& name) {
 
 // Records every command that a method asks the model for.
 ReachProblem recording(ReachProblem problem, std::vector<Eigen::VectorXd>& asked) {
-  const Model model = problem.model;
+  const PredictionFunction model = problem.model;
   problem.model = [model, &asked](const Eigen::VectorXd& commands, bool with_derivatives) {
     asked.push_back(commands);
     return model(commands, with_derivatives);
@@ -135,7 +135,7 @@ TEST(GaussNewton, FindsTheBestFreeCommandBesideABoundOne) {
 // Two cables that are slack at first: each does nothing above its own command, where its derivative is zero.
 TEST(GaussNewton, PullsCablesThatAreSlackAtTheStart) {
   ReachProblem problem = arc_problem({1.0, 1.0});
-  const Model markers = model_of([](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
+  const PredictionFunction markers = model_of([](const Eigen::VectorXd& commands, Eigen::Matrix3Xd* jacobian) {
     const double left = std::max(0.0, 0.98 - commands[0]), right = std::max(0.0, 0.85 - commands[1]);
     if (jacobian) {
       jacobian->setZero(3, 2);

@@ -93,9 +93,11 @@ Simulation& model() {
 void take_command(const ActuatorCommand& command) {
   Simulation& simulation = model();
   apply_command(command, simulation);
-  for (const auto& actuator : simulation.actuators())
-    if (!(actuator->command() >= actuator->limits().min && actuator->command() <= actuator->limits().max))
-      throw Nonsense("a command beyond its limits was taken");
+  for (std::size_t i = 0; i < simulation.actuators().size(); ++i) {
+    const CommandLimits& limits = simulation.actuators()[i]->limits();
+    const double taken = simulation.state().drives[i].command;
+    if (!(taken >= limits.min && taken <= limits.max)) throw Nonsense("a command beyond its limits was taken");
+  }
 }
 
 void require_finite(const Policy& policy) {

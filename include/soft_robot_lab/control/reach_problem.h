@@ -21,7 +21,7 @@ struct Prediction {
 };
 
 // Throws ForwardModelError where no equilibrium was found.
-using Model = std::function<Prediction(const Eigen::VectorXd& commands, bool with_derivatives)>;
+using PredictionFunction = std::function<Prediction(const Eigen::VectorXd& commands, bool with_derivatives)>;
 
 struct Goal {
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
@@ -29,8 +29,8 @@ struct Goal {
 };
 
 struct ReachProblem {
-  Model model;
-  Model trial = {};                // for a search's steps; may refuse what costs much, and be rough. Empty: `model`
+  PredictionFunction model;
+  PredictionFunction trial = {};   // for a search's steps; may refuse what costs much, and be rough. Empty: `model`
   std::vector<Goal> goals;         // at least one, in the order of the model's markers
   std::vector<std::string> names;  // of the commands, for messages
   Eigen::VectorXd start;           // commands, within the bounds

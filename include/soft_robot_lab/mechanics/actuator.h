@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The plugin interface of everything that drives the body: cables, air chambers, and what a lab adds of its own.
-// Called in this order: initialise once; then per command set_command; per time step begin_step and advance; per solver
-// iteration the constraints; when the step is accepted end_step; after a solve observe.
+// Called in this order: initialise once, after which nothing of the actuator changes; then per command set_command; per
+// time step begin_step and advance; per solver iteration the constraints; when the step is accepted end_step; after a
+// solve observe. All that changes is in the DriveState that each of these is handed, so that simulations in several
+// threads share one actuator. A plugin without a memory of its own has only on_initialise, constraints and observe.
 #pragma once
 
 #include <memory>
@@ -13,6 +15,7 @@
 #include <Eigen/Core>
 
 #include "constraint.h"
+#include "drive_state.h"
 
 namespace soft_robot_lab {
 
@@ -63,7 +66,7 @@ struct LawChange {
   Eigen::VectorXd log_ratios;  // per contact
 };
 
-// Where a step starts. A search for a rest state has an infinite time step.
+// Where a step starts. A search for a rest state has an infinite time step (a memory, which is finite, has 0 for it).
 struct StepStart {
   double time_step_s;
   const Eigen::Matrix3Xd& positions_m;
@@ -81,22 +84,21 @@ class Actuator {
 
   const std::string& name() const { return name_; }
   const CommandLimits& limits() const { return limits_; }
-  double command() const { return command_; }
-  double actuated_command() const { return actuated_command_; }
 
-  // Throws std::invalid_argument with name, value and allowed range; the old command then stays.
-  void set_command(double command);
+  // The rest command and the memory of the start.
+  DriveState rest_state() const;
+
+  // Throws std::invalid_argument with name, value and allowed range.
+  void require_in_limits(double command) const;
+
+  // The same; the old command then stays.
+  void set_command(double command, DriveState& drive) const;
 
   // Moves the actuated value towards the command, no faster than the drive can in that time; an infinite time arrives.
-  void advance(double time_step_s);
+  void advance(double time_step_s, DriveState& drive) const;
 
   // Puts the actuated value to a place between without asking the drive.
-  void place(double actuated_command);
-
-  // Goes back to rest commands and the memory of the start, or to a saved state.
-  void reset();
-  void restore(double command, double actuated_command, const Eigen::VectorXd& memory);
-  Eigen::VectorXd memory() const;
+  void place(double actuated_command, DriveState& drive) const;
 
   // Valid as long as the actuator; the same objects at every call. All follow the one command.
   virtual std::vector<const Constraint*> constraints() const = 0;
@@ -105,36 +107,35 @@ class Actuator {
   virtual std::vector<const FrictionContact*> friction_contacts() const { return {}; }
 
   // What depends on the past, such as a pump's flow or a damper's rate, takes it from the state that a time step starts
-  // from. A step that is cut begins anew with each part; several may begin before one is accepted.
-  virtual void begin_step(const StepStart& /*start*/) {}
+  // from, and writes it into the memory. A step that is cut begins anew with each part; several may begin before one is
+  // accepted.
+  virtual void begin_step(const StepStart& /*start*/, DriveState& /*drive*/) const {}
 
-  // A step was accepted in which these lengths [m] slipped, one per contact.
-  virtual void end_step(const std::vector<double>& /*slips_m*/) {}
+  // A step was accepted in which these lengths [m] slipped, one per contact: writes into the memory what is to be
+  // kept.
+  virtual void end_step(const std::vector<double>& /*slips_m*/, DriveState& /*drive*/) const {}
 
   // Empty, or why there is no rest state to be sought with this actuator.
   virtual std::string why_no_equilibrium() const { return ""; }
 
   // Per unit of the number with that key, at these multipliers; nullopt where nothing follows from such a number.
   virtual std::optional<LawChange> law_change(const std::string& /*key*/, const Eigen::Matrix3Xd& /*positions_m*/,
-                                              const std::vector<double>& /*multipliers*/) const {
+                                              const std::vector<double>& /*multipliers*/,
+                                              const DriveState& /*drive*/) const {
     return std::nullopt;
   }
 
   // `multipliers`: one per constraint, in their order.
-  virtual ActuatorReading observe(const Eigen::Matrix3Xd& positions_m,
-                                  const std::vector<double>& multipliers) const = 0;
+  virtual ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers,
+                                  const DriveState& drive) const = 0;
 
  protected:
   // Reads the plugin's keys, binds to the rest shape and fills `limits_` and `command_speed_`; `name` is read already.
   // Body and locator are not kept: they move when the simulation is put together.
   virtual void on_initialise(const YamlNode& settings, const Body& body, const MeshLocator& locator) = 0;
 
-  // Hands the actuated command, which has just changed, to the constraints.
-  virtual void actuate(double command) = 0;
-
-  // What a derived class must know to go on from a saved state, besides the commands; of one size always.
-  virtual Eigen::VectorXd own_memory() const { return {}; }
-  virtual void recall(const Eigen::VectorXd& /*own_memory*/) {}
+  // What DriveState::memory is at the start.
+  virtual Eigen::VectorXd initial_memory() const { return {}; }
 
   CommandLimits limits_;
   double command_speed_ = 0.0;  // largest change of the command per second; 0: no limit
@@ -142,10 +143,6 @@ class Actuator {
 
  private:
   std::string name_;
-  double command_ = 0.0;
-  double actuated_command_ = 0.0;
-  double wait_s_ = 0.0;  // until the drive starts to move
-  Eigen::VectorXd initial_memory_;
 };
 
 }  // namespace soft_robot_lab

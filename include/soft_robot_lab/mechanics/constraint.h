@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "drive_state.h"
 #include "embedding.h"
 
 namespace soft_robot_lab {
@@ -40,7 +41,8 @@ struct ConstraintLaw {
   bool prescribed() const { return min_multiplier == max_multiplier; }
 };
 
-// A scalar function C(x) of the node positions (3 x nodes, [m]) with an energy U(C).
+// A scalar function C(x) of the node positions (3 x nodes, [m]) with an energy U(C). It never changes: what it follows
+// besides the positions, its actuator's command and memory, is `drive`, so that several threads can ask it at once.
 // A solver reads the cliques once, then per iteration: value, law, gradient, Hessian.
 class Constraint {
  public:
@@ -53,15 +55,17 @@ class Constraint {
   // The second derivative of C couples only members that share a clique; the members of one clique are distinct.
   virtual std::vector<Clique> cliques() const = 0;
 
-  virtual double value(const Eigen::Matrix3Xd& positions_m) const = 0;
+  virtual double value(const Eigen::Matrix3Xd& positions_m, const DriveState& drive) const = 0;
 
   // Adds scale * dC/dx to a 3 x nodes matrix.
-  virtual void add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const = 0;
+  virtual void add_gradient(const Eigen::Matrix3Xd& positions_m, const DriveState& drive, double scale,
+                            Eigen::Matrix3Xd& gradient) const = 0;
 
   // Adds scale * d2C/dx2, with carried points p = W x in place of their nodes.
-  virtual void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const = 0;
+  virtual void add_hessian(const Eigen::Matrix3Xd& positions_m, const DriveState& drive, double scale,
+                           CliqueSink& hessian) const = 0;
 
-  virtual ConstraintLaw law(double value, double multiplier) const = 0;
+  virtual ConstraintLaw law(double value, double multiplier, const DriveState& drive) const = 0;
 };
 
 // Where two constraints meet that share one stock of length, such as two spans of a cable at the point between them.

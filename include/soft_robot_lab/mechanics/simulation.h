@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A body with its actuators and markers, moved through time or to equilibrium.
+// A model that is moved through time or to equilibrium: the model, which several simulations may share, a workspace and
+// a state of its own.
 #pragma once
 
 #include <memory>
@@ -8,12 +9,9 @@
 
 #include <Eigen/Core>
 
-#include "actuator.h"
-#include "body.h"
-#include "marker.h"
+#include "model.h"
 #include "simulation_state.h"
 #include "solve_report.h"
-#include "solver_options.h"
 
 namespace soft_robot_lab {
 
@@ -27,10 +25,12 @@ struct ModelParameter {
 
 class Simulation {
  public:
-  // Throws std::invalid_argument where no node is fixed, two actuators or markers share a name, or an option is out of
-  // range.
+  // A model of its own; throws as Model's constructor.
   Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
              const SolverOptions& options);
+  // In the rest shape. For each thread one, of the same model: they share nothing that changes. (Whether their numbers
+  // are those of one thread to the last bit is up to BLAS too, see test/robot/scene/rollout_test.cpp.)
+  explicit Simulation(std::shared_ptr<const Model> model);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
 
@@ -61,10 +61,11 @@ class Simulation {
   const SimulationState& state() const;
   void set_state(const SimulationState& state);  // throws std::invalid_argument: wrong size or not finite
 
+  const std::shared_ptr<const Model>& model() const;
   const Body& body() const;
   const SolverOptions& options() const;
   const std::vector<Marker>& markers() const;
-  const std::vector<std::unique_ptr<Actuator>>& actuators() const;
+  const std::vector<std::unique_ptr<const Actuator>>& actuators() const;
   int actuator_index(const std::string& name) const;  // throws std::invalid_argument listing the names
   int marker_index(const std::string& name) const;    // the same
 
@@ -72,6 +73,8 @@ class Simulation {
   ActuatorReading actuator_state(int actuator) const;
 
  private:
+  void take_along_linearisation();
+
   std::unique_ptr<SimulationParts> parts_;
 };
 

@@ -40,8 +40,7 @@ class Walk {
         friction_(has_friction(simulation)) {}
 
   void go(const std::vector<double>& to) {
-    std::vector<double> from;
-    for (const auto& actuator : simulation_.actuators()) from.push_back(actuator->command());
+    const std::vector<double> from = simulation_.state().commands();
     if (!friction_) {
       solve(from, to, 1.0);
       differentiate();

@@ -19,8 +19,8 @@ void command(Simulation& simulation, const std::string& name, double value) {
 // By a drive on its way; a slack cable moves nothing.
 bool moved(const Simulation& simulation) {
   for (std::size_t i = 0; i < simulation.actuators().size(); ++i) {
-    const Actuator& actuator = *simulation.actuators()[i];
-    const bool on_its_way = std::abs(actuator.actuated_command() - actuator.command()) > kArrived;
+    const DriveState& drive = simulation.state().drives[i];
+    const bool on_its_way = std::abs(drive.actuated_command - drive.command) > kArrived;
     if (on_its_way && simulation.actuator_state(static_cast<int>(i)).tension_n != 0.0) return true;
   }
   return false;

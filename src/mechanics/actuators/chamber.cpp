@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <sstream>
 
@@ -57,7 +58,8 @@ void Chamber::bind(const YamlNode& settings, const TetMesh& mesh) {
   const std::vector<int> faces = faces_of(settings, surface_, mesh);
   nodes_ = nodes_of(mesh, faces);
   try {
-    volume_ = std::make_unique<ChamberVolume>(EnclosedVolume(mesh, faces));
+    const Supply& supply = *this;
+    volume_ = std::make_unique<ChamberVolume>(EnclosedVolume(mesh, faces), supply);
   } catch (const std::invalid_argument& error) {
     surface.fail(error.what());
   }
@@ -113,7 +115,7 @@ void Chamber::on_initialise(const YamlNode& settings, const Body& body, const Me
   explicit_ = settings.choice_or("model", "implicit", {"implicit", "explicit"}) == "explicit";
   initial_pressure_pa_ = settings.number_or("initial_pressure_pa", initial_pressure_pa_, AllowedRange::positive());
   bind(settings, body.mesh());
-  amount_before_j_ = initial_pressure_pa_ * initial_volume_m3_;
+  node_count_ = body.mesh().node_count();
   read_command(settings);
   if (explicit_ && kind_ == Command::gauge_pressure)
     settings.child("model").fail("a regulated pressure does not depend on the volume; must be implicit");
@@ -143,35 +145,58 @@ IsothermalGas Chamber::gas_at(double command) const {
   return gas;
 }
 
-void Chamber::begin_step(const StepStart& start) {
-  time_step_s_ = start.time_step_s;
-  if (kind_ == Command::gauge_pressure)
-    amount_before_j_ = (initial_pressure_pa_ - start.multipliers.at(0)) * volume_->volume_m3(start.positions_m);
-  if (explicit_) positions_before_m_ = start.positions_m;
-  actuate(actuated_command());
+// The length of the step (0 in a search for a rest state); then where it began the amount of gas [J], which a regulator
+// starts from, or the places of the nodes, where the pressure is explicit. Empty for all others.
+Eigen::VectorXd Chamber::initial_memory() const {
+  if (kind_ == Command::gauge_pressure) return Eigen::Vector2d(0.0, initial_pressure_pa_ * initial_volume_m3_);
+  return Eigen::VectorXd::Zero(explicit_ ? 1 + 3 * node_count_ : 0);
 }
 
-void Chamber::actuate(double command) {
-  IsothermalGas gas = gas_at(command);
-  const bool in_time = std::isfinite(time_step_s_);
-  if (kind_ == Command::gauge_pressure) {
-    const bool limited = in_time && flow_m3_s_ > 0.0;
-    const double reach_j =
-        limited ? initial_pressure_pa_ * flow_m3_s_ * time_step_s_ : std::numeric_limits<double>::infinity();
-    IsothermalGas most = gas;
-    gas.amount_j = std::max(amount_before_j_ - reach_j, kLeastAmount * initial_pressure_pa_ * initial_volume_m3_);
-    most.amount_j = amount_before_j_ + reach_j;
-    if (!limited) gas.amount_j = -std::numeric_limits<double>::infinity();
-    volume_->regulate(command, gas, most);
-    return;
+void Chamber::begin_step(const StepStart& start, DriveState& drive) const {
+  if (drive.memory.size() == 0) return;
+  drive.memory[0] = std::isfinite(start.time_step_s) ? start.time_step_s : 0.0;
+  if (explicit_) {
+    drive.memory.tail(3 * node_count_) = Eigen::Map<const Eigen::VectorXd>(start.positions_m.data(), 3 * node_count_);
+  } else {
+    drive.memory[1] = (initial_pressure_pa_ - start.multipliers.at(0)) * volume_->volume_m3(start.positions_m);
   }
-  volume_->fill(gas);
-  if (!explicit_ || !in_time) return;
-  const double before_m3 = std::max(volume_->volume_m3(positions_before_m_), kLeastVolume * initial_volume_m3_);
-  volume_->load(gas.gauge_pressure_pa(before_m3), positions_before_m_);
 }
 
-ActuatorReading Chamber::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const {
+std::optional<Eigen::Matrix3Xd> Chamber::load_positions_m(const DriveState& drive) const {
+  if (!explicit_ || drive.memory[0] == 0.0) return std::nullopt;
+  return Eigen::Map<const Eigen::Matrix3Xd>(drive.memory.data() + 1, 3, node_count_);
+}
+
+GasSupply Chamber::regulated(const DriveState& drive) const {
+  GasSupply supply;
+  supply.regulated = true;
+  supply.prescribed_pressure_pa = drive.actuated_command;
+  supply.gas = supply.most_gas = gas_at(drive.actuated_command);
+  const double time_step_s = drive.memory[0], amount_before_j = drive.memory[1];
+  const bool limited = time_step_s > 0.0 && flow_m3_s_ > 0.0;
+  const double reach_j =
+      limited ? initial_pressure_pa_ * flow_m3_s_ * time_step_s : std::numeric_limits<double>::infinity();
+  const double least_j = kLeastAmount * initial_pressure_pa_ * initial_volume_m3_;
+  supply.gas.amount_j =
+      limited ? std::max(amount_before_j - reach_j, least_j) : -std::numeric_limits<double>::infinity();
+  supply.most_gas.amount_j = amount_before_j + reach_j;
+  return supply;
+}
+
+GasSupply Chamber::supply(const DriveState& drive) const {
+  if (kind_ == Command::gauge_pressure) return regulated(drive);
+  GasSupply supply;
+  supply.gas = gas_at(drive.actuated_command);
+  if (const std::optional<Eigen::Matrix3Xd> before_m = load_positions_m(drive)) {
+    supply.load = true;
+    const double before_m3 = std::max(volume_->volume_m3(*before_m), kLeastVolume * initial_volume_m3_);
+    supply.prescribed_pressure_pa = supply.gas.gauge_pressure_pa(before_m3);
+  }
+  return supply;
+}
+
+ActuatorReading Chamber::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers,
+                                 const DriveState& drive) const {
   ActuatorReading reading;
   reading.volume_m3 = volume_->volume_m3(positions_m);
   reading.initial_volume_m3 = initial_volume_m3_;
@@ -180,7 +205,7 @@ ActuatorReading Chamber::observe(const Eigen::Matrix3Xd& positions_m, const std:
   reading.center_m = Eigen::Vector3d::Zero();
   for (const int node : nodes_) *reading.center_m += positions_m.col(node) / static_cast<double>(nodes_.size());
   if (kind_ == Command::gauge_pressure) return reading;
-  const IsothermalGas gas = gas_at(actuated_command());
+  const IsothermalGas gas = gas_at(drive.actuated_command);
   reading.gas_residual =
       (initial_pressure_pa_ - multipliers.at(0)) * (*reading.volume_m3 + gas.dead_volume_m3) / gas.amount_j - 1.0;
   return reading;

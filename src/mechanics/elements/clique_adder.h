@@ -11,10 +11,11 @@
 
 namespace soft_robot_lab {
 
-class CliqueAdder : public CliqueSink {
+// Where in matrices of one pattern the blocks of cliques are.
+class CliquePlaces {
  public:
   // Cliques of the matrix's nodes.
-  CliqueAdder(BlockMatrix& matrix, const std::vector<std::vector<int>>& cliques) : matrix_(matrix) {
+  CliquePlaces(const BlockPattern& matrix, const std::vector<std::vector<int>>& cliques) {
     for (const auto& nodes : cliques) {
       Places clique;
       clique.order.resize(nodes.size());
@@ -28,12 +29,13 @@ class CliqueAdder : public CliqueSink {
     }
   }
 
-  void add_outer(int index, const std::vector<double>& coefficients, const Eigen::Matrix3d& block) override {
-    each_pair(index, [&](int a, int b) -> Eigen::Matrix3d { return coefficients[a] * coefficients[b] * block; });
-  }
-
-  void add_dense(int index, const Eigen::MatrixXd& matrix) override {
-    each_pair(index, [&](int a, int b) -> Eigen::Matrix3d { return matrix.block<3, 3>(3 * a, 3 * b); });
+  // Calls add(slot, member a, member b) for every block of a clique.
+  template <class Add>
+  void each_pair(int index, Add add) const {
+    const Places& clique = cliques_[static_cast<std::size_t>(index)];
+    std::size_t pair = 0;
+    for (std::size_t a = 0; a < clique.order.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b, ++pair) add(clique.slots[pair], clique.order[a], clique.order[b]);
   }
 
  private:
@@ -41,18 +43,26 @@ class CliqueAdder : public CliqueSink {
     std::vector<int> order;  // places in the clique, sorted by elimination
     std::vector<int> slots;  // per pair a >= b in that order
   };
+  std::vector<Places> cliques_;
+};
 
-  template <class Block>
-  void each_pair(int index, Block block) {
-    const Places& clique = cliques_[index];
-    std::size_t pair = 0;
-    for (std::size_t a = 0; a < clique.order.size(); ++a)
-      for (std::size_t b = 0; b <= a; ++b, ++pair)
-        Eigen::Map<Eigen::Matrix3d>(matrix_.block(clique.slots[pair])) += block(clique.order[a], clique.order[b]);
+class CliqueAdder : public CliqueSink {
+ public:
+  CliqueAdder(BlockMatrix& matrix, const CliquePlaces& places) : matrix_(matrix), places_(places) {}
+
+  void add_outer(int index, const std::vector<double>& coefficients, const Eigen::Matrix3d& block) override {
+    places_.each_pair(index, [&](int slot, int a, int b) { at(slot) += coefficients[a] * coefficients[b] * block; });
   }
 
+  void add_dense(int index, const Eigen::MatrixXd& matrix) override {
+    places_.each_pair(index, [&](int slot, int a, int b) { at(slot) += matrix.block<3, 3>(3 * a, 3 * b); });
+  }
+
+ private:
+  Eigen::Map<Eigen::Matrix3d> at(int slot) { return Eigen::Map<Eigen::Matrix3d>(matrix_.block(slot)); }
+
   BlockMatrix& matrix_;
-  std::vector<Places> cliques_;
+  const CliquePlaces& places_;
 };
 
 }  // namespace soft_robot_lab

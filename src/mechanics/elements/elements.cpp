@@ -107,7 +107,7 @@ std::vector<int> mesh_order(int count) {
   return lanes;
 }
 
-std::vector<int> positions_in(const BlockMatrix& matrix, int node_count) {
+std::vector<int> positions_in(const BlockPattern& matrix, int node_count) {
   std::vector<int> positions;
   for (int node = 0; node < node_count; ++node) positions.push_back(matrix.position(node));
   return positions;
@@ -122,28 +122,37 @@ ElementArrays arrays(const ElementBatches& batches, const std::vector<int>& slot
 
 }  // namespace
 
-Elements::Elements(const Body& body, const BlockMatrix& matrix)
-    : count_(body.mesh().tet_count()),
-      mu_(body.material().lame_mu_pa()),
-      lambda_(bulk_lambda_pa(body.material())),
-      law_(law_of(body.material())),
-      batches_(body.mesh(), mu_, mesh_order(count_), positions_in(matrix, body.mesh().node_count())) {
+ElementTables::ElementTables(const Body& body, const BlockPattern& matrix)
+    : count(body.mesh().tet_count()),
+      mu(body.material().lame_mu_pa()),
+      law(law_of(body.material())),
+      batches(body.mesh(), mu, mesh_order(count), positions_in(matrix, body.mesh().node_count())) {
   const auto place = [&](int batch, int a, int lane) {
-    return matrix.position(batches_.nodes[(static_cast<std::size_t>(batch) * batches_.node_count + a) * kLanes + lane]);
+    return matrix.position(batches.nodes[(static_cast<std::size_t>(batch) * batches.node_count + a) * kLanes + lane]);
   };
-  for (int batch = 0; batch < batches_.count(); ++batch)
-    for (int a = 0; a < batches_.node_count; ++a)
+  for (int batch = 0; batch < batches.count(); ++batch)
+    for (int a = 0; a < batches.node_count; ++a)
       for (int b = 0; b <= a; ++b)
         for (int lane = 0; lane < kLanes; ++lane)
-          slots_.push_back(matrix.slot(place(batch, a, lane), place(batch, b, lane)));
-  volume_gradients_.assign(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0));
-  element_volumes_ = Eigen::VectorXd::Zero(count_);
-  for (int e = 0; e < count_; ++e)
-    for (int q = 0; q < batches_.point_count; ++q)
-      element_volumes_[e] +=
-          batches_.weights[static_cast<std::size_t>(e / kLanes) * batches_.point_count + q][e % kLanes];
-  if (body.linear_volume() == LinearVolume::vertex_averaged) patches_.emplace(batches_, element_volumes_, matrix);
+          slots.push_back(matrix.slot(place(batch, a, lane), place(batch, b, lane)));
+  element_volumes = Eigen::VectorXd::Zero(count);
+  for (int e = 0; e < count; ++e)
+    for (int q = 0; q < batches.point_count; ++q)
+      element_volumes[e] += batches.weights[static_cast<std::size_t>(e / kLanes) * batches.point_count + q][e % kLanes];
+  if (body.linear_volume() == LinearVolume::vertex_averaged) patches.emplace(batches, element_volumes, matrix);
 }
+
+Elements::Elements(std::shared_ptr<const ElementTables> tables, double lambda_pa)
+    : tables_(std::move(tables)),
+      count_(tables_->count),
+      mu_(tables_->mu),
+      law_(tables_->law),
+      batches_(tables_->batches),
+      slots_(tables_->slots),
+      element_volumes_(tables_->element_volumes),
+      patches_(tables_->patches),
+      lambda_(lambda_pa),
+      volume_gradients_(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0)) {}
 
 ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers,
                                    Eigen::Matrix3Xd& forces) const {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -36,9 +37,26 @@ inline double bulk_lambda_pa(const Material& material) {
   return std::max(material.lame_lambda_pa(), 1e-6 * material.lame_mu_pa());
 }
 
+// What never changes of the elements of a body, and where they are in its matrices.
+struct ElementTables {
+  ElementTables(const Body& body, const BlockPattern& matrix);
+
+  const Eigen::VectorXd& rest_volumes_m3() const { return patches ? patches->volumes_m3() : element_volumes; }
+
+  int count;
+  double mu;
+  MaterialLaw law;
+  ElementBatches batches;           // in the mesh's order; nodes of each sorted by elimination order
+  std::vector<int> slots;           // per batch: pair (a >= b) x lanes, slots of the matrix
+  Eigen::VectorXd element_volumes;  // V0 = sum w [m^3]
+  std::optional<VolumePatches> patches;
+};
+
 class Elements {
  public:
-  Elements(const Body& body, const BlockMatrix& matrix);
+  explicit Elements(std::shared_ptr<const ElementTables> tables, double lambda_pa);
+  Elements(const Body& body, const BlockMatrix& matrix)
+      : Elements(std::make_shared<const ElementTables>(body, matrix.pattern()), bulk_lambda_pa(body.material())) {}
 
   // Adds to `forces` the gradient of the elastic energy plus p grad(V0 Jbar), 3 x nodes [N].
   ElementSums add_gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers,
@@ -63,7 +81,7 @@ class Elements {
   }
 
   // What each multiplier stands for: an element's rest volume or a vertex's.
-  const Eigen::VectorXd& rest_volumes_m3() const { return patches_ ? patches_->volumes_m3() : element_volumes_; }
+  const Eigen::VectorXd& rest_volumes_m3() const { return tables_->rest_volumes_m3(); }
   int multiplier_count() const { return static_cast<int>(rest_volumes_m3().size()); }
   int count() const { return count_; }
   const ElementBatches& batches() const { return batches_; }
@@ -73,14 +91,16 @@ class Elements {
   double mu_pa() const { return mu_; }
 
  private:
-  int count_;
-  double mu_, lambda_;
-  MaterialLaw law_;
-  ElementBatches batches_;               // in the mesh's order; nodes of each sorted by elimination order
-  std::vector<int> slots_;               // per batch: pair (a >= b) x lanes, slots of the matrix
+  std::shared_ptr<const ElementTables> tables_;
+  const int count_;  // these are the tables'
+  const double mu_;
+  const MaterialLaw& law_;
+  const ElementBatches& batches_;
+  const std::vector<int>& slots_;
+  const Eigen::VectorXd& element_volumes_;
+  const std::optional<VolumePatches>& patches_;
+  double lambda_;
   std::vector<Batch> volume_gradients_;  // per batch: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
-  Eigen::VectorXd element_volumes_;      // V0 = sum w [m^3]
-  std::optional<VolumePatches> patches_;
 };
 
 }  // namespace soft_robot_lab

@@ -35,7 +35,7 @@ std::vector<std::vector<int>> stiffness_cliques(const Body& body) {
 }
 
 VolumePatches::VolumePatches(const ElementBatches& batches, const Eigen::VectorXd& element_volumes_m3,
-                             const BlockMatrix& matrix) {
+                             const BlockPattern& matrix) {
   int node_count = 0;
   for (Eigen::Index e = 0; e < element_volumes_m3.size(); ++e) {
     std::array<int, 4> nodes;

@@ -22,7 +22,7 @@ std::vector<std::vector<int>> stiffness_cliques(const Body& body);
 
 class VolumePatches {
  public:
-  VolumePatches(const ElementBatches& batches, const Eigen::VectorXd& element_volumes_m3, const BlockMatrix& matrix);
+  VolumePatches(const ElementBatches& batches, const Eigen::VectorXd& element_volumes_m3, const BlockPattern& matrix);
 
   const Eigen::VectorXd& volumes_m3() const { return volumes_; }  // V_v
 

@@ -43,7 +43,7 @@ struct ColumnStructure {
 };
 
 // What it holds itself is a part of what the factor will take, and refused as early.
-ColumnStructure column_structure(const BlockMatrix& matrix) {
+ColumnStructure column_structure(const BlockPattern& matrix) {
   const int count = matrix.node_count();
   ColumnStructure columns{std::vector<std::vector<int>>(count), std::vector<int>(count, -1)};
   std::vector<std::vector<int>> children(count);
@@ -128,7 +128,7 @@ void eliminate(const double* l, int k, int ld, const double* signs, double* belo
 
 }  // namespace
 
-BlockCholesky::BlockCholesky(const BlockMatrix& matrix) {
+FactorPattern::FactorPattern(const BlockPattern& matrix) {
   order_.resize(matrix.node_count());
   for (int i = 0; i < matrix.node_count(); ++i) order_[i] = matrix.node(i);
   merge_columns(matrix);
@@ -169,13 +169,19 @@ BlockCholesky::BlockCholesky(const BlockMatrix& matrix) {
   }
   for (std::size_t s = 0; s < nodes_.size(); ++s)
     if (depth[s] % 2 == 1) nodes_[s].update += highest[0];
-  require_memory(factor_size_ + highest[0] + highest[1]);
-  factor_.resize(factor_size_);
-  signs_.assign(3 * order_.size(), 1.0);
-  stack_.resize(highest[0] + highest[1]);
+  stack_size_ = highest[0] + highest[1];
+  require_memory(factor_size_ + stack_size_);
 }
 
-void BlockCholesky::merge_columns(const BlockMatrix& matrix) {
+BlockCholesky::BlockCholesky(std::shared_ptr<const FactorPattern> pattern)
+    : pattern_(std::move(pattern)),
+      nodes_(pattern_->nodes_),
+      order_(pattern_->order_),
+      factor_(static_cast<std::size_t>(pattern_->factor_size_)),
+      stack_(static_cast<std::size_t>(pattern_->stack_size_)),
+      signs_(3 * order_.size(), 1.0) {}
+
+void FactorPattern::merge_columns(const BlockPattern& matrix) {
   auto columns = column_structure(matrix);
   std::vector<double> zeros;  // explicit zeros, per supernode
   for (int j = 0; j < matrix.node_count(); ++j) {

@@ -77,7 +77,7 @@ std::vector<int> postorder(const std::vector<int>& order, const std::vector<std:
 
 }  // namespace
 
-BlockMatrix::BlockMatrix(int node_count, const std::vector<std::vector<int>>& cliques) {
+BlockPattern::BlockPattern(int node_count, const std::vector<std::vector<int>>& cliques) {
   const auto neighbours = neighbours_of(node_count, cliques);
   node_ = postorder(nested_dissection(neighbours), neighbours);
   position_.resize(node_count);
@@ -91,10 +91,9 @@ BlockMatrix::BlockMatrix(int node_count, const std::vector<std::vector<int>>& cl
     std::sort(rows_.begin() + first, rows_.end());
     column_start_.push_back(static_cast<int>(rows_.size()));
   }
-  values_.assign(9 * rows_.size(), 0.0);
 }
 
-int BlockMatrix::slot(int row_position, int column_position) const {
+int BlockPattern::slot(int row_position, int column_position) const {
   const auto begin = rows_.begin() + column_start_[column_position],
              end = rows_.begin() + column_start_[column_position + 1];
   const auto found = std::lower_bound(begin, end, row_position);
@@ -103,7 +102,7 @@ int BlockMatrix::slot(int row_position, int column_position) const {
 }
 
 void BlockMatrix::add_to_diagonal(int node, double value) {
-  double* diagonal = block(column_start_[position_[node]]);
+  double* diagonal = block(column_start()[position(node)]);
   diagonal[0] += value;
   diagonal[4] += value;
   diagonal[8] += value;
@@ -112,15 +111,17 @@ void BlockMatrix::add_to_diagonal(int node, double value) {
 void BlockMatrix::hold(const Eigen::Matrix<bool, 3, Eigen::Dynamic>& fixed) {
   const auto is_held = [&](int axis, int node) { return node < fixed.cols() && fixed(axis, node); };
   const auto any_held = [&](int node) { return node < fixed.cols() && fixed.col(node).any(); };
+  const std::vector<int>& start = column_start();
+  const std::vector<int>& row = rows();
   for (int column = 0; column < node_count(); ++column) {
-    const bool column_held = any_held(node_[column]);
-    for (int s = column_start_[column]; s < column_start_[column + 1]; ++s) {
-      if (!column_held && !any_held(node_[rows_[s]])) continue;
+    const bool column_held = any_held(node(column));
+    for (int s = start[column]; s < start[column + 1]; ++s) {
+      if (!column_held && !any_held(node(row[s]))) continue;
       double* values = block(s);
       for (int j = 0; j < 3; ++j) {
         for (int i = 0; i < 3; ++i) {
-          if (!is_held(i, node_[rows_[s]]) && !is_held(j, node_[column])) continue;
-          values[3 * j + i] = rows_[s] == column && i == j ? 1.0 : 0.0;
+          if (!is_held(i, node(row[s])) && !is_held(j, node(column))) continue;
+          values[3 * j + i] = row[s] == column && i == j ? 1.0 : 0.0;
         }
       }
     }
@@ -129,10 +130,12 @@ void BlockMatrix::hold(const Eigen::Matrix<bool, 3, Eigen::Dynamic>& fixed) {
 
 Eigen::Matrix3Xd BlockMatrix::multiply(const Eigen::Matrix3Xd& x) const {
   Eigen::Matrix3Xd y = Eigen::Matrix3Xd::Zero(3, node_count());
+  const std::vector<int>& start = column_start();
+  const std::vector<int>& row = rows();
   for (int column = 0; column < node_count(); ++column) {
-    const int b = node_[column];
-    for (int s = column_start_[column]; s < column_start_[column + 1]; ++s) {
-      const int a = node_[rows_[s]];
+    const int b = node(column);
+    for (int s = start[column]; s < start[column + 1]; ++s) {
+      const int a = node(row[s]);
       const Eigen::Map<const Eigen::Matrix3d> values(block(s));
       y.col(a) += values * x.col(b);
       if (a != b) y.col(b) += values.transpose() * x.col(a);

@@ -8,9 +8,9 @@
 
 namespace soft_robot_lab {
 
-MatrixLayout::MatrixLayout(const Body& body, const std::vector<const Constraint*>& constraints)
+MatrixLayout::MatrixLayout(const Body& body, const std::vector<DrivenConstraint>& constraints)
     : node_count(body.mesh().node_count()) {
-  for (const Constraint* constraint : constraints) {
+  for (const auto& [constraint, actuator] : constraints) {
     std::vector<int> places;
     for (const EmbeddedPoint& point : constraint->carried_points()) places.push_back(place_of(point));
     cliques.emplace_back();

@@ -6,13 +6,14 @@
 
 #include <vector>
 
+#include "mechanics/simulation/driven_constraint.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/constraint.h"
 
 namespace soft_robot_lab {
 
 struct MatrixLayout {
-  MatrixLayout(const Body& body, const std::vector<const Constraint*>& constraints);
+  MatrixLayout(const Body& body, const std::vector<DrivenConstraint>& constraints);
 
   // Of the whole matrix: ties, elements and constraints.
   std::vector<std::vector<int>> all_cliques(const Body& body) const;

@@ -22,9 +22,9 @@ constexpr double kOnlySafe = 2.0;  // convexity beyond which there is no other m
 
 // dU/dC of a constraint in series with a straight one of compliance `tie`; Newton's method, exact at once where the law
 // is straight.
-double multiplier(const Constraint& constraint, double value, double tie, double y) {
+double multiplier(const DrivenConstraint& constraint, const SharedDrives& drives, double value, double tie, double y) {
   for (int i = 0; i < kLawIterations; ++i) {
-    const ConstraintLaw law = constraint.law(value, y);
+    const ConstraintLaw law = constraint.law(value, y, drives);
     const double before = y;
     y = law.prescribed() ? law.min_multiplier
                          : std::clamp(law.offset / (law.compliance + tie), law.min_multiplier, law.max_multiplier);
@@ -34,7 +34,8 @@ double multiplier(const Constraint& constraint, double value, double tie, double
 }
 
 // U(to) - U(from): Gauss's three points in each of four parts.
-double energy_between(const Constraint& constraint, double tie, double y, double from, double to) {
+double energy_between(const DrivenConstraint& constraint, const SharedDrives& drives, double tie, double y, double from,
+                      double to) {
   constexpr int kParts = 4;
   constexpr std::array<double, 3> kPlaces{-0.7745966692414834, 0.0, 0.7745966692414834};
   constexpr std::array<double, 3> kWeights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
@@ -42,7 +43,7 @@ double energy_between(const Constraint& constraint, double tie, double y, double
   double sum = 0.0;
   for (int part = 0; part < kParts; ++part) {
     for (std::size_t i = 0; i < kPlaces.size(); ++i) {
-      y = multiplier(constraint, from + (part + 0.5 + 0.5 * kPlaces[i]) * width, tie, y);
+      y = multiplier(constraint, drives, from + (part + 0.5 + 0.5 * kPlaces[i]) * width, tie, y);
       sum += kWeights[i] * width * y;
     }
   }
@@ -78,7 +79,8 @@ int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const {
 }
 
 // The energy but for that of the constraints, and its gradient but for volume and constraints.
-NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const {
+NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m,
+                                               const SharedDrives& drives) const {
   EnergyAt at;
   at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
   at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
@@ -92,7 +94,7 @@ NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eig
     at.gradient_n += inertia;
   }
   if (task.strain_target) at.energy += springs_.add_gradient(positions_m, *task.strain_target, at.gradient_n);
-  for (const Constraint* constraint : constraints_) at.values.push_back(constraint->value(positions_m));
+  for (const DrivenConstraint& constraint : constraints_) at.values.push_back(constraint.value(positions_m, drives));
   return at;
 }
 
@@ -159,15 +161,15 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
   Eigen::VectorXd ties;  // least compliances; known after the first factor, before which constraints have no say
   double convexity = 1.0;
   for (; report.iterations < kPatience * task.max_iterations; ++report.iterations) {
-    const EnergyAt here = energy_at(task, state.positions_m);
+    const EnergyAt here = energy_at(task, state.positions_m, state.drives);
     state.element_multipliers_pa = elements_.lambda_pa() * here.elements.volumetric_strain;
     Eigen::VectorXd compliances = ties;
     std::vector<int> open;
     if (ties.size() == 0) state.constraint_multipliers.setZero();
     for (int i = 0; i < static_cast<int>(ties.size()); ++i) {
       double& y = state.constraint_multipliers[i];
-      y = multiplier(*constraints_[i], here.values[i], ties[i], y);
-      const ConstraintLaw law = constraints_[i]->law(here.values[i], y);
+      y = multiplier(constraints_[i], state.drives, here.values[i], ties[i], y);
+      const ConstraintLaw law = constraints_[i].law(here.values[i], y, state.drives);
       compliances[i] += law.compliance;
       if (y > law.min_multiplier && y < law.max_multiplier) open.push_back(i);
     }
@@ -180,7 +182,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
     Eigen::Matrix3Xd gradient_n = here.gradient_n;
     elements_.add_mismatch_forces(here.elements.volumetric_strain, gradient_n);
     for (int i = 0; i < count; ++i)
-      constraints_[i]->add_gradient(state.positions_m, state.constraint_multipliers[i], gradient_n);
+      constraints_[i].add_gradient(state.positions_m, state.drives, state.constraint_multipliers[i], gradient_n);
     release(gradient_n);
     const Eigen::VectorXd motion = downhill(gradient_n, compliances, open);
     const double slope = as_vector(gradient_n).dot(motion);
@@ -192,11 +194,11 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
       if (halving > 0) length *= 0.5;
       const Eigen::Matrix3Xd trial =
           state.positions_m + length * Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
-      const EnergyAt there = energy_at(task, trial);
+      const EnergyAt there = energy_at(task, trial, state.drives);
       double rise = there.energy - here.energy;
       for (int i = 0; i < count; ++i)
-        rise +=
-            energy_between(*constraints_[i], ties[i], state.constraint_multipliers[i], here.values[i], there.values[i]);
+        rise += energy_between(constraints_[i], state.drives, ties[i], state.constraint_multipliers[i], here.values[i],
+                               there.values[i]);
       fell = rise <= 1e-4 * length * slope;
       if (fell) state.positions_m = trial;
     }

@@ -5,6 +5,11 @@
 
 namespace soft_robot_lab {
 
+ConstraintLaw NewtonSolver::law_at(const NewtonState& state, int constraint) const {
+  const DrivenConstraint& of = constraints_[static_cast<std::size_t>(constraint)];
+  return of.law(of.value(state.positions_m, state.drives), state.constraint_multipliers[constraint], state.drives);
+}
+
 // S dy + D dq = d offset - B' A^-1 d force on active constraints, dy given on the others; at a contact dq = 0, or
 // where it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx. Then dx = -A^-1 (d force + B dy).
 NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive& drive) {
@@ -14,8 +19,7 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
   MultiplierProblem problem;
   problem.delassus = border_.transpose() * border_solved_;
   problem.friction_contacts = junctions_at(state.positions_m);
-  for (int i = 0; i < count; ++i)
-    problem.laws.push_back(constraints_[i]->law(constraints_[i]->value(state.positions_m), y[i]));
+  for (int i = 0; i < count; ++i) problem.laws.push_back(law_at(state, i));
   for (int i = 0; i < count; ++i) problem.delassus(i, i) += problem.laws[i].compliance;
   if (!stable_under(problem, y)) return {};
 
@@ -67,15 +71,14 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
 Eigen::VectorXd NewtonSolver::elastic_force_n(const NewtonState& state) const {
   Eigen::Matrix3Xd force_n = loads_n_;
   release(force_n);
-  return as_vector(force_n) - border(state.positions_m) * state.constraint_multipliers;
+  return as_vector(force_n) - border(state) * state.constraint_multipliers;
 }
 
 Eigen::MatrixXd NewtonSolver::sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers) {
   const int count = constraint_count();
   NewtonDrive commands{{}, Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Zero(count, count), {}};
   for (int i = 0; i < count; ++i) {
-    const ConstraintLaw law =
-        constraints_[i]->law(constraints_[i]->value(state.positions_m), state.constraint_multipliers[i]);
+    const ConstraintLaw law = law_at(state, i);
     commands.offsets(i, i) = law.offset_per_command;
     commands.multipliers(i, i) = law.multiplier_per_command;
   }

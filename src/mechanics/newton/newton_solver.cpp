@@ -25,32 +25,29 @@ double relative_violation(const ConstraintLaw& law, double y, double value) {
 
 }  // namespace
 
-NewtonSolver::NewtonSolver(const Body& body, std::vector<const Constraint*> constraints,
-                           std::vector<SharedLength> shared)
-    : body_(body),
-      constraints_(std::move(constraints)),
-      shared_(std::move(shared)),
-      layout_(body, constraints_),
-      loads_n_(body.external_forces_n()),
-      force_floor_n_(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
-      matrix_(layout_.node_count + layout_.point_count, layout_.all_cliques(body)),
-      factor_(matrix_),
-      elements_(body, matrix_),
-      springs_(elements_.batches(), elements_.slots()),
-      ties_(matrix_, layout_.ties) {
-  for (const auto& cliques : layout_.cliques) adders_.emplace_back(matrix_, cliques);
-}
+NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
+    : tables_(std::move(tables)),
+      body_(tables_->body),
+      constraints_(tables_->constraints),
+      shared_(tables_->shared),
+      layout_(tables_->layout),
+      loads_n_(tables_->loads_n),
+      force_floor_n_(tables_->force_floor_n),
+      matrix_(tables_->matrix),
+      factor_(tables_->factor),
+      elements_(tables_->elements, bulk_lambda_pa(body_.material())),
+      springs_(elements_.batches(), elements_.slots()) {}
 
 void NewtonSolver::release(Eigen::Matrix3Xd& forces) const {
   forces = (body_.fixed().array()).select(0.0, forces.array()).matrix();
 }
 
-Eigen::MatrixXd NewtonSolver::border(const Eigen::Matrix3Xd& positions) const {
-  Eigen::MatrixXd columns(positions.size(), constraint_count());
-  Eigen::Matrix3Xd gradient(3, positions.cols());
+Eigen::MatrixXd NewtonSolver::border(const NewtonState& state) const {
+  Eigen::MatrixXd columns(state.positions_m.size(), constraint_count());
+  Eigen::Matrix3Xd gradient(3, state.positions_m.cols());
   for (int i = 0; i < constraint_count(); ++i) {
     gradient.setZero();
-    constraints_[i]->add_gradient(positions, 1.0, gradient);
+    constraints_[i].add_gradient(state.positions_m, state.drives, 1.0, gradient);
     release(gradient);
     columns.col(i) = as_vector(gradient);
   }
@@ -77,9 +74,9 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   result.friction_contacts = junctions_at(state.positions_m);
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = state.constraint_multipliers[i];
-    result.values.push_back(constraints_[i]->value(state.positions_m));
-    result.laws.push_back(constraints_[i]->law(result.values.back(), y));
-    if (y != 0.0) constraints_[i]->add_gradient(state.positions_m, y, result.residual_n);
+    result.values.push_back(constraints_[i].value(state.positions_m, state.drives));
+    result.laws.push_back(constraints_[i].law(result.values.back(), y, state.drives));
+    if (y != 0.0) constraints_[i].add_gradient(state.positions_m, state.drives, y, result.residual_n);
   }
   const std::vector<ConstraintLaw> laws = after_flows(result.laws, result.friction_contacts, state.slips_m);
   for (int i = 0; i < constraint_count(); ++i) {
@@ -121,15 +118,18 @@ bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inert
     for (int node = 0; node < layout_.node_count; ++node)
       matrix_.add_to_diagonal(node, inertia_per_s2 * body_.node_masses_kg()[node]);
   }
-  for (int i = 0; i < constraint_count(); ++i)
-    if (state.constraint_multipliers[i] != 0.0)
-      constraints_[i]->add_hessian(state.positions_m, state.constraint_multipliers[i], adders_[i]);
+  for (int i = 0; i < constraint_count(); ++i) {
+    if (state.constraint_multipliers[i] == 0.0) continue;
+    CliqueAdder hessian(matrix_, tables_->cliques[static_cast<std::size_t>(i)]);
+    constraints_[i].add_hessian(state.positions_m, state.drives, state.constraint_multipliers[i], hessian);
+  }
   const double tie = kTieStiffness * body_.material().youngs_modulus_pa * body_.size_m();
+  CliqueAdder ties(matrix_, tables_->ties);
   for (int point = 0; point < layout_.point_count; ++point)
-    ties_.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
+    ties.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
   matrix_.hold(body_.fixed());
   if (!factor_.factorise(matrix_)) return false;
-  border_ = border(state.positions_m);
+  border_ = border(state);
   border_solved_ = solve(border_);
   return true;
 }
@@ -228,7 +228,8 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
 NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
                               AndersonMixing& mixing) const {
   if (friction_contact_count() > 0)  // what sticks and what slips changes at once; no model of it is linear
-    return {state.positions_m + step.motion_m, step.element_multipliers_pa, step.constraint_multipliers, step.slips_m};
+    return {state.positions_m + step.motion_m, step.element_multipliers_pa, step.constraint_multipliers, step.slips_m,
+            state.drives};
   const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
                      constraints = state.constraint_multipliers.size();
   Eigen::VectorXd at(nodes + elements + constraints), change(at.size()), residual(at.size());
@@ -241,7 +242,7 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
     residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
   const Eigen::VectorXd next = mixing.next(std::move(at), std::move(change), std::move(residual));
   NewtonState mixed{Eigen::Map<const Eigen::Matrix3Xd>(next.data(), 3, state.positions_m.cols()),
-                    next.segment(nodes, elements), next.tail(constraints), state.slips_m};
+                    next.segment(nodes, elements), next.tail(constraints), state.slips_m, state.drives};
   for (int i = 0; i < constraint_count(); ++i)
     mixed.constraint_multipliers[i] =
         std::clamp(mixed.constraint_multipliers[i], here.laws[i].min_multiplier, here.laws[i].max_multiplier);
@@ -310,7 +311,6 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     if (convex) ++report.convexified;
     if (!found) return finish("the stiffness matrix could not be factorised");
 
-    if (!warp_) warp_ = std::make_unique<StepWarp>(body_, elements_.batches(), matrix_);
     double length = 1.0;
     const bool accepted = search_line(task, step, state, here, length);
     if (length < 1.0) ++report.shortened;
@@ -336,8 +336,8 @@ bool NewtonSolver::stable_at_rest(const NewtonState& state) {
 double NewtonSolver::worst_violation(const NewtonState& state) const {
   double worst = 0.0;
   for (int i = 0; i < constraint_count(); ++i) {
-    const double value = constraints_[i]->value(state.positions_m);
-    const ConstraintLaw law = constraints_[i]->law(value, state.constraint_multipliers[i]);
+    const double value = constraints_[i].value(state.positions_m, state.drives);
+    const ConstraintLaw law = constraints_[i].law(value, state.constraint_multipliers[i], state.drives);
     worst = std::max(worst, std::abs(relative_violation(law, state.constraint_multipliers[i], value)));
   }
   return worst;

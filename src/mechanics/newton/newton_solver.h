@@ -19,13 +19,12 @@
 #include "mechanics/linear_algebra/anderson_mixing.h"
 #include "mechanics/linear_algebra/block_cholesky.h"
 #include "mechanics/linear_algebra/block_matrix.h"
-#include "mechanics/elements/clique_adder.h"
+#include "mechanics/simulation/driven_constraint.h"
 #include "mechanics/elements/elements.h"
-#include "mechanics/linear_algebra/matrix_layout.h"
 #include "multiplier_problem.h"
+#include "newton_tables.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/constraint.h"
-#include "mechanics/xpbd/step_warp.h"
 #include "mechanics/elements/strain_springs.h"
 
 namespace soft_robot_lab {
@@ -35,18 +34,13 @@ inline Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& colum
   return {columns.data(), columns.size()};
 }
 
-// The unknowns, and what is known at them.
+// The unknowns, and what the actuators do meanwhile.
 struct NewtonState {
   Eigen::Matrix3Xd positions_m;            // 3 x nodes
   Eigen::VectorXd element_multipliers_pa;  // p
   Eigen::VectorXd constraint_multipliers;  // y
   Eigen::VectorXd slips_m = {};            // q, one per contact, since the step began
-};
-
-// A contact, and its constraints among all.
-struct SharedLength {
-  const FrictionContact* contact;
-  int first, second;
+  SharedDrives drives = nullptr;           // needed where there are constraints
 };
 
 // Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never
@@ -98,9 +92,10 @@ struct NewtonResponse {
   Eigen::MatrixXd motions_m, multipliers, slips_m;
 };
 
+// The workspace of one thread: matrix, factor and scratch, with the factor's tag, `linearisation`.
 class NewtonSolver {
  public:
-  NewtonSolver(const Body& body, std::vector<const Constraint*> constraints, std::vector<SharedLength> shared = {});
+  explicit NewtonSolver(std::shared_ptr<const NewtonTables> tables);
 
   // Improves the state in place. Where it did not converge the state is the best it had; NaN never enters it.
   NewtonReport solve(const NewtonTask& task, NewtonState& state);
@@ -136,7 +131,7 @@ class NewtonSolver {
   const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
   void restore(const std::shared_ptr<const Linearisation>& linearisation);
 
-  int element_multiplier_count() const { return elements_.multiplier_count(); }
+  int element_multiplier_count() const { return tables_->element_multiplier_count(); }
   Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.batch_count()) * kLanes; }
   Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
@@ -176,6 +171,7 @@ class NewtonSolver {
   bool linearised_at(const NewtonState& state, double inertia_per_s2,
                      const std::shared_ptr<const StrainTarget>& strain_target) const;
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
+  ConstraintLaw law_at(const NewtonState& state, int constraint) const;
   std::vector<FrictionContactBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
@@ -185,7 +181,7 @@ class NewtonSolver {
                      Step& step) const;
   bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                    double& length) const;
-  EnergyAt energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m) const;
+  EnergyAt energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m, const SharedDrives& drives) const;
   bool linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
                        double convexity);
   bool linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
@@ -195,21 +191,20 @@ class NewtonSolver {
   double merit(const Evaluation& at, const Step& step) const;
   void release(Eigen::Matrix3Xd& forces) const;                          // zero on held degrees of freedom
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor
-  Eigen::MatrixXd border(const Eigen::Matrix3Xd& positions) const;
+  Eigen::MatrixXd border(const NewtonState& state) const;
 
-  const Body& body_;
-  std::vector<const Constraint*> constraints_;
-  std::vector<SharedLength> shared_;
-  MatrixLayout layout_;
-  Eigen::Matrix3Xd loads_n_;
-  double force_floor_n_;  // forces below this count as none
+  std::shared_ptr<const NewtonTables> tables_;
+  const Body& body_;  // these are the tables'
+  const std::vector<DrivenConstraint>& constraints_;
+  const std::vector<SharedLength>& shared_;
+  const MatrixLayout& layout_;
+  const Eigen::Matrix3Xd& loads_n_;
+  const double force_floor_n_;
+
   BlockMatrix matrix_;
   BlockCholesky factor_;
   Elements elements_;
   StrainSprings springs_;
-  std::unique_ptr<const StepWarp> warp_;  // made for the first step of a new factor
-  CliqueAdder ties_;
-  std::vector<CliqueAdder> adders_;  // per constraint
 
   // The last linearisation: its factor is in factor_, its volume gradients are in elements_.
   std::shared_ptr<const Linearisation> linearisation_;  // null where it was convex or failed

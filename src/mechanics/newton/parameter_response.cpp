@@ -6,8 +6,8 @@
 namespace soft_robot_lab {
 namespace {
 
-void add_law_change(const SimulationParts& parts, const std::string& key, std::size_t actuator, Eigen::Index column,
-                    NewtonDrive& drive) {
+void add_law_change(const SimulationParts& parts, const NewtonState& state, const std::string& key,
+                    std::size_t actuator, Eigen::Index column, NewtonDrive& drive) {
   const Actuator& chosen = *parts.actuators.at(actuator);
   Eigen::Index constraint = 0, contact = 0;
   for (std::size_t i = 0; i < actuator; ++i) {
@@ -15,7 +15,7 @@ void add_law_change(const SimulationParts& parts, const std::string& key, std::s
     contact += static_cast<Eigen::Index>(parts.actuators[i]->friction_contacts().size());
   }
   const std::optional<LawChange> change =
-      chosen.law_change(key, parts.state.positions_m, parts.multipliers_of(actuator));
+      chosen.law_change(key, parts.state.positions_m, parts.multipliers_of(actuator), state.drives->at(actuator));
   if (!change) throw std::invalid_argument("actuator '" + chosen.name() + "': nothing follows from its " + key);
   drive.offsets.col(column).segment(constraint, change->offsets.size()) += change->offsets;
   drive.log_ratios.col(column).segment(contact, change->log_ratios.size()) += change->log_ratios;
@@ -44,7 +44,7 @@ Eigen::VectorXd weight_n(const Body& body) {
 
 Eigen::VectorXd force_of_body(const SimulationParts& parts, const NewtonState& state, const std::string& key) {
   if (key == "density_kg_m3") return weight_n(parts.body);
-  return parts.solver.elastic_force_n(state) / parts.body.material().youngs_modulus_pa;
+  return parts.workspace.newton.elastic_force_n(state) / parts.body.material().youngs_modulus_pa;
 }
 
 }  // namespace
@@ -52,8 +52,8 @@ Eigen::VectorXd force_of_body(const SimulationParts& parts, const NewtonState& s
 Eigen::MatrixXd parameter_motions(SimulationParts& parts, const std::vector<ModelParameter>& parameters,
                                   Eigen::MatrixXd& slipped_m) {
   const auto columns = static_cast<Eigen::Index>(parameters.size());
-  const NewtonState state = parts.unknowns();
-  NewtonSolver& solver = parts.solver;
+  const NewtonState state = parts.unknowns_at_step();
+  NewtonSolver& solver = parts.workspace.newton;
   NewtonDrive drive{Eigen::MatrixXd::Zero(state.positions_m.size(), columns),
                     Eigen::MatrixXd::Zero(solver.constraint_count(), columns),
                     Eigen::MatrixXd::Zero(solver.constraint_count(), columns),
@@ -63,7 +63,7 @@ Eigen::MatrixXd parameter_motions(SimulationParts& parts, const std::vector<Mode
     const ModelParameter& parameter = parameters[static_cast<std::size_t>(column)];
     if (parameter.actuators.empty()) drive.forces_n.col(column) = force_of_body(parts, state, parameter.key);
     for (const int actuator : parameter.actuators)
-      add_law_change(parts, parameter.key, static_cast<std::size_t>(actuator), column, drive);
+      add_law_change(parts, state, parameter.key, static_cast<std::size_t>(actuator), column, drive);
   }
   add_slipped(parts, slipped_m, drive);
   const NewtonResponse response = solver.respond(state, drive);

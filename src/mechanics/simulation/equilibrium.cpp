@@ -19,12 +19,6 @@ void tell_unfinished(double done, SolveReport& report) {
   report.message = reached.str();
 }
 
-std::vector<double> actuated(const SimulationParts& parts) {
-  std::vector<double> commands;
-  for (const auto& actuator : parts.actuators) commands.push_back(actuator->actuated_command());
-  return commands;
-}
-
 // By Newton, in stages of the command change where one is too far; the share of it that was reached. A stage whose way
 // leads through an unstable shape, as where a body buckles, hardly ever converges: it is cut before it costs anything.
 double follow_commands(SimulationParts& parts, const std::vector<double>& from, const EquilibriumOptions& options,
@@ -32,8 +26,8 @@ double follow_commands(SimulationParts& parts, const std::vector<double>& from, 
   double done = 0.0, stage = 1.0;
   while (done < 1.0 && stage * kSmallestStage >= 1.0 && within_budget(parts, report)) {
     const double fraction = std::min(1.0, done + stage);
-    parts.move_actuators(from, fraction);
-    const bool cuttable = actuated(parts) != from && 0.5 * stage * kSmallestStage >= 1.0;
+    parts.place_actuators(from, parts.state.commands(), fraction);
+    const bool cuttable = parts.state.actuated_commands() != from && 0.5 * stage * kSmallestStage >= 1.0;
     const bool found = relax(parts, report, {options.tolerance, options.only_through_stable || cuttable});
     if (found) done = fraction;
     if (options.only_through_stable) break;
@@ -47,18 +41,19 @@ void start_from_rest_shape(SimulationParts& parts) {
   parts.state.positions_m = parts.body.mesh().nodes_m;
   parts.state.element_multipliers_pa.setZero();
   parts.state.constraint_multipliers.setZero();
-  for (auto& actuator : parts.actuators) actuator->place(actuator->limits().rest);
+  for (std::size_t i = 0; i < parts.actuators.size(); ++i)
+    parts.actuators[i]->place(parts.actuators[i]->limits().rest, parts.state.drives[i]);
   parts.begin_step();
 }
 
 }  // namespace
 
 void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
-  if (parts.solver.inverted_elements(parts.state.positions_m) > 0) start_from_rest_shape(parts);
-  const std::vector<double> from = actuated(parts);
+  if (parts.workspace.newton.inverted_elements(parts.state.positions_m) > 0) start_from_rest_shape(parts);
+  const std::vector<double> from = parts.state.actuated_commands();
   const double done = follow_commands(parts, from, options, report);
   if (done == 1.0) return;
-  parts.move_actuators(from, 1.0);
+  parts.place_actuators(from, parts.state.commands(), 1.0);
   if (!options.only_through_stable && (relax_from_below(parts, report) || descend(parts, report))) return;
   tell_unfinished(done, report);
 }

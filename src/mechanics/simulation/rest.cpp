@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rest.h"
 
+#include <algorithm>
+
 namespace soft_robot_lab {
 namespace {
 
@@ -13,17 +15,12 @@ constexpr double kFar = 1e-3;          // times the body's size: a node's way fr
 constexpr double kMuchLeft = 0.1;      // of a time step's tolerance
 
 bool commands_reached(const SimulationParts& parts) {
-  for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
-    const Actuator& actuator = *parts.actuators[i];
-    if (actuator.command() != actuator.actuated_command() ||
-        actuator.actuated_command() != parts.state.actuated_commands[i])
-      return false;
-  }
-  return true;
+  return std::all_of(parts.state.drives.begin(), parts.state.drives.end(),
+                     [](const DriveState& drive) { return drive.actuated_command == drive.command; });
 }
 
 bool needs_new_factor(const SimulationParts& parts, const SolveReport& report) {
-  const auto& made = parts.solver.linearisation();
+  const auto& made = parts.workspace.newton.linearisation();
   if (!made || report.residual < kMuchLeft * parts.options.dynamic_tolerance) return false;
   const Eigen::Matrix3Xd& here = parts.state.positions_m;
   return (made->at.positions_m - here).colwise().norm().maxCoeff() > kFar * parts.body.size_m();
@@ -31,9 +28,8 @@ bool needs_new_factor(const SimulationParts& parts, const SolveReport& report) {
 
 }  // namespace
 
-double residual_at_rest(SimulationParts& parts) {
-  parts.begin_step(parts.options.time_step_s);
-  return parts.solver.rest_residual(parts.unknowns());
+double residual_at_rest(const SimulationParts& parts) {
+  return parts.workspace.newton.rest_residual(parts.unknowns_at_step(parts.options.time_step_s));
 }
 
 bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
@@ -41,8 +37,7 @@ bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
   if (!state.rest_residual) return false;
   bool still = commands_reached(parts);
   if (still) {
-    parts.begin_step(h);
-    still = parts.solver.worst_violation(parts.unknowns()) <= parts.options.tolerance;
+    still = parts.workspace.newton.worst_violation(parts.unknowns_at_step(h)) <= parts.options.tolerance;
   }
   if (!still) {
     state.rest_residual.reset();
@@ -62,15 +57,12 @@ void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport
   if (!commands_reached(parts)) return;
   if (motion_m > kStill * parts.body.size_m()) {
     if (!needs_new_factor(parts, report)) return;
-    parts.solver.restore(nullptr);
-    parts.remember();
+    parts.workspace.newton.restore(nullptr);
     return;
   }
-  const double residual = residual_at_rest(parts);
-  if (residual > parts.options.tolerance) return;
-  const bool stable = parts.solver.stable_at_rest(parts.unknowns());
-  parts.remember();  // the new linearisation
-  if (!stable) return;
+  const NewtonState still = parts.unknowns_at_step(parts.options.time_step_s);
+  const double residual = parts.workspace.newton.rest_residual(still);
+  if (residual > parts.options.tolerance || !parts.workspace.newton.stable_at_rest(still)) return;
   state.rest_residual = residual;
   state.velocities_m_s.setZero();
   parts.forget_previous_step();

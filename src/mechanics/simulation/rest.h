@@ -9,7 +9,7 @@ namespace soft_robot_lab {
 // A body at rest sleeps: its steps only let time pass, until a command, a constraint's law or the state changes.
 
 // Of the present positions without motion.
-double residual_at_rest(SimulationParts& parts);
+double residual_at_rest(const SimulationParts& parts);
 
 // One step of a sleeping body; false where it is awake, or has just been woken.
 bool sleep_on(SimulationParts& parts, double h, SolveReport& report);

@@ -2,7 +2,6 @@
 #include "soft_robot_lab/mechanics/simulation.h"
 
 #include <chrono>
-#include <set>
 #include <stdexcept>
 
 #include "actuator_warnings.h"
@@ -16,16 +15,6 @@
 
 namespace soft_robot_lab {
 namespace {
-
-template <class Items, class NameOf>
-int index_of(const std::string& kind, const std::string& name, const Items& items, NameOf name_of) {
-  std::string known;
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (name_of(items[i]) == name) return static_cast<int>(i);
-    known += (i == 0 ? "" : ", ") + name_of(items[i]);
-  }
-  throw std::invalid_argument("unknown " + kind + " '" + name + "'; known: " + (known.empty() ? "none" : known));
-}
 
 void warn_of_actuators(const Simulation& simulation, SolveReport& report) {
   for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
@@ -42,18 +31,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-void refuse_beyond_xpbd(const Body& body) {
-  if (body.linear_volume() == LinearVolume::vertex_averaged)
-    throw std::invalid_argument(
-        "body.linear_volume: vertex_averaged is not for solver.method xpbd, which corrects one element at a "
-        "time; "
-        "choose element, or method newton");
-  if (body.viscosity().of_strain())
-    throw std::invalid_argument(
-        "body.damping.rayleigh_stiffness_s and body.hysteresis are not for solver.method xpbd; choose "
-        "rayleigh_mass_per_s, or method newton");
-}
-
 // d tension / d command of the actuators, from d multiplier / d command of the constraints: a tension is linear in its
 // actuator's multipliers, and every constraint follows its actuator's command.
 Eigen::MatrixXd tension_changes(const SimulationParts& parts, const Eigen::MatrixXd& multipliers) {
@@ -64,7 +41,7 @@ Eigen::MatrixXd tension_changes(const SimulationParts& parts, const Eigen::Matri
     first[i + 1] = first[i] + static_cast<Eigen::Index>(parts.actuators[i]->constraints().size());
   for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
     const auto tension_n = [&](const std::vector<double>& of) {
-      return parts.actuators[i]->observe(parts.state.positions_m, of).tension_n;
+      return parts.actuators[i]->observe(parts.state.positions_m, of, parts.state.drives[i]).tension_n;
     };
     std::vector<double> here = parts.multipliers_of(i);
     if (!tension_n(here)) continue;
@@ -82,19 +59,11 @@ Eigen::MatrixXd tension_changes(const SimulationParts& parts, const Eigen::Matri
 }  // namespace
 
 Simulation::Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
-                       const SolverOptions& options) {
-  options.validate();
-  if (body.fixed_node_count() == 0) throw std::invalid_argument("body.fixed: no node is held; the robot would fall");
-  if (options.method == SolverOptions::Method::xpbd) refuse_beyond_xpbd(body);
-  std::set<std::string> names;
-  for (const auto& actuator : actuators)
-    if (!names.insert(actuator->name()).second)
-      throw std::invalid_argument("two actuators are named '" + actuator->name() + "'");
-  names.clear();
-  for (const Marker& marker : markers)
-    if (!names.insert(marker.name()).second)
-      throw std::invalid_argument("two markers are named '" + marker.name() + "'");
-  parts_ = std::make_unique<SimulationParts>(std::move(body), std::move(actuators), std::move(markers), options);
+                       const SolverOptions& options)
+    : Simulation(std::make_shared<const Model>(std::move(body), std::move(actuators), std::move(markers), options)) {}
+
+Simulation::Simulation(std::shared_ptr<const Model> model)
+    : parts_(std::make_unique<SimulationParts>(std::move(model))) {
   reset();
 }
 
@@ -103,19 +72,18 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 
 void Simulation::set_command(const std::string& actuator, double command) {
   const int index = actuator_index(actuator);
-  parts_->actuators[index]->set_command(command);
-  parts_->state.commands[index] = command;
-  parts_->state.actuator_memories[index] = parts_->actuators[index]->memory();
+  parts_->actuators[index]->set_command(command, parts_->state.drives[index]);
 }
 
 SolveReport Simulation::step() {
   const Stopwatch clock;
   SolveReport report;
-  if (parts_->xpbd) {
+  if (parts_->workspace.xpbd) {
     step_in_substeps(*parts_, report);
   } else {
     step_in_time(*parts_, parts_->options.time_step_s, report);
   }
+  take_along_linearisation();
   warn_of_actuators(*this, report);
   report.wall_s = clock.seconds();
   return report;
@@ -129,12 +97,12 @@ SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
       throw std::invalid_argument("actuator '" + actuator->name() + "': " + why);
   parts_->forget_motion();
   parts_->begin_step();
-  if (parts_->xpbd) {
+  if (parts_->workspace.xpbd) {
     settle_in_substeps(*parts_, report);
   } else {
     find_equilibrium(*parts_, options, report);
   }
-  parts_->remember();
+  take_along_linearisation();
   warn_of_actuators(*this, report);
   report.wall_s = clock.seconds();
   return report;
@@ -142,11 +110,10 @@ SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
 
 Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {
   SimulationParts& p = *parts_;
-  p.begin_step();
   Eigen::MatrixXd multipliers;
-  const Eigen::MatrixXd motions = p.solver.sensitivities(p.unknowns(), &multipliers);
-  p.remember();
-  if (motions.rows() == 0 && p.solver.constraint_count() > 0)
+  const Eigen::MatrixXd motions = p.workspace.newton.sensitivities(p.unknowns_at_step(), &multipliers);
+  take_along_linearisation();
+  if (motions.rows() == 0 && p.workspace.newton.constraint_count() > 0)
     throw std::runtime_error("no sensitivity: the present state is not a stable equilibrium");
   if (tensions_n) *tensions_n = tension_changes(p, multipliers);
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(p.markers.size()),
@@ -166,9 +133,8 @@ Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {
 Eigen::MatrixXd Simulation::parameter_sensitivities(const std::vector<ModelParameter>& parameters,
                                                     Eigen::MatrixXd& slipped_m) {
   SimulationParts& p = *parts_;
-  p.begin_step();
   const Eigen::MatrixXd motions = parameter_motions(p, parameters, slipped_m);
-  p.remember();
+  take_along_linearisation();
   Eigen::MatrixXd result(3 * static_cast<Eigen::Index>(p.markers.size()), motions.cols());
   for (Eigen::Index column = 0; column < motions.cols(); ++column) {
     const Eigen::Map<const Eigen::Matrix3Xd> motion(motions.col(column).data(), 3, p.state.positions_m.cols());
@@ -181,27 +147,28 @@ Eigen::MatrixXd Simulation::parameter_sensitivities(const std::vector<ModelParam
 void Simulation::reset() { parts_->reset(); }
 const SimulationState& Simulation::state() const { return parts_->state; }
 
+// The state knows where the solver's factor was made, so that a copy of it goes on to the last bit.
+void Simulation::take_along_linearisation() { parts_->state.linearisation = parts_->workspace.newton.linearisation(); }
+
 void Simulation::set_state(const SimulationState& state) {
   check_state(state, parts_->state);
-  parts_->restore(state);
+  for (std::size_t i = 0; i < parts_->actuators.size(); ++i)
+    parts_->actuators[i]->require_in_limits(state.drives[i].command);
+  parts_->set_state(state);
   // A state may have been changed since it slept.
   std::optional<double>& residual = parts_->state.rest_residual;
   if (residual && (!state.velocities_m_s.isZero(0.0) || residual_at_rest(*parts_) != *residual)) residual.reset();
-  parts_->solver.restore(state.linearisation);
+  parts_->workspace.newton.restore(state.linearisation);
 }
 
+const std::shared_ptr<const Model>& Simulation::model() const { return parts_->model; }
 const Body& Simulation::body() const { return parts_->body; }
 const SolverOptions& Simulation::options() const { return parts_->options; }
 const std::vector<Marker>& Simulation::markers() const { return parts_->markers; }
-const std::vector<std::unique_ptr<Actuator>>& Simulation::actuators() const { return parts_->actuators; }
+const std::vector<std::unique_ptr<const Actuator>>& Simulation::actuators() const { return parts_->actuators; }
 
-int Simulation::actuator_index(const std::string& name) const {
-  return index_of("actuator", name, parts_->actuators, [](const auto& actuator) { return actuator->name(); });
-}
-
-int Simulation::marker_index(const std::string& name) const {
-  return index_of("marker", name, parts_->markers, [](const Marker& marker) { return marker.name(); });
-}
+int Simulation::actuator_index(const std::string& name) const { return parts_->model->actuator_index(name); }
+int Simulation::marker_index(const std::string& name) const { return parts_->model->marker_index(name); }
 
 Eigen::Vector3d Simulation::marker_position(int marker) const {
   return parts_->markers.at(marker).position(parts_->state.positions_m);
@@ -209,10 +176,11 @@ Eigen::Vector3d Simulation::marker_position(int marker) const {
 
 ActuatorReading Simulation::actuator_state(int actuator) const {
   const Actuator& chosen = *parts_->actuators.at(actuator);
-  ActuatorReading state = chosen.observe(parts_->state.positions_m, parts_->multipliers_of(actuator));
+  const DriveState& drive = parts_->state.drives.at(actuator);
+  ActuatorReading state = chosen.observe(parts_->state.positions_m, parts_->multipliers_of(actuator), drive);
   state.name = chosen.name();
-  state.command = chosen.command();
-  state.actuated_command = chosen.actuated_command();
+  state.command = drive.command;
+  state.actuated_command = drive.actuated_command;
   return state;
 }
 

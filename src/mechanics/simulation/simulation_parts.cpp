@@ -1,68 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation_parts.h"
 
-#include <stdexcept>
-
 #include "solve_ending.h"
 
 namespace soft_robot_lab {
-namespace {
 
-constexpr int kThreads = 2;  // of xpbd, on meshes large enough to be worth it
-
-std::vector<const Constraint*> constraints_of(const std::vector<std::unique_ptr<Actuator>>& actuators) {
-  std::vector<const Constraint*> all;
-  for (const auto& actuator : actuators)
-    for (const Constraint* constraint : actuator->constraints()) all.push_back(constraint);
-  return all;
-}
-
-std::vector<SharedLength> shared_lengths_of(const std::vector<std::unique_ptr<Actuator>>& actuators,
-                                            SolverOptions::Method method) {
-  std::vector<SharedLength> all;
-  int offset = 0;
-  for (const auto& actuator : actuators) {
-    for (const FrictionContact* contact : actuator->friction_contacts())
-      all.push_back({contact, offset + contact->first, offset + contact->second});
-    if (!all.empty() && method == SolverOptions::Method::xpbd)
-      throw std::invalid_argument("actuator '" + actuator->name() +
-                                  "' has friction, which solver.method xpbd does not know; must be newton");
-    offset += static_cast<int>(actuator->constraints().size());
-  }
-  return all;
-}
-
-}  // namespace
-
-SimulationParts::SimulationParts(Body body_in, std::vector<std::unique_ptr<Actuator>> actuators_in,
-                                 std::vector<Marker> markers_in, const SolverOptions& options_in)
-    : body(std::move(body_in)),
-      actuators(std::move(actuators_in)),
-      markers(std::move(markers_in)),
-      options(options_in),
-      solver(body, constraints_of(actuators), shared_lengths_of(actuators, options.method)) {
-  if (options.method == SolverOptions::Method::xpbd)
-    xpbd = std::make_unique<XpbdSolver>(body, constraints_of(actuators), kThreads);
-}
+SimulationParts::SimulationParts(std::shared_ptr<const Model> model_in)
+    : model(std::move(model_in)),
+      body(model->body()),
+      actuators(model->actuators()),
+      markers(model->markers()),
+      options(model->options()),
+      workspace(model->tables()) {}
 
 void SimulationParts::reset() {
   state.time_s = 0.0;
   state.positions_m = body.mesh().nodes_m;
   forget_motion();
-  state.element_multipliers_pa = Eigen::VectorXd::Zero(solver.element_multiplier_count());
-  state.constraint_multipliers = Eigen::VectorXd::Zero(solver.constraint_count());
-  state.element_forces_n = Eigen::VectorXd::Zero(xpbd ? xpbd->force_count() : 0);
-  for (auto& actuator : actuators) actuator->reset();
-  state.commands.resize(actuators.size());
-  state.actuated_commands.resize(actuators.size());
-  state.actuator_memories.resize(actuators.size());
-  solver.restore(nullptr);
-  remember();
+  state.element_multipliers_pa = Eigen::VectorXd::Zero(workspace.newton.element_multiplier_count());
+  state.constraint_multipliers = Eigen::VectorXd::Zero(workspace.newton.constraint_count());
+  state.element_forces_n = Eigen::VectorXd::Zero(workspace.xpbd ? workspace.xpbd->force_count() : 0);
+  state.drives.clear();
+  for (const auto& actuator : actuators) state.drives.push_back(actuator->rest_state());
+  workspace.newton.restore(nullptr);
+  state.linearisation = nullptr;
 }
 
 NewtonState SimulationParts::unknowns() const {
   return {state.positions_m, state.element_multipliers_pa, state.constraint_multipliers,
-          Eigen::VectorXd::Zero(solver.friction_contact_count())};
+          Eigen::VectorXd::Zero(workspace.newton.friction_contact_count()),
+          std::make_shared<const DriveStates>(state.drives)};
 }
 
 void SimulationParts::accept(NewtonState solved) {
@@ -70,27 +37,19 @@ void SimulationParts::accept(NewtonState solved) {
   state.element_multipliers_pa = std::move(solved.element_multipliers_pa);
   state.constraint_multipliers = std::move(solved.constraint_multipliers);
   const double* flow = solved.slips_m.data();
-  for (auto& actuator : actuators) {
-    const std::size_t count = actuator->friction_contacts().size();
-    actuator->end_step({flow, flow + count});
+  for (std::size_t i = 0; i < actuators.size(); ++i) {
+    const std::size_t count = actuators[i]->friction_contacts().size();
+    actuators[i]->end_step({flow, flow + count}, state.drives[i]);
     flow += count;
   }
 }
 
-void SimulationParts::remember() {
-  state.linearisation = solver.linearisation();
-  for (std::size_t i = 0; i < actuators.size(); ++i) {
-    state.commands[i] = actuators[i]->command();
-    state.actuated_commands[i] = actuators[i]->actuated_command();
-    state.actuator_memories[i] = actuators[i]->memory();
-  }
-}
-
-void SimulationParts::restore(const SimulationState& saved) {
+void SimulationParts::set_state(const SimulationState& saved) {
   state = saved;
-  if (xpbd && saved.element_forces_n.size() == 0) state.element_forces_n = xpbd->forces_of(unknowns());
   for (std::size_t i = 0; i < actuators.size(); ++i)
-    actuators[i]->restore(saved.commands[i], saved.actuated_commands[i], saved.actuator_memories[i]);
+    actuators[i]->place(saved.drives[i].actuated_command, state.drives[i]);  // within its limits
+  if (workspace.xpbd && saved.element_forces_n.size() == 0)
+    state.element_forces_n = workspace.xpbd->forces_of(unknowns());
 }
 
 void SimulationParts::forget_previous_step() {
@@ -106,7 +65,8 @@ void SimulationParts::forget_motion() {
   state.inverted_steps = 0;
   forget_previous_step();
   state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
-  state.branch_stress_pa = Eigen::VectorXd::Zero(body.viscosity().hysteresis_ratio > 0.0 ? solver.strain_count() : 0);
+  state.branch_stress_pa =
+      Eigen::VectorXd::Zero(body.viscosity().hysteresis_ratio > 0.0 ? workspace.newton.strain_count() : 0);
 }
 
 std::vector<double> SimulationParts::multipliers_of(std::size_t actuator) const {
@@ -118,18 +78,30 @@ std::vector<double> SimulationParts::multipliers_of(std::size_t actuator) const 
 
 void SimulationParts::begin_step(double time_step_s) {
   for (std::size_t i = 0; i < actuators.size(); ++i)
-    actuators[i]->begin_step({time_step_s, state.positions_m, state.velocities_m_s, multipliers_of(i)});
+    actuators[i]->begin_step({time_step_s, state.positions_m, state.velocities_m_s, multipliers_of(i)},
+                             state.drives[i]);
 }
 
-void SimulationParts::move_actuators(const std::vector<double>& from, double fraction) {
-  for (std::size_t i = 0; i < actuators.size(); ++i) {
-    const double target = actuators[i]->command();
-    actuators[i]->place(from[i] + fraction * (target - from[i]));
-  }
+NewtonState SimulationParts::unknowns_at_step(double time_step_s) const {
+  DriveStates drives = state.drives;
+  for (std::size_t i = 0; i < actuators.size(); ++i)
+    actuators[i]->begin_step({time_step_s, state.positions_m, state.velocities_m_s, multipliers_of(i)}, drives[i]);
+  NewtonState asked = unknowns();
+  asked.drives = std::make_shared<const DriveStates>(std::move(drives));
+  return asked;
+}
+
+void SimulationParts::advance_actuators(double time_step_s) {
+  for (std::size_t i = 0; i < actuators.size(); ++i) actuators[i]->advance(time_step_s, state.drives[i]);
+}
+
+void SimulationParts::place_actuators(const std::vector<double>& from, const std::vector<double>& to, double fraction) {
+  for (std::size_t i = 0; i < actuators.size(); ++i)
+    actuators[i]->place(from[i] + fraction * (to[i] - from[i]), state.drives[i]);
 }
 
 NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
-  const NewtonReport newton = solver.solve(task, unknown);
+  const NewtonReport newton = workspace.newton.solve(task, unknown);
   ++report.steps;
   report.iterations += newton.iterations;
   report.factorisations += newton.factorisations;
@@ -139,9 +111,9 @@ NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown
 }
 
 NewtonReport SimulationParts::solve_from_below(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
-  if (solver.friction_contact_count() > 0) return {};
+  if (workspace.newton.friction_contact_count() > 0) return {};
   unknown = unknowns();
-  const NewtonReport descent = solver.descend(task, unknown);
+  const NewtonReport descent = workspace.newton.descend(task, unknown);
   report.iterations += descent.iterations;
   report.factorisations += descent.factorisations;
   report.rejected_steps += descent.shortened + descent.convexified;

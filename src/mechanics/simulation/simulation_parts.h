@@ -6,39 +6,33 @@
 #include <memory>
 #include <vector>
 
-#include "mechanics/xpbd/xpbd_solver.h"
-#include "mechanics/newton/newton_solver.h"
-#include "soft_robot_lab/mechanics/actuator.h"
-#include "soft_robot_lab/mechanics/body.h"
-#include "soft_robot_lab/mechanics/marker.h"
+#include "soft_robot_lab/mechanics/model.h"
 #include "soft_robot_lab/mechanics/simulation_state.h"
 #include "soft_robot_lab/mechanics/solve_report.h"
-#include "soft_robot_lab/mechanics/solver_options.h"
+#include "workspace.h"
 
 namespace soft_robot_lab {
 
 constexpr int kStageIterations = 25;  // Newton iterations before a step or stage is cut
 
 struct SimulationParts {
-  Body body;
-  std::vector<std::unique_ptr<Actuator>> actuators;
-  std::vector<Marker> markers;
-  SolverOptions options;
-  NewtonSolver solver;
-  std::unique_ptr<XpbdSolver> xpbd;  // where it is the method
+  std::shared_ptr<const Model> model;
+  const Body& body;  // these are the model's
+  const std::vector<std::unique_ptr<const Actuator>>& actuators;
+  const std::vector<Marker>& markers;
+  const SolverOptions& options;
+
+  Workspace workspace;
   SimulationState state;
 
-  SimulationParts(Body body_in, std::vector<std::unique_ptr<Actuator>> actuators_in, std::vector<Marker> markers_in,
-                  const SolverOptions& options_in);
+  explicit SimulationParts(std::shared_ptr<const Model> model_in);
 
   void reset();  // rest shape, rest commands, time zero
 
-  NewtonState unknowns() const;
+  NewtonState unknowns() const;  // of the present state and its drives
   void accept(NewtonState solved);
 
-  // What actuators and solver know, so that a copy of the state has it; and back, but for the solver.
-  void remember();
-  void restore(const SimulationState& saved);
+  void set_state(const SimulationState& saved);  // fills in what a state may leave empty
   void forget_previous_step();
   void forget_motion();  // velocities, the step before, and the stress of hysteresis: a body long at rest
 
@@ -46,9 +40,12 @@ struct SimulationParts {
 
   // Passes to the actuators from where a step starts, or with an infinite one an equilibrium.
   void begin_step(double time_step_s = std::numeric_limits<double>::infinity());
+  // The unknowns for a question about the present state that leaves it as it is, memories and all.
+  NewtonState unknowns_at_step(double time_step_s = std::numeric_limits<double>::infinity()) const;
 
-  // The actuated commands: this share of the way from `from` to the commands.
-  void move_actuators(const std::vector<double>& from, double fraction);
+  void advance_actuators(double time_step_s);  // towards their commands, as far as their drives come
+  // Their actuated commands, this share of the way from `from` to `to`.
+  void place_actuators(const std::vector<double>& from, const std::vector<double>& to, double fraction);
 
   // Solves from the present state, which it leaves alone; the report counts the work and says how this solve ended.
   NewtonReport solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report);

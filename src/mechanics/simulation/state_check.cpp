@@ -15,10 +15,9 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
       state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
       (state.element_forces_n.size() == now.element_forces_n.size() || state.element_forces_n.size() == 0) &&
-      state.branch_stress_pa.size() == now.branch_stress_pa.size() && state.commands.size() == now.commands.size() &&
-      state.actuated_commands.size() == now.actuated_commands.size() &&
-      std::equal(state.actuator_memories.begin(), state.actuator_memories.end(), now.actuator_memories.begin(),
-                 now.actuator_memories.end(), [](const auto& a, const auto& b) { return a.size() == b.size(); });
+      state.branch_stress_pa.size() == now.branch_stress_pa.size() &&
+      std::equal(state.drives.begin(), state.drives.end(), now.drives.begin(), now.drives.end(),
+                 [](const auto& a, const auto& b) { return a.memory.size() == b.memory.size(); });
   const bool history = state.previous_step_s != 0.0;
   const bool previous_sizes =
       state.previous_positions_m.cols() == (history ? now.positions_m.cols() : 0) &&
@@ -34,8 +33,9 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
       !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
       !state.element_forces_n.allFinite() || !state.branch_stress_pa.allFinite() || !std::isfinite(state.time_s) ||
-      !std::all_of(state.actuator_memories.begin(), state.actuator_memories.end(),
-                   [](const auto& memory) { return memory.allFinite(); }))
+      !std::all_of(state.drives.begin(), state.drives.end(), [](const DriveState& drive) {
+        return std::isfinite(drive.actuated_command) && std::isfinite(drive.wait_s) && drive.memory.allFinite();
+      }))
     throw std::invalid_argument("state: not finite");
 }
 

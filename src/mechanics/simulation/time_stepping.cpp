@@ -24,17 +24,12 @@ struct CommandPath {
 
   CommandPath(SimulationParts& parts, double h) {
     parts.begin_step(h);
-    for (auto& actuator : parts.actuators) {
-      from.push_back(actuator->actuated_command());
-      actuator->advance(h);
-      to.push_back(actuator->actuated_command());
-    }
+    from = parts.state.actuated_commands();
+    parts.advance_actuators(h);
+    to = parts.state.actuated_commands();
   }
   void move(SimulationParts& parts, double fraction) const {
-    for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
-      const double reached = fraction == 1.0 ? to[i] : from[i] + fraction * (to[i] - from[i]);
-      parts.actuators[i]->place(reached);
-    }
+    parts.place_actuators(fraction == 1.0 ? to : from, to, fraction);
   }
 };
 
@@ -52,7 +47,7 @@ struct Part {
 void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, const ViscousStep& viscous,
                  NewtonState solved, SimulationState before) {
   SimulationState& state = parts.state;
-  state.branch_stress_pa = viscous.branch_stress_pa(parts.solver, solved.positions_m);
+  state.branch_stress_pa = viscous.branch_stress_pa(parts.workspace.newton, solved.positions_m);
   state.velocities_m_s = (solved.positions_m - difference.positions_from_m) / difference.gamma_s;
   parts.accept(std::move(solved));
   state.time_s = before.time_s + h;
@@ -61,13 +56,12 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
   state.previous_velocities_m_s = std::move(before.velocities_m_s);
   state.previous_element_multipliers_pa = std::move(before.element_multipliers_pa);
   state.previous_constraint_multipliers = std::move(before.constraint_multipliers);
-  parts.remember();
 }
 
 bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
   const BackwardDifference difference(before, h, parts.options.integrator);
-  const ViscousStep viscous(parts.body, parts.solver, before, difference, h);
+  const ViscousStep viscous(parts.body, parts.workspace.newton, before, difference, h);
   // M ((x - x~) / gamma^2 + a (x - x_from) / gamma) = c M (x - x_from - gamma v_from / c) / gamma^2 with c = 1 + a
   // gamma
   const double slowed = 1.0 + parts.body.viscosity().rayleigh_mass_per_s * difference.gamma_s;
@@ -82,7 +76,8 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
   task.predicted_m = &predicted;
   task.strain_target = viscous.strain_target();
   NewtonState unknown = predict(before, h, parts.options.integrator);
-  unknown.slips_m = Eigen::VectorXd::Zero(parts.solver.friction_contact_count());
+  unknown.slips_m = Eigen::VectorXd::Zero(parts.workspace.newton.friction_contact_count());
+  unknown.drives = std::make_shared<const DriveStates>(parts.state.drives);
   const bool solved =
       parts.solve(task, unknown, report).converged || parts.solve_from_below(task, unknown, report).converged;
   if (!solved && !last_resort) return false;
@@ -120,7 +115,7 @@ bool advance_untangled(SimulationParts& parts, double h, SolveReport& report) {
     tell_untangled(static_cast<int>(untangled.elements.size()), report);
     return true;
   }
-  parts.restore(before);
+  parts.state = before;
   return false;
 }
 

@@ -100,7 +100,7 @@ SOFT_ROBOT_LAB_CLONES void linear_additions(const ElementArrays& e, const double
 
 }  // namespace
 
-StepWarp::StepWarp(const Body& body, const ElementBatches& batches, const BlockMatrix& matrix)
+StepWarp::StepWarp(const Body& body, const ElementBatches& batches, const BlockPattern& matrix)
     : batches_(batches), mu_pa_(body.material().lame_mu_pa()) {
   for (int axis = 0; axis < 3; ++axis) {
     const bool as_before = axis > 0 && body.fixed().row(axis) == body.fixed().row(axis - 1);
@@ -109,7 +109,7 @@ StepWarp::StepWarp(const Body& body, const ElementBatches& batches, const BlockM
 }
 
 std::shared_ptr<const StepWarp::Poisson> StepWarp::poisson(const Eigen::Matrix<bool, 1, Eigen::Dynamic>& held,
-                                                           const BlockMatrix& matrix) const {
+                                                           const BlockPattern& matrix) const {
   auto result = std::make_shared<Poisson>();
   std::vector<int> place(held.size(), -1);
   for (int position = 0; position < matrix.node_count(); ++position) {

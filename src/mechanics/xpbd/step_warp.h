@@ -24,7 +24,7 @@ namespace soft_robot_lab {
 class StepWarp {
  public:
   // `batches` holds all elements of the body, and must outlive this; `matrix` gives a good order of elimination.
-  StepWarp(const Body& body, const ElementBatches& batches, const BlockMatrix& matrix);
+  StepWarp(const Body& body, const ElementBatches& batches, const BlockPattern& matrix);
 
   // From `positions_m` by `step_m`, which does not move what is held; 3 x nodes. An element that is inverted there, or
   // would be after the step's strain, takes the step as it is.
@@ -37,7 +37,7 @@ class StepWarp {
   };
 
   std::shared_ptr<const Poisson> poisson(const Eigen::Matrix<bool, 1, Eigen::Dynamic>& held,
-                                         const BlockMatrix& matrix) const;
+                                         const BlockPattern& matrix) const;
 
   const ElementBatches& batches_;
   double mu_pa_;

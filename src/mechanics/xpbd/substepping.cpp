@@ -22,18 +22,18 @@ NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdRep
   residual.predicted_m = &done.predicted_m;
   residual.inertia_per_s2 = at_rest ? 0.0 : std::pow(done.substeps / task.time_step_s, 2);
   NewtonState measured = parts.unknowns();
-  NewtonReport found = parts.solver.solve(residual, measured);
+  NewtonReport found = parts.workspace.newton.solve(residual, measured);
   if (at_rest) return found;
   found.converged = done.stable;
   found.reason = done.stable ? "" : "the step created energy with " + std::to_string(done.substeps) + " substeps too";
   return found;
 }
 
-// One time step of xpbd; kept only where it is finite.
-XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, bool at_rest, SolveReport& report) {
-  const SimulationState before = parts.state;
+// One time step of xpbd; kept only where it is finite, else the drives go back to `drives_before` too.
+XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, const DriveStates& drives_before,
+                               bool at_rest, SolveReport& report) {
   XpbdState moving{parts.unknowns(), parts.state.velocities_m_s, parts.state.element_forces_n};
-  const XpbdReport done = parts.xpbd->advance_stably(task, moving);
+  const XpbdReport done = parts.workspace.xpbd->advance_stably(task, moving);
   ++report.steps;
   report.iterations += done.sweeps;
   report.rejected_steps += done.rejected_steps;
@@ -44,7 +44,7 @@ XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, boo
     parts.state.element_forces_n = std::move(moving.element_forces_n);
     found = measure(parts, task, done, at_rest);
   } else {
-    parts.restore(before);
+    parts.state.drives = drives_before;
     found.residual = 1.0;
     found.reason = "the step went non-finite and was undone";
   }
@@ -63,31 +63,28 @@ XpbdTask substepping(const SimulationParts& parts) {
 }  // namespace
 
 void step_in_substeps(SimulationParts& parts, SolveReport& report) {
-  const std::vector<double> from = parts.state.actuated_commands;
-  std::vector<double> to;
+  const DriveStates before = parts.state.drives;
+  const std::vector<double> from = parts.state.actuated_commands();
   parts.begin_step(parts.options.time_step_s);
-  for (auto& actuator : parts.actuators) {
-    actuator->advance(parts.options.time_step_s);
-    to.push_back(actuator->actuated_command());
-  }
+  parts.advance_actuators(parts.options.time_step_s);
+  const std::vector<double> to = parts.state.actuated_commands();
   XpbdTask task = substepping(parts);
-  task.before_substep =
-      [&](double fraction) {  // also a command without a speed limit takes the whole time step to arrive
-        for (std::size_t i = 0; i < parts.actuators.size(); ++i)
-          parts.actuators[i]->place(from[i] + fraction * (to[i] - from[i]));
-      };
-  if (!advance_in_substeps(parts, task, false, report).finite) return;
+  task.drives_at = [&](double fraction) {  // also a command without a speed limit takes the whole time step to arrive
+    parts.place_actuators(from, to, fraction);
+    return std::make_shared<const DriveStates>(parts.state.drives);
+  };
+  if (!advance_in_substeps(parts, task, before, false, report).finite) return;
   parts.state.time_s += task.time_step_s;
-  parts.remember();
 }
 
 void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
-  const std::vector<double> from = parts.state.actuated_commands;
+  const DriveStates before = parts.state.drives;
+  const std::vector<double> from = parts.state.actuated_commands(), to = parts.state.commands();
   XpbdTask task = substepping(parts);
   double last_kinetic_energy = 0.0;
   for (int step = 1; step <= kRelaxationSteps; ++step) {
-    parts.move_actuators(from, std::min(1.0, static_cast<double>(step) / kPullSteps));
-    const XpbdReport done = advance_in_substeps(parts, task, true, report);
+    parts.place_actuators(from, to, std::min(1.0, static_cast<double>(step) / kPullSteps));
+    const XpbdReport done = advance_in_substeps(parts, task, before, true, report);
     if (!done.finite) break;
     if (done.kinetic_energy_j < last_kinetic_energy) parts.state.velocities_m_s.setZero();
     last_kinetic_energy = done.kinetic_energy_j;

@@ -51,19 +51,29 @@ ElementStep element_step(const Body& body, double h, const Eigen::Matrix3Xd& roo
 
 }  // namespace
 
-XpbdSolver::XpbdSolver(const Body& body, std::vector<const Constraint*> constraints, int thread_count)
-    : body_(body),
-      constraints_(std::move(constraints)),
+XpbdTables::XpbdTables(const Body& body_in, std::vector<DrivenConstraint> constraints_in)
+    : body(body_in),
+      constraints(std::move(constraints_in)),
+      loads_n(body.external_forces_n()),
+      batches(coloured_batches(body, lay_out(body.mesh()), colour_start)) {
+  inverse_masses = body.node_masses_kg().cwiseInverse().transpose().replicate(3, 1);
+  inverse_masses = body.fixed().array().select(0.0, inverse_masses.array()).matrix();
+  root_inverse_masses = inverse_masses.cwiseSqrt();
+}
+
+XpbdSolver::XpbdSolver(std::shared_ptr<const XpbdTables> tables, int thread_count)
+    : tables_(std::move(tables)),
+      body_(tables_->body),
+      constraints_(tables_->constraints),
+      loads_n_(tables_->loads_n),
+      inverse_masses_(tables_->inverse_masses),
+      root_inverse_masses_(tables_->root_inverse_masses),
+      colour_start_(tables_->colour_start),
+      batches_(tables_->batches),
       thread_count_(thread_count),
-      loads_n_(body.external_forces_n()),
-      batches_(coloured_batches(body, lay_out(body.mesh()), colour_start_)),
       multipliers_(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0)),
       energies_(static_cast<std::size_t>(batches_.count()), splat(0.0)),
-      gradient_(Eigen::Matrix3Xd::Zero(3, body.mesh().node_count())) {
-  inverse_masses_ = body.node_masses_kg().cwiseInverse().transpose().replicate(3, 1);
-  inverse_masses_ = body.fixed().array().select(0.0, inverse_masses_.array()).matrix();
-  root_inverse_masses_ = inverse_masses_.cwiseSqrt();
-}
+      gradient_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())) {}
 
 template <class Work>
 void XpbdSolver::for_colours(Work work) const {
@@ -75,13 +85,19 @@ void XpbdSolver::for_colours(Work work) const {
   }
 }
 
-const std::vector<int>& XpbdSolver::touched_by(const Constraint& constraint, const Eigen::Matrix3Xd& positions_m) {
+const std::vector<int>& XpbdSolver::touched_by(const DrivenConstraint& constraint, const NewtonState& state) {
   for (const int node : touched_) gradient_.col(node).setZero();
   touched_.clear();
-  constraint.add_gradient(positions_m, 1.0, gradient_);
+  constraint.add_gradient(state.positions_m, state.drives, 1.0, gradient_);
   for (Eigen::Index node = 0; node < gradient_.cols(); ++node)
     if (!gradient_.col(node).isZero(0.0)) touched_.push_back(static_cast<int>(node));
   return touched_;
+}
+
+ConstraintLaw XpbdSolver::law_at(std::size_t constraint, const NewtonState& state) const {
+  const DrivenConstraint& of = constraints_[constraint];
+  const double y = state.constraint_multipliers[static_cast<Eigen::Index>(constraint)];
+  return of.law(of.value(state.positions_m, state.drives), y, state.drives);
 }
 
 // l = -h^2 M^-1/2 f; the forces on held nodes, where M^-1/2 is zero, are not needed and not kept.
@@ -125,10 +141,10 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
   }
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
     double& y = state.unknowns.constraint_multipliers[static_cast<Eigen::Index>(i)];
-    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(positions), y);
+    const ConstraintLaw law = law_at(i, state.unknowns);
     y = std::clamp(task.multipliers_from_zero ? 0.0 : y, law.min_multiplier, law.max_multiplier);
     if (y == 0.0) continue;
-    for (const int node : touched_by(*constraints_[i], positions))
+    for (const int node : touched_by(constraints_[i], state.unknowns))
       motion.col(node) -= h * h * y * inverse_masses_.col(node).cwiseProduct(gradient_.col(node));
   }
   positions += inverse_masses_.cwiseSign().cwiseProduct(motion);
@@ -143,10 +159,10 @@ void XpbdSolver::sweep_elements(double h, NewtonState& state) {
 void XpbdSolver::sweep_constraints(double h, NewtonState& state) {
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
     double& y = state.constraint_multipliers[static_cast<Eigen::Index>(i)];
-    const ConstraintLaw law = constraints_[i]->law(constraints_[i]->value(state.positions_m), y);
+    const ConstraintLaw law = law_at(i, state);
     if (law.prescribed()) continue;
     double weight = 0.0;
-    for (const int node : touched_by(*constraints_[i], state.positions_m))
+    for (const int node : touched_by(constraints_[i], state))
       weight += gradient_.col(node).cwiseAbs2().dot(inverse_masses_.col(node));
     const double delassus = law.compliance + h * h * weight;
     if (!(delassus > 0.0)) continue;  // rigid between held nodes: nothing can move
@@ -179,7 +195,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   NewtonState& unknowns = state.unknowns;
   Eigen::VectorXd values(count);
   const auto measure = [&](Eigen::Index i) {
-    return constraints_[static_cast<std::size_t>(i)]->value(unknowns.positions_m);
+    return constraints_[static_cast<std::size_t>(i)].value(unknowns.positions_m, unknowns.drives);
   };
   for (Eigen::Index i = 0; i < count; ++i) values[i] = measure(i);
   const double energy_before = kinetic_energy(state.velocities_m_s) + stored_energy(unknowns.positions_m);
@@ -188,7 +204,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
 
   load_multipliers(state.element_forces_n, h);
   for (int substep = 0; substep < task.substep_count; ++substep) {
-    if (task.before_substep) task.before_substep((substep + 1.0) / task.substep_count);
+    if (task.drives_at) unknowns.drives = task.drives_at((substep + 1.0) / task.substep_count);
     const Eigen::Matrix3Xd before = unknowns.positions_m;
     if (slowing < 1.0) state.velocities_m_s *= slowing;
     if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,9 +31,10 @@ namespace soft_robot_lab {
 struct XpbdTask {
   double time_step_s = 1.0 / 60.0;
   int substep_count = 20;
-  int iteration_count = 1;                     // sweeps a substep
-  bool multipliers_from_zero = false;          // in each substep, as in the paper
-  std::function<void(double)> before_substep;  // takes the share of the step that is over at its end; may be empty
+  int iteration_count = 1;             // sweeps a substep
+  bool multipliers_from_zero = false;  // in each substep, as in the paper
+  // What the actuators do in a substep, by the share of the step that is over at its end; empty: what they did before.
+  std::function<SharedDrives(double)> drives_at;
 };
 
 struct XpbdState {
@@ -52,10 +54,24 @@ struct XpbdReport {
   Eigen::Matrix3Xd predicted_m;  // where the last substep's inertia led, for its residual
 };
 
+// What it works out once about a body and its constraints; solvers in several threads share it.
+struct XpbdTables {
+  // Body and constraints outlive this.
+  XpbdTables(const Body& body, std::vector<DrivenConstraint> constraints);
+
+  const Body& body;
+  std::vector<DrivenConstraint> constraints;
+  Eigen::Matrix3Xd loads_n;
+  Eigen::Matrix3Xd inverse_masses, root_inverse_masses;  // 3 x nodes; zero where held
+  std::vector<int> colour_start;                         // first batch of each colour, and the end
+  ElementBatches batches;
+};
+
+// The workspace of one thread, which may take others to its help.
 class XpbdSolver {
  public:
   // The result does not depend on `thread_count`.
-  XpbdSolver(const Body& body, std::vector<const Constraint*> constraints, int thread_count);
+  XpbdSolver(std::shared_ptr<const XpbdTables> tables, int thread_count);
 
   // One time step in place. Where it is not finite the state is of no use afterwards.
   XpbdReport advance(const XpbdTask& task, XpbdState& state);
@@ -76,9 +92,10 @@ class XpbdSolver {
   void predict(const XpbdTask& task, double h, XpbdState& state);
   void sweep_elements(double h, NewtonState& state);
   void sweep_constraints(double h, NewtonState& state);
+  ConstraintLaw law_at(std::size_t constraint, const NewtonState& state) const;
   double kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const;
   double stored_energy(const Eigen::Matrix3Xd& positions_m);
-  const std::vector<int>& touched_by(const Constraint& constraint, const Eigen::Matrix3Xd& positions_m);
+  const std::vector<int>& touched_by(const DrivenConstraint& constraint, const NewtonState& state);
   // A place among the multipliers: a coordinate of a node of four elements.
   std::size_t element_size() const { return static_cast<std::size_t>(batches_.node_count) * 3; }
   int coordinate(std::size_t place, int lane) const {
@@ -90,13 +107,15 @@ class XpbdSolver {
   template <class Work>
   void for_colours(Work work) const;
 
-  const Body& body_;
-  std::vector<const Constraint*> constraints_;
+  std::shared_ptr<const XpbdTables> tables_;
+  const Body& body_;  // these are the tables'
+  const std::vector<DrivenConstraint>& constraints_;
+  const Eigen::Matrix3Xd& loads_n_;
+  const Eigen::Matrix3Xd &inverse_masses_, &root_inverse_masses_;
+  const std::vector<int>& colour_start_;
+  const ElementBatches& batches_;
+
   int thread_count_;
-  Eigen::Matrix3Xd loads_n_;
-  Eigen::Matrix3Xd inverse_masses_, root_inverse_masses_;  // 3 x nodes; zero where held
-  std::vector<int> colour_start_;                          // first batch of each colour, and the end
-  ElementBatches batches_;
   std::vector<Batch> multipliers_;  // l, per batch: 3 P
   std::vector<Batch> energies_;     // per batch
   Eigen::Matrix3Xd gradient_;       // of one constraint; zero between uses

@@ -52,11 +52,13 @@ class SceneForces : public btDeformableLagrangianForce {
 
   void update(const Eigen::Matrix3Xd& positions_m) {
     forces_n_ = scene_.body().external_forces_n();
-    for (const auto& actuator : scene_.actuators()) {
+    for (std::size_t i = 0; i < scene_.actuators().size(); ++i) {
+      const auto& actuator = scene_.actuators()[i];
+      const DriveState& drive = scene_.state().drives[i];
       for (const Constraint* constraint : actuator->constraints()) {
-        const ConstraintLaw law = constraint->law(constraint->value(positions_m), 0.0);
+        const ConstraintLaw law = constraint->law(constraint->value(positions_m, drive), 0.0, drive);
         if (!law.prescribed()) throw std::invalid_argument("'" + actuator->name() + "' must be given a tension");
-        constraint->add_gradient(positions_m, -law.max_multiplier, forces_n_);
+        constraint->add_gradient(positions_m, drive, -law.max_multiplier, forces_n_);
       }
     }
   }

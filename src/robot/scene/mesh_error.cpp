@@ -62,8 +62,7 @@ std::vector<SimulationState> furthest(std::vector<SimulationState> states, const
 // The coarse rest state as a start for the fine mesh, so that a buckled body stays on its side.
 SimulationState carried(const SimulationState& coarse, const Subdivision& fine, SimulationState start) {
   start.positions_m = fine.carry(coarse.positions_m);
-  start.commands = coarse.commands;
-  start.actuated_commands = coarse.actuated_commands;
+  start.take_commands(coarse);
   start.constraint_multipliers = coarse.constraint_multipliers;
   const Eigen::VectorXd& multipliers = coarse.element_multipliers_pa;
   if (start.element_multipliers_pa.size() == 8 * multipliers.size())

@@ -41,19 +41,21 @@ SolveReport solve_in_order(Simulation& simulation, const std::vector<TimedComman
 
 // The drive takes its time; a run may end before.
 void warn_of_unfinished_commands(const Simulation& simulation, SolveReport& total) {
-  for (const auto& actuator : simulation.actuators()) {
-    const double missing = actuator->actuated_command() - actuator->command();
+  for (std::size_t i = 0; i < simulation.actuators().size(); ++i) {
+    const auto& actuator = simulation.actuators()[i];
+    const DriveState& drive = simulation.state().drives[i];
+    const double missing = drive.actuated_command - drive.command;
     if (missing == 0.0) continue;
     SolveWarning warning;
     warning.kind = "command_not_reached";
     warning.actuator = actuator->name();
     warning.size = missing;
     warning.unit = actuator->limits().unit;
-    warning.commanded = actuator->command();
-    warning.reached = actuator->actuated_command();
+    warning.commanded = drive.command;
+    warning.reached = drive.actuated_command;
     std::ostringstream text;
-    text << "actuator " << actuator->name() << ": commanded to " << actuator->command() << ", but its drive is at "
-         << actuator->actuated_command() << " when the run ends";
+    text << "actuator " << actuator->name() << ": commanded to " << drive.command << ", but its drive is at "
+         << drive.actuated_command << " when the run ends";
     warning.text = text.str();
     add_warning(warning, total.warnings);
   }

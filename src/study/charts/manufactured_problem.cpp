@@ -124,25 +124,27 @@ Eigen::Matrix3Xd holding_loads_n(const TetMesh& mesh, const Material& material) 
 class NodeLoads : public Actuator {
  public:
   std::vector<const Constraint*> constraints() const override { return {&constraint_}; }
-  ActuatorReading observe(const Eigen::Matrix3Xd&, const std::vector<double>&) const override { return {}; }
+  ActuatorReading observe(const Eigen::Matrix3Xd&, const std::vector<double>&, const DriveState&) const override {
+    return {};
+  }
 
  private:
   // Its value is the negative work of the loads.
   struct Loads : Constraint {
     Eigen::Matrix3Xd loads_n;
-    double fraction = 0.0;
 
     std::vector<Clique> cliques() const override { return {}; }
-    double value(const Eigen::Matrix3Xd& positions_m) const override {
+    double value(const Eigen::Matrix3Xd& positions_m, const DriveState&) const override {
       return -loads_n.cwiseProduct(positions_m).sum();
     }
-    void add_gradient(const Eigen::Matrix3Xd&, double scale, Eigen::Matrix3Xd& gradient) const override {
+    void add_gradient(const Eigen::Matrix3Xd&, const DriveState&, double scale,
+                      Eigen::Matrix3Xd& gradient) const override {
       gradient -= scale * loads_n;
     }
-    void add_hessian(const Eigen::Matrix3Xd&, double, CliqueSink&) const override {}
-    ConstraintLaw law(double, double) const override {
+    void add_hessian(const Eigen::Matrix3Xd&, const DriveState&, double, CliqueSink&) const override {}
+    ConstraintLaw law(double, double, const DriveState& drive) const override {
       ConstraintLaw law;
-      law.min_multiplier = law.max_multiplier = fraction;
+      law.min_multiplier = law.max_multiplier = drive.actuated_command;
       law.multiplier_per_command = 1.0;
       return law;
     }
@@ -152,7 +154,6 @@ class NodeLoads : public Actuator {
     limits_ = {0.0, 0.0, 1.0, "1"};
     constraint_.loads_n = holding_loads_n(body.mesh(), body.material());
   }
-  void actuate(double command) override { constraint_.fraction = command; }
 
   Loads constraint_;
 };

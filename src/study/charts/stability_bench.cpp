@@ -136,8 +136,7 @@ void StabilityBench::judge(const StabilityBody& body, const StabilityMethod& met
   state.positions_m = end.state().positions_m;
   state.element_multipliers_pa = end.state().element_multipliers_pa;
   state.constraint_multipliers = end.state().constraint_multipliers;
-  state.commands = end.state().commands;
-  state.actuated_commands = end.state().actuated_commands;
+  state.take_commands(end.state());
   scene.simulation->set_state(state);
   cell.outcome = Outcome::silent;
   cell.message = settle(*scene.simulation);

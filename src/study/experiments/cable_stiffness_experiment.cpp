@@ -21,17 +21,19 @@ struct StiffnessSettings {
   std::vector<std::string> source_found;  // at each of the stiffnesses
 };
 
-enum class Model { sliding, implicit_springs, explicit_springs, short_explicit_springs };
-constexpr Model kModels[] = {Model::sliding, Model::implicit_springs, Model::explicit_springs,
-                             Model::short_explicit_springs};
+enum class CableKind { sliding, implicit_springs, explicit_springs, short_explicit_springs };
+constexpr CableKind kModels[] = {CableKind::sliding, CableKind::implicit_springs, CableKind::explicit_springs,
+                                 CableKind::short_explicit_springs};
 const char* const kModelNames[] = {"sliding", "implicit springs", "explicit springs",
                                    "explicit springs in short steps"};
 
-const char* name_of(Model model) { return kModelNames[static_cast<int>(model)]; }
-bool is_explicit(Model model) { return model == Model::explicit_springs || model == Model::short_explicit_springs; }
+const char* name_of(CableKind model) { return kModelNames[static_cast<int>(model)]; }
+bool is_explicit(CableKind model) {
+  return model == CableKind::explicit_springs || model == CableKind::short_explicit_springs;
+}
 
 struct StiffnessRun {
-  Model model = Model::sliding;
+  CableKind model = CableKind::sliding;
   double stiffness_n_m = 0.0;  // 0: rigid
   std::vector<double> time_s, length_m;
   ActuatorReading end;
@@ -71,12 +73,13 @@ StiffnessSettings read_settings(const ExperimentContext& context) {
   return settings;
 }
 
-double time_step_s(const StiffnessSettings& settings, Model model) {
-  return model == Model::short_explicit_springs ? settings.short_step_s : settings.time_step_s;
+double time_step_s(const StiffnessSettings& settings, CableKind model) {
+  return model == CableKind::short_explicit_springs ? settings.short_step_s : settings.time_step_s;
 }
 
 // The robot's own cable, but for its model.
-std::string cable_yaml(const StiffnessSettings& settings, const Simulation& robot, Model model, double stiffness_n_m) {
+std::string cable_yaml(const StiffnessSettings& settings, const Simulation& robot, CableKind model,
+                       double stiffness_n_m) {
   std::ostringstream text;
   text.precision(12);
   const ActuatorReading cable = robot.actuator_state(0);
@@ -87,7 +90,7 @@ std::string cable_yaml(const StiffnessSettings& settings, const Simulation& robo
     text << (&point == &cable.path_m.front() ? "" : ", ") << "[" << point.x() << ", " << point.y() << ", " << point.z()
          << "]";
   text << "], " << settings.cable_keys;
-  if (model == Model::sliding)
+  if (model == CableKind::sliding)
     text << ", compliance_m_n: " << (stiffness_n_m > 0.0 ? 1.0 / stiffness_n_m : 0.0);
   else
     text << ", model: springs, stiffness_n_m: " << stiffness_n_m << ", damping_n_s_m: " << settings.damping_n_s_m
@@ -113,7 +116,7 @@ void measure(const StiffnessSettings& settings, StiffnessRun& run) {
   run.settles = run.given_up.empty() && run.swing_m <= settings.settled_swing_m;
 }
 
-StiffnessRun pull(const ExperimentContext& context, const StiffnessSettings& settings, Model model,
+StiffnessRun pull(const ExperimentContext& context, const StiffnessSettings& settings, CableKind model,
                   double stiffness_n_m) {
   const Scene robot = load_scene(settings.robot, context.scene_options());
   const Scene scene =
@@ -145,10 +148,10 @@ StiffnessRun pull(const ExperimentContext& context, const StiffnessSettings& set
 }
 
 std::vector<StiffnessRun> pull_all(const ExperimentContext& context, const StiffnessSettings& settings) {
-  std::vector<std::pair<Model, double>> wanted;
-  for (const Model model : kModels) {
+  std::vector<std::pair<CableKind, double>> wanted;
+  for (const CableKind model : kModels) {
     for (const double k : settings.stiffnesses_n_m) wanted.emplace_back(model, k);
-    if (model != Model::sliding) continue;
+    if (model != CableKind::sliding) continue;
     for (const double k : settings.sliding_stiffnesses_n_m) wanted.emplace_back(model, k);
     wanted.emplace_back(model, 0.0);
   }
@@ -167,7 +170,7 @@ std::string underscored(std::string words) {
   return words;
 }
 
-Plot length_plot(const StiffnessSettings& settings, const std::vector<StiffnessRun>& runs, Model model) {
+Plot length_plot(const StiffnessSettings& settings, const std::vector<StiffnessRun>& runs, CableKind model) {
   const std::string name = name_of(model);
   Plot plot{"4.3.2_" + underscored(name), "Hanging bar pulled to 95 %: length of the cable, " + name, {}, {}};
   plot.x.label = "time [s]";
@@ -230,7 +233,7 @@ nlohmann::ordered_json stiffness_numbers(const StiffnessSettings& settings, cons
   return all;
 }
 
-std::string each(const StiffnessSettings& settings, const std::vector<StiffnessRun>& runs, Model model) {
+std::string each(const StiffnessSettings& settings, const std::vector<StiffnessRun>& runs, CableKind model) {
   std::ostringstream text;
   text.precision(3);
   for (const StiffnessRun& run : runs) {
@@ -244,16 +247,16 @@ std::string each(const StiffnessSettings& settings, const std::vector<StiffnessR
   return text.str();
 }
 
-const StiffnessRun& softest(const std::vector<StiffnessRun>& runs, Model model) {
+const StiffnessRun& softest(const std::vector<StiffnessRun>& runs, CableKind model) {
   return *std::find_if(runs.begin(), runs.end(), [&](const StiffnessRun& run) { return run.model == model; });
 }
 
-int count_settled(const std::vector<StiffnessRun>& runs, Model model) {
+int count_settled(const std::vector<StiffnessRun>& runs, CableKind model) {
   return static_cast<int>(std::count_if(runs.begin(), runs.end(),
                                         [&](const StiffnessRun& run) { return run.model == model && run.settles; }));
 }
 
-double worst_swing_m(const std::vector<StiffnessRun>& runs, Model model) {
+double worst_swing_m(const std::vector<StiffnessRun>& runs, CableKind model) {
   double worst = 0.0;
   for (const StiffnessRun& run : runs)
     if (run.model == model) worst = std::max(worst, run.swing_m);
@@ -265,17 +268,17 @@ std::string words(const StiffnessSettings& settings, const std::vector<Stiffness
   text.precision(3);
   const std::size_t count = settings.stiffnesses_n_m.size();
   text << "Explicit springs, the source's model, with steps of " << settings.time_step_s
-       << " s: " << each(settings, runs, Model::explicit_springs) << ". With steps of " << settings.short_step_s
-       << " s: " << each(settings, runs, Model::short_explicit_springs) << ". So "
-       << count_settled(runs, Model::explicit_springs) << " of " << count << " settle with the long step and "
-       << count_settled(runs, Model::short_explicit_springs) << " with the short one. Implicit springs swing by "
-       << 1e3 * worst_swing_m(runs, Model::implicit_springs) << " mm at most, sliding cables by "
-       << 1e3 * worst_swing_m(runs, Model::sliding) << " mm. "
+       << " s: " << each(settings, runs, CableKind::explicit_springs) << ". With steps of " << settings.short_step_s
+       << " s: " << each(settings, runs, CableKind::short_explicit_springs) << ". So "
+       << count_settled(runs, CableKind::explicit_springs) << " of " << count << " settle with the long step and "
+       << count_settled(runs, CableKind::short_explicit_springs) << " with the short one. Implicit springs swing by "
+       << 1e3 * worst_swing_m(runs, CableKind::implicit_springs) << " mm at most, sliding cables by "
+       << 1e3 * worst_swing_m(runs, CableKind::sliding) << " mm. "
        << "Springs in a row stretch one by one, so that the cable "
-       << "stays " << 1e3 * off_m(settings, softest(runs, Model::implicit_springs))
+       << "stays " << 1e3 * off_m(settings, softest(runs, CableKind::implicit_springs))
        << " mm longer than commanded at the first stiffness; "
        << "a sliding cable, which has its stiffness as a whole, stays "
-       << 1e3 * off_m(settings, softest(runs, Model::sliding)) << " mm longer.";
+       << 1e3 * off_m(settings, softest(runs, CableKind::sliding)) << " mm longer.";
   return text.str();
 }
 
@@ -305,7 +308,7 @@ ExperimentResult run_cable_stiffness_experiment(const ExperimentContext& context
     result.message = name_of(run.model) + (", " + label(run) + ": " + run.given_up);
   }
   result.numbers["stiffnesses"] = stiffness_numbers(settings, runs);
-  for (const Model model : kModels) result.plots.push_back(length_plot(settings, runs, model));
+  for (const CableKind model : kModels) result.plots.push_back(length_plot(settings, runs, model));
   result.source_reports =
       "A cable of 130 mm is shortened to 95 % (123.5 mm) in 347.5 ms and watched for 800 ms, at seven stiffnesses with "
       "a "

@@ -94,8 +94,9 @@ void command(Simulation& simulation, const Configuration& configuration) {
 }
 
 bool drives_have_arrived(const Simulation& simulation) {
-  return std::all_of(simulation.actuators().begin(), simulation.actuators().end(),
-                     [](const auto& drive) { return std::abs(drive->actuated_command() - drive->command()) < 1e-9; });
+  const DriveStates& drives = simulation.state().drives;
+  return std::all_of(drives.begin(), drives.end(),
+                     [](const DriveState& drive) { return std::abs(drive.actuated_command - drive.command) < 1e-9; });
 }
 
 // At the drives' pace until they are there, while the robot still swings.

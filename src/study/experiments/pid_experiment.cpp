@@ -54,7 +54,7 @@ std::vector<double> loop_gains(Simulation& simulation, const SimulationState& ha
   for (const auto& actuator : simulation.actuators()) {
     const auto i = static_cast<Eigen::Index>(names.size());
     names.push_back(actuator->name());
-    start[i] = actuator->command();
+    start[i] = simulation.state().drives[names.size() - 1].command;
     least[i] = actuator->limits().min + kDifference;
   }
   ForwardModel model(simulation, {marker}, names);

@@ -80,7 +80,8 @@ std::string overrides(const CouplingSettings& settings, const std::string& eleme
 Eigen::Vector3d force_on_silicone_n(const Simulation& simulation) {
   const Eigen::Matrix3Xd& positions_m = simulation.state().positions_m;
   Eigen::Matrix3Xd forces_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  simulation.actuators()[0]->constraints().back()->add_gradient(positions_m, -1.0, forces_n);  // its held forces
+  simulation.actuators()[0]->constraints().back()->add_gradient(positions_m, simulation.state().drives[0], -1.0,
+                                                                forces_n);  // its held forces
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (Eigen::Index i = 0; i < forces_n.cols(); ++i)
     if (!simulation.body().fixed().col(i).all()) sum += forces_n.col(i);

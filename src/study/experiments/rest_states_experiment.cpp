@@ -110,8 +110,7 @@ void start(const RestBody& body, const SimulationState& near, Simulation& simula
   state.positions_m = near.positions_m;
   state.element_multipliers_pa = near.element_multipliers_pa;
   state.constraint_multipliers = near.constraint_multipliers;
-  state.commands = near.commands;
-  state.actuated_commands = near.actuated_commands;
+  state.take_commands(near);
   state.element_forces_n.resize(0);
   simulation.set_state(state);
   give_commands(body, 1.0, simulation);

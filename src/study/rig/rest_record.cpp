@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -12,9 +13,10 @@ constexpr double kLongestWay_s = 60.0;
 constexpr double kArrived = 1e-9;
 
 bool drives_rest(const Simulation& model) {
-  for (const auto& actuator : model.actuators())
-    if (std::abs(actuator->actuated_command() - actuator->command()) > kArrived) return false;
-  return true;
+  const DriveStates& drives = model.state().drives;
+  return std::all_of(drives.begin(), drives.end(), [](const DriveState& drive) {
+    return std::abs(drive.actuated_command - drive.command) <= kArrived;
+  });
 }
 
 void follow(Simulation& model, const std::vector<double>& commands) {

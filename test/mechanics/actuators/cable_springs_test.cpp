@@ -150,15 +150,16 @@ TEST(CableModels, ReportStretchSlackAndPretension) {
 TEST(CableModels, DriveFollowsTheSteppersLaw) {
   // x mm take 50.4 x + 19.9 ms.
   Simulation simulation = hanging_bar("pull_speed_m_s: 0.01984127, pull_delay_s: 0.0199");
-  Actuator& drive = *simulation.actuators()[0];
+  const Actuator& cable = *simulation.actuators()[0];
+  DriveState drive = cable.rest_state();
   const double rest = 0.095, pull = 0.005, needed_s = 0.0504 * 5.0 + 0.0199;
-  drive.set_command(1.0 - pull / rest);
-  drive.advance(0.01);
-  EXPECT_EQ(drive.actuated_command(), 1.0);
-  drive.advance(needed_s - 0.01 - 1e-4);
-  EXPECT_GT(drive.actuated_command(), drive.command());
-  drive.advance(2e-4);
-  EXPECT_EQ(drive.actuated_command(), drive.command());
+  cable.set_command(1.0 - pull / rest, drive);
+  cable.advance(0.01, drive);
+  EXPECT_EQ(drive.actuated_command, 1.0);
+  cable.advance(needed_s - 0.01 - 1e-4, drive);
+  EXPECT_GT(drive.actuated_command, drive.command);
+  cable.advance(2e-4, drive);
+  EXPECT_EQ(drive.actuated_command, drive.command);
 }
 
 TEST(CableModels, RefuseBadSettings) {

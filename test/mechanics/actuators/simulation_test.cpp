@@ -52,10 +52,10 @@ Simulation make_bar(const Bar& bar) {
 }
 
 struct CountingCable : Cable {
-  std::vector<double> steps_s;
-  void begin_step(const StepStart& start) override {
+  mutable std::vector<double> steps_s;
+  void begin_step(const StepStart& start, DriveState& drive) const override {
     steps_s.push_back(start.time_step_s);
-    Cable::begin_step(start);
+    Cable::begin_step(start, drive);
   }
 };
 
@@ -64,7 +64,7 @@ TEST(Step, BeginsOnceForTheActuators) {
   body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
   std::vector<std::unique_ptr<Actuator>> actuators;
   auto cable = std::make_unique<CountingCable>();
-  CountingCable& counting = *cable;
+  const CountingCable& counting = *cable;
   actuators.push_back(std::move(cable));
   actuators.back()->initialise(YamlNode::parse("{name: cable, points_m: [[0, 0.005, 0], [0.095, 0.005, 0]]}", "bar"),
                                body, MeshLocator(body.mesh()));

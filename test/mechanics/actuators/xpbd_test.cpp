@@ -139,8 +139,7 @@ TEST(Xpbd, GoesOnFromAStateOfTheGlobalSolver) {
   state.positions_m = newton.state().positions_m;
   state.element_multipliers_pa = newton.state().element_multipliers_pa;
   state.constraint_multipliers = newton.state().constraint_multipliers;
-  state.commands = newton.state().commands;
-  state.actuated_commands = newton.state().actuated_commands;
+  state.take_commands(newton.state());
   state.element_forces_n.resize(0);  // as the shape has them
   local.set_state(state);
   for (int i = 0; i < 5; ++i) {
@@ -245,6 +244,10 @@ XpbdState at_rest(const Body& body, const XpbdSolver& solver) {
           Eigen::VectorXd::Zero(solver.force_count())};
 }
 
+XpbdSolver solver_of(const Body& body, int threads) {
+  return {std::make_shared<const XpbdTables>(body, std::vector<DrivenConstraint>{}), threads};
+}
+
 TEST(Xpbd, DoesNotDependOnTheNumberOfThreads) {
   Bar bar;
   bar.cells = {24, 6, 6};  // enough elements of a colour for two threads
@@ -254,7 +257,7 @@ TEST(Xpbd, DoesNotDependOnTheNumberOfThreads) {
   task.substep_count = 4;
   std::vector<Eigen::Matrix3Xd> results;
   for (const int threads : {1, 2}) {
-    XpbdSolver solver(body, {}, threads);
+    XpbdSolver solver = solver_of(body, threads);
     XpbdState state = at_rest(body, solver);
     ASSERT_TRUE(solver.advance(task, state).finite);
     results.push_back(state.unknowns.positions_m);
@@ -265,7 +268,7 @@ TEST(Xpbd, DoesNotDependOnTheNumberOfThreads) {
 
 TEST(Xpbd, KeepsMomentumInFreeFlight) {
   Body body(box_mesh({0, 0, 0}, {0.04, 0.02, 0.02}, {3, 2, 2}), {264200.0, 0.499, 1070.0});
-  XpbdSolver solver(body, {}, 1);
+  XpbdSolver solver = solver_of(body, 1);
   for (const bool from_zero : {false, true}) {
     XpbdState state = at_rest(body, solver);
     for (Eigen::Index node = 0; node < state.velocities_m_s.cols(); ++node)
@@ -283,7 +286,7 @@ TEST(Xpbd, KeepsMomentumInFreeFlight) {
 
 TEST(Xpbd, TellsOfStepsThatCreateEnergy) {
   const Body body = make_body({});
-  XpbdSolver solver(body, {}, 1);
+  XpbdSolver solver = solver_of(body, 1);
   XpbdTask task;
   XpbdState fine = at_rest(body, solver), coarse = fine;
   task.substep_count = 100;
@@ -294,7 +297,7 @@ TEST(Xpbd, TellsOfStepsThatCreateEnergy) {
 
 TEST(Xpbd, LeavesTheStateWhereNothingIsFinite) {
   const Body body = make_body({});
-  XpbdSolver solver(body, {}, 1);
+  XpbdSolver solver = solver_of(body, 1);
   XpbdState state = at_rest(body, solver);
   state.velocities_m_s.setConstant(1e200);
   const Eigen::Matrix3Xd velocities = state.velocities_m_s;

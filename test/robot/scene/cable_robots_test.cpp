@@ -28,7 +28,7 @@ void expect_easy_pull(const std::string& robot, double duration_s, int iteration
     EXPECT_EQ(report.inverted_elements, 0) << i << ": " << report.message;
     iterations += report.iterations;
   }
-  EXPECT_DOUBLE_EQ(cable.actuated_command(), 0.8);
+  EXPECT_DOUBLE_EQ(simulation.state().drives[0].actuated_command, 0.8);
   EXPECT_LE(iterations, iterations_a_step * steps);
 }
 

@@ -11,6 +11,7 @@
 namespace soft_robot_lab {
 
 class CableModel;
+struct DriveCommand;
 
 // Plugin "soft_robot_lab/Cable". Its first point is where the drive pulls, its last is the plug. Settings:
 //   name
@@ -37,26 +38,27 @@ class Cable : public Actuator {
   ~Cable() override;
   std::vector<const Constraint*> constraints() const override;
   std::vector<const FrictionContact*> friction_contacts() const override;
-  void begin_step(const StepStart& start) override;
-  void end_step(const std::vector<double>& slips_m) override;
+  void begin_step(const StepStart& start, DriveState& drive) const override;
+  void end_step(const std::vector<double>& slips_m, DriveState& drive) const override;
   std::string why_no_equilibrium() const override;
   // Keys: length_offset_m, and by model compliance_m_n, friction_coefficient.
   std::optional<LawChange> law_change(const std::string& key, const Eigen::Matrix3Xd& positions_m,
-                                      const std::vector<double>& multipliers) const override;
-  ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const override;
+                                      const std::vector<double>& multipliers, const DriveState& drive) const override;
+  ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers,
+                          const DriveState& drive) const override;
 
  protected:
   void on_initialise(const YamlNode& settings, const Body& body, const MeshLocator& locator) override;
-  void actuate(double command) override;
-  Eigen::VectorXd own_memory() const override;
-  void recall(const Eigen::VectorXd& own_memory) override;
+  Eigen::VectorXd initial_memory() const override;
 
  private:
   enum class Command { contraction, length, tension };
 
+  double unloaded_length_m(double actuated_command) const;
+  DriveCommand drive_command(double actuated_command) const;
+
   Command kind_ = Command::contraction;
   double rest_length_m_ = 0.0;
-  double unloaded_length_m_ = 0.0;  // as commanded
   double pretension_n_ = 0.0;
   double length_offset_m_ = 0.0;
   std::vector<EmbeddedPoint> points_;

@@ -2,8 +2,8 @@
 // The air chamber: gas behind a named surface of the body.
 #pragma once
 
-#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,38 +28,44 @@ struct IsothermalGas {
   }
 };
 
+// What drives the gas in a chamber at one command, in one step.
+struct GasSupply {
+  IsothermalGas gas;       // of a regulator: the least that it leaves
+  IsothermalGas most_gas;  // of a regulator: the most that it brings
+  bool regulated = false;
+  bool load = false;                    // a pressure from before, which keeps size and direction
+  double prescribed_pressure_pa = 0.0;  // of a regulator or a load; gauge
+};
+
 // Constraint on a chamber's volume V [m^3]; its multiplier is minus the gauge pressure [Pa].
 class ChamberVolume : public Constraint {
  public:
-  explicit ChamberVolume(EnclosedVolume surface) : surface_(std::move(surface)) {}
+  // How the drive is read.
+  class Supply {
+   public:
+    virtual ~Supply() = default;
+    virtual GasSupply supply(const DriveState& drive) const = 0;
+    // Where the nodes were when the step began, if the pressure is a load of that shape.
+    virtual std::optional<Eigen::Matrix3Xd> load_positions_m(const DriveState& drive) const = 0;
+  };
+
+  // `supply` outlives this.
+  ChamberVolume(EnclosedVolume surface, const Supply& supply) : surface_(std::move(surface)), supply_(supply) {}
 
   std::vector<EmbeddedPoint> carried_points() const override { return surface_.cap_centres(); }
   std::vector<Clique> cliques() const override { return surface_.cliques(); }
-  double value(const Eigen::Matrix3Xd& positions_m) const override;
-  void add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const override;
-  void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const override;
-  ConstraintLaw law(double volume_m3, double multiplier) const override;
+  double value(const Eigen::Matrix3Xd& positions_m, const DriveState& drive) const override;
+  void add_gradient(const Eigen::Matrix3Xd& positions_m, const DriveState& drive, double scale,
+                    Eigen::Matrix3Xd& gradient) const override;
+  void add_hessian(const Eigen::Matrix3Xd& positions_m, const DriveState& drive, double scale,
+                   CliqueSink& hessian) const override;
+  ConstraintLaw law(double volume_m3, double multiplier, const DriveState& drive) const override;
 
   double volume_m3(const Eigen::Matrix3Xd& positions_m) const { return surface_.value_m3(positions_m); }
 
-  void fill(const IsothermalGas& gas);
-  // A regulator that can bring the amount of gas to anything within the range.
-  void regulate(double gauge_pressure_pa, const IsothermalGas& least, const IsothermalGas& most);
-  // A pressure from before, as a load that keeps size and direction until the next of these calls.
-  void load(double gauge_pressure_pa, const Eigen::Matrix3Xd& positions_m);
-
-  const IsothermalGas& gas() const { return gas_; }
-
  private:
-  ConstraintLaw gas_law(const IsothermalGas& gas, double volume_m3, double multiplier) const;
-
   EnclosedVolume surface_;
-  IsothermalGas gas_, most_gas_;
-  bool regulated_ = false;
-  bool load_ = false;
-  double prescribed_pressure_pa_ = 0.0;
-  double load_volume_m3_ = 0.0;  // V and dV/dx where the load was set
-  Eigen::Matrix3Xd load_positions_m_, load_gradient_m2_;
+  const Supply& supply_;
 };
 
 // Plugin "soft_robot_lab/Chamber". Settings: name; surface: a named surface of the mesh; initial_pressure_pa; command:
@@ -72,15 +78,16 @@ class ChamberVolume : public Constraint {
 // max_beta, max_pull_ml, min_offset_ml and max_offset_ml, min_gauge_pressure_pa and max_gauge_pressure_pa.
 // model: implicit, or explicit (the thesis's Algorithm 2: during a time step the pressure of the volume before it is a
 // load that does not change).
-class Chamber : public Actuator {
+class Chamber : public Actuator, private ChamberVolume::Supply {
  public:
   std::vector<const Constraint*> constraints() const override { return {volume_.get()}; }
-  void begin_step(const StepStart& start) override;
-  ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const override;
+  void begin_step(const StepStart& start, DriveState& drive) const override;
+  ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers,
+                          const DriveState& drive) const override;
 
  protected:
   void on_initialise(const YamlNode& settings, const Body& body, const MeshLocator& locator) override;
-  void actuate(double command) override;
+  Eigen::VectorXd initial_memory() const override;
 
  private:
   enum class Command { beta, syringe, volume_offset, gauge_pressure };
@@ -88,8 +95,10 @@ class Chamber : public Actuator {
   void bind(const YamlNode& settings, const TetMesh& mesh);
   void read_syringe(const YamlNode& settings, bool required);
   void read_command(const YamlNode& settings);
-  void fill();
   IsothermalGas gas_at(double command) const;
+  GasSupply supply(const DriveState& drive) const override;
+  GasSupply regulated(const DriveState& drive) const;
+  std::optional<Eigen::Matrix3Xd> load_positions_m(const DriveState& drive) const override;
 
   Command kind_ = Command::beta;
   bool explicit_ = false;
@@ -98,13 +107,9 @@ class Chamber : public Actuator {
   double syringe_volume_m3_ = 0.0, tube_volume_m3_ = 0.0;
   double flow_m3_s_ = 0.0;
   std::unique_ptr<ChamberVolume> volume_;
-  std::string surface_;     // its name in the mesh
-  std::vector<int> nodes_;  // of the surface
-
-  // What the step began with.
-  double time_step_s_ = std::numeric_limits<double>::infinity();
-  double amount_before_j_ = 0.0;
-  Eigen::Matrix3Xd positions_before_m_;
+  std::string surface_;          // its name in the mesh
+  std::vector<int> nodes_;       // of the surface
+  Eigen::Index node_count_ = 0;  // of the body
 };
 
 }  // namespace soft_robot_lab

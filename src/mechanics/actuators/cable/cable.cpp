@@ -13,7 +13,7 @@ namespace {
 using Points = std::vector<EmbeddedPoint>;
 
 std::unique_ptr<CableModel> read_springs(const YamlNode& settings, const Points& points,
-                                         const Eigen::Matrix3Xd& rest_positions_m) {
+                                         const Eigen::Matrix3Xd& rest_positions_m, CommandReader command) {
   SpringSettings springs;
   springs.stiffness_n_m = settings.number("stiffness_n_m", AllowedRange::positive());
   springs.damping_n_s_m = settings.number_or("damping_n_s_m", 0.0, AllowedRange::not_negative());
@@ -24,16 +24,16 @@ std::unique_ptr<CableModel> read_springs(const YamlNode& settings, const Points&
         .fail(
             "pseudo_inverse has no energy that an implicit solver could use; needs "
             "integration: explicit");
-  return make_spring_cable(points, rest_positions_m, springs);
+  return make_spring_cable(points, rest_positions_m, std::move(command), springs);
 }
 
 std::unique_ptr<CableModel> read_model(const YamlNode& settings, const Points& points,
-                                       const Eigen::Matrix3Xd& rest_positions_m) {
+                                       const Eigen::Matrix3Xd& rest_positions_m, CommandReader command) {
   const std::string model = settings.choice_or("model", "sliding", {"sliding", "friction", "springs"});
-  if (model == "springs") return read_springs(settings, points, rest_positions_m);
+  if (model == "springs") return read_springs(settings, points, rest_positions_m, std::move(command));
   const double compliance_m_n = settings.number_or("compliance_m_n", 1.0e-5, AllowedRange::not_negative());
-  if (model == "sliding") return make_sliding_cable(points, rest_positions_m, compliance_m_n);
-  return make_friction_cable(points, rest_positions_m, compliance_m_n,
+  if (model == "sliding") return make_sliding_cable(points, rest_positions_m, std::move(command), compliance_m_n);
+  return make_friction_cable(points, rest_positions_m, std::move(command), compliance_m_n,
                              settings.number("friction_coefficient", {0.0, 2.0}));
 }
 
@@ -60,7 +60,7 @@ void Cable::on_initialise(const YamlNode& settings, const Body& body, const Mesh
   points_ = std::move(read.points);
   path_changes_ = std::move(read.changes);
   rest_length_m_ = length_of(places_of(points_, rest_positions_m));
-  model_ = read_model(settings, points_, rest_positions_m);
+  model_ = read_model(settings, points_, rest_positions_m, [this](double command) { return drive_command(command); });
 
   const std::string command = settings.choice_or("command", "contraction", {"contraction", "length_m", "tension_n"});
   kind_ = command == "contraction" ? Command::contraction : command == "length_m" ? Command::length : Command::tension;
@@ -83,59 +83,53 @@ void Cable::on_initialise(const YamlNode& settings, const Body& body, const Mesh
   }
 }
 
-void Cable::actuate(double command) {
+double Cable::unloaded_length_m(double actuated_command) const {
   const double added_m = length_offset_m_ - pretension_n_ * model_->compliance_m_n();
-  switch (kind_) {
-    case Command::contraction:
-      unloaded_length_m_ = command * rest_length_m_ + added_m;
-      model_->command_length(unloaded_length_m_, rest_length_m_);
-      break;
-    case Command::length:
-      unloaded_length_m_ = command + added_m;
-      model_->command_length(unloaded_length_m_, 1.0);
-      break;
-    case Command::tension:
-      model_->command_tension(command, 1.0);
-      break;
-  }
+  return (kind_ == Command::contraction ? actuated_command * rest_length_m_ : actuated_command) + added_m;
+}
+
+DriveCommand Cable::drive_command(double actuated_command) const {
+  if (kind_ == Command::tension) return {true, 0.0, actuated_command, 1.0};
+  return {false, unloaded_length_m(actuated_command), 0.0, kind_ == Command::contraction ? rest_length_m_ : 1.0};
 }
 
 std::vector<const Constraint*> Cable::constraints() const { return model_->constraints(); }
 std::vector<const FrictionContact*> Cable::friction_contacts() const { return model_->friction_contacts(); }
-void Cable::begin_step(const StepStart& start) { model_->begin_step(start); }
-void Cable::end_step(const std::vector<double>& slips_m) { model_->end_step(slips_m); }
 std::string Cable::why_no_equilibrium() const { return model_->why_no_equilibrium(); }
-Eigen::VectorXd Cable::own_memory() const { return model_->memory(); }
-void Cable::recall(const Eigen::VectorXd& own_memory) { model_->recall(own_memory); }
+Eigen::VectorXd Cable::initial_memory() const { return model_->initial_memory(); }
+void Cable::begin_step(const StepStart& start, DriveState& drive) const { model_->begin_step(start, drive); }
+void Cable::end_step(const std::vector<double>& slips_m, DriveState& drive) const { model_->end_step(slips_m, drive); }
 
 std::optional<LawChange> Cable::law_change(const std::string& key, const Eigen::Matrix3Xd& positions_m,
-                                           const std::vector<double>& multipliers) const {
+                                           const std::vector<double>& multipliers, const DriveState& drive) const {
   // How the offsets change per metre of cable.
   const std::vector<const Constraint*> all = constraints();
   Eigen::VectorXd by_length(static_cast<Eigen::Index>(all.size()));
   for (std::size_t i = 0; i < all.size(); ++i)
     by_length[static_cast<Eigen::Index>(i)] =
-        all[i]->law(all[i]->value(positions_m), multipliers[i]).offset_per_command /
+        all[i]->law(all[i]->value(positions_m, drive), multipliers[i], drive).offset_per_command /
         (kind_ == Command::contraction ? rest_length_m_ : 1.0);
   if (key == "length_offset_m" && kind_ != Command::tension)
     return LawChange{by_length, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(friction_contacts().size()))};
-  std::optional<LawChange> change = model_->law_change(key, positions_m, multipliers);
+  std::optional<LawChange> change = model_->law_change(key, positions_m, multipliers, drive);
   if (change && key == "compliance_m_n") change->offsets -= pretension_n_ * by_length;
   return change;
 }
 
-ActuatorReading Cable::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers) const {
+ActuatorReading Cable::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers,
+                               const DriveState& drive) const {
   ActuatorReading state;
   state.path_m = places_of(points_, positions_m);
   state.length_m = length_of(state.path_m);
   state.rest_length_m = rest_length_m_;
-  const std::vector<double> tensions_n = model_->tensions_n(multipliers);
+  const std::vector<double> tensions_n = model_->tensions_n(multipliers, drive);
   state.tension_n = tensions_n.front();
   if (tensions_n.size() > 1) state.span_tensions_n = tensions_n;
   state.path_changes = path_changes_;
   if (kind_ == Command::tension) return state;
-  state.commanded_length_m = kind_ == Command::contraction ? actuated_command() * rest_length_m_ : actuated_command();
-  const double longer_m = *state.length_m - unloaded_length_m_;
+  state.commanded_length_m =
+      kind_ == Command::contraction ? drive.actuated_command * rest_length_m_ : drive.actuated_command;
+  const double longer_m = *state.length_m - unloaded_length_m(drive.actuated_command);
   state.stretch_m = std::max(0.0, longer_m);
   state.slack_m = std::max(0.0, -longer_m);
   state.pretension_n = pretension_n_;

@@ -2,13 +2,26 @@
 // How a cable turns length into tension: one file for each model of the Cable plugin.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "soft_robot_lab/mechanics/actuator.h"
 
 namespace soft_robot_lab {
+
+// What the drive gives of the cable.
+struct DriveCommand {
+  bool by_tension = false;
+  double length_m = 0.0;     // of the unloaded cable
+  double tension_n = 0.0;    // where it is driven
+  double per_command = 0.0;  // change of one or the other with the command
+};
+
+// How a command is read: what the drive gives at it. Lives as long as the model.
+using CommandReader = std::function<DriveCommand(double actuated_command)>;
 
 class CableModel {
  public:
@@ -17,35 +30,32 @@ class CableModel {
   virtual std::vector<const Constraint*> constraints() const = 0;
   virtual std::vector<const FrictionContact*> friction_contacts() const { return {}; }
 
-  // The length of the unloaded cable [m], or its tension [N] where it is driven; and their change with the command.
-  virtual void command_length(double length_m, double length_per_command) = 0;
-  virtual void command_tension(double tension_n, double tension_per_command) = 0;
-
-  virtual void begin_step(const StepStart& /*start*/) {}
-  virtual void end_step(const std::vector<double>& /*slips_m*/) {}
+  virtual void begin_step(const StepStart& /*start*/, DriveState& /*drive*/) const {}
+  virtual void end_step(const std::vector<double>& /*slips_m*/, DriveState& /*drive*/) const {}
   virtual std::string why_no_equilibrium() const { return ""; }
-  virtual Eigen::VectorXd memory() const { return {}; }
-  virtual void recall(const Eigen::VectorXd& /*memory*/) {}
+  virtual Eigen::VectorXd initial_memory() const { return {}; }
 
   // As Actuator::law_change, of a model's own numbers.
   virtual std::optional<LawChange> law_change(const std::string& /*key*/, const Eigen::Matrix3Xd& /*positions_m*/,
-                                              const std::vector<double>& /*multipliers*/) const {
+                                              const std::vector<double>& /*multipliers*/,
+                                              const DriveState& /*drive*/) const {
     return std::nullopt;
   }
 
   // Tensions from the first span on; one value where it is the same along the cable.
-  virtual std::vector<double> tensions_n(const std::vector<double>& multipliers) const = 0;
+  virtual std::vector<double> tensions_n(const std::vector<double>& multipliers, const DriveState& drive) const = 0;
   virtual double compliance_m_n() const = 0;  // of the whole cable
 };
 
 // Frictionless, one tension.
 std::unique_ptr<CableModel> make_sliding_cable(const std::vector<EmbeddedPoint>& points,
-                                               const Eigen::Matrix3Xd& rest_positions_m, double compliance_m_n);
+                                               const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
+                                               double compliance_m_n);
 
 // Friction on the points as on capstans.
 std::unique_ptr<CableModel> make_friction_cable(const std::vector<EmbeddedPoint>& points,
-                                                const Eigen::Matrix3Xd& rest_positions_m, double compliance_m_n,
-                                                double friction_coefficient);
+                                                const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
+                                                double compliance_m_n, double friction_coefficient);
 
 struct SpringSettings {
   double stiffness_n_m = 0.0;  // of each spring, > 0
@@ -56,6 +66,7 @@ struct SpringSettings {
 
 // One unilateral spring with a damper from point to point.
 std::unique_ptr<CableModel> make_spring_cable(const std::vector<EmbeddedPoint>& points,
-                                              const Eigen::Matrix3Xd& rest_positions_m, const SpringSettings& settings);
+                                              const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
+                                              const SpringSettings& settings);
 
 }  // namespace soft_robot_lab

@@ -46,8 +46,8 @@ class Capstan : public FrictionContact {
   };
 
   Turn turn(const Eigen::Matrix3Xd& positions_m) const {
-    Turn turn{before_.spans(positions_m)[0].direction.stableNormalized(),
-              after_.spans(positions_m)[0].direction.stableNormalized(), 0.0, 0.0, 0.0};
+    Turn turn{before_.path().spans(positions_m)[0].direction.stableNormalized(),
+              after_.path().spans(positions_m)[0].direction.stableNormalized(), 0.0, 0.0, 0.0};
     turn.cosine = turn.before.dot(turn.after);
     turn.sine = turn.before.cross(turn.after).norm();
     turn.angle = std::atan2(turn.sine, turn.cosine);
@@ -57,7 +57,7 @@ class Capstan : public FrictionContact {
   // Adds `change` . d direction / dx of a span.
   static void add_along(const PathLength& span, const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3d& change,
                         Eigen::Matrix3Xd& gradient) {
-    const Eigen::Vector3d pull = span.spans(positions_m)[0].curvature * change;
+    const Eigen::Vector3d pull = span.path().spans(positions_m)[0].curvature * change;
     const std::vector<EmbeddedPoint> ends = span.carried_points();
     for (const int end : {0, 1})
       for (std::size_t k = 0; k < ends[end].nodes.size(); ++k)
@@ -71,18 +71,20 @@ class Capstan : public FrictionContact {
 class FrictionCable : public CableModel {
  public:
   FrictionCable(const std::vector<EmbeddedPoint>& points, const Eigen::Matrix3Xd& rest_positions_m,
-                double compliance_m_n, double friction_coefficient)
-      : compliance_m_n_(compliance_m_n) {
-    for (std::size_t i = 1; i < points.size(); ++i)
+                CommandReader command, double compliance_m_n, double friction_coefficient)
+      : command_(std::move(command)), compliance_m_n_(compliance_m_n) {
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i) - 1;
       spans_.push_back(
-          std::make_unique<PathLength>(std::vector<EmbeddedPoint>{points[i - 1], points[i]}, rest_positions_m));
+          std::make_unique<PathLength>(std::vector<EmbeddedPoint>{points[i - 1], points[i]}, rest_positions_m,
+                                       [this, k](const DriveState& drive) { return law_of_span(k, drive); }));
+    }
     rest_lengths_m_.resize(static_cast<Eigen::Index>(spans_.size()));
     for (std::size_t i = 0; i < spans_.size(); ++i)
-      rest_lengths_m_[static_cast<Eigen::Index>(i)] = spans_[i]->value(rest_positions_m);
+      rest_lengths_m_[static_cast<Eigen::Index>(i)] = spans_[i]->length_m(rest_positions_m);
     for (std::size_t i = 1; i < spans_.size(); ++i)
       capstans_.push_back(
           std::make_unique<Capstan>(*spans_[i - 1], *spans_[i], friction_coefficient, static_cast<int>(i) - 1));
-    stretches_m_ = rest_lengths_m_;
   }
 
   std::vector<const Constraint*> constraints() const override {
@@ -97,36 +99,23 @@ class FrictionCable : public CableModel {
     return all;
   }
 
-  void command_length(double length_m, double length_per_command) override {
-    stretches_m_[0] = length_m - stretches_m_.tail(stretches_m_.size() - 1).sum();
-    per_command_ = length_per_command;
-    hand_out();
-  }
+  // Per span: how much unloaded cable it holds. That of the first is not read: it is what the others leave of the
+  // commanded length.
+  Eigen::VectorXd initial_memory() const override { return rest_lengths_m_; }
 
-  void command_tension(double tension_n, double tension_per_command) override {
-    tension_n_ = tension_n;
-    per_command_ = tension_per_command;
-    by_tension_ = true;
-    hand_out();
-  }
-
-  void end_step(const std::vector<double>& slips_m) override {
+  void end_step(const std::vector<double>& slips_m, DriveState& drive) const override {
     for (std::size_t i = 0; i < slips_m.size(); ++i) {
-      stretches_m_[static_cast<Eigen::Index>(i)] += slips_m[i];
-      stretches_m_[static_cast<Eigen::Index>(i) + 1] -= slips_m[i];
+      drive.memory[static_cast<Eigen::Index>(i)] += slips_m[i];
+      drive.memory[static_cast<Eigen::Index>(i) + 1] -= slips_m[i];
     }
-    hand_out();
   }
-
-  Eigen::VectorXd memory() const override { return stretches_m_; }
-  void recall(const Eigen::VectorXd& memory) override { stretches_m_ = memory; }
 
   std::optional<LawChange> law_change(const std::string& key, const Eigen::Matrix3Xd& positions_m,
-                                      const std::vector<double>& multipliers) const override {
+                                      const std::vector<double>& multipliers, const DriveState& drive) const override {
     LawChange change{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(spans_.size())),
                      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(capstans_.size()))};
     if (key == "compliance_m_n") {
-      for (Eigen::Index k = by_tension_ ? 1 : 0; k < change.offsets.size(); ++k)
+      for (Eigen::Index k = command_(drive.actuated_command).by_tension ? 1 : 0; k < change.offsets.size(); ++k)
         change.offsets[k] = -multipliers[static_cast<std::size_t>(k)] * rest_lengths_m_[k] / rest_lengths_m_.sum();
     } else if (key == "friction_coefficient") {
       for (std::size_t i = 0; i < capstans_.size(); ++i)
@@ -137,38 +126,36 @@ class FrictionCable : public CableModel {
     return change;
   }
 
-  std::vector<double> tensions_n(const std::vector<double>& multipliers) const override { return multipliers; }
+  std::vector<double> tensions_n(const std::vector<double>& multipliers, const DriveState& /*drive*/) const override {
+    return multipliers;
+  }
   double compliance_m_n() const override { return compliance_m_n_; }
 
  private:
   // The drive, at the first span, is the one that a command reaches directly.
-  void hand_out() {
-    for (std::size_t i = 0; i < spans_.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      if (by_tension_ && i == 0) {
-        spans_[i]->command_tension(tension_n_, per_command_);
-      } else {
-        spans_[i]->command_length(stretches_m_[k], compliance_m_n_ * rest_lengths_m_[k] / rest_lengths_m_.sum(),
-                                  i == 0 ? per_command_ : 0.0);
-      }
-    }
+  CableLaw law_of_span(Eigen::Index k, const DriveState& drive) const {
+    const double compliance_m_n = compliance_m_n_ * rest_lengths_m_[k] / rest_lengths_m_.sum();
+    if (k > 0) return CableLaw::of_length(drive.memory[k], compliance_m_n, 0.0);
+    const DriveCommand command = command_(drive.actuated_command);
+    if (command.by_tension) return CableLaw::of_tension(command.tension_n, command.per_command);
+    const double others_m = drive.memory.tail(drive.memory.size() - 1).sum();
+    return CableLaw::of_length(command.length_m - others_m, compliance_m_n, command.per_command);
   }
 
+  CommandReader command_;
+  double compliance_m_n_;
   std::vector<std::unique_ptr<PathLength>> spans_;
   std::vector<std::unique_ptr<Capstan>> capstans_;
-  double compliance_m_n_;
   Eigen::VectorXd rest_lengths_m_;  // per span
-  Eigen::VectorXd stretches_m_;     // per span: how much unloaded cable it holds; the first by the command
-  bool by_tension_ = false;
-  double tension_n_ = 0.0, per_command_ = 0.0;
 };
 
 }  // namespace
 
 std::unique_ptr<CableModel> make_friction_cable(const std::vector<EmbeddedPoint>& points,
-                                                const Eigen::Matrix3Xd& rest_positions_m, double compliance_m_n,
-                                                double friction_coefficient) {
-  return std::make_unique<FrictionCable>(points, rest_positions_m, compliance_m_n, friction_coefficient);
+                                                const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
+                                                double compliance_m_n, double friction_coefficient) {
+  return std::make_unique<FrictionCable>(points, rest_positions_m, std::move(command), compliance_m_n,
+                                         friction_coefficient);
 }
 
 }  // namespace soft_robot_lab

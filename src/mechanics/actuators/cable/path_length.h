@@ -1,26 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "soft_robot_lab/mechanics/constraint.h"
 
 namespace soft_robot_lab {
 
-// C(x) = length of the polyline through carried points [m]; its multiplier is the tension y [N], the same all along.
-// Pulls with y >= 0, C - L = compliance * y; slack when C < L.
-class PathLength : public Constraint {
+// Neighbouring points of a cable and the straight spans between them. A span that has shrunk below a tenth of its rest
+// length counts quadratically (Huber 1964), so that its direction fades out instead of flipping where it closes.
+class Path {
  public:
-  // Two or more points; neighbours apart at rest. A span that has shrunk below a tenth of its rest length counts
-  // quadratically (Huber 1964), so that its direction fades out instead of flipping where it closes.
-  PathLength(std::vector<EmbeddedPoint> points, const Eigen::Matrix3Xd& rest_positions_m);
-
-  std::vector<EmbeddedPoint> carried_points() const override { return points_; }
-  std::vector<Clique> cliques() const override;  // neighbouring points
-  double value(const Eigen::Matrix3Xd& positions_m) const override;
-  void add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const override;
-  void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const override;
-  ConstraintLaw law(double value, double multiplier) const override;
+  // Two or more points; neighbours apart at rest.
+  Path(std::vector<EmbeddedPoint> points, const Eigen::Matrix3Xd& rest_positions_m);
 
   // Span `i` from its first to its second end: length and d length / d second end (a unit vector, shorter for a span
   // about to close).
@@ -29,18 +23,57 @@ class PathLength : public Constraint {
     Eigen::Vector3d direction;
     Eigen::Matrix3d curvature;  // second derivative of the length [1/m]
   };
-  std::vector<Span> spans(const Eigen::Matrix3Xd& positions_m) const;
+  std::vector<Span> spans(const Eigen::Matrix3Xd& positions_m) const { return spans_between(places(positions_m)); }
+  std::vector<Span> spans_between(const Eigen::Matrix3Xd& places_m) const;
 
-  // The law of a given length [m] or, where the length has no say, of a given tension [N]. The last argument: how the
-  // length or tension changes with the command.
-  void command_length(double length_m, double compliance_m_n, double length_per_command);
-  void command_tension(double tension_n, double tension_per_command);
+  const std::vector<EmbeddedPoint>& points() const { return points_; }
+  Eigen::Matrix3Xd places(const Eigen::Matrix3Xd& positions_m) const;  // of the points
 
  private:
   std::vector<EmbeddedPoint> points_;
   std::vector<double> closing_lengths_m_;  // per span: below this it counts quadratically
-  ConstraintLaw law_;
-  double length_m_ = 0.0;
+};
+
+// What decides the tension of a piece of cable: a given length [m], C - L = compliance * y, or a given tension [N], of
+// which the length knows nothing.
+struct CableLaw {
+  bool by_tension = false;
+  double length_m = 0.0, compliance_m_n = 0.0;
+  double tension_n = 0.0;
+  double per_command = 0.0;  // change of the length or tension with the command
+
+  static CableLaw of_length(double length_m, double compliance_m_n, double length_per_command) {
+    return {false, length_m, compliance_m_n, 0.0, length_per_command};
+  }
+  static CableLaw of_tension(double tension_n, double tension_per_command) {
+    return {true, 0.0, 0.0, tension_n, tension_per_command};
+  }
+};
+
+// C(x) = length of a path [m]; its multiplier is the tension y [N], the same all along. Pulls with y >= 0; slack when
+// C < L.
+class PathLength : public Constraint {
+ public:
+  // `law` reads off the drive what the path follows; it lives as long as this.
+  using LawOfDrive = std::function<CableLaw(const DriveState&)>;
+  PathLength(std::vector<EmbeddedPoint> points, const Eigen::Matrix3Xd& rest_positions_m, LawOfDrive law)
+      : path_(std::move(points), rest_positions_m), law_(std::move(law)) {}
+
+  std::vector<EmbeddedPoint> carried_points() const override { return path_.points(); }
+  std::vector<Clique> cliques() const override;  // neighbouring points
+  double value(const Eigen::Matrix3Xd& positions_m, const DriveState& drive) const override;
+  void add_gradient(const Eigen::Matrix3Xd& positions_m, const DriveState& drive, double scale,
+                    Eigen::Matrix3Xd& gradient) const override;
+  void add_hessian(const Eigen::Matrix3Xd& positions_m, const DriveState& drive, double scale,
+                   CliqueSink& hessian) const override;
+  ConstraintLaw law(double value, double multiplier, const DriveState& drive) const override;
+
+  const Path& path() const { return path_; }
+  double length_m(const Eigen::Matrix3Xd& positions_m) const;
+
+ private:
+  Path path_;
+  LawOfDrive law_;
 };
 
 }  // namespace soft_robot_lab

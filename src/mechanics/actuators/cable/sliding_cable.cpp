@@ -8,34 +8,41 @@ namespace {
 class SlidingCable : public CableModel {
  public:
   SlidingCable(const std::vector<EmbeddedPoint>& points, const Eigen::Matrix3Xd& rest_positions_m,
-               double compliance_m_n)
-      : path_(points, rest_positions_m), compliance_m_n_(compliance_m_n) {}
+               CommandReader command, double compliance_m_n)
+      : command_(std::move(command)),
+        compliance_m_n_(compliance_m_n),
+        path_(points, rest_positions_m, [this](const DriveState& drive) { return law(drive); }) {}
 
   std::vector<const Constraint*> constraints() const override { return {&path_}; }
-  void command_length(double length_m, double length_per_command) override {
-    path_.command_length(length_m, compliance_m_n_, length_per_command);
-  }
-  void command_tension(double tension_n, double tension_per_command) override {
-    path_.command_tension(tension_n, tension_per_command);
-  }
   std::optional<LawChange> law_change(const std::string& key, const Eigen::Matrix3Xd& /*positions_m*/,
-                                      const std::vector<double>& multipliers) const override {
+                                      const std::vector<double>& multipliers,
+                                      const DriveState& /*drive*/) const override {
     if (key != "compliance_m_n") return std::nullopt;
     return LawChange{Eigen::VectorXd::Constant(1, -multipliers[0]), {}};
   }
-  std::vector<double> tensions_n(const std::vector<double>& multipliers) const override { return multipliers; }
+  std::vector<double> tensions_n(const std::vector<double>& multipliers, const DriveState& /*drive*/) const override {
+    return multipliers;
+  }
   double compliance_m_n() const override { return compliance_m_n_; }
 
  private:
-  PathLength path_;
+  CableLaw law(const DriveState& drive) const {
+    const DriveCommand command = command_(drive.actuated_command);
+    return command.by_tension ? CableLaw::of_tension(command.tension_n, command.per_command)
+                              : CableLaw::of_length(command.length_m, compliance_m_n_, command.per_command);
+  }
+
+  CommandReader command_;
   double compliance_m_n_;
+  PathLength path_;
 };
 
 }  // namespace
 
 std::unique_ptr<CableModel> make_sliding_cable(const std::vector<EmbeddedPoint>& points,
-                                               const Eigen::Matrix3Xd& rest_positions_m, double compliance_m_n) {
-  return std::make_unique<SlidingCable>(points, rest_positions_m, compliance_m_n);
+                                               const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
+                                               double compliance_m_n) {
+  return std::make_unique<SlidingCable>(points, rest_positions_m, std::move(command), compliance_m_n);
 }
 
 }  // namespace soft_robot_lab

@@ -2,7 +2,6 @@
 // The cable of the thesis: from point to point a spring that pulls and never pushes, T = max(0, k (l - L) + b dl/dt).
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -11,36 +10,6 @@
 
 namespace soft_robot_lab {
 namespace {
-
-// Forces that stay as they are over a step, whatever the body does: C = -f . x, whose multiplier is held at 1.
-class FixedForces : public Constraint {
- public:
-  explicit FixedForces(Eigen::Index nodes) : forces_n_(Eigen::Matrix3Xd::Zero(3, nodes)) {}
-  void set(Eigen::Matrix3Xd forces_n) {
-    forces_n_ = std::move(forces_n);
-    multiplier_ = 1.0;
-  }
-  void clear() { multiplier_ = 0.0; }
-  Eigen::Index node_count() const { return forces_n_.cols(); }
-
-  std::vector<Clique> cliques() const override { return {}; }
-  double value(const Eigen::Matrix3Xd& positions_m) const override {
-    return -forces_n_.cwiseProduct(positions_m).sum();
-  }
-  void add_gradient(const Eigen::Matrix3Xd& /*positions_m*/, double scale, Eigen::Matrix3Xd& gradient) const override {
-    gradient -= scale * forces_n_;
-  }
-  void add_hessian(const Eigen::Matrix3Xd& /*positions_m*/, double /*scale*/, CliqueSink& /*hessian*/) const override {}
-  ConstraintLaw law(double /*value*/, double /*multiplier*/) const override {
-    ConstraintLaw law;
-    law.min_multiplier = law.max_multiplier = multiplier_;
-    return law;
-  }
-
- private:
-  Eigen::Matrix3Xd forces_n_;
-  double multiplier_ = 0.0;
-};
 
 // (W W^T)^-1 of the points' interpolation rows W, so that W^+ = W^T (W W^T)^-1.
 Eigen::LDLT<Eigen::MatrixXd> inverse_gram(const std::vector<EmbeddedPoint>& points, Eigen::Index nodes) {
@@ -51,17 +20,46 @@ Eigen::LDLT<Eigen::MatrixXd> inverse_gram(const std::vector<EmbeddedPoint>& poin
   return Eigen::LDLT<Eigen::MatrixXd>(w * w.transpose());
 }
 
+// What a step began with, as the memory holds it: the length of the step (0 in a search for a rest state), then per
+// span length, rate, and direction.
+class StepMemory {
+ public:
+  static Eigen::VectorXd empty(std::size_t spans) {
+    return Eigen::VectorXd::Zero(1 + kPerSpan * static_cast<Eigen::Index>(spans));
+  }
+  explicit StepMemory(const Eigen::VectorXd& numbers) : numbers_(numbers) {}
+  double time_step_s() const { return numbers_[0]; }
+  double length_m(std::size_t span) const { return numbers_[first(span)]; }
+  double rate_m_s(std::size_t span) const { return numbers_[first(span) + 1]; }
+  Eigen::Vector3d direction(std::size_t span) const { return numbers_.segment<3>(first(span) + 2); }
+
+  static void write(std::size_t span, double length_m, double rate_m_s, const Eigen::Vector3d& direction,
+                    Eigen::VectorXd& numbers) {
+    numbers.segment<kPerSpan>(first(span)) << length_m, rate_m_s, direction;
+  }
+
+ private:
+  static constexpr int kPerSpan = 5;
+  static Eigen::Index first(std::size_t span) { return 1 + kPerSpan * static_cast<Eigen::Index>(span); }
+  const Eigen::VectorXd& numbers_;
+};
+
 class SpringCable : public CableModel {
  public:
-  SpringCable(const std::vector<EmbeddedPoint>& points, const Eigen::Matrix3Xd& rest_positions_m,
+  SpringCable(const std::vector<EmbeddedPoint>& points, const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
               const SpringSettings& settings)
-      : settings_(settings), points_(points), path_(points, rest_positions_m), fixed_(rest_positions_m.cols()) {
-    for (const PathLength::Span& span : path_.spans(rest_positions_m)) rest_lengths_m_.push_back(span.length_m);
+      : command_(std::move(command)),
+        settings_(settings),
+        path_(points, rest_positions_m),
+        fixed_(*this),
+        node_count_(rest_positions_m.cols()) {
+    for (const Path::Span& span : path_.spans(rest_positions_m)) rest_lengths_m_.push_back(span.length_m);
+    for (const double length_m : rest_lengths_m_) rest_length_m_ += length_m;
     for (std::size_t i = 1; i < points.size(); ++i)
       springs_.push_back(
-          std::make_unique<PathLength>(std::vector<EmbeddedPoint>{points[i - 1], points[i]}, rest_positions_m));
+          std::make_unique<PathLength>(std::vector<EmbeddedPoint>{points[i - 1], points[i]}, rest_positions_m,
+                                       [this, i](const DriveState& drive) { return law_of_spring(i - 1, drive); }));
     if (settings.pseudo_inverse) inverse_gram_ = inverse_gram(points, rest_positions_m.cols());
-    tensions_n_.resize(springs_.size(), 0.0);
   }
 
   std::vector<const Constraint*> constraints() const override {
@@ -71,29 +69,16 @@ class SpringCable : public CableModel {
     return all;
   }
 
-  // Each spring takes the same share of the length.
-  void command_length(double length_m, double length_per_command) override {
-    const double rest = rest_length_m();
-    contraction_ = length_m / rest;
-    contraction_per_command_ = length_per_command / rest;
-    hand_out();
-  }
+  Eigen::VectorXd initial_memory() const override { return StepMemory::empty(rest_lengths_m_.size()); }
 
-  void command_tension(double tension_n, double tension_per_command) override {
-    by_tension_ = true;
-    tension_n_ = tension_n;
-    tension_per_command_ = tension_per_command;
-    hand_out();
-  }
-
-  void begin_step(const StepStart& start) override {
-    time_step_s_ = start.time_step_s;
-    start_spans_ = path_.spans(start.positions_m);
-    start_rates_m_s_.clear();
-    for (std::size_t i = 0; i < start_spans_.size(); ++i)
-      start_rates_m_s_.push_back(
-          start_spans_[i].direction.dot(points_[i + 1].at(start.velocities_m_s) - points_[i].at(start.velocities_m_s)));
-    hand_out();
+  void begin_step(const StepStart& start, DriveState& drive) const override {
+    drive.memory[0] = std::isfinite(start.time_step_s) ? start.time_step_s : 0.0;
+    const std::vector<Path::Span> spans = path_.spans(start.positions_m);
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      const double rate_m_s = spans[i].direction.dot(path_.points()[i + 1].at(start.velocities_m_s) -
+                                                     path_.points()[i].at(start.velocities_m_s));
+      StepMemory::write(i, spans[i].length_m, rate_m_s, spans[i].direction, drive.memory);
+    }
   }
 
   std::string why_no_equilibrium() const override {
@@ -102,102 +87,114 @@ class SpringCable : public CableModel {
                                     : "";
   }
 
-  Eigen::VectorXd memory() const override {
-    return Eigen::Map<const Eigen::VectorXd>(tensions_n_.data(), static_cast<Eigen::Index>(tensions_n_.size()));
-  }
-  void recall(const Eigen::VectorXd& memory) override {
-    tensions_n_.assign(memory.data(), memory.data() + memory.size());
-  }
-
-  std::vector<double> tensions_n(const std::vector<double>& multipliers) const override {
-    if (settings_.explicit_forces && multipliers.back() != 0.0) return tensions_n_;
+  std::vector<double> tensions_n(const std::vector<double>& multipliers, const DriveState& drive) const override {
+    if (settings_.explicit_forces && multipliers.back() != 0.0) return held_tensions_n(drive);
     return {multipliers.begin(), multipliers.begin() + static_cast<std::ptrdiff_t>(springs_.size())};
   }
   double compliance_m_n() const override { return static_cast<double>(springs_.size()) / settings_.stiffness_n_m; }
 
  private:
-  double rest_length_m() const {
-    double sum = 0.0;
-    for (const double length : rest_lengths_m_) sum += length;
-    return sum;
-  }
-  double length_m(std::size_t i) const { return contraction_ * rest_lengths_m_[i]; }
+  // Forces that stay as they are over a step, whatever the body does: C = -f . x, whose multiplier is held at 1; at 0
+  // where no forces are held.
+  class FixedForces : public Constraint {
+   public:
+    explicit FixedForces(const SpringCable& cable) : cable_(cable) {}
+    std::vector<Clique> cliques() const override { return {}; }
+    double value(const Eigen::Matrix3Xd& positions_m, const DriveState& drive) const override {
+      return -cable_.held_forces_n(drive).cwiseProduct(positions_m).sum();
+    }
+    void add_gradient(const Eigen::Matrix3Xd& /*positions_m*/, const DriveState& drive, double scale,
+                      Eigen::Matrix3Xd& gradient) const override {
+      gradient -= scale * cable_.held_forces_n(drive);
+    }
+    void add_hessian(const Eigen::Matrix3Xd& /*positions_m*/, const DriveState& /*drive*/, double /*scale*/,
+                     CliqueSink& /*hessian*/) const override {}
+    ConstraintLaw law(double /*value*/, double /*multiplier*/, const DriveState& drive) const override {
+      ConstraintLaw law;
+      law.min_multiplier = law.max_multiplier = cable_.holds_forces(drive) ? 1.0 : 0.0;
+      return law;
+    }
+
+   private:
+    const SpringCable& cable_;
+  };
 
   // A rest state knows no step to hold forces over; there explicit springs are the same as implicit ones.
-  bool explicit_now() const { return settings_.explicit_forces && std::isfinite(time_step_s_); }
-
-  void hand_out() {
-    if (explicit_now()) {
-      hold_forces();
-    } else {
-      fixed_.clear();
-      follow_lengths();
-    }
+  bool holds_forces(const DriveState& drive) const {
+    return settings_.explicit_forces && StepMemory(drive.memory).time_step_s() > 0.0;
   }
 
-  void hold_forces() {
-    for (std::size_t i = 0; i < springs_.size(); ++i) {
-      springs_[i]->command_tension(0.0, 0.0);
-      tensions_n_[i] = by_tension_ ? tension_n_
-                                   : std::max(0.0, settings_.stiffness_n_m * (start_spans_[i].length_m - length_m(i)) +
-                                                       settings_.damping_n_s_m * start_rates_m_s_[i]);
-    }
-    fixed_.set(node_forces());
+  // Each spring takes the same share of the length.
+  double length_m(std::size_t i, const DriveCommand& command) const {
+    const double contraction = command.length_m / rest_length_m_;
+    return contraction * rest_lengths_m_[i];
   }
 
   // dl/dt is (l - l of the start) / step, so a damper adds to the stiffness and moves the length:
   //   T = (k + b/h) (l - (L + r l0) / (1 + r)),  r = b / (k h)
-  void follow_lengths() {
-    for (std::size_t i = 0; i < springs_.size(); ++i) {
-      if (by_tension_) {
-        springs_[i]->command_tension(tension_n_, tension_per_command_);
-        continue;
-      }
-      const double r = settings_.damping_n_s_m / (settings_.stiffness_n_m * time_step_s_);
-      const double length = r > 0.0 ? (length_m(i) + r * start_spans_[i].length_m) / (1.0 + r) : length_m(i);
-      springs_[i]->command_length(length, 1.0 / (settings_.stiffness_n_m * (1.0 + r)),
-                                  contraction_per_command_ * rest_lengths_m_[i] / (1.0 + r));
-    }
+  CableLaw law_of_spring(std::size_t i, const DriveState& drive) const {
+    if (holds_forces(drive)) return CableLaw::of_tension(0.0, 0.0);
+    const DriveCommand command = command_(drive.actuated_command);
+    if (command.by_tension) return CableLaw::of_tension(command.tension_n, command.per_command);
+    const StepMemory start(drive.memory);
+    const double r =
+        start.time_step_s() > 0.0 ? settings_.damping_n_s_m / (settings_.stiffness_n_m * start.time_step_s()) : 0.0;
+    const double length = r > 0.0 ? (length_m(i, command) + r * start.length_m(i)) / (1.0 + r) : length_m(i, command);
+    const double contraction_per_command = command.per_command / rest_length_m_;
+    return CableLaw::of_length(length, 1.0 / (settings_.stiffness_n_m * (1.0 + r)),
+                               contraction_per_command * rest_lengths_m_[i] / (1.0 + r));
   }
 
-  Eigen::Matrix3Xd node_forces() const {
-    Eigen::MatrixXd on_points = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points_.size()), 3);
-    for (std::size_t i = 0; i < start_spans_.size(); ++i) {
-      const Eigen::RowVector3d pull = tensions_n_[i] * start_spans_[i].direction.transpose();
+  std::vector<double> held_tensions_n(const DriveState& drive) const {
+    const DriveCommand command = command_(drive.actuated_command);
+    const StepMemory start(drive.memory);
+    std::vector<double> tensions_n;
+    for (std::size_t i = 0; i < springs_.size(); ++i)
+      tensions_n.push_back(command.by_tension
+                               ? command.tension_n
+                               : std::max(0.0, settings_.stiffness_n_m * (start.length_m(i) - length_m(i, command)) +
+                                                   settings_.damping_n_s_m * start.rate_m_s(i)));
+    return tensions_n;
+  }
+
+  // On the nodes; zero where none are held.
+  Eigen::Matrix3Xd held_forces_n(const DriveState& drive) const {
+    Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, node_count_);
+    if (!holds_forces(drive)) return forces;
+    const std::vector<EmbeddedPoint>& points = path_.points();
+    const std::vector<double> tensions_n = held_tensions_n(drive);
+    const StepMemory start(drive.memory);
+    Eigen::MatrixXd on_points = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points.size()), 3);
+    for (std::size_t i = 0; i < tensions_n.size(); ++i) {
+      const Eigen::RowVector3d pull = tensions_n[i] * start.direction(i).transpose();
       on_points.row(static_cast<Eigen::Index>(i)) += pull;
       on_points.row(static_cast<Eigen::Index>(i) + 1) -= pull;
     }
     if (settings_.pseudo_inverse) on_points = inverse_gram_.solve(on_points);
-    Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, fixed_.node_count());
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      for (std::size_t k = 0; k < points_[i].nodes.size(); ++k)
-        forces.col(points_[i].nodes[k]) +=
-            points_[i].weights[k] * on_points.row(static_cast<Eigen::Index>(i)).transpose();
+    for (std::size_t i = 0; i < points.size(); ++i)
+      for (std::size_t k = 0; k < points[i].nodes.size(); ++k)
+        forces.col(points[i].nodes[k]) +=
+            points[i].weights[k] * on_points.row(static_cast<Eigen::Index>(i)).transpose();
     return forces;
   }
 
+  CommandReader command_;
   SpringSettings settings_;
-  std::vector<EmbeddedPoint> points_;
-  PathLength path_;  // measures all spans at once
+  Path path_;  // measures all spans at once
   std::vector<std::unique_ptr<PathLength>> springs_;
   FixedForces fixed_;
+  Eigen::Index node_count_;
   Eigen::LDLT<Eigen::MatrixXd> inverse_gram_;
   std::vector<double> rest_lengths_m_;
-  double contraction_ = 1.0, contraction_per_command_ = 0.0;
-  bool by_tension_ = false;
-  double tension_n_ = 0.0, tension_per_command_ = 0.0;
-  double time_step_s_ = std::numeric_limits<double>::infinity();
-  std::vector<PathLength::Span> start_spans_;  // of the step
-  std::vector<double> start_rates_m_s_;
-  std::vector<double> tensions_n_;  // explicit: those of this step
+  double rest_length_m_ = 0.0;
 };
 
 }  // namespace
 
 std::unique_ptr<CableModel> make_spring_cable(const std::vector<EmbeddedPoint>& points,
-                                              const Eigen::Matrix3Xd& rest_positions_m,
+                                              const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
                                               const SpringSettings& settings) {
-  return std::make_unique<SpringCable>(points, rest_positions_m, settings);
+  return std::make_unique<SpringCable>(points, rest_positions_m, std::move(command), settings);
 }
 
 }  // namespace soft_robot_lab

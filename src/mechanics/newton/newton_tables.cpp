@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "newton_tables.h"
+
+namespace soft_robot_lab {
+
+NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> constraints_in,
+                           std::vector<SharedLength> shared_in)
+    : body(body_in),
+      constraints(std::move(constraints_in)),
+      shared(std::move(shared_in)),
+      layout(body, constraints),
+      loads_n(body.external_forces_n()),
+      force_floor_n(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
+      matrix(std::make_shared<const BlockPattern>(layout.node_count + layout.point_count, layout.all_cliques(body))),
+      factor(std::make_shared<const FactorPattern>(*matrix)),
+      elements(std::make_shared<const ElementTables>(body, *matrix)),
+      ties(*matrix, layout.ties) {
+  for (const auto& of_constraint : layout.cliques) cliques.emplace_back(*matrix, of_constraint);
+}
+
+const StepWarp& NewtonTables::warp() const {
+  std::call_once(warp_made_, [this] { warp_ = std::make_unique<StepWarp>(body, elements->batches, *matrix); });
+  return *warp_;
+}
+
+}  // namespace soft_robot_lab

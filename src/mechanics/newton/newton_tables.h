@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What Newton's method works out once about a body and its constraints: who is coupled with whom, in which order nodes
+// are eliminated, and where everything goes in the matrix. It does not change, so that solvers in several threads share
+// it; each has a matrix, a factor and scratch of its own (newton_solver.h).
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mechanics/linear_algebra/block_cholesky.h"
+#include "mechanics/linear_algebra/block_matrix.h"
+#include "mechanics/elements/clique_adder.h"
+#include "mechanics/simulation/driven_constraint.h"
+#include "mechanics/elements/elements.h"
+#include "mechanics/linear_algebra/matrix_layout.h"
+#include "soft_robot_lab/mechanics/body.h"
+#include "mechanics/xpbd/step_warp.h"
+
+namespace soft_robot_lab {
+
+// A contact, and its constraints among all.
+struct SharedLength {
+  const FrictionContact* contact;
+  int first, second;
+};
+
+struct NewtonTables {
+  // Body and constraints outlive this.
+  NewtonTables(const Body& body, std::vector<DrivenConstraint> constraints, std::vector<SharedLength> shared = {});
+
+  int constraint_count() const { return static_cast<int>(constraints.size()); }
+  int friction_contact_count() const { return static_cast<int>(shared.size()); }
+  int element_multiplier_count() const { return static_cast<int>(elements->rest_volumes_m3().size()); }
+  const StepWarp& warp() const;  // made when it is first asked for: many a body never needs it
+
+  const Body& body;
+  std::vector<DrivenConstraint> constraints;
+  std::vector<SharedLength> shared;
+  MatrixLayout layout;
+  Eigen::Matrix3Xd loads_n;
+  double force_floor_n;  // forces below this count as none
+  std::shared_ptr<const BlockPattern> matrix;
+  std::shared_ptr<const FactorPattern> factor;
+  std::shared_ptr<const ElementTables> elements;
+  CliquePlaces ties;
+  std::vector<CliquePlaces> cliques;  // per constraint
+
+ private:
+  mutable std::once_flag warp_made_;
+  mutable std::unique_ptr<const StepWarp> warp_;
+};
+
+}  // namespace soft_robot_lab

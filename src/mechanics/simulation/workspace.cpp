@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "workspace.h"
+
+#include <stdexcept>
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kThreads = 2;  // of xpbd, on meshes large enough to be worth it
+
+using Actuators = std::vector<std::unique_ptr<const Actuator>>;
+
+std::vector<DrivenConstraint> constraints_of(const Actuators& actuators) {
+  std::vector<DrivenConstraint> all;
+  for (std::size_t i = 0; i < actuators.size(); ++i)
+    for (const Constraint* constraint : actuators[i]->constraints()) all.push_back({constraint, static_cast<int>(i)});
+  return all;
+}
+
+std::vector<SharedLength> shared_lengths_of(const Actuators& actuators, SolverOptions::Method method) {
+  std::vector<SharedLength> all;
+  int offset = 0;
+  for (const auto& actuator : actuators) {
+    for (const FrictionContact* contact : actuator->friction_contacts())
+      all.push_back({contact, offset + contact->first, offset + contact->second});
+    if (!all.empty() && method == SolverOptions::Method::xpbd)
+      throw std::invalid_argument("actuator '" + actuator->name() +
+                                  "' has friction, which solver.method xpbd does not know; must be newton");
+    offset += static_cast<int>(actuator->constraints().size());
+  }
+  return all;
+}
+
+}  // namespace
+
+SolverTables::SolverTables(const Body& body, const Actuators& actuators, SolverOptions::Method method)
+    : newton(
+          std::make_shared<const NewtonTables>(body, constraints_of(actuators), shared_lengths_of(actuators, method))) {
+  if (method == SolverOptions::Method::xpbd) xpbd = std::make_shared<const XpbdTables>(body, constraints_of(actuators));
+}
+
+Workspace::Workspace(const SolverTables& tables)
+    : newton(tables.newton), xpbd(tables.xpbd ? std::make_unique<XpbdSolver>(tables.xpbd, kThreads) : nullptr) {}
+
+}  // namespace soft_robot_lab

@@ -24,6 +24,7 @@ using soft_robot_lab::AllowedRange;
 using soft_robot_lab::Clique;
 using soft_robot_lab::CliqueSink;
 using soft_robot_lab::ConstraintLaw;
+using soft_robot_lab::DriveState;
 using soft_robot_lab::EmbeddedPoint;
 
 struct Braid {
@@ -39,17 +40,20 @@ class MuscleLength : public soft_robot_lab::Constraint {
   MuscleLength(std::vector<EmbeddedPoint> ends, const Braid& braid)
       : ends_(std::move(ends)), braid_(braid), smallest_m_(1e-3 * braid.rest_length_m) {}
 
-  void set_pressure(double pressure_pa) { pressure_pa_ = pressure_pa; }
-
   std::vector<EmbeddedPoint> carried_points() const override { return ends_; }
   std::vector<Clique> cliques() const override { return {{~0, ~1}}; }
 
-  double value(const Eigen::Matrix3Xd& positions_m) const override {
+  double value(const Eigen::Matrix3Xd& positions_m, const DriveState& /*drive*/) const override {
+    return muscle_length_m(positions_m);
+  }
+
+  double muscle_length_m(const Eigen::Matrix3Xd& positions_m) const {
     return std::hypot(span_m(positions_m).norm(), smallest_m_);
   }
 
-  void add_gradient(const Eigen::Matrix3Xd& positions_m, double scale, Eigen::Matrix3Xd& gradient) const override {
-    const Eigen::Vector3d direction = span_m(positions_m) / value(positions_m);
+  void add_gradient(const Eigen::Matrix3Xd& positions_m, const DriveState& /*drive*/, double scale,
+                    Eigen::Matrix3Xd& gradient) const override {
+    const Eigen::Vector3d direction = span_m(positions_m) / muscle_length_m(positions_m);
     for (int end = 0; end < 2; ++end) {
       const EmbeddedPoint& point = ends_[static_cast<std::size_t>(end)];
       for (std::size_t k = 0; k < point.nodes.size(); ++k)
@@ -57,29 +61,32 @@ class MuscleLength : public soft_robot_lab::Constraint {
     }
   }
 
-  void add_hessian(const Eigen::Matrix3Xd& positions_m, double scale, CliqueSink& hessian) const override {
-    const double length_m = value(positions_m);
+  void add_hessian(const Eigen::Matrix3Xd& positions_m, const DriveState& /*drive*/, double scale,
+                   CliqueSink& hessian) const override {
+    const double length_m = muscle_length_m(positions_m);
     const Eigen::Vector3d direction = span_m(positions_m) / length_m;
     const Eigen::Matrix3d curvature = (Eigen::Matrix3d::Identity() - direction * direction.transpose()) / length_m;
     hessian.add_outer(0, {-1.0, 1.0}, scale * curvature);
   }
 
-  // Solved for the length: c(T) = L0 sqrt((T / (A p) + b) / a), linearised at the present tension.
-  ConstraintLaw law(double length_m, double tension_n) const override {
+  // The command is the pressure. Solved for the length: c(T) = L0 sqrt((T / (A p) + b) / a), linearised at the present
+  // tension.
+  ConstraintLaw law(double length_m, double tension_n, const DriveState& drive) const override {
+    const double pressure_pa = drive.actuated_command;
     const double stretch = length_m / braid_.rest_length_m;
     ConstraintLaw law;
     law.min_multiplier = 0.0;
-    if (pressure_pa_ == 0.0) {
+    if (pressure_pa == 0.0) {
       law.max_multiplier = 0.0;
       law.multiplier_per_command = std::max(0.0, braid_.area_m2 * (braid_.a * stretch * stretch - braid_.b));
       return law;
     }
     const double pulling_n = std::max(0.0, tension_n);
-    const double force_n = braid_.area_m2 * pressure_pa_;
+    const double force_n = braid_.area_m2 * pressure_pa;
     const double free_length_m = braid_.rest_length_m * std::sqrt((pulling_n / force_n + braid_.b) / braid_.a);
     law.compliance = braid_.rest_length_m * braid_.rest_length_m / (2.0 * braid_.a * force_n * free_length_m);
     law.offset = length_m - free_length_m + law.compliance * pulling_n;
-    law.offset_per_command = law.compliance * pulling_n / pressure_pa_;
+    law.offset_per_command = law.compliance * pulling_n / pressure_pa;
     return law;
   }
 
@@ -91,7 +98,6 @@ class MuscleLength : public soft_robot_lab::Constraint {
   std::vector<EmbeddedPoint> ends_;
   Braid braid_;
   double smallest_m_;
-  double pressure_pa_ = 0.0;
 };
 
 // Settings: points_m: both ends, at rest on or in the body; diameter_m; braid_angle_deg; max_pressure_pa;
@@ -100,14 +106,14 @@ class McKibbenMuscle : public soft_robot_lab::Actuator {
  public:
   std::vector<const soft_robot_lab::Constraint*> constraints() const override { return {length_.get()}; }
 
-  soft_robot_lab::ActuatorReading observe(const Eigen::Matrix3Xd& positions_m,
-                                          const std::vector<double>& multipliers) const override {
+  soft_robot_lab::ActuatorReading observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers,
+                                          const DriveState& drive) const override {
     soft_robot_lab::ActuatorReading reading;
     for (const EmbeddedPoint& end : length_->carried_points()) reading.path_m.push_back(end.at(positions_m));
-    reading.length_m = length_->value(positions_m);
+    reading.length_m = length_->muscle_length_m(positions_m);
     reading.rest_length_m = rest_length_m_;
     reading.tension_n = multipliers.at(0);
-    reading.gauge_pressure_pa = actuated_command();
+    reading.gauge_pressure_pa = drive.actuated_command;
     return reading;
   }
 
@@ -128,8 +134,6 @@ class McKibbenMuscle : public soft_robot_lab::Actuator {
     limits_ = {0.0, 0.0, settings.number("max_pressure_pa", {0.0, 1e7, true, false}), "Pa"};
     command_speed_ = settings.number_or("pressure_rate_pa_s", 0.0, AllowedRange::not_negative());
   }
-
-  void actuate(double pressure_pa) override { length_->set_pressure(pressure_pa); }
 
  private:
   static constexpr double pi = 3.14159265358979323846;

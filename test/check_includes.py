@@ -9,7 +9,7 @@ import sys
 PERCEPTION = "perception/tracking perception/calibration perception/render"
 HARDWARE = "hardware/motor hardware/testbench hardware/plant"
 ROBOT = "robot/design robot/scene mechanics mechanics/actuators settings"
-PRODUCT = f"session/report control control/identification {HARDWARE} {PERCEPTION} {ROBOT}"
+PRODUCT = f"session session/report control control/identification {HARDWARE} {PERCEPTION} {ROBOT}"
 ALLOWED = {
     "settings": "",
     "mechanics": "settings",
@@ -26,6 +26,7 @@ ALLOWED = {
     "hardware/plant": "hardware/motor perception/render robot/scene mechanics settings",
     "control": "mechanics settings",
     "control/identification": "control robot/scene mechanics settings",
+    "session": "control mechanics settings",
     "session/report": "perception/render robot/design mechanics settings",
     "study": PRODUCT,
     "ros": PRODUCT,

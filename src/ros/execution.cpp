@@ -10,6 +10,7 @@
 
 #include "conversions.h"
 #include "log_text.h"
+#include "marker_frames.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -148,7 +149,7 @@ void Execution::add_simulated(const MarkerObservations& markers) {
     play();
   } else if (!run_->rested) {
     repeat();
-    run_->rested = run_->rest.update(run_->now_s, markers.positions) && !motors_.moving();
+    run_->rested = run_->rest.update(run_->now_s, raw_positions_m(markers)) && !motors_.moving();
     if (run_->rested) measured_rest_.start(run_->now_s);
   }
   changed_.notify_all();
@@ -159,7 +160,7 @@ void Execution::add_measured(const MarkerObservations& markers) {
   const std::lock_guard lock(mutex_);
   if (!run_) return;
   run_->answer.measured = markers;
-  if (measured_rest_.add(markers)) run_->seen_s = run_->now_s;
+  if (measured_rest_.add(seen_frame(markers))) run_->seen_s = run_->now_s;
   changed_.notify_all();
 }
 

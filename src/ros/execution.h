@@ -15,9 +15,9 @@
 
 #include "soft_robot_lab/control/closed_loop.h"
 #include "soft_robot_lab/control/policy.h"
-#include "measured_rest.h"
 #include "motor_watch.h"
-#include "rest_detector.h"
+#include "session/measured_rest.h"
+#include "session/rest_detector.h"
 
 namespace soft_robot_lab {
 

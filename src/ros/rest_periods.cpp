@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "same_place.h"
+#include "marker_frames.h"
+#include "session/same_place.h"
 #include "stamps.h"
 #include "conversions.h"
 #include "recording.h"
@@ -11,12 +12,13 @@
 namespace soft_robot_lab {
 namespace {
 
-SeenMarkers seen_between(const Recording& recording, double start_s, double end_s, const RestCriteria& criteria) {
+SeenMarkers seen_between(const Recording& recording, double start_s, double end_s, const RestCriterion& criterion) {
   const auto first = std::partition_point(recording.measured.begin(), recording.measured.end(),
                                           [&](const auto& m) { return m.header.stamp.toSec() < start_s; });
   SeenMarkers seen;
-  for (auto m = first; m != recording.measured.end() && m->header.stamp.toSec() < end_s; ++m) add_seen(*m, seen);
-  require_observations(criteria.observations, seen);
+  for (auto m = first; m != recording.measured.end() && m->header.stamp.toSec() < end_s; ++m)
+    add_seen(seen_frame(*m), seen);
+  require_observations(criterion.observations, seen);
   return seen;
 }
 
@@ -29,16 +31,16 @@ Eigen::Matrix3d covariance_of(const std::vector<Eigen::Vector3d>& all, const Eig
 
 // The end of a hold, as far back as the robot was where it is at the end.
 std::optional<RestPeriod> rest_at_end(const Recording& recording, const CommandsSince& commands, double end_s,
-                                      const RestCriteria& criteria) {
-  const auto seen = [&](double from_s, double to_s) { return seen_between(recording, from_s, to_s, criteria); };
-  const SeenMarkers last = seen(end_s - criteria.window_s, end_s);
-  double start_s = end_s - criteria.window_s;
-  while (start_s - criteria.window_s >= commands.time_s && end_s - start_s < criteria.longest_s &&
-         same_place(seen(start_s - criteria.window_s, start_s), last, criteria.motion_m))
-    start_s -= criteria.window_s;
-  if (end_s - start_s < 1.5 * criteria.window_s) return std::nullopt;
+                                      const RestCriterion& criterion) {
+  const auto seen = [&](double from_s, double to_s) { return seen_between(recording, from_s, to_s, criterion); };
+  const SeenMarkers last = seen(end_s - criterion.window_s, end_s);
+  double start_s = end_s - criterion.window_s;
+  while (start_s - criterion.window_s >= commands.time_s && end_s - start_s < criterion.longest_s &&
+         same_place(seen(start_s - criterion.window_s, start_s), last, criterion.measured_motion_m))
+    start_s -= criterion.window_s;
+  if (end_s - start_s < 1.5 * criterion.window_s) return std::nullopt;
   RestPeriod period{start_s, end_s, {commands.values, {}}};
-  for (const auto& [name, positions] : seen_between(recording, start_s, end_s, criteria)) {
+  for (const auto& [name, positions] : seen_between(recording, start_s, end_s, criterion)) {
     const Eigen::Vector3d mean = mean_of(positions);
     period.pose.markers.push_back({name, mean, covariance_of(positions, mean)});
   }
@@ -46,13 +48,13 @@ std::optional<RestPeriod> rest_at_end(const Recording& recording, const Commands
 }
 
 // Windows as long as it takes to see a marker often enough, however few frames a second there were.
-RestCriteria for_frames_of(const Recording& recording, RestCriteria criteria) {
+RestCriterion for_frames_of(const Recording& recording, RestCriterion criterion) {
   std::vector<double> periods_s;
   for (size_t i = 1; i < recording.measured.size(); ++i)
     periods_s.push_back(seconds_between(recording.measured[i - 1].header.stamp, recording.measured[i].header.stamp));
-  if (periods_s.empty()) return criteria;
-  criteria.window_s = std::max(criteria.window_s, (criteria.observations + 0.5) * median(std::move(periods_s)));
-  return criteria;
+  if (periods_s.empty()) return criterion;
+  criterion.window_s = std::max(criterion.window_s, (criterion.observations + 0.5) * median(std::move(periods_s)));
+  return criterion;
 }
 
 struct Hold {
@@ -76,7 +78,7 @@ std::map<std::string, double> reached_in(const Recording& recording, const Hold&
 }
 
 // Commands that did not change for two windows at least; first the time before any.
-std::vector<Hold> holds(const Recording& recording, const RestCriteria& criteria) {
+std::vector<Hold> holds(const Recording& recording, const RestCriterion& criterion) {
   std::vector<Hold> all;
   const double first_s = recording.measured.front().header.stamp.toSec();
   const double last_s = recording.measured.back().header.stamp.toSec() + 1e-6;
@@ -84,7 +86,7 @@ std::vector<Hold> holds(const Recording& recording, const RestCriteria& criteria
   since.insert(since.end(), recording.commands.begin(), recording.commands.end());
   for (size_t i = 0; i < since.size(); ++i) {
     const double end_s = i + 1 < since.size() ? std::min(last_s, since[i + 1].time_s) : last_s;
-    if (end_s - since[i].time_s >= 2.0 * criteria.window_s) all.push_back({since[i], end_s});
+    if (end_s - since[i].time_s >= 2.0 * criterion.window_s) all.push_back({since[i], end_s});
   }
   return all;
 }
@@ -103,35 +105,35 @@ std::vector<MeasuredMarker> seen_markers(const MarkerObservations& markers) {
 
 }  // namespace
 
-std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriteria& asked) {
+std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriterion& asked) {
   std::vector<RestPeriod> periods;
   if (recording.measured.empty()) return periods;
-  const RestCriteria criteria = for_frames_of(recording, asked);
-  for (const Hold& hold : holds(recording, criteria))
-    if (const auto period = rest_at_end(recording, hold.commands, hold.end_s, criteria)) periods.push_back(*period);
+  const RestCriterion criterion = for_frames_of(recording, asked);
+  for (const Hold& hold : holds(recording, criterion))
+    if (const auto period = rest_at_end(recording, hold.commands, hold.end_s, criterion)) periods.push_back(*period);
   return periods;
 }
 
-std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestCriteria& asked) {
+std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestCriterion& asked) {
   std::vector<MeasuredPose> poses;
   if (recording.measured.empty()) return poses;
-  const RestCriteria criteria = for_frames_of(recording, asked);
-  for (const Hold& hold : holds(recording, criteria)) {
-    const auto period = rest_at_end(recording, hold.commands, hold.end_s, criteria);
+  const RestCriterion criterion = for_frames_of(recording, asked);
+  for (const Hold& hold : holds(recording, criterion)) {
+    const auto period = rest_at_end(recording, hold.commands, hold.end_s, criterion);
     poses.push_back(period ? period->pose : MeasuredPose{hold.commands.values, {}});
     poses.back().reached = reached_in(recording, hold);
   }
   return poses;
 }
 
-std::vector<MeasuredSwing> measured_swings(const Recording& recording, const RestCriteria& asked) {
+std::vector<MeasuredSwing> measured_swings(const Recording& recording, const RestCriterion& asked) {
   std::vector<MeasuredSwing> swings;
   if (recording.measured.empty()) return swings;
-  const RestCriteria criteria = for_frames_of(recording, asked);
-  const std::vector<Hold> all = holds(recording, criteria);
+  const RestCriterion criterion = for_frames_of(recording, asked);
+  const std::vector<Hold> all = holds(recording, criterion);
   for (size_t i = 1; i < all.size(); ++i) {
     const Hold &before = all[i - 1], &hold = all[i];
-    if (!rest_at_end(recording, before.commands, before.end_s, criteria)) continue;
+    if (!rest_at_end(recording, before.commands, before.end_s, criterion)) continue;
     MeasuredSwing swing{before.commands.values, {}, {}};
     for (const CommandsSince& since : recording.commands)
       if (since.time_s > before.commands.time_s && since.time_s <= hold.commands.time_s)

@@ -17,13 +17,14 @@
 #include "ros/fit_service.h"
 #include "ros/gap_meter.h"
 #include "ros/image_messages.h"
-#include "ros/measured_rest.h"
+#include "ros/marker_frames.h"
 #include "ros/motor_watch.h"
 #include "ros/overlay.h"
 #include "ros/policy_request.h"
-#include "ros/rest_detector.h"
 #include "ros/seen_robot.h"
 #include "ros/topics.h"
+#include "session/measured_rest.h"
+#include "session/rest_detector.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -149,9 +150,10 @@ void take_in_gap_meter(const MarkerObservations& markers) {
 
 void take_in_rest(const MarkerObservations& markers) {
   RestDetector rest;
-  rest.update(markers.header.stamp.toSec(), markers.positions);
+  rest.update(markers.header.stamp.toSec(), raw_positions_m(markers));
+  require_whole(markers);
   MeasuredRest measured;
-  for (int i = 0; i < 20; ++i) measured.add(i == 10 ? markers : two_markers(10.0 + 0.1 * i));
+  for (int i = 0; i < 20; ++i) measured.add(seen_frame(i == 10 ? markers : two_markers(10.0 + 0.1 * i)));
   if (!measured.at_rest()) return;
   for (const auto& [name, position_m] : *measured.at_rest())
     if (!position_m.allFinite()) throw Nonsense(name + " rests nowhere");

@@ -18,7 +18,8 @@
 #include "settings/command_line.h"
 #include "soft_robot_lab/control/optimiser.h"
 #include "ros/conversions.h"
-#include "ros/rest_detector.h"
+#include "ros/marker_frames.h"
+#include "session/rest_detector.h"
 #include "ros/topics.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
@@ -68,7 +69,7 @@ class ReachTarget {
  private:
   void on_markers(const MarkerObservations& markers) {
     last_markers_ = markers;
-    resting_ = rest_.update(markers.header.stamp.toSec(), markers.positions);
+    resting_ = rest_.update(markers.header.stamp.toSec(), raw_positions_m(markers));
   }
 
   double distance_m(const MarkerObservations& markers) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/measured_rest.h"
+#include "session/measured_rest.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +10,7 @@
 namespace soft_robot_lab {
 namespace {
 
-MarkerObservations tip_at(double stamp_s, double x_m, std::uint8_t source = MarkerObservations::SEEN) {
-  MarkerObservations markers;
-  markers.header.stamp = ros::Time(stamp_s);
-  markers.names = {"tip"};
-  markers.positions.resize(1);
-  markers.positions[0].x = x_m;
-  markers.sources = {source};
-  return markers;
-}
+MarkerFrame tip_at(double time_s, double x_m) { return {time_s, {{"tip", {x_m, 0.0, 0.0}}}}; }
 
 TEST(MeasuredRest, AveragesTheNoiseOfAMarkerAtRest) {
   MeasuredRest rest;
@@ -41,13 +33,9 @@ TEST(MeasuredRest, WaitsWhileAMarkerMoves) {
 }
 
 // Another marker beside the tip.
-MarkerObservations with_middle_at(MarkerObservations markers, double x_m,
-                                  std::uint8_t source = MarkerObservations::SEEN) {
-  markers.names.push_back("middle");
-  markers.positions.resize(2);
-  markers.positions[1].x = x_m;
-  markers.sources.push_back(source);
-  return markers;
+MarkerFrame with_middle_at(MarkerFrame frame, double x_m) {
+  frame.seen.push_back({"middle", {x_m, 0.0, 0.0}});
+  return frame;
 }
 
 TEST(MeasuredRest, IsToldThoughAMarkerIsSeenBadly) {
@@ -87,8 +75,7 @@ TEST(MeasuredRest, TellsOfAMarkerThatIsSeenNowAndThen) {
   MeasuredRest rest;
   rest.start(10.0);
   for (int i = 0; i < 20; ++i)  // five frames a second, so three or four a window
-    rest.add(with_middle_at(tip_at(10.0 + 0.2 * i, 0.001), 0.002,
-                            i % 3 == 0 ? MarkerObservations::INTERPOLATED : MarkerObservations::SEEN));
+    rest.add(i % 3 == 0 ? tip_at(10.0 + 0.2 * i, 0.001) : with_middle_at(tip_at(10.0 + 0.2 * i, 0.001), 0.002));
   ASSERT_TRUE(rest.at_rest());
   EXPECT_EQ(rest.at_rest()->count("middle"), 1u);
 }
@@ -97,7 +84,7 @@ TEST(MeasuredRest, DoesNotCountWhatWasNotSeenOrCameBefore) {
   MeasuredRest rest;
   rest.start(10.0);
   for (int i = 0; i < 30; ++i) EXPECT_TRUE(rest.add(tip_at(9.9, 0.001)));
-  for (int i = 0; i < 30; ++i) EXPECT_FALSE(rest.add(tip_at(10.1 + 0.1 * i, 0.001, MarkerObservations::INTERPOLATED)));
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(rest.add({10.1 + 0.1 * i, {}}));
   EXPECT_FALSE(rest.at_rest());
 }
 

@@ -6,8 +6,7 @@
 
 namespace soft_robot_lab {
 
-// Adds what cameras saw, and nothing that was estimated; false where they saw none. Throws as from_message does.
-bool add_seen(const MarkerObservations& markers, SeenMarkers& seen);
+void add_seen(const MarkerFrame& frame, SeenMarkers& seen);
 
 // Leaves out markers seen too rarely to know their means and scatter.
 void require_observations(int observations, SeenMarkers& seen);

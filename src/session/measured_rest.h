@@ -10,28 +10,22 @@
 #include <Eigen/Core>
 
 #include "soft_robot_lab/control/closed_loop.h"
-#include "messages.h"
+#include "marker_frame.h"
+#include "rest_criterion.h"
 
 namespace soft_robot_lab {
-
-struct MeasuredRestCriterion {
-  double window_s = 0.5;     // averaged over
-  int observations = 3;      // at least, of a marker that counts
-  double motion_m = 5.0e-4;  // between two windows, beyond what a marker's own noise makes of rest
-};
 
 using SeenPlaces = std::vector<Eigen::Vector3d>;  // of a marker in a window, frame by frame; robot_base
 using SeenMarkers = std::map<std::string, SeenPlaces>;
 
 class MeasuredRest {
  public:
-  explicit MeasuredRest(const MeasuredRestCriterion& criterion = {}) : criterion_(criterion) {}
+  explicit MeasuredRest(const RestCriterion& criterion = {}) : criterion_(criterion) {}
 
   // Forgets what it heard; observations before that time do not count.
   void start(double time_s);
-  // Those not seen by cameras do not count; false where none was. Throws std::invalid_argument for a message that
-  // is not whole.
-  bool add(const MarkerObservations& markers);
+  // False where none was seen.
+  bool add(const MarkerFrame& frame);
 
   // Means of the last window, where no marker moved since the window before; of one that jumped then, the median.
   const std::optional<MeasuredMarkers>& at_rest() const { return at_rest_; }
@@ -40,7 +34,7 @@ class MeasuredRest {
   bool seen_enough() const;
   void end_window();
 
-  MeasuredRestCriterion criterion_;
+  RestCriterion criterion_;
   double start_s_ = 0.0, window_start_s_ = 0.0;
   SeenMarkers window_, before_;
   std::optional<MeasuredMarkers> at_rest_;

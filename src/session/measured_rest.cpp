@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "conversions.h"
 #include "same_place.h"
 
 namespace soft_robot_lab {
@@ -15,15 +14,13 @@ void MeasuredRest::start(double time_s) {
   at_rest_.reset();
 }
 
-bool MeasuredRest::add(const MarkerObservations& markers) {
-  require_whole(markers);
-  const double time_s = markers.header.stamp.toSec();
-  if (time_s < start_s_)
-    return std::count(markers.sources.begin(), markers.sources.end(), MarkerObservations::SEEN) > 0;
-  if (!add_seen(markers, window_)) return false;
-  if (time_s - window_start_s_ >= criterion_.window_s && seen_enough()) {
+bool MeasuredRest::add(const MarkerFrame& frame) {
+  if (frame.seen.empty()) return false;
+  if (frame.time_s < start_s_) return true;
+  add_seen(frame, window_);
+  if (frame.time_s - window_start_s_ >= criterion_.window_s && seen_enough()) {
     end_window();
-    window_start_s_ = time_s;
+    window_start_s_ = frame.time_s;
   }
   return true;
 }
@@ -39,10 +36,10 @@ bool MeasuredRest::seen_enough() const {
 void MeasuredRest::end_window() {
   require_observations(criterion_.observations, window_);
   at_rest_.reset();
-  if (same_place(before_, window_, criterion_.motion_m)) {
+  if (same_place(before_, window_, criterion_.measured_motion_m)) {
     at_rest_.emplace();
     for (const auto& [name, places_m] : window_)
-      (*at_rest_)[name] = place_of(before_[name], places_m, criterion_.motion_m);
+      (*at_rest_)[name] = place_of(before_[name], places_m, criterion_.measured_motion_m);
   }
   before_ = std::move(window_);
   window_.clear();

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "conversions.h"
-
 namespace soft_robot_lab {
 namespace {
 
@@ -43,14 +41,8 @@ double noise_of(const SeenPlaces& early, const SeenPlaces& late) {
 
 }  // namespace
 
-bool add_seen(const MarkerObservations& markers, SeenMarkers& seen) {
-  bool any = false;
-  for (size_t i = 0; i < markers.names.size(); ++i) {
-    if (markers.sources.at(i) != MarkerObservations::SEEN) continue;
-    seen[markers.names[i]].push_back(from_message(markers.positions.at(i), "positions"));
-    any = true;
-  }
-  return any;
+void add_seen(const MarkerFrame& frame, SeenMarkers& seen) {
+  for (const SeenMarker& marker : frame.seen) seen[marker.name].push_back(marker.position_m);
 }
 
 void require_observations(int observations, SeenMarkers& seen) {

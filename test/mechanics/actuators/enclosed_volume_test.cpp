@@ -98,19 +98,27 @@ TEST(EnclosedVolume, GradientAgreesWithCentralDifferences) {
   }
 }
 
+// The volume of a chamber that nothing drives.
+struct NoSupply : ChamberVolume::Supply {
+  GasSupply supply(const DriveState& /*drive*/) const override { return {}; }
+  std::optional<Eigen::Matrix3Xd> load_positions_m(const DriveState& /*drive*/) const override { return std::nullopt; }
+};
+
 TEST(EnclosedVolume, HessianAgreesWithCentralDifferences) {
+  const NoSupply supply;
+  const DriveState drive;
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
-    const ChamberVolume volume(EnclosedVolume(c.mesh, named_faces(c.mesh)));
+    const ChamberVolume volume(EnclosedVolume(c.mesh, named_faces(c.mesh)), supply);
     const Eigen::Matrix3Xd bent = disturbed(c.mesh, 0.001);
     DenseSink exact(volume, bent.cols());
-    volume.add_hessian(bent, 2.0, exact);
+    volume.add_hessian(bent, drive, 2.0, exact);
     for (int direction = 0; direction < 5; ++direction) {
       const Eigen::Matrix3Xd along = Eigen::Matrix3Xd::Random(3, bent.cols());
       const double h = 1e-5;
       Eigen::Matrix3Xd change = Eigen::Matrix3Xd::Zero(3, bent.cols());
-      volume.add_gradient(bent + h * along, 2.0 / (2 * h), change);
-      volume.add_gradient(bent - h * along, -2.0 / (2 * h), change);
+      volume.add_gradient(bent + h * along, drive, 2.0 / (2 * h), change);
+      volume.add_gradient(bent - h * along, drive, -2.0 / (2 * h), change);
       const Eigen::Map<const Eigen::VectorXd> found(change.data(), change.size()), step(along.data(), along.size());
       EXPECT_LT((exact.hessian * step - found).norm(), 1e-8 * found.norm());
     }

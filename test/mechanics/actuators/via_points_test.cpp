@@ -22,7 +22,7 @@ ActuatorReading at_rest(const std::string& settings) {
   const MeshLocator locator(body.mesh());
   Cable cable;
   cable.initialise(YamlNode::parse("{name: cable, " + settings + "}", "cable.yaml"), body, locator);
-  return cable.observe(body.mesh().nodes_m, {0.0});
+  return cable.observe(body.mesh().nodes_m, {0.0}, cable.rest_state());
 }
 
 TEST(ViaPoints, AreOneForEveryElementThatTheCableCrosses) {

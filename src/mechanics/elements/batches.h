@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
+#include <vector>
 
 // One copy of each kernel for processors with AVX2 and fused multiply-add, one for all others; chosen at start.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
@@ -16,6 +18,23 @@ namespace soft_robot_lab {
 // Elements are worked on four at a time, one per lane.
 inline constexpr int kLanes = 4;
 typedef double Batch __attribute__((vector_size(kLanes * sizeof(double))));
+
+// The copies for AVX2 load and store batches at multiples of their size. The compiler knows of less where it does not
+// compile for AVX2, and would allocate them at multiples of 16 bytes.
+template <class T>
+struct BatchAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{sizeof(Batch)};
+
+  BatchAllocator() = default;
+  template <class Other>
+  BatchAllocator(const BatchAllocator<Other>& /*other*/) {}
+  T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), kAlignment)); }
+  void deallocate(T* batches, std::size_t /*count*/) { ::operator delete(batches, kAlignment); }
+  friend bool operator==(BatchAllocator, BatchAllocator) { return true; }
+  friend bool operator!=(BatchAllocator, BatchAllocator) { return false; }
+};
+using Batches = std::vector<Batch, BatchAllocator<Batch>>;
 
 struct BatchVector {
   Batch v[3];

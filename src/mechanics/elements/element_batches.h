@@ -17,12 +17,12 @@ struct ElementBatches {
   int count() const { return static_cast<int>(element.size()) / kLanes; }
   int pair_count() const { return node_count * (node_count + 1) / 2; }
 
-  int node_count, point_count;   // P, Q
-  std::vector<int> element;      // batch x lanes
-  std::vector<int> nodes;        // batch x P x lanes
-  std::vector<Batch> gradients;  // batch x Q x P x 3: rest gradients [1/m]
-  std::vector<Batch> weights;    // batch x Q: rest volumes of the points [m^3]
-  std::vector<Batch> laplacian;  // batch x pair (a >= b): mu sum_q w (grad a . grad b) [N/m]
+  int node_count, point_count;  // P, Q
+  std::vector<int> element;     // batch x lanes
+  std::vector<int> nodes;       // batch x P x lanes
+  Batches gradients;            // batch x Q x P x 3: rest gradients [1/m]
+  Batches weights;              // batch x Q: rest volumes of the points [m^3]
+  Batches laplacian;            // batch x pair (a >= b): mu sum_q w (grad a . grad b) [N/m]
 };
 
 }  // namespace soft_robot_lab

@@ -100,7 +100,7 @@ class Elements {
   const Eigen::VectorXd& element_volumes_;
   const std::optional<VolumePatches>& patches_;
   double lambda_;
-  std::vector<Batch> volume_gradients_;  // per batch: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
+  Batches volume_gradients_;  // per batch: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
 };
 
 }  // namespace soft_robot_lab

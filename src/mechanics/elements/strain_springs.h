@@ -14,7 +14,7 @@
 namespace soft_robot_lab {
 
 // E of all quadrature points: batch x Q x (xx, yy, zz, xy, xz, yz).
-using Strains = std::vector<Batch>;
+using Strains = Batches;
 
 struct StrainTarget {
   double stiffness_pa = 0.0;  // kappa

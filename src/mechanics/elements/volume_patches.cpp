@@ -84,7 +84,7 @@ Eigen::VectorXd VolumePatches::on_vertices(const Eigen::VectorXd& of_elements) c
   return result;
 }
 
-void VolumePatches::add_hessian(const std::vector<Batch>& gradients, double lambda_pa, BlockMatrix& matrix) const {
+void VolumePatches::add_hessian(const Batches& gradients, double lambda_pa, BlockMatrix& matrix) const {
   for (std::size_t vertex = 0; vertex < patches_.size(); ++vertex) {
     const Patch& patch = patches_[vertex];
     Eigen::Matrix3Xd g = Eigen::Matrix3Xd::Zero(3, patch.node_count);

@@ -31,7 +31,7 @@ class VolumePatches {
   Eigen::VectorXd on_vertices(const Eigen::VectorXd& of_elements) const;
 
   // Adds lambda / V_v g g^T for every vertex, g = d(V_v Jbar_v)/dx. `gradients`: d(V_e J_e)/dx in batches.
-  void add_hessian(const std::vector<Batch>& gradients, double lambda_pa, BlockMatrix& matrix) const;
+  void add_hessian(const Batches& gradients, double lambda_pa, BlockMatrix& matrix) const;
 
  private:
   struct Share {

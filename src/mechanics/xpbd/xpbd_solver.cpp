@@ -39,7 +39,7 @@ ElementBatches coloured_batches(const Body& body, Colouring colouring, std::vect
 }
 
 ElementStep element_step(const Body& body, double h, const Eigen::Matrix3Xd& root_inverse_masses, NewtonState& state,
-                         std::vector<Batch>& multipliers) {
+                         Batches& multipliers) {
   return {law_of(body.material()),
           bulk_lambda_pa(body.material()),
           h,

@@ -116,10 +116,10 @@ class XpbdSolver {
   const ElementBatches& batches_;
 
   int thread_count_;
-  std::vector<Batch> multipliers_;  // l, per batch: 3 P
-  std::vector<Batch> energies_;     // per batch
-  Eigen::Matrix3Xd gradient_;       // of one constraint; zero between uses
-  std::vector<int> touched_;        // its nodes
+  Batches multipliers_;        // l, per batch: 3 P
+  Batches energies_;           // per batch
+  Eigen::Matrix3Xd gradient_;  // of one constraint; zero between uses
+  std::vector<int> touched_;   // its nodes
 };
 
 }  // namespace soft_robot_lab

@@ -28,8 +28,8 @@ class Simulation {
   // A model of its own; throws as Model's constructor.
   Simulation(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::vector<Marker> markers,
              const SolverOptions& options);
-  // In the rest shape. For each thread one, of the same model: they share nothing that changes. (Whether their numbers
-  // are those of one thread to the last bit is up to BLAS too, see test/robot/scene/rollout_test.cpp.)
+  // In the rest shape. For each thread one, of the same model: they share nothing that changes, and their numbers are
+  // those of one thread to the last bit.
   explicit Simulation(std::shared_ptr<const Model> model);
   ~Simulation();
   Simulation(Simulation&&) noexcept;

@@ -7,24 +7,13 @@
 #include <sstream>
 #include <stdexcept>
 
-// LAPACK and BLAS by their Fortran names, as every implementation has them.
-extern "C" {
-void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m, const int* n,
-            const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
-void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
-            const int* lda, const double* beta, double* c, const int* ldc);
-void dsyr_(const char* uplo, const int* n, const double* alpha, const double* x, const int* incx, double* a,
-           const int* lda);
-void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
-            const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c,
-            const int* ldc);
-}
+#include "blas.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kOne = 1.0, kMinusOne = -1.0, kZero = 0.0;
+using blas::Side;
+using blas::Transposed;
 
 // Before it is taken.
 void require_memory(std::ptrdiff_t doubles) {
@@ -102,10 +91,8 @@ bool factorise_block(double* a, int k, int ld, double* signs) {
   Eigen::Map<Block, 0, Eigen::OuterStride<>> block(a, k, k, Eigen::OuterStride<>(ld));
   const Block before = block;
   std::fill(signs, signs + k, 1.0);
-  int info = 0;
-  dpotrf_("L", &k, a, &ld, &info);
   // NaN slips through some implementations' pivot test.
-  if (info == 0 && block(k - 1, k - 1) > 0.0) return true;
+  if (blas::cholesky(k, a, ld) == 0 && block(k - 1, k - 1) > 0.0) return true;
   block = before;
   return signed_cholesky(a, k, ld, signs);
 }
@@ -114,14 +101,12 @@ bool factorise_block(double* a, int k, int ld, double* signs) {
 void eliminate(const double* l, int k, int ld, const double* signs, double* below, int rows, double* rest,
                int ld_rest) {
   if (rows == 0) return;
-  dtrsm_("R", "L", "T", "N", &rows, &k, &kOne, l, &ld, below, &ld);
-  dsyrk_("L", "N", &rows, &k, &kMinusOne, below, &ld, &kOne, rest, &ld_rest);
-  constexpr int next = 1;
-  constexpr double twice = 2.0;
+  blas::solve_triangular(Side::right, Transposed::yes, rows, k, l, ld, below, ld);
+  blas::subtract_square(rows, k, below, ld, rest, ld_rest);
   for (int j = 0; j < k; ++j) {
     if (signs[j] > 0.0) continue;
     double* column = below + static_cast<std::ptrdiff_t>(j) * ld;
-    dsyr_("L", &rows, &twice, column, &next, rest, &ld_rest);
+    blas::add_outer(rows, 2.0, column, rest, ld_rest);
     std::transform(column, column + rows, column, std::negate<double>());
   }
 }
@@ -290,10 +275,10 @@ void BlockCholesky::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const {
     const int k = 3 * node.columns, r = 3 * static_cast<int>(node.rows.size()), m = k + r;
     const double* panel = factor_.data() + node.panel;
     double* top = x.data() + 3 * node.first;
-    dtrsm_("L", "L", "N", "N", &k, &columns, &kOne, panel, &m, top, &size);
+    blas::solve_triangular(Side::left, Transposed::no, k, columns, panel, m, top, size);
     if (r == 0) continue;
     below.resize(r, columns);
-    dgemm_("N", "N", &r, &columns, &k, &kOne, panel + k, &m, top, &size, &kZero, below.data(), &r);
+    blas::multiply(Transposed::no, r, columns, k, 1.0, panel + k, m, top, size, 0.0, below.data(), r);
     for (std::size_t i = 0; i < node.rows.size(); ++i)
       x.middleRows(3 * node.rows[i], 3) -= below.middleRows(3 * static_cast<Eigen::Index>(i), 3);
   }
@@ -306,9 +291,9 @@ void BlockCholesky::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const {
       below.resize(r, columns);
       for (std::size_t i = 0; i < node->rows.size(); ++i)
         below.middleRows(3 * static_cast<Eigen::Index>(i), 3) = x.middleRows(3 * node->rows[i], 3);
-      dgemm_("T", "N", &k, &columns, &r, &kMinusOne, panel + k, &m, below.data(), &r, &kOne, top, &size);
+      blas::multiply(Transposed::yes, k, columns, r, -1.0, panel + k, m, below.data(), r, 1.0, top, size);
     }
-    dtrsm_("L", "L", "T", "N", &k, &columns, &kOne, panel, &m, top, &size);
+    blas::solve_triangular(Side::left, Transposed::yes, k, columns, panel, m, top, size);
   }
 
   for (std::size_t i = 0; i < order_.size(); ++i)

@@ -31,7 +31,8 @@ std::vector<SimulationState> roll_out(const std::shared_ptr<const Model>& model,
   std::vector<SimulationState> states;
   for (std::size_t i = 0; i < model->actuators().size(); ++i) {
     const CommandLimits& limits = model->actuators()[i]->limits();
-    const double end = i % 2 == 0 ? limits.min : limits.max;
+    const bool pulled = i % 2 == 0 && model->actuators().size() > 1;  // a chamber alone is filled
+    const double end = pulled ? limits.min : limits.max;
     simulation.set_command(model->actuators()[i]->name(), limits.rest + 0.05 * (1 + rollout) * (end - limits.rest));
   }
   for (int step = 0; step < kSteps; ++step) {
@@ -72,9 +73,7 @@ void expect_the_numbers_of_one_thread(const std::string& robot, const std::strin
   EXPECT_FALSE(alone[0].back() == alone[1].back());
 }
 
-// Off, because it fails in about every second run with OpenBLAS's kernels for Haswell and Zen: single steps differ in
-// their last bits. It has not failed with OPENBLAS_CORETYPE=Prescott. The cause is not found.
-TEST(RolloutsOfOneModel, DISABLED_GiveTheNumbersOfOneThreadWithCables) {
+TEST(RolloutsOfOneModel, GiveTheNumbersOfOneThreadWithCables) {
   expect_the_numbers_of_one_thread("spinebot", "solver: {integrator: bdf2}");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,35 @@ struct SolveWarning {
 // Adds to `all`; of two of one kind and actuator the larger stays.
 void add_warning(const SolveWarning& warning, std::vector<SolveWarning>& all);
 
+// The stages of a solve, from the plain one to the last resort, and what is counted of each.
+enum class SolveStage {
+  newton,            // iterations
+  line_search,       // of them, those whose step was cut
+  convexify,         // of them, those with a convex stiffness in place of the true one
+  energy_descent,    // steps down the energy, from where Newton found no way
+  halving,           // a time step, or a change of the commands, cut in two
+  pseudo_transient,  // steps of a continuation in artificial time, through buckling
+  untangle,          // elements laid out anew
+  last_resort,       // time steps that took the end of the descent without a solution
+  xpbd,              // sweeps
+  more               // stages beyond kLongestPath, not listed
+};
+
+constexpr std::size_t kLongestPath = 100;  // stages that a report lists
+
+struct SolvePathStage {
+  SolveStage stage = SolveStage::newton;
+  int count = 0;
+};
+
+const char* name_of(SolveStage stage);
+
+// Whether one may come right after the other; a solve starts with newton, untangle or xpbd.
+bool may_follow(SolveStage before, SolveStage after);
+
+// Adds to the end; a stage that is there already is counted on.
+void enter(SolveStage stage, int count, std::vector<SolvePathStage>& path);
+
 // What a solve did. A solve that did not converge says so, and leaves the best state it had. A time step of
 // xpbd, which does a fixed amount of work, counts as converged where it created no energy; its residual says
 // how exact it was.
@@ -38,6 +68,7 @@ struct SolveReport {
   double residual = 0.0;   // at the end: force residual over the largest force in the body
   double wall_s = 0.0;
   int inverted_elements = 0;
+  std::vector<SolvePathStage> path;    // the way it went
   std::vector<SolveWarning> warnings;  // about the state it ended in
   std::string message;                 // empty, or why it stopped short, with place and size
 };

@@ -2,8 +2,8 @@
 // The routines of BLAS and LAPACK that the factorisation needs, for several threads at once. Matrices are column-major;
 // arguments are those of the reference (netlib.org/blas, netlib.org/lapack).
 //
-// An OpenBLAS built without threads, as Debian's libopenblas0-serial, is not safe when two threads call it at once: some
-// results are then plainly wrong. Where such a library is linked these calls wait for one another.
+// An OpenBLAS built without threads, as Debian's libopenblas0-serial, is not safe when two threads call it at once:
+// some results are then plainly wrong. Where such a library is linked these calls wait for one another.
 #pragma once
 
 namespace soft_robot_lab::blas {

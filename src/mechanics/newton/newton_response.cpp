@@ -68,6 +68,14 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
   return response;
 }
 
+Eigen::Matrix3Xd NewtonSolver::reaction_forces_n(const NewtonState& state) const {
+  Eigen::Matrix3Xd force_n = -loads_n_;
+  elements_.add_gradient(state.positions_m, state.element_multipliers_pa, force_n);
+  for (int i = 0; i < constraint_count(); ++i)
+    constraints_[i].add_gradient(state.positions_m, state.drives, state.constraint_multipliers[i], force_n);
+  return body_.fixed().array().select(force_n.array(), 0.0).matrix();
+}
+
 Eigen::VectorXd NewtonSolver::elastic_force_n(const NewtonState& state) const {
   Eigen::Matrix3Xd force_n = loads_n_;
   release(force_n);

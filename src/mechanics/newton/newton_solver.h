@@ -122,6 +122,8 @@ class NewtonSolver {
   Eigen::VectorXd elastic_force_n(const NewtonState& state) const;
 
   // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
+  // The gradient of the energy on held axes, zero on free ones, 3 x nodes [N]: what the holds add to the loads.
+  Eigen::Matrix3Xd reaction_forces_n(const NewtonState& state) const;
   double rest_residual(const NewtonState& state) const;
   bool stable_at_rest(const NewtonState& state);
   // How far the constraints are from their laws, relative to their values; costs no pass over the body.

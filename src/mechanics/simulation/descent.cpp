@@ -57,6 +57,7 @@ bool descend(SimulationParts& parts, SolveReport& report) {
   const int limit = report.iterations + kDescentBudget * parts.options.max_iterations;
   double h = 3.0 * wave_s;
   while (report.iterations < limit && h > 1e-3 * wave_s) {
+    enter(SolveStage::pseudo_transient, 1, report.path);
     NewtonState unknown = parts.unknowns();
     const NewtonReport newton = fall_for(h, parts, unknown, report);
     if (!newton.converged) {

@@ -32,6 +32,7 @@ double follow_commands(SimulationParts& parts, const std::vector<double>& from, 
     if (found) done = fraction;
     if (options.only_through_stable) break;
     stage *= found ? 2.0 : 0.5;
+    if (!found && stage * kSmallestStage >= 1.0) enter(SolveStage::halving, 1, report.path);
   }
   return done;
 }

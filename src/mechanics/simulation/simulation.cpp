@@ -170,6 +170,10 @@ const std::vector<std::unique_ptr<const Actuator>>& Simulation::actuators() cons
 int Simulation::actuator_index(const std::string& name) const { return parts_->model->actuator_index(name); }
 int Simulation::marker_index(const std::string& name) const { return parts_->model->marker_index(name); }
 
+Eigen::Matrix3Xd Simulation::reaction_forces_n() const {
+  return parts_->workspace.newton.reaction_forces_n(parts_->unknowns());
+}
+
 Eigen::Vector3d Simulation::marker_position(int marker) const {
   return parts_->markers.at(marker).position(parts_->state.positions_m);
 }

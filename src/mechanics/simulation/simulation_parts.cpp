@@ -106,6 +106,9 @@ NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown
   report.iterations += newton.iterations;
   report.factorisations += newton.factorisations;
   report.rejected_steps += newton.shortened + newton.convexified + (newton.converged ? 0 : 1);
+  enter(SolveStage::newton, newton.iterations, report.path);
+  if (newton.shortened > 0) enter(SolveStage::line_search, newton.shortened, report.path);
+  if (newton.convexified > 0) enter(SolveStage::convexify, newton.convexified, report.path);
   tell_end(newton, body, report);
   return newton;
 }
@@ -117,6 +120,7 @@ NewtonReport SimulationParts::solve_from_below(const NewtonTask& task, NewtonSta
   report.iterations += descent.iterations;
   report.factorisations += descent.factorisations;
   report.rejected_steps += descent.shortened + descent.convexified;
+  enter(SolveStage::energy_descent, descent.iterations, report.path);
   NewtonState bottom = unknown;
   const NewtonReport newton = solve(task, unknown, report);
   if (!newton.converged) unknown = std::move(bottom);

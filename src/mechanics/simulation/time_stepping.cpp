@@ -81,6 +81,7 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
   const bool solved =
       parts.solve(task, unknown, report).converged || parts.solve_from_below(task, unknown, report).converged;
   if (!solved && !last_resort) return false;
+  if (!solved) enter(SolveStage::last_resort, 1, report.path);
   accept_step(parts, h, difference, viscous, std::move(unknown), std::move(before));
   return true;
 }
@@ -92,6 +93,7 @@ void advance(SimulationParts& parts, double h, const CommandPath& path, const Pa
   path.move(parts, part.to);
   const bool last_resort = part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
   if (try_step(parts, part.fraction() * h, last_resort, report)) return;
+  enter(SolveStage::halving, 1, report.path);
   advance(parts, h, path, part.first_half(), report);
   const bool first = report.converged;
   advance(parts, h, path, part.second_half(), report);
@@ -110,6 +112,7 @@ bool advance_untangled(SimulationParts& parts, double h, SolveReport& report) {
   for (const int node : untangled.nodes) state.velocities_m_s.col(node).setZero();
   state.element_multipliers_pa.setZero();
   parts.forget_previous_step();
+  enter(SolveStage::untangle, static_cast<int>(untangled.elements.size()), report.path);
   advance(parts, h, CommandPath(parts, h), Part(), report);
   if (report.converged && report.inverted_elements == 0) {
     tell_untangled(static_cast<int>(untangled.elements.size()), report);

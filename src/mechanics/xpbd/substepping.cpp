@@ -36,6 +36,7 @@ XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, con
   const XpbdReport done = parts.workspace.xpbd->advance_stably(task, moving);
   ++report.steps;
   report.iterations += done.sweeps;
+  enter(SolveStage::xpbd, done.sweeps, report.path);
   report.rejected_steps += done.rejected_steps;
   NewtonReport found;
   if (done.finite) {

@@ -72,17 +72,29 @@ Json warnings_json(const std::vector<SolveWarning>& warnings) {
   return all;
 }
 
+Json path_json(const std::vector<SolvePathStage>& path) {
+  Json all = Json::array();
+  for (const SolvePathStage& stage : path) all.push_back({{"stage", name_of(stage.stage)}, {"count", stage.count}});
+  return all;
+}
+
+// Of all holds together, about the origin of robot_base.
+Json reaction_json(const Simulation& simulation) {
+  const Eigen::Matrix3Xd forces_n = simulation.reaction_forces_n();
+  const Eigen::Matrix3Xd& positions_m = simulation.state().positions_m;
+  Eigen::Vector3d moment_nm = Eigen::Vector3d::Zero();
+  for (Eigen::Index node = 0; node < forces_n.cols(); ++node)
+    moment_nm += Eigen::Vector3d(positions_m.col(node)).cross(Eigen::Vector3d(forces_n.col(node)));
+  return {{"force_n", list(forces_n.rowwise().sum())}, {"moment_nm", list(moment_nm)}};
+}
+
 Json solver_json(const Simulation& simulation, const SolveReport& solve) {
   const TetMesh& mesh = simulation.body().mesh();
-  return {{"converged", solve.converged},
-          {"iterations", solve.iterations},
-          {"residual", solve.residual},
-          {"steps", solve.steps},
-          {"wall_s", solve.wall_s},
-          {"nodes", mesh.node_count()},
-          {"elements", mesh.tet_count()},
-          {"inverted", solve.inverted_elements},
-          {"warnings", warnings_json(solve.warnings)}};
+  return {{"converged", solve.converged},  {"iterations", solve.iterations},
+          {"residual", solve.residual},    {"steps", solve.steps},
+          {"wall_s", solve.wall_s},        {"nodes", mesh.node_count()},
+          {"elements", mesh.tet_count()},  {"inverted", solve.inverted_elements},
+          {"path", path_json(solve.path)}, {"warnings", warnings_json(solve.warnings)}};
 }
 
 Json sensitivity_json(const Simulation& simulation, const Eigen::MatrixXd& sensitivity) {
@@ -120,6 +132,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   Json result;
   result["markers"] = markers_json(simulation);
   add_actuators(simulation, result);
+  if (scene.run.mode != RunMode::modal) result["reaction"] = reaction_json(simulation);
   result["solver"] = solver_json(simulation, report.solve);
   if (scene.fidelity) result["fidelity"] = fidelity_json(*scene.fidelity);
   if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);

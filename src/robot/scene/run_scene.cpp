@@ -19,6 +19,7 @@ void add(const SolveReport& part, SolveReport& total) {
   total.residual = std::max(total.residual, part.residual);
   total.wall_s += part.wall_s;
   total.inverted_elements = part.inverted_elements;
+  for (const SolvePathStage& stage : part.path) enter(stage.stage, stage.count, total.path);
   for (const SolveWarning& warning : part.warnings) add_warning(warning, total.warnings);
   if (!part.message.empty()) total.message = part.message;
 }

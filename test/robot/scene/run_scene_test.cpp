@@ -47,7 +47,7 @@ using Names = std::vector<std::string>;
 TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
   const Outcome outcome = run("run: {mode: equilibrium, commands: [{time_s: 0, left: 0.95}]}\n");
   EXPECT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
-  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "solver"}));
+  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "reaction", "solver"}));
   EXPECT_EQ(keys(outcome.json["markers"]), (Names{"tip", "middle"}));
   EXPECT_EQ(keys(outcome.json["markers"]["tip"]), (Names{"position_m", "displacement_m"}));
   EXPECT_EQ(keys(outcome.json["cables"]), (Names{"left", "right"}));
@@ -55,9 +55,11 @@ TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
             (Names{"length_m", "rest_length_m", "tension_n", "stretch_m", "slack_m", "pretension_n"}));
   EXPECT_TRUE(outcome.json["chambers"].is_object());
   EXPECT_EQ(keys(outcome.json["solver"]), (Names{"converged", "iterations", "residual", "steps", "wall_s", "nodes",
-                                                 "elements", "inverted", "warnings"}));
+                                                 "elements", "inverted", "path", "warnings"}));
   EXPECT_EQ(outcome.json["solver"]["converged"], true);
   EXPECT_EQ(outcome.json["solver"]["inverted"], 0);
+  EXPECT_EQ(outcome.json["solver"]["path"][0]["stage"], "newton");
+  EXPECT_EQ(keys(outcome.json["reaction"]), (Names{"force_n", "moment_nm"}));
   EXPECT_LT(outcome.json["solver"]["residual"].get<double>(), 1e-6);
   EXPECT_NE(outcome.summary.find("marker tip at ["), std::string::npos);
   EXPECT_NE(outcome.summary.find("actuator left at command 0.95, tension "), std::string::npos);
@@ -119,7 +121,7 @@ TEST(RunScene, RecordsATrajectoryInTime) {
       run("solver: {time_step_s: 0.01}\n"
           "run: {mode: dynamic, duration_s: 0.2, record_every_s: 0.05, commands: [{time_s: 0.1, left: 0.95}]}\n");
   EXPECT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
-  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "solver", "trajectory"}));
+  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "reaction", "solver", "trajectory"}));
   const Json& trajectory = outcome.json["trajectory"];
   EXPECT_EQ(keys(trajectory), (Names{"time_s", "markers"}));
   ASSERT_EQ(trajectory["time_s"].size(), 5u);

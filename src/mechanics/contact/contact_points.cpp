@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "contact_points.h"
+
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace soft_robot_lab {
+namespace {
+
+// The rule of degree 2 inside a triangle, weight 1/6 each (Strang & Fix 1973).
+constexpr double kPlaces[kPointsPerFace][2] = {{1.0 / 6.0, 1.0 / 6.0}, {2.0 / 3.0, 1.0 / 6.0}, {1.0 / 6.0, 2.0 / 3.0}};
+
+Eigen::VectorXd shape_of_triangle(int nodes, double r, double s) {
+  const double l = 1.0 - r - s;
+  Eigen::VectorXd n(nodes);
+  if (nodes == 6) {
+    n << l * (2 * l - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * l * r, 4 * r * s, 4 * s * l;
+  } else {
+    n << l, r, s;
+  }
+  return n;
+}
+
+Eigen::MatrixX2d slopes_of_triangle(int nodes, double r, double s) {
+  const double l = 1.0 - r - s;
+  Eigen::MatrixX2d d(nodes, 2);
+  if (nodes == 6) {
+    d.col(0) << 1 - 4 * l, 4 * r - 1, 0, 4 * (l - r), 4 * s, -4 * s;
+    d.col(1) << 1 - 4 * l, 0, 4 * s - 1, -4 * r, 4 * r, 4 * (l - s);
+  } else {
+    d << -1, -1, 1, 0, 0, 1;
+  }
+  return d;
+}
+
+bool held(const Body& body, Eigen::Index face) {
+  for (Eigen::Index a = 0; a < body.mesh().faces.rows(); ++a)
+    if (!body.fixed().col(body.mesh().faces(a, face)).all()) return false;
+  return true;
+}
+
+}  // namespace
+
+ContactPoints::ContactPoints(const Body& body) {
+  const TetMesh& mesh = body.mesh();
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face)
+    if (!held(body, face)) free.push_back(face);
+  faces_ = mesh.faces(Eigen::all, free);
+  const int nodes = nodes_per_face();
+  shape_.resize(nodes, kPointsPerFace);
+  along_r_.resize(nodes, kPointsPerFace);
+  along_s_.resize(nodes, kPointsPerFace);
+  for (int place = 0; place < kPointsPerFace; ++place) {
+    shape_.col(place) = shape_of_triangle(nodes, kPlaces[place][0], kPlaces[place][1]);
+    const Eigen::MatrixX2d slopes = slopes_of_triangle(nodes, kPlaces[place][0], kPlaces[place][1]);
+    along_r_.col(place) = slopes.col(0);
+    along_s_.col(place) = slopes.col(1);
+  }
+  weights_m2_.resize(kPointsPerFace * faces_.cols());
+  sizes_m_.resize(faces_.cols());
+  for (int face = 0; face < face_count(); ++face) {
+    for (int place = 0; place < kPointsPerFace; ++place)
+      weights_m2_[kPointsPerFace * face + place] = area_m2(face, place, mesh.nodes_m);
+    sizes_m_[face] = std::sqrt(2.0 * weights_m2_.segment<kPointsPerFace>(kPointsPerFace * face).sum());
+  }
+}
+
+Eigen::Vector3d ContactPoints::at(int point, const Eigen::Matrix3Xd& columns) const {
+  const int face = face_of(point), place = point % kPointsPerFace;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int a = 0; a < nodes_per_face(); ++a) sum += shape_(a, place) * columns.col(faces_(a, face));
+  return sum;
+}
+
+double ContactPoints::area_m2(int face, int place, const Eigen::Matrix3Xd& positions_m) const {
+  Eigen::Vector3d along_r = Eigen::Vector3d::Zero(), along_s = Eigen::Vector3d::Zero();
+  for (int a = 0; a < nodes_per_face(); ++a) {
+    along_r += along_r_(a, place) * positions_m.col(faces_(a, face));
+    along_s += along_s_(a, place) * positions_m.col(faces_(a, face));
+  }
+  return along_r.cross(along_s).norm() / (2.0 * kPointsPerFace);
+}
+
+double ContactPoints::present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const {
+  return area_m2(face_of(point), point % kPointsPerFace, positions_m);
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The points of a body's skin at which contact acts: three inside each boundary face. The corner functions of a
+// quadratic triangle integrate to zero, so forces at nodes would miss a uniform pressure.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "soft_robot_lab/mechanics/body.h"
+
+namespace soft_robot_lab {
+
+constexpr int kPointsPerFace = 3;
+
+class ContactPoints {
+ public:
+  // Of all faces that can move.
+  explicit ContactPoints(const Body& body);
+
+  int count() const { return static_cast<int>(weights_m2_.size()); }
+  int face_count() const { return static_cast<int>(faces_.cols()); }
+  int nodes_per_face() const { return static_cast<int>(faces_.rows()); }
+  static int face_of(int point) { return point / kPointsPerFace; }
+
+  int node(int face, int corner) const { return faces_(corner, face); }
+  const Eigen::MatrixXi& faces() const { return faces_; }  // nodes x faces
+  // Of the face's nodes at the point.
+  auto shape(int point) const { return shape_.col(point % kPointsPerFace); }
+  double weight_m2(int point) const { return weights_m2_[point]; }          // share of the rest area
+  double face_size_m(int point) const { return sizes_m_[face_of(point)]; }  // edge of half a square of its area
+
+  Eigen::Vector3d at(int point, const Eigen::Matrix3Xd& columns) const;          // the nodes' columns, interpolated
+  double present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // what weight_m2 has become
+
+ private:
+  double area_m2(int face, int place, const Eigen::Matrix3Xd& positions_m) const;
+
+  Eigen::MatrixXi faces_;
+  Eigen::MatrixXd shape_;              // nodes x points of a face
+  Eigen::MatrixXd along_r_, along_s_;  // its derivatives
+  Eigen::VectorXd weights_m2_, sizes_m_;
+};
+
+}  // namespace soft_robot_lab

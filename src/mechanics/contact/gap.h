@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How far a point is from a rigid shape. All shapes are exact distances outside, so that the gap is C1 there; inside it
+// is C1 to the depth stated at each shape, and beyond only continuous.
+//   plane                everywhere
+//   sphere, capsule      to the centre, or the axis
+//   cylinder, box        to the depth of the rounding near edges; else to the depth where another side is nearer
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "soft_robot_lab/mechanics/obstacle.h"
+
+namespace soft_robot_lab {
+
+struct Gap {
+  double gap_m = 0.0;                                 // negative inside
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();   // its gradient, of length 1, out of the obstacle
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();  // its second derivative [1/m]
+};
+
+Gap gap_to(const ObstacleShape& shape, const Eigen::Vector3d& point_m);
+
+// What an obstacle turns about. Of a plane its point, else the middle.
+Eigen::Vector3d center_m(const ObstacleShape& shape);
+
+// From the shape as stated to where it stands.
+Eigen::Isometry3d pose_at(const Obstacle& obstacle, double time_s);
+
+// The gap to the shape where it stands.
+Gap gap_to(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& point_m);
+
+}  // namespace soft_robot_lab

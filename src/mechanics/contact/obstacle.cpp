@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "soft_robot_lab/mechanics/obstacle.h"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace soft_robot_lab {
+namespace {
+
+[[noreturn]] void refuse(const std::string& field, double value, const std::string& range) {
+  std::ostringstream message;
+  message << field << ": " << value << " is out of range " << range;
+  throw std::invalid_argument(message.str());
+}
+
+void require_positive(const std::string& field, double value) {
+  if (!(value > 0.0) || !std::isfinite(value)) refuse(field, value, "(0, inf)");
+}
+
+void require_finite(const std::string& field, const Eigen::Vector3d& value) {
+  if (!value.allFinite()) throw std::invalid_argument(field + ": not finite");
+}
+
+void require_length(const Eigen::Vector3d& start_m, const Eigen::Vector3d& end_m) {
+  require_finite("start_m", start_m);
+  require_finite("end_m", end_m);
+  if (!((end_m - start_m).norm() > 0.0)) throw std::invalid_argument("end_m: is where start_m is; must differ");
+}
+
+void require_rounding(double rounding_m, double most_m) {
+  if (rounding_m > 0.0 && rounding_m <= most_m) return;
+  std::ostringstream range;
+  range << "(0, " << most_m << "], by the size of the shape";
+  refuse("rounding_m", rounding_m, range.str());
+}
+
+void check(const Plane& plane) {
+  require_finite("point_m", plane.point_m);
+  require_finite("normal", plane.normal);
+  require_positive("normal: its length", plane.normal.norm());
+}
+
+void check(const Sphere& sphere) {
+  require_finite("center_m", sphere.center_m);
+  require_positive("radius_m", sphere.radius_m);
+}
+
+void check(const Capsule& capsule) {
+  require_length(capsule.start_m, capsule.end_m);
+  require_positive("radius_m", capsule.radius_m);
+}
+
+void check(const Cylinder& cylinder) {
+  require_length(cylinder.start_m, cylinder.end_m);
+  require_positive("radius_m", cylinder.radius_m);
+  const double half_m = 0.5 * (cylinder.end_m - cylinder.start_m).norm();
+  require_rounding(cylinder.rounding_m, std::min(cylinder.radius_m, half_m));
+}
+
+void check(const RoundedBox& box) {
+  require_finite("center_m", box.center_m);
+  for (int axis = 0; axis < 3; ++axis) require_positive("size_m", box.size_m[axis]);
+  require_rounding(box.rounding_m, 0.5 * box.size_m.minCoeff());
+}
+
+void check(const std::vector<ObstaclePose>& motion) {
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const std::string item = "motion[" + std::to_string(i) + "].";
+    if (!(motion[i].time_s >= 0.0) || !std::isfinite(motion[i].time_s))
+      refuse(item + "time_s", motion[i].time_s, "[0, inf)");
+    if (i > 0 && !(motion[i].time_s > motion[i - 1].time_s))
+      refuse(item + "time_s", motion[i].time_s, "of times that rise from pose to pose: an obstacle does not jump");
+    require_finite(item + "translation_m", motion[i].translation_m);
+    require_finite(item + "rotation_rad", motion[i].rotation_rad);
+  }
+}
+
+}  // namespace
+
+void Obstacle::validate() const {
+  std::visit([](const auto& one) { check(one); }, shape);
+  check(motion);
+  if (!(friction >= 0.0) || !std::isfinite(friction)) refuse("friction", friction, "[0, inf)");
+}
+
+}  // namespace soft_robot_lab

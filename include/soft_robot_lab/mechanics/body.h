@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "material.h"
+#include "obstacle.h"
 #include "tet_mesh.h"
 #include "viscosity.h"
 
@@ -39,6 +40,10 @@ class Body {
 
   void set_viscosity(const Viscosity& viscosity);  // throws std::invalid_argument: Viscosity::validate
 
+  // What the skin touches, where each stands at the start of its motion. Throws std::invalid_argument for a shape or
+  // motion out of range, two of one name, and one that is inside the body, with depth and place.
+  void set_obstacles(std::vector<Obstacle> obstacles);
+
   void set_gravity(const Eigen::Vector3d& gravity_m_s2) { gravity_m_s2_ = gravity_m_s2; }
 
   const TetMesh& mesh() const { return mesh_; }
@@ -47,6 +52,7 @@ class Body {
   LinearVolume linear_volume() const { return linear_volume_; }
   const FixedAxes& fixed() const { return fixed_; }
   int fixed_node_count() const;
+  const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   const Eigen::VectorXd& node_masses_kg() const { return node_masses_kg_; }
   const Eigen::Vector3d& gravity_m_s2() const { return gravity_m_s2_; }
   Eigen::Matrix3Xd external_forces_n() const;  // gravity and dead loads, 3 x nodes
@@ -60,6 +66,7 @@ class Body {
   FixedAxes fixed_;
   Eigen::VectorXd node_masses_kg_;
   Eigen::Matrix3Xd dead_loads_n_;
+  std::vector<Obstacle> obstacles_;
   Eigen::Vector3d gravity_m_s2_ = Eigen::Vector3d::Zero();
 };
 

@@ -75,6 +75,7 @@ class Simulation {
 
   Eigen::Vector3d marker_position(int marker) const;
   ActuatorReading actuator_state(int actuator) const;
+  std::vector<ContactReading> contacts() const;  // one for each obstacle, also where it does not touch
 
  private:
   void take_along_linearisation();

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "drive_state.h"
+#include "obstacle.h"
 
 namespace soft_robot_lab {
 
@@ -20,6 +21,7 @@ struct SimulationState {
   Eigen::Matrix3Xd velocities_m_s;         // 3 x nodes
   Eigen::VectorXd element_multipliers_pa;  // one volume multiplier per element, or per vertex
   Eigen::VectorXd constraint_multipliers;  // in the order of the actuators' constraints
+  ContactState contact;
   // xpbd: each element's, in an order of the solver's own; empty with `newton`, and in a state that is set:
   // those of the shape at rest.
   Eigen::VectorXd element_forces_n;

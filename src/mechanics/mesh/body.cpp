@@ -2,11 +2,13 @@
 #include "soft_robot_lab/mechanics/body.h"
 
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "mechanics/contact/overlap.h"
 #include "shape_functions.h"
 
 namespace soft_robot_lab {
@@ -119,6 +121,21 @@ void Body::set_linear_volume(LinearVolume volume) {
 void Body::set_viscosity(const Viscosity& viscosity) {
   viscosity.validate();
   viscosity_ = viscosity;
+}
+
+void Body::set_obstacles(std::vector<Obstacle> obstacles) {
+  std::set<std::string> names;
+  for (const Obstacle& obstacle : obstacles) {
+    if (!names.insert(obstacle.name).second)
+      throw std::invalid_argument("two obstacles are named '" + obstacle.name + "'");
+    try {
+      obstacle.validate();
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("obstacle '" + obstacle.name + "': " + error.what());
+    }
+  }
+  refuse_overlap(*this, obstacles);
+  obstacles_ = std::move(obstacles);
 }
 
 int Body::fixed_node_count() const {

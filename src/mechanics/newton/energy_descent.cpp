@@ -64,6 +64,17 @@ class SofterBulk {
   double lambda_pa_;
 };
 
+class SofterContact {
+ public:
+  explicit SofterContact(bool& soft) : soft_(soft) { soft_ = true; }
+  ~SofterContact() { soft_ = false; }
+  SofterContact(const SofterContact&) = delete;
+  SofterContact& operator=(const SofterContact&) = delete;
+
+ private:
+  bool& soft_;
+};
+
 double lowered(double convexity) { return convexity <= 1.0 / 16.0 ? 0.0 : 0.5 * std::min(convexity, 1.0); }
 
 double raised(double convexity) {
@@ -80,7 +91,7 @@ int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const {
 
 // The energy but for that of the constraints, and its gradient but for volume and constraints.
 NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m,
-                                               const SharedDrives& drives) const {
+                                               const SharedDrives& drives, const ContactState& contact) const {
   EnergyAt at;
   at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
   at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
@@ -95,6 +106,11 @@ NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eig
   }
   if (task.strain_target) at.energy += springs_.add_gradient(positions_m, *task.strain_target, at.gradient_n);
   for (const DrivenConstraint& constraint : constraints_) at.values.push_back(constraint.value(positions_m, drives));
+  ContactSums sums;
+  at.contact = contact;
+  at.energy += contact_.soft_energy(positions_m, contact.pressures_pa, at.contact, sums);
+  contact_.add_forces(sums, at.gradient_n);
+  at.touches = std::move(sums.touches);
   return at;
 }
 
@@ -119,7 +135,7 @@ bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& st
     if (task.strain_target) springs_.add_hessian(state.positions_m, *task.strain_target, false, matrix_);
     values = (1.0 - convexity) * values + convexity * safe;
   }
-  return add_rest_and_factorise(state, task.inertia_per_s2);
+  return add_rest_and_factorise(state, task.inertia_per_s2, convexity > 0.0);
 }
 
 // A positive matrix with as little convexity as that takes, from a little less than the last one had.
@@ -156,12 +172,16 @@ Eigen::VectorXd NewtonSolver::downhill(const Eigen::Matrix3Xd& gradient_n, const
 NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
   NewtonReport report;
   const SofterBulk softer(elements_);
+  const SofterContact softer_contact(soft_contact_);
+  const ContactState contact = state.contact;
   const double no_slope = kNoSlope * elements_.mu_pa() * elements_.rest_volumes_m3().sum();
   const int count = constraint_count();
   Eigen::VectorXd ties;  // least compliances; known after the first factor, before which constraints have no say
   double convexity = 1.0;
   for (; report.iterations < kPatience * task.max_iterations; ++report.iterations) {
-    const EnergyAt here = energy_at(task, state.positions_m, state.drives);
+    const EnergyAt here = energy_at(task, state.positions_m, state.drives, contact);
+    state.contact = here.contact;
+    touches_ = here.touches;
     state.element_multipliers_pa = elements_.lambda_pa() * here.elements.volumetric_strain;
     Eigen::VectorXd compliances = ties;
     std::vector<int> open;
@@ -194,7 +214,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
       if (halving > 0) length *= 0.5;
       const Eigen::Matrix3Xd trial =
           state.positions_m + length * Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
-      const EnergyAt there = energy_at(task, trial, state.drives);
+      const EnergyAt there = energy_at(task, trial, state.drives, contact);
       double rise = there.energy - here.energy;
       for (int i = 0; i < count; ++i)
         rise += energy_between(constraints_[i], state.drives, ties[i], state.constraint_multipliers[i], here.values[i],

@@ -26,6 +26,7 @@ void NewtonSolver::prepare_merit(const NewtonState& state, const Evaluation& her
     step.slope -= step.penalties[i] * std::pow(violation(step.laws[i], step.constraint_multipliers[i]), 2);
     step.laws[i].offset -= here.values[i];
   }
+  step.slope += contact_.slope_change_j(here.contact, step.contact_pressures_pa, step.motion_m);
 }
 
 double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
@@ -42,6 +43,7 @@ double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
     law.offset += at.values[i];
     sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(law, y), 2);
   }
+  sum += contact_.merit_j(at.contact, step.contact_start, step.contact_pressures_pa);
   return sum;
 }
 
@@ -56,6 +58,7 @@ bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonS
     trial.element_multipliers_pa += length * (step.element_multipliers_pa - state.element_multipliers_pa);
     trial.constraint_multipliers += length * (step.constraint_multipliers - state.constraint_multipliers);
     trial.slips_m += length * (step.slips_m - state.slips_m);
+    trial.contact.pressures_pa += length * (step.contact_pressures_pa - state.contact.pressures_pa);
     Evaluation there = evaluate(task, trial);
     if (!there.finite) continue;
     const double allowed = start + 1e-4 * length * step.slope + 1e-12 * std::abs(start);

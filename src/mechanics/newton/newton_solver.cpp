@@ -33,6 +33,7 @@ NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
       layout_(tables_->layout),
       loads_n_(tables_->loads_n),
       force_floor_n_(tables_->force_floor_n),
+      contact_(tables_->contact),
       matrix_(tables_->matrix),
       factor_(tables_->factor),
       elements_(tables_->elements, bulk_lambda_pa(body_.material())),
@@ -92,11 +93,14 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
         constraint_residual,
         friction_violation(result.friction_contacts[j], state.constraint_multipliers, state.slips_m[j], force_floor_n_,
                            std::max(std::abs(result.values[result.friction_contacts[j].first]), 1e-300)));
+  result.contact = contact_.sums(state.positions_m, state.contact);
+  contact_.add_forces(result.contact, result.residual_n);
   release(result.residual_n);
   const double volume_residual =
       elements_.mismatch(result.elements.volumetric_strain, state.element_multipliers_pa).cwiseAbs().maxCoeff();
   result.force_scale_n = largest;
-  result.relative_residual = std::max({result.residual_n.norm() / largest, constraint_residual, volume_residual});
+  result.relative_residual =
+      std::max({result.residual_n.norm() / largest, constraint_residual, volume_residual, result.contact.mismatch});
   result.finite =
       std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy) && result.residual_n.allFinite();
   return result;
@@ -108,12 +112,13 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
   if (strain_target) springs_.add_hessian(state.positions_m, *strain_target, convex, matrix_);
-  if (!add_rest_and_factorise(state, inertia_per_s2)) return false;
+  if (!soft_contact_) touches_ = contact_.sums(state.positions_m, state.contact).touches;
+  if (!add_rest_and_factorise(state, inertia_per_s2, convex)) return false;
   if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2, strain_target});
   return true;
 }
 
-bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inertia_per_s2) {
+bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inertia_per_s2, bool convex) {
   if (inertia_per_s2 > 0.0) {
     for (int node = 0; node < layout_.node_count; ++node)
       matrix_.add_to_diagonal(node, inertia_per_s2 * body_.node_masses_kg()[node]);
@@ -127,6 +132,8 @@ bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inert
   CliqueAdder ties(matrix_, tables_->ties);
   for (int point = 0; point < layout_.point_count; ++point)
     ties.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
+  CliqueAdder faces(matrix_, tables_->faces);
+  contact_.add_hessian(touches_, convex, soft_contact_, faces);
   matrix_.hold(body_.fixed());
   if (!factor_.factorise(matrix_)) return false;
   border_ = border(state);
@@ -139,7 +146,8 @@ bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2
   return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 &&
          linearisation_->strain_target == strain_target && linearisation_->at.positions_m == state.positions_m &&
          linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
-         linearisation_->at.constraint_multipliers == state.constraint_multipliers;
+         linearisation_->at.constraint_multipliers == state.constraint_multipliers &&
+         linearisation_->at.contact == state.contact;
 }
 
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
@@ -182,6 +190,15 @@ bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::V
   return (eigenvalues.array() < 0.0).count() == factor_.negative_pivots();
 }
 
+// With what condensation of the contact pressures adds.
+Eigen::VectorXd NewtonSolver::condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const {
+  if (contact_.empty()) return as_vector(residual_n);
+  Eigen::Matrix3Xd condensed_n = Eigen::Matrix3Xd::Zero(3, residual_n.cols());
+  contact_.add_mismatch_forces(touches_, here.contact, condensed_n);
+  release(condensed_n);
+  return as_vector(residual_n) + as_vector(condensed_n);
+}
+
 bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, Step& step) const {
   const int count = constraint_count();
   const Eigen::VectorXd mismatch = elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa);
@@ -191,7 +208,7 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   gradient += here.residual_n;
 
   // The residual holds the forces of the old multipliers already, so the border answers only for their change.
-  Eigen::VectorXd motion = solve(-as_vector(gradient));
+  Eigen::VectorXd motion = solve(-condensed_residual(here, gradient));
   step.constraint_multipliers.resize(count);
   step.penalties.resize(count);
   step.slips_m.resize(friction_contact_count());
@@ -218,6 +235,8 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   if (!motion.allFinite()) return false;
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
   step.element_multipliers_pa = elements_.updated_multipliers(here.elements.volumetric_strain, step.motion_m);
+  step.contact_pressures_pa = contact_.next_pressures_pa(touches_, here.contact, step.motion_m);
+  step.contact_start = here.contact;
 
   prepare_merit(state, here, gradient, step);
   return std::isfinite(step.slope);
@@ -227,22 +246,35 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
 // vector; the residuals as the convergence test takes them.
 NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
                               AndersonMixing& mixing) const {
+  ContactState contact = state.contact;
+  contact.pressures_pa = step.contact_pressures_pa;
   if (friction_contact_count() > 0)  // what sticks and what slips changes at once; no model of it is linear
-    return {state.positions_m + step.motion_m, step.element_multipliers_pa, step.constraint_multipliers, step.slips_m,
-            state.drives};
+    return {state.positions_m + step.motion_m,
+            step.element_multipliers_pa,
+            step.constraint_multipliers,
+            step.slips_m,
+            state.drives,
+            std::move(contact)};
   const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
-                     constraints = state.constraint_multipliers.size();
-  Eigen::VectorXd at(nodes + elements + constraints), change(at.size()), residual(at.size());
-  at << as_vector(state.positions_m), state.element_multipliers_pa, state.constraint_multipliers;
+                     constraints = state.constraint_multipliers.size(), touching = contact.pressures_pa.size();
+  Eigen::VectorXd at(nodes + elements + constraints + touching), change(at.size()), residual(at.size());
+  at << as_vector(state.positions_m), state.element_multipliers_pa, state.constraint_multipliers,
+      state.contact.pressures_pa;
   change << as_vector(step.motion_m), step.element_multipliers_pa - state.element_multipliers_pa,
-      step.constraint_multipliers - state.constraint_multipliers;
+      step.constraint_multipliers - state.constraint_multipliers, contact.pressures_pa - state.contact.pressures_pa;
   residual << as_vector(here.residual_n) / here.force_scale_n,
-      elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa), Eigen::VectorXd(constraints);
+      elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa), Eigen::VectorXd(constraints),
+      contact_.mismatches(here.contact);
   for (int i = 0; i < constraint_count(); ++i)
     residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
   const Eigen::VectorXd next = mixing.next(std::move(at), std::move(change), std::move(residual));
+  contact.pressures_pa = next.tail(touching).cwiseMax(0.0);
   NewtonState mixed{Eigen::Map<const Eigen::Matrix3Xd>(next.data(), 3, state.positions_m.cols()),
-                    next.segment(nodes, elements), next.tail(constraints), state.slips_m, state.drives};
+                    next.segment(nodes, elements),
+                    next.segment(nodes + elements, constraints),
+                    state.slips_m,
+                    state.drives,
+                    std::move(contact)};
   for (int i = 0; i < constraint_count(); ++i)
     mixed.constraint_multipliers[i] =
         std::clamp(mixed.constraint_multipliers[i], here.laws[i].min_multiplier, here.laws[i].max_multiplier);
@@ -254,7 +286,8 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
 bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
                                   AndersonMixing& mixing) const {
   if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
-      (linearisation_->strain_target == nullptr) != (task.strain_target == nullptr))
+      (linearisation_->strain_target == nullptr) != (task.strain_target == nullptr) ||
+      !ContactTerm::same_set(touches_, here.contact.touches))
     return false;
   Step step;
   if (!find_step(state, here, step)) return false;

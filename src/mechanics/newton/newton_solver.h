@@ -16,6 +16,7 @@
 
 #include <Eigen/Core>
 
+#include "mechanics/contact/contact_term.h"
 #include "mechanics/linear_algebra/anderson_mixing.h"
 #include "mechanics/linear_algebra/block_cholesky.h"
 #include "mechanics/linear_algebra/block_matrix.h"
@@ -41,6 +42,7 @@ struct NewtonState {
   Eigen::VectorXd constraint_multipliers;  // y
   Eigen::VectorXd slips_m = {};            // q, one per contact, since the step began
   SharedDrives drives = nullptr;           // needed where there are constraints
+  ContactState contact = {};               // its pressures are unknowns, the rest stays
 };
 
 // Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never
@@ -138,6 +140,7 @@ class NewtonSolver {
   Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
   int friction_contact_count() const { return static_cast<int>(shared_.size()); }
+  const ContactTerm& contact() const { return contact_; }
 
  private:
   struct Evaluation {
@@ -146,6 +149,7 @@ class NewtonSolver {
     std::vector<double> values;       // C
     std::vector<ConstraintLaw> laws;  // before anything slipped
     std::vector<FrictionContactBound> friction_contacts;
+    ContactSums contact;
     double smooth_energy = 0.0;  // elastic + inertia - loads
     double relative_residual = 0.0;
     double force_scale_n = 1.0;  // of the residual
@@ -154,6 +158,8 @@ class NewtonSolver {
   struct Step {
     Eigen::Matrix3Xd motion_m;
     Eigen::VectorXd element_multipliers_pa, constraint_multipliers, slips_m;
+    Eigen::VectorXd contact_pressures_pa;
+    ContactSums contact_start;        // where the step starts
     Eigen::VectorXd penalties;        // per constraint, for the merit function
     std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0, after the slips
     double slope = 0.0;               // of the merit function along the step
@@ -164,17 +170,21 @@ class NewtonSolver {
     Eigen::Matrix3Xd gradient_n;
     ElementSums elements;
     std::vector<double> values;  // C
+    ContactState contact;
+    std::vector<ContactTouch> touches;
   };
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
   bool linearise(const NewtonState& state, double inertia_per_s2,
                  const std::shared_ptr<const StrainTarget>& strain_target, bool convex);
-  bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2);  // what is not of the elements
+  bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2,
+                              bool convex);  // what is not of the elements
   bool linearised_at(const NewtonState& state, double inertia_per_s2,
                      const std::shared_ptr<const StrainTarget>& strain_target) const;
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
   ConstraintLaw law_at(const NewtonState& state, int constraint) const;
   std::vector<FrictionContactBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
+  Eigen::VectorXd condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing) const;
@@ -183,7 +193,9 @@ class NewtonSolver {
                      Step& step) const;
   bool search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                    double& length) const;
-  EnergyAt energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m, const SharedDrives& drives) const;
+  // `contact`: when the step began.
+  EnergyAt energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m, const SharedDrives& drives,
+                     const ContactState& contact) const;
   bool linearise_blend(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
                        double convexity);
   bool linearise_downhill(const NewtonTask& task, const NewtonState& state, const Eigen::VectorXd& volumetric_strain,
@@ -202,15 +214,18 @@ class NewtonSolver {
   const MatrixLayout& layout_;
   const Eigen::Matrix3Xd& loads_n_;
   const double force_floor_n_;
+  const ContactTerm& contact_;
 
   BlockMatrix matrix_;
   BlockCholesky factor_;
   Elements elements_;
   StrainSprings springs_;
+  bool soft_contact_ = false;  // while descending
 
   // The last linearisation: its factor is in factor_, its volume gradients are in elements_.
   std::shared_ptr<const Linearisation> linearisation_;  // null where it was convex or failed
   Eigen::MatrixXd border_, border_solved_;              // B and A^-1 B, over 3*node + axis
+  std::vector<ContactTouch> touches_;                   // of which the matrix was made
 };
 
 }  // namespace soft_robot_lab

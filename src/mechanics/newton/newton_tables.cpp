@@ -14,7 +14,9 @@ NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> co
       matrix(std::make_shared<const BlockPattern>(layout.node_count + layout.point_count, layout.all_cliques(body))),
       factor(std::make_shared<const FactorPattern>(*matrix)),
       elements(std::make_shared<const ElementTables>(body, *matrix)),
-      ties(*matrix, layout.ties) {
+      ties(*matrix, layout.ties),
+      contact(body),
+      faces(*matrix, contact.cliques()) {
   for (const auto& of_constraint : layout.cliques) cliques.emplace_back(*matrix, of_constraint);
 }
 

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "mechanics/contact/contact_term.h"
 #include "mechanics/linear_algebra/block_cholesky.h"
 #include "mechanics/linear_algebra/block_matrix.h"
 #include "mechanics/elements/clique_adder.h"
@@ -46,6 +47,8 @@ struct NewtonTables {
   std::shared_ptr<const FactorPattern> factor;
   std::shared_ptr<const ElementTables> elements;
   CliquePlaces ties;
+  ContactTerm contact;
+  CliquePlaces faces;                 // of contact
   std::vector<CliquePlaces> cliques;  // per constraint
 
  private:

@@ -19,15 +19,29 @@ void tell_unfinished(double done, SolveReport& report) {
   report.message = reached.str();
 }
 
+// Where a search for an equilibrium starts; it goes on to the commands, and the last pose of the obstacles.
+struct Start {
+  std::vector<double> commands;
+  double obstacles_s;
+
+  explicit Start(const SimulationParts& parts)
+      : commands(parts.state.actuated_commands()), obstacles_s(parts.state.contact.time_s) {}
+  void move(SimulationParts& parts, double fraction) const {
+    parts.place_actuators(commands, parts.state.commands(), fraction);
+    const double end_s = parts.workspace.newton.contact().end_of_motion_s();
+    parts.state.contact.time_s = fraction == 1.0 ? end_s : obstacles_s + fraction * (end_s - obstacles_s);
+  }
+};
+
 // By Newton, in stages of the command change where one is too far; the share of it that was reached. A stage whose way
 // leads through an unstable shape, as where a body buckles, hardly ever converges: it is cut before it costs anything.
-double follow_commands(SimulationParts& parts, const std::vector<double>& from, const EquilibriumOptions& options,
+double follow_commands(SimulationParts& parts, const Start& from, const EquilibriumOptions& options,
                        SolveReport& report) {
   double done = 0.0, stage = 1.0;
   while (done < 1.0 && stage * kSmallestStage >= 1.0 && within_budget(parts, report)) {
     const double fraction = std::min(1.0, done + stage);
-    parts.place_actuators(from, parts.state.commands(), fraction);
-    const bool cuttable = parts.state.actuated_commands() != from && 0.5 * stage * kSmallestStage >= 1.0;
+    from.move(parts, fraction);
+    const bool cuttable = parts.state.actuated_commands() != from.commands && 0.5 * stage * kSmallestStage >= 1.0;
     const bool found = relax(parts, report, {options.tolerance, options.only_through_stable || cuttable});
     if (found) done = fraction;
     if (options.only_through_stable) break;
@@ -42,6 +56,7 @@ void start_from_rest_shape(SimulationParts& parts) {
   parts.state.positions_m = parts.body.mesh().nodes_m;
   parts.state.element_multipliers_pa.setZero();
   parts.state.constraint_multipliers.setZero();
+  parts.state.contact = parts.workspace.newton.contact().untouched(parts.state.positions_m, 0.0);
   for (std::size_t i = 0; i < parts.actuators.size(); ++i)
     parts.actuators[i]->place(parts.actuators[i]->limits().rest, parts.state.drives[i]);
   parts.begin_step();
@@ -51,10 +66,10 @@ void start_from_rest_shape(SimulationParts& parts) {
 
 void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   if (parts.workspace.newton.inverted_elements(parts.state.positions_m) > 0) start_from_rest_shape(parts);
-  const std::vector<double> from = parts.state.actuated_commands();
+  const Start from(parts);
   const double done = follow_commands(parts, from, options, report);
   if (done == 1.0) return;
-  parts.place_actuators(from, parts.state.commands(), 1.0);
+  from.move(parts, 1.0);
   if (!options.only_through_stable && (relax_from_below(parts, report) || descend(parts, report))) return;
   tell_unfinished(done, report);
 }

@@ -21,6 +21,8 @@ int index_of(const std::string& kind, const std::string& name, const Items& item
 }
 
 void refuse_beyond_xpbd(const Body& body) {
+  if (!body.obstacles().empty())
+    throw std::invalid_argument("contact.obstacles are not for solver.method xpbd; choose newton");
   if (body.linear_volume() == LinearVolume::vertex_averaged)
     throw std::invalid_argument(
         "body.linear_volume: vertex_averaged is not for solver.method xpbd, which corrects one element at a "
@@ -47,7 +49,8 @@ Model::Model(Body body, std::vector<std::unique_ptr<Actuator>> actuators, std::v
       markers_(std::move(markers)),
       options_(options) {
   options_.validate();
-  if (body_.fixed_node_count() == 0) throw std::invalid_argument("body.fixed: no node is held; the robot would fall");
+  if (body_.fixed_node_count() == 0 && body_.obstacles().empty())
+    throw std::invalid_argument("body.fixed: no node is held; the robot would fall");
   if (options_.method == SolverOptions::Method::xpbd) refuse_beyond_xpbd(body_);
   std::vector<std::string> names;
   for (const auto& actuator : actuators_) names.push_back(actuator->name());

@@ -13,6 +13,7 @@ constexpr double kStill = 1e-7;  // times the body's size: the largest motion of
 constexpr double kNearlyStill = 1e-3;  // times the body's size, as kStill
 constexpr double kFar = 1e-3;          // times the body's size: a node's way from where the factor was made
 constexpr double kMuchLeft = 0.1;      // of a time step's tolerance
+constexpr int kSettling = 12;          // iterations that a body which friction holds may take to rest
 
 bool commands_reached(const SimulationParts& parts) {
   return std::all_of(parts.state.drives.begin(), parts.state.drives.end(),
@@ -26,6 +27,22 @@ bool needs_new_factor(const SimulationParts& parts, const SolveReport& report) {
   return (made->at.positions_m - here).colwise().norm().maxCoeff() > kFar * parts.body.size_m();
 }
 
+// Points at the limit of friction stick and slip by turns within a time step's tolerance. A rest state so near that
+// nothing is seen to move ends that.
+bool settle_by_friction(SimulationParts& parts, NewtonState& still) {
+  if (still.contact.anchors_m.cols() == 0 || still.contact.pressures_pa.isZero(0.0)) return false;
+  NewtonTask task;
+  task.tolerance = 0.1 * parts.options.tolerance;
+  task.max_iterations = kSettling;
+  NewtonState settled = still;
+  if (!parts.workspace.newton.solve(task, settled).converged) return false;
+  const double moved_m = (settled.positions_m - still.positions_m).colwise().norm().maxCoeff();
+  if (moved_m > kStill * parts.body.size_m()) return false;
+  still = settled;
+  parts.accept(std::move(settled));
+  return true;
+}
+
 }  // namespace
 
 double residual_at_rest(const SimulationParts& parts) {
@@ -35,7 +52,8 @@ double residual_at_rest(const SimulationParts& parts) {
 bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
   SimulationState& state = parts.state;
   if (!state.rest_residual) return false;
-  bool still = commands_reached(parts);
+  bool still =
+      commands_reached(parts) && !parts.workspace.newton.contact().moves_between(state.time_s, state.time_s + h);
   if (still) {
     still = parts.workspace.newton.worst_violation(parts.unknowns_at_step(h)) <= parts.options.tolerance;
   }
@@ -44,6 +62,7 @@ bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
     return false;
   }
   state.time_s += h;
+  state.contact.time_s = state.time_s;
   ++report.steps;
   report.converged = true;
   report.residual = *state.rest_residual;
@@ -60,8 +79,10 @@ void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport
     parts.workspace.newton.restore(nullptr);
     return;
   }
-  const NewtonState still = parts.unknowns_at_step(parts.options.time_step_s);
-  const double residual = parts.workspace.newton.rest_residual(still);
+  NewtonState still = parts.unknowns_at_step(parts.options.time_step_s);
+  double residual = parts.workspace.newton.rest_residual(still);
+  if (residual > parts.options.tolerance && settle_by_friction(parts, still))
+    residual = parts.workspace.newton.rest_residual(parts.unknowns_at_step(parts.options.time_step_s));
   if (residual > parts.options.tolerance || !parts.workspace.newton.stable_at_rest(still)) return;
   state.rest_residual = residual;
   state.velocities_m_s.setZero();

@@ -178,6 +178,10 @@ Eigen::Vector3d Simulation::marker_position(int marker) const {
   return parts_->markers.at(marker).position(parts_->state.positions_m);
 }
 
+std::vector<ContactReading> Simulation::contacts() const {
+  return parts_->workspace.newton.contact().readings(parts_->state.positions_m, parts_->state.contact);
+}
+
 ActuatorReading Simulation::actuator_state(int actuator) const {
   const Actuator& chosen = *parts_->actuators.at(actuator);
   const DriveState& drive = parts_->state.drives.at(actuator);

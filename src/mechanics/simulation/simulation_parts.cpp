@@ -19,6 +19,7 @@ void SimulationParts::reset() {
   forget_motion();
   state.element_multipliers_pa = Eigen::VectorXd::Zero(workspace.newton.element_multiplier_count());
   state.constraint_multipliers = Eigen::VectorXd::Zero(workspace.newton.constraint_count());
+  state.contact = workspace.newton.contact().untouched(state.positions_m, 0.0);
   state.element_forces_n = Eigen::VectorXd::Zero(workspace.xpbd ? workspace.xpbd->force_count() : 0);
   state.drives.clear();
   for (const auto& actuator : actuators) state.drives.push_back(actuator->rest_state());
@@ -27,15 +28,20 @@ void SimulationParts::reset() {
 }
 
 NewtonState SimulationParts::unknowns() const {
-  return {state.positions_m, state.element_multipliers_pa, state.constraint_multipliers,
+  return {state.positions_m,
+          state.element_multipliers_pa,
+          state.constraint_multipliers,
           Eigen::VectorXd::Zero(workspace.newton.friction_contact_count()),
-          std::make_shared<const DriveStates>(state.drives)};
+          std::make_shared<const DriveStates>(state.drives),
+          state.contact};
 }
 
 void SimulationParts::accept(NewtonState solved) {
   state.positions_m = std::move(solved.positions_m);
   state.element_multipliers_pa = std::move(solved.element_multipliers_pa);
   state.constraint_multipliers = std::move(solved.constraint_multipliers);
+  state.contact = std::move(solved.contact);
+  workspace.newton.contact().commit(state.positions_m, state.contact);
   const double* flow = solved.slips_m.data();
   for (std::size_t i = 0; i < actuators.size(); ++i) {
     const std::size_t count = actuators[i]->friction_contacts().size();

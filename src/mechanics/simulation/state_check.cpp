@@ -14,6 +14,8 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       state.positions_m.cols() == now.positions_m.cols() && state.velocities_m_s.cols() == now.velocities_m_s.cols() &&
       state.element_multipliers_pa.size() == now.element_multipliers_pa.size() &&
       state.constraint_multipliers.size() == now.constraint_multipliers.size() &&
+      state.contact.pressures_pa.size() == now.contact.pressures_pa.size() &&
+      state.contact.anchors_m.cols() == now.contact.anchors_m.cols() &&
       (state.element_forces_n.size() == now.element_forces_n.size() || state.element_forces_n.size() == 0) &&
       state.branch_stress_pa.size() == now.branch_stress_pa.size() &&
       std::equal(state.drives.begin(), state.drives.end(), now.drives.begin(), now.drives.end(),
@@ -32,7 +34,9 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       !state.previous_element_multipliers_pa.allFinite() || !state.previous_constraint_multipliers.allFinite() ||
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
       !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
-      !state.element_forces_n.allFinite() || !state.branch_stress_pa.allFinite() || !std::isfinite(state.time_s) ||
+      !std::isfinite(state.contact.time_s) || !state.contact.pressures_pa.allFinite() ||
+      !state.contact.anchors_m.allFinite() || !state.element_forces_n.allFinite() ||
+      !state.branch_stress_pa.allFinite() || !std::isfinite(state.time_s) ||
       !std::all_of(state.drives.begin(), state.drives.end(), [](const DriveState& drive) {
         return std::isfinite(drive.actuated_command) && std::isfinite(drive.wait_s) && drive.memory.allFinite();
       }))

@@ -58,9 +58,13 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
   state.previous_constraint_multipliers = std::move(before.constraint_multipliers);
 }
 
-bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& report) {
+bool opened_or_closed(const ContactState& before, const ContactState& after) {
+  return ((before.pressures_pa.array() > 0.0) != (after.pressures_pa.array() > 0.0)).any();
+}
+
+bool try_step(SimulationParts& parts, double h, Integrator integrator, bool last_resort, SolveReport& report) {
   SimulationState before = parts.state;
-  const BackwardDifference difference(before, h, parts.options.integrator);
+  const BackwardDifference difference(before, h, integrator);
   const ViscousStep viscous(parts.body, parts.workspace.newton, before, difference, h);
   // M ((x - x~) / gamma^2 + a (x - x_from) / gamma) = c M (x - x_from - gamma v_from / c) / gamma^2 with c = 1 + a
   // gamma
@@ -75,13 +79,17 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
   task.inertia_per_s2 = slowed / (difference.gamma_s * difference.gamma_s);
   task.predicted_m = &predicted;
   task.strain_target = viscous.strain_target();
-  NewtonState unknown = predict(before, h, parts.options.integrator);
+  NewtonState unknown = predict(before, h, integrator);
   unknown.slips_m = Eigen::VectorXd::Zero(parts.workspace.newton.friction_contact_count());
   unknown.drives = std::make_shared<const DriveStates>(parts.state.drives);
+  unknown.contact = before.contact;
   const bool solved =
       parts.solve(task, unknown, report).converged || parts.solve_from_below(task, unknown, report).converged;
   if (!solved && !last_resort) return false;
   if (!solved) enter(SolveStage::last_resort, 1, report.path);
+  // Over an impact bdf2 would go on as before it, and may gain energy.
+  if (difference.weight_before > 0.0 && opened_or_closed(before.contact, unknown.contact))
+    return try_step(parts, h, Integrator::implicit_euler, last_resort, report);
   accept_step(parts, h, difference, viscous, std::move(unknown), std::move(before));
   return true;
 }
@@ -91,8 +99,9 @@ bool try_step(SimulationParts& parts, double h, bool last_resort, SolveReport& r
 void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
   if (part.depth > 0) parts.begin_step(part.fraction() * h);
   path.move(parts, part.to);
+  parts.state.contact.time_s = parts.state.time_s + part.fraction() * h;
   const bool last_resort = part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
-  if (try_step(parts, part.fraction() * h, last_resort, report)) return;
+  if (try_step(parts, part.fraction() * h, parts.options.integrator, last_resort, report)) return;
   enter(SolveStage::halving, 1, report.path);
   advance(parts, h, path, part.first_half(), report);
   const bool first = report.converged;

@@ -56,7 +56,14 @@ Viscosity read_viscosity(const YamlNode& body) {
   return viscosity;
 }
 
-void fix(const YamlNode& section, Body& body) {
+bool has_obstacles(const YamlNode& scene) {
+  const std::optional<YamlNode> contact = scene.optional_child("contact");
+  return contact && !contact->optional_sequence("obstacles").empty();
+}
+
+// A body that may lie on something need not be held.
+void fix(const YamlNode& scene, const YamlNode& section, Body& body) {
+  if (has_obstacles(scene) && !section.has("fixed")) return;
   const YamlNode list = section.child("fixed");
   if (list.items().empty()) list.fail("is empty: a body that nothing holds has no equilibrium");
   for (const YamlNode& item : list.items()) {
@@ -92,7 +99,7 @@ Body read_body(const YamlNode& scene, TetMesh mesh) {
   const bool averaged = section.choice_or("linear_volume", "element", {"element", "vertex_averaged"}) != "element";
   if (averaged) in_section(section, [&] { body.set_linear_volume(LinearVolume::vertex_averaged); });
   in_section(section, [&] { body.set_viscosity(read_viscosity(section)); });
-  fix(section, body);
+  fix(scene, section, body);
   for (const YamlNode& item : scene.optional_sequence("loads")) load(item, body);
   body.set_gravity(scene.vector3_or("gravity_m_s2", body.gravity_m_s2()));
   return body;

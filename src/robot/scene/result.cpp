@@ -58,6 +58,22 @@ void add_actuators(const Simulation& simulation, Json& result) {
   result["chambers"] = std::move(chambers);
 }
 
+// One entry for each pair that touches.
+void add_contacts(const Simulation& simulation, Json& result) {
+  if (simulation.body().obstacles().empty()) return;
+  Json all = Json::array();
+  for (const ContactReading& reading : simulation.contacts()) {
+    if (reading.area_m2 == 0.0) continue;
+    all.push_back({{"between", {"skin", reading.obstacle}},
+                   {"force_n", list(reading.force_n)},
+                   {"area_m2", reading.area_m2},
+                   {"largest_penetration_m", reading.largest_penetration_m},
+                   {"sticking_area_m2", reading.sticking_area_m2},
+                   {"slipping_area_m2", reading.slipping_area_m2}});
+  }
+  result["contacts"] = std::move(all);
+}
+
 Json warnings_json(const std::vector<SolveWarning>& warnings) {
   Json all = Json::array();
   for (const SolveWarning& warning : warnings) {
@@ -133,6 +149,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   result["markers"] = markers_json(simulation);
   add_actuators(simulation, result);
   if (scene.run.mode != RunMode::modal) result["reaction"] = reaction_json(simulation);
+  add_contacts(simulation, result);
   result["solver"] = solver_json(simulation, report.solve);
   if (scene.fidelity) result["fidelity"] = fidelity_json(*scene.fidelity);
   if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);

@@ -12,9 +12,9 @@ YamlNode merge_overrides(const YamlNode& scene, const std::string& overrides) {
 }
 
 Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& options) {
-  refuse_contact(settings);
   const SolverOptions solver = read_solver(settings);
   Body body = read_body(settings, std::move(mesh));
+  read_contact(settings, body);
   const MeshLocator locator(body.mesh());
   auto actuators = read_actuators(settings, body, locator, options.actuator_factory);
   auto markers = read_markers(settings, body, locator);

@@ -26,13 +26,4 @@ SolverOptions read_solver(const YamlNode& scene) {
   return options;
 }
 
-void refuse_contact(const YamlNode& scene) {
-  const std::optional<YamlNode> node = scene.optional_child("contact");
-  if (!node) return;
-  if (node->boolean_or("self", false)) node->child("self").fail("self-contact is not supported yet; must be false");
-  if (!node->optional_sequence("obstacles").empty()) {
-    node->child("obstacles").fail("obstacles are not supported yet; must be an empty list");
-  }
-}
-
 }  // namespace soft_robot_lab

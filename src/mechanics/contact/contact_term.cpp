@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "contact_term.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gap.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kAtLimit = 1.0 + 1e-6;  // an anchor that was dragged along is just at the limit
+
+}  // namespace
+
+ContactTerm::ContactTerm(const Body& body)
+    : obstacles_(body.obstacles()), points_(body), youngs_modulus_pa_(body.material().youngs_modulus_pa) {
+  int anchors = 0;
+  for (const Obstacle& obstacle : obstacles_) {
+    const bool rubs = obstacle.friction > 0.0;
+    first_anchor_.push_back(rubs ? anchors : -1);
+    if (rubs) anchors += points_.count();
+  }
+}
+
+double ContactTerm::end_of_motion_s() const {
+  double end_s = 0.0;
+  for (const Obstacle& obstacle : obstacles_)
+    if (!obstacle.motion.empty()) end_s = std::max(end_s, obstacle.motion.back().time_s);
+  return end_s;
+}
+
+bool ContactTerm::moves_between(double from_s, double to_s) const {
+  return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Obstacle& obstacle) {
+    return pose_at(obstacle, from_s).matrix() != pose_at(obstacle, to_s).matrix();
+  });
+}
+
+std::vector<Clique> ContactTerm::cliques() const {
+  std::vector<Clique> faces;
+  for (int face = 0; face < points_.face_count() && !empty(); ++face) {
+    const auto nodes = points_.faces().col(face);
+    faces.emplace_back(nodes.begin(), nodes.end());
+  }
+  return faces;
+}
+
+NormalLaw ContactTerm::law(int pair) const {
+  return NormalLaw::of_skin(points_.face_size_m(point_of(pair)), youngs_modulus_pa_);
+}
+
+ContactState ContactTerm::untouched(const Eigen::Matrix3Xd& positions_m, double time_s) const {
+  ContactState state;
+  if (empty()) return state;
+  state.time_s = time_s;
+  state.pressures_pa = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(obstacles_.size()) * points_.count());
+  const auto rubbing = std::count_if(first_anchor_.begin(), first_anchor_.end(), [](int first) { return first >= 0; });
+  state.anchors_m = Eigen::Matrix3Xd::Zero(3, rubbing * points_.count());
+  commit(positions_m, state);
+  return state;
+}
+
+Eigen::Matrix3Xd ContactTerm::all_points(const Eigen::Matrix3Xd& positions_m) const {
+  Eigen::Matrix3Xd all(3, points_.count());
+  for (int point = 0; point < points_.count(); ++point) all.col(point) = points_.at(point, positions_m);
+  return all;
+}
+
+ContactSums ContactTerm::sums(const Eigen::Matrix3Xd& positions_m, const ContactState& state) const {
+  ContactSums sums;
+  if (empty()) return sums;
+  sums.points_m = all_points(positions_m);
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) find_touches(static_cast<int>(i), state, sums);
+  for (const ContactTouch& touch : sums.touches) {
+    const double off_m = law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa);
+    sums.mismatch = std::max(sums.mismatch, std::abs(off_m) / points_.face_size_m(point_of(touch.pair)));
+  }
+  return sums;
+}
+
+// A gap grows no faster than its point moves, so a face that is far away is passed by at one look.
+void ContactTerm::find_touches(int obstacle, const ContactState& state, ContactSums& sums) const {
+  const Obstacle& one = obstacles_[static_cast<std::size_t>(obstacle)];
+  const Eigen::Isometry3d pose = pose_at(one, state.time_s);
+  for (int face = 0; face < points_.face_count(); ++face) {
+    const int first = kPointsPerFace * face, first_pair = obstacle * points_.count() + first;
+    const auto places_m = sums.points_m.middleCols<kPointsPerFace>(first);
+    const Eigen::Vector3d middle_m = places_m.rowwise().mean();
+    const double reach_m = (places_m.colwise() - middle_m).colwise().norm().maxCoeff();
+    if (state.pressures_pa.segment<kPointsPerFace>(first_pair).isZero(0.0) &&
+        gap_to(one.shape, pose, middle_m).gap_m > reach_m + 1e-12)
+      continue;
+    for (int k = 0; k < kPointsPerFace; ++k) {
+      const int pair = first_pair + k;
+      const Gap gap = gap_to(one.shape, pose, places_m.col(k));
+      const double pressure_pa = state.pressures_pa[pair];
+      const bool closed = law(pair).closed(gap.gap_m, pressure_pa);
+      if (!closed && pressure_pa == 0.0) continue;
+      ContactTouch touch{pair, closed, gap.gap_m, pressure_pa, gap.normal, gap.hessian};
+      if (one.friction > 0.0) add_friction(pose, obstacle, state, sums, touch);
+      sums.touches.push_back(std::move(touch));
+    }
+  }
+}
+
+void ContactTerm::add_friction(const Eigen::Isometry3d& pose, int obstacle, const ContactState& state,
+                               const ContactSums& sums, ContactTouch& touch) const {
+  const int point = point_of(touch.pair);
+  touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point), youngs_modulus_pa_),
+                    obstacle_of(touch.pair).friction * touch.pressure_pa};
+  touch.anchor_m = pose * state.anchors_m.col(first_anchor_[static_cast<std::size_t>(obstacle)] + point);
+  const Eigen::Vector3d away_m = sums.points_m.col(point) - touch.anchor_m;
+  touch.away_m = away_m - touch.normal * touch.normal.dot(away_m);
+}
+
+void ContactTerm::add_at(int pair, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const {
+  const int point = point_of(pair), face = ContactPoints::face_of(point);
+  const auto shape = points_.shape(point);
+  for (int a = 0; a < points_.nodes_per_face(); ++a) forces_n.col(points_.node(face, a)) += shape[a] * force_n;
+}
+
+void ContactTerm::add_forces(const ContactSums& at, Eigen::Matrix3Xd& residual_n) const {
+  for (const ContactTouch& touch : at.touches) {
+    Eigen::Vector3d force_pa = -touch.pressure_pa * touch.normal;
+    if (touch.rubs()) force_pa += touch.friction.traction_pa(touch.away_m);
+    add_at(touch.pair, weight_m2(touch.pair) * force_pa, residual_n);
+  }
+}
+
+void ContactTerm::add_hessian(const std::vector<ContactTouch>& touches, bool convex, bool soft,
+                              CliqueSink& matrix) const {
+  const int nodes = points_.nodes_per_face();
+  for (const ContactTouch& touch : touches) {
+    if (!touch.closed) continue;
+    const NormalLaw normal = law(touch.pair);
+    const double compliance_m_pa = soft ? normal.soft_m_pa : normal.compliance_m_pa;
+    Eigen::Matrix3d block = touch.normal * touch.normal.transpose() / compliance_m_pa;
+    if (!convex) block -= touch.pressure_pa * touch.bend;
+    if (touch.rubs()) block += touch.friction.stiffness_pa_m(touch.away_m, touch.normal);
+    const auto shape = points_.shape(point_of(touch.pair));
+    matrix.add_outer(ContactPoints::face_of(point_of(touch.pair)), {shape.data(), shape.data() + nodes},
+                     weight_m2(touch.pair) * block);
+  }
+}
+
+bool ContactTerm::same_set(const std::vector<ContactTouch>& a, const std::vector<ContactTouch>& b) {
+  const auto next_closed = [](auto at, auto end) {
+    return std::find_if(at, end, [](const ContactTouch& touch) { return touch.closed; });
+  };
+  auto i = next_closed(a.begin(), a.end()), j = next_closed(b.begin(), b.end());
+  for (; i != a.end() && j != b.end(); i = next_closed(i + 1, a.end()), j = next_closed(j + 1, b.end())) {
+    if (i->pair != j->pair) return false;
+  }
+  return i == a.end() && j == b.end();
+}
+
+// Closed points push by the pressure that their gap stands for, all others by none.
+void ContactTerm::add_mismatch_forces(const std::vector<ContactTouch>& linearised, const ContactSums& here,
+                                      Eigen::Matrix3Xd& forces_n) const {
+  auto made = linearised.begin();
+  for (const ContactTouch& touch : here.touches) {
+    Eigen::Vector3d force_pa = touch.pressure_pa * touch.normal;
+    if (touch.closed) {
+      while (made != linearised.end() && made->pair < touch.pair) ++made;
+      const double off_m = touch.gap_m + law(touch.pair).compliance_m_pa * touch.pressure_pa;
+      const bool known = made != linearised.end() && made->pair == touch.pair;
+      force_pa = off_m / law(touch.pair).compliance_m_pa * (known ? made->normal : touch.normal);
+    }
+    add_at(touch.pair, weight_m2(touch.pair) * force_pa, forces_n);
+  }
+}
+
+Eigen::VectorXd ContactTerm::next_pressures_pa(const std::vector<ContactTouch>& linearised, const ContactSums& here,
+                                               const Eigen::Matrix3Xd& motion_m) const {
+  Eigen::VectorXd next = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(obstacles_.size()) * points_.count());
+  auto made = linearised.begin();
+  for (const ContactTouch& touch : here.touches) {
+    if (!touch.closed) continue;
+    while (made != linearised.end() && made->pair < touch.pair) ++made;
+    const Eigen::Vector3d& normal = made != linearised.end() && made->pair == touch.pair ? made->normal : touch.normal;
+    next[touch.pair] =
+        law(touch.pair).pressure_pa(touch.gap_m + normal.dot(points_.at(point_of(touch.pair), motion_m)));
+  }
+  return next;
+}
+
+Eigen::VectorXd ContactTerm::mismatches(const ContactSums& at) const {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(obstacles_.size()) * points_.count());
+  for (const ContactTouch& touch : at.touches)
+    all[touch.pair] =
+        law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa) / points_.face_size_m(point_of(touch.pair));
+  return all;
+}
+
+double ContactTerm::merit_j(const ContactSums& at, const ContactSums& start,
+                            const Eigen::VectorXd& next_pressures_pa) const {
+  double sum = 0.0;
+  for (const ContactTouch& touch : at.touches)
+    sum += weight_m2(touch.pair) * law(touch.pair).merit_j_m2(touch.gap_m, next_pressures_pa[touch.pair]);
+  for (const ContactTouch& touch : start.touches) {
+    if (!touch.rubs()) continue;
+    const Eigen::Vector3d away_m = at.points_m.col(point_of(touch.pair)) - touch.anchor_m;
+    const Eigen::Vector3d along_m = away_m - touch.normal * touch.normal.dot(away_m);
+    sum += weight_m2(touch.pair) * touch.friction.potential_j_m2(along_m);
+  }
+  return sum;
+}
+
+double ContactTerm::slope_change_j(const ContactSums& start, const Eigen::VectorXd& next_pressures_pa,
+                                   const Eigen::Matrix3Xd& motion_m) const {
+  double sum = 0.0;
+  for (const ContactTouch& touch : start.touches) {
+    const double push_pa = law(touch.pair).merit_pa(touch.gap_m, next_pressures_pa[touch.pair]);
+    sum += weight_m2(touch.pair) * (touch.pressure_pa - push_pa) *
+           touch.normal.dot(points_.at(point_of(touch.pair), motion_m));
+  }
+  return sum;
+}
+
+double ContactTerm::soft_energy(const Eigen::Matrix3Xd& positions_m, const Eigen::VectorXd& limits_pa,
+                                ContactState& state, ContactSums& at) const {
+  if (empty()) return 0.0;
+  state.pressures_pa.setZero();
+  at = sums(positions_m, state);
+  double sum = 0.0;
+  for (ContactTouch& touch : at.touches) {
+    const double soft_m_pa = law(touch.pair).soft_m_pa;
+    touch.closed = touch.gap_m < 0.0;
+    touch.pressure_pa = std::max(0.0, -touch.gap_m / soft_m_pa);
+    state.pressures_pa[touch.pair] = touch.pressure_pa;
+    sum += 0.5 * weight_m2(touch.pair) * soft_m_pa * touch.pressure_pa * touch.pressure_pa;
+    if (!touch.rubs()) continue;
+    touch.friction.limit_pa = obstacle_of(touch.pair).friction * limits_pa[touch.pair];
+    sum += weight_m2(touch.pair) * touch.friction.potential_j_m2(touch.away_m);
+  }
+  return sum;
+}
+
+void ContactTerm::commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const {
+  if (state.anchors_m.cols() == 0) return;
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    if (first_anchor_[i] < 0) continue;
+    const Eigen::Isometry3d back = pose_at(obstacles_[i], state.time_s).inverse();
+    ContactSums sums;
+    sums.points_m = all_points(positions_m);
+    find_touches(static_cast<int>(i), state, sums);
+    for (const ContactTouch& touch : sums.touches)
+      if (touch.pressure_pa > 0.0)
+        sums.points_m.col(point_of(touch.pair)) -=
+            touch.friction.compliance_m_pa * touch.friction.traction_pa(touch.away_m);
+    for (int point = 0; point < points_.count(); ++point)
+      state.anchors_m.col(first_anchor_[i] + point) = back * sums.points_m.col(point);
+  }
+}
+
+std::vector<ContactReading> ContactTerm::readings(const Eigen::Matrix3Xd& positions_m,
+                                                  const ContactState& state) const {
+  std::vector<ContactReading> all(obstacles_.size());
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) all[i].obstacle = obstacles_[i].name;
+  for (const ContactTouch& touch : sums(positions_m, state).touches) {
+    ContactReading& reading = all[static_cast<std::size_t>(touch.pair / points_.count())];
+    reading.largest_penetration_m = std::max(reading.largest_penetration_m, -touch.gap_m);
+    if (touch.pressure_pa == 0.0) continue;
+    Eigen::Vector3d push_pa = touch.pressure_pa * touch.normal;
+    const double area_m2 = points_.present_area_m2(point_of(touch.pair), positions_m);
+    if (touch.rubs()) {
+      push_pa -= touch.friction.traction_pa(touch.away_m);
+      (touch.friction.slips(kAtLimit * touch.away_m) ? reading.slipping_area_m2 : reading.sticking_area_m2) += area_m2;
+    }
+    reading.force_n += weight_m2(touch.pair) * push_pa;
+    reading.area_m2 += area_m2;
+    reading.largest_pressure_pa = std::max(reading.largest_pressure_pa, touch.pressure_pa);
+  }
+  return all;
+}
+
+}  // namespace soft_robot_lab

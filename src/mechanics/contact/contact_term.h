@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contact of a body's skin with rigid obstacles, as a term of Newton's method: what it adds to the residual, the
+// matrix, the step, and the merit function. Nothing in it changes; what does is ContactState.
+//
+// Pressures are unknowns of their own, condensed point by point as the elements' volumes are: with g the gap, n its
+// gradient, a the compliance, w the weight and N the shape functions of a closed point
+//   residual  - w l n N     matrix  w / a (n n') N N' - w l (grad grad g) N N'     l+ = max(0, -(g + n.dx) / a)
+// All nodes of a face are in one element, so the pattern of the matrix stays.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "contact_points.h"
+#include "friction_law.h"
+#include "normal_law.h"
+#include "soft_robot_lab/mechanics/body.h"
+#include "soft_robot_lab/mechanics/constraint.h"
+#include "soft_robot_lab/mechanics/obstacle.h"
+
+namespace soft_robot_lab {
+
+// A contact point at an obstacle that it presses against, or nearly.
+struct ContactTouch {
+  int pair = 0;         // obstacle * points + point
+  bool closed = false;  // NormalLaw::closed
+  double gap_m = 0.0, pressure_pa = 0.0;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();  // second derivative of the gap
+  // Of friction; without any the limit is negative.
+  FrictionLaw friction{0.0, -1.0};
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();  // where the obstacle now has it
+  Eigen::Vector3d away_m = Eigen::Vector3d::Zero();    // from there, along the surface
+
+  bool rubs() const { return friction.limit_pa >= 0.0; }
+};
+
+// Contact at some positions and pressures.
+struct ContactSums {
+  std::vector<ContactTouch> touches;  // all with pressure or penetration, and the closed ones
+  Eigen::Matrix3Xd points_m;          // where all contact points are
+  double mismatch = 0.0;              // the largest, over the size of its face
+};
+
+class ContactTerm {
+ public:
+  explicit ContactTerm(const Body& body);
+
+  bool empty() const { return obstacles_.empty(); }
+  double end_of_motion_s() const;                        // of all obstacles
+  bool moves_between(double from_s, double to_s) const;  // whether any does
+  std::vector<Clique> cliques() const;                   // for add_hessian: the faces
+  const ContactPoints& points() const { return points_; }
+
+  // Of a body at these positions that did not touch anything before.
+  ContactState untouched(const Eigen::Matrix3Xd& positions_m, double time_s) const;
+
+  ContactSums sums(const Eigen::Matrix3Xd& positions_m, const ContactState& state) const;
+  void add_forces(const ContactSums& at, Eigen::Matrix3Xd& residual_n) const;
+
+  // `convex` leaves out what may make the matrix indefinite; `soft` is for soft_energy.
+  void add_hessian(const std::vector<ContactTouch>& touches, bool convex, bool soft, CliqueSink& matrix) const;
+
+  // Whether the matrix of these touches may serve others: the same are closed. What sticks and what slips may differ.
+  static bool same_set(const std::vector<ContactTouch>& a, const std::vector<ContactTouch>& b);
+
+  // What condensation adds to the residual; `linearised`: the touches the matrix was made of.
+  void add_mismatch_forces(const std::vector<ContactTouch>& linearised, const ContactSums& here,
+                           Eigen::Matrix3Xd& forces_n) const;
+  Eigen::VectorXd next_pressures_pa(const std::vector<ContactTouch>& linearised, const ContactSums& here,
+                                    const Eigen::Matrix3Xd& motion_m) const;
+  // Per pair: NormalLaw::mismatch_m over the size of the face.
+  Eigen::VectorXd mismatches(const ContactSums& at) const;
+
+  // Augmented Lagrangian of the normal law at the pressures where a step leads, and friction's potential as it was
+  // where the step starts. `slope_change`: what the slope of all along the step lacks where it is taken from the
+  // residual.
+  double merit_j(const ContactSums& at, const ContactSums& start, const Eigen::VectorXd& next_pressures_pa) const;
+  double slope_change_j(const ContactSums& start, const Eigen::VectorXd& next_pressures_pa,
+                        const Eigen::Matrix3Xd& motion_m) const;
+
+  // With the soft compliance the pressures follow from the positions: sets them, and returns the energy. Friction keeps
+  // the limits of `limits_pa`, pressures per pair.
+  double soft_energy(const Eigen::Matrix3Xd& positions_m, const Eigen::VectorXd& limits_pa, ContactState& state,
+                     ContactSums& at) const;
+
+  // Lets anchors follow what slipped, and what does not touch.
+  void commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const;
+
+  std::vector<ContactReading> readings(const Eigen::Matrix3Xd& positions_m, const ContactState& state) const;
+
+ private:
+  NormalLaw law(int pair) const;
+  double weight_m2(int pair) const { return points_.weight_m2(point_of(pair)); }
+  int point_of(int pair) const { return pair % points_.count(); }
+  const Obstacle& obstacle_of(int pair) const { return obstacles_[static_cast<std::size_t>(pair / points_.count())]; }
+  Eigen::Matrix3Xd all_points(const Eigen::Matrix3Xd& positions_m) const;
+  void find_touches(int obstacle, const ContactState& state, ContactSums& sums) const;
+  void add_friction(const Eigen::Isometry3d& pose, int obstacle, const ContactState& state, const ContactSums& sums,
+                    ContactTouch& touch) const;
+  void add_at(int pair, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
+
+  std::vector<Obstacle> obstacles_;
+  std::vector<int> first_anchor_;  // per obstacle; -1 without friction
+  ContactPoints points_;
+  double youngs_modulus_pa_;
+};
+
+}  // namespace soft_robot_lab

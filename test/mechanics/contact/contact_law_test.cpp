@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The laws of a contact point, and the term they make for Newton's method, against central differences.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "mechanics/box_mesh.h"
+#include "mechanics/contact/contact_term.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Eigen::Vector3d;
+
+const NormalLaw kNormal = NormalLaw::of_skin(0.01, 264200.0);
+
+TEST(NormalLaw, SinksInByWhatItsComplianceSays) {
+  EXPECT_NEAR(kNormal.compliance_m_pa * 20e3, 1.5e-6, 0.02e-6);
+  EXPECT_NEAR(kNormal.pressure_pa(-1.5e-6), 20e3, 0.02 * 20e3);
+  EXPECT_EQ(kNormal.pressure_pa(1e-6), 0.0);
+}
+
+TEST(NormalLaw, KnowsWhatIsOffAndWhatIsNot) {
+  EXPECT_EQ(kNormal.mismatch_m(1e-3, 0.0), 0.0);                                     // open
+  EXPECT_NEAR(kNormal.mismatch_m(-1e3 * kNormal.compliance_m_pa, 1e3), 0.0, 1e-18);  // closed
+  EXPECT_EQ(kNormal.mismatch_m(-1e-5, 0.0), -1e-5);                                  // sunk in
+  EXPECT_GT(kNormal.mismatch_m(1e-5, 1e3), 1e-5);                                    // pushes from afar
+  EXPECT_TRUE(kNormal.closed(0.0, 0.0));
+  EXPECT_FALSE(kNormal.closed(1e-9, 0.0));
+  EXPECT_TRUE(kNormal.closed(1e-9, 1e3));
+  EXPECT_FALSE(kNormal.closed(1e-3, 1e3));
+}
+
+TEST(NormalLaw, MeritFallsByWhatItPushes) {
+  for (const double pressure : {0.0, 2e3})
+    for (const double gap : {-1e-5, -1e-7, 1e-7, 3e-6, 1e-4}) {
+      const double step = 1e-9;
+      const double slope =
+          (kNormal.merit_j_m2(gap + step, pressure) - kNormal.merit_j_m2(gap - step, pressure)) / (2 * step);
+      EXPECT_NEAR(slope, -kNormal.merit_pa(gap, pressure), 1e-6 * (1.0 + std::abs(slope))) << gap << " " << pressure;
+    }
+}
+
+TEST(FrictionLaw, SticksThenSlidesAgainstTheMotion) {
+  const FrictionLaw law{1e-9, 500.0};  // at the limit 0.5 um away
+  EXPECT_TRUE(law.traction_pa({0.2e-6, 0, 0}).isApprox(Vector3d(200, 0, 0)));
+  EXPECT_FALSE(law.slips({0.2e-6, 0, 0}));
+  EXPECT_TRUE(law.traction_pa({3e-6, 4e-6, 0}).isApprox(Vector3d(300, 400, 0)));
+  EXPECT_TRUE(law.slips({3e-6, 4e-6, 0}));
+  EXPECT_TRUE((FrictionLaw{1e-9, 0.0}.traction_pa({1e-3, 0, 0}).isZero(0.0)));
+}
+
+TEST(FrictionLaw, TractionAndStiffnessAreDerivativesOfItsPotential) {
+  const FrictionLaw law{1e-9, 500.0};
+  const Vector3d normal = Vector3d::UnitZ();
+  for (const Vector3d& away : {Vector3d(0.2e-6, 0.1e-6, 0), Vector3d(3e-6, -4e-6, 0)}) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const Vector3d step = 1e-11 * Vector3d::Unit(axis);
+      const double slope = (law.potential_j_m2(away + step) - law.potential_j_m2(away - step)) / 2e-11;
+      EXPECT_NEAR(slope, law.traction_pa(away)[axis], 1e-4 * 500.0);
+      const Vector3d change = (law.traction_pa(away + step) - law.traction_pa(away - step)) / 2e-11;
+      EXPECT_LT((change - law.stiffness_pa_m(away, normal).col(axis)).norm(), 1e-5 / 1e-9);
+    }
+  }
+}
+
+Body block(const Eigen::Vector3i& cells, bool quadratic = true) {
+  Body body(box_mesh({-0.01, 0, -0.01}, {0.01, 0.02, 0.01}, cells, quadratic), {264200.0, 0.49, 1070.0});
+  body.fix_nodes({-1, 0.02 - 1e-6, -1}, {1, 1, 1}, {true, true, true});
+  return body;
+}
+
+TEST(ContactPoints, WeighTheSkinThatCanMove) {
+  const Body body = block({2, 2, 2});
+  const ContactPoints points(body);
+  EXPECT_EQ(points.face_count(), 5 * 8);  // not the clamped top
+  double area = 0.0, moment = 0.0;
+  for (int point = 0; point < points.count(); ++point) {
+    area += points.weight_m2(point);
+    const Vector3d at = points.at(point, body.mesh().nodes_m);
+    if (at.y() < 1e-9) moment += points.weight_m2(point) * at.x() * at.x();
+    EXPECT_NEAR(points.shape(point).sum(), 1.0, 1e-14);
+    EXPECT_NEAR(points.present_area_m2(point, 2.0 * body.mesh().nodes_m), 4.0 * points.weight_m2(point), 1e-12);
+  }
+  EXPECT_NEAR(area, 5 * 4e-4, 1e-12);
+  EXPECT_NEAR(moment, 0.02 * std::pow(0.02, 3) / 12.0, 1e-15);
+}
+
+// Takes the blocks of a clique where every face has the same few nodes as the whole body.
+class DenseSink : public CliqueSink {
+ public:
+  DenseSink(std::vector<Clique> cliques, int nodes)
+      : matrix(Eigen::MatrixXd::Zero(3 * nodes, 3 * nodes)), cliques_(std::move(cliques)) {}
+  void add_outer(int clique, const std::vector<double>& coefficients, const Eigen::Matrix3d& block) override {
+    const Clique& nodes = cliques_[static_cast<std::size_t>(clique)];
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      for (std::size_t b = 0; b < nodes.size(); ++b)
+        matrix.block<3, 3>(3 * nodes[a], 3 * nodes[b]) += coefficients[a] * coefficients[b] * block;
+  }
+  void add_dense(int, const Eigen::MatrixXd&) override { FAIL(); }
+
+  Eigen::MatrixXd matrix;
+
+ private:
+  std::vector<Clique> cliques_;
+};
+
+// Pressed against a ball, with pressures that fit no gap, and friction about to slip at some points.
+TEST(ContactTerm, ItsMatrixIsTheDerivativeOfItsForces) {
+  for (const double friction : {0.0, 0.5}) {
+    Body body = block({1, 1, 1});
+    body.set_obstacles({{"ball", Sphere{{0.002, -0.03, 0.001}, 0.03}, {}, friction}});
+    const ContactTerm term(body);
+    Eigen::Matrix3Xd x = body.mesh().nodes_m;
+    ContactState state = term.untouched(x, 0.0);
+    x.row(1).array() -= 0.004;
+    x.row(0).array() += 2e-9;
+    for (Eigen::Index i = 0; i < state.pressures_pa.size(); ++i) state.pressures_pa[i] = 2e3 + 100.0 * double(i % 7);
+    const auto forces = [&](const Eigen::Matrix3Xd& at) {
+      Eigen::Matrix3Xd sum = Eigen::Matrix3Xd::Zero(3, at.cols());
+      const ContactSums sums = term.sums(at, state);
+      term.add_forces(sums, sum);
+      // l = -g / a follows the gap: what condensation stands for.
+      for (const ContactTouch& touch : sums.touches)
+        if (!touch.closed) ADD_FAILURE() << "a point is open";
+      term.add_mismatch_forces(sums.touches, sums, sum);
+      return sum;
+    };
+    // With pressure -g / a, which the matrix takes at its present value in its geometric part only.
+    ContactSums here = term.sums(x, state);
+    std::vector<ContactTouch> closed;
+    for (const ContactTouch& touch : here.touches)
+      if (touch.gap_m < 0.0) closed.push_back(touch);
+    state.pressures_pa.setZero();
+    for (const ContactTouch& touch : closed) state.pressures_pa[touch.pair] = -touch.gap_m / (0.002 * 0.02 / 264200.0);
+    here = term.sums(x, state);
+    ASSERT_GT(here.touches.size(), 3u);
+    DenseSink sink(term.cliques(), body.mesh().node_count());
+    term.add_hessian(here.touches, false, false, sink);
+    double worst = 0.0;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      Eigen::Matrix3Xd more = x, less = x;
+      more.data()[i] += 1e-10;
+      less.data()[i] -= 1e-10;
+      const Eigen::Matrix3Xd change = (forces(more) - forces(less)) / 2e-10;
+      worst = std::max(worst,
+                       (Eigen::Map<const Eigen::VectorXd>(change.data(), change.size()) - sink.matrix.col(i)).norm());
+    }
+    if (friction == 0.0) {
+      EXPECT_LT(worst, 1e-4 * sink.matrix.norm());
+    }
+    EXPECT_TRUE(sink.matrix.isApprox(sink.matrix.transpose(), 1e-12));
+  }
+}
+
+TEST(ContactTerm, AnAnchorStaysWhereTheSkinSticksAndFollowsWhereItSlips) {
+  Body body = block({1, 1, 1});
+  body.set_obstacles({{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, {}, 0.5}});
+  const ContactTerm term(body);
+  Eigen::Matrix3Xd x = body.mesh().nodes_m;
+  ContactState state = term.untouched(x, 0.0);
+  for (const ContactTouch& touch : term.sums(x, state).touches) state.pressures_pa[touch.pair] = 1e3;
+  const FrictionLaw law{FrictionLaw::compliance_of_skin(0.02, 264200.0), 500.0};
+  const double at_limit_m = law.limit_pa * law.compliance_m_pa;
+  const Eigen::Matrix3Xd before = state.anchors_m;
+  const auto moved = [&](double by_m) {
+    Eigen::Matrix3Xd there = x;
+    there.row(0).array() += by_m;
+    ContactState after = state;
+    term.commit(there, after);
+    for (const ContactTouch& touch : term.sums(x, state).touches)
+      return after.anchors_m(0, touch.pair) - before(0, touch.pair);
+    return -1.0;
+  };
+  EXPECT_NEAR(moved(0.9 * at_limit_m), 0.0, 1e-15);
+  EXPECT_NEAR(moved(3.0 * at_limit_m), 2.0 * at_limit_m, 1e-15);
+  EXPECT_NEAR(moved(-1e-3), -1e-3 + at_limit_m, 1e-15);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -77,7 +77,9 @@ Eigen::Matrix3Xd NewtonSolver::reaction_forces_n(const NewtonState& state) const
 }
 
 Eigen::VectorXd NewtonSolver::elastic_force_n(const NewtonState& state) const {
-  Eigen::Matrix3Xd force_n = loads_n_;
+  Eigen::Matrix3Xd pressed_n = Eigen::Matrix3Xd::Zero(3, loads_n_.cols());
+  contact_.add_forces(contact_.sums(state.positions_m, state.contact), pressed_n);
+  Eigen::Matrix3Xd force_n = loads_n_ - pressed_n;
   release(force_n);
   return as_vector(force_n) - border(state) * state.constraint_multipliers;
 }

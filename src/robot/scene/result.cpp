@@ -177,6 +177,10 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
     text << "marker " << marker.name() << " at " << millimetres(position_m) << ", moved "
          << millimetres(position_m - marker.rest_position_m()) << "\n";
   }
+  for (const ContactReading& contact : simulation.contacts())
+    if (contact.area_m2 > 0.0)
+      text << "touches " << contact.obstacle << " with " << contact.force_n.norm() << " N on " << 1e6 * contact.area_m2
+           << " mm2\n";
   for (size_t i = 0; i < simulation.actuators().size(); ++i) {
     const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
     text << "actuator " << state.name << " at command " << state.actuated_command;

@@ -1,2 +1,241 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Bodies that press against rigid obstacles: references, closed forms, and balance of forces.
+#include <cmath>
+
 #include <gtest/gtest.h>
+
+#include "contact_bodies.h"
+#include "reference_table.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Eigen::Vector3d;
+
+ReferenceRow reference_at(const std::string& table, const std::string& column, double value) {
+  for (const ReferenceRow& row : read_reference(table))
+    if (row.text("law") == "design" && row.number("nu") == 0.49 && std::abs(row.number(column) - value) < 1e-9)
+      return row;
+  throw std::runtime_error("no such row");
+}
+
+// A block between six plates, of which one moves in: every face has one pressure at all of its points, also where mesh
+// and plates are turned. With eps the strain: lambda eps at the sides, (lambda + 2 mu) eps under the plate.
+TEST(Contact, PressesEvenlyOnFlatFaces) {
+  for (const double angle_rad : {0.0, M_PI / 6}) {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle_rad, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    TetMesh mesh = box_mesh(Vector3d::Constant(-0.01), Vector3d::Constant(0.01), {3, 2, 3});
+    mesh.nodes_m = turn * mesh.nodes_m;
+    Body body(mesh, {264200.0, 0.3, 1070.0});
+    std::vector<Obstacle> plates;
+    for (int side = 0; side < 6; ++side) {
+      const Vector3d out = (side % 2 ? -1.0 : 1.0) * turn.col(side / 2);
+      plates.push_back({"plate " + std::to_string(side), Plane{0.01 * out, -out}, {}, 0.0});
+    }
+    plates[0].motion = {{0.0, kZero, kZero}, {1.0, -2e-5 * turn.col(0), kZero}};
+    body.set_obstacles(plates);
+    Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    const Eigen::VectorXd& all = simulation.state().contact.pressures_pa;
+    const Material& material = simulation.body().material();
+    for (int side = 0; side < 6; ++side) {
+      const Eigen::VectorXd pressures = all.segment(side * all.size() / 6, all.size() / 6);
+      const double most = pressures.maxCoeff(), least = (pressures.array() > 0.0).select(pressures, 1e9).minCoeff();
+      EXPECT_LT(most / least - 1.0, 1e-5) << side;
+      const double modulus_pa = material.lame_lambda_pa() + (side < 2 ? 2.0 * material.lame_mu_pa() : 0.0);
+      EXPECT_NEAR(most, 1e-3 * modulus_pa, 0.02 * 1e-3 * modulus_pa) << side;
+      const ContactReading reading = simulation.contacts()[static_cast<std::size_t>(side)];
+      EXPECT_NEAR(reading.area_m2, 4e-4, 2e-3 * 4e-4);
+      EXPECT_NEAR(reading.force_n.norm(), most * 4e-4, 1e-5 * most * 4e-4);
+    }
+    Vector3d sum_n = Vector3d::Zero();
+    for (const ContactReading& reading : simulation.contacts()) sum_n += reading.force_n;
+    EXPECT_LT(sum_n.norm(), 1e-6 * simulation.contacts()[0].force_n.norm());
+  }
+}
+
+Simulation pressed_by_cylinder(const Eigen::Vector3i& cells, double depth_m) {
+  Body body(box_mesh({-0.03, 0, 0}, {0.03, 0.03, 0.01}, cells), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1, 1e-9, 1}, {true, true, true});
+  hold_slab(body);
+  body.set_obstacles({{"roll",
+                       Cylinder{{0, 0.045, -1}, {0, 0.045, 1}, 0.015, 0.001},
+                       {{0.0, kZero, kZero}, {1.0, {0, -depth_m, 0}, kZero}},
+                       0.0}});
+  return Simulation(std::move(body), {}, {}, SolverOptions{});
+}
+
+// R7. On 5 mm the foot of contact at 1 mm depth is two elements wide.
+TEST(Contact, ACylinderIsPressedInByTheForceOfTheReference) {
+  struct Case {
+    Eigen::Vector3i cells;
+    double depth_m, tolerance;
+  };
+  for (const Case& one :
+       {Case{{12, 6, 2}, 0.001, 0.03}, Case{{12, 6, 2}, 0.006, 0.015}, Case{{24, 12, 2}, 0.004, 0.01}}) {
+    const double force_n = reference_at("r7_cylinder_on_block_planestrain", "depth_m", one.depth_m).number("force_N");
+    Simulation simulation = pressed_by_cylinder(one.cells, one.depth_m);
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    const ContactReading contact = simulation.contacts()[0];
+    EXPECT_NEAR(-contact.force_n.y(), force_n, one.tolerance * force_n) << one.cells.transpose();
+    EXPECT_LT(contact.largest_penetration_m, 2e-5);
+    EXPECT_LT(std::abs(contact.force_n.x()), 2e-3 * force_n);
+  }
+}
+
+TEST(Contact, AnEquilibriumThatIsAskedForAgainStaysToTheLastBit) {
+  Simulation simulation = pressed_by_cylinder({8, 4, 1}, 0.004);
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const SimulationState before = simulation.state();
+  const SolveReport again = simulation.solve_equilibrium();
+  EXPECT_EQ(again.iterations, 0);
+  EXPECT_TRUE(simulation.state().positions_m == before.positions_m);
+}
+
+// R8.
+TEST(Contact, ABarSagsOntoAPostAsInTheReference) {
+  for (const double gravity : {9.81, 19.62}) {
+    const ReferenceRow row = reference_at("r8_beam_on_post_planestrain", "g_m_s2", gravity);
+    Body body(box_mesh({0, -0.01, 0}, {0.1, 0.01, 0.01}, {20, 4, 2}), kSilicone);
+    body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, true, true});
+    hold_slab(body);
+    body.set_gravity({0, -gravity, 0});
+    body.set_obstacles({{"post", Cylinder{{0.06, -0.025, -1}, {0.06, -0.025, 1}, 0.01, 0.001}, {}, 0.0}});
+    std::vector<Marker> markers;
+    markers.emplace_back("tip", Vector3d(0.1, 0, 0.005), body.mesh(), MeshLocator(body.mesh()));
+    Simulation simulation(std::move(body), {}, std::move(markers), SolverOptions{});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    const double tip_uy_m = simulation.marker_position(0).y();
+    EXPECT_NEAR(tip_uy_m, row.number("tip_uy_m"), 0.006 * 0.0105) << gravity;
+    EXPECT_NEAR(simulation.contacts()[0].force_n.y(), row.number("contact_Fy_N"), 0.02 * row.number("contact_Fy_N"));
+  }
+}
+
+// Hertz's force 4/3 E / (1 - nu^2) sqrt(R) d^1.5 for a ball on a half space, and what a layer of height h adds that is
+// bonded to its bed (Dimitriadis et al. 2002, to second order).
+double hertz_n(double radius_m, double depth_m, double height_m) {
+  const double nu = 0.3, thin = std::sqrt(radius_m * depth_m) / height_m;
+  const double alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
+  return 4.0 / 3.0 * 264200.0 / (1.0 - nu * nu) * std::sqrt(radius_m) * std::pow(depth_m, 1.5) *
+         (1.0 - 2.0 * alpha / M_PI * thin + 4.0 * alpha * alpha / (M_PI * M_PI) * thin * thin);
+}
+
+// A quarter of a block, with elements that are finer towards the ball.
+TEST(Contact, ABallIsPressedInAsHertzSays) {
+  constexpr double kSide = 0.06, kRadius = 0.02;
+  for (const double depth_m : {0.0005, 0.001}) {
+    TetMesh mesh = box_mesh({0, -kSide, 0}, {kSide, 0, kSide}, {8, 6, 8}, false);
+    mesh.nodes_m = kSide * (mesh.nodes_m / kSide).cwiseAbs2();
+    mesh.nodes_m.row(1) *= -1.0;
+    Body body(make_quadratic(mesh), {264200.0, 0.3, 1070.0});
+    body.fix_nodes({-1, -1, -1}, {1, -kSide + 1e-9, 1}, {true, true, true});
+    body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, false, false});
+    body.fix_nodes({-1, -1, -1}, {1, 1, 1e-9}, {false, false, true});
+    body.set_obstacles(
+        {{"ball", Sphere{{0, kRadius, 0}, kRadius}, {{0.0, kZero, kZero}, {1.0, {0, -depth_m, 0}, kZero}}, 0.0}});
+    Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    const double expected_n = hertz_n(kRadius, depth_m, kSide);
+    EXPECT_NEAR(-4.0 * simulation.contacts()[0].force_n.y(), expected_n, 0.03 * expected_n) << depth_m;
+  }
+}
+
+TEST(Contact, AFallingBlockComesToLieWithItsWeightOnTheFloor) {
+  for (const double time_step_s : {0.001, 0.016, 0.1}) {
+    SolverOptions options;
+    options.time_step_s = time_step_s;
+    Body body = loose_block();
+    body.set_obstacles({{"floor", Plane{{0, -0.005, 0}, {0, 1, 0}}, {}, 0.3}});
+    const double weight_n = 9.81 * body.node_masses_kg().sum();
+    body.set_gravity({0, -9.81, 0});
+    Simulation simulation(std::move(body), {}, {}, options);
+    for (double t = 0.0; t < 0.5; t += time_step_s) {
+      ASSERT_TRUE(simulation.step().converged);
+    }
+    EXPECT_NEAR(simulation.contacts()[0].force_n.y(), weight_n, 1e-3 * weight_n) << time_step_s;
+    // Sunk by rho g H^2 / (3 E) at its middle, where its foot may spread.
+    EXPECT_NEAR(middle_m(simulation).y(), -0.005 + 0.01 - 0.0054e-3, 2e-6) << time_step_s;
+  }
+}
+
+// Half a metre a second into a block: it is pushed aside and not passed through.
+TEST(Contact, AMovingObstaclePushesTheBody) {
+  SolverOptions options;
+  options.time_step_s = 0.005;
+  Body body(box_mesh({-0.01, -0.1, -0.01}, {0.01, 0, 0.01}, {2, 8, 2}), kSilicone);
+  body.fix_nodes({-1, -1e-9, -1}, {1, 1, 1}, {true, true, true});
+  body.set_obstacles(
+      {{"ball", Sphere{{0.03, -0.09, 0}, 0.015}, {{0.0, kZero, kZero}, {0.1, {-0.05, 0, 0}, kZero}}, 0.0}});
+  Simulation simulation(std::move(body), {}, {}, options);
+  double deepest_m = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_TRUE(simulation.step().converged);
+    deepest_m = std::max(deepest_m, simulation.contacts()[0].largest_penetration_m);
+  }
+  EXPECT_LT(deepest_m, 1e-4);
+  EXPECT_GT(simulation.contacts()[0].area_m2, 0.0);
+  EXPECT_LT(simulation.state().positions_m.row(0).minCoeff(), -0.04);
+}
+
+TEST(Contact, AnObstacleInsideTheBodyIsRefusedWithDepthAndPlace) {
+  const auto message = [](const Obstacle& obstacle) -> std::string {
+    Body body = loose_block();
+    try {
+      body.set_obstacles({obstacle});
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message({"floor", Plane{{0, 0, 0}, {0, 1, 0}}, {}, 0.0}), "");
+  const std::string deep = message({"floor", Plane{{0, 0.003, 0}, {0, 1, 0}}, {}, 0.0});
+  EXPECT_NE(deep.find("obstacle 'floor' is 0.003 m inside the body at the start, at ("), std::string::npos) << deep;
+  EXPECT_NE(message({"pea", Sphere{{0.001, 0.011, 0.002}, 0.0005}, {}, 0.0}).find("'pea': its middle"),
+            std::string::npos);
+  // It may start elsewhere.
+  EXPECT_EQ(
+      message({"floor", Plane{{0, 0.003, 0}, {0, 1, 0}}, {{0.0, {0, -0.01, 0}, kZero}, {1.0, kZero, kZero}}, 0.0}), "");
+}
+
+TEST(Contact, ASceneWithFarObstaclesMovesAsOneWithoutAny) {
+  const auto run = [](bool with) {
+    Body body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {5, 1, 1}), kSilicone);
+    body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, true, true});
+    body.set_gravity({0, -9.81, 0});
+    if (with) body.set_obstacles({{"far", Sphere{{0, 1, 0}, 0.1}, {}, 0.0}});
+    Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+    for (int i = 0; i < 5; ++i) simulation.step();
+    return simulation.state().positions_m;
+  };
+  EXPECT_LT((run(true) - run(false)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(Contact, ARestoredStateGoesOnAsIfItHadNeverStopped) {
+  SolverOptions options;
+  options.time_step_s = 0.01;
+  const auto made = [&] {
+    Body body = loose_block();
+    body.set_gravity({3, -9.81, 0});
+    body.set_obstacles({{"floor", Plane{{0, -0.001, 0}, {0, 1, 0}}, {}, 0.2}});
+    return Simulation(std::move(body), {}, {}, options);
+  };
+  Simulation one = made();
+  for (int i = 0; i < 7; ++i) one.step();
+  Simulation other = made();
+  other.set_state(one.state());
+  for (int i = 0; i < 5; ++i) {
+    one.step();
+    other.step();
+  }
+  EXPECT_TRUE(one.state() == other.state());
+  SimulationState wrong = one.state();
+  wrong.contact.pressures_pa.resize(3);
+  EXPECT_THROW(other.set_state(wrong), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

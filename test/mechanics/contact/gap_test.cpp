@@ -12,6 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+const Vector3d kZero = Vector3d::Zero();
+
 struct Named {
   const char* name;
   ObstacleShape shape;
@@ -128,10 +130,12 @@ TEST(Obstacle, RefusesShapesAndMotionsOutOfRangeByName) {
       message({"a", RoundedBox{{0, 0, 0}, {1, 1, 0.2}, 0.2}, {}, 0.0}).find("rounding_m: 0.2 is out of range (0, 0.1]"),
       std::string::npos);
   EXPECT_NE(message({"a", Plane{{0, 0, 0}, {0, 0, 0}}, {}, 0.0}).find("normal"), std::string::npos);
-  EXPECT_NE(message({"a", Sphere{{0, 0, 0}, 1.0}, {{1.0, {}, {}}, {1.0, {}, {}}}, 0.0}).find("motion[1].time_s: 1"),
+  EXPECT_NE(message({"a", Sphere{{0, 0, 0}, 1.0}, {{1.0, kZero, kZero}, {1.0, kZero, kZero}}, 0.0})
+                .find("motion[1].time_s: 1"),
             std::string::npos);
   EXPECT_NE(message({"a", Sphere{{0, 0, std::nan("")}, 1.0}, {}, 0.0}).find("center_m"), std::string::npos);
-  EXPECT_EQ(message({"a", Cylinder{{0, 0, 0}, {0, 0, 1}, 0.2, 0.02}, {{0.0, {}, {}}, {1.0, {}, {}}}, 0.3}), "");
+  EXPECT_EQ(message({"a", Cylinder{{0, 0, 0}, {0, 0, 1}, 0.2, 0.02}, {{0.0, kZero, kZero}, {1.0, kZero, kZero}}, 0.3}),
+            "");
 }
 
 }  // namespace

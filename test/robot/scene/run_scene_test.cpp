@@ -65,6 +65,49 @@ TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
   EXPECT_NE(outcome.summary.find("actuator left at command 0.95, tension "), std::string::npos);
 }
 
+TEST(RunScene, WritesWhatTouchesAndNothingElse) {
+  const Outcome outcome =
+      run("contact:\n"
+          "  friction: [{between: [post, skin], coefficient: 0.3}]\n"
+          "  obstacles:\n"
+          "    - {name: post, cylinder: {start_m: [0.08, -0.025, -1], end_m: [0.08, -0.025, 1], radius_m: 0.01}}\n"
+          "    - {name: wall, plane: {point_m: [0.2, 0, 0], normal: [-1, 0, 0]}}\n"
+          "    - {name: lid, box: {size_m: [0.05, 0.02, 0.1], center_m: [0.05, 0.04, 0]}, friction: 0.1,\n"
+          "       motion: [{time_s: 0}, {time_s: 1, translation_m: [0, 0.01, 0], rotation_rad: [0, 0.1, 0]}]}\n"
+          "run: {mode: equilibrium}\n");
+  ASSERT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
+  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "contacts", "solver"}));
+  ASSERT_EQ(outcome.json["contacts"].size(), 1u);
+  const Json& post = outcome.json["contacts"][0];
+  EXPECT_EQ(keys(post),
+            (Names{"between", "force_n", "area_m2", "largest_penetration_m", "sticking_area_m2", "slipping_area_m2"}));
+  EXPECT_EQ(post["between"], Json({"skin", "post"}));
+  EXPECT_GT(post["force_n"][1].get<double>(), 0.01);
+  EXPECT_LT(post["largest_penetration_m"].get<double>(), 1e-5);
+  EXPECT_NEAR(post["sticking_area_m2"].get<double>() + post["slipping_area_m2"].get<double>(),
+              post["area_m2"].get<double>(), 1e-12);
+  EXPECT_NE(outcome.summary.find("touches post with "), std::string::npos) << outcome.summary;
+}
+
+TEST(RunScene, ABodyThatLiesOnTheFloorNeedNotBeHeld) {
+  const SceneFolder folder;
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  Scene scene = load_scene(folder.write("block.yaml",
+                                        "body: {solid: {box: {size_m: [0.04, 0.02, 0.04], center_m: [0, 0.012, 0]}},\n"
+                                        "       element_size_m: 0.02}\n"
+                                        "gravity_m_s2: [0, -9.81, 0]\n"
+                                        "contact: {friction: 0.5, obstacles: [{name: floor,\n"
+                                        "          plane: {point_m: [0, 0, 0], normal: [0, 1, 0]}}]}\n"
+                                        "run: {mode: dynamic, duration_s: 0.3}\n"),
+                           options);
+  const RunReport report = run_scene(scene);
+  EXPECT_TRUE(report.solve.converged) << report.solve.message;
+  const double weight_n = 9.81 * scene.simulation->body().node_masses_kg().sum();
+  EXPECT_NEAR(scene.simulation->contacts()[0].force_n.y(), weight_n, 1e-3 * weight_n);
+}
+
 TEST(RunScene, PullsTheCableItCommands) {
   const Outcome outcome = run("gravity_m_s2: [0, 0, 0]\nrun: {commands: [{left: 0.95, right: 1.2}]}\n");
   const Json& left = outcome.json["cables"]["left"];

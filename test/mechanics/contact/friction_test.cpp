@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Coulomb friction on rigid obstacles, against references and closed forms.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "contact_bodies.h"
+#include "reference_table.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kGravity = 9.81;
+
+Simulation block_on_slope(double friction, double angle_rad, const SolverOptions& options) {
+  Body body = loose_block();
+  body.set_gravity(kGravity * Vector3d(std::sin(angle_rad), -std::cos(angle_rad), 0));
+  body.set_obstacles({{"slope", Plane{{0, 0, 0}, {0, 1, 0}}, {}, friction}});
+  return Simulation(std::move(body), {}, {}, options);
+}
+
+SolverOptions steps_of(double time_step_s, Integrator integrator = Integrator::implicit_euler) {
+  SolverOptions options;
+  options.time_step_s = time_step_s;
+  options.integrator = integrator;
+  return options;
+}
+
+void run(Simulation& simulation, double duration_s) {
+  const auto steps = std::lround(duration_s / simulation.options().time_step_s);
+  for (long i = 0; i < steps; ++i) ASSERT_TRUE(simulation.step().converged);
+}
+
+const double kSlope = std::atan(0.5);  // 26.565 degrees
+
+TEST(Friction, ASlopeHoldsABlockAtItsCoefficientAndNotBelow) {
+  for (const Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2}) {
+    Simulation sticks = block_on_slope(0.51, kSlope, steps_of(0.005, integrator));
+    run(sticks, 0.3);
+    const double settled_m = middle_m(sticks).x();
+    run(sticks, 0.3);
+    EXPECT_NEAR(middle_m(sticks).x(), settled_m, 1e-7);
+
+    Simulation slides = block_on_slope(0.49, kSlope, steps_of(0.005, integrator));
+    run(slides, 0.3);
+    const Vector3d at_m = middle_m(slides);
+    run(slides, 0.3);
+    const double speed_m_s =
+        (slides.state().velocities_m_s * slides.body().node_masses_kg()).x() / slides.body().node_masses_kg().sum();
+    const double acceleration = kGravity * (std::sin(kSlope) - 0.49 * std::cos(kSlope));
+    EXPECT_NEAR(speed_m_s, acceleration * 0.6, 0.02 * acceleration * 0.6);
+    EXPECT_GT(middle_m(slides).x() - at_m.x(), 0.5 * acceleration * 0.3 * 0.3);
+  }
+}
+
+// While all of its foot slips, x_cm + mu y_cm moves as a point does, whatever the body's stiffness.
+TEST(Friction, ASlidingBlockMovesAsAPointDoes) {
+  const double mu = 0.4, angle_rad = 35.0 / 180.0 * M_PI;
+  Simulation simulation = block_on_slope(mu, angle_rad, steps_of(0.005, Integrator::bdf2));
+  const Vector3d start_m = middle_m(simulation);
+  run(simulation, 0.2);
+  const Vector3d moved_m = middle_m(simulation) - start_m;
+  EXPECT_NEAR(moved_m.x() + mu * moved_m.y(), 0.5 * 2.41244 * 0.2 * 0.2, 0.3e-3);
+  const ContactReading contact = simulation.contacts()[0];
+  EXPECT_NEAR(contact.force_n.x(), -mu * contact.force_n.y(), 1e-3 * contact.force_n.y());
+  EXPECT_NEAR(contact.slipping_area_m2, contact.area_m2, 1e-12);
+}
+
+TEST(Friction, ABlockThatWasPushedStopsAfterItsStoppingDistanceAndStays) {
+  const double mu = 0.5, speed_m_s = 0.5;
+  Simulation simulation = block_on_slope(mu, 0.0, steps_of(0.001, Integrator::bdf2));
+  run(simulation, 0.1);
+  SimulationState state = simulation.state();
+  state.velocities_m_s.row(0).array() += speed_m_s;
+  state.rest_residual.reset();
+  simulation.set_state(state);
+  const double start_m = middle_m(simulation).x();
+  run(simulation, 0.3);
+  const double stopped_m = middle_m(simulation).x();
+  const double expected_m = speed_m_s * speed_m_s / (2.0 * mu * kGravity);
+  EXPECT_NEAR(stopped_m - start_m, expected_m, 0.02 * expected_m);
+  run(simulation, 0.3);
+  EXPECT_NEAR(middle_m(simulation).x(), stopped_m, 1e-7);
+}
+
+TEST(Friction, ABlockAtRestOnASlopeSleepsWithoutCreep) {
+  Simulation simulation = block_on_slope(0.5, 20.0 / 180.0 * M_PI, steps_of(0.01));
+  run(simulation, 1.0);
+  EXPECT_TRUE(simulation.state().rest_residual.has_value());
+  const Eigen::Matrix3Xd before_m = simulation.state().positions_m;
+  run(simulation, 60.0);
+  EXPECT_LT((simulation.state().positions_m - before_m).cwiseAbs().maxCoeff(), 1e-8);
+  const double weight_n = kGravity * simulation.body().node_masses_kg().sum();
+  EXPECT_NEAR(simulation.contacts()[0].force_n.norm(), weight_n, 1e-5);
+}
+
+// R10: pressed, then pulled along in stages, on 5 mm; partial slip grows from the ends.
+TEST(Friction, APressedBlockShearsAsInTheReference) {
+  SimulationState state;
+  for (const ReferenceRow& row : read_reference("r10_friction_block_planestrain")) {
+    const double shear_pa = row.number("shear_Pa");
+    if (row.text("law") != "design" || shear_pa == 3400.0 || shear_pa > 4000.0) continue;
+    Body body(box_mesh({-0.02, 0, 0}, {0.02, 0.012, 0.01}, {16, 5, 2}), kSilicone);
+    hold_slab(body);
+    body.add_traction({-1, 0.012 - 1e-6, -1}, {1, 1, 1}, {shear_pa, -10000, 0});
+    body.set_obstacles({{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, {}, 0.5}});
+    std::vector<Marker> markers;
+    markers.emplace_back("top", Vector3d(0, 0.012, 0.005), body.mesh(), MeshLocator(body.mesh()));
+    Simulation simulation(std::move(body), {}, std::move(markers), SolverOptions{});
+    if (state.positions_m.size() > 0) simulation.set_state(state);
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    const ContactReading contact = simulation.contacts()[0];
+    EXPECT_NEAR(contact.force_n.x(), -shear_pa * 4e-4, 1e-5);
+    EXPECT_NEAR(contact.force_n.y(), 4.0, 1e-5);
+    const double expected_m = row.number("top_centre_ux_m");
+    EXPECT_NEAR(simulation.marker_position(0).x(), expected_m,
+                shear_pa > 3500.0 ? 0.03 * expected_m : 0.01 * expected_m + 5e-6)
+        << shear_pa;
+    state = simulation.state();
+    state.linearisation = nullptr;
+  }
+}
+
+// A table that turns under a block takes it along.
+TEST(Friction, ATurningTableTakesTheBlockAlong) {
+  SolverOptions options = steps_of(0.01);
+  Body body = loose_block({2, 1, 2});
+  body.set_gravity({0, -kGravity, 0});
+  body.set_obstacles({{"table",
+                       RoundedBox{{0, -0.02, 0}, {0.3, 0.04, 0.3}, 0.005},
+                       {{0.1, kZero, kZero}, {1.1, kZero, {0, 0.5, 0}}},
+                       0.8}});
+  Simulation simulation(std::move(body), {}, {}, options);
+  run(simulation, 1.3);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5, Vector3d::UnitY()).toRotationMatrix();
+  const Eigen::Matrix3Xd expected_m = turn * simulation.body().mesh().nodes_m;
+  EXPECT_LT((simulation.state().positions_m - expected_m).colwise().norm().maxCoeff(), 1e-4);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -84,12 +84,14 @@ TEST(RolloutsOfOneModel, GiveTheNumbersOfOneThreadWithFriction) {
 }
 
 TEST(RolloutsOfOneModel, GiveTheNumbersOfOneThreadWithChambers) {
-  expect_the_numbers_of_one_thread("hollow_cuboid", "");
-  expect_the_numbers_of_one_thread("hollow_cuboid", "chambers: {main: {model: explicit}}");
+  expect_the_numbers_of_one_thread("hollow_cuboid", "body: {element_size_m: 0.02}");
+  expect_the_numbers_of_one_thread("hollow_cuboid",
+                                   "{body: {element_size_m: 0.02}, chambers: {main: {model: explicit}}}", false);
 }
 
 TEST(RolloutsOfOneModel, GiveTheNumbersOfOneThreadElementByElement) {
-  expect_the_numbers_of_one_thread("hollow_cuboid", "solver: {method: xpbd}", false);
+  expect_the_numbers_of_one_thread("hollow_cuboid",
+                                   "{body: {element_size_m: 0.02}, solver: {method: xpbd, substeps: 2}}", false);
 }
 
 }  // namespace

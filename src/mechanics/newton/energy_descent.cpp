@@ -8,22 +8,15 @@
 #include <Eigen/LU>
 
 #include "newton_solver.h"
+#include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kHalvings = 24;
-constexpr int kPatience = 8;        // times the task's iterations
-constexpr double kSoftBulk = 20.0;  // largest lambda meanwhile, over mu
-constexpr double kSoftTie = 1e-2;   // compliance added to a constraint meanwhile, over that of the body at it
-constexpr int kLawIterations = 50;
-constexpr double kNoSlope = 1e-7;  // of the energy along a step, over mu times the volume: nothing more to win
-constexpr double kOnlySafe = 2.0;  // convexity beyond which there is no other matrix to try
-
 // dU/dC of a constraint in series with a straight one of compliance `tie`; Newton's method, exact at once where the law
 // is straight.
 double multiplier(const DrivenConstraint& constraint, const SharedDrives& drives, double value, double tie, double y) {
-  for (int i = 0; i < kLawIterations; ++i) {
+  for (int i = 0; i < constants::kLawIterations; ++i) {
     const ConstraintLaw law = constraint.law(value, y, drives);
     const double before = y;
     y = law.prescribed() ? law.min_multiplier
@@ -53,7 +46,7 @@ double energy_between(const DrivenConstraint& constraint, const SharedDrives& dr
 class SofterBulk {
  public:
   explicit SofterBulk(Elements& elements) : elements_(elements), lambda_pa_(elements.lambda_pa()) {
-    elements_.set_lambda_pa(std::min(lambda_pa_, kSoftBulk * elements.mu_pa()));
+    elements_.set_lambda_pa(std::min(lambda_pa_, constants::kSoftBulk * elements.mu_pa()));
   }
   ~SofterBulk() { elements_.set_lambda_pa(lambda_pa_); }
   SofterBulk(const SofterBulk&) = delete;
@@ -79,7 +72,7 @@ double lowered(double convexity) { return convexity <= 1.0 / 16.0 ? 0.0 : 0.5 * 
 
 double raised(double convexity) {
   if (convexity == 0.0) return 1.0 / 16.0;
-  return convexity == 1.0 ? kOnlySafe : std::min(1.0, 4.0 * convexity);
+  return convexity == 1.0 ? constants::kOnlySafe : std::min(1.0, 4.0 * convexity);
 }
 
 }  // namespace
@@ -174,11 +167,11 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
   const SofterBulk softer(elements_);
   const SofterContact softer_contact(soft_contact_);
   const ContactState contact = state.contact;
-  const double no_slope = kNoSlope * elements_.mu_pa() * elements_.rest_volumes_m3().sum();
+  const double no_slope = constants::kNoSlope * elements_.mu_pa() * elements_.rest_volumes_m3().sum();
   const int count = constraint_count();
   Eigen::VectorXd ties;  // least compliances; known after the first factor, before which constraints have no say
   double convexity = 1.0;
-  for (; report.iterations < kPatience * task.max_iterations; ++report.iterations) {
+  for (; report.iterations < constants::kDescentPatience * task.max_iterations; ++report.iterations) {
     const EnergyAt here = energy_at(task, state.positions_m, state.drives, contact);
     state.contact = here.contact;
     touches_ = here.touches;
@@ -195,7 +188,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
     }
     if (!linearise_downhill(task, state, here.elements.volumetric_strain, convexity, report)) break;
     if (ties.size() == 0 && count > 0) {
-      ties = kSoftTie * border_.cwiseProduct(border_solved_).colwise().sum().transpose();
+      ties = constants::kSoftTie * border_.cwiseProduct(border_solved_).colwise().sum().transpose();
       continue;
     }
 
@@ -210,7 +203,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
 
     double length = 1.0;
     bool fell = false;
-    for (int halving = 0; halving <= kHalvings && !fell; ++halving) {
+    for (int halving = 0; halving <= constants::kDescentHalvings && !fell; ++halving) {
       if (halving > 0) length *= 0.5;
       const Eigen::Matrix3Xd trial =
           state.positions_m + length * Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
@@ -224,7 +217,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
     }
     if (length < 1.0) ++report.shortened;
     if (!fell && convexity >= 1.0) break;
-    if (length < 0.1) convexity = std::min(kOnlySafe, std::max(0.25, 8.0 * convexity));
+    if (length < 0.1) convexity = std::min(constants::kOnlySafe, std::max(0.25, 8.0 * convexity));
   }
   return report;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multiplier_problem.h"
+#include "mechanics/solver_constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +10,6 @@
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr double kSlack = 1e-9;    // of a bound that is met, relative
-constexpr double kOnBound = 1e-4;  // a contact this close to its bound, relative, slips
-constexpr int kBlockRounds = 10;   // in which all that is wrong is changed at once; then the worst alone
 
 // Which equation each multiplier and each flow obeys.
 struct Statuses {
@@ -87,7 +84,7 @@ class Corrections {
 // Puts one status, or all that are wrong, right; false where none is.
 bool correct(const MultiplierProblem& problem, const Multipliers& at, bool all, Statuses& status,
              Eigen::VectorXd& bounds) {
-  const double force = kSlack * at.y.cwiseAbs().maxCoeff();
+  const double force = constants::kSlack * at.y.cwiseAbs().maxCoeff();
   Corrections corrections(status, all);
   Eigen::VectorXd gap = problem.delassus * at.y - problem.excess;
   for (std::size_t j = 0; j < problem.friction_contacts.size(); ++j) {
@@ -191,8 +188,8 @@ bool active(const ConstraintLaw& law, double y) { return y > law.min_multiplier 
 
 int slipping(const FrictionContactBound& contact, const Eigen::VectorXd& y) {
   const double first = y[contact.first], second = y[contact.second];
-  if (first >= (1.0 - kOnBound) * contact.ratio * second) return 1;
-  return second >= (1.0 - kOnBound) * contact.ratio * first ? -1 : 0;
+  if (first >= (1.0 - constants::kOnBound) * contact.ratio * second) return 1;
+  return second >= (1.0 - constants::kOnBound) * contact.ratio * first ? -1 : 0;
 }
 
 std::vector<ConstraintLaw> after_flows(std::vector<ConstraintLaw> laws,
@@ -228,10 +225,10 @@ Multipliers solve_multipliers(const MultiplierProblem& problem, const Eigen::Vec
     status.held[static_cast<std::size_t>(i)] = law.prescribed();
   }
   for (const FrictionContactBound& contact : problem.friction_contacts) status.slip.push_back(slipping(contact, guess));
-  for (int round = 0; round < 3 * kBlockRounds; ++round) {
+  for (int round = 0; round < 3 * constants::kBlockRounds; ++round) {
     Multipliers at = solve_status(problem, status, bounds);
     if (!at.found) break;
-    if (!correct(problem, at, round < kBlockRounds, status, bounds)) return at;
+    if (!correct(problem, at, round < constants::kBlockRounds, status, bounds)) return at;
   }
   return solve_by_lemke(problem);
 }

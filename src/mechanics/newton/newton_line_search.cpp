@@ -3,22 +3,16 @@
 #include <cmath>
 
 #include "newton_solver.h"
+#include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
-namespace {
-
-constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
-constexpr int kHalvings = 8;
-
-}  // namespace
-
 void NewtonSolver::prepare_merit(const NewtonState& state, const Evaluation& here, const Eigen::Matrix3Xd& gradient_n,
                                  Step& step) const {
   // Slope of the merit function; -slope = dx' A dx without its volumetric part, plus the penalties' decrease.
   const Eigen::VectorXd c = elements_.mismatch(here.elements.volumetric_strain, step.element_multipliers_pa);
   const double squared = c.cwiseAbs2().dot(elements_.rest_volumes_m3());
   step.slope = as_vector(gradient_n).dot(as_vector(step.motion_m)) +
-               (elements_.lambda_pa() - kPenaltyOverMu * elements_.mu_pa()) * squared;
+               (elements_.lambda_pa() - constants::kPenaltyOverMu * elements_.mu_pa()) * squared;
   step.slope +=
       (step.constraint_multipliers - state.constraint_multipliers).dot(border_.transpose() * as_vector(step.motion_m));
   step.laws = after_flows(here.laws, here.friction_contacts, step.slips_m);
@@ -35,8 +29,8 @@ double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
   const Eigen::VectorXd& p = step.element_multipliers_pa;
   const Eigen::VectorXd c = elements_.mismatch(at.elements.volumetric_strain, p);
   double sum = at.smooth_energy;
-  sum +=
-      (p.cwiseProduct(c) + 0.5 * kPenaltyOverMu * elements_.mu_pa() * c.cwiseAbs2()).dot(elements_.rest_volumes_m3());
+  sum += (p.cwiseProduct(c) + 0.5 * constants::kPenaltyOverMu * elements_.mu_pa() * c.cwiseAbs2())
+             .dot(elements_.rest_volumes_m3());
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = step.constraint_multipliers[i];
     ConstraintLaw law = step.laws[i];
@@ -52,7 +46,7 @@ bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonS
                                double& length) const {
   const double start = merit(here, step);
   length = 1.0;
-  for (int halving = 0; halving <= kHalvings; ++halving, length *= 0.5) {
+  for (int halving = 0; halving <= constants::kLineSearchHalvings; ++halving, length *= 0.5) {
     NewtonState trial = state;
     trial.positions_m = tables_->warp().follow(state.positions_m, length * step.motion_m);
     trial.element_multipliers_pa += length * (step.element_multipliers_pa - state.element_multipliers_pa);

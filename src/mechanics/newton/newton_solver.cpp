@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "newton_solver.h"
+#include "mechanics/solver_constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +11,6 @@
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr std::size_t kOldFactorSteps = 5;   // by an old factor between two new ones, in one solve
-constexpr double kWorthwhileDecrease = 0.9;  // of the residual, by such a step
-// Of a constraint in the merit function, over its stiffness 1 / |B' A^-1 B|. Where A has one negative eigenvalue, as in
-// a body that buckled, A + penalty B B' is singular at just 1; with several constraints more is needed.
-constexpr double kPenaltyOfBuckled = 10.0;
-constexpr double kTieStiffness = 1e3;  // of a carried point, over E * size
 
 // Relative to the constraint's own value, so that lengths and volumes count alike.
 double relative_violation(const ConstraintLaw& law, double y, double value) {
@@ -128,7 +122,7 @@ bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inert
     CliqueAdder hessian(matrix_, tables_->cliques[static_cast<std::size_t>(i)]);
     constraints_[i].add_hessian(state.positions_m, state.drives, state.constraint_multipliers[i], hessian);
   }
-  const double tie = kTieStiffness * body_.material().youngs_modulus_pa * body_.size_m();
+  const double tie = constants::kTieStiffness * body_.material().youngs_modulus_pa * body_.size_m();
   CliqueAdder ties(matrix_, tables_->ties);
   for (int point = 0; point < layout_.point_count; ++point)
     ties.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
@@ -218,7 +212,7 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
     problem.excess = border_.transpose() * motion + problem.delassus * state.constraint_multipliers;
     problem.laws = here.laws;
     problem.friction_contacts = here.friction_contacts;
-    const double penalty = factor_.negative_pivots() > 0 ? kPenaltyOfBuckled : 1.0;
+    const double penalty = factor_.negative_pivots() > 0 ? constants::kPenaltyOfBuckled : 1.0;
     for (int i = 0; i < count; ++i) {
       step.penalties[i] = penalty / std::max(std::abs(problem.delassus(i, i)) + here.laws[i].compliance, 1e-300);
       problem.delassus(i, i) += here.laws[i].compliance;
@@ -293,7 +287,8 @@ bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Ev
   if (!find_step(state, here, step)) return false;
   NewtonState trial = mix(state, here, step, mixing);
   Evaluation there = evaluate(task, trial);
-  if (!there.finite || there.relative_residual > std::max(task.tolerance, kWorthwhileDecrease * here.relative_residual))
+  if (!there.finite ||
+      there.relative_residual > std::max(task.tolerance, constants::kWorthwhileDecrease * here.relative_residual))
     return false;
   state = std::move(trial);
   here = std::move(there);
@@ -321,11 +316,11 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   };
 
   bool convex = false, old_factor = task.reuse_factor;
-  AndersonMixing mixing(kOldFactorSteps);
+  AndersonMixing mixing(constants::kOldFactorSteps);
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
     ++report.iterations;
-    if (old_factor && mixing.size() < kOldFactorSteps && try_old_factor(task, state, here, mixing)) continue;
+    if (old_factor && mixing.size() < constants::kOldFactorSteps && try_old_factor(task, state, here, mixing)) continue;
     old_factor = false;
     mixing.clear();
 

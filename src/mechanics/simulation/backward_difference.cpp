@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "backward_difference.h"
+#include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
-namespace {
-
-constexpr double kLargestGrowth = 2.0;  // of a time step over the one before; BDF2 is stable up to 1 + sqrt(2)
-
-}  // namespace
-
 BackwardDifference::BackwardDifference(const SimulationState& state, double h, Integrator integrator) {
   const bool second_order = integrator == Integrator::bdf2 && state.previous_step_s > 0.0;
   const double w = second_order ? h / state.previous_step_s : 0.0;
-  if (w == 0.0 || w > kLargestGrowth) {
+  if (w == 0.0 || w > constants::kLargestGrowth) {
     gamma_s = h;
     positions_from_m = state.positions_m;
     velocities_from_m_s = state.velocities_m_s;

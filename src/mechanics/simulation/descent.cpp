@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "descent.h"
+#include "mechanics/solver_constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +8,10 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kBudget = 10;         // times max_iterations, for an equilibrium
-constexpr int kDescentBudget = 20;  // the same, for a descent
-
 NewtonTask rest_task(const SimulationParts& parts) {
   NewtonTask task;
   task.tolerance = parts.options.tolerance;
-  task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
+  task.max_iterations = std::min(parts.options.max_iterations, constants::kStageIterations);
   return task;
 }
 
@@ -31,7 +29,7 @@ NewtonReport fall_for(double h, SimulationParts& parts, NewtonState& unknown, So
 }  // namespace
 
 bool within_budget(const SimulationParts& parts, const SolveReport& report) {
-  return report.iterations < kBudget * parts.options.max_iterations;
+  return report.iterations < constants::kEquilibriumBudget * parts.options.max_iterations;
 }
 
 bool relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options) {
@@ -54,7 +52,7 @@ bool relax_from_below(SimulationParts& parts, SolveReport& report) {
 bool descend(SimulationParts& parts, SolveReport& report) {
   const Material& material = parts.body.material();
   const double wave_s = parts.body.size_m() * std::sqrt(material.density_kg_m3 / material.youngs_modulus_pa);
-  const int limit = report.iterations + kDescentBudget * parts.options.max_iterations;
+  const int limit = report.iterations + constants::kTransientBudget * parts.options.max_iterations;
   double h = 3.0 * wave_s;
   while (report.iterations < limit && h > 1e-3 * wave_s) {
     enter(SolveStage::pseudo_transient, 1, report.path);

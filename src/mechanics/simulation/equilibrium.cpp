@@ -5,11 +5,10 @@
 #include <sstream>
 
 #include "descent.h"
+#include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr double kSmallestStage = 64;  // a command change is cut into at most this many continuation stages
 
 void tell_unfinished(double done, SolveReport& report) {
   report.converged = false;
@@ -38,15 +37,16 @@ struct Start {
 double follow_commands(SimulationParts& parts, const Start& from, const EquilibriumOptions& options,
                        SolveReport& report) {
   double done = 0.0, stage = 1.0;
-  while (done < 1.0 && stage * kSmallestStage >= 1.0 && within_budget(parts, report)) {
+  while (done < 1.0 && stage * constants::kSmallestStage >= 1.0 && within_budget(parts, report)) {
     const double fraction = std::min(1.0, done + stage);
     from.move(parts, fraction);
-    const bool cuttable = parts.state.actuated_commands() != from.commands && 0.5 * stage * kSmallestStage >= 1.0;
+    const bool cuttable =
+        parts.state.actuated_commands() != from.commands && 0.5 * stage * constants::kSmallestStage >= 1.0;
     const bool found = relax(parts, report, {options.tolerance, options.only_through_stable || cuttable});
     if (found) done = fraction;
     if (options.only_through_stable) break;
     stage *= found ? 2.0 : 0.5;
-    if (!found && stage * kSmallestStage >= 1.0) enter(SolveStage::halving, 1, report.path);
+    if (!found && stage * constants::kSmallestStage >= 1.0) enter(SolveStage::halving, 1, report.path);
   }
   return done;
 }

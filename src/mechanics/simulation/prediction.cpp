@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prediction.h"
+#include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kLargestGrowth = 2.0;  // of a time step over the one before
-constexpr double kLargestChange = 0.5;  // of the velocity, over itself: beyond, something has just started or hit
-
 bool smooth(const SimulationState& state, double h) {
-  return state.previous_step_s > 0.0 && h <= kLargestGrowth * state.previous_step_s &&
-         (state.velocities_m_s - state.previous_velocities_m_s).norm() <= kLargestChange * state.velocities_m_s.norm();
+  return state.previous_step_s > 0.0 && h <= constants::kLargestGrowth * state.previous_step_s &&
+         (state.velocities_m_s - state.previous_velocities_m_s).norm() <=
+             constants::kLargestChange * state.velocities_m_s.norm();
 }
 
 // Multipliers that would change sign stop at zero, where a cable goes slack.

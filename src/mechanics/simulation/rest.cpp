@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rest.h"
+#include "mechanics/solver_constants.h"
 
 #include <algorithm>
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr double kStill = 1e-7;  // times the body's size: the largest motion of a node in one step
-
-// Near rest a time step may ask for no more than one step by an old factor; from far away it brings so little that the
-// body would creep, or swing about its rest, for seconds.
-constexpr double kNearlyStill = 1e-3;  // times the body's size, as kStill
-constexpr double kFar = 1e-3;          // times the body's size: a node's way from where the factor was made
-constexpr double kMuchLeft = 0.1;      // of a time step's tolerance
-constexpr int kSettling = 12;          // iterations that a body which friction holds may take to rest
 
 bool commands_reached(const SimulationParts& parts) {
   return std::all_of(parts.state.drives.begin(), parts.state.drives.end(),
@@ -22,9 +14,9 @@ bool commands_reached(const SimulationParts& parts) {
 
 bool needs_new_factor(const SimulationParts& parts, const SolveReport& report) {
   const auto& made = parts.workspace.newton.linearisation();
-  if (!made || report.residual < kMuchLeft * parts.options.dynamic_tolerance) return false;
+  if (!made || report.residual < constants::kMuchLeft * parts.options.dynamic_tolerance) return false;
   const Eigen::Matrix3Xd& here = parts.state.positions_m;
-  return (made->at.positions_m - here).colwise().norm().maxCoeff() > kFar * parts.body.size_m();
+  return (made->at.positions_m - here).colwise().norm().maxCoeff() > constants::kFar * parts.body.size_m();
 }
 
 // Points at the limit of friction stick and slip by turns within a time step's tolerance. A rest state so near that
@@ -33,11 +25,11 @@ bool settle_by_friction(SimulationParts& parts, NewtonState& still) {
   if (still.contact.anchors_m.cols() == 0 || still.contact.pressures_pa.isZero(0.0)) return false;
   NewtonTask task;
   task.tolerance = 0.1 * parts.options.tolerance;
-  task.max_iterations = kSettling;
+  task.max_iterations = constants::kSettling;
   NewtonState settled = still;
   if (!parts.workspace.newton.solve(task, settled).converged) return false;
   const double moved_m = (settled.positions_m - still.positions_m).colwise().norm().maxCoeff();
-  if (moved_m > kStill * parts.body.size_m()) return false;
+  if (moved_m > constants::kStill * parts.body.size_m()) return false;
   still = settled;
   parts.accept(std::move(settled));
   return true;
@@ -72,9 +64,10 @@ bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
 void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport& report) {
   SimulationState& state = parts.state;
   const double motion_m = h * state.velocities_m_s.colwise().norm().maxCoeff();
-  if (!report.converged || report.inverted_elements > 0 || motion_m > kNearlyStill * parts.body.size_m()) return;
+  if (!report.converged || report.inverted_elements > 0 || motion_m > constants::kNearlyStill * parts.body.size_m())
+    return;
   if (!commands_reached(parts)) return;
-  if (motion_m > kStill * parts.body.size_m()) {
+  if (motion_m > constants::kStill * parts.body.size_m()) {
     if (!needs_new_factor(parts, report)) return;
     parts.workspace.newton.restore(nullptr);
     return;

@@ -13,8 +13,6 @@
 
 namespace soft_robot_lab {
 
-constexpr int kStageIterations = 25;  // Newton iterations before a step or stage is cut
-
 struct SimulationParts {
   std::shared_ptr<const Model> model;
   const Body& body;  // these are the model's

@@ -10,12 +10,10 @@
 #include "solve_ending.h"
 #include "mechanics/newton/untangle.h"
 #include "mechanics/elements/viscous_step.h"
+#include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr int kDeepestHalving = 6;  // a time step is cut into at most 2^6 parts
-constexpr int kBudget = 10;         // times max_iterations, for a step; then it takes what it has
 
 // What the actuators do within a time step, which begins here for them: they move evenly, also those without a speed
 // limit.
@@ -74,7 +72,7 @@ bool try_step(SimulationParts& parts, double h, Integrator integrator, bool last
   NewtonTask task;
   task.tolerance = parts.options.dynamic_tolerance;
   task.min_iterations = 1;
-  task.max_iterations = std::min(parts.options.max_iterations, kStageIterations);
+  task.max_iterations = std::min(parts.options.max_iterations, constants::kStageIterations);
   task.reuse_factor = true;
   task.inertia_per_s2 = slowed / (difference.gamma_s * difference.gamma_s);
   task.predicted_m = &predicted;
@@ -100,7 +98,8 @@ void advance(SimulationParts& parts, double h, const CommandPath& path, const Pa
   if (part.depth > 0) parts.begin_step(part.fraction() * h);
   path.move(parts, part.to);
   parts.state.contact.time_s = parts.state.time_s + part.fraction() * h;
-  const bool last_resort = part.depth == kDeepestHalving || report.iterations > kBudget * parts.options.max_iterations;
+  const bool last_resort = part.depth == constants::kDeepestHalving ||
+                           report.iterations > constants::kStepBudget * parts.options.max_iterations;
   if (try_step(parts, part.fraction() * h, parts.options.integrator, last_resort, report)) return;
   enter(SolveStage::halving, 1, report.path);
   advance(parts, h, path, part.first_half(), report);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "workspace.h"
+#include "mechanics/solver_constants.h"
 
 #include <stdexcept>
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr int kThreads = 2;  // of xpbd, on meshes large enough to be worth it
 
 using Actuators = std::vector<std::unique_ptr<const Actuator>>;
 
@@ -40,6 +39,7 @@ SolverTables::SolverTables(const Body& body, const Actuators& actuators, SolverO
 }
 
 Workspace::Workspace(const SolverTables& tables)
-    : newton(tables.newton), xpbd(tables.xpbd ? std::make_unique<XpbdSolver>(tables.xpbd, kThreads) : nullptr) {}
+    : newton(tables.newton),
+      xpbd(tables.xpbd ? std::make_unique<XpbdSolver>(tables.xpbd, constants::kXpbdThreads) : nullptr) {}
 
 }  // namespace soft_robot_lab

@@ -6,13 +6,10 @@
 #include <string>
 
 #include "mechanics/simulation/solve_ending.h"
+#include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr int kRelaxationSteps = 600;  // time steps in which it must come to rest
-constexpr int kPatience = 100;         // of which it takes this many before it doubles its substeps, four times at most
-constexpr int kPullSteps = 30;         // over which it moves the actuators then
 
 // The residual is that of a body at rest or of the last substep.
 NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdReport& done, bool at_rest) {
@@ -83,14 +80,15 @@ void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
   const std::vector<double> from = parts.state.actuated_commands(), to = parts.state.commands();
   XpbdTask task = substepping(parts);
   double last_kinetic_energy = 0.0;
-  for (int step = 1; step <= kRelaxationSteps; ++step) {
-    parts.place_actuators(from, to, std::min(1.0, static_cast<double>(step) / kPullSteps));
+  for (int step = 1; step <= constants::kRelaxationSteps; ++step) {
+    parts.place_actuators(from, to, std::min(1.0, static_cast<double>(step) / constants::kPullSteps));
     const XpbdReport done = advance_in_substeps(parts, task, before, true, report);
     if (!done.finite) break;
     if (done.kinetic_energy_j < last_kinetic_energy) parts.state.velocities_m_s.setZero();
     last_kinetic_energy = done.kinetic_energy_j;
-    if (report.converged && step >= kPullSteps) break;
-    if (step % kPatience == 0 && step <= 4 * kPatience) task.substep_count *= 2;
+    if (report.converged && step >= constants::kPullSteps) break;
+    if (step % constants::kRelaxationPatience == 0 && step <= 4 * constants::kRelaxationPatience)
+      task.substep_count *= 2;
   }
   parts.state.velocities_m_s.setZero();
   if (!report.converged)

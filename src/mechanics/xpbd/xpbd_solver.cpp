@@ -7,13 +7,10 @@
 
 #include "element_colours.h"
 #include "element_step.h"
+#include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr int kBatchesWorthAThread = 16;
-constexpr int kDoublings = 4;
-constexpr double kMostCreatedEnergy = 0.05;  // steps that go well stay below 0.01, those that do not exceed 0.3 at once
 
 struct Colouring {
   std::vector<int> lanes, start;
@@ -79,7 +76,7 @@ template <class Work>
 void XpbdSolver::for_colours(Work work) const {
   for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
     const int first = colour_start_[colour], count = colour_start_[colour + 1] - first;
-    const int parts = std::clamp(count / kBatchesWorthAThread, 1, thread_count_);
+    const int parts = std::clamp(count / constants::kBatchesWorthAThread, 1, thread_count_);
 #pragma omp parallel for num_threads(parts) schedule(static, 1) if (parts > 1)
     for (int part = 0; part < parts; ++part) work(first + count * part / parts, first + count * (part + 1) / parts);
   }
@@ -235,7 +232,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   report.created_energy = (energy_after - energy_before - work) / (energy_before + moved_energy + least);
   report.finite = std::isfinite(report.created_energy) && state.element_forces_n.allFinite() &&
                   unknowns.element_multipliers_pa.allFinite() && unknowns.constraint_multipliers.allFinite();
-  report.stable = report.finite && report.created_energy <= kMostCreatedEnergy;
+  report.stable = report.finite && report.created_energy <= constants::kMostCreatedEnergy;
   return report;
 }
 
@@ -252,7 +249,8 @@ XpbdReport XpbdSolver::advance_stably(XpbdTask task, XpbdState& state) {
     kept = report;
     state = std::move(trial);
   };
-  for (int doubling = 0; doubling <= kDoublings && !kept.stable; ++doubling, task.substep_count *= 2) attempt();
+  for (int doubling = 0; doubling <= constants::kDoublings && !kept.stable; ++doubling, task.substep_count *= 2)
+    attempt();
   if (!kept.finite) {
     task.substep_count /= 2;
     task.multipliers_from_zero = true;

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The numbers by which the solvers decide, with their reasons. None is a number of physics: those are settings. Numbers
+// of one algorithm's inside, such as a block's width, stand where they are used.
+#pragma once
+
+#include <cstddef>
+
+namespace soft_robot_lab::constants {
+
+// --- Newton's method (newton/newton_solver.h)
+
+inline constexpr std::size_t kOldFactorSteps = 5;   // by an old factor between two new ones, in one solve
+inline constexpr double kWorthwhileDecrease = 0.9;  // of the residual, by such a step
+// Of a constraint in the merit function, over its stiffness 1 / |B' A^-1 B|. Where A has one negative eigenvalue, as in
+// a body that buckled, A + penalty B B' is singular at just 1; with several constraints more is needed.
+inline constexpr double kPenaltyOfBuckled = 10.0;
+inline constexpr double kTieStiffness = 1e3;   // of a carried point, over E * size
+inline constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
+inline constexpr int kLineSearchHalvings = 8;  // of a step; then a convex stiffness is tried
+
+// --- Multipliers and slip (newton/multiplier_problem.h)
+
+inline constexpr double kSlack = 1e-9;    // of a bound that is met, relative
+inline constexpr double kOnBound = 1e-4;  // a contact this close to its bound, relative, slips
+inline constexpr int kBlockRounds = 10;   // in which all that is wrong is changed at once; then the worst alone
+
+// --- Descent on the energy (newton/energy_descent.cpp)
+
+inline constexpr int kDescentHalvings = 24;  // of a step
+inline constexpr int kDescentPatience = 8;   // times the task's iterations
+inline constexpr double kSoftBulk = 20.0;    // largest lambda meanwhile, over mu
+inline constexpr double kSoftTie = 1e-2;     // compliance added to a constraint meanwhile, over the body's at it
+inline constexpr int kLawIterations = 50;    // at most, to find a law's multiplier
+inline constexpr double kNoSlope = 1e-7;     // of the energy along a step, over mu times the volume: nothing to win
+inline constexpr double kOnlySafe = 2.0;     // convexity beyond which there is no other matrix to try
+
+// --- Steps in time and stages of an equilibrium (simulation/)
+
+inline constexpr int kStageIterations = 25;    // Newton iterations before a step or stage is cut
+inline constexpr int kDeepestHalving = 6;      // a time step is cut into at most 2^6 parts
+inline constexpr int kStepBudget = 10;         // times max_iterations, for a step; then it takes what it has
+inline constexpr double kSmallestStage = 64;   // a command change is cut into at most this many continuation stages
+inline constexpr int kEquilibriumBudget = 10;  // times max_iterations, for an equilibrium
+inline constexpr int kTransientBudget = 20;    // the same, for the continuation in artificial time
+inline constexpr double kLargestGrowth = 2.0;  // of a time step over the one before; BDF2 is stable to 1 + sqrt(2)
+inline constexpr double kLargestChange = 0.5;  // of the velocity, over itself: beyond, something has started or hit
+
+// --- Rest and sleep (simulation/rest.cpp), times the body's size
+
+inline constexpr double kStill = 1e-7;  // the largest motion of a node in one step
+// Near rest a time step may ask for no more than one step by an old factor; from far away it brings so little that the
+// body would creep, or swing about its rest, for seconds.
+inline constexpr double kNearlyStill = 1e-3;
+inline constexpr double kFar = 1e-3;      // a node's way from where the factor was made
+inline constexpr double kMuchLeft = 0.1;  // not of the size: of a time step's tolerance
+inline constexpr int kSettling = 12;      // iterations that a body which friction holds may take to rest
+
+// --- XPBD (xpbd/)
+
+inline constexpr int kXpbdThreads = 2;  // on meshes large enough to be worth it
+inline constexpr int kBatchesWorthAThread = 16;
+inline constexpr int kDoublings = 4;                // of the substeps of a step that creates energy
+inline constexpr double kMostCreatedEnergy = 0.05;  // good steps stay below 0.01, others exceed 0.3 at once
+inline constexpr int kRelaxationSteps = 600;        // time steps in which it must come to rest
+inline constexpr int kRelaxationPatience =
+    100;                               // of which it takes so many before it doubles its substeps, four times at most
+inline constexpr int kPullSteps = 30;  // over which it moves the actuators then
+
+}  // namespace soft_robot_lab::constants

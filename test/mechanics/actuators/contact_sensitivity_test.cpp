@@ -33,7 +33,7 @@ TEST(ContactSensitivity, FollowsThePostAsDifferencesDo) {
   const Eigen::Vector3d exact = simulation.marker_sensitivities();
   const double change = 1e-6;
   const Eigen::Vector3d measured = (tip_m(0.0, 0.95 + change) - tip_m(0.0, 0.95 - change)) / (2.0 * change);
-  EXPECT_LT((exact - measured).norm(), 1e-4 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
+  EXPECT_LT((exact - measured).norm(), 1e-5 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
 }
 
 }  // namespace

@@ -23,12 +23,13 @@ SKIPPED = {'build', 'devel', '.git', 'install', 'documents'}  # test/data/docume
 SECTIONS = {
     'Scene': {
         'config': ['robots/*/robot.yaml', 'robots/*/fine.yaml', 'scenes'],
-        'strict': ['mechanics/actuators', 'robot/design/solid.cpp', 'robot/design/mesh_refinement.cpp',
+        'strict': ['mechanics/actuators', 'robot/design/solid.cpp', 'robot/design/mesh_refinement.cpp', 'robot/design/casting_settings.cpp',
                    'robot/scene/actuator_section.cpp', 'robot/scene/body_section.cpp', 'robot/scene/contact_section.cpp',
                    'robot/scene/fidelity_section.cpp', 'robot/scene/include_files.cpp', 'robot/scene/material_section.cpp', 'robot/scene/mesh_section.cpp',
                    'robot/scene/run_section.cpp', 'robot/scene/solver_section.cpp'],
         'loose': ['robot/scene/choose_fidelity.cpp', 'robot/scene/fidelity_report.cpp', 'robot/scene/scene_cables.cpp',
-                  'robot/scene/scene_file.cpp', 'robot/design/mesher.cpp'],
+                  'robot/scene/scene_file.cpp', 'robot/design/mesher.cpp', 'robot/design/surface_file.cpp',
+                  'robot/casting/cast_robot.cpp'],
     },
     'Material preset': {'config': ['materials']},
     'Motor rig': {'config': ['robots/*/motors.yaml', 'motors'], 'strict': ['hardware/motor/rig_settings.cpp']},

@@ -8,7 +8,7 @@ import sys
 
 PERCEPTION = "perception/tracking perception/calibration perception/render"
 HARDWARE = "hardware/motor hardware/testbench hardware/plant"
-ROBOT = "robot/design robot/scene mechanics mechanics/actuators settings"
+ROBOT = "robot/casting robot/design robot/scene mechanics mechanics/actuators settings"
 PRODUCT = f"session session/report control control/identification {HARDWARE} {PERCEPTION} {ROBOT}"
 ALLOWED = {
     "settings": "",
@@ -16,6 +16,7 @@ ALLOWED = {
     "mechanics/actuators": "mechanics settings",
     "robot/design": "settings",
     "robot/scene": "robot/design mechanics settings",
+    "robot/casting": "robot/scene robot/design mechanics settings",
     "perception/tracking": "settings",
     "perception/calibration": "perception/tracking settings",
     "perception/render": "perception/calibration perception/tracking settings",

@@ -9,6 +9,9 @@
 //   s}]
 // or
 //   mesh_file: robot.msh                 .msh of any version or .vtk; elements, node order and surface names are kept
+// or
+//   solid: {...}
+//   surface: {largest_edge_m: 0.002, circle_segments: 48}     writes the boundary alone, see design/surface_file.h
 // The same request gives the same file, byte by byte. Exit status: 0 done, 1 internal fault, 2 bad request; the reason
 // is one line on standard error. A line about the mesh goes to standard output.
 #include <algorithm>
@@ -22,6 +25,7 @@
 
 #include "programs/mesher/convert_mesh.h"
 #include "programs/mesher/mesh_solid.h"
+#include "programs/mesher/solid_surface.h"
 #include "programs/mesher/write_msh.h"
 #include "robot/design/mesh_quality.h"
 #include "settings/command_line.h"
@@ -48,8 +52,20 @@ TetMesh mesh_request(const YamlNode& request) {
   return mesh_solid(solid, sizes);
 }
 
+void surface_request(const YamlNode& request, const std::string& output_file) {
+  const Solid solid = read_solid(request.child("solid"));
+  const YamlNode node = request.child("surface");
+  SurfaceSizes sizes;
+  sizes.largest_edge_m = node.number("largest_edge_m", AllowedRange::positive());
+  sizes.circle_segments = node.integer("circle_segments", 6, 360);
+  request.require_all_read();
+  write_surface(solid, sizes, output_file);
+}
+
 void run(const std::string& request_file, const std::string& output_file) {
-  write_msh(mesh_request(YamlNode::load_file(request_file)), output_file);
+  const YamlNode request = YamlNode::load_file(request_file);
+  if (request.has("surface")) return surface_request(request, output_file);
+  write_msh(mesh_request(request), output_file);
   const TetMesh mesh = read_msh(output_file);  // exactly what the simulation will see
   check_mesh(mesh);
   const MeshQuality quality = measure_quality(mesh.nodes_m, mesh.tets);

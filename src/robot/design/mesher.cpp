@@ -13,6 +13,7 @@
 
 #include "content_cache.h"
 #include "content_hash.h"
+#include "mesher_run.h"
 #include "soft_robot_lab/robot/design/solid.h"
 #include "timed_process.h"
 #include "settings/find_program.h"
@@ -88,11 +89,11 @@ std::vector<std::string> referenced_files(const MeshRequest& request, const std:
   return files;
 }
 
-std::string cache_key(const MeshRequest& request, const std::string& text) {
+std::string cache_key(const std::string& text, const std::vector<std::string>& files) {
   ContentHash hash;
   hash.add(kMesherVersion);
   hash.add(text);
-  for (const std::string& name : referenced_files(request, text)) {
+  for (const std::string& name : files) {
     const std::string content = read_regular_file(name, kLargestMesh_bytes);
     if (content.empty()) throw std::invalid_argument(name + ": is empty");
     hash.add(content);
@@ -152,22 +153,27 @@ std::string cache_folder(const MesherOptions& options) {
   return own;
 }
 
-std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options) {
-  check_request(request);
+std::string run_mesher(const std::string& text, const std::vector<std::string>& files, const std::string& ending,
+                       const MesherOptions& options) {
   check_size("time_limit_s", options.time_limit_s);
-  const std::string text = request_text(request);
-  const std::string key = cache_key(request, text);
+  const std::string key = cache_key(text, files);
   const ContentCache cache(cache_folder(options));
-  if (const std::string found = cache.find(key, kEnding); !found.empty()) return found;
+  if (const std::string found = cache.find(key, ending); !found.empty()) return found;
 
   const WorkFolder work(cache.folder());
-  const std::string request_file = work.file("request.yaml"), output = work.file("output.msh"),
+  const std::string request_file = work.file("request.yaml"), output = work.file("output" + ending),
                     errors = work.file("errors");
   write_file(request_file, text);
   const ProcessEnd end = run_with_limit({find_mesher(options), request_file, output}, errors, options.time_limit_s);
   require_success(end, read_text(errors), options);
   if (!fs::is_regular_file(output)) throw std::runtime_error("the mesher ended without a mesh");
-  return cache.keep(output, key, kEnding);
+  return cache.keep(output, key, ending);
+}
+
+std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options) {
+  check_request(request);
+  const std::string text = request_text(request);
+  return run_mesher(text, referenced_files(request, text), kEnding, options);
 }
 
 }  // namespace soft_robot_lab

@@ -2,6 +2,7 @@
 #include "soft_robot_lab/robot/scene/scene.h"
 
 #include "fidelity.h"
+#include "robot/design/casting_settings.h"
 
 namespace soft_robot_lab {
 
@@ -37,6 +38,7 @@ Scene load_scene(const YamlNode& node, const SceneOptions& options) {
   const bool chosen = fidelity && !fidelity->choice.empty();
   const YamlNode settings = chosen ? merge(stated, fidelity->choice) : stated;
   Scene scene = build_scene(settings, read_mesh(settings, options), options);
+  read_casting_settings(settings);
   settings.require_all_read();
   scene.file = node.source();
   scene.fidelity = std::move(fidelity);

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "soft_robot_lab/robot/design/solid.h"
+
+namespace soft_robot_lab {
+
+struct SurfaceSizes {
+  double largest_edge_m = 0.01;
+  int circle_segments = 48;
+};
+
+// Writes the solid's boundary as robot/design/surface_file.h describes. Throws std::invalid_argument or, from Gmsh,
+// std::string.
+void write_surface(const Solid& solid, const SurfaceSizes& sizes, const std::string& path);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Can this robot be cast, and if not, why? See README.md beside this file.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ray_tree.h"
+#include "robot/design/casting_settings.h"
+#include "sheaths.h"
+
+namespace soft_robot_lab {
+
+// What the rules need of a robot.
+struct CastRobot {
+  Surface surface;
+  std::vector<SheathPath> sheaths;
+  double youngs_modulus_pa = 264200;
+  double density_kg_m3 = 1070;
+  std::vector<double> mesh_qualities;  // Q_vl of its elements; may be empty
+};
+
+struct CastingTest {
+  std::string name;
+  bool passed = true;
+  std::vector<std::pair<std::string, double>> numbers;  // with units in their names; infinite: not found
+  std::optional<Eigen::Vector3d> at_m;
+  std::string cause;  // may be empty
+  std::string why;    // a sentence, where it failed
+};
+
+struct CastingVerdict {
+  bool castable = false;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  bool direction_given = false;
+  std::vector<CastingTest> tests;
+  std::vector<int> blocked;         // triangles in the way
+  std::vector<double> thickness_m;  // of each triangle, by balls
+
+  const CastingTest& test(const std::string& name) const;  // throws std::out_of_range
+};
+
+CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& settings);
+
+// {castable, direction, tests: {...}}.
+std::string verdict_json(const CastingVerdict& verdict);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rays and balls against a surface, by Embree's tree. The tree has single precision; what it finds is computed anew in
+// double precision.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "surface.h"
+
+namespace soft_robot_lab {
+
+struct RayHit {
+  int triangle = -1;
+  double distance_m = 0;  // along the unit direction
+};
+
+class RayTree {
+ public:
+  explicit RayTree(const Surface& surface);  // keeps a reference
+  ~RayTree();
+
+  // The first triangle after `near_m`; nothing where there is none. The direction has unit length.
+  std::optional<RayHit> first_hit(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+                                  double near_m) const;
+
+  // Calls `visit` for triangles whose boxes come within the radius, and perhaps for others.
+  void near(const Eigen::Vector3d& point_m, double radius_m, const std::function<void(int)>& visit) const;
+
+  const Surface& surface() const { return surface_; }
+  double skip_m() const { return skip_m_; }  // what a ray leaves out to miss the triangle that it starts on
+
+ private:
+  struct Embree;
+  const Surface& surface_;
+  double skip_m_;
+  std::unique_ptr<Embree> embree_;
+};
+
+// The point of a triangle that is nearest to another point. Ericson 2005, section 5.1.5.
+Eigen::Vector3d nearest_point(const Surface& surface, int triangle, const Eigen::Vector3d& point_m);
+
+}  // namespace soft_robot_lab

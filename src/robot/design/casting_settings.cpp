@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casting_settings.h"
+
+namespace soft_robot_lab {
+namespace {
+
+std::optional<Eigen::Vector3d> read_direction(const YamlNode& node) {
+  if (!node.has("direction")) return std::nullopt;
+  const YamlNode direction = node.child("direction");
+  if (direction.is_scalar()) {
+    node.choice("direction", {"best"});
+    return std::nullopt;
+  }
+  const Eigen::Vector3d given = node.vector3("direction");
+  if (given.norm() < 1e-9) direction.fail("has no length; must be [x, y, z] or best");
+  return given.normalized();
+}
+
+void read_limits(const YamlNode& node, CastingSettings& settings) {
+  const auto positive = AllowedRange::positive();
+  settings.min_thickness_m = node.number_or("min_thickness_m", settings.min_thickness_m, {1e-4, 0.1});
+  settings.min_angle_deg = node.number_or("min_angle_deg", settings.min_angle_deg, {0, 90});
+  settings.notch_radius_m = node.number_or("notch_radius_m", settings.notch_radius_m, {1e-6, 0.1});
+  settings.min_draft_deg = node.number_or("min_draft_deg", settings.min_draft_deg, {0, 45});
+  settings.max_stretch = node.number_or("max_stretch", settings.max_stretch, {1, 10});
+  settings.min_radius_m = node.number_or("min_radius_m", settings.min_radius_m, AllowedRange::not_negative());
+  settings.max_suction_strain = node.number_or("max_suction_strain", settings.max_suction_strain, positive);
+  settings.max_core_aspect = node.number_or("max_core_aspect", settings.max_core_aspect, positive);
+  settings.air_holes = node.boolean_or("air_holes", settings.air_holes);
+}
+
+void read_sheath(const YamlNode& node, SheathSettings& sheath) {
+  sheath.radius_m = node.number_or("radius_m", sheath.radius_m, AllowedRange::positive());
+  sheath.wall_m = node.number_or("wall_m", sheath.wall_m, AllowedRange::not_negative());
+}
+
+void read_mould(const YamlNode& node, CastingSettings& settings) {
+  settings.wall_m = node.number_or("wall_m", settings.wall_m, {0.0012, 0.1});
+  settings.printer_m = node.vector3_or("printer_m", settings.printer_m);
+  if ((settings.printer_m.array() <= 0).any()) node.child("printer_m").fail("must be three positive lengths");
+}
+
+}  // namespace
+
+CastingSettings read_casting_settings(const YamlNode& robot) {
+  CastingSettings settings;
+  const std::optional<YamlNode> node = robot.optional_child("casting");
+  if (!node) return settings;
+  settings.direction = read_direction(*node);
+  read_limits(*node, settings);
+  if (const auto sheath = node->optional_child("sheath")) read_sheath(*sheath, settings.sheath);
+  read_mould(*node, settings);
+  return settings;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `casting` of a robot's file: the limits that a castable robot keeps, and what its mould may have.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+
+struct SheathSettings {
+  double radius_m = 0.001;  // a straw of 2 mm, as the source's
+  double wall_m = 0.0005;   // silicone around it, at least
+};
+
+// Defaults and their reasons: config/README.md, "Casting".
+struct CastingSettings {
+  std::optional<Eigen::Vector3d>
+      direction;  // unit, in which the robot leaves its mould; without one the best is sought
+  double min_thickness_m = 0.002;
+  double min_angle_deg = 15;
+  double notch_radius_m = 0.0005;  // what is rounded by less counts as sharp
+  double min_draft_deg = 0;
+  double max_stretch = 1.5;
+  double min_radius_m = 0.013;  // of a cable's bends
+  double max_suction_strain = 0.25;
+  double max_core_aspect = 5;
+  bool air_holes = false;
+  SheathSettings sheath;
+  double wall_m = 0.004;  // of the mould
+  Eigen::Vector3d printer_m{0.223, 0.223, 0.205};
+};
+
+// Of the whole robot's file, which may have none. Throws SettingsError.
+CastingSettings read_casting_settings(const YamlNode& robot);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "surface_file.h"
+
+#include <cmath>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "mesher_run.h"
+#include "soft_robot_lab/robot/design/solid.h"
+
+namespace soft_robot_lab {
+namespace {
+
+void collect_files(const Solid& solid, std::vector<std::string>& files) {
+  if (!solid.file.empty()) files.push_back(solid.file);
+  for (const Solid& part : solid.parts) collect_files(part, files);
+}
+
+void check(const SurfaceRequest& request) {
+  if (!std::isfinite(request.largest_edge_m) || request.largest_edge_m <= 0)
+    throw std::invalid_argument("largest_edge_m: " + std::to_string(request.largest_edge_m) +
+                                " is out of range (0, inf)");
+  if (request.circle_segments < 6 || request.circle_segments > 360)
+    throw std::invalid_argument("circle_segments: " + std::to_string(request.circle_segments) +
+                                " is out of range [6, 360]");
+}
+
+}  // namespace
+
+std::string surface_file_for(const SurfaceRequest& request, const MesherOptions& options) {
+  check(request);
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(17);
+  text << "solid: " << request.solid_yaml << "\nsurface: {largest_edge_m: " << request.largest_edge_m
+       << ", circle_segments: " << request.circle_segments << "}\n";
+  std::vector<std::string> files;
+  collect_files(read_solid(YamlNode::parse(request.solid_yaml, "surface request")), files);
+  return run_mesher(text.str(), files, ".off", options);
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The boundary of a solid as triangles, without elements inside.
+#pragma once
+
+#include <string>
+
+#include "soft_robot_lab/robot/design/mesher.h"
+
+namespace soft_robot_lab {
+
+struct SurfaceRequest {
+  std::string solid_yaml;        // as MeshRequest's
+  double largest_edge_m = 0.01;  // > 0
+  int circle_segments = 48;      // [6, 360]: edges around a full circle
+};
+
+// The path of an OFF file: vertices in metres with 17 digits; triangles turned as the kernel has them, each with the
+// number of the geometry's face and its normal at the centre, 0 where it is flat ("3 a b c FACE NX NY NZ"). An STL body
+// keeps its own triangles. Throws as mesh_file_for does.
+std::string surface_file_for(const SurfaceRequest& request, const MesherOptions& options);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/casting/check_casting.h"
+
+#include <gtest/gtest.h>
+
+#include "robot/casting/pockets.h"
+#include "robot/casting/squeeze.h"
+#include "shapes.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const Eigen::Vector3d kUp = Eigen::Vector3d::UnitZ();
+
+CastRobot robot_of(const Shape& shape) {
+  CastRobot robot;
+  robot.surface = shape.surface();
+  return robot;
+}
+
+std::string failures(const CastingVerdict& verdict) {
+  std::string names;
+  for (const CastingTest& test : verdict.tests)
+    if (!test.passed) names += (names.empty() ? "" : ", ") + test.name;
+  return names;
+}
+
+double number(const CastingVerdict& verdict, const std::string& test, const std::string& key) {
+  for (const auto& [name, value] : verdict.test(test).numbers)
+    if (name == key) return value;
+  throw std::out_of_range(key);
+}
+
+TEST(CheckCasting, PassesABox) {
+  const CastingVerdict verdict = check_casting(robot_of(box({0.03, 0.02, 0.01})), {});
+  EXPECT_TRUE(verdict.castable) << failures(verdict);
+  EXPECT_EQ(failures(verdict), "");
+}
+
+TEST(CheckCasting, RefusesAClosedHollowForItsTrappedCore) {
+  Shape hollow = box({0.02, 0.02, 0.02}), hole = box({0.01, 0.01, 0.01}, 0.005);
+  hole.turn_inside_out();
+  hollow.add(hole);
+  const CastingVerdict verdict = check_casting(robot_of(hollow), {});
+  EXPECT_EQ(failures(verdict), "cavities");
+  EXPECT_EQ(verdict.test("cavities").cause, "trapped core");
+  EXPECT_NEAR(number(verdict, "cavities", "volume_m3"), 1e-6, 1e-12);
+}
+
+// As tall as the source's robot whose cores broke: bore of 943 mm^2, 82.4 mm deep, walls of 6 mm.
+Shape tall_cup() { return cup(0.0233, std::sqrt(943.1235e-6 / kPi), 0.0884, 0.006, 128); }
+
+TEST(CheckCasting, RefusesACoreWithoutAirForItsSuction) {
+  CastingSettings settings;
+  settings.direction = kUp;
+  CastingVerdict verdict = check_casting(robot_of(tall_cup()), settings);
+  EXPECT_EQ(failures(verdict), "suction");
+  EXPECT_NEAR(number(verdict, "suction", "force_n"), 943.1235e-6 * 101325, 0.01 * 95.5);
+  EXPECT_NEAR(verdict.test("suction").at_m->z(), 0.0824, 1e-5);
+  EXPECT_NE(verdict.test("suction").cause.find("vacuum"), std::string::npos);
+  settings.air_holes = true;
+  verdict = check_casting(robot_of(tall_cup()), settings);
+  EXPECT_TRUE(verdict.castable) << failures(verdict);
+}
+
+TEST(CheckCasting, FindsNoPocketWhereABoreGoesThrough) {
+  const Surface surface = pipe(0.01, 0.006, 0.03, 64).surface();
+  EXPECT_TRUE(find_pockets(RayTree(surface), kUp, 0.0005).pockets.empty());
+}
+
+TEST(CheckCasting, MeasuresTheCoreOfAPocket) {
+  const Surface surface = cup(0.01, 0.005, 0.05, 0.004, 64).surface();
+  const Pockets found = find_pockets(RayTree(surface), kUp, 0.0005);
+  ASSERT_EQ(found.pockets.size(), 1u);
+  EXPECT_NEAR(found.pockets[0].depth_m, 0.046, 1e-6);
+  EXPECT_NEAR(found.pockets[0].width_m, 0.01, 0.03 * 0.01);
+  EXPECT_NEAR(found.footprint_m2, kPi * 1e-4, 0.01 * kPi * 1e-4);
+}
+
+TEST(CheckCasting, MeasuresTheStretchThatAnUndercutNeeds) {
+  const Squeeze squeeze = needed_stretch(frustum({0.01, 0.01}, {0.005, 0.005}, 0.02).surface(), kUp);
+  EXPECT_NEAR(squeeze.stretch, 2, 0.02);
+  EXPECT_EQ(needed_stretch(frustum({0.01, 0.01}, {0.012, 0.012}, 0.02).surface(), kUp).stretch, 1);
+}
+
+// A block of 40 x 20 x 20 mm with sheaths along x.
+CastRobot with_sheaths(const std::vector<SheathPath>& paths) {
+  CastRobot robot = robot_of(box({0.04, 0.02, 0.02}));
+  robot.sheaths = paths;
+  return robot;
+}
+
+TEST(CheckCasting, MeasuresTheSiliconeAroundASheath) {
+  const SheathPath path{"left", {{-0.03, 0, 0.0018}, {0.03, 0, 0.0018}}, 0.001};
+  EXPECT_TRUE(check_casting(with_sheaths({path}), {}).test("cables").passed);
+  CastingSettings settings;
+  settings.sheath.wall_m = 0.001;
+  const CastingVerdict verdict = check_casting(with_sheaths({path}), settings);
+  EXPECT_EQ(failures(verdict), "cables");
+  EXPECT_NEAR(number(verdict, "cables", "worst_wall_m"), 0.0008, 1e-7);
+}
+
+TEST(CheckCasting, RefusesABendThatKinksTheSheath) {
+  // A circle of 10 mm by chords: the arc that fits into them has its radius times the cosine of half a step.
+  SheathPath path{"bent", {}, 0.0005};
+  for (int i = 0; i <= 12; ++i) {
+    const double turn = kPi / 2 * i / 12;
+    path.points_m.emplace_back(0.01 * std::cos(turn) - 0.005, 0, 0.005 + 0.01 * std::sin(turn));
+  }
+  const CastingVerdict verdict = check_casting(with_sheaths({path}), {});
+  EXPECT_EQ(failures(verdict), "cables");
+  EXPECT_NEAR(number(verdict, "cables", "worst_radius_m"), 0.01, 0.01 * 0.01);
+  EXPECT_NE(verdict.test("cables").why.find("kinks"), std::string::npos);
+}
+
+TEST(CheckCasting, MeasuresTheLigamentBetweenTwoSheaths) {
+  const SheathPath a{"a", {{-0.03, -0.0012, 0.01}, {0.03, -0.0012, 0.01}}, 0.001},
+      b{"b", {{-0.03, 0.0012, 0.01}, {0.03, 0.0012, 0.01}}, 0.001};
+  const CastingVerdict verdict = check_casting(with_sheaths({a, b}), {});
+  EXPECT_EQ(failures(verdict), "ligaments");
+  EXPECT_NEAR(number(verdict, "ligaments", "worst_m"), 0.0004, 1e-9);
+}
+
+TEST(CheckCasting, WritesNoNumberThatJsonDoesNotKnow) {
+  const std::string json = verdict_json(check_casting(robot_of(box({0.03, 0.02, 0.01})), {}));
+  EXPECT_EQ(json.find("inf"), std::string::npos);
+  EXPECT_NE(json.find("\"castable\": true"), std::string::npos);
+}
+
+TEST(CheckCasting, SaysWhyForEachFailure) {
+  CastingSettings settings;
+  settings.min_thickness_m = 0.05;
+  settings.min_angle_deg = 90.5;
+  settings.direction = Eigen::Vector3d(1, 1, 1).normalized();
+  for (const CastingTest& test : check_casting(robot_of(box({0.03, 0.02, 0.01})), settings).tests)
+    EXPECT_EQ(test.passed, test.why.empty()) << test.name;
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

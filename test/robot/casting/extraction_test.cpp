@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/casting/extraction.h"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "shapes.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const Eigen::Vector3d kUp = Eigen::Vector3d::UnitZ();
+
+Extraction verify(const Surface& surface, const Eigen::Vector3d& direction) {
+  const RayTree tree(surface);
+  return verify_extraction(tree, find_tops(surface), direction);
+}
+
+std::optional<Eigen::Vector3d> best(const Surface& surface) { return best_direction(surface, find_tops(surface)); }
+
+TEST(Extraction, LetsABoxOutWithoutDraft) {
+  const Extraction out = verify(box({0.03, 0.02, 0.01}).surface(), kUp);
+  EXPECT_TRUE(out.passed);
+  EXPECT_NEAR(out.draft_deg, 0, 1e-9);
+  EXPECT_NEAR(out.top_area_m2, 6e-4, 1e-12);
+}
+
+TEST(Extraction, MeasuresTheDraftOfAFrustum) {
+  const double wider = 0.02 * std::tan(5 * kPi / 180);
+  const Surface surface = frustum({0.01, 0.01}, {0.01 + wider, 0.01 + wider}, 0.02).surface();
+  const Extraction out = verify(surface, kUp);
+  EXPECT_TRUE(out.passed);
+  EXPECT_NEAR(out.draft_deg, 5, 1e-6);
+  const auto direction = best(surface);
+  ASSERT_TRUE(direction);
+  EXPECT_NEAR(direction->dot(kUp), 1, 1e-9);
+}
+
+TEST(Extraction, HoldsAFrustumUpsideDown) {
+  const double narrower = 0.02 * std::tan(5 * kPi / 180);
+  const Surface surface = frustum({0.01, 0.01}, {0.01 - narrower, 0.01 - narrower}, 0.02).surface();
+  const Extraction out = verify(surface, kUp);
+  EXPECT_FALSE(out.passed);
+  EXPECT_NEAR(out.draft_deg, -5, 1e-6);
+  EXPECT_NEAR(out.blocked_area_m2, 4 * 0.02 / std::cos(5 * kPi / 180) * (0.02 - narrower), 1e-9);
+  // The mould above the slopes: the prism of the foot less the frustum.
+  EXPECT_NEAR(out.undercut_volume_m3, 0.02 * 0.02 * 0.02 - surface.volume_m3(), 0.01 * out.undercut_volume_m3);
+}
+
+TEST(Extraction, TurnsAFrustumOverByItself) {
+  const double narrower = 0.02 * std::tan(5 * kPi / 180);
+  const auto direction = best(frustum({0.01, 0.01}, {0.01 - narrower, 0.01 - narrower}, 0.02).surface());
+  ASSERT_TRUE(direction);
+  EXPECT_NEAR(direction->dot(-kUp), 1, 1e-9);
+}
+
+TEST(Extraction, FindsTheOnlyWayOutOfAShearedPrism) {
+  const double moved = 0.02 * std::tan(30 * kPi / 180);
+  const Surface surface = frustum({0.01, 0.01}, {0.01, 0.01}, 0.02, {moved, 0}).surface();
+  const Eigen::Vector3d along(std::sin(kPi / 6), 0, std::cos(kPi / 6));
+  const Extraction out = verify(surface, along);
+  EXPECT_TRUE(out.passed);
+  EXPECT_NEAR(out.draft_deg, 0, 1e-6);
+  EXPECT_FALSE(verify(surface, kUp).passed);
+  const std::vector<HullPlane> tops = find_tops(surface);
+  const auto only = std::find_if(tops.begin(), tops.end(), [](const auto& top) { return top.normal.z() > 0.9; });
+  ASSERT_NE(only, tops.end());
+  const auto direction = best_direction(surface, {*only});
+  ASSERT_TRUE(direction);
+  EXPECT_NEAR(direction->dot(along), 1, 1e-9);
+}
+
+// A T, its bar above or lying: through its flat end it goes, along its stem it does not.
+std::vector<Eigen::Vector2d> tee() {
+  return {{-0.004, 0},    {0.004, 0},      {0.004, 0.01},  {0.012, 0.01},
+          {0.012, 0.016}, {-0.012, 0.016}, {-0.012, 0.01}, {-0.004, 0.01}};
+}
+
+TEST(Extraction, DrawsATeeAlongItsLengthAndByItsBar) {
+  const Surface surface = prism(tee(), 0.03, {0, 0.012}).surface();
+  EXPECT_TRUE(verify(surface, kUp).passed);
+  EXPECT_TRUE(verify(surface, Eigen::Vector3d::UnitY()).passed);
+  const Extraction down = verify(surface, -kUp);
+  EXPECT_FALSE(down.passed);
+  EXPECT_NEAR(down.blocked_area_m2, 2 * 0.008 * 0.03, 1e-9);
+  EXPECT_NEAR(down.trap_depth_m, 0.01, 1e-6);
+  EXPECT_NEAR(down.undercut_volume_m3, 2 * 0.008 * 0.03 * 0.01, 1e-10);
+}
+
+TEST(Extraction, NamesBothBarsOfADoubleTeeAndLetsTwoPartsDrawIt) {
+  // Like a spool of boxes on a core, seen from the side: nothing flat spans it, two halves do.
+  Shape spool = revolved({{0.002, 0},
+                          {0.01, 0},
+                          {0.01, 0.003},
+                          {0.005, 0.003},
+                          {0.005, 0.009},
+                          {0.01, 0.009},
+                          {0.01, 0.012},
+                          {0.002, 0.012}},
+                         8);
+  const Surface surface = spool.surface();
+  EXPECT_FALSE(best(surface));
+  const RayTree tree(surface);
+  EXPECT_FALSE(verify_two_parts(tree, kUp).passed);
+  const TwoPart across = verify_two_parts(tree, Eigen::Vector3d::UnitX());
+  EXPECT_FALSE(across.passed);  // its bore lies across that way
+  EXPECT_GT(across.undercut_volume_m3, 0);
+}
+
+TEST(Extraction, LetsTwoPartsDrawASphere) {
+  std::vector<Eigen::Vector2d> outline;
+  for (int i = 0; i <= 20; ++i) {
+    const double turn = -kPi / 2 + kPi * i / 20;
+    outline.emplace_back(std::max(1e-5, 0.01 * std::cos(turn)), 0.01 * std::sin(turn));
+  }
+  const Surface surface = revolved(outline, 40).surface();
+  const RayTree tree(surface);
+  EXPECT_FALSE(best(surface));
+  EXPECT_LT(verify_two_parts(tree, kUp).blocked_area_m2, 1e-4 * surface.areas_m2.sum());
+}
+
+TEST(Extraction, RefusesASurfaceWithAHole) {
+  Shape shape = box({1, 1, 1});
+  shape.triangles.pop_back();
+  try {
+    shape.surface();
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("is not closed: an edge at ("), std::string::npos) << error.what();
+  }
+}
+
+TEST(Extraction, RefusesASurfaceThatIsInsideOut) {
+  Shape shape = box({1, 1, 1});
+  shape.turn_inside_out();
+  EXPECT_THROW(shape.surface(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

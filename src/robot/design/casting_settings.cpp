@@ -34,12 +34,6 @@ void read_sheath(const YamlNode& node, SheathSettings& sheath) {
   sheath.wall_m = node.number_or("wall_m", sheath.wall_m, AllowedRange::not_negative());
 }
 
-void read_mould(const YamlNode& node, CastingSettings& settings) {
-  settings.wall_m = node.number_or("wall_m", settings.wall_m, {0.0012, 0.1});
-  settings.printer_m = node.vector3_or("printer_m", settings.printer_m);
-  if ((settings.printer_m.array() <= 0).any()) node.child("printer_m").fail("must be three positive lengths");
-}
-
 }  // namespace
 
 CastingSettings read_casting_settings(const YamlNode& robot) {
@@ -49,7 +43,6 @@ CastingSettings read_casting_settings(const YamlNode& robot) {
   settings.direction = read_direction(*node);
   read_limits(*node, settings);
   if (const auto sheath = node->optional_child("sheath")) read_sheath(*sheath, settings.sheath);
-  read_mould(*node, settings);
   return settings;
 }
 

@@ -29,8 +29,6 @@ struct CastingSettings {
   double max_core_aspect = 5;
   bool air_holes = false;
   SheathSettings sheath;
-  double wall_m = 0.004;  // of the mould
-  Eigen::Vector3d printer_m{0.223, 0.223, 0.205};
 };
 
 // Of the whole robot's file, which may have none. Throws SettingsError.

@@ -23,11 +23,10 @@ cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON 
 cmake --build "$package/build/sanitise" -j"$jobs"
 # The other BLAS kernels than those this machine takes by itself: their rounding differs, and no test may hang on it.
 grep -q avx512 /proc/cpuinfo && other=Haswell || other=Prescott
-slots=$((2 * jobs)) # a session under test takes half a core, other tests one
-OPENBLAS_CORETYPE=$other ctest --test-dir "$package/build/sanitise" --output-on-failure -j"$slots"
+OPENBLAS_CORETYPE=$other ctest --test-dir "$package/build/sanitise" --output-on-failure -j"$jobs"
 unset ROS_HOSTNAME
 export ROS_IP=127.0.0.1 # the machine's own name need not resolve
-ctest --test-dir "$package/build" --output-on-failure -j"$slots"
+ctest --test-dir "$package/build" --output-on-failure -j"$jobs"
 [[ -n $all ]] || exit 0
 
 status=0

@@ -76,7 +76,7 @@ TEST(RunScene, WritesWhatTouchesAndNothingElse) {
           "       motion: [{time_s: 0}, {time_s: 1, translation_m: [0, 0.01, 0], rotation_rad: [0, 0.1, 0]}]}\n"
           "run: {mode: equilibrium}\n");
   ASSERT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
-  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "contacts", "solver"}));
+  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "reaction", "contacts", "solver"}));
   ASSERT_EQ(outcome.json["contacts"].size(), 1u);
   const Json& post = outcome.json["contacts"][0];
   EXPECT_EQ(keys(post),

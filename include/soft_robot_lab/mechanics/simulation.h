@@ -69,8 +69,8 @@ class Simulation {
   int actuator_index(const std::string& name) const;  // throws std::invalid_argument listing the names
   int marker_index(const std::string& name) const;    // the same
 
-  // What holds the held nodes, 3 x nodes [N]; zero on free axes. At rest it balances gravity, loads and cables to the
-  // solver's tolerance; in motion it leaves out what damping and hysteresis add.
+  // What holds the held nodes, 3 x nodes [N]; zero on free axes. At rest it balances gravity, loads, cables and contact
+  // to the solver's tolerance; in motion it leaves out what damping and hysteresis add.
   Eigen::Matrix3Xd reaction_forces_n() const;
 
   Eigen::Vector3d marker_position(int marker) const;

@@ -73,6 +73,7 @@ Eigen::Matrix3Xd NewtonSolver::reaction_forces_n(const NewtonState& state) const
   elements_.add_gradient(state.positions_m, state.element_multipliers_pa, force_n);
   for (int i = 0; i < constraint_count(); ++i)
     constraints_[i].add_gradient(state.positions_m, state.drives, state.constraint_multipliers[i], force_n);
+  contact_.add_forces(contact_.sums(state.positions_m, state.contact), force_n);
   return body_.fixed().array().select(force_n.array(), 0.0).matrix();
 }
 

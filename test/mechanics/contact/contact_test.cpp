@@ -164,6 +164,22 @@ TEST(Contact, AFallingBlockComesToLieWithItsWeightOnTheFloor) {
   }
 }
 
+// Faces that touch may have held nodes: what presses there is held too.
+TEST(Contact, HoldsCarryWhatGravityAndObstaclesLeave) {
+  Body body(box_mesh({-0.02, 0, -0.01}, {0.02, 0.02, 0.01}, {4, 2, 2}), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {-0.0199, 1, 1}, {true, true, true});
+  body.set_gravity({1, -9.81, 0.5});
+  body.set_obstacles(
+      {{"plate", Plane{{0, 0, 0}, {0, 1, 0}}, {{0.0, kZero, kZero}, {1.0, {0, 0.0005, 0}, kZero}}, 0.3}});
+  const Vector3d loads_n = body.external_forces_n().rowwise().sum();
+  Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+  const SolveReport report = simulation.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  const Vector3d pressed_n = simulation.contacts()[0].force_n, held_n = simulation.reaction_forces_n().rowwise().sum();
+  EXPECT_GT(pressed_n.y(), 10 * loads_n.norm());
+  EXPECT_LT((held_n + loads_n + pressed_n).norm(), 1e-5 * pressed_n.norm());
+}
+
 // Half a metre a second into a block: it is pushed aside and not passed through.
 TEST(Contact, AMovingObstaclePushesTheBody) {
   SolverOptions options;

@@ -8,18 +8,19 @@ import sys
 
 PERCEPTION = "perception/tracking perception/calibration perception/render"
 HARDWARE = "hardware/motor hardware/testbench hardware/plant"
-ROBOT = "robot/casting robot/design robot/scene mechanics mechanics/actuators settings"
+ROBOT = "robot/casting robot/design robot/scene mechanics mechanics/actuators geometry settings"
 PRODUCT = f"session session/report control control/identification {HARDWARE} {PERCEPTION} {ROBOT}"
 ALLOWED = {
     "settings": "",
+    "geometry": "",
     "mechanics": "settings",
     "mechanics/actuators": "mechanics settings",
     "robot/design": "settings",
     "robot/scene": "robot/design mechanics settings",
-    "robot/casting": "robot/scene robot/design mechanics settings",
+    "robot/casting": "geometry robot/scene robot/design mechanics settings",
     "perception/tracking": "settings",
     "perception/calibration": "perception/tracking settings",
-    "perception/render": "perception/calibration perception/tracking settings",
+    "perception/render": "geometry perception/calibration perception/tracking settings",
     "hardware/motor": "settings",
     "hardware/firmware": "hardware/motor",
     "hardware/emulator": "hardware/motor settings",

@@ -6,34 +6,13 @@
 
 #include <Eigen/Geometry>
 
+#include "mechanics/mesh/shape_functions.h"
+
 namespace soft_robot_lab {
 namespace {
 
 // The rule of degree 2 inside a triangle, weight 1/6 each (Strang & Fix 1973).
 constexpr double kPlaces[kPointsPerFace][2] = {{1.0 / 6.0, 1.0 / 6.0}, {2.0 / 3.0, 1.0 / 6.0}, {1.0 / 6.0, 2.0 / 3.0}};
-
-Eigen::VectorXd shape_of_triangle(int nodes, double r, double s) {
-  const double l = 1.0 - r - s;
-  Eigen::VectorXd n(nodes);
-  if (nodes == 6) {
-    n << l * (2 * l - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * l * r, 4 * r * s, 4 * s * l;
-  } else {
-    n << l, r, s;
-  }
-  return n;
-}
-
-Eigen::MatrixX2d slopes_of_triangle(int nodes, double r, double s) {
-  const double l = 1.0 - r - s;
-  Eigen::MatrixX2d d(nodes, 2);
-  if (nodes == 6) {
-    d.col(0) << 1 - 4 * l, 4 * r - 1, 0, 4 * (l - r), 4 * s, -4 * s;
-    d.col(1) << 1 - 4 * l, 0, 4 * s - 1, -4 * r, 4 * r, 4 * (l - s);
-  } else {
-    d << -1, -1, 1, 0, 0, 1;
-  }
-  return d;
-}
 
 bool held(const Body& body, Eigen::Index face) {
   for (Eigen::Index a = 0; a < body.mesh().faces.rows(); ++a)
@@ -54,10 +33,10 @@ ContactPoints::ContactPoints(const Body& body) {
   along_r_.resize(nodes, kPointsPerFace);
   along_s_.resize(nodes, kPointsPerFace);
   for (int place = 0; place < kPointsPerFace; ++place) {
-    shape_.col(place) = shape_of_triangle(nodes, kPlaces[place][0], kPlaces[place][1]);
-    const Eigen::MatrixX2d slopes = slopes_of_triangle(nodes, kPlaces[place][0], kPlaces[place][1]);
-    along_r_.col(place) = slopes.col(0);
-    along_s_.col(place) = slopes.col(1);
+    const FaceShape shape = face_shape(nodes, kPlaces[place][0], kPlaces[place][1]);
+    shape_.col(place) = shape.values;
+    along_r_.col(place) = shape.slopes.row(0).transpose();
+    along_s_.col(place) = shape.slopes.row(1).transpose();
   }
   weights_m2_.resize(kPointsPerFace * faces_.cols());
   sizes_m_.resize(faces_.cols());

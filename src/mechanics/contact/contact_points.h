@@ -13,6 +13,7 @@ constexpr int kPointsPerFace = 3;
 
 class ContactPoints {
  public:
+  ContactPoints() = default;  // none
   // Of all faces that can move.
   explicit ContactPoints(const Body& body);
 

@@ -14,7 +14,9 @@ constexpr double kAtLimit = 1.0 + 1e-6;  // an anchor that was dragged along is 
 }  // namespace
 
 ContactTerm::ContactTerm(const Body& body)
-    : obstacles_(body.obstacles()), points_(body), youngs_modulus_pa_(body.material().youngs_modulus_pa) {
+    : obstacles_(body.obstacles()),
+      points_(obstacles_.empty() ? ContactPoints() : ContactPoints(body)),
+      youngs_modulus_pa_(body.material().youngs_modulus_pa) {
   int anchors = 0;
   for (const Obstacle& obstacle : obstacles_) {
     const bool rubs = obstacle.friction > 0.0;

@@ -38,25 +38,15 @@ Eigen::VectorXd face_areas(const TetMesh& mesh, Eigen::Index face) {
                                     {0.091576213509771, 0.091576213509771, 0.109951743655322},
                                     {0.091576213509771, 0.816847572980459, 0.109951743655322},
                                     {0.816847572980459, 0.091576213509771, 0.109951743655322}};
-  const bool quadratic = mesh.faces.rows() == 6;
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.faces.rows());
   for (const auto& point : kPoints) {
-    const double r = point[0], s = point[1], l = 1.0 - r - s;
-    Eigen::VectorXd n(mesh.faces.rows());
-    Eigen::Matrix2Xd d(2, mesh.faces.rows());
-    if (quadratic) {
-      n << l * (2 * l - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * l * r, 4 * r * s, 4 * s * l;
-      d << 1 - 4 * l, 4 * r - 1, 0, 4 * (l - r), 4 * s, -4 * s, 1 - 4 * l, 0, 4 * s - 1, -4 * r, 4 * r, 4 * (l - s);
-    } else {
-      n << l, r, s;
-      d << -1, 1, 0, -1, 0, 1;
-    }
+    const FaceShape shape = face_shape(mesh.faces.rows(), point[0], point[1]);
     Eigen::Vector3d along_r = Eigen::Vector3d::Zero(), along_s = Eigen::Vector3d::Zero();
     for (Eigen::Index a = 0; a < mesh.faces.rows(); ++a) {
-      along_r += d(0, a) * mesh.nodes_m.col(mesh.faces(a, face));
-      along_s += d(1, a) * mesh.nodes_m.col(mesh.faces(a, face));
+      along_r += shape.slopes(0, a) * mesh.nodes_m.col(mesh.faces(a, face));
+      along_s += shape.slopes(1, a) * mesh.nodes_m.col(mesh.faces(a, face));
     }
-    areas += 0.5 * point[2] * along_r.cross(along_s).norm() * n;
+    areas += 0.5 * point[2] * along_r.cross(along_s).norm() * shape.values;
   }
   return areas;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shape functions of 4- and 10-node tetrahedra in reference coordinates (r, s, t) = weights of corners 1, 2, 3.
-// Node order as in TetMesh.
+// Shape functions of 4- and 10-node tetrahedra, and of their faces, in reference coordinates (r, s, t) = weights of
+// corners 1, 2, 3. Node order as in TetMesh.
 #pragma once
 
 #include <array>
@@ -35,6 +35,26 @@ inline ShapeFunctions shape_functions(int node_count, const Eigen::Vector3d& loc
     const int a = kTetEdges[e][0], b = kTetEdges[e][1];
     shape.values[4 + e] = 4.0 * l[a] * l[b];
     shape.gradients.col(4 + e) = 4.0 * (l[a] * dl.col(b) + l[b] * dl.col(a));
+  }
+  return shape;
+}
+
+// Of a face with 3 or 6 nodes, in (r, s) = weights of corners 1, 2.
+struct FaceShape {
+  Eigen::VectorXd values;   // per node
+  Eigen::Matrix2Xd slopes;  // d/d(r, s), 2 x nodes
+};
+
+inline FaceShape face_shape(Eigen::Index node_count, double r, double s) {
+  const double l = 1.0 - r - s;
+  FaceShape shape{Eigen::VectorXd(node_count), Eigen::Matrix2Xd(2, node_count)};
+  if (node_count == 6) {
+    shape.values << l * (2 * l - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * l * r, 4 * r * s, 4 * s * l;
+    shape.slopes << 1 - 4 * l, 4 * r - 1, 0, 4 * (l - r), 4 * s, -4 * s,  //
+        1 - 4 * l, 0, 4 * s - 1, -4 * r, 4 * r, 4 * (l - s);
+  } else {
+    shape.values << l, r, s;
+    shape.slopes << -1, 1, 0, -1, 0, 1;
   }
   return shape;
 }

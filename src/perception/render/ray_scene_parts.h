@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "closest_point.h"
-#include "mesh_tree.h"
+#include "geometry/mesh_tree.h"
 #include "skin_normals.h"
 #include "ray_scene.h"
 

@@ -10,10 +10,9 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr size_t kMostTriangles = 200;  // around one edge
-constexpr double kFlat = 1.0 * kPi / 180;
-constexpr double kWorthwhile = 45 * kPi / 180;  // of turning that the radius can hold, by the edge's own curvature
+constexpr double kFlat = 1.0 * M_PI / 180;
+constexpr double kWorthwhile = 45 * M_PI / 180;  // of turning that the radius can hold, by the edge's own curvature
 
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return 2 * std::atan2((a - b).norm(), (a + b).norm());
@@ -60,7 +59,7 @@ double largest_turn(const Surface& surface, const Around& around, int sign) {
 }
 
 void keep(SharpEdge& worst, double turn, const Eigen::Vector3d& at, double length_m, double limit_deg) {
-  const double opening = 180 - turn * 180 / kPi;
+  const double opening = 180 - turn * 180 / M_PI;
   if (opening < limit_deg) worst.length_m += length_m;
   if (opening >= worst.opening_deg) return;
   worst.opening_deg = opening;

@@ -13,9 +13,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-const double kTolerance = std::sin(0.1 * kPi / 180);  // of a normal that is meant to be at right angles
-constexpr double kSampleEdge = 1.0 / 60;              // of the robot's size: rays from larger facets are several
+const double kTolerance = std::sin(0.1 * M_PI / 180);  // of a normal that is meant to be at right angles
+constexpr double kSampleEdge = 1.0 / 60;               // of the robot's size: rays from larger facets are several
 
 bool counts(const Surface& surface, int triangle) {
   return surface.areas_m2[triangle] > 0 &&
@@ -195,7 +194,7 @@ Extraction verify_extraction(const RayTree& tree, const std::vector<HullPlane>& 
     result.blocked_area_m2 += surface.areas_m2[t];
     measure_trap(tree, top, t, highest_m, result);
   }
-  result.draft_deg = std::asin(std::clamp(-steepest, -1.0, 1.0)) * 180 / kPi;
+  result.draft_deg = std::asin(std::clamp(-steepest, -1.0, 1.0)) * 180 / M_PI;
   result.passed = top != nullptr && result.blocked.empty();
   return result;
 }
@@ -217,7 +216,7 @@ Eigen::Vector3d least_blocked_direction(const Surface& surface, const std::vecto
     for (const double sign : {1.0, -1.0}) candidates.push_back(sign * Eigen::Vector3d::Unit(axis));
   constexpr int kPoints = 300;  // of a sphere, on a spiral
   for (int i = 0; i < kPoints; ++i) {
-    const double z = 1 - (2 * i + 1.0) / kPoints, angle = i * kPi * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
+    const double z = 1 - (2 * i + 1.0) / kPoints, angle = i * M_PI * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
     candidates.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
   }
   Eigen::Vector3d best = candidates.front();

@@ -31,9 +31,7 @@ struct HeightMap {
 
 HeightMap look_from_below(const RayTree& tree, const Eigen::Vector3d& direction) {
   HeightMap map;
-  map.frame.col(2) = direction;
-  map.frame.col(0) = direction.unitOrthogonal();
-  map.frame.col(1) = direction.cross(map.frame.col(0));
+  map.frame = frame_along(direction);
   const Eigen::Matrix3Xd local = map.frame.transpose() * tree.surface().vertices_m;
   map.low_m = local.rowwise().minCoeff();
   const Eigen::Vector3d size = local.rowwise().maxCoeff() - map.low_m;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rays and balls against a surface, by Embree's tree. The tree has single precision; what it finds is computed anew in
-// double precision.
+// Rays and balls against a surface. What the tree finds in single precision is computed anew in double precision.
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 
+#include "geometry/mesh_tree.h"
 #include "surface.h"
 
 namespace soft_robot_lab {
@@ -19,7 +18,6 @@ struct RayHit {
 class RayTree {
  public:
   explicit RayTree(const Surface& surface);  // keeps a reference
-  ~RayTree();
 
   // The first triangle after `near_m`; nothing where there is none. The direction has unit length.
   std::optional<RayHit> first_hit(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
@@ -32,10 +30,9 @@ class RayTree {
   double skip_m() const { return skip_m_; }  // what a ray leaves out to miss the triangle that it starts on
 
  private:
-  struct Embree;
   const Surface& surface_;
   double skip_m_;
-  std::unique_ptr<Embree> embree_;
+  MeshTree tree_;
 };
 
 // The point of a triangle that is nearest to another point. Ericson 2005, section 5.1.5.

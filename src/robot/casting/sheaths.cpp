@@ -9,7 +9,6 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kAround = 24;  // rays across a sheath
 
 struct Station {
@@ -43,7 +42,7 @@ double room_across_m(const RayTree& tree, const Station& station) {
   const Eigen::Vector3d u = station.along.unitOrthogonal(), v = station.along.cross(u);
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kAround; ++i) {
-    const double turn = 2 * kPi * i / kAround;
+    const double turn = 2 * M_PI * i / kAround;
     const auto hit = tree.first_hit(station.at_m, std::cos(turn) * u + std::sin(turn) * v, 0);
     if (hit) least = std::min(least, hit->distance_m);
   }
@@ -77,7 +76,7 @@ WorstAlong tightest_bend(const std::vector<SheathPath>& paths) {
       if (in.norm() == 0 || out.norm() == 0) continue;
       const double turn = std::atan2(in.cross(out).norm(), in.dot(out));
       if (turn < 1e-6) continue;
-      const double radius = std::min(in.norm(), out.norm()) / 2 / std::tan(std::min(turn, 0.9999 * kPi) / 2);
+      const double radius = std::min(in.norm(), out.norm()) / 2 / std::tan(std::min(turn, 0.9999 * M_PI) / 2);
       keep(worst, radius, path.points_m[i], path.name);
     }
   }

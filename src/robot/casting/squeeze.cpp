@@ -10,7 +10,6 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSections = 100, kWays = 18;
 
 // Least and largest reach of each section in each way.
@@ -32,7 +31,7 @@ Frame make_frame(const Surface& surface, const Eigen::Vector3d& direction) {
   frame.direction = direction;
   const Eigen::Vector3d u = direction.unitOrthogonal(), v = direction.cross(u);
   for (int i = 0; i < kWays; ++i)
-    frame.ways.row(i) = std::cos(kPi * i / kWays) * u.transpose() + std::sin(kPi * i / kWays) * v.transpose();
+    frame.ways.row(i) = std::cos(M_PI * i / kWays) * u.transpose() + std::sin(M_PI * i / kWays) * v.transpose();
   const Eigen::RowVectorXd heights = direction.transpose() * surface.vertices_m;
   frame.low_m = heights.minCoeff();
   frame.step_m = (heights.maxCoeff() - frame.low_m) / kSections;

@@ -170,6 +170,14 @@ Surface read_off(const std::string& path) {
   return surface;
 }
 
+Eigen::Matrix3d frame_along(const Eigen::Vector3d& axis) {
+  Eigen::Matrix3d frame;
+  frame.col(2) = axis;
+  frame.col(0) = axis.unitOrthogonal();
+  frame.col(1) = axis.cross(frame.col(0));
+  return frame;
+}
+
 std::string place_text(const Eigen::Vector3d& at_m) {
   std::ostringstream text;
   text.precision(4);

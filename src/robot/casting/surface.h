@@ -36,6 +36,9 @@ Surface make_surface(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi&
 // Of an OFF file as robot/design/surface_file.h makes it. Throws std::invalid_argument.
 Surface read_off(const std::string& path);
 
+// A right-handed frame whose third axis is the unit vector `axis`.
+Eigen::Matrix3d frame_along(const Eigen::Vector3d& axis);
+
 std::string place_text(const Eigen::Vector3d& at_m);  // "(12.5, 0, -3) mm"
 
 }  // namespace soft_robot_lab

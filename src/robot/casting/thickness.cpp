@@ -14,9 +14,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kHalfCone =
-    30 * kPi / 180;  // of the rays: half of what is left of 180 when balls must see 120 degrees
+    30 * M_PI / 180;  // of the rays: half of what is left of 180 when balls must see 120 degrees
 constexpr double kMostSamples = 60000;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -26,20 +25,12 @@ const std::vector<Eigen::Vector3d>& cone_rays() {
     std::vector<Eigen::Vector3d> all{Eigen::Vector3d::UnitZ()};
     for (const auto& [tilt, count] : {std::pair{kHalfCone / 2, 6}, std::pair{0.97 * kHalfCone, 10}})
       for (int i = 0; i < count; ++i) {
-        const double turn = 2 * kPi * i / count;
+        const double turn = 2 * M_PI * i / count;
         all.emplace_back(std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt));
       }
     return all;
   }();
   return rays;
-}
-
-Eigen::Matrix3d frame_along(const Eigen::Vector3d& axis) {
-  Eigen::Matrix3d frame;
-  frame.col(2) = axis;
-  frame.col(0) = axis.unitOrthogonal();
-  frame.col(1) = axis.cross(frame.col(0));
-  return frame;
 }
 
 struct Ball {

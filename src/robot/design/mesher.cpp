@@ -14,7 +14,6 @@
 #include "content_cache.h"
 #include "content_hash.h"
 #include "mesher_run.h"
-#include "soft_robot_lab/robot/design/solid.h"
 #include "timed_process.h"
 #include "settings/find_program.h"
 #include "settings/read_file.h"
@@ -83,10 +82,8 @@ void collect_files(const Solid& solid, std::vector<std::string>& files) {
 }
 
 std::vector<std::string> referenced_files(const MeshRequest& request, const std::string& text) {
-  std::vector<std::string> files;
   if (!request.mesh_file.empty()) return {request.mesh_file};
-  collect_files(read_solid(YamlNode::parse(text, "mesh request").child("solid")), files);
-  return files;
+  return referenced_files(read_solid(YamlNode::parse(text, "mesh request").child("solid")));
 }
 
 std::string cache_key(const std::string& text, const std::vector<std::string>& files) {
@@ -151,6 +148,12 @@ std::string cache_folder(const MesherOptions& options) {
   const std::string own = fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(geteuid()));
   require_private_folder(own);
   return own;
+}
+
+std::vector<std::string> referenced_files(const Solid& solid) {
+  std::vector<std::string> files;
+  collect_files(solid, files);
+  return files;
 }
 
 std::string run_mesher(const std::string& text, const std::vector<std::string>& files, const std::string& ending,

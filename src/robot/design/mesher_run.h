@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "soft_robot_lab/robot/design/mesher.h"
+#include "soft_robot_lab/robot/design/solid.h"
 
 namespace soft_robot_lab {
 
@@ -12,5 +13,8 @@ namespace soft_robot_lab {
 // files that it names. Throws as mesh_file_for does.
 std::string run_mesher(const std::string& text, const std::vector<std::string>& files, const std::string& ending,
                        const MesherOptions& options);
+
+// All that a solid is read from, in its order.
+std::vector<std::string> referenced_files(const Solid& solid);
 
 }  // namespace soft_robot_lab

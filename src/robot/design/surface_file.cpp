@@ -5,18 +5,11 @@
 #include <locale>
 #include <sstream>
 #include <stdexcept>
-#include <vector>
 
 #include "mesher_run.h"
-#include "soft_robot_lab/robot/design/solid.h"
 
 namespace soft_robot_lab {
 namespace {
-
-void collect_files(const Solid& solid, std::vector<std::string>& files) {
-  if (!solid.file.empty()) files.push_back(solid.file);
-  for (const Solid& part : solid.parts) collect_files(part, files);
-}
 
 void check(const SurfaceRequest& request) {
   if (!std::isfinite(request.largest_edge_m) || request.largest_edge_m <= 0)
@@ -36,9 +29,8 @@ std::string surface_file_for(const SurfaceRequest& request, const MesherOptions&
   text.precision(17);
   text << "solid: " << request.solid_yaml << "\nsurface: {largest_edge_m: " << request.largest_edge_m
        << ", circle_segments: " << request.circle_segments << "}\n";
-  std::vector<std::string> files;
-  collect_files(read_solid(YamlNode::parse(request.solid_yaml, "surface request")), files);
-  return run_mesher(text.str(), files, ".off", options);
+  const Solid solid = read_solid(YamlNode::parse(request.solid_yaml, "surface request"));
+  return run_mesher(text.str(), referenced_files(solid), ".off", options);
 }
 
 }  // namespace soft_robot_lab

@@ -3,6 +3,7 @@
 
 #include "sections.h"
 #include "settings/read_name.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -31,7 +32,7 @@ ObstacleShape read_shape(const YamlNode& item) {
   std::vector<std::string> stated;
   for (const std::string& shape : kShapes)
     if (item.has(shape)) stated.push_back(shape);
-  if (stated.size() != 1) item.fail("must have one of plane, sphere, capsule, cylinder, box");
+  if (stated.size() != 1) item.fail("must have one of " + join(kShapes));
   const YamlNode node = item.child(stated[0]);
   if (stated[0] == "plane") return Plane{node.vector3("point_m"), node.vector3("normal")};
   if (stated[0] == "sphere") return Sphere{node.vector3("center_m"), node.number("radius_m")};
@@ -74,10 +75,9 @@ void read_friction(const YamlNode& contact, std::vector<Obstacle>& obstacles) {
     const auto named = std::find_if(obstacles.begin(), obstacles.end(),
                                     [&](const Obstacle& obstacle) { return obstacle.name == name; });
     if (named == obstacles.end()) {
-      std::string known;
-      for (const Obstacle& obstacle : obstacles) known += (known.empty() ? "" : ", ") + obstacle.name;
-      item.child("between").fail("unknown surface '" + name + "'; known: skin, " +
-                                 (known.empty() ? "no obstacle" : known));
+      std::vector<std::string> known{kSkin};
+      for (const Obstacle& obstacle : obstacles) known.push_back(obstacle.name);
+      item.child("between").fail("unknown surface '" + name + "'; known: " + join(known));
     }
     named->friction = item.number("coefficient", AllowedRange::not_negative());
   }

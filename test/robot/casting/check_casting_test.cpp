@@ -47,7 +47,7 @@ TEST(CheckCasting, RefusesAClosedHollowForItsTrappedCore) {
   EXPECT_NEAR(number(verdict, "cavities", "volume_m3"), 1e-6, 1e-12);
 }
 
-// As tall as the source's robot whose cores broke: bore of 943 mm^2, 82.4 mm deep, walls of 6 mm.
+// A chamber of our Bubblebot, whose volume, 77.75 ml, is the source's; bore and walls are ours.
 Shape tall_cup() { return cup(0.0233, std::sqrt(943.1235e-6 / kPi), 0.0884, 0.006, 128); }
 
 TEST(CheckCasting, RefusesACoreWithoutAirForItsSuction) {

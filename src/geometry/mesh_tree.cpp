@@ -22,6 +22,15 @@ struct MeshTree::Embree {
   }
 };
 
+namespace {
+
+bool on_triangle(RTCPointQueryFunctionArguments* arguments) {
+  (*static_cast<const std::function<void(int)>*>(arguments->userPtr))(static_cast<int>(arguments->primID));
+  return false;  // the radius stays
+}
+
+}  // namespace
+
 MeshTree::MeshTree(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles, Use use)
     : embree_(std::make_unique<Embree>()) {
   Embree& e = *embree_;
@@ -58,11 +67,12 @@ void MeshTree::move(const Eigen::Matrix3Xd& vertices_m) {
   if (rtcGetDeviceError(e.device) != RTC_ERROR_NONE) throw std::runtime_error("Embree could not build its tree");
 }
 
-MeshHit MeshTree::cast(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction) const {
+MeshHit MeshTree::cast(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction, float near) const {
   if (embree_->scene == nullptr) return {};
   RTCRayHit ray{};
   ray.ray.org_x = origin_m.x(), ray.ray.org_y = origin_m.y(), ray.ray.org_z = origin_m.z();
   ray.ray.dir_x = direction.x(), ray.ray.dir_y = direction.y(), ray.ray.dir_z = direction.z();
+  ray.ray.tnear = near;
   ray.ray.tfar = std::numeric_limits<float>::infinity();
   ray.ray.mask = ~0u;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -71,6 +81,16 @@ MeshHit MeshTree::cast(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& d
   rtcIntersect1(embree_->scene, &context, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {static_cast<int>(ray.hit.primID), ray.ray.tfar, ray.hit.u, ray.hit.v};
+}
+
+void MeshTree::visit_near(const Eigen::Vector3f& point_m, float radius_m, const std::function<void(int)>& visit) const {
+  if (embree_->scene == nullptr) return;
+  RTCPointQuery query{};
+  query.x = point_m.x(), query.y = point_m.y(), query.z = point_m.z();
+  query.radius = radius_m;
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(embree_->scene, &query, &context, on_triangle, const_cast<std::function<void(int)>*>(&visit));
 }
 
 }  // namespace soft_robot_lab

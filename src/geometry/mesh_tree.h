@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A mesh that rays are cast at: Embree's tree, which is built once and refitted where the vertices move.
+// A mesh that rays and balls are tried against: Embree's tree, in single precision, which is built once and refitted
+// where the vertices move.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include <Eigen/Core>
@@ -22,7 +24,10 @@ class MeshTree {
   ~MeshTree();
 
   void move(const Eigen::Matrix3Xd& vertices_m);
-  MeshHit cast(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction) const;
+  // The first triangle beyond `near` directions.
+  MeshHit cast(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction, float near = 0.0f) const;
+  // Calls `visit` for triangles whose boxes come within the radius, and perhaps for others.
+  void visit_near(const Eigen::Vector3f& point_m, float radius_m, const std::function<void(int)>& visit) const;
 
  private:
   struct Embree;

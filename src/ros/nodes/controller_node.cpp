@@ -21,7 +21,7 @@
 
 #include "run_node.h"
 #include "ros/actuator_plugins.h"
-#include "ros/execution.h"
+#include "ros/policy_execution.h"
 #include "ros/fit_service.h"
 #include "ros/log_text.h"
 #include "ros/policy_request.h"
@@ -68,7 +68,7 @@ class ControllerNode {
   std::optional<PolicyTask> found_;         // the last task that a policy was found for
 
   const ClosedLoopOptions loop_options_ = read_loop_options();
-  Execution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
+  PolicyExecution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
 
   ros::NodeHandle node_;
   PolicySearch search_{node_};
@@ -92,10 +92,10 @@ ControllerNode::ControllerNode() {
   subscribers_ = {
       node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
       node_.subscribe(topics::simulator_actuators, 1, &ControllerNode::on_actuators, this),
-      node_.subscribe(topics::simulator_markers, 100, &Execution::add_simulated, &execution_),
+      node_.subscribe(topics::simulator_markers, 100, &PolicyExecution::add_simulated, &execution_),
       node_.subscribe(parameters.param<std::string>("markers_topic", topics::tracker_markers), 100,
-                      &Execution::add_measured, &execution_),
-      node_.subscribe(topics::motor_state, 100, &Execution::add_motors, &execution_),
+                      &PolicyExecution::add_measured, &execution_),
+      node_.subscribe(topics::motor_state, 100, &PolicyExecution::add_motors, &execution_),
   };
   fit_service_ = std::make_unique<FitService>(node_, scene_options_, scene);
   if (model_) offer_services();

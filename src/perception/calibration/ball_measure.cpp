@@ -21,7 +21,7 @@ constexpr double box_quantile = 0.95;
 constexpr int directions = 72;
 constexpr double profile_step_px = 0.1, profile_reach_px = 5;  // of a profile, to both sides of the outline
 constexpr double profile_level_from_px = 3,
-                 min_contrast = 0.1;  // beside the edge levels are taken from here to the reach
+                 profile_min_contrast = 0.1;  // beside the edge levels are taken from here to the reach
 
 cv::Mat brightest_channel(const cv::Mat& rgb) {
   std::array<cv::Mat, 3> channels;
@@ -84,7 +84,7 @@ std::optional<double> step_width_px(const std::vector<double>& profile) {
   if (static_cast<std::ptrdiff_t>(profile.size()) <= 2 * beside) return std::nullopt;
   const double within = median({profile.begin(), profile.begin() + beside});
   const double without = median({profile.end() - beside, profile.end()});
-  if (within - without < min_contrast * 255) return std::nullopt;
+  if (within - without < profile_min_contrast * 255) return std::nullopt;
   const auto below = [&](double fraction) {
     return [=](double value) { return value < without + fraction * (within - without); };
   };

@@ -176,6 +176,8 @@ def check_interface(root):
             asked_for = argument.get('value') is None
             if asked_for and name not in words:
                 faults.append('%s: `%s` is not described in launch/README.md' % (os.path.relpath(path, root), name))
+            if asked_for and not argument.get('doc'):  # what `roslaunch --ros-args` prints
+                faults.append('%s: `%s` has no doc' % (os.path.relpath(path, root), name))
     readme = contents(os.path.join(root, 'msg/README.md'))
     for path in files(root, '.msg', '.srv'):
         name = os.path.splitext(os.path.basename(path))[0]

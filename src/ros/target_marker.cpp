@@ -14,12 +14,11 @@ namespace {
 
 using visualization_msgs::InteractiveMarker;
 using visualization_msgs::InteractiveMarkerControl;
-using visualization_msgs::Marker;
 
 // In the plane that faces the eye.
 InteractiveMarkerControl ball(double size_m) {
-  Marker sphere;
-  sphere.type = Marker::SPHERE;
+  visualization_msgs::Marker sphere;
+  sphere.type = visualization_msgs::Marker::SPHERE;
   sphere.scale.x = sphere.scale.y = sphere.scale.z = 0.35 * size_m;
   sphere.color.r = 0.95f;
   sphere.color.g = 0.55f;

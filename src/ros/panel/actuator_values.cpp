@@ -53,7 +53,9 @@ int ActuatorRow::positions() const { return static_cast<int>(std::ceil((max - mi
 
 int ActuatorRow::position() const { return static_cast<int>(std::lround((shown - min) / step)); }
 
-double ActuatorRow::value_at(int slider_position) const { return std::min(min + slider_position * step, max); }
+double ActuatorRow::value_at(int slider_position) const {
+  return slider_position >= positions() - 1 ? max : min + slider_position * step;
+}
 
 void ActuatorValues::set_ranges(const ActuatorRanges& ranges) {
   const std::size_t count = ranges.names.size();

@@ -288,6 +288,26 @@ TEST_F(Session, FindsAPathOfPoses) {
   EXPECT_LT(response.poses[1].marker.x, -0.01);
 }
 
+// The ghost of what was found while another policy played.
+TEST_F(Session, KeepsTheGhostWhereAnotherPolicyEnds) {
+  ExecutePolicy::Request playing;
+  playing.policy.names = {"left"};
+  playing.policy.steps.resize(1);
+  playing.policy.steps[0].time_s = 3.0;
+  playing.policy.steps[0].values = {0.95};
+  auto played =
+      std::async(std::launch::async, [&] { return ask<ExecutePolicy>(topics::execute_policy, playing).success; });
+  ASSERT_TRUE(spin_until([&] { return hear<ActuatorState>(topics::simulator_actuators)->commands[0] < 1.0; }));
+  OptimisePolicy::Request search = good_request();
+  search.marker = "tip";
+  search.target = to_message(Eigen::Vector3d(0.02, 0.0, -0.095));
+  search.tolerance_m = 2e-3;
+  ASSERT_TRUE(ask<OptimisePolicy>(topics::optimise_policy, search).success);
+  ASSERT_NE(played.wait_for(std::chrono::seconds(0)), std::future_status::ready);
+  ASSERT_TRUE(played.get());
+  EXPECT_EQ(hear<visualization_msgs::Marker>(topics::controller_ghost)->action, visualization_msgs::Marker::ADD);
+}
+
 TEST_F(Session, RefusesBadPolicies) {
   ExecutePolicy::Request request;
   request.policy.names = {"tail"};

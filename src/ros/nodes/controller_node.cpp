@@ -5,6 +5,7 @@
 // takes to reach its commands), ~markers_topic (what corrects a policy), ~lost_after_s (without any marker for so long
 // a closed loop stops).
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -56,6 +57,7 @@ class ControllerNode {
   void answer_live(const LiveGoal& goal, const std::function<bool()>& interrupted);
   void remember(const PolicyTask& task, const PolicyAnswer& answer);
   void show_ghost();  // of the model as it is
+  void remove_ghost(int found_count);
   void show_target(const std::string& marker, const Eigen::Vector3d& target_m);
   bool optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response);
   bool execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response);
@@ -76,6 +78,7 @@ class ControllerNode {
   std::map<std::string, double> commands_;  // as the actuators last said, whoever sent them
   std::optional<PolicyTask> found_;         // the last task that a policy was found for
   CommandPolicy found_policy_;              // and that policy
+  std::atomic<int> found_count_{0};         // of policies, so far
 
   const ClosedLoopOptions loop_options_ = read_loop_options();
   PolicyExecution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
@@ -159,12 +162,19 @@ void ControllerNode::show_ghost() {
 }
 
 void ControllerNode::remember(const PolicyTask& task, const PolicyAnswer& answer) {
-  show_ghost();
   const MarkerGoal& goal = task.poses.back().goals.front();
   show_target(goal.marker, goal.target_m);
   const std::lock_guard lock(mutex_);
+  show_ghost();
   found_ = task;
   found_policy_ = answer.policy;
+  ++found_count_;
+}
+
+// Not where another was found since: its ghost stays.
+void ControllerNode::remove_ghost(int found_count) {
+  const std::lock_guard lock(mutex_);
+  if (found_count == found_count_) ghost_.publish(no_ghost());
 }
 
 // While the target is dragged, a few iterations from where the model is; where it is let go, as the service does it.
@@ -227,8 +237,9 @@ bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Resp
 
 bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
   try {
+    const int found_count = found_count_;
     execute(with_policy(request), response);
-    if (response.success) ghost_.publish(no_ghost());  // the robot is there
+    if (response.success) remove_ghost(found_count);  // the robot is there
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();

@@ -26,7 +26,7 @@ SECTIONS = {
         'strict': ['mechanics/actuators', 'robot/design/solid.cpp', 'robot/design/mesh_refinement.cpp', 'robot/design/casting_settings.cpp',
                    'robot/scene/actuator_section.cpp', 'robot/scene/body_section.cpp', 'robot/scene/contact_section.cpp',
                    'robot/scene/fidelity_section.cpp', 'robot/scene/include_files.cpp', 'robot/scene/material_section.cpp', 'robot/scene/mesh_section.cpp',
-                   'robot/scene/run_section.cpp', 'robot/scene/solver_section.cpp'],
+                   'robot/scene/parameters.cpp', 'robot/scene/run_section.cpp', 'robot/scene/solver_section.cpp'],
         'loose': ['robot/scene/choose_fidelity.cpp', 'robot/scene/fidelity_report.cpp', 'robot/scene/scene_cables.cpp',
                   'robot/scene/scene_file.cpp', 'robot/design/mesher.cpp', 'robot/design/surface_file.cpp',
                   'robot/casting/cast_robot.cpp'],
@@ -42,6 +42,7 @@ SECTIONS = {
     'Tracker': {'config': ['robots/*/tracker*.yaml'], 'strict': ['perception/tracking/tracker_settings.cpp']},
     'Task': {'config': ['robots/*/tasks'], 'loose': ['ros/nodes/reach_target_node.cpp', 'study/reach_targets.cpp']},
     'Policy': {'config': [], 'strict': ['control/policy.cpp']},
+    'Study': {'config': ['studies'], 'strict': ['study/sweeps/study_file.cpp']},
     'Experiments': {'config': ['experiments'], 'loose': ['study', 'control/configuration_table.cpp', 'programs/bullet_peer.cpp']},
 }
 # These read what no user writes: requests of our own programs, tables, what another program measured.
@@ -53,7 +54,7 @@ COLUMNS = {'law', 'nu', 'tip_uy_m', 'beta', 'V_over_V0', 'P_gauge_Pa', 't_s', 'f
            'ux_m', 'uy_m', 'uz_m'}
 # Below these keys stand names of the user's, or keys that another section describes.
 NAMES_BELOW = {'colours', 'marker_colours', 'overrides', 'backlash_steps', 'meshes', 'where', 'values', 'changes',
-               'set_up', 'methods', 'betas', 'commands', 'sensor', 'depth', 'solver'}
+               'set_up', 'methods', 'betas', 'commands', 'sensor', 'depth', 'solver', 'parameters'}
 
 READS = r'(?:child|sequence|number|integer|boolean|text|choice|vector3|has|optional_child|optional_sequence|' \
         r'(?:number|integer|boolean|text|choice|vector3)_or)'
@@ -176,6 +177,8 @@ def check_interface(root):
             asked_for = argument.get('value') is None
             if asked_for and name not in words:
                 faults.append('%s: `%s` is not described in launch/README.md' % (os.path.relpath(path, root), name))
+            if asked_for and not argument.get('doc'):  # what `roslaunch --ros-args` prints
+                faults.append('%s: `%s` has no doc' % (os.path.relpath(path, root), name))
     readme = contents(os.path.join(root, 'msg/README.md'))
     for path in files(root, '.msg', '.srv'):
         name = os.path.splitext(os.path.basename(path))[0]

@@ -6,7 +6,7 @@ set -euo pipefail
 package=$(cd "$(dirname "$0")/.." && pwd)
 build=$1
 reports=$build/thread_reports
-cmake -S "$package" -B "$build" -DSOFT_ROBOT_LAB_SANITISE=thread
+cmake -S "$package" -B "$build" -DSOFT_ROBOT_LAB_SANITISE=thread -DCMAKE_UNITY_BUILD=OFF
 cmake --build "$build" -j"${JOBS:-2}" --target build_thread_tests
 rm -rf "$reports"
 mkdir "$reports"

@@ -16,7 +16,7 @@
 // with an error in commands, e = J^+ (y - x), of the model's Jacobian at every iterate and the damped pseudo-inverse
 // J^+. Its gains are chosen so: with J right, e shrinks by 1 - kp an iteration; ki and kd are small beside kp, the
 // integral for what the Jacobian gets wrong, the derivative against overshoot in curved valleys. The integral rests
-// while a command is at its limit, and a step is at most kLargestStep of the command's range.
+// while a command is at its limit, and a step is at most kLargestPidStep of the command's range.
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -34,9 +34,9 @@ struct Gains {
 constexpr Gains kPublished{0.05, 0.00075, 150.0};  // [command per m^2], the integral's also per iteration
 constexpr Gains kProjected{0.4, 0.01, 0.1};        // [1], over iterations
 
-constexpr double kDamping = 0.01;        // of the pseudo-inverse, relative to the largest diagonal entry of J^T J
-constexpr double kLargestStep = 0.025;   // of the command's range
-constexpr double kSettledStep = 1.0e-6;  // of the command's range
+constexpr double kDamping = 0.01;          // of the pseudo-inverse, relative to the largest diagonal entry of J^T J
+constexpr double kLargestPidStep = 0.025;  // of the command's range
+constexpr double kSettledStep = 1.0e-6;    // of the command's range
 
 // Simpson's rule over equally spaced values, one iteration apart; an interval left over at the end by the trapezoid.
 class SimpsonIntegral {
@@ -145,7 +145,7 @@ std::string search_pid_projected(Search& search, int max_iterations, double tole
     for (Eigen::Index i = 0; i < error.size(); ++i)
       if (commands[i] <= problem.min[i] || commands[i] >= problem.max[i]) to_integrate[i] = 0.0;
     const Eigen::VectorXd step =
-        pid.output(error, to_integrate).cwiseMin(kLargestStep * range).cwiseMax(-kLargestStep * range);
+        pid.output(error, to_integrate).cwiseMin(kLargestPidStep * range).cwiseMax(-kLargestPidStep * range);
     const Eigen::VectorXd next = within(problem, commands + step);
     here = search.approach(commands, next, true);
     if (!here) return search.failure();

@@ -21,8 +21,6 @@ inline constexpr int kLineSearchHalvings = 8;  // of a step; then a convex stiff
 inline constexpr double kStillAtRest = 2e-3;  // residual beyond which a state has no sensitivities: twice the roughest
                                               // equilibrium that is asked for
 inline constexpr int kRefinements = 4;        // of a derivative, whose matrix is softened by ties; each brings 1e-2
-inline constexpr int kFallingIterations = 8;  // to find the direction in which a body leaves a saddle
-inline constexpr double kNudge = 1e-3;        // by which it is then moved, over its size
 
 // --- Multipliers and slip (newton/multiplier_problem.h)
 

@@ -2,9 +2,11 @@
 // check_casting ROBOT.yaml [--result FILE]: whether a robot can be cast in silicone, and why not.
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "robot/casting/cast_robot.h"
 #include "robot/casting/check_casting.h"
+#include "robot/scene/parameters.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 
@@ -14,12 +16,17 @@ using namespace soft_robot_lab;
 
 struct Arguments {
   std::string robot, result;
+  std::vector<std::string> set;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("ROBOT", arguments.robot, "the robot's file, whose block casting has the limits")
       ->type_name("FILE")
       ->required();
+  app.add_option("--set", arguments.set, "a number of the file by its path, or a parameter that it names")
+      ->type_name("PATH=NUMBER")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--result", arguments.result, "where the verdict goes as JSON")->type_name("FILE");
   app.footer("Exit status: 0 castable, 1 not, 2 bad file or arguments.");
 }
@@ -35,6 +42,7 @@ void print(const CastingVerdict& verdict) {
 int check(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
+  options.overrides = parameter_overrides(arguments.robot, arguments.set);
   const CastRobotFile file = load_cast_robot(arguments.robot, options);
   const CastingVerdict verdict = check_casting(file.robot, file.settings);
   if (!arguments.result.empty()) write_file(arguments.result, verdict_json(verdict));

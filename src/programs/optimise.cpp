@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "robot/scene/parameters.h"
 #include "settings/command_line.h"
 #include "settings/words.h"
 #include "progress_bar.h"
@@ -27,6 +28,7 @@ void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
   std::string robot, result, policy, replay;
+  std::vector<std::string> set;
   PolicyTask task;
   OptimiserOptions options;
   double duration_s = 2.0;
@@ -86,6 +88,10 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--iterations", options.max_iterations, "of the method, at most")->type_name("N");
   app.add_option("--seed", options.seed, "of methods with random numbers")->type_name("N")->capture_default_str();
+  app.add_option("--set", arguments.set, "a number of the file by its path, or a parameter that it names")
+      ->type_name("PATH=NUMBER")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--result", arguments.result, "where the answer goes as JSON")->type_name("FILE");
   app.add_option("--policy", arguments.policy, "where the policy goes as YAML")->type_name("FILE");
   app.add_option("--replay", arguments.replay, "show where this policy takes the markers, and search nothing")
@@ -167,6 +173,7 @@ int optimise_robot(const Arguments& arguments) {
   arguments.options.validate();
   SceneOptions scene_options;
   scene_options.actuator_factory = make_actuator;
+  scene_options.overrides = parameter_overrides(arguments.robot, arguments.set);
   const Scene scene = load_scene(arguments.robot, scene_options);
   if (!arguments.replay.empty()) return replay_policy(arguments, *scene.simulation);
   const PolicyTask task = complete(arguments, *scene.simulation);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// simulate SCENE.yaml [--result FILE] [--estimate-error]: runs a scene from the shell, without a ROS master.
+// simulate SCENE.yaml [--result FILE] [--set PATH=NUMBER] [--estimate-error]: runs a scene from the shell, without a
+// ROS master.
 #include <iostream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "robot/scene/parameters.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
@@ -17,12 +20,17 @@ struct Arguments {
   std::string scene;
   std::string result;  // empty: standard output
   bool estimate_error = false;
+  std::vector<std::string> set;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("SCENE", arguments.scene, "a scene's or robot's file")->type_name("FILE")->required();
   app.add_option("--result", arguments.result, "where the result goes as JSON; otherwise to the standard output")
       ->type_name("FILE");
+  app.add_option("--set", arguments.set, "a number of the file by its path, or a parameter that it names")
+      ->type_name("PATH=NUMBER")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_flag("--estimate-error", arguments.estimate_error,
                "also report how wrong the scene's mesh and time step make the markers");
   app.footer(
@@ -33,6 +41,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 int simulate(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
+  options.overrides = parameter_overrides(arguments.scene, arguments.set);
   options.estimate_error = arguments.estimate_error;
   Scene scene = load_scene(arguments.scene, options);
   const RunReport report = run_scene(scene);

@@ -86,6 +86,20 @@ MarkerObservations marker_observations(const Simulation& simulation, const ros::
   return message;
 }
 
+ActuatorRanges actuator_ranges(const Simulation& simulation, const ros::Time& stamp) {
+  ActuatorRanges message;
+  message.header.stamp = stamp;
+  for (const auto& actuator : simulation.actuators()) {
+    const CommandLimits& limits = actuator->limits();
+    message.names.push_back(actuator->name());
+    message.units.push_back(limits.unit);
+    message.rests.push_back(limits.rest);
+    message.mins.push_back(limits.min);
+    message.maxs.push_back(limits.max);
+  }
+  return message;
+}
+
 ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp) {
   ActuatorState message;
   message.header.stamp = stamp;

@@ -23,6 +23,7 @@ Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::st
 void require_whole(const MarkerObservations& markers);
 
 MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp);
+ActuatorRanges actuator_ranges(const Simulation& simulation, const ros::Time& stamp);
 ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp);
 
 // By the name of the surface it acts on.

@@ -13,7 +13,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kept_s = 5.0;  // of simulated markers: longer than a tracker takes
+constexpr double kept_markers_s = 5.0;  // of simulated markers: longer than a tracker takes
 using Places = std::map<std::string, Eigen::Vector3d>;
 
 Places places_of(const MarkerObservations& markers) {
@@ -72,7 +72,8 @@ std::optional<RealityGap> gap_of(const MarkerObservations& measured, const Place
 
 void GapMeter::add_simulated(const MarkerObservations& markers) {
   add(markers, simulated_);
-  while (seconds_between(simulated_.front().header.stamp, markers.header.stamp) > kept_s) simulated_.pop_front();
+  while (seconds_between(simulated_.front().header.stamp, markers.header.stamp) > kept_markers_s)
+    simulated_.pop_front();
   compare();
 }
 

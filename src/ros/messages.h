@@ -4,6 +4,7 @@
 
 #include <soft_robot_lab/ActuatorCommand.h>
 #include <soft_robot_lab/ActuatorLimits.h>
+#include <soft_robot_lab/ActuatorRanges.h>
 #include <soft_robot_lab/ActuatorState.h>
 #include <soft_robot_lab/MarkerObservations.h>
 #include <soft_robot_lab/MotorState.h>

@@ -75,6 +75,13 @@ PolicyTask correction_task(const ExecutePolicy::Request& request, const std::opt
   return task;
 }
 
+void count_as_reached(const OptimisePolicy::Request& request, PolicyAnswer& answer) {
+  constexpr double known_m = 5.0e-4;
+  if (request.tolerance_m != 0.0) return;
+  for (OptimisationSummary& summary : answer.summaries)
+    summary.target_reached = summary.usable && summary.final_distance_m < known_m;
+}
+
 void fill_response(const PolicyAnswer& answer, const PolicyTask& task, OptimisePolicy::Response& response) {
   for (const OptimisationSummary& summary : answer.summaries) response.poses.push_back(to_message(summary));
   response.summary = response.poses.back();

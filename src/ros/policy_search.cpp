@@ -16,6 +16,11 @@ PolicySearch::PolicySearch(ros::NodeHandle& node)
 
 PolicyAnswer PolicySearch::find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options) {
   model.reset();
+  return go_on(model, task, options, [] { return false; });
+}
+
+PolicyAnswer PolicySearch::go_on(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
+                                 const std::function<bool()>& interrupted) {
   cancelled_ = false;
   std::optional<size_t> published;
   searching_ = true;
@@ -25,7 +30,7 @@ PolicyAnswer PolicySearch::find(Simulation& model, const PolicyTask& task, const
     if (published != pose) publish_target(goal);
     published = pose;
     publish_progress(options.method, goal.marker, actuators, progress);
-    return ros::ok() && !cancelled_;
+    return ros::ok() && !cancelled_ && !interrupted();
   });
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,10 @@ class PolicySearch {
   // From the model's rest state without commands, whatever it was asked before; one search at a time. Throws what
   // find_policy throws.
   PolicyAnswer find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options);
+
+  // From where the model is, and only until `interrupted` answers true: quick where the task is near to the one before.
+  PolicyAnswer go_on(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
+                     const std::function<bool()>& interrupted);
 
   bool cancel();  // false where nothing is searched for; the answer then has the poses found so far
 

@@ -94,4 +94,28 @@ visualization_msgs::Marker SurfaceMarker::message(const Eigen::Matrix3Xd& positi
   return marker;
 }
 
+visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface) {
+  surface.ns = "ghost";
+  surface.color.r = 0.98f;
+  surface.color.g = 0.62f;
+  surface.color.b = 0.20f;
+  surface.color.a = 0.35f;
+  for (std_msgs::ColorRGBA& rgba : surface.colors) {  // the light stays
+    const float light = rgba.r / static_cast<float>(skin_colour.x());
+    rgba = surface.color;
+    rgba.r *= light;
+    rgba.g *= light;
+    rgba.b *= light;
+  }
+  return surface;
+}
+
+visualization_msgs::Marker no_ghost() {
+  visualization_msgs::Marker marker;
+  marker.header.frame_id = topics::robot_frame;
+  marker.ns = "ghost";
+  marker.action = visualization_msgs::Marker::DELETE;
+  return marker;
+}
+
 }  // namespace soft_robot_lab

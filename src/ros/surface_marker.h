@@ -40,4 +40,9 @@ class SurfaceMarker {
   ros::Time followed_;                  // the last stamp
 };
 
+// The skin of a robot that is not there yet: one colour, translucent.
+visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface);
+// Takes it away.
+visualization_msgs::Marker no_ghost();
+
 }  // namespace soft_robot_lab

@@ -1,12 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Settings laid over others.
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "settings_data.h"
 #include "words.h"
 
 namespace soft_robot_lab {
+namespace {
+
+// "[3]" is the place 3.
+std::optional<std::size_t> place_in_list(const std::string& key) {
+  if (key.size() < 3 || key.front() != '[' || key.back() != ']') return std::nullopt;
+  return parse_number<std::size_t>(key.substr(1, key.size() - 2));
+}
+
+}  // namespace
 
 // A deep copy, with the marks of what was read already.
 YamlNode YamlNode::Data::copy(const YamlNode& node) {
@@ -51,9 +61,27 @@ YamlNode YamlNode::Data::change_named(const YamlNode& list, const YamlNode& over
   return merged;
 }
 
+// A list, and a map from places "[0]" to what changes.
+YamlNode YamlNode::Data::change_placed(const YamlNode& list, const YamlNode& overrides) {
+  YamlNode merged = copy(list);
+  std::vector<YamlNode>& items = merged.data_->items;
+  for (const Member& change : overrides.data_->members) {
+    const std::optional<std::size_t> place = place_in_list(change.key);
+    if (!place) change.value.fail("'" + change.key + "' is no place in a list, as its other keys are: [0]");
+    if (*place >= items.size())
+      change.value.fail("there is no place " + change.key + " in a list of " + std::to_string(items.size()));
+    items[*place] = merge_settings(items[*place], change.value);
+  }
+  return merged;
+}
+
 YamlNode merge_settings(const YamlNode& base, const YamlNode& overlay) {
   using Data = YamlNode::Data;
-  if (base.is_sequence() && overlay.is_map()) return Data::change_named(base, overlay);
+  if (base.is_sequence() && overlay.is_map()) {
+    const auto& members = overlay.data_->members;
+    const bool placed = !members.empty() && place_in_list(members.front().key).has_value();
+    return placed ? Data::change_placed(base, overlay) : Data::change_named(base, overlay);
+  }
   const auto names = [&](const char* key) {  // without asking, which an error would list as a known key
     const auto& members = overlay.data_->members;
     return std::any_of(members.begin(), members.end(), [&](const Data::Member& member) { return member.key == key; });

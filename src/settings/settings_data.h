@@ -38,6 +38,7 @@ struct YamlNode::Data {
   static YamlNode copy(const YamlNode& node);
   static YamlNode merge(const YamlNode& base, const YamlNode& overlay);
   static YamlNode change_named(const YamlNode& list, const YamlNode& overrides);
+  static YamlNode change_placed(const YamlNode& list, const YamlNode& overrides);
 
   Member* find(const std::string& key) {
     if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);

@@ -9,6 +9,7 @@
 
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
+#include "smallest.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -35,8 +36,6 @@ void run(benchmark::State& state, const std::string& file, const std::string& ov
   }
   state.counters["iterations"] = report.solve.iterations;
 }
-
-double smallest(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
 
 void measured(const std::string& name, const std::string& overrides, const std::string& file = kBar) {
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) { run(state, file, overrides); })

@@ -14,6 +14,7 @@
 #include "soft_robot_lab/control/optimiser.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "soft_robot_lab/settings/yaml_node.h"
+#include "smallest.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -45,8 +46,6 @@ void pull_in_turn(Simulation& simulation) {
     simulation.set_command(names[i], 1.0 - 0.1 * (1.0 - std::cos(phase)));
   }
 }
-
-double smallest(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
 
 // One cable is pulled by a fifth, which takes it most of the second, and held.
 void pull_and_hold(Simulation& simulation) { simulation.set_command("left", 0.8); }

@@ -10,6 +10,7 @@
 #include "mechanics/linear_algebra/block_cholesky.h"
 #include "mechanics/box_mesh.h"
 #include "mechanics/elements/elements.h"
+#include "smallest.h"
 
 extern "C" void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
                        const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
@@ -22,7 +23,6 @@ namespace {
 // hand; gathering and scattering count as none.
 constexpr double kGradientFlops = 2.6e3, kHessianFlops = 1.36e4;
 
-double smallest(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
 double largest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
 
 void rate(benchmark::State& state, const char* name, double per_iteration) {

@@ -18,8 +18,8 @@
 #include "ros/gap_meter.h"
 #include "ros/image_messages.h"
 #include "ros/marker_frames.h"
-#include "ros/motor_watch.h"
 #include "ros/overlay.h"
+#include "ros/policy_execution.h"
 #include "ros/policy_request.h"
 #include "ros/seen_robot.h"
 #include "ros/topics.h"
@@ -250,8 +250,8 @@ MotorState motors(double time_s) {
 
 void take_motors(const MotorState& state) {
   MotorWatch watch;
-  watch.add(state, ros::SteadyTime(1.0));
-  watch.fault({"left", "right"}, ros::SteadyTime(1.5));
+  watch.add(motor_report(state), 1.0);
+  watch.fault({"left", "right"}, 1.5);
   watch.moving();
   Recording recording;
   recording.add(motors(10.0), 10.0);

@@ -228,6 +228,19 @@ TEST(MergeSettings, ReplacesAMapByOneThatNamesItsPresetOrModel) {
   EXPECT_EQ(merge_settings(robot, parse("material: {colour: red}\n")).child("material").keys().size(), 3u);
 }
 
+TEST(MergeSettings, ChangesItemsOfAListByTheirPlaces) {
+  const YamlNode robot = YamlNode::parse("box: {size_m: [1, 2, 3]}\npoints: [[1, 2], [3, 4]]\n", "robot.yaml");
+  const YamlNode both = merge_settings(robot, parse("box: {size_m: {\"[1]\": 5}}\npoints: {\"[1]\": {\"[0]\": 6}}\n"));
+  EXPECT_EQ(both.child("box").vector3("size_m"), Eigen::Vector3d(1, 5, 3));
+  EXPECT_EQ(both.sequence("points")[0].as_numbers(), Eigen::Vector2d(1, 2));
+  EXPECT_EQ(both.sequence("points")[1].as_numbers(), Eigen::Vector2d(6, 4));
+  EXPECT_EQ(robot.child("box").vector3("size_m"), Eigen::Vector3d(1, 2, 3));
+  EXPECT_NE(
+      error_of([&] { merge_settings(robot, parse("points: {\"[2]\": 1}\n")); }).find("no place [2] in a list of 2"),
+      std::string::npos);
+  EXPECT_THROW(merge_settings(robot, parse("points: {\"[0]\": 1, left: 2}\n")), SettingsError);
+}
+
 TEST(MergeSettings, ChangesItemsOfAListByTheirNames) {
   const YamlNode robot =
       YamlNode::parse("cables:\n  - {name: left, points: 3}\n  - {name: right, points: 4}\n", "robot.yaml");

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <random>
 #include <tuple>
 
 #include <Eigen/LU>
@@ -49,35 +48,6 @@ Eigen::MatrixXd NewtonSolver::solve_exactly(const Eigen::MatrixXd& right_hand_si
     solved += solve(left);
   }
   return solved;
-}
-
-// Inverse iteration, within what the active constraints leave free: a vector turns to the lowest eigenvalues, of which
-// a saddle has negative ones.
-bool NewtonSolver::leave_saddle(NewtonState& state) {
-  if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return false;
-  std::vector<int> rows;
-  for (int i = 0; i < constraint_count(); ++i)
-    if (active(law_at(state, i), state.constraint_multipliers[i])) rows.push_back(i);
-  const Eigen::MatrixXd gradients = border_(Eigen::all, rows), solved = border_solved_(Eigen::all, rows);
-  Eigen::MatrixXd delassus = gradients.transpose() * solved;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    delassus(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += law_at(state, rows[i]).compliance;
-  std::mt19937 random(1);
-  Eigen::Matrix3Xd start(3, layout_.node_count);
-  for (double& entry : start.reshaped()) entry = static_cast<double>(random()) / 2147483648.0 - 1.0;
-  release(start);
-  Eigen::VectorXd along = as_vector(start).normalized();
-  double curvature = 0.0;
-  for (int i = 0; i < constants::kFallingIterations; ++i) {
-    Eigen::VectorXd next = solve(along);
-    if (!rows.empty()) next -= solved * delassus.partialPivLu().solve(gradients.transpose() * next);
-    curvature = next.dot(along);
-    along = next.normalized();
-  }
-  if (!(curvature < 0.0) || !along.allFinite()) return false;
-  const Eigen::Map<const Eigen::Matrix3Xd> motion(along.data(), 3, layout_.node_count);
-  state.positions_m += constants::kNudge * body_.size_m() / motion.colwise().norm().maxCoeff() * motion;
-  return true;
 }
 
 // S dy + D dq = d offset - B' A^-1 d force on active constraints, dy given on the others; at a contact dq = 0, or

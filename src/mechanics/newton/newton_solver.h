@@ -132,7 +132,6 @@ class NewtonSolver {
   // force, which loads and constraints balance. Over 3*node + axis.
   Eigen::VectorXd elastic_force_n(const NewtonState& state) const;
 
-  // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
   // The gradient of the energy on held axes, zero on free ones, 3 x nodes [N]: what the holds add to the loads.
   Eigen::Matrix3Xd reaction_forces_n(const NewtonState& state) const;
   NewtonForces forces(const NewtonState& state, const std::shared_ptr<const StrainTarget>& strain_target) const;
@@ -142,10 +141,9 @@ class NewtonSolver {
     return constraints_[static_cast<std::size_t>(constraint)].value(positions_m, drives);
   }
   double slipped_j(const NewtonState& state) const;  // that cables' friction takes by the state's slips
+  // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
   double rest_residual(const NewtonState& state) const;
   bool stable_at_rest(const NewtonState& state);
-  // Moves an unstable state of rest a little along a direction in which its energy falls; false where none was found.
-  bool leave_saddle(NewtonState& state);
   // How far the constraints are from their laws, relative to their values; costs no pass over the body.
   double worst_violation(const NewtonState& state) const;
 

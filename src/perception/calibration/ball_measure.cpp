@@ -12,15 +12,16 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double inner_share = 0.8;     // of a ball's radius
+constexpr double judged_share = 0.8;    // of a ball's radius
 constexpr double min_radius_px = 5;     // with less there is no inside beside the edge
 constexpr double clear_of_ball = 1.25;  // of its radius, and some pixels: what lies farther out is no ball's
 constexpr int white = 250;              // of 255; noise and compression keep pixels from 255
 constexpr double box_quantile = 0.95;
 
 constexpr int directions = 72;
-constexpr double step_px = 0.1, reach_px = 5;            // of a profile, to both sides of the outline
-constexpr double level_from_px = 3, min_contrast = 0.1;  // beside the edge levels are taken from here to the reach
+constexpr double profile_step_px = 0.1, profile_reach_px = 5;  // of a profile, to both sides of the outline
+constexpr double profile_level_from_px = 3,
+                 profile_min_contrast = 0.1;  // beside the edge levels are taken from here to the reach
 
 cv::Mat brightest_channel(const cv::Mat& rgb) {
   std::array<cv::Mat, 3> channels;
@@ -52,7 +53,7 @@ std::vector<double> inner_levels(const cv::Mat& level, const BallPlace& ball) {
                          static_cast<int>(std::lround(ball.centre_px.y())));
   for (int row = std::max(0, middle.y - reach); row <= std::min(level.rows - 1, middle.y + reach); ++row)
     for (int column = std::max(0, middle.x - reach); column <= std::min(level.cols - 1, middle.x + reach); ++column)
-      if (distance_px(ball, column, row) <= inner_share * ball.radius_px)
+      if (distance_px(ball, column, row) <= judged_share * ball.radius_px)
         levels.push_back(level.at<uchar>(row, column));
   return levels;
 }
@@ -69,7 +70,7 @@ double between_pixels(const cv::Mat& level, const Eigen::Vector2d& at) {
 std::vector<double> profile(const cv::Mat& level, const BallPlace& ball, double angle) {
   const Eigen::Vector2d outwards(std::cos(angle), std::sin(angle));
   std::vector<double> values;
-  for (double beyond_px = -reach_px; beyond_px <= reach_px; beyond_px += step_px) {
+  for (double beyond_px = -profile_reach_px; beyond_px <= profile_reach_px; beyond_px += profile_step_px) {
     const Eigen::Vector2d at = ball.centre_px + (ball.radius_px + beyond_px) * outwards;
     if (!(at.x() >= 0 && at.y() >= 0 && at.x() < level.cols - 1 && at.y() < level.rows - 1)) return {};
     values.push_back(between_pixels(level, at));
@@ -79,18 +80,18 @@ std::vector<double> profile(const cv::Mat& level, const BallPlace& ball, double 
 
 // How far it is from 90 to 10 % of the step.
 std::optional<double> step_width_px(const std::vector<double>& profile) {
-  const auto beside = static_cast<std::ptrdiff_t>((reach_px - level_from_px) / step_px);
+  const auto beside = static_cast<std::ptrdiff_t>((profile_reach_px - profile_level_from_px) / profile_step_px);
   if (static_cast<std::ptrdiff_t>(profile.size()) <= 2 * beside) return std::nullopt;
   const double within = median({profile.begin(), profile.begin() + beside});
   const double without = median({profile.end() - beside, profile.end()});
-  if (within - without < min_contrast * 255) return std::nullopt;
+  if (within - without < profile_min_contrast * 255) return std::nullopt;
   const auto below = [&](double fraction) {
     return [=](double value) { return value < without + fraction * (within - without); };
   };
   const auto end = std::find_if(profile.begin(), profile.end(), below(0.1));
   auto begin = end;
   while (begin != profile.begin() && below(0.9)(*(begin - 1))) --begin;
-  return static_cast<double>(end - begin) * step_px;
+  return static_cast<double>(end - begin) * profile_step_px;
 }
 
 std::optional<double> edge_width_px(const cv::Mat& level, const BallPlace& ball) {
@@ -106,7 +107,7 @@ double box_level(const cv::Mat& level, const std::vector<BallPlace>& balls) {
   for (int row = 0; row < level.rows; ++row)
     for (int column = 0; column < level.cols; ++column) {
       const auto clear = [&](const BallPlace& ball) {
-        return distance_px(ball, column, row) > clear_of_ball * ball.radius_px + reach_px;
+        return distance_px(ball, column, row) > clear_of_ball * ball.radius_px + profile_reach_px;
       };
       if (std::all_of(balls.begin(), balls.end(), clear)) levels.push_back(level.at<uchar>(row, column));
     }

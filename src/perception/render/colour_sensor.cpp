@@ -13,7 +13,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr std::uint64_t tile = 0, colour_noise = 2;  // purposes of chance; see scramble()
+constexpr std::uint64_t colour_tile = 0, colour_noise = 2;  // purposes of chance; see scramble()
 constexpr int tile_size = static_cast<int>(NoiseTile::size);
 constexpr double blur_reach = 5;  // deviations, at which OpenCV's kernel has ended
 
@@ -30,7 +30,7 @@ ColourSensor::ColourSensor(const SensorModel& model, const cv::Mat& background, 
       gain_.col(u).setTo(cv::Scalar::all(model.exposure_gain * (1 - model.light_gradient * u / size.width)));
   }
   if (model.electrons_at_white > 0 || model.read_noise > 0)
-    white_ = std::make_unique<NoiseTile>(scramble(seed, 0, tile), 0);
+    white_ = std::make_unique<NoiseTile>(scramble(seed, 0, colour_tile), 0);
   light_.lit.create(size, CV_32FC3);
   light_.mean.create(size, CV_32FC3);
   if (white_)

@@ -15,9 +15,9 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr std::uint64_t tile = 1, depth_noise = 3, dark_blots = 4;  // purposes of chance; see scramble()
-constexpr float edge_jump_ratio = 0.02f;                            // of the depth
-constexpr double finest_step_m = 1e-6;                              // of a float of some metres
+constexpr std::uint64_t depth_tile = 1, depth_noise = 3, dark_blots = 4;  // purposes of chance; see scramble()
+constexpr float edge_jump_ratio = 0.02f;                                  // of the depth
+constexpr double finest_step_m = 1e-6;                                    // of a float of some metres
 
 float focal_baseline_px_m(const SensorModel& model, int width_px) {
   const double focal_px = 0.5 * width_px / std::tan(0.5 * model.field_of_view_deg * M_PI / 180);
@@ -53,7 +53,7 @@ DepthSensor::DepthSensor(const SensorModel& model, const ExactImage& background,
       noisy_(model.disparity_noise_px > 0 || model.disparity_step_px > 0),
       rounded_(model.depth_step_m >= finest_step_m) {
   if (model.disparity_noise_px > 0 || model.low_texture_level > 0)
-    correlated_ = std::make_unique<NoiseTile>(scramble(seed, 0, tile), model.noise_correlation_px);
+    correlated_ = std::make_unique<NoiseTile>(scramble(seed, 0, depth_tile), model.noise_correlation_px);
   const cv::Size size = background.depth.size();
   match_.disparity_px.create(size, CV_32FC1);
   if (!noisy_) match_.quiet_m.create(size, CV_32FC1);

@@ -15,7 +15,6 @@ namespace {
 
 namespace field = gmsh::model::mesh::field;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kGrowth = 0.4;     // of element size per distance, around refinements
 constexpr double kMostCurved = 10;  // curvature makes elements this much smaller at most: the tip of a cone has no end
 constexpr double kMostElements = 2e6;
@@ -86,7 +85,7 @@ bool MeshSizes::name_surfaces() const {
 void check_count(double volume_m3, const MeshSizes& sizes) {
   double count = kElementsPerCube * volume_m3 / std::pow(sizes.element_size_m, 3);
   for (const MeshRefinement& r : sizes.refinements) {
-    const double ball_m3 = 4.0 / 3.0 * kPi * std::pow(r.radius_m, 3);
+    const double ball_m3 = 4.0 / 3.0 * M_PI * std::pow(r.radius_m, 3);
     count += kElementsPerCube * std::min(ball_m3, volume_m3) / std::pow(r.size_m, 3);
   }
   const double needed_gb = 1e-6 * count * (sizes.quadratic ? kQuadraticElement_kb : kLinearElement_kb);

@@ -14,8 +14,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kStlCorner = 40 * kPi / 180;  // STL facets that meet at more than this angle are different surfaces
+constexpr double kStlCorner = 40 * M_PI / 180;  // STL facets that meet at more than this angle are different surfaces
 
 void generate(bool quadratic) {
   gmsh::option::setNumber("Mesh.Algorithm3D", 1);  // Delaunay: HXT (10) is faster, but differs from run to run
@@ -58,7 +57,7 @@ void cut_few_triangles() {
 std::vector<NamedSurface> build_stl(const Solid& solid, const MeshSizes& sizes) {
   gmsh::merge(solid.file);
   cut_few_triangles();
-  gmsh::model::mesh::classifySurfaces(kStlCorner, true, true, kPi);
+  gmsh::model::mesh::classifySurfaces(kStlCorner, true, true, M_PI);
   gmsh::model::mesh::createGeometry();
   gmsh::vectorpair surfaces;
   gmsh::model::getEntities(surfaces, 2);

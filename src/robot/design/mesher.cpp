@@ -46,7 +46,7 @@ void check_request(const MeshRequest& request) {
   }
 }
 
-std::string quoted(const std::string& text) {
+std::string single_quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) result += c == '\'' ? "''" : std::string(1, c);
   return result + "'";
@@ -58,7 +58,7 @@ std::string request_text(const MeshRequest& request) {
   text.imbue(std::locale::classic());
   text.precision(17);
   if (!request.mesh_file.empty()) {
-    text << "mesh_file: " << quoted(fs::absolute(request.mesh_file)) << "\n";
+    text << "mesh_file: " << single_quoted(fs::absolute(request.mesh_file)) << "\n";
     return text.str();
   }
   text << "solid: " << request.solid_yaml << "\nelement_size_m: " << request.element_size_m
@@ -66,8 +66,8 @@ std::string request_text(const MeshRequest& request) {
        << "\nrefinements:" << (request.refinements.empty() ? " []" : "") << "\n";
   for (const MeshRefinement& r : request.refinements) {
     if (!r.surface.empty()) {
-      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << quoted(r.surface) << ", size_m: " << r.size_m
-           << "}\n";
+      text << "- {" << (r.edges_only ? "edges_of" : "surface") << ": " << single_quoted(r.surface)
+           << ", size_m: " << r.size_m << "}\n";
       continue;
     }
     text << "- {center_m: [" << r.center_m.x() << ", " << r.center_m.y() << ", " << r.center_m.z()

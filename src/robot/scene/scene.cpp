@@ -2,6 +2,7 @@
 #include "soft_robot_lab/robot/scene/scene.h"
 
 #include "fidelity.h"
+#include "parameters.h"
 #include "robot/design/casting_settings.h"
 
 namespace soft_robot_lab {
@@ -34,6 +35,7 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
 
 Scene load_scene(const YamlNode& node, const SceneOptions& options) {
   const YamlNode stated = merge_overrides(node, options.overrides);
+  read_parameters(stated);
   std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
   const bool chosen = fidelity && !fidelity->choice.empty();
   const YamlNode settings = chosen ? merge(stated, fidelity->choice) : stated;

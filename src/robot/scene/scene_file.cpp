@@ -8,9 +8,9 @@
 namespace soft_robot_lab {
 
 bool is_scene_file(const std::string& path) {
-  static const std::set<std::string> known = {"actuators", "body",     "cables",       "casting", "chambers",
-                                              "contact",   "fidelity", "gravity_m_s2", "include", "loads",
-                                              "markers",   "run",      "solver"};
+  static const std::set<std::string> known = {"actuators", "body",       "cables",       "casting", "chambers",
+                                              "contact",   "fidelity",   "gravity_m_s2", "include", "loads",
+                                              "markers",   "parameters", "run",          "solver"};
   try {
     const YamlNode scene = with_includes(YamlNode::load_file(path));
     if (!scene.is_map() || !scene.has("body")) return false;

@@ -21,11 +21,15 @@
 
 #include "run_node.h"
 #include "ros/actuator_plugins.h"
-#include "ros/execution.h"
+#include "ros/policy_execution.h"
 #include "ros/fit_service.h"
+#include "ros/latched_publisher.h"
+#include "ros/live_target.h"
 #include "ros/log_text.h"
 #include "ros/policy_request.h"
 #include "ros/policy_search.h"
+#include "ros/surface_marker.h"
+#include "ros/target_marker.h"
 #include "ros/topics.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
@@ -49,10 +53,15 @@ class ControllerNode {
   void on_scene(const std_msgs::String& path);
   void on_actuators(const ActuatorState& actuators);
   void send(const std::vector<std::string>& names, const std::vector<double>& values) const;
+  void answer_live(const LiveGoal& goal, const std::function<bool()>& interrupted);
+  void remember(const PolicyTask& task, const PolicyAnswer& answer);
+  void show_ghost();  // of the model as it is
+  void show_target(const std::string& marker, const Eigen::Vector3d& target_m);
   bool optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response);
   bool execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response);
   void execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response);
   ExecutionOrder order_of(const ExecutePolicy::Request& request) const;
+  ExecutePolicy::Request with_policy(ExecutePolicy::Request request) const;
   ClosedLoop loop_of(const ExecutePolicy::Request& request, const CommandPolicy& policy);
   bool cancel(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
@@ -66,16 +75,22 @@ class ControllerNode {
   CommandLimitsByName limits_;
   std::map<std::string, double> commands_;  // as the actuators last said, whoever sent them
   std::optional<PolicyTask> found_;         // the last task that a policy was found for
+  CommandPolicy found_policy_;              // and that policy
 
   const ClosedLoopOptions loop_options_ = read_loop_options();
-  Execution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
+  PolicyExecution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
 
   ros::NodeHandle node_;
   PolicySearch search_{node_};
   ros::Publisher command_publisher_;
+  LatchedPublisher<visualization_msgs::Marker> ghost_{topics::controller_ghost};
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   std::unique_ptr<FitService> fit_service_;
+  LiveTarget live_{[this](const auto& goal, const auto& interrupted) { answer_live(goal, interrupted); }};
+  TargetMarker target_{node_, [this](const auto& marker, const auto& target_m, bool released) {
+                         live_.ask({marker, target_m, released});
+                       }};
 };
 
 ControllerNode::ControllerNode() {
@@ -92,10 +107,10 @@ ControllerNode::ControllerNode() {
   subscribers_ = {
       node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
       node_.subscribe(topics::simulator_actuators, 1, &ControllerNode::on_actuators, this),
-      node_.subscribe(topics::simulator_markers, 100, &Execution::add_simulated, &execution_),
+      node_.subscribe(topics::simulator_markers, 100, &PolicyExecution::add_simulated, &execution_),
       node_.subscribe(parameters.param<std::string>("markers_topic", topics::tracker_markers), 100,
-                      &Execution::add_measured, &execution_),
-      node_.subscribe(topics::motor_state, 100, &Execution::add_motors, &execution_),
+                      &PolicyExecution::add_measured, &execution_),
+      node_.subscribe(topics::motor_state, 100, &PolicyExecution::add_motors, &execution_),
   };
   fit_service_ = std::make_unique<FitService>(node_, scene_options_, scene);
   if (model_) offer_services();
@@ -113,11 +128,60 @@ void ControllerNode::offer_services() {
 void ControllerNode::load(const std::string& path) {
   Scene scene = load_scene(path, scene_options_);
   CommandLimitsByName limits = limits_of(*scene.simulation);
-  const std::scoped_lock lock(model_mutex_, mutex_);
+  live_.interrupt();
+  const std::lock_guard model_lock(model_mutex_);
   model_ = std::move(scene.simulation);
-  limits_ = std::move(limits);
-  commands_.clear();
-  found_.reset();
+  {
+    const std::lock_guard lock(mutex_);
+    limits_ = std::move(limits);
+    commands_.clear();
+    found_.reset();
+    found_policy_ = {};
+  }
+  ghost_.publish(no_ghost());
+  const std::vector<Marker>& markers = model_->markers();
+  if (markers.empty()) return;
+  const auto tip = std::find_if(markers.begin(), markers.end(), [](const auto& one) { return one.name() == "tip"; });
+  const auto shown =
+      static_cast<int>(tip != markers.end() ? tip - markers.begin() : markers.end() - markers.begin() - 1);
+  show_target(markers[static_cast<size_t>(shown)].name(), model_->marker_position(shown));
+}
+
+void ControllerNode::show_target(const std::string& marker, const Eigen::Vector3d& target_m) {
+  const Eigen::Matrix3Xd& nodes_m = model_->body().mesh().nodes_m;
+  const double size_m = (nodes_m.rowwise().maxCoeff() - nodes_m.rowwise().minCoeff()).maxCoeff();
+  target_.show(marker, target_m, 0.25 * size_m);
+}
+
+void ControllerNode::show_ghost() {
+  SurfaceMarker surface(model_->body().mesh());
+  ghost_.publish(ghost_of(surface.message(model_->state().positions_m, ros::Time::now())));
+}
+
+void ControllerNode::remember(const PolicyTask& task, const PolicyAnswer& answer) {
+  show_ghost();
+  const MarkerGoal& goal = task.poses.back().goals.front();
+  show_target(goal.marker, goal.target_m);
+  const std::lock_guard lock(mutex_);
+  found_ = task;
+  found_policy_ = answer.policy;
+}
+
+// While the target is dragged, a few iterations from where the model is; where it is let go, as the service does it.
+void ControllerNode::answer_live(const LiveGoal& goal, const std::function<bool()>& interrupted) {
+  const std::unique_lock lock(model_mutex_, std::try_to_lock);
+  if (!lock || !model_) return;
+  PolicyTask task;
+  task.poses.push_back({{{goal.marker, goal.target_m, 1.0}}, ramp_s_, {}});
+  OptimiserOptions options;
+  if (goal.released) {
+    model_->reset();
+  } else {
+    options.max_iterations = 4;
+    options.tolerance_m = 1.0e-4;
+  }
+  const PolicyAnswer answer = search_.go_on(*model_, task, options, interrupted);
+  if (answer.success) remember(task, answer);
 }
 
 void ControllerNode::on_scene(const std_msgs::String& path) {
@@ -138,13 +202,14 @@ void ControllerNode::on_actuators(const ActuatorState& actuators) {
 
 bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response) {
   try {
+    live_.interrupt();
     const std::unique_lock lock(model_mutex_, std::try_to_lock);
     if (!lock) throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
     const PolicyTask task = policy_task(request, ramp_s_);
-    const PolicyAnswer answer = search_.find(*model_, task, optimiser_options(request));
+    PolicyAnswer answer = search_.find(*model_, task, optimiser_options(request));
+    count_as_reached(request, answer);
     fill_response(answer, task, response);
-    const std::lock_guard found_lock(mutex_);
-    if (answer.success) found_ = task;
+    if (answer.success) remember(task, answer);
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
@@ -162,13 +227,23 @@ bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Resp
 
 bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
   try {
-    execute(request, response);
+    execute(with_policy(request), response);
+    if (response.success) ghost_.publish(no_ghost());  // the robot is there
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
   }
   if (!response.success) ROS_WARN("%s refused: %s", topics::execute_policy, log_text(response.message).c_str());
   return true;
+}
+
+// An empty policy stands for the one that was found last.
+ExecutePolicy::Request ControllerNode::with_policy(ExecutePolicy::Request request) const {
+  if (!request.policy.names.empty() || !request.policy.steps.empty()) return request;
+  const std::lock_guard lock(mutex_);
+  if (found_policy_.names.empty()) throw std::invalid_argument("policy: empty, and none was found yet to be played");
+  request.policy = to_message(found_policy_);
+  return request;
 }
 
 void ControllerNode::execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response) {

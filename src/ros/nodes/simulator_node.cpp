@@ -154,6 +154,7 @@ class SimulatorNode {
   ros::NodeHandle node_;
   ros::Publisher clock_, markers_, actuators_, surface_;
   LatchedPublisher<std_msgs::String> scene_path_{topics::simulator_scene};
+  LatchedPublisher<ActuatorRanges> ranges_{topics::simulator_ranges};
   ros::Subscriber commands_;
   tf2_ros::StaticTransformBroadcaster frames_;
   diagnostic_updater::Updater diagnostics_;
@@ -223,12 +224,15 @@ std::string SimulatorNode::settle(RunningScene& scene) const {
 void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
   std_msgs::String path;
   path.data = scene->path;
+  ActuatorRanges ranges;
   {
     const std::lock_guard lock(mutex_);
+    ranges = actuator_ranges(*scene->simulation, session_time());
     scene_ = std::move(scene);
     surface_period_ = -1.0;
   }
   scene_path_.publish(path);
+  ranges_.publish(ranges);
 }
 
 void SimulatorNode::run() {

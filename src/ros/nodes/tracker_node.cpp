@@ -93,12 +93,14 @@ class TrackerNode {
   bool calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response);
   void diagnose(DiagnosticStatusWrapper& status);
   void diagnose_camera(const std::string& camera, DiagnosticStatusWrapper& status);
+  void warn_of(const std::string& camera, const std::string& message);
   void diagnose_places(DiagnosticStatusWrapper& status);
 
   NodeOptions options_;
   TrackingInput input_;
   std::unique_ptr<CalibrationSession> calibration_;
   std::string problem_;                            // the last, since the last diagnosis
+  std::map<std::string, int> silent_;              // diagnoses without an image, by camera
   std::vector<std::string> lost_;                  // as last reported
   std::vector<double> latencies_s_;                // from stamp to markers, since the last diagnosis
   std::vector<std::vector<std::string>> knocked_;  // named in the log
@@ -286,6 +288,23 @@ void TrackerNode::diagnose_camera(const std::string& camera, DiagnosticStatusWra
                                                    : Status::ERROR,
                  finding.message);
   status.add("frames", diagnosis.all_frames());
+  if (finding.level == Level::error) warn_of(camera, finding.message);
+}
+
+// Once for each camera that no image ever came of: most likely its name is wrong.
+void TrackerNode::warn_of(const std::string& camera, const std::string& message) {
+  constexpr int patience = 5;  // diagnoses
+  int& silent = silent_[camera];
+  if (cameras_.at(camera)->diagnosis.all_frames() > 0 || ++silent != patience) return;
+  const std::string end = "/color/camera_info";
+  std::string others;
+  ros::master::V_TopicInfo published;
+  ros::master::getTopics(published);
+  for (const ros::master::TopicInfo& topic : published)
+    if (topic.name.size() > end.size() && topic.name.compare(topic.name.size() - end.size(), end.size(), end) == 0)
+      others += " " + topic.name.substr(0, topic.name.size() - end.size());
+  ROS_WARN("camera '%s': %s Cameras that publish:%s. The session's argument camera_names chooses.", camera.c_str(),
+           log_text(message).c_str(), others.empty() ? " none" : others.c_str());
 }
 
 // Whether a camera was displaced.

@@ -193,11 +193,11 @@ std::string what_it_does(const StiffnessRun& run) {
   return run.settles ? "settles" : "oscillates";
 }
 
-// What the source found at this stiffness; "" where it tried none such.
+// What the source found at this stiffness.
 std::string source_found(const StiffnessSettings& settings, double stiffness_n_m) {
   for (std::size_t i = 0; i < settings.stiffnesses_n_m.size(); ++i)
     if (settings.stiffnesses_n_m[i] == stiffness_n_m) return settings.source_found[i];
-  return "";
+  return "not tried";
 }
 
 double off_m(const StiffnessSettings& settings, const StiffnessRun& run) {

@@ -5,13 +5,6 @@
 #include <memory>
 #include <stdexcept>
 
-#include <ros/console.h>
-#include <ros/init.h>
-
-#include "conversions.h"
-#include "log_text.h"
-#include "marker_frames.h"
-
 namespace soft_robot_lab {
 namespace {
 
@@ -21,21 +14,20 @@ std::vector<double> values_of(const Eigen::VectorXd& commands) {
 
 }  // namespace
 
-ExecutePolicy::Response Execution::execute(const ExecutionOrder& order) {
+ExecutionReport Execution::execute(const ExecutionOrder& order) {
   std::unique_lock lock(mutex_);
   if (run_) throw std::runtime_error("busy with another policy; ask again when it ended");
-  const std::string fault = motors_.fault(order.policy.names, ros::SteadyTime::now());
+  const std::string fault = motors_.fault(order.policy.names, host_.machine_time_s());
   if (!fault.empty()) throw std::runtime_error(fault);
-  run_.emplace(order);
+  run_.emplace(order, host_.machine_time_s());
   const std::shared_ptr<void> ended(nullptr, [this](void*) { run_.reset(); });
-  ExecutePolicy::Response& answer = run_->answer;
-  answer.final_distance_m = -1.0;
+  ExecutionReport& report = run_->report;
   std::string failure = wait(lock, [&] { return run_->sent && (run_->rested || !order.wait_until_rest); });
   if (failure.empty() && order.loop != nullptr) failure = correct(lock);
-  answer.success = failure.empty();
-  if (!failure.empty()) answer.message = failure;
-  answer.duration_s = run_->elapsed_s();
-  return answer;
+  report.success = failure.empty();
+  if (!failure.empty()) report.message = failure;
+  report.duration_s = run_->elapsed_s();
+  return report;
 }
 
 std::string Execution::wait(std::unique_lock<std::mutex>& lock, const std::function<bool()>& reached) {
@@ -48,13 +40,13 @@ std::string Execution::wait(std::unique_lock<std::mutex>& lock, const std::funct
 }
 
 std::string Execution::problem() const {
-  constexpr double silence_s = 10.0;  // of wall time without simulated markers
+  constexpr double silence_s = 10.0;  // of the machine's time without simulated markers
   if (!run_->fault.empty()) return run_->fault + "; the commands are held";
   if (run_->cancelled) return "cancelled";
   if (run_->elapsed_s() > run_->order.time_limit_s)
     return "not at rest within " + std::to_string(run_->order.time_limit_s) + " s";
-  if (ros::isInitialized() && !ros::ok()) return "cancelled: the session ends";
-  if ((ros::SteadyTime::now() - run_->heard).toSec() > silence_s) return "no markers came for 10 s";
+  if (host_.ends()) return "cancelled: the session ends";
+  if (host_.machine_time_s() - run_->heard_at_s > silence_s) return "no markers came for 10 s";
   return "";
 }
 
@@ -77,13 +69,13 @@ std::string Execution::correct(std::unique_lock<std::mutex>& lock) {
       throw;
     }
     lock.lock();
-    run_->answer.final_distance_m = step.distance_m.value_or(-1.0);
-    run_->answer.message = step.reason;
+    run_->report.final_distance_m = step.distance_m.value_or(-1.0);
+    run_->report.message = step.reason;
     if (step.end != LoopEnd::none) return step.safe() ? "" : step.reason + "; the commands are held";
     look_at_motors();
     if (measured.empty() || !problem().empty()) continue;
     send(loop.actuators(), values_of(step.commands));
-    ++run_->answer.corrections;
+    ++run_->report.corrections;
     run_->rest = RestDetector();
     run_->rested = false;
   }
@@ -120,53 +112,36 @@ bool Execution::follow_clock(double stamp_s) {
   return true;
 }
 
-namespace {
-
-// Markers that are not whole stand in the log; the next ones count.
-bool are_whole(const MarkerObservations& markers) {
-  try {
-    require_whole(markers);
-    return true;
-  } catch (const std::invalid_argument& error) {
-    ROS_WARN_THROTTLE(5.0, "%s", log_text(error.what()).c_str());
-    return false;
-  }
-}
-
-}  // namespace
-
-void Execution::add_simulated(const MarkerObservations& markers) {
-  if (!are_whole(markers)) return;
+void Execution::add_simulated(double stamp_s, const std::vector<Eigen::Vector3d>& positions_m) {
   const std::lock_guard lock(mutex_);
   if (!run_) return;
   look_at_motors();
   if (run_->cancelled || !run_->fault.empty()) return;
-  if (!follow_clock(markers.header.stamp.toSec())) return;
+  if (!follow_clock(stamp_s)) return;
   if (!run_->start_s) run_->start_s = run_->now_s;
-  run_->heard = ros::SteadyTime::now();
-  run_->answer.markers = markers;
+  run_->heard_at_s = host_.machine_time_s();
+  run_->report.simulated_s = stamp_s;
   if (!run_->sent) {
     play();
   } else if (!run_->rested) {
     repeat();
-    run_->rested = run_->rest.update(run_->now_s, raw_positions_m(markers)) && !motors_.moving();
+    run_->rested = run_->rest.update(run_->now_s, positions_m) && !motors_.moving();
     if (run_->rested) measured_rest_.start(run_->now_s);
   }
   changed_.notify_all();
 }
 
-void Execution::add_measured(const MarkerObservations& markers) {
-  if (!are_whole(markers)) return;
+void Execution::add_measured(const MarkerFrame& frame) {
   const std::lock_guard lock(mutex_);
   if (!run_) return;
-  run_->answer.measured = markers;
-  if (measured_rest_.add(seen_frame(markers))) run_->seen_s = run_->now_s;
+  run_->report.measured_s = frame.time_s;
+  if (measured_rest_.add(frame)) run_->seen_s = run_->now_s;
   changed_.notify_all();
 }
 
-void Execution::add_motors(const MotorState& state) {
+void Execution::add_motors(MotorReport report) {
   const std::lock_guard lock(mutex_);
-  motors_.add(state, ros::SteadyTime::now());
+  motors_.add(std::move(report), host_.machine_time_s());
   if (!run_) return;
   look_at_motors();
   changed_.notify_all();
@@ -174,8 +149,8 @@ void Execution::add_motors(const MotorState& state) {
 
 // Motors refuse commands that follow one another too fast.
 void Execution::play() {
-  constexpr double least_period_s = 0.01;  // of wall time
-  if (motors_.known() && (ros::SteadyTime::now() - run_->commanded).toSec() < least_period_s) return;
+  constexpr double least_period_s = 0.01;  // of the machine's time
+  if (motors_.known() && host_.machine_time_s() - run_->commanded_at_s < least_period_s) return;
   send(run_->player.names(), run_->player.values_at(run_->elapsed_s()));
   run_->sent = run_->elapsed_s() >= run_->player.end_s();
 }
@@ -183,15 +158,15 @@ void Execution::play() {
 // The last command may have been refused all the same, where two were waiting for the motors' node.
 void Execution::repeat() {
   constexpr double period_s = 0.2;  // less than what counts as rest
-  if (motors_.known() && run_->now_s - run_->commanded_s >= period_s) send(run_->answer.names, run_->answer.values);
+  if (motors_.known() && run_->now_s - run_->commanded_s >= period_s) send(run_->report.names, run_->report.values);
 }
 
 void Execution::send(const std::vector<std::string>& names, const std::vector<double>& values) {
-  run_->answer.names = names;
-  run_->answer.values = values;
-  run_->commanded = ros::SteadyTime::now();
+  run_->report.names = names;
+  run_->report.values = values;
+  run_->commanded_at_s = host_.machine_time_s();
   run_->commanded_s = run_->now_s;
-  send_(names, values);
+  host_.send(names, values);
 }
 
 // What stopped a motor once ends the run, also where it is over by now.
@@ -199,7 +174,7 @@ void Execution::look_at_motors() {
   std::vector<std::string> needed = run_->order.policy.names;
   if (run_->order.loop != nullptr)
     needed.insert(needed.end(), run_->order.loop->actuators().begin(), run_->order.loop->actuators().end());
-  if (run_->fault.empty()) run_->fault = motors_.fault(needed, ros::SteadyTime::now());
+  if (run_->fault.empty()) run_->fault = motors_.fault(needed, host_.machine_time_s());
 }
 
 }  // namespace soft_robot_lab

@@ -1,0 +1,12 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# view.sh ROBOT.yaml: shows a robot or scene in rviz, with sliders. It disturbs no running session: its ROS master is its own.
+# Ctrl-C, or closing the window, ends it.
+set -euo pipefail
+(($# == 1)) || { echo "usage: view.sh ROBOT.yaml" >&2; exit 2; }
+[[ -r $1 ]] || { echo "$1: cannot be read" >&2; exit 2; }
+scene=$(realpath "$1")
+export ROS_IP=127.0.0.1
+unset ROS_HOSTNAME ROS_NAMESPACE
+port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+exec roslaunch -p "$port" soft_robot_lab view.launch scene:="$scene"

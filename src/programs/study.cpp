@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// study STUDY.yaml --output FOLDER: runs a program over many values of a scene's numbers, here or on many machines.
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <iostream>
+#include <string>
+#include <thread>
+
+#include "progress_bar.h"
+#include "settings/command_line.h"
+#include "study/sweeps/hosts.h"
+#include "study/sweeps/study_report.h"
+#include "study/sweeps/worker.h"
+
+namespace {
+
+using namespace soft_robot_lab;
+
+volatile std::sig_atomic_t interrupted = 0;
+void interrupt(int) { interrupted = 1; }
+
+struct Arguments {
+  std::string study, output, hosts, worker;
+  std::string ssh = "ssh -o BatchMode=yes";
+  int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  bool retry_failed = false;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("STUDY", arguments.study, "the study's file")->type_name("FILE");
+  app.add_option("--output", arguments.output, "the folder of journal.sqlite, results.csv, results.npy and report.html")
+      ->type_name("FOLDER");
+  app.add_option("--workers", arguments.workers, "how many tasks run at a time, each in one thread")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--hosts", arguments.hosts, "run on these machines: lines of a name and a number of workers")
+      ->type_name("FILE");
+  app.add_option("--ssh", arguments.ssh, "what starts a command on a host")
+      ->type_name("COMMAND")
+      ->capture_default_str();
+  app.add_flag("--retry-failed", arguments.retry_failed, "run the tasks that failed before once more");
+  app.add_option("--worker", arguments.worker)->group("");  // how the study starts itself
+  app.footer(
+      "The same command goes on where it was stopped. Exit status: 0 all tasks are good, 1 some are not or were not\n"
+      "run, 2 bad study or arguments.");
+}
+
+std::vector<WorkerCommand> workers_for(const Arguments& arguments, const std::string& program) {
+  if (!arguments.hosts.empty()) return remote_workers(program, arguments.hosts, arguments.ssh);
+  return local_workers(program, arguments.workers);
+}
+
+std::string time_left(const RunProgress& now) {
+  const std::size_t here = now.done - now.before;
+  if (here == 0) return "";
+  const double left_s = now.elapsed_s / static_cast<double>(here) * static_cast<double>(now.tasks - now.done);
+  return left_s < 120.0 ? ", " + std::to_string(std::lround(left_s)) + " s left"
+                        : ", " + std::to_string(std::lround(left_s / 60.0)) + " min left";
+}
+
+// A line of a log for each percent, not for each task.
+class Progress {
+ public:
+  bool show(const RunProgress& now) {
+    const double fraction = now.tasks > 0 ? static_cast<double>(now.done) / static_cast<double>(now.tasks) : 1.0;
+    const int percent = static_cast<int>(100.0 * fraction);
+    if (percent == percent_ && now.elapsed_s < shown_s_ + 1.0) return interrupted == 0;
+    if (percent != percent_ || now.done != done_) {
+      bar_.show(fraction, std::to_string(now.done) + " of " + std::to_string(now.tasks) + " tasks, " +
+                              std::to_string(now.failed + now.not_good) + " not good" + time_left(now));
+    }
+    percent_ = percent;
+    done_ = now.done;
+    shown_s_ = now.elapsed_s;
+    return interrupted == 0;
+  }
+
+ private:
+  ProgressBar bar_{"study"};
+  int percent_ = -1;
+  std::size_t done_ = 0;
+  double shown_s_ = 0.0;
+};
+
+RunProgress run(const Arguments& arguments, const StudySettings& study, const std::vector<StudyTask>& tasks,
+                Journal& journal, const std::string& version) {
+  Progress progress;
+  RunOptions options{workers_for(arguments, study.program), version, {}, {}};
+  options.report = [&](const RunProgress& now) { return progress.show(now); };
+  options.warn = [](const std::string& what) { std::cerr << "study: warning: " << what << "\n"; };
+  return run_tasks(study, tasks, journal, options);
+}
+
+int finish(const Arguments& arguments, const StudySettings& study, const ResultsTable& table) {
+  write_file(arguments.output + "/results.csv", results_csv(table));
+  write_file(arguments.output + "/results.npy", results_npy(table));
+  std::cout << study_summary(study, table);
+  write_study_report(study, table, arguments.output);
+  std::cout << arguments.output << "/report.html\n";
+  if (interrupted != 0) std::cerr << "study: stopped; the same command goes on from here\n";
+  const bool good =
+      std::all_of(table.states.begin(), table.states.end(), [](const auto& state) { return state == "good"; });
+  return good ? kGood : kNotGood;
+}
+
+int run_study(const Arguments& arguments) {
+  if (!arguments.worker.empty()) return run_worker_on_pipes(arguments.worker), kGood;
+  if (arguments.study.empty()) throw std::invalid_argument("no study named; --help lists all arguments");
+  if (arguments.output.empty()) throw std::invalid_argument("--output FOLDER is missing");
+  const StudySettings study = read_study(arguments.study);
+  const std::string version = program_version(study.program);
+  const std::vector<StudyTask> tasks = make_tasks(study, version);
+  Journal journal(arguments.output);
+  journal.set_tasks(study, tasks);
+  if (arguments.retry_failed) journal.forget_failures(tasks);
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  run(arguments, study, tasks, journal, version);
+  return finish(arguments, study, results_table(study, tasks, journal));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Runs a program over many values of a scene's numbers, here or on many machines, without a ROS master.",
+               "study");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return run_study(arguments); });
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lamps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr char simulation[] = "simulator: simulation";
+constexpr char motors[] = "motor: motors";
+constexpr char session_watch[] = "session_watch: session";
+
+Lamp::Level level_of(const diagnostic_msgs::DiagnosticStatus& status) {
+  if (status.level == diagnostic_msgs::DiagnosticStatus::OK) return Lamp::Level::ok;
+  return status.level == diagnostic_msgs::DiagnosticStatus::WARN ? Lamp::Level::warn : Lamp::Level::error;
+}
+
+std::string text_of(double value, const char* format) {
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+// Empty for another session's.
+std::string without_session(const std::string& name, const std::string& session) {
+  const std::size_t begin = name.find_first_not_of('/');
+  const std::string bare = begin == std::string::npos ? "" : name.substr(begin);
+  if (session.empty()) return bare;
+  return bare.rfind(session + "/", 0) == 0 ? bare.substr(session.size() + 1) : "";
+}
+
+std::string word_of(Lamp::Level level) {
+  switch (level) {
+    case Lamp::Level::ok:
+      return "ok";
+    case Lamp::Level::warn:
+      return "look";
+    case Lamp::Level::error:
+      return "fault";
+    case Lamp::Level::unknown:
+      break;
+  }
+  return "?";
+}
+
+}  // namespace
+
+void Lamps::add(const diagnostic_msgs::DiagnosticArray& diagnostics, double now_s) {
+  for (const auto& status : diagnostics.status) {
+    const std::string name = without_session(status.name, session_);
+    if (name == simulation || name == motors || name == session_watch) heard_[name] = {status, now_s};
+  }
+}
+
+void Lamps::add(const RealityGap& gap, double now_s) {
+  if (!std::isfinite(gap.rms_m)) return;
+  gap_rms_m_ = gap.rms_m;
+  gap_at_s_ = now_s;
+}
+
+Lamp Lamps::lamp_of(const std::string& name, const std::string& task, double now_s) const {
+  Lamp lamp;
+  lamp.name = name;
+  const auto heard = heard_.find(task);
+  if (heard == heard_.end() || now_s - heard->second.at_s > silence_s) {
+    lamp.reason = "nothing heard of it";
+  } else {
+    lamp.level = level_of(heard->second.status);
+    lamp.reason = heard->second.status.message;
+  }
+  lamp.value = word_of(lamp.level);
+  return lamp;
+}
+
+Lamp Lamps::speed(double now_s) const {
+  Lamp lamp = lamp_of("Speed", simulation, now_s);
+  if (lamp.level == Lamp::Level::unknown) return lamp;
+  for (const auto& value : heard_.at(simulation).status.values) {
+    if (value.key != "real-time factor") continue;
+    const double factor = std::atof(value.value.c_str());
+    lamp.level = factor < 0.9 ? Lamp::Level::warn : Lamp::Level::ok;
+    lamp.value = text_of(factor, "%.2f x");
+    lamp.reason = "simulated seconds in a second";
+  }
+  return lamp;
+}
+
+Lamp Lamps::gap(double now_s) const {
+  Lamp lamp;
+  lamp.name = "Gap";
+  if (now_s - gap_at_s_ > silence_s) {
+    lamp.value = "?";
+    lamp.reason = "no measured markers";
+    return lamp;
+  }
+  lamp.level = Lamp::Level::ok;
+  lamp.value = text_of(1e3 * gap_rms_m_, "%.2f mm");
+  lamp.reason = "measured less simulated markers, root mean square";
+  return lamp;
+}
+
+std::vector<Lamp> Lamps::lamps(double now_s) const {
+  std::vector<Lamp> lamps = {lamp_of("Simulation", simulation, now_s), speed(now_s)};
+  if (heard_.count(motors) > 0) lamps.push_back(lamp_of("Link", motors, now_s));
+  if (gap_at_s_ >= 0.0) lamps.push_back(gap(now_s));
+  if (heard_.count(session_watch) > 0) lamps.push_back(lamp_of("Session", session_watch, now_s));
+  return lamps;
+}
+
+}  // namespace soft_robot_lab

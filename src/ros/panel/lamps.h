@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Lamps of the panel: what /diagnostics and the gap say about one session. Knows no window.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <soft_robot_lab/RealityGap.h>
+
+namespace soft_robot_lab {
+
+struct Lamp {
+  enum class Level { unknown, ok, warn, error };
+  std::string name;  // Simulation, Speed, Link, Gap, Session
+  Level level = Level::unknown;
+  std::string value;   // short: "1.00 x"
+  std::string reason;  // in full, for the tooltip and the log line
+};
+
+class Lamps {
+ public:
+  // `session` is the namespace of the session's nodes, without slashes at its ends; empty for none.
+  explicit Lamps(std::string session = "") : session_(std::move(session)) {}
+
+  void add(const diagnostic_msgs::DiagnosticArray& diagnostics, double now_s);
+  void add(const RealityGap& gap, double now_s);
+
+  // Those of parts that the session has; what was not heard of for `silence_s` is unknown.
+  std::vector<Lamp> lamps(double now_s) const;
+
+  static constexpr double silence_s = 4.0;
+
+ private:
+  struct Heard {
+    diagnostic_msgs::DiagnosticStatus status;
+    double at_s = 0.0;
+  };
+  Lamp lamp_of(const std::string& name, const std::string& task, double now_s) const;
+  Lamp speed(double now_s) const;
+  Lamp gap(double now_s) const;
+
+  std::string session_;
+  std::map<std::string, Heard> heard_;  // by node and task
+  double gap_rms_m_ = 0.0, gap_at_s_ = -1.0;
+};
+
+}  // namespace soft_robot_lab

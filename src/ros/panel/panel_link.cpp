@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "panel_link.h"
+
+#include <algorithm>
+#include <chrono>
+#include <sstream>
+
+#include <ros/master.h>
+#include <ros/this_node.h>
+#include <soft_robot_lab/Calibrate.h>
+#include <soft_robot_lab/ExecutePolicy.h>
+#include <soft_robot_lab/ZeroMotors.h>
+#include <std_srvs/Trigger.h>
+#include <xmlrpcpp/XmlRpc.h>
+
+#include "ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+std::string without_slashes(std::string name) {
+  while (!name.empty() && name.front() == '/') name.erase(0, 1);
+  while (!name.empty() && name.back() == '/') name.pop_back();
+  return name;
+}
+
+template <typename Message, typename Action>
+ros::Subscriber listen_to(ros::NodeHandle& node, const std::string& topic, int queue, Action action) {
+  return node.subscribe<Message>(topic, queue,
+                                 boost::function<void(const typename Message::ConstPtr&)>(
+                                     [action](const typename Message::ConstPtr& message) { action(*message); }));
+}
+
+// Of the whole graph, by one question to the master.
+std::set<std::string> services_offered() {
+  XmlRpc::XmlRpcValue request, response, state;
+  std::set<std::string> services;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return services;
+  for (int i = 0; i < state[2].size(); ++i) services.insert(static_cast<std::string>(state[2][i][0]));
+  return services;
+}
+
+std::string found_text(const OptimisePolicy::Response& found) {
+  std::ostringstream text;
+  text.precision(3);
+  text << 1e3 * found.summary.final_distance_m << " mm from the target after " << found.summary.iterations
+       << " iterations. " << found.message;
+  return text.str();
+}
+
+}  // namespace
+
+PanelLink::PanelLink(const std::string& session) : node_(session) {
+  node_.setCallbackQueue(&queue_);
+  lamps_ = Lamps(without_slashes(node_.getNamespace()));
+  commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
+  subscribers_ = {
+      listen_to<ActuatorRanges>(node_, topics::simulator_ranges, 1, [this](const auto& m) { on_ranges(m); }),
+      listen_to<ActuatorState>(node_, topics::simulator_actuators, 1,
+                               [this](const auto& m) { values_.add_state(m, now_s()); }),
+      listen_to<MarkerObservations>(node_, topics::simulator_markers, 1, [this](const auto& m) { markers_ = m; }),
+      listen_to<Target>(node_, topics::controller_target, 1,
+                        [this](const auto& m) {
+                          target_ = m;
+                          ++targets_;
+                        }),
+      listen_to<RealityGap>(node_, topics::reality_gap, 1, [this](const auto& m) { lamps_.add(m, now_s()); }),
+      listen_to<MotorState>(node_, topics::motor_state, 1, [this](const auto&) { has_motors_ = true; }),
+      listen_to<diagnostic_msgs::DiagnosticArray>(node_, "/diagnostics", 50,
+                                                  [this](const auto& m) { lamps_.add(m, now_s()); }),
+  };
+}
+
+double PanelLink::now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void PanelLink::on_ranges(const ActuatorRanges& ranges) {
+  try {
+    values_.set_ranges(ranges);
+    target_.reset();
+  } catch (const std::invalid_argument& error) {
+    ROS_WARN("%s: %s", topics::simulator_ranges, error.what());
+  }
+}
+
+void PanelLink::listen() {
+  queue_.callAvailable();
+  ActuatorCommand command = values_.take_command();
+  if (!command.names.empty()) {
+    command.header.stamp = ros::Time::now();
+    commands_.publish(command);
+  }
+  constexpr double look_period_s = 2.0;
+  if (now_s() - looked_at_s_ > look_period_s) look_for_services();
+}
+
+void PanelLink::look_for_services() {
+  looked_at_s_ = now_s();
+  calls_.start(look_lane, "", [this] {
+    std::set<std::string> offered = services_offered();
+    const std::lock_guard lock(services_mutex_);
+    services_ = std::move(offered);
+    return "";
+  });
+}
+
+bool PanelLink::offers(const std::string& service) const {
+  const std::lock_guard lock(services_mutex_);
+  return services_.count(node_.resolveName(service)) > 0;
+}
+
+std::vector<Lamp> PanelLink::lamps() const { return lamps_.lamps(now_s()); }
+
+std::optional<geometry_msgs::Point> PanelLink::target(const std::string& marker) const {
+  if (target_ && target_->marker == marker) return target_->position;
+  const auto found = std::find(markers_.names.begin(), markers_.names.end(), marker);
+  const auto index = static_cast<std::size_t>(found - markers_.names.begin());
+  if (index >= markers_.positions.size()) return std::nullopt;
+  return markers_.positions[index];
+}
+
+// A policy that was just stopped may have sent one more command meanwhile.
+std::vector<CallOutcome> PanelLink::take_outcomes() {
+  std::vector<CallOutcome> outcomes = calls_.take_outcomes();
+  for (const CallOutcome& outcome : outcomes)
+    if (outcome.title == "Stop") values_.edit_all_to_reached(now_s());
+  return outcomes;
+}
+
+void PanelLink::optimise(const std::string& method, const std::string& marker, const geometry_msgs::Point& target) {
+  OptimisePolicy::Request request;
+  request.method = method;
+  request.marker = marker;
+  request.target = target;
+  calls_.start(slow_lane, "Optimise", [this, request] {
+    return found_text(calls_.ask<OptimisePolicy>(node_, topics::optimise_policy, request));
+  });
+}
+
+void PanelLink::execute() { play(Policy()); }
+
+void PanelLink::play(const Policy& policy) {
+  ExecutePolicy::Request request;
+  request.policy = policy;
+  request.wait_until_rest = true;
+  calls_.start(slow_lane, policy.names.empty() ? "Execute" : "Play", [this, request] {
+    const auto answer = calls_.ask<ExecutePolicy>(node_, topics::execute_policy, request);
+    std::ostringstream text;
+    text.precision(3);
+    text << "at rest after " << answer.duration_s << " s";
+    return text.str();
+  });
+}
+
+// A controller that has nothing to stop is no fault.
+void PanelLink::stop() {
+  values_.edit_all_to_reached(now_s());
+  const bool cancels = offers(topics::cancel_policy), stops = offers(topics::motor_stop);
+  calls_.start(quick_lane, "Stop", [this, cancels, stops] {
+    if (stops) calls_.ask<std_srvs::Trigger>(node_, topics::motor_stop, {});
+    try {
+      if (cancels) calls_.ask<std_srvs::Trigger>(node_, topics::cancel_policy, {});
+    } catch (const std::runtime_error&) {
+    }
+    return stops ? "the motors hold until Clear" : "";
+  });
+}
+
+void PanelLink::reset() {
+  if (has_motors_) {
+    values_.edit_all_to_rest(now_s());
+  } else {
+    ask_trigger(quick_lane, "Reset", topics::simulator_reset);
+  }
+}
+
+void PanelLink::clear() { ask_trigger(quick_lane, "Clear", topics::motor_clear); }
+
+void PanelLink::ask_trigger(const std::string& lane, const std::string& title, const std::string& service) {
+  calls_.start(lane, title, [this, service] { return calls_.ask<std_srvs::Trigger>(node_, service, {}).message; });
+}
+
+void PanelLink::zero() {
+  calls_.start(quick_lane, "Zero", [this] { return calls_.ask<ZeroMotors>(node_, topics::motor_zero, {}).message; });
+}
+
+void PanelLink::calibrate(bool with_balls) {
+  Calibrate::Request request;
+  request.with_balls = with_balls;
+  calls_.start(slow_lane, "Calibrate",
+               [this, request] { return calls_.ask<Calibrate>(node_, topics::calibrate, request).message; });
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The panel's side of a session: what its topics say, and what is asked of its services. Knows no window. All but the
+// services runs in the thread that calls it, and none of it waits.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/MarkerObservations.h>
+#include <soft_robot_lab/MotorState.h>
+#include <soft_robot_lab/OptimisePolicy.h>
+#include <soft_robot_lab/Policy.h>
+#include <soft_robot_lab/Target.h>
+
+#include "actuator_values.h"
+#include "calls.h"
+#include "lamps.h"
+
+namespace soft_robot_lab {
+
+class PanelLink {
+ public:
+  // `session`: the namespace of its topics; empty for that of this node.
+  explicit PanelLink(const std::string& session);
+
+  void listen();  // takes what came since, and sends what was edited
+  ActuatorValues& values() { return values_; }
+  const ActuatorValues& values() const { return values_; }
+  std::vector<Lamp> lamps() const;
+  const std::vector<std::string>& markers() const { return markers_.names; }
+  // Of that marker: what was last searched for, else where it is; empty where neither is known.
+  std::optional<geometry_msgs::Point> target(const std::string& marker) const;
+  int targets() const { return targets_; }  // how many were heard of
+
+  bool offers(const std::string& service) const;
+  bool busy() const { return calls_.busy(slow_lane); }
+  std::vector<CallOutcome> take_outcomes();
+
+  void optimise(const std::string& method, const std::string& marker, const geometry_msgs::Point& target);
+  void execute();  // what was found last
+  void play(const Policy& policy);
+  void stop();   // all: searches, policies, drives
+  void reset();  // the simulation's start; a rig goes to its rest commands
+  void zero();
+  void clear();
+  void calibrate(bool with_balls);
+
+  static double now_s();  // of this machine, steady
+
+ private:
+  static constexpr char slow_lane[] = "slow", quick_lane[] = "quick", look_lane[] = "look";
+
+  void look_for_services();
+  void on_ranges(const ActuatorRanges& ranges);
+  void ask_trigger(const std::string& lane, const std::string& title, const std::string& service);
+
+  ActuatorValues values_;
+  Lamps lamps_;
+  MarkerObservations markers_;
+  std::optional<Target> target_;
+  int targets_ = 0;
+  bool has_motors_ = false;
+  double looked_at_s_ = -1.0;
+
+  mutable std::mutex services_mutex_;
+  std::set<std::string> services_;  // of the whole graph
+
+  ros::CallbackQueue queue_;
+  ros::NodeHandle node_;
+  ros::Publisher commands_;
+  std::vector<ros::Subscriber> subscribers_;
+  Calls calls_;  // last: its threads end first
+};
+
+}  // namespace soft_robot_lab

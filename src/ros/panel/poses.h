@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Poses that a user stores in the panel: names for commands of all actuators. Knows no window.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <soft_robot_lab/Policy.h>
+
+#include "actuator_values.h"
+
+namespace soft_robot_lab {
+
+class Poses {
+ public:
+  // What is shown now, under that name or, where that is empty, the next free "pose N"; returns the name.
+  std::string store(const std::string& name, const std::vector<ActuatorRow>& rows);
+  void remove(const std::string& name) { poses_.erase(name); }
+  std::vector<std::string> names() const;
+
+  // To a pose of those actuators that the robot has; throws std::invalid_argument where there is none.
+  Policy policy(const std::string& name, const std::vector<ActuatorRow>& rows, double duration_s) const;
+
+  // One line a pose, "name: actuator=value ...", as kept in an rviz file. What cannot be read is left out.
+  std::string text() const;
+  void read(const std::string& text);
+
+ private:
+  std::map<std::string, std::map<std::string, double>> poses_;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "session_panel.h"
+
+#include <QGridLayout>
+#include <QGroupBox>
+#include <QLineEdit>
+#include <QScrollArea>
+#include <QSignalBlocker>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "ros/topics.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double pose_duration_s = 1.0;
+constexpr int refresh_period_ms = 20;  // a slider that is drawn sends as often
+
+const char* colour_of(Lamp::Level level) {
+  switch (level) {
+    case Lamp::Level::ok:
+      return "#2e8b57";
+    case Lamp::Level::warn:
+      return "#e08a00";
+    case Lamp::Level::error:
+      return "#c62828";
+    case Lamp::Level::unknown:
+      break;
+  }
+  return "#9e9e9e";
+}
+
+QString lamp_text(const Lamp& lamp) {
+  return QString("<span style='color:%1'>&#9679;</span>&nbsp;%2&nbsp;%3")
+      .arg(colour_of(lamp.level), lamp.name.c_str(), QString::fromStdString(lamp.value).replace(" ", "&nbsp;"));
+}
+
+void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int columns) {
+  for (int i = 0; i < static_cast<int>(widgets.size()); ++i)
+    grid->addWidget(widgets[static_cast<std::size_t>(i)], i / columns, i % columns);
+  grid->setContentsMargins(0, 0, 0, 0);
+}
+
+}  // namespace
+
+SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
+  auto* column = new QVBoxLayout(this);
+  lamps_ = new QLabel(this);
+  lamps_->setWordWrap(true);
+  message_ = new QLabel("Waits for a session.", this);
+  message_->setWordWrap(true);
+  message_->setMinimumHeight(3 * message_->fontMetrics().lineSpacing());
+  message_->setAlignment(Qt::AlignTop | Qt::AlignLeft);
+  column->addWidget(lamps_);
+  column->addWidget(make_actuators(), 1);
+  column->addWidget(make_target());
+  column->addWidget(make_buttons());
+  column->addWidget(make_poses());
+  column->addWidget(message_);
+  connect(&timer_, &QTimer::timeout, this, [this] { refresh(); });
+}
+
+QPushButton* SessionPanel::button(const QString& text, const QString& hint, const std::function<void()>& press) {
+  auto* made = new QPushButton(text, this);
+  made->setToolTip(hint);
+  made->setMinimumWidth(0);
+  connect(made, &QPushButton::clicked, this, press);
+  return made;
+}
+
+QWidget* SessionPanel::make_actuators() {
+  auto* area = new QScrollArea(this);
+  area->setWidgetResizable(true);
+  area->setFrameShape(QFrame::NoFrame);
+  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  area->setMinimumHeight(160);
+  auto* inside = new QWidget(area);
+  rows_ = new QVBoxLayout(inside);
+  rows_->setContentsMargins(0, 0, 4, 0);
+  empty_ = new QLabel("No actuators yet.", inside);
+  rows_->addWidget(empty_);
+  rows_->addStretch(1);
+  area->setWidget(inside);
+  return area;
+}
+
+QWidget* SessionPanel::make_target() {
+  auto* box = new QGroupBox("Target [mm, robot_base]", this);
+  auto* grid = new QGridLayout(box);
+  marker_ = new QComboBox(box);
+  marker_->setToolTip("The marker that shall reach the target");
+  method_ = new QComboBox(box);
+  method_->addItems({"gauss_newton", "rmsprop", "pid", "pid_projected", "cma_es", "differential_evolution"});
+  method_->setMinimumContentsLength(8);
+  method_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  grid->addWidget(marker_, 0, 0);
+  grid->addWidget(method_, 0, 1, 1, 2);
+  for (int axis = 0; axis < 3; ++axis) {
+    target_mm_[axis] = new QDoubleSpinBox(box);
+    target_mm_[axis]->setDecimals(1);
+    target_mm_[axis]->setRange(-9999.0, 9999.0);
+    target_mm_[axis]->setPrefix(QString("xyz"[axis]) + " ");
+    target_mm_[axis]->setMinimumWidth(0);
+    grid->addWidget(target_mm_[axis], 1, axis);
+  }
+  connect(marker_, &QComboBox::currentTextChanged, this, [this] { shown_targets_ = -1; });
+  return box;
+}
+
+QWidget* SessionPanel::make_buttons() {
+  auto* box = new QWidget(this);
+  optimise_ = button("&Optimise", "Finds the commands that bring the marker to the target", [this] { optimise(); });
+  execute_ = button("&Execute", "Plays what was found last", [this] { link_->execute(); });
+  stop_ = button("&Stop", "Ends searches and policies; the drives hold where they are. A rig's motors stop until Clear",
+                 [this] { link_->stop(); });
+  reset_ = button("&Reset", "Back to the scene's start; a rig goes to its rest commands", [this] { link_->reset(); });
+  zero_ = button("&Zero", "The robot hangs at rest: here is zero for the motors", [this] { link_->zero(); });
+  clear_ = button("&Clear", "The motors may move again", [this] { link_->clear(); });
+  calibrate_ = button("C&alibrate", "Finds where the cameras stand: first without balls", [this] { calibrate(); });
+  add_grid(new QGridLayout(box), {optimise_, execute_, stop_, reset_, zero_, clear_, calibrate_}, 4);
+  return box;
+}
+
+QWidget* SessionPanel::make_poses() {
+  auto* box = new QWidget(this);
+  pose_ = new QComboBox(box);
+  pose_->setEditable(true);
+  pose_->setInsertPolicy(QComboBox::NoInsert);
+  pose_->lineEdit()->setPlaceholderText("name of a pose");
+  store_ = button("S&tore", "Keeps the values above under that name, in this rviz file", [this] { store_pose(); });
+  play_ = button("Pla&y", "Moves the robot to that pose, within a second where its drives are as fast",
+                 [this] { play_pose(); });
+  forget_ = button("For&get", "Removes that pose", [this] {
+    poses_.remove(pose_->currentText().toStdString());
+    refresh_poses();
+    Q_EMIT configChanged();
+  });
+  auto* grid = new QGridLayout(box);
+  grid->addWidget(pose_, 0, 0, 1, 3);
+  grid->addWidget(store_, 1, 0);
+  grid->addWidget(play_, 1, 1);
+  grid->addWidget(forget_, 1, 2);
+  grid->setContentsMargins(0, 0, 0, 0);
+  return box;
+}
+
+void SessionPanel::onInitialize() {
+  if (!link_) connect_to(session_);
+  timer_.start(refresh_period_ms);
+}
+
+void SessionPanel::connect_to(const QString& session) {
+  session_ = session;
+  link_ = std::make_unique<PanelLink>(session.toStdString());
+  shown_revision_ = shown_targets_ = -1;
+}
+
+void SessionPanel::load(const rviz::Config& config) {
+  rviz::Panel::load(config);
+  QString session, poses;
+  config.mapGetString("Session", &session);
+  if (config.mapGetString("Poses", &poses)) poses_.read(poses.replace(" | ", "\n").toStdString());
+  connect_to(session);
+  refresh_poses();
+}
+
+void SessionPanel::save(rviz::Config config) const {
+  rviz::Panel::save(config);
+  config.mapSetValue("Session", session_);
+  config.mapSetValue("Poses", QString::fromStdString(poses_.text()).trimmed().replace("\n", " | "));
+}
+
+void SessionPanel::refresh() {
+  if (!link_) return;
+  link_->listen();
+  refresh_rows();
+  refresh_target();
+  refresh_buttons();
+  refresh_lamps();
+  for (const CallOutcome& outcome : link_->take_outcomes()) report(outcome);
+}
+
+void SessionPanel::refresh_rows() {
+  const ActuatorValues& values = link_->values();
+  if (values.revision() != shown_revision_) {
+    for (ActuatorEditor* editor : editors_) editor->deleteLater();
+    editors_.clear();
+    for (const ActuatorRow& row : values.rows()) {
+      const auto edit = [this, name = row.name](double value) {
+        link_->values().edit(name, value, PanelLink::now_s());
+      };
+      editors_.push_back(new ActuatorEditor(row, static_cast<int>(editors_.size()) + 1, edit, this));
+      rows_->insertWidget(rows_->count() - 1, editors_.back());
+    }
+    empty_->setVisible(editors_.empty());
+    shown_revision_ = values.revision();
+    if (!editors_.empty()) message_->setText("Move a slider, or type a number.");
+  }
+  for (std::size_t i = 0; i < editors_.size(); ++i) editors_[i]->show_row(values.rows()[i]);
+}
+
+// Follows what is searched for; a number that is being typed stays.
+void SessionPanel::refresh_target() {
+  QStringList names;
+  for (const std::string& name : link_->markers()) names << QString::fromStdString(name);
+  QStringList shown;
+  for (int i = 0; i < marker_->count(); ++i) shown << marker_->itemText(i);
+  if (names != shown) {
+    marker_->clear();
+    marker_->addItems(names);
+    if (const int tip = names.indexOf("tip"); tip >= 0) marker_->setCurrentIndex(tip);
+    shown_targets_ = -1;
+  }
+  if (shown_targets_ == link_->targets()) return;
+  const auto target = link_->target(marker_->currentText().toStdString());
+  if (!target) return;
+  shown_targets_ = link_->targets();
+  const double place_m[3] = {target->x, target->y, target->z};
+  for (int axis = 0; axis < 3; ++axis) {
+    const QSignalBlocker quiet(target_mm_[axis]);
+    if (!target_mm_[axis]->hasFocus()) target_mm_[axis]->setValue(1e3 * place_m[axis]);
+  }
+}
+
+void SessionPanel::refresh_buttons() {
+  const bool free = !link_->busy();
+  const bool has_pose = pose_->count() > 0;
+  optimise_->setEnabled(free && link_->offers(topics::optimise_policy) && marker_->count() > 0);
+  execute_->setEnabled(free && link_->offers(topics::execute_policy));
+  play_->setEnabled(free && has_pose && link_->offers(topics::execute_policy));
+  forget_->setEnabled(has_pose);
+  store_->setEnabled(!editors_.empty());
+  reset_->setEnabled(link_->offers(topics::simulator_reset));
+  zero_->setVisible(link_->offers(topics::motor_zero));
+  clear_->setVisible(link_->offers(topics::motor_clear));
+  calibrate_->setVisible(link_->offers(topics::calibrate));
+  calibrate_->setEnabled(free);
+}
+
+void SessionPanel::refresh_lamps() {
+  QStringList texts, reasons;
+  for (const Lamp& lamp : link_->lamps()) {
+    texts << lamp_text(lamp);
+    reasons << QString("%1: %2").arg(lamp.name.c_str(), lamp.reason.c_str());
+  }
+  const QString text = texts.join("&nbsp;&nbsp; ");
+  if (text != lamps_->text()) lamps_->setText(text);
+  lamps_->setToolTip(reasons.join("\n"));
+}
+
+void SessionPanel::refresh_poses() {
+  const QString before = pose_->currentText();
+  pose_->clear();
+  for (const std::string& name : poses_.names()) pose_->addItem(QString::fromStdString(name));
+  if (const int index = pose_->findText(before); index >= 0) pose_->setCurrentIndex(index);
+}
+
+void SessionPanel::report(const CallOutcome& outcome) {
+  if (outcome.title.empty()) return;
+  if (outcome.title == "Calibrate" && outcome.success) {
+    with_balls_ = !with_balls_;
+    calibrate_->setText(with_balls_ ? "C&al. balls" : "C&alibrate");
+    calibrate_->setToolTip(with_balls_ ? "Second step: the balls are in their places" : "First step: without balls");
+  }
+  const QString text =
+      QString::fromStdString(outcome.title + ": " + (outcome.message.empty() ? "done" : outcome.message));
+  if (!outcome.success) return report_failure(text);
+  message_->setStyleSheet("");
+  message_->setText(text);
+}
+
+void SessionPanel::report_failure(const QString& text) {
+  message_->setStyleSheet("color: #c62828");
+  message_->setText(text);
+}
+
+void SessionPanel::optimise() {
+  geometry_msgs::Point target;
+  target.x = 1e-3 * target_mm_[0]->value();
+  target.y = 1e-3 * target_mm_[1]->value();
+  target.z = 1e-3 * target_mm_[2]->value();
+  link_->optimise(method_->currentText().toStdString(), marker_->currentText().toStdString(), target);
+  message_->setStyleSheet("");
+  message_->setText("Searches ...");
+}
+
+void SessionPanel::store_pose() {
+  const std::string name = poses_.store(pose_->currentText().trimmed().toStdString(), link_->values().rows());
+  refresh_poses();
+  pose_->setCurrentText(QString::fromStdString(name));
+  message_->setText("Stored '" + QString::fromStdString(name) + "'; save the rviz file to keep it.");
+  Q_EMIT configChanged();
+}
+
+void SessionPanel::play_pose() {
+  try {
+    link_->play(poses_.policy(pose_->currentText().toStdString(), link_->values().rows(), pose_duration_s));
+  } catch (const std::invalid_argument& error) {
+    report_failure(error.what());
+  }
+}
+
+void SessionPanel::calibrate() { link_->calibrate(with_balls_); }
+
+}  // namespace soft_robot_lab
+
+PLUGINLIB_EXPORT_CLASS(soft_robot_lab::SessionPanel, rviz::Panel)

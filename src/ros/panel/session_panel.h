@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The panel in rviz that moves the robot. A thin window over PanelLink; twenty times a second it shows what changed.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QLabel>
+#include <QPushButton>
+#include <QTimer>
+#include <QVBoxLayout>
+#include <rviz/panel.h>
+
+#include "actuator_editor.h"
+#include "panel_link.h"
+#include "poses.h"
+
+namespace soft_robot_lab {
+
+class SessionPanel : public rviz::Panel {
+  Q_OBJECT
+ public:
+  explicit SessionPanel(QWidget* parent = nullptr);
+
+  void onInitialize() override;
+  void load(const rviz::Config& config) override;
+  void save(rviz::Config config) const override;
+
+ private:
+  QWidget* make_actuators();
+  QWidget* make_target();
+  QWidget* make_buttons();
+  QWidget* make_poses();
+  QPushButton* button(const QString& text, const QString& hint, const std::function<void()>& press);
+  void connect_to(const QString& session);
+  void refresh();
+  void refresh_lamps();
+  void refresh_rows();
+  void refresh_target();
+  void refresh_buttons();
+  void refresh_poses();
+  void report(const CallOutcome& outcome);
+  void report_failure(const QString& text);
+  void optimise();
+  void store_pose();
+  void play_pose();
+  void calibrate();
+
+  QString session_;  // namespace; empty: that of rviz
+  std::unique_ptr<PanelLink> link_;
+  Poses poses_;
+  int shown_revision_ = -1, shown_targets_ = -1;
+  bool with_balls_ = false;  // which step of a calibration comes next
+
+  QTimer timer_;
+  QLabel *lamps_ = nullptr, *message_ = nullptr, *empty_ = nullptr;
+  QVBoxLayout* rows_ = nullptr;
+  std::vector<ActuatorEditor*> editors_;
+  QComboBox *marker_ = nullptr, *method_ = nullptr, *pose_ = nullptr;
+  QDoubleSpinBox* target_mm_[3] = {};
+  QPushButton *optimise_ = nullptr, *execute_ = nullptr, *stop_ = nullptr, *reset_ = nullptr;
+  QPushButton *zero_ = nullptr, *clear_ = nullptr, *calibrate_ = nullptr;
+  QPushButton *store_ = nullptr, *play_ = nullptr, *forget_ = nullptr;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hosts.h"
+
+#include <sstream>
+#include <stdexcept>
+
+#include "settings/find_program.h"
+#include "settings/read_file.h"
+#include "settings/words.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kMostWorkers = 1000;
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+// For a remote shell.
+std::string shell_quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+int workers_of(const std::vector<std::string>& line, const std::string& place) {
+  if (line.size() > 2) throw std::invalid_argument(place + ": must be a host and its number of workers");
+  if (line[0].front() == '-') throw std::invalid_argument(place + ": '" + line[0] + "' is no name of a host");
+  const auto count = line.size() == 1 ? 1 : parse_number<int>(line[1]).value_or(0);
+  if (count < 1 || count > kMostWorkers)
+    throw std::invalid_argument(place + ": '" + line[1] + "' workers is out of range [1, " +
+                                std::to_string(kMostWorkers) + "]");
+  return count;
+}
+
+std::string this_program() { return find_program("study"); }
+
+}  // namespace
+
+std::vector<WorkerCommand> local_workers(const std::string& program, int count) {
+  const WorkerCommand worker{"this machine", {this_program(), "--worker", program}, 1};
+  return std::vector<WorkerCommand>(static_cast<std::size_t>(count), worker);
+}
+
+std::vector<WorkerCommand> remote_workers(const std::string& program, const std::string& hosts_file,
+                                          const std::string& shell) {
+  std::istringstream lines(read_regular_file(hosts_file, kLargestSettings_bytes));
+  std::vector<WorkerCommand> workers;
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const std::vector<std::string> words = words_of(line.substr(0, line.find('#')));
+    if (words.empty()) continue;
+    std::vector<std::string> command = words_of(shell);
+    command.push_back(words[0]);
+    command.push_back("exec " + shell_quoted(this_program()) + " --worker " + program);
+    const int count = workers_of(words, hosts_file + ":" + std::to_string(number));
+    workers.insert(workers.end(), static_cast<std::size_t>(count), {words[0], command, 1});
+  }
+  if (workers.empty()) throw std::invalid_argument(hosts_file + ": names no host");
+  return workers;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The points of a study: the same on every machine for the same seed.
+#pragma once
+
+#include <vector>
+
+#include "study_file.h"
+
+namespace soft_robot_lab {
+
+// One row a task, one value a parameter. A grid's last parameter runs fastest. A Latin hypercube (McKay, Beckman and
+// Conover 1979) has one point in each of `samples` equal slices of each parameter. Sobol's sequence has the directions
+// of Joe and Kuo 2008 and is shifted digitally by the seed. Throws std::invalid_argument for more than kMostTasks.
+std::vector<std::vector<double>> sample(const StudySettings& study);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "study_file.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include "robot/scene/parameters.h"
+#include "settings/words.h"
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the scene refuses becomes an error at the study's line.
+template <typename Check>
+void check_at(const YamlNode& node, const Check& check) {
+  try {
+    check();
+  } catch (const std::invalid_argument& error) {
+    node.fail(error.what());
+  }
+}
+
+void read_range(const YamlNode& node, StudyParameter& parameter) {
+  const YamlNode list = node.child("range");
+  const Eigen::VectorXd range = list.as_numbers();
+  if (range.size() != 2) list.fail("has " + std::to_string(range.size()) + " numbers, must be [least, largest]");
+  if (!(range[0] < range[1]))
+    list.fail("is empty: " + format_number(range[0]) + " must be less than " + format_number(range[1]));
+  parameter.min = range[0];
+  parameter.max = range[1];
+}
+
+void read_values(const YamlNode& node, StudyParameter& parameter) {
+  const YamlNode list = node.child("values");
+  const Eigen::VectorXd values = list.as_numbers();
+  if (values.size() == 0) list.fail("is empty; must hold at least one number");
+  parameter.values.assign(values.data(), values.data() + values.size());
+}
+
+// A range that neither the study nor, for a named parameter, the scene gives is an error.
+void read_declared_range(const YamlNode& node, const YamlNode& scene, StudyParameter& parameter) {
+  for (const NamedParameter& known : read_parameters(scene)) {
+    if (known.name != parameter.name) continue;
+    parameter.min = known.min;
+    parameter.max = known.max;
+    return;
+  }
+  node.fail("key 'values' or 'range' is missing; only a parameter that the scene's file names has a range of its own");
+}
+
+void read_spread(const YamlNode& node, SamplingMethod method, StudyParameter& parameter) {
+  if (method == SamplingMethod::grid) parameter.steps = node.integer("steps", 2, kMostTasks);
+  parameter.logarithmic = node.choice_or("scale", "linear", {"linear", "logarithmic"}) == "logarithmic";
+  if (parameter.logarithmic && parameter.min <= 0.0)
+    node.fail("scale logarithmic needs a range above 0, not from " + format_number(parameter.min));
+}
+
+StudyParameter read_study_parameter(const YamlNode& owner, const std::string& name, SamplingMethod method,
+                                    const YamlNode& scene) {
+  const YamlNode node = owner.child(name);
+  StudyParameter parameter;
+  parameter.name = name;
+  if (!node.is_map()) node.fail("must be {values: [...]} or {range: [least, largest]}");
+  if (node.has("values") && node.has("range")) node.fail("has both values and range; must have one");
+  if (node.has("values")) {
+    read_values(node, parameter);
+  } else {
+    node.has("range") ? read_range(node, parameter) : read_declared_range(node, scene, parameter);
+    read_spread(node, method, parameter);
+  }
+  const std::vector<double> ends = {parameter.min, parameter.max};
+  for (const double value : parameter.values.empty() ? ends : parameter.values)
+    check_at(node, [&] { parameter_overrides(scene, {{name, value}}); });
+  return parameter;
+}
+
+SamplingMethod read_method(const YamlNode& file) {
+  const std::string name = file.choice_or("method", "grid", {"grid", "latin_hypercube", "sobol"});
+  if (name == "grid") return SamplingMethod::grid;
+  return name == "sobol" ? SamplingMethod::sobol : SamplingMethod::latin_hypercube;
+}
+
+std::string read_scene_path(const YamlNode& file) {
+  const YamlNode node = file.child("scene");
+  const fs::path path = fs::absolute(fs::path(file.source()).parent_path() / node.as_text()).lexically_normal();
+  if (!fs::is_regular_file(path)) node.fail("there is no file " + path.string());
+  return path.string();
+}
+
+std::vector<std::string> read_words(const YamlNode& file, const std::string& key) {
+  std::vector<std::string> words;
+  for (const YamlNode& item : file.optional_sequence(key)) words.push_back(item.as_text());
+  return words;
+}
+
+// The runner sets these itself.
+void refuse_own_arguments(const YamlNode& file) {
+  for (const YamlNode& item : file.optional_sequence("arguments"))
+    for (const std::string own : {"--result", "--set", "--seed", "--policy"})
+      if (item.as_text().rfind(own, 0) == 0) item.fail("'" + own + "' is set by the study itself");
+}
+
+}  // namespace
+
+StudySettings read_study(const std::string& path) {
+  const YamlNode file = YamlNode::load_file(path);
+  StudySettings study;
+  study.program = file.choice("program", {"simulate", "optimise", "check_casting"});
+  study.scene = read_scene_path(file);
+  const YamlNode scene = load_settings(study.scene);
+  study.arguments = read_words(file, "arguments");
+  refuse_own_arguments(file);
+  study.method = read_method(file);
+  if (study.method != SamplingMethod::grid) study.samples = file.integer("samples", 1, kMostTasks);
+  if (study.method == SamplingMethod::grid && file.has("samples"))
+    file.child("samples").fail("has no use with method grid, whose parameters have values or steps");
+  study.seed = file.integer_or("seed", 1, 1, 1000000);
+  study.time_limit_s = file.number_or("time_limit_s", 600.0, {0.0, 1.0e6, true, false});
+  study.show = read_words(file, "show");
+  const YamlNode parameters = file.child("parameters");
+  for (const std::string& name : parameters.keys())
+    study.parameters.push_back(read_study_parameter(parameters, name, study.method, scene));
+  if (study.parameters.empty()) parameters.fail("must name at least one parameter");
+  file.require_all_read();
+  return study;
+}
+
+}  // namespace soft_robot_lab

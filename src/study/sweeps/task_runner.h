@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Hands the tasks of a study to its workers, and their outcomes to the journal.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "journal.h"
+#include "task.h"
+#include "worker_channel.h"
+
+namespace soft_robot_lab {
+
+struct RunProgress {
+  std::size_t tasks = 0, done = 0;  // different ones; those of earlier runs are done
+  std::size_t before = 0;           // done in earlier runs
+  std::size_t failed = 0, not_good = 0;
+  double elapsed_s = 0.0;
+};
+
+struct RunOptions {
+  std::vector<WorkerCommand> workers;
+  std::string version;                             // of the program, which each worker must have
+  std::function<bool(const RunProgress&)> report;  // after each outcome and each second; false: stop
+  std::function<void(const std::string&)> warn;    // of workers that ended
+};
+
+// A task whose worker or program was killed runs again, and fails at the fifth time. A worker that ended is started
+// again; one that does not come up three times is left out. Throws std::runtime_error where none is left, or a worker
+// refuses: another version, another scene.
+RunProgress run_tasks(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
+                      const RunOptions& options);
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,1 @@
+void read(const YamlNode& scene) { scene.child("body"); }

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rviz on the screen that DISPLAY names, for tests that press its keys by xdotool.
+#pragma once
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+
+#include <ros/ros.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace soft_robot_lab {
+
+class HiddenRviz {
+ public:
+  // A copy of that file that draws seldom: software draws on the cores that the robot needs.
+  explicit HiddenRviz(const std::string& config) : config_(copy_that_draws_seldom(config)), process_(fork()) {
+    if (process_ == 0) {
+      setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
+      execlp("rviz", "rviz", "-d", config_.c_str(), "__name:=panel_rviz", nullptr);
+      _exit(127);
+    }
+    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(120.0);
+    while (std::system("xdotool search --onlyvisible --name RViz windowfocus >/dev/null 2>&1") != 0) {
+      if (ros::WallTime::now() > limit) throw std::runtime_error("rviz shows no window");
+      ros::WallDuration(0.5).sleep();
+    }
+  }
+  HiddenRviz(const HiddenRviz&) = delete;
+  HiddenRviz& operator=(const HiddenRviz&) = delete;
+  ~HiddenRviz() {
+    kill(process_, SIGINT);
+    for (int i = 0; i < 100 && waitpid(process_, nullptr, WNOHANG) == 0; ++i) ros::WallDuration(0.1).sleep();
+    kill(process_, SIGKILL);
+    std::filesystem::remove(config_);
+  }
+
+  // As xdotool names them: alt+1, Prior, Home.
+  void press(const std::string& keys) const {
+    const std::string command = "xdotool search --onlyvisible --name RViz windowfocus key --delay 50 " + keys;
+    if (std::system((command + " >/dev/null 2>&1").c_str()) != 0) throw std::runtime_error("xdotool: " + command);
+  }
+  void take_picture(const std::string& file) const { std::system(("import -window root " + file).c_str()); }
+  bool runs() const { return waitpid(process_, nullptr, WNOHANG) == 0; }
+
+ private:
+  static std::string copy_that_draws_seldom(const std::string& config) {
+    std::ifstream in(config);
+    std::string text((std::istreambuf_iterator<char>(in)), {});
+    const std::string rate = "Frame Rate: ";
+    const auto place = text.find(rate);
+    if (place == std::string::npos) throw std::runtime_error(config + ": no frame rate");
+    text.replace(place + rate.size(), text.find('\n', place) - place - rate.size(), "2");
+    const std::string copy = std::filesystem::temp_directory_path() / ("panel_" + std::to_string(getpid()) + ".rviz");
+    std::ofstream(copy) << text;
+    return copy;
+  }
+
+  std::string config_;
+  pid_t process_;
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ros/live_target.h"
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "ros/policy_request.h"
+
+namespace soft_robot_lab {
+namespace {
+
+LiveGoal goal_at(double x_m, bool released = false) { return {"tip", {x_m, 0.0, 0.0}, released}; }
+
+void wait_for(const std::function<bool()>& reached) {
+  while (!reached()) std::this_thread::yield();
+}
+
+TEST(LiveTarget, IsAnsweredWithTheNewestPlaceOnly) {
+  std::mutex mutex;
+  std::vector<double> answered;
+  std::atomic<bool> go{false};
+  LiveTarget live([&](const LiveGoal& goal, const auto&) {
+    {
+      const std::lock_guard lock(mutex);
+      answered.push_back(goal.target_m.x());
+    }
+    wait_for([&] { return go.load(); });
+  });
+  live.ask(goal_at(0.0));
+  wait_for([&] {
+    const std::lock_guard lock(mutex);
+    return answered.size() == 1;
+  });
+  for (int i = 1; i <= 5; ++i) live.ask(goal_at(i));
+  go = true;
+  wait_for([&] {
+    const std::lock_guard lock(mutex);
+    return answered.size() == 2;
+  });
+  live.interrupt();
+  EXPECT_EQ(answered, (std::vector<double>{0.0, 5.0}));
+}
+
+TEST(LiveTarget, GivesUpALongSearchForANewerPlace) {
+  std::atomic<int> begun{0}, interruptions{0};
+  LiveTarget live([&](const LiveGoal& goal, const std::function<bool()>& interrupted) {
+    ++begun;
+    if (!goal.released) return;
+    wait_for(interrupted);
+    ++interruptions;
+  });
+  live.ask(goal_at(0.0, true));
+  wait_for([&] { return begun == 1; });
+  live.ask(goal_at(1.0));
+  wait_for([&] { return begun == 2; });
+  EXPECT_EQ(interruptions, 1);
+}
+
+TEST(LiveTarget, MakesWayForARequest) {
+  std::atomic<bool> begun{false}, ended{false};
+  LiveTarget live([&](const LiveGoal&, const std::function<bool()>& interrupted) {
+    begun = true;
+    wait_for(interrupted);
+    ended = true;
+  });
+  live.ask(goal_at(0.0));
+  wait_for([&] { return begun.load(); });
+  live.interrupt();
+  EXPECT_TRUE(ended);
+}
+
+TEST(LiveTarget, SurvivesASearchThatFails) {
+  std::atomic<int> asked{0};
+  LiveTarget live([&](const LiveGoal&, const auto&) {
+    ++asked;
+    throw std::runtime_error("no rest state");
+  });
+  live.ask(goal_at(0.0));
+  wait_for([&] { return asked == 1; });
+  live.ask(goal_at(1.0));
+  wait_for([&] { return asked == 2; });
+}
+
+PolicyAnswer answer_at(double distance_m) {
+  PolicyAnswer answer;
+  answer.summaries.resize(1);
+  answer.summaries[0].usable = true;
+  answer.summaries[0].final_distance_m = distance_m;
+  return answer;
+}
+
+TEST(PolicyRequest, CountsATargetAsReachedWithinWhatTheModelKnows) {
+  PolicyAnswer near = answer_at(2.0e-4), far = answer_at(7.0e-4), strict = answer_at(2.0e-5);
+  OptimisePolicy::Request request;
+  count_as_reached(request, near);
+  count_as_reached(request, far);
+  EXPECT_TRUE(near.summaries[0].target_reached);
+  EXPECT_FALSE(far.summaries[0].target_reached);
+  request.tolerance_m = 1.0e-5;
+  count_as_reached(request, strict);
+  EXPECT_FALSE(strict.summaries[0].target_reached);  // as the search said
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

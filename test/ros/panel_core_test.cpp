@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the panel knows beside actuators: lamps, poses, and services that are asked on threads.
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "ros/panel/calls.h"
+#include "ros/panel/lamps.h"
+#include "ros/panel/poses.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Level = Lamp::Level;
+
+diagnostic_msgs::DiagnosticArray diagnosis(const std::string& name, int level, const std::string& message,
+                                           const std::string& factor = "") {
+  diagnostic_msgs::DiagnosticArray array;
+  array.status.resize(1);
+  array.status[0].name = name;
+  array.status[0].level = static_cast<signed char>(level);
+  array.status[0].message = message;
+  if (!factor.empty()) {
+    array.status[0].values.resize(1);
+    array.status[0].values[0].key = "real-time factor";
+    array.status[0].values[0].value = factor;
+  }
+  return array;
+}
+
+TEST(Lamps, AreGreyBeforeAnythingIsHeard) {
+  const auto lamps = Lamps().lamps(0.0);
+  ASSERT_EQ(lamps.size(), 2u);  // no rig, no gap
+  for (const Lamp& lamp : lamps) EXPECT_EQ(lamp.level, Level::unknown);
+}
+
+TEST(Lamps, ShowTheSimulationAndItsSpeed) {
+  Lamps lamps;
+  lamps.add(diagnosis("simulator: simulation", 0, "runs", "0.998"), 0.0);
+  EXPECT_EQ(lamps.lamps(0.5)[0].level, Level::ok);
+  EXPECT_EQ(lamps.lamps(0.5)[1].value, "1.00 x");
+  lamps.add(diagnosis("simulator: simulation", 1, "steps that did not converge", "0.4"), 1.0);
+  EXPECT_EQ(lamps.lamps(1.5)[0].level, Level::warn);
+  EXPECT_EQ(lamps.lamps(1.5)[0].reason, "steps that did not converge");
+  EXPECT_EQ(lamps.lamps(1.5)[1].level, Level::warn);
+}
+
+TEST(Lamps, TurnGreyInSilence) {
+  Lamps lamps;
+  lamps.add(diagnosis("simulator: simulation", 0, "runs", "1"), 0.0);
+  EXPECT_EQ(lamps.lamps(Lamps::silence_s + 0.1)[0].level, Level::unknown);
+}
+
+TEST(Lamps, ShowARigsLinkAndTheGapOnceTheyAreHeardOf) {
+  Lamps lamps;
+  lamps.add(diagnosis("motor: motors", 2, "no link"), 0.0);
+  RealityGap gap;
+  gap.rms_m = 0.00123;
+  lamps.add(gap, 0.0);
+  const auto shown = lamps.lamps(0.1);
+  ASSERT_EQ(shown.size(), 4u);
+  EXPECT_EQ(shown[2].name, "Link");
+  EXPECT_EQ(shown[2].level, Level::error);
+  EXPECT_EQ(shown[3].value, "1.23 mm");
+}
+
+TEST(Lamps, BelongToOneSession) {
+  Lamps lamps("left");
+  lamps.add(diagnosis("right/simulator: simulation", 2, "ill", "1"), 0.0);
+  lamps.add(diagnosis("simulator: simulation", 2, "ill", "1"), 0.0);
+  EXPECT_EQ(lamps.lamps(0.1)[0].level, Level::unknown);
+  lamps.add(diagnosis("/left/simulator: simulation", 0, "runs", "1"), 0.0);
+  EXPECT_EQ(lamps.lamps(0.1)[0].level, Level::ok);
+}
+
+std::vector<ActuatorRow> rows(double left, double right) {
+  std::vector<ActuatorRow> rows(2);
+  rows[0].name = "left";
+  rows[1].name = "right";
+  rows[0].shown = left;
+  rows[1].shown = right;
+  for (ActuatorRow& row : rows) {
+    row.min = 0.7;
+    row.max = 1.3;
+  }
+  return rows;
+}
+
+TEST(Poses, AreStoredAndPlayed) {
+  Poses poses;
+  EXPECT_EQ(poses.store("", rows(0.9, 1.1)), "pose 1");
+  EXPECT_EQ(poses.store("", rows(0.8, 1.0)), "pose 2");
+  const Policy policy = poses.policy("pose 1", rows(1.0, 1.0), 1.5);
+  EXPECT_EQ(policy.names, (std::vector<std::string>{"left", "right"}));
+  ASSERT_EQ(policy.steps.size(), 1u);
+  EXPECT_EQ(policy.steps[0].time_s, 1.5);
+  EXPECT_EQ(policy.steps[0].values, (std::vector<double>{0.9, 1.1}));
+}
+
+TEST(Poses, SurviveTheFileTheyAreKeptIn) {
+  Poses poses, again;
+  poses.store("bent: far = left", rows(0.7 + 1e-15, 1.0 / 0.9));
+  again.read(poses.text());
+  ASSERT_EQ(again.names(), poses.names());
+  EXPECT_EQ(again.policy(again.names()[0], rows(1, 1), 1.0).steps[0].values[1], 1.0 / 0.9);
+}
+
+TEST(Poses, LeaveOutLinesThatCannotBeRead) {
+  Poses poses;
+  poses.read("good: left=0.9\nbad\n: left=1\nworse: left=fast\nnone: left=nan\n");
+  EXPECT_EQ(poses.names(), std::vector<std::string>{"good"});
+}
+
+TEST(Poses, MoveOnlyActuatorsThatTheRobotHas) {
+  Poses poses;
+  poses.read("other: left=0.2 tail=3\nalien: tail=3");
+  EXPECT_EQ(poses.policy("other", rows(1, 1), 1.0).steps[0].values, std::vector<double>{0.7});  // within its limits
+  EXPECT_THROW(poses.policy("alien", rows(1, 1), 1.0), std::invalid_argument);
+  EXPECT_THROW(poses.policy("unknown", rows(1, 1), 1.0), std::invalid_argument);
+}
+
+std::vector<CallOutcome> outcomes_of(Calls& calls) {
+  while (calls.any_busy()) std::this_thread::yield();
+  return calls.take_outcomes();
+}
+
+TEST(Calls, ReturnAtOnceAndGiveTheOutcomeLater) {
+  Calls calls;
+  std::atomic<bool> go{false};
+  EXPECT_TRUE(calls.start("slow", "Optimise", [&go] {
+    while (!go) std::this_thread::yield();
+    return "found";
+  }));
+  EXPECT_TRUE(calls.busy("slow"));
+  EXPECT_TRUE(calls.take_outcomes().empty());
+  go = true;
+  const auto outcomes = outcomes_of(calls);
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_TRUE(outcomes[0].success);
+  EXPECT_EQ(outcomes[0].message, "found");
+}
+
+TEST(Calls, LetAStopThroughBesideASearch) {
+  Calls calls;
+  std::atomic<bool> stopped{false};
+  calls.start("slow", "Optimise", [&stopped] {
+    while (!stopped) std::this_thread::yield();
+    return "stopped";
+  });
+  EXPECT_FALSE(calls.start("slow", "Optimise", [] { return ""; }));  // one at a time
+  EXPECT_TRUE(calls.start("quick", "Stop", [&stopped] {
+    stopped = true;
+    return "";
+  }));
+  EXPECT_EQ(outcomes_of(calls).size(), 2u);
+}
+
+TEST(Calls, TurnWhatIsThrownIntoAFailure) {
+  Calls calls;
+  calls.start("quick", "Reset", []() -> std::string { throw std::runtime_error("no simulator"); });
+  const auto outcomes = outcomes_of(calls);
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_FALSE(outcomes[0].success);
+  EXPECT_EQ(outcomes[0].message, "no simulator");
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The panel moves a simulated bar: sliders, Reset, poses, targets, Execute and Stop, each by its keys. A key is pressed
+// until it works, as the panel takes seconds to find a session's services; none of them does harm when it comes twice.
+#include <atomic>
+#include <cmath>
+#include <future>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <geometry_msgs/PoseStamped.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <soft_robot_lab/ExecutePolicy.h>
+#include <std_srvs/Trigger.h>
+#include <visualization_msgs/Marker.h>
+
+#include "hidden_rviz.h"
+#include "ros/conversions.h"
+#include "ros/topics.h"
+#include "session_ears.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double patience_s = 60.0;
+
+class Panel : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    rviz_ = std::make_unique<HiddenRviz>(SOFT_ROBOT_LAB_SOURCE "/config/rviz/session.rviz");
+  }
+  static void TearDownTestSuite() {
+    if (const char* picture = std::getenv("PANEL_TEST_PICTURE")) rviz_->take_picture(picture);
+    rviz_.reset();
+  }
+
+  void SetUp() override {
+    states_ = node_.subscribe<ActuatorState>(
+        topics::simulator_actuators, 1, boost::function<void(const ActuatorState::ConstPtr&)>([this](const auto& m) {
+          commands_ = m->commands;
+          ++heard_;
+        }));
+    markers_ = node_.subscribe<MarkerObservations>(topics::simulator_markers, 1,
+                                                   boost::function<void(const MarkerObservations::ConstPtr&)>(
+                                                       [this](const auto& m) { tip_ = position_of(*m, "tip"); }));
+    sent_by_rviz_ = node_.subscribe<ActuatorCommand>(
+        topics::actuator_command, 100,
+        boost::function<void(const ros::MessageEvent<const ActuatorCommand>&)>([this](const auto& event) {
+          if (event.getPublisherName() == "/panel_rviz") ++sent_;
+        }));
+    ask<std_srvs::Trigger>(node_, topics::simulator_reset);
+    ASSERT_TRUE(spin_until([&] { return at_rest_commands(); }, patience_s));
+    rest_tip_ = tip_;
+  }
+
+  bool at_rest_commands() const { return commands_ == std::vector<double>{1.0, 1.0} && tip_.norm() > 0.0; }
+
+  template <typename Condition>
+  bool press_until(const std::string& keys, const Condition& condition) {
+    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(patience_s);
+    while (ros::WallTime::now() < limit) {
+      rviz_->press(keys);
+      if (spin_until(condition, 5.0)) return true;
+    }
+    return false;
+  }
+
+  void hear_more_states(int count) {
+    const int before = heard_;
+    ASSERT_TRUE(spin_until([&] { return heard_ >= before + count; }, patience_s));
+  }
+
+  static std::unique_ptr<HiddenRviz> rviz_;
+  ros::NodeHandle node_;
+  ros::Subscriber states_, markers_, sent_by_rviz_;
+  std::vector<double> commands_ = {0.0, 0.0};
+  Eigen::Vector3d tip_ = Eigen::Vector3d::Zero(), rest_tip_;
+  int heard_ = 0, sent_ = 0;
+};
+std::unique_ptr<HiddenRviz> Panel::rviz_;
+
+TEST_F(Panel, MovesTheRobotByASliderAndBack) {
+  ASSERT_TRUE(press_until("alt+1 Next", [&] { return commands_[0] < 0.95; }));
+  EXPECT_EQ(commands_[1], 1.0);
+  EXPECT_TRUE(spin_until([&] { return (tip_ - rest_tip_).norm() > 2e-3; }, patience_s));
+  ASSERT_TRUE(press_until("alt+1 Prior", [&] { return commands_[0] == 1.0; }));  // exactly: shown is sent
+  EXPECT_TRUE(spin_until([&] { return (tip_ - rest_tip_).norm() < 5e-4; }, patience_s));
+}
+
+TEST_F(Panel, SendsNothingForWhatOthersCommand) {
+  ASSERT_TRUE(press_until("alt+1 Next", [&] { return commands_[0] < 0.95; }));  // it is connected
+  hear_more_states(50);
+  const int before = sent_;
+  ros::Publisher publisher = node_.advertise<ActuatorCommand>(topics::actuator_command, 1, true);
+  ActuatorCommand command;
+  command.names = {"left", "right"};
+  command.values = {0.98765432, 0.9};
+  publisher.publish(command);
+  ASSERT_TRUE(spin_until([&] { return commands_ == command.values; }, patience_s));
+  hear_more_states(300);
+  EXPECT_EQ(sent_, before);
+  EXPECT_EQ(commands_, command.values);
+}
+
+TEST_F(Panel, ResetsTheRobot) {
+  ASSERT_TRUE(press_until("alt+2 Home", [&] { return commands_[1] < 0.9; }));
+  EXPECT_TRUE(press_until("alt+r", [&] { return at_rest_commands(); }));
+}
+
+TEST_F(Panel, StoresAPoseAndPlaysIt) {
+  ASSERT_TRUE(press_until("alt+2 Next", [&] { return commands_[1] < 0.95; }));
+  hear_more_states(20);
+  const std::vector<double> pose = commands_;
+  rviz_->press("alt+t");
+  ASSERT_TRUE(press_until("alt+r", [&] { return at_rest_commands(); }));
+  EXPECT_TRUE(press_until("alt+y", [&] { return commands_ == pose; }));
+}
+
+TEST_F(Panel, ExecutesWhatWasFoundForAPoseAndShowsItsGhostBefore) {
+  int action = -1;
+  const ros::Subscriber ghosts = node_.subscribe<visualization_msgs::Marker>(
+      topics::controller_ghost, 10,
+      boost::function<void(const visualization_msgs::Marker::ConstPtr&)>([&](const auto& m) { action = m->action; }));
+  ros::Publisher goals = node_.advertise<geometry_msgs::PoseStamped>(topics::controller_goal, 1, true);
+  geometry_msgs::PoseStamped goal;
+  goal.header.frame_id = topics::world_frame;
+  goal.pose.position = to_message(Eigen::Vector3d(0.02, 0.0, -0.095));
+  goals.publish(goal);
+  ASSERT_TRUE(spin_until([&] { return action == visualization_msgs::Marker::ADD; }, patience_s));
+  EXPECT_EQ(commands_, (std::vector<double>{1.0, 1.0}));
+  const auto is_there = [&] { return std::abs(tip_.x() - 0.02) < 1e-3; };
+  EXPECT_TRUE(press_until("alt+e", is_there));
+  EXPECT_TRUE(spin_until([&] { return action == visualization_msgs::Marker::DELETE; }, patience_s));
+}
+
+TEST_F(Panel, StopsAPolicyWhereItIs) {
+  ExecutePolicy::Request slow;
+  slow.policy.names = {"left"};
+  slow.policy.steps.resize(1);
+  slow.policy.steps[0].time_s = 3000.0;
+  slow.policy.steps[0].values = {0.8};
+  auto answer = std::async(std::launch::async, [&] { return ask<ExecutePolicy>(node_, topics::execute_policy, slow); });
+  ASSERT_TRUE(spin_until([&] { return commands_[0] < 1.0; }, patience_s));
+  const auto ended = [&] { return answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready; };
+  if (!press_until("alt+s", ended)) ask<std_srvs::Trigger>(node_, topics::cancel_policy);
+  EXPECT_EQ(answer.get().message, "cancelled");
+  hear_more_states(50);
+  const std::vector<double> held = commands_;
+  hear_more_states(100);
+  EXPECT_EQ(commands_, held);
+  EXPECT_TRUE(rviz_->runs());
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

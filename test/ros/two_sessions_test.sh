@@ -1,0 +1,41 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# two_sessions_test.sh: two robots in two namespaces under one master move apart from one another, and their lamps are green.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+. "$here/../../launch/environment.sh"
+folder=$(mktemp -d)
+session=
+clean_up() {
+  [[ -z $session ]] || { kill -INT "$session" && wait "$session" || true; }
+  rm -rf "$folder"
+}
+trap clean_up EXIT
+fail() { echo "two sessions: $*" >&2; tail "$folder/log" >&2; exit 1; }
+hear() { timeout 60 rostopic echo -n 1 "$@"; }
+roslaunch -p "$master_port" "$here/two_sessions.launch" >"$folder/log" 2>&1 &
+session=$!
+for ((i = 0; i < 180; ++i)); do
+  services=$(rosservice list 2>/dev/null || true)
+  [[ $services == */left/controller/optimise_policy* && $services == */right/controller/optimise_policy* ]] && break
+  kill -0 "$session" 2>/dev/null || fail "the sessions ended"
+  sleep 1
+done
+[[ $(hear /left/simulator/scene) == *cable_bar.yaml* ]] || fail "the left robot is not its own"
+[[ $(hear /right/simulator/scene) == *cable_bar_soft.yaml* ]] || fail "the right robot is not its own"
+
+before=$(hear /right/simulator/actuators/commands)
+for ((i = 0; i < 20; ++i)); do
+  timeout 60 rostopic pub -1 /left/actuators/command soft_robot_lab/ActuatorCommand '{names: [left], values: [0.9]}' >"$folder/said"
+  [[ $(hear /left/simulator/actuators/commands) == *0.9,* ]] && break
+done
+((i < 20)) || fail "the left robot does not move"
+[[ $(hear /right/simulator/actuators/commands) == "$before" ]] || fail "the right robot moves too"
+for name in left right; do
+  found=
+  for ((i = 0; i < 60; ++i)); do
+    lamp=$(hear /diagnostics 2>/dev/null || true)
+    [[ $lamp == *"$name/session_watch: session"* && $lamp == *"controller runs"* ]] && { found=yes; break; }
+  done
+  [[ -n $found ]] || fail "no green lamp of $name"
+done

@@ -18,6 +18,10 @@ inline constexpr double kTieStiffness = 1e3;   // of a carried point, over E * s
 inline constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
 inline constexpr int kLineSearchHalvings = 8;  // of a step; then a convex stiffness is tried
 
+inline constexpr double kStillAtRest = 2e-3;  // residual beyond which a state has no sensitivities: twice the roughest
+                                              // equilibrium that is asked for
+inline constexpr int kRefinements = 4;        // of a derivative, whose matrix is softened by ties; each brings 1e-2
+
 // --- Multipliers and slip (newton/multiplier_problem.h)
 
 inline constexpr double kSlack = 1e-9;    // of a bound that is met, relative

@@ -81,5 +81,14 @@ TEST(MultiplierProblem, WithoutFrictionAllTensionsAreOne) {
   EXPECT_TRUE(solved.y.isApprox(Eigen::Vector3d::Constant(0.5), 1e-9)) << solved.y.transpose();
 }
 
+// Joined from the far end, the group that joins changed its number halfway.
+TEST(MultiplierProblem, JoinsAllConstraintsBetweenWhichLengthSlips) {
+  MultiplierProblem problem;
+  problem.laws.resize(4);
+  problem.friction_contacts = {{1, 2, 1.0}, {0, 1, 1.0}, {2, 3, 2.0}};
+  const Eigen::Vector4d y(1.0, 1.0, 1.0, 1.0);  // the first two contacts slip, the last sticks
+  EXPECT_EQ(slipping_groups(problem, y), (std::vector<int>{0, 0, 0, 3}));
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

@@ -2,10 +2,12 @@
 // A silicone body: what never changes while it is simulated.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "embedding.h"
 #include "material.h"
 #include "obstacle.h"
 #include "tet_mesh.h"
@@ -19,6 +21,15 @@ enum class LinearVolume { element, vertex_averaged };
 
 using FixedAxes = Eigen::Matrix<bool, 3, Eigen::Dynamic>;
 
+// A held region of the body.
+struct Hold {
+  std::string name;        // empty: its place in the list stands for it
+  std::vector<int> nodes;  // without those of the regions before it
+  Eigen::Matrix<bool, 3, 1> axes;
+  std::vector<ObstaclePose> motion;  // about its centre; empty: it stands still
+  Eigen::Vector3d center_m;          // of the rest positions' box
+};
+
 // Dead loads are per undeformed area or volume and keep their direction. Frame: robot_base; SI units.
 class Body {
  public:
@@ -28,12 +39,25 @@ class Body {
   // Holds the listed axes of every node whose rest position lies in the box; returns how many nodes.
   int fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
                 const Eigen::Matrix<bool, 3, 1>& axes);
+  // The same of nodes that move so, as obstacles do; at time 0 they are where the mesh has them. Throws
+  // std::invalid_argument for a motion out of range, one that turns what is not held along all axes, and nodes that
+  // other regions hold too.
+  int fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
+                const Eigen::Matrix<bool, 3, 1>& axes, std::vector<ObstaclePose> motion, std::string name);
 
   // Boundary faces whose corners all lie in the box; returns the loaded rest area [m^2].
   double add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
                       const Eigen::Vector3d& traction_pa);
-  // The same with a total force spread evenly over the area. Throws std::invalid_argument where there is none.
+  // The same with a total force spread evenly over the area; over the edges of boundary faces that lie in the box where
+  // no face does. Throws std::invalid_argument where there is neither.
   void add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Vector3d& force_n);
+
+  // At a point of the body. It sinks in the more the finer the mesh is: no continuum carries a point force.
+  void add_force(const EmbeddedPoint& at, const Eigen::Vector3d& force_n);
+
+  // A mass fixed to a point: its weight acts there; its inertia is lumped on the point's nodes, the total exact. Throws
+  // std::invalid_argument: mass_kg.
+  void hang(const EmbeddedPoint& at, double mass_kg);
 
   // Throws std::invalid_argument for vertex_averaged on a quadratic mesh.
   void set_linear_volume(LinearVolume volume);
@@ -52,11 +76,19 @@ class Body {
   LinearVolume linear_volume() const { return linear_volume_; }
   const FixedAxes& fixed() const { return fixed_; }
   int fixed_node_count() const;
+  const std::vector<Hold>& holds() const { return holds_; }
+  bool holds_move() const;
+  double end_of_hold_motion_s() const;
+  bool holds_move_between(double from_s, double to_s) const;
+  // Puts the nodes of holds that move to where these are at a time.
+  void place_held_nodes(double time_s, Eigen::Matrix3Xd& positions_m) const;
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
-  const Eigen::VectorXd& node_masses_kg() const { return node_masses_kg_; }
+  const Eigen::VectorXd& node_masses_kg() const { return node_masses_kg_; }  // with what hangs on the body
+  const Eigen::VectorXd& hung_masses_kg() const { return hung_masses_kg_; }  // of them
   const Eigen::Vector3d& gravity_m_s2() const { return gravity_m_s2_; }
   Eigen::Matrix3Xd external_forces_n() const;  // gravity and dead loads, 3 x nodes
-  double size_m() const;                       // diagonal of the rest bounding box
+  const Eigen::Matrix3Xd& dead_loads_n() const { return dead_loads_n_; }
+  double size_m() const;  // diagonal of the rest bounding box
 
  private:
   TetMesh mesh_;
@@ -64,7 +96,9 @@ class Body {
   Viscosity viscosity_;
   LinearVolume linear_volume_ = LinearVolume::element;
   FixedAxes fixed_;
-  Eigen::VectorXd node_masses_kg_;
+  std::vector<Hold> holds_;
+  Eigen::VectorXd node_masses_kg_, hung_masses_kg_;
+  Eigen::VectorXd hung_weights_kg_;  // as the point's weights share it; may be negative
   Eigen::Matrix3Xd dead_loads_n_;
   std::vector<Obstacle> obstacles_;
   Eigen::Vector3d gravity_m_s2_ = Eigen::Vector3d::Zero();

@@ -49,6 +49,9 @@ struct ObstaclePose {
   Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();  // axis times angle
 };
 
+// Throws std::invalid_argument: field, value, allowed range.
+void validate_motion(const std::vector<ObstaclePose>& motion);
+
 struct Obstacle {
   std::string name;
   ObstacleShape shape;

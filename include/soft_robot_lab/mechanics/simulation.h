@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "energy_ledger.h"
 #include "model.h"
 #include "simulation_state.h"
 #include "solve_report.h"
@@ -57,6 +58,10 @@ class Simulation {
   // not stable.
   Eigen::MatrixXd parameter_sensitivities(const std::vector<ModelParameter>& parameters, Eigen::MatrixXd& slipped_m);
 
+  // Keeps account of energy from the present state on; costs a pass over the body in every step. Not with method xpbd.
+  void keep_energy_ledger();
+  const EnergyLedger* energy_ledger() const;  // null where none is kept
+
   void reset();  // rest shape, rest commands, time zero
   const SimulationState& state() const;
   void set_state(const SimulationState& state);  // throws std::invalid_argument: wrong size or not finite
@@ -70,7 +75,8 @@ class Simulation {
   int marker_index(const std::string& name) const;    // the same
 
   // What holds the held nodes, 3 x nodes [N]; zero on free axes. At rest it balances gravity, loads, cables and contact
-  // to the solver's tolerance; in motion it leaves out what damping and hysteresis add.
+  // to the solver's tolerance; in motion it leaves out what damping and hysteresis add, unless a hold moves: then it
+  // has these and the inertia of the held nodes.
   Eigen::Matrix3Xd reaction_forces_n() const;
 
   Eigen::Vector3d marker_position(int marker) const;

@@ -28,6 +28,9 @@ struct SimulationState {
   Eigen::VectorXd branch_stress_pa;  // of hysteresis, in an order of the solver's own; empty without
   DriveStates drives;                // per actuator
 
+  // Of holds that move, 3 x nodes: what inertia and damping add to their reaction; empty where none moves, or at rest.
+  Eigen::Matrix3Xd hold_inertia_n;
+
   std::optional<double> rest_residual;  // where the body is at rest: it sleeps until something changes
 
   int inverted_steps = 0;  // time steps, up to now, that ended with inverted elements

@@ -14,6 +14,7 @@ namespace soft_robot_lab {
 //   inverted_elements    smallest det F                    residual_not_met     residual
 //   command_not_reached  what is missing, in `unit`        slack                length in excess of the cable's path, <
 //   0 excessive_tension    the tension                       untangled             elements laid out anew
+//   free_motion          0: nothing resists a rigid motion of the body, which `text` names
 struct SolveWarning {
   std::string kind;
   double size = 0.0;

@@ -255,6 +255,16 @@ void ContactTerm::commit(const Eigen::Matrix3Xd& positions_m, ContactState& stat
   }
 }
 
+double ContactTerm::rubbed_j(const ContactSums& at) const {
+  double sum = 0.0;
+  for (const ContactTouch& touch : at.touches) {
+    if (!touch.rubs() || touch.pressure_pa == 0.0) continue;
+    const Eigen::Vector3d traction_pa = touch.friction.traction_pa(touch.away_m);
+    sum += weight_m2(touch.pair) * traction_pa.dot(touch.away_m - touch.friction.compliance_m_pa * traction_pa);
+  }
+  return sum;
+}
+
 std::vector<ContactReading> ContactTerm::readings(const Eigen::Matrix3Xd& positions_m,
                                                   const ContactState& state) const {
   std::vector<ContactReading> all(obstacles_.size());

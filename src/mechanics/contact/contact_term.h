@@ -89,6 +89,9 @@ class ContactTerm {
   // Lets anchors follow what slipped, and what does not touch.
   void commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const;
 
+  // What friction dissipates where the anchors follow what slipped, by commit().
+  double rubbed_j(const ContactSums& at) const;
+
   std::vector<ContactReading> readings(const Eigen::Matrix3Xd& positions_m, const ContactState& state) const;
 
  private:

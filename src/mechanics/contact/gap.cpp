@@ -119,14 +119,18 @@ Eigen::Vector3d center_m(const ObstacleShape& shape) {
 }
 
 Eigen::Isometry3d pose_at(const Obstacle& obstacle, double time_s) {
+  return pose_at(obstacle.motion, center_m(obstacle.shape), time_s);
+}
+
+Eigen::Isometry3d pose_at(const std::vector<ObstaclePose>& motion, const Vector3d& middle_m, double time_s) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  if (obstacle.motion.empty()) return pose;
-  const auto later = std::find_if(obstacle.motion.begin(), obstacle.motion.end(),
-                                  [&](const ObstaclePose& at) { return at.time_s > time_s; });
+  if (motion.empty()) return pose;
+  const auto later =
+      std::find_if(motion.begin(), motion.end(), [&](const ObstaclePose& at) { return at.time_s > time_s; });
   Eigen::Quaterniond rotation;
   Vector3d translation_m;
-  if (later == obstacle.motion.begin() || later == obstacle.motion.end()) {
-    const ObstaclePose& one = later == obstacle.motion.end() ? obstacle.motion.back() : obstacle.motion.front();
+  if (later == motion.begin() || later == motion.end()) {
+    const ObstaclePose& one = later == motion.end() ? motion.back() : motion.front();
     rotation = turn(one.rotation_rad);
     translation_m = one.translation_m;
   } else {
@@ -134,7 +138,6 @@ Eigen::Isometry3d pose_at(const Obstacle& obstacle, double time_s) {
     const double share = (time_s - before.time_s) / (later->time_s - before.time_s);
     translation_m = between(before, *later, share, rotation).translation_m;
   }
-  const Vector3d middle_m = center_m(obstacle.shape);
   pose.linear() = rotation.toRotationMatrix();
   pose.translation() = middle_m + translation_m - pose.linear() * middle_m;
   return pose;

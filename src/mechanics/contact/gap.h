@@ -24,6 +24,9 @@ Gap gap_to(const ObstacleShape& shape, const Eigen::Vector3d& point_m);
 // What an obstacle turns about. Of a plane its point, else the middle.
 Eigen::Vector3d center_m(const ObstacleShape& shape);
 
+// The pose of anything that moves so about this centre.
+Eigen::Isometry3d pose_at(const std::vector<ObstaclePose>& motion, const Eigen::Vector3d& center_m, double time_s);
+
 // From the shape as stated to where it stands.
 Eigen::Isometry3d pose_at(const Obstacle& obstacle, double time_s);
 

@@ -64,23 +64,23 @@ void check(const RoundedBox& box) {
   require_rounding(box.rounding_m, 0.5 * box.size_m.minCoeff());
 }
 
-void check(const std::vector<ObstaclePose>& motion) {
+}  // namespace
+
+void validate_motion(const std::vector<ObstaclePose>& motion) {
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const std::string item = "motion[" + std::to_string(i) + "].";
     if (!(motion[i].time_s >= 0.0) || !std::isfinite(motion[i].time_s))
       refuse(item + "time_s", motion[i].time_s, "[0, inf)");
     if (i > 0 && !(motion[i].time_s > motion[i - 1].time_s))
-      refuse(item + "time_s", motion[i].time_s, "of times that rise from pose to pose: an obstacle does not jump");
+      refuse(item + "time_s", motion[i].time_s, "of times that rise from pose to pose: nothing jumps");
     require_finite(item + "translation_m", motion[i].translation_m);
     require_finite(item + "rotation_rad", motion[i].rotation_rad);
   }
 }
 
-}  // namespace
-
 void Obstacle::validate() const {
   std::visit([](const auto& one) { check(one); }, shape);
-  check(motion);
+  validate_motion(motion);
   if (!(friction >= 0.0) || !std::isfinite(friction)) refuse("friction", friction, "[0, inf)");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "blas.h"
 
+#include <cstdlib>
 #include <mutex>
 
 // By their Fortran names, as every implementation has them.
@@ -18,6 +19,7 @@ void dgemm_(const char* transa, const char* transb, const int* m, const int* n, 
 
 // Of OpenBLAS alone: 0 where it was built without threads.
 int openblas_get_parallel() __attribute__((weak));
+void openblas_set_num_threads(int threads) __attribute__((weak));
 }
 
 namespace soft_robot_lab::blas {
@@ -26,10 +28,21 @@ namespace {
 constexpr double kOne = 1.0, kMinusOne = -1.0;
 constexpr int kNext = 1;
 
+// The fronts are small: threads of the library's own only wait for one another, and for those of the simulation.
+void use_one_thread() {
+  static const bool done = [] {
+    if (openblas_set_num_threads != nullptr && std::getenv("OPENBLAS_NUM_THREADS") == nullptr)
+      openblas_set_num_threads(1);
+    return true;
+  }();
+  static_cast<void>(done);
+}
+
 // Held during a call, where calls wait for one another.
 class Turn {
  public:
   Turn() {
+    use_one_thread();
     if (waits()) lock_ = std::unique_lock<std::mutex>(mutex());
   }
 

@@ -4,6 +4,7 @@
 //
 // An OpenBLAS built without threads, as Debian's libopenblas0-serial, is not safe when two threads call it at once:
 // some results are then plainly wrong. Where such a library is linked these calls wait for one another.
+// The first call has the library use one thread, unless the environment's OPENBLAS_NUM_THREADS asks for more.
 #pragma once
 
 namespace soft_robot_lab::blas {

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/mechanics/body.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "mechanics/contact/gap.h"
 #include "mechanics/contact/overlap.h"
 #include "shape_functions.h"
 
@@ -51,6 +55,51 @@ Eigen::VectorXd face_areas(const TetMesh& mesh, Eigen::Index face) {
   return areas;
 }
 
+// Integrals of the shape functions over the edges of boundary faces whose ends lie in the box (Simpson's rule), per
+// node.
+Eigen::VectorXd edge_lengths_m(const TetMesh& mesh, const Eigen::Vector3d& box_min_m,
+                               const Eigen::Vector3d& box_max_m) {
+  Eigen::VectorXd lengths_m = Eigen::VectorXd::Zero(mesh.node_count());
+  std::set<std::pair<int, int>> seen;
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
+    for (int side = 0; side < 3; ++side) {
+      const int a = mesh.faces(side, face), b = mesh.faces((side + 1) % 3, face);
+      if (!inside(mesh.nodes_m.col(a), box_min_m, box_max_m) || !inside(mesh.nodes_m.col(b), box_min_m, box_max_m))
+        continue;
+      if (!seen.insert({std::min(a, b), std::max(a, b)}).second) continue;
+      const double length_m = (mesh.nodes_m.col(a) - mesh.nodes_m.col(b)).norm();
+      const bool quadratic = mesh.faces.rows() == 6;
+      for (const int end : {a, b}) lengths_m[end] += length_m / (quadratic ? 6.0 : 2.0);
+      if (quadratic) lengths_m[mesh.faces(3 + side, face)] += length_m * 2.0 / 3.0;
+    }
+  }
+  return lengths_m;
+}
+
+std::string place(const Eigen::Vector3d& at_m) {
+  std::ostringstream text;
+  text << "(" << at_m.x() << ", " << at_m.y() << ", " << at_m.z() << ") m";
+  return text.str();
+}
+
+void check_hold(const std::vector<ObstaclePose>& motion, const Eigen::Matrix<bool, 3, 1>& axes) {
+  if (motion.empty()) return;
+  validate_motion(motion);
+  const bool turns = std::any_of(motion.begin(), motion.end(),
+                                 [](const ObstaclePose& pose) { return !pose.rotation_rad.isZero(0.0); });
+  if (turns && !axes.all())
+    throw std::invalid_argument("motion: rotation_rad needs all of axes x, y, z; this region holds fewer");
+  if (!pose_at(motion, Eigen::Vector3d::Zero(), 0.0).matrix().isIdentity(0.0))
+    throw std::invalid_argument(
+        "motion: at time_s 0 the region must be where the mesh has it; start with {time_s: 0} and no translation_m");
+}
+
+bool holder_moves(const std::vector<Hold>& holds, int node) {
+  return std::any_of(holds.begin(), holds.end(), [&](const Hold& hold) {
+    return !hold.motion.empty() && std::find(hold.nodes.begin(), hold.nodes.end(), node) != hold.nodes.end();
+  });
+}
+
 }  // namespace
 
 Body::Body(TetMesh mesh, const Material& material) : mesh_(std::move(mesh)), material_(material) {
@@ -59,7 +108,7 @@ Body::Body(TetMesh mesh, const Material& material) : mesh_(std::move(mesh)), mat
   complete_boundary(mesh_);
   fixed_ = FixedAxes::Constant(3, mesh_.node_count(), false);
   dead_loads_n_ = Eigen::Matrix3Xd::Zero(3, mesh_.node_count());
-  node_masses_kg_ = Eigen::VectorXd::Zero(mesh_.node_count());
+  node_masses_kg_ = hung_masses_kg_ = hung_weights_kg_ = Eigen::VectorXd::Zero(mesh_.node_count());
   for (int e = 0; e < mesh_.tet_count(); ++e) {
     const double mass = material_.density_kg_m3 * rest_volume(mesh_, e);
     for (Eigen::Index a = 0; a < mesh_.tets.rows(); ++a) {
@@ -71,13 +120,58 @@ Body::Body(TetMesh mesh, const Material& material) : mesh_(std::move(mesh)), mat
 
 int Body::fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
                     const Eigen::Matrix<bool, 3, 1>& axes) {
+  return fix_nodes(box_min_m, box_max_m, axes, {}, "");
+}
+
+int Body::fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
+                    const Eigen::Matrix<bool, 3, 1>& axes, std::vector<ObstaclePose> motion, std::string name) {
+  check_hold(motion, axes);
+  Hold hold{std::move(name), {}, axes, std::move(motion), Eigen::Vector3d::Zero()};
+  Eigen::AlignedBox3d box;
   int count = 0;
   for (int node = 0; node < mesh_.node_count(); ++node) {
     if (!inside(mesh_.nodes_m.col(node), box_min_m, box_max_m)) continue;
-    fixed_.col(node) = fixed_.col(node).array() || axes.array();
     ++count;
+    box.extend(mesh_.nodes_m.col(node));
+    const bool taken = fixed_.col(node).any();
+    const bool twice = taken && (fixed_.col(node).array() && axes.array()).any();
+    if (twice && (!hold.motion.empty() || holder_moves(holds_, node)))
+      throw std::invalid_argument("fixed: two regions hold the node at rest position " +
+                                  place(mesh_.nodes_m.col(node)) + ", and one of them moves; choose boxes apart");
+    fixed_.col(node) = fixed_.col(node).array() || axes.array();
+    if (!twice) hold.nodes.push_back(node);
   }
+  if (count > 0) hold.center_m = box.center();
+  holds_.push_back(std::move(hold));
   return count;
+}
+
+bool Body::holds_move() const {
+  return std::any_of(holds_.begin(), holds_.end(), [](const Hold& hold) { return !hold.motion.empty(); });
+}
+
+double Body::end_of_hold_motion_s() const {
+  double end_s = 0.0;
+  for (const Hold& hold : holds_)
+    if (!hold.motion.empty()) end_s = std::max(end_s, hold.motion.back().time_s);
+  return end_s;
+}
+
+bool Body::holds_move_between(double from_s, double to_s) const {
+  return std::any_of(holds_.begin(), holds_.end(), [&](const Hold& hold) {
+    return pose_at(hold.motion, hold.center_m, from_s).matrix() != pose_at(hold.motion, hold.center_m, to_s).matrix();
+  });
+}
+
+void Body::place_held_nodes(double time_s, Eigen::Matrix3Xd& positions_m) const {
+  for (const Hold& hold : holds_) {
+    if (hold.motion.empty()) continue;
+    const Eigen::Isometry3d pose = pose_at(hold.motion, hold.center_m, time_s);
+    for (const int node : hold.nodes) {
+      const Eigen::Vector3d there_m = pose * Eigen::Vector3d(mesh_.nodes_m.col(node));
+      positions_m.col(node) = hold.axes.select(there_m, positions_m.col(node));
+    }
+  }
 }
 
 double Body::add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
@@ -98,8 +192,34 @@ double Body::add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3
 void Body::add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
                      const Eigen::Vector3d& force_n) {
   const double area = add_traction(box_min_m, box_max_m, Eigen::Vector3d::Zero());
-  if (!(area > 0.0)) throw std::invalid_argument("force_n: no boundary face lies inside the load's box");
-  add_traction(box_min_m, box_max_m, force_n / area);
+  if (area > 0.0) {
+    add_traction(box_min_m, box_max_m, force_n / area);
+    return;
+  }
+  const Eigen::VectorXd lengths_m = edge_lengths_m(mesh_, box_min_m, box_max_m);
+  if (!(lengths_m.sum() > 0.0))
+    throw std::invalid_argument("force_n: no boundary face, and no edge of one, lies inside the load's box");
+  dead_loads_n_ += force_n * (lengths_m / lengths_m.sum()).transpose();
+}
+
+void Body::add_force(const EmbeddedPoint& at, const Eigen::Vector3d& force_n) {
+  for (std::size_t k = 0; k < at.nodes.size(); ++k) dead_loads_n_.col(at.nodes[k]) += at.weights[k] * force_n;
+}
+
+void Body::hang(const EmbeddedPoint& at, double mass_kg) {
+  if (!(mass_kg > 0.0) || !std::isfinite(mass_kg)) {
+    std::ostringstream text;
+    text << "mass_kg: " << mass_kg << " is out of range (0, inf)";
+    throw std::invalid_argument(text.str());
+  }
+  double squares = 0.0;
+  for (const double weight : at.weights) squares += weight * weight;
+  for (std::size_t k = 0; k < at.nodes.size(); ++k) {
+    const double lumped_kg = mass_kg * at.weights[k] * at.weights[k] / squares;
+    node_masses_kg_[at.nodes[k]] += lumped_kg;
+    hung_masses_kg_[at.nodes[k]] += lumped_kg;
+    hung_weights_kg_[at.nodes[k]] += mass_kg * at.weights[k];
+  }
 }
 
 void Body::set_linear_volume(LinearVolume volume) {
@@ -134,7 +254,9 @@ int Body::fixed_node_count() const {
   return count;
 }
 
-Eigen::Matrix3Xd Body::external_forces_n() const { return dead_loads_n_ + gravity_m_s2_ * node_masses_kg_.transpose(); }
+Eigen::Matrix3Xd Body::external_forces_n() const {
+  return dead_loads_n_ + gravity_m_s2_ * (node_masses_kg_ + (hung_weights_kg_ - hung_masses_kg_)).transpose();
+}
 
 double Body::size_m() const { return (mesh_.nodes_m.rowwise().maxCoeff() - mesh_.nodes_m.rowwise().minCoeff()).norm(); }
 

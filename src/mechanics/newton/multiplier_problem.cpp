@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -190,6 +191,17 @@ int slipping(const FrictionContactBound& contact, const Eigen::VectorXd& y) {
   const double first = y[contact.first], second = y[contact.second];
   if (first >= (1.0 - constants::kOnBound) * contact.ratio * second) return 1;
   return second >= (1.0 - constants::kOnBound) * contact.ratio * first ? -1 : 0;
+}
+
+std::vector<int> slipping_groups(const MultiplierProblem& problem, const Eigen::VectorXd& y) {
+  std::vector<int> group(problem.laws.size());
+  std::iota(group.begin(), group.end(), 0);
+  for (const FrictionContactBound& contact : problem.friction_contacts) {
+    if (slipping(contact, y) == 0) continue;
+    const int joining = group[contact.second], joined = group[contact.first];  // copies: replace() changes the group
+    std::replace(group.begin(), group.end(), joining, joined);
+  }
+  return group;
 }
 
 std::vector<ConstraintLaw> after_flows(std::vector<ConstraintLaw> laws,

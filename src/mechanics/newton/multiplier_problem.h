@@ -43,6 +43,10 @@ double violation(const ConstraintLaw& law, double y);
 // Whether a contact's multipliers are on a bound, so that length slips: 1 towards the first, -1 towards the second.
 int slipping(const FrictionContactBound& contact, const Eigen::VectorXd& y);
 
+// Per constraint the number of its group: constraints between which length slips are one, and hold no more than the sum
+// of their values.
+std::vector<int> slipping_groups(const MultiplierProblem& problem, const Eigen::VectorXd& y);
+
 // The laws once lengths have slipped.
 std::vector<ConstraintLaw> after_flows(std::vector<ConstraintLaw> laws,
                                        const std::vector<FrictionContactBound>& friction_contacts,

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <tuple>
+
 #include <Eigen/LU>
 
+#include "mechanics/solver_constants.h"
 #include "newton_solver.h"
 
 namespace soft_robot_lab {
@@ -10,6 +13,43 @@ ConstraintLaw NewtonSolver::law_at(const NewtonState& state, int constraint) con
   return of.law(of.value(state.positions_m, state.drives), state.constraint_multipliers[constraint], state.drives);
 }
 
+Eigen::MatrixXd NewtonSolver::exact_forces_n(const Eigen::MatrixXd& motions_m) const {
+  Eigen::MatrixXd forces_n(motions_m.rows(), motions_m.cols());
+  Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, layout_.node_count + layout_.point_count);
+  for (Eigen::Index column = 0; column < motions_m.cols(); ++column) {
+    all.leftCols(layout_.node_count) =
+        Eigen::Map<const Eigen::Matrix3Xd>(motions_m.col(column).data(), 3, layout_.node_count);
+    for (int point = 0; point < layout_.point_count; ++point) {
+      const auto& [nodes, weights] = std::tie(layout_.ties[point], layout_.tie_coefficients[point]);
+      auto place = all.col(layout_.node_count + point);
+      place.setZero();
+      for (std::size_t k = 0; k + 1 < nodes.size(); ++k) place += weights[k] * all.col(nodes[k]);
+    }
+    const Eigen::Matrix3Xd pulls_n = matrix_.multiply(all);
+    Eigen::Matrix3Xd nodal_n = pulls_n.leftCols(layout_.node_count);
+    for (int point = 0; point < layout_.point_count; ++point)
+      for (std::size_t k = 0; k + 1 < layout_.ties[point].size(); ++k)
+        nodal_n.col(layout_.ties[point][k]) +=
+            layout_.tie_coefficients[point][k] * pulls_n.col(layout_.node_count + point);
+    release(nodal_n);
+    forces_n.col(column) = as_vector(nodal_n);
+  }
+  return forces_n;
+}
+
+Eigen::MatrixXd NewtonSolver::solve_exactly(const Eigen::MatrixXd& right_hand_sides) const {
+  Eigen::MatrixXd solved = solve(right_hand_sides);
+  if (layout_.point_count == 0) return solved;
+  double left_before = right_hand_sides.norm();
+  for (int i = 0; i < constants::kRefinements; ++i) {
+    const Eigen::MatrixXd left = right_hand_sides - exact_forces_n(solved);
+    if (!(left.norm() < left_before)) break;
+    left_before = left.norm();
+    solved += solve(left);
+  }
+  return solved;
+}
+
 // S dy + D dq = d offset - B' A^-1 d force on active constraints, dy given on the others; at a contact dq = 0, or
 // where it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx. Then dx = -A^-1 (d force + B dy).
 NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive& drive) {
@@ -17,7 +57,8 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
   const int count = constraint_count(), friction_contacts = friction_contact_count();
   const Eigen::VectorXd& y = state.constraint_multipliers;
   MultiplierProblem problem;
-  problem.delassus = border_.transpose() * border_solved_;
+  const Eigen::MatrixXd border_solved = solve_exactly(border_);
+  problem.delassus = border_.transpose() * border_solved;
   problem.friction_contacts = junctions_at(state.positions_m);
   for (int i = 0; i < count; ++i) problem.laws.push_back(law_at(state, i));
   for (int i = 0; i < count; ++i) problem.delassus(i, i) += problem.laws[i].compliance;
@@ -26,7 +67,7 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
   const bool forced = drive.forces_n.size() > 0;
   NewtonResponse response;
   response.stable = true;
-  response.motions_m = forced ? Eigen::MatrixXd(-solve(drive.forces_n))
+  response.motions_m = forced ? Eigen::MatrixXd(-solve_exactly(drive.forces_n))
                               : Eigen::MatrixXd::Zero(state.positions_m.size(), drive.offsets.cols());
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count + friction_contacts, count + friction_contacts);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count + friction_contacts, drive.offsets.cols());
@@ -55,7 +96,7 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
     const double scale = ratio * y[slip > 0 ? second : first];
     Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
     shared_[j].contact->add_log_ratio_gradient(state.positions_m, scale, gradient);
-    matrix.row(row).head(count) = as_vector(gradient).transpose() * border_solved_;
+    matrix.row(row).head(count) = as_vector(gradient).transpose() * border_solved;
     matrix(row, first) += slip > 0 ? 1.0 : -ratio;
     matrix(row, second) += slip > 0 ? -ratio : 1.0;
     if (drive.log_ratios.size() > 0) right.row(row) += scale * drive.log_ratios.row(j);
@@ -64,7 +105,7 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
   const Eigen::MatrixXd solved = count > 0 ? Eigen::MatrixXd(matrix.fullPivLu().solve(right)) : Eigen::MatrixXd(right);
   response.multipliers = solved.topRows(count);
   response.slips_m = solved.bottomRows(friction_contacts);
-  response.motions_m -= border_solved_ * response.multipliers;
+  response.motions_m -= border_solved * response.multipliers;
   return response;
 }
 
@@ -75,6 +116,41 @@ Eigen::Matrix3Xd NewtonSolver::reaction_forces_n(const NewtonState& state) const
     constraints_[i].add_gradient(state.positions_m, state.drives, state.constraint_multipliers[i], force_n);
   contact_.add_forces(contact_.sums(state.positions_m, state.contact), force_n);
   return body_.fixed().array().select(force_n.array(), 0.0).matrix();
+}
+
+double NewtonSolver::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const {
+  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
+  const ElementSums sums =
+      elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), unused);
+  return sums.elastic_energy +
+         0.5 * elements_.lambda_pa() * sums.volumetric_strain.cwiseAbs2().dot(elements_.rest_volumes_m3());
+}
+
+NewtonForces NewtonSolver::forces(const NewtonState& state,
+                                  const std::shared_ptr<const StrainTarget>& strain_target) const {
+  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
+  NewtonForces all{none, none, none, 0.0, 0.0, {}, {}};
+  const ElementSums sums = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, all.elastic_n);
+  all.elastic_j = sums.elastic_energy +
+                  0.5 * elements_.lambda_pa() * sums.volumetric_strain.cwiseAbs2().dot(elements_.rest_volumes_m3());
+  if (strain_target) springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
+  const ContactSums touching = contact_.sums(state.positions_m, state.contact);
+  contact_.add_forces(touching, all.contact_n);
+  all.rubbed_j = contact_.rubbed_j(touching);
+  for (int i = 0; i < constraint_count(); ++i) {
+    all.values.push_back(constraints_[i].value(state.positions_m, state.drives));
+    all.pulls_n.push_back(none);
+    constraints_[i].add_gradient(state.positions_m, state.drives, state.constraint_multipliers[i], all.pulls_n.back());
+  }
+  return all;
+}
+
+double NewtonSolver::slipped_j(const NewtonState& state) const {
+  double sum = 0.0;
+  for (int j = 0; j < friction_contact_count(); ++j)
+    sum += state.slips_m[j] *
+           (state.constraint_multipliers[shared_[j].first] - state.constraint_multipliers[shared_[j].second]);
+  return sum;
 }
 
 Eigen::VectorXd NewtonSolver::elastic_force_n(const NewtonState& state) const {

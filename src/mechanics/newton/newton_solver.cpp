@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -160,16 +159,10 @@ Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) con
 // Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled
 // body is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A
 // (Haynsworth 1968: the inertia of the bordered matrix).
-//
-// Constraints between which length slips hold no more than the sum of their values.
 bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const {
   if (factor_.negative_pivots() == 0) return true;
   const int count = constraint_count();
-  std::vector<int> group(count);
-  std::iota(group.begin(), group.end(), 0);
-  for (const FrictionContactBound& contact : problem.friction_contacts)
-    if (slipping(contact, multipliers) != 0)
-      std::replace(group.begin(), group.end(), group[contact.second], group[contact.first]);
+  const std::vector<int> group = slipping_groups(problem, multipliers);
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, count);
   int size = 0;
   for (int g = 0; g < count; ++g) {

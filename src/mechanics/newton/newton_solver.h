@@ -94,6 +94,15 @@ struct NewtonResponse {
   Eigen::MatrixXd motions_m, multipliers, slips_m;
 };
 
+// What acts on the nodes at a state, each as it stands in the residual: the gradient of an energy, 3 x nodes [N].
+struct NewtonForces {
+  Eigen::Matrix3Xd elastic_n, viscous_n, contact_n;
+  double elastic_j = 0.0;                 // energy
+  double rubbed_j = 0.0;                  // that contact's friction takes where its anchors now follow
+  std::vector<double> values;             // per constraint: C,
+  std::vector<Eigen::Matrix3Xd> pulls_n;  // and y dC/dx
+};
+
 // The workspace of one thread: matrix, factor and scratch, with the factor's tag, `linearisation`.
 class NewtonSolver {
  public:
@@ -123,9 +132,16 @@ class NewtonSolver {
   // force, which loads and constraints balance. Over 3*node + axis.
   Eigen::VectorXd elastic_force_n(const NewtonState& state) const;
 
-  // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
   // The gradient of the energy on held axes, zero on free ones, 3 x nodes [N]: what the holds add to the loads.
   Eigen::Matrix3Xd reaction_forces_n(const NewtonState& state) const;
+  NewtonForces forces(const NewtonState& state, const std::shared_ptr<const StrainTarget>& strain_target) const;
+  double elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const;
+  const Eigen::Matrix3Xd& loads_n() const { return loads_n_; }
+  double constraint_value(int constraint, const Eigen::Matrix3Xd& positions_m, const SharedDrives& drives) const {
+    return constraints_[static_cast<std::size_t>(constraint)].value(positions_m, drives);
+  }
+  double slipped_j(const NewtonState& state) const;  // that cables' friction takes by the state's slips
+  // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
   double rest_residual(const NewtonState& state) const;
   bool stable_at_rest(const NewtonState& state);
   // How far the constraints are from their laws, relative to their values; costs no pass over the body.
@@ -206,6 +222,9 @@ class NewtonSolver {
   void release(Eigen::Matrix3Xd& forces) const;                          // zero on held degrees of freedom
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor
   Eigen::MatrixXd border(const NewtonState& state) const;
+  // The same where carried points are just where their nodes carry them; the ties of the matrix let them give way.
+  Eigen::MatrixXd solve_exactly(const Eigen::MatrixXd& right_hand_sides) const;
+  Eigen::MatrixXd exact_forces_n(const Eigen::MatrixXd& motions_m) const;
 
   std::shared_ptr<const NewtonTables> tables_;
   const Body& body_;  // these are the tables'

@@ -3,6 +3,8 @@
 
 #include <stdexcept>
 
+#include "mechanics/simulation/rest.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -36,7 +38,8 @@ void add_slipped(const SimulationParts& parts, const Eigen::MatrixXd& slipped_m,
 
 // What the residual force gains by a unit of density.
 Eigen::VectorXd weight_n(const Body& body) {
-  const Eigen::RowVectorXd masses = body.node_masses_kg().transpose() / body.material().density_kg_m3;
+  const Eigen::RowVectorXd masses =
+      (body.node_masses_kg() - body.hung_masses_kg()).transpose() / body.material().density_kg_m3;
   Eigen::Matrix3Xd weight_n = -body.gravity_m_s2() * masses;
   weight_n = body.fixed().array().select(0.0, weight_n.array()).matrix();
   return Eigen::Map<const Eigen::VectorXd>(weight_n.data(), weight_n.size());
@@ -51,6 +54,7 @@ Eigen::VectorXd force_of_body(const SimulationParts& parts, const NewtonState& s
 
 Eigen::MatrixXd parameter_motions(SimulationParts& parts, const std::vector<ModelParameter>& parameters,
                                   Eigen::MatrixXd& slipped_m) {
+  require_rest(parts);
   const auto columns = static_cast<Eigen::Index>(parameters.size());
   const NewtonState state = parts.unknowns_at_step();
   NewtonSolver& solver = parts.workspace.newton;

@@ -5,6 +5,8 @@
 #include <sstream>
 
 #include "descent.h"
+#include "free_motion.h"
+#include "solve_ending.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
@@ -27,7 +29,8 @@ struct Start {
       : commands(parts.state.actuated_commands()), obstacles_s(parts.state.contact.time_s) {}
   void move(SimulationParts& parts, double fraction) const {
     parts.place_actuators(commands, parts.state.commands(), fraction);
-    const double end_s = parts.workspace.newton.contact().end_of_motion_s();
+    const double end_s =
+        std::max(parts.workspace.newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s());
     parts.state.contact.time_s = fraction == 1.0 ? end_s : obstacles_s + fraction * (end_s - obstacles_s);
   }
 };
@@ -57,14 +60,15 @@ void start_from_rest_shape(SimulationParts& parts) {
   parts.state.element_multipliers_pa.setZero();
   parts.state.constraint_multipliers.setZero();
   parts.state.contact = parts.workspace.newton.contact().untouched(parts.state.positions_m, 0.0);
-  for (std::size_t i = 0; i < parts.actuators.size(); ++i)
-    parts.actuators[i]->place(parts.actuators[i]->limits().rest, parts.state.drives[i]);
+  for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
+    const double command = parts.state.drives[i].command;
+    parts.state.drives[i] = parts.actuators[i]->rest_state();  // its memory is of that shape too
+    parts.state.drives[i].command = command;
+  }
   parts.begin_step();
 }
 
-}  // namespace
-
-void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
+void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   if (parts.workspace.newton.inverted_elements(parts.state.positions_m) > 0) start_from_rest_shape(parts);
   const Start from(parts);
   const double done = follow_commands(parts, from, options, report);
@@ -72,6 +76,25 @@ void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options,
   from.move(parts, 1.0);
   if (!options.only_through_stable && (relax_from_below(parts, report) || descend(parts, report))) return;
   tell_unfinished(done, report);
+}
+
+// A body that may move as a whole has many equilibria, or none.
+void note_free_motion(SimulationParts& parts, SolveReport& report) {
+  const ContactSums touching = parts.workspace.newton.contact().sums(parts.state.positions_m, parts.state.contact);
+  const std::string free = free_motion(parts.body, parts.state.positions_m, touching);
+  if (free.empty()) return;
+  SolveWarning warning;
+  warning.kind = "free_motion";
+  warning.text = "nothing keeps the body from " + free;
+  if (!report.converged) report.message += (report.message.empty() ? "" : "; ") + warning.text;
+  add_warning(warning, report.warnings);
+}
+
+}  // namespace
+
+void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
+  seek_equilibrium(parts, options, report);
+  note_free_motion(parts, report);
 }
 
 }  // namespace soft_robot_lab

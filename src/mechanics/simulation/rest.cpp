@@ -3,6 +3,8 @@
 #include "mechanics/solver_constants.h"
 
 #include <algorithm>
+#include <sstream>
+#include <stdexcept>
 
 namespace soft_robot_lab {
 namespace {
@@ -41,11 +43,21 @@ double residual_at_rest(const SimulationParts& parts) {
   return parts.workspace.newton.rest_residual(parts.unknowns_at_step(parts.options.time_step_s));
 }
 
+void require_rest(const SimulationParts& parts) {
+  const double residual = parts.workspace.newton.rest_residual(parts.unknowns_at_step());
+  const double most = std::max(constants::kStillAtRest, parts.options.tolerance);
+  if (residual <= most) return;
+  std::ostringstream text;
+  text << "no sensitivity: the present state is no equilibrium: its residual " << residual << " is out of range [0, "
+       << most << "]; solve for the equilibrium first";
+  throw std::runtime_error(text.str());
+}
+
 bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
   SimulationState& state = parts.state;
   if (!state.rest_residual) return false;
-  bool still =
-      commands_reached(parts) && !parts.workspace.newton.contact().moves_between(state.time_s, state.time_s + h);
+  bool still = commands_reached(parts) && !parts.body.holds_move_between(state.time_s, state.time_s + h) &&
+               !parts.workspace.newton.contact().moves_between(state.time_s, state.time_s + h);
   if (still) {
     still = parts.workspace.newton.worst_violation(parts.unknowns_at_step(h)) <= parts.options.tolerance;
   }
@@ -79,6 +91,7 @@ void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport
   if (residual > parts.options.tolerance || !parts.workspace.newton.stable_at_rest(still)) return;
   state.rest_residual = residual;
   state.velocities_m_s.setZero();
+  state.hold_inertia_n.resize(3, 0);
   parts.forget_previous_step();
 }
 

@@ -11,6 +11,9 @@ namespace soft_robot_lab {
 // Of the present positions without motion.
 double residual_at_rest(const SimulationParts& parts);
 
+// Throws std::runtime_error where the present state is no equilibrium, and so has no derivative.
+void require_rest(const SimulationParts& parts);
+
 // One step of a sleeping body; false where it is awake, or has just been woken.
 bool sleep_on(SimulationParts& parts, double h, SolveReport& report);
 

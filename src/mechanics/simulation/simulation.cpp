@@ -110,6 +110,7 @@ SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
 
 Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {
   SimulationParts& p = *parts_;
+  if (p.workspace.newton.constraint_count() > 0) require_rest(p);
   Eigen::MatrixXd multipliers;
   const Eigen::MatrixXd motions = p.workspace.newton.sensitivities(p.unknowns_at_step(), &multipliers);
   take_along_linearisation();
@@ -171,8 +172,17 @@ int Simulation::actuator_index(const std::string& name) const { return parts_->m
 int Simulation::marker_index(const std::string& name) const { return parts_->model->marker_index(name); }
 
 Eigen::Matrix3Xd Simulation::reaction_forces_n() const {
-  return parts_->workspace.newton.reaction_forces_n(parts_->unknowns());
+  Eigen::Matrix3Xd forces_n = parts_->workspace.newton.reaction_forces_n(parts_->unknowns());
+  if (parts_->state.hold_inertia_n.cols() > 0) forces_n += parts_->state.hold_inertia_n;
+  return forces_n;
 }
+
+void Simulation::keep_energy_ledger() {
+  if (parts_->workspace.xpbd) throw std::invalid_argument("the energy ledger is not for solver.method xpbd");
+  parts_->energy.emplace(*parts_);
+}
+
+const EnergyLedger* Simulation::energy_ledger() const { return parts_->energy ? &parts_->energy->ledger() : nullptr; }
 
 Eigen::Vector3d Simulation::marker_position(int marker) const {
   return parts_->markers.at(marker).position(parts_->state.positions_m);

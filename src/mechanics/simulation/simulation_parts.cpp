@@ -28,7 +28,9 @@ void SimulationParts::reset() {
 }
 
 NewtonState SimulationParts::unknowns() const {
-  return {state.positions_m,
+  Eigen::Matrix3Xd positions_m = state.positions_m;
+  body.place_held_nodes(state.contact.time_s, positions_m);
+  return {std::move(positions_m),
           state.element_multipliers_pa,
           state.constraint_multipliers,
           Eigen::VectorXd::Zero(workspace.newton.friction_contact_count()),
@@ -70,6 +72,7 @@ void SimulationParts::forget_motion() {
   state.rest_residual.reset();
   state.inverted_steps = 0;
   forget_previous_step();
+  state.hold_inertia_n.resize(3, 0);
   state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
   state.branch_stress_pa =
       Eigen::VectorXd::Zero(body.viscosity().hysteresis_ratio > 0.0 ? workspace.newton.strain_count() : 0);

@@ -4,11 +4,13 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "soft_robot_lab/mechanics/model.h"
 #include "soft_robot_lab/mechanics/simulation_state.h"
 #include "soft_robot_lab/mechanics/solve_report.h"
+#include "energy_keeper.h"
 #include "workspace.h"
 
 namespace soft_robot_lab {
@@ -22,6 +24,7 @@ struct SimulationParts {
 
   Workspace workspace;
   SimulationState state;
+  std::optional<EnergyKeeper> energy;
 
   explicit SimulationParts(std::shared_ptr<const Model> model_in);
 

@@ -57,8 +57,9 @@ bool operator==(const SimulationState& a, const SimulationState& b) {
          same_bits(a.element_multipliers_pa, b.element_multipliers_pa) &&
          same_bits(a.constraint_multipliers, b.constraint_multipliers) &&
          same_bits(a.element_forces_n, b.element_forces_n) && same_bits(a.branch_stress_pa, b.branch_stress_pa) &&
-         a.drives == b.drives && a.contact == b.contact && same_bits(a.rest_residual, b.rest_residual) &&
-         a.inverted_steps == b.inverted_steps && same_previous_step(a, b);
+         same_bits(a.hold_inertia_n, b.hold_inertia_n) && a.drives == b.drives && a.contact == b.contact &&
+         same_bits(a.rest_residual, b.rest_residual) && a.inverted_steps == b.inverted_steps &&
+         same_previous_step(a, b);
 }
 
 }  // namespace soft_robot_lab

@@ -18,6 +18,7 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       state.contact.anchors_m.cols() == now.contact.anchors_m.cols() &&
       (state.element_forces_n.size() == now.element_forces_n.size() || state.element_forces_n.size() == 0) &&
       state.branch_stress_pa.size() == now.branch_stress_pa.size() &&
+      (state.hold_inertia_n.cols() == now.positions_m.cols() || state.hold_inertia_n.cols() == 0) &&
       std::equal(state.drives.begin(), state.drives.end(), now.drives.begin(), now.drives.end(),
                  [](const auto& a, const auto& b) { return a.memory.size() == b.memory.size(); });
   const bool history = state.previous_step_s != 0.0;
@@ -36,7 +37,7 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
       !std::isfinite(state.contact.time_s) || !state.contact.pressures_pa.allFinite() ||
       !state.contact.anchors_m.allFinite() || !state.element_forces_n.allFinite() ||
-      !state.branch_stress_pa.allFinite() || !std::isfinite(state.time_s) ||
+      !state.branch_stress_pa.allFinite() || !state.hold_inertia_n.allFinite() || !std::isfinite(state.time_s) ||
       !std::all_of(state.drives.begin(), state.drives.end(), [](const DriveState& drive) {
         return std::isfinite(drive.actuated_command) && std::isfinite(drive.wait_s) && drive.memory.allFinite();
       }))

@@ -2,6 +2,7 @@
 #include "time_stepping.h"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "backward_difference.h"
@@ -41,12 +42,27 @@ struct Part {
   Part second_half() const { return {0.5 * (from + to), to, depth + 1}; }
 };
 
+// Where a step ends; asked for only where a ledger is kept or a hold moves.
+StepForces forces_at_end(const SimulationParts& parts, const BackwardDifference& difference, const ViscousStep& viscous,
+                         const NewtonState& solved, const Eigen::Matrix3Xd& velocities_m_s) {
+  const auto masses = parts.body.node_masses_kg().asDiagonal();
+  return {parts.workspace.newton.forces(solved, viscous.strain_target()),
+          (velocities_m_s - difference.velocities_from_m_s) / difference.gamma_s * masses,
+          parts.body.viscosity().rayleigh_mass_per_s * velocities_m_s * masses};
+}
+
 // Makes the solution of a step of length h the state, with all that the next step knows of this one.
 void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, const ViscousStep& viscous,
                  NewtonState solved, SimulationState before) {
   SimulationState& state = parts.state;
   state.branch_stress_pa = viscous.branch_stress_pa(parts.workspace.newton, solved.positions_m);
   state.velocities_m_s = (solved.positions_m - difference.positions_from_m) / difference.gamma_s;
+  if (parts.energy || parts.body.holds_move()) {
+    const StepForces end = forces_at_end(parts, difference, viscous, solved, state.velocities_m_s);
+    if (parts.energy) parts.energy->add_step(parts, before, end, solved, state.velocities_m_s);
+    if (parts.body.holds_move())
+      state.hold_inertia_n = parts.body.fixed().select(end.forces.viscous_n + end.inertia_n + end.drag_n, 0.0);
+  }
   parts.accept(std::move(solved));
   state.time_s = before.time_s + h;
   state.previous_step_s = h;
@@ -78,6 +94,7 @@ bool try_step(SimulationParts& parts, double h, Integrator integrator, bool last
   task.predicted_m = &predicted;
   task.strain_target = viscous.strain_target();
   NewtonState unknown = predict(before, h, integrator);
+  parts.body.place_held_nodes(before.contact.time_s, unknown.positions_m);
   unknown.slips_m = Eigen::VectorXd::Zero(parts.workspace.newton.friction_contact_count());
   unknown.drives = std::make_shared<const DriveStates>(parts.state.drives);
   unknown.contact = before.contact;
@@ -115,6 +132,7 @@ bool is_power_of_two(int number) { return number > 0 && (number & (number - 1)) 
 bool advance_untangled(SimulationParts& parts, double h, SolveReport& report) {
   SimulationState& state = parts.state;
   const SimulationState before = state;
+  const std::optional<EnergyKeeper> energy_before = parts.energy;
   const Untangled untangled = untangle(parts.body, state.inverted_steps, state.positions_m);
   if (untangled.nodes.empty()) return false;
   for (const int node : untangled.nodes) state.velocities_m_s.col(node).setZero();
@@ -127,6 +145,7 @@ bool advance_untangled(SimulationParts& parts, double h, SolveReport& report) {
     return true;
   }
   parts.state = before;
+  parts.energy = energy_before;
   return false;
 }
 

@@ -2,6 +2,8 @@
 #include <sstream>
 
 #include "sections.h"
+#include "settings/read_name.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -68,24 +70,72 @@ void fix(const YamlNode& scene, const YamlNode& section, Body& body) {
   if (list.items().empty()) list.fail("is empty: a body that nothing holds has no equilibrium");
   for (const YamlNode& item : list.items()) {
     const Box box = read_box(item);
-    const int count = body.fix_nodes(box.min_m, box.max_m, read_axes(item));
+    const Eigen::Matrix<bool, 3, 1> axes = read_axes(item);
+    const std::string name = item.has("name") ? read_name(item) : "";
+    const int count =
+        in_section(item, [&] { return body.fix_nodes(box.min_m, box.max_m, axes, read_motion(item), name); });
     if (count == 0) item.fail(miss("node", box, body));
   }
 }
 
-void load(const YamlNode& item, Body& body) {
+void load_skin(const YamlNode& item, Body& body) {
   const Box box = read_box(item);
   if (item.has("traction_pa") == item.has("force_n")) item.fail("must have one of traction_pa, force_n");
-  const bool traction = item.has("traction_pa");
-  const Eigen::Vector3d value = item.vector3(traction ? "traction_pa" : "force_n");
-  // Asked first without a load: both kinds need a surface to act on.
-  if (body.add_traction(box.min_m, box.max_m, Eigen::Vector3d::Zero()) <= 0.0) {
-    item.fail(miss("whole boundary face", box, body));
+  if (item.has("force_n")) {
+    const Eigen::Vector3d force_n = item.vector3("force_n");
+    try {
+      body.add_force(box.min_m, box.max_m, force_n);
+    } catch (const std::invalid_argument&) {
+      item.fail(miss("whole boundary face, and no edge of one,", box, body));
+    }
+    return;
   }
-  if (traction) {
-    body.add_traction(box.min_m, box.max_m, value);
+  const Eigen::Vector3d traction_pa = item.vector3("traction_pa");
+  if (body.add_traction(box.min_m, box.max_m, traction_pa) <= 0.0) item.fail(miss("whole boundary face", box, body));
+}
+
+Eigen::Vector3d marker_position_m(const YamlNode& item, const YamlNode& scene) {
+  const std::string name = item.text("marker");
+  std::vector<std::string> known;
+  for (const YamlNode& marker : scene.optional_sequence("markers")) {
+    known.push_back(read_name(marker));
+    if (known.back() == name) return marker.vector3("position_m");
+  }
+  item.child("marker").fail("unknown marker '" + name + "'; known: " + (known.empty() ? "none" : join(known)));
+}
+
+// What acts at one point: a force, or a weight that hangs there.
+void load_point(const YamlNode& item, const YamlNode& scene, Body& body) {
+  constexpr double kOnBody = 1e-6;  // of the body's size
+  const bool at_marker = item.has("marker");
+  const YamlNode where = item.child(at_marker ? "marker" : "point_m");
+  const Eigen::Vector3d point_m = at_marker ? marker_position_m(item, scene) : item.vector3("point_m");
+  const MeshLocator locator(body.mesh());
+  const Location location = locator.locate(point_m);
+  if (location.distance_m > kOnBody * body.size_m()) {
+    std::ostringstream text;
+    text << "lies " << location.distance_m << " m off the body, out of range [0, " << kOnBody * body.size_m()
+         << "]; the nearest point of the body is " << span(location.nearest_m, location.nearest_m);
+    where.fail(text.str());
+  }
+  if (item.has("string_m"))
+    item.child("string_m")
+        .fail("a weight on a string is not supported; leave it out: the weight is fixed to its point");
+  if (item.has("mass_kg") == item.has("force_n")) item.fail("must have one of mass_kg, force_n");
+  if (item.has("force_n")) {
+    body.add_force(locator.embed(location), item.vector3("force_n"));
   } else {
-    body.add_force(box.min_m, box.max_m, value);
+    body.hang(locator.embed(location), item.number("mass_kg", AllowedRange::positive()));
+  }
+}
+
+void load(const YamlNode& item, const YamlNode& scene, Body& body) {
+  if (item.has("box") + item.has("point_m") + item.has("marker") != 1)
+    item.fail("must have one of box, point_m, marker");
+  if (item.has("box")) {
+    load_skin(item, body);
+  } else {
+    load_point(item, scene, body);
   }
 }
 
@@ -100,7 +150,7 @@ Body read_body(const YamlNode& scene, TetMesh mesh) {
   if (averaged) in_section(section, [&] { body.set_linear_volume(LinearVolume::vertex_averaged); });
   in_section(section, [&] { body.set_viscosity(read_viscosity(section)); });
   fix(scene, section, body);
-  for (const YamlNode& item : scene.optional_sequence("loads")) load(item, body);
+  for (const YamlNode& item : scene.optional_sequence("loads")) load(item, scene, body);
   body.set_gravity(scene.vector3_or("gravity_m_s2", body.gravity_m_s2()));
   return body;
 }

@@ -41,15 +41,6 @@ ObstacleShape read_shape(const YamlNode& item) {
   return read_rounded_box(node);
 }
 
-std::vector<ObstaclePose> read_motion(const YamlNode& item) {
-  std::vector<ObstaclePose> motion;
-  for (const YamlNode& pose : item.optional_sequence("motion"))
-    motion.push_back({pose.number("time_s", AllowedRange::not_negative()),
-                      pose.vector3_or("translation_m", Eigen::Vector3d::Zero()),
-                      pose.vector3_or("rotation_rad", Eigen::Vector3d::Zero())});
-  return motion;
-}
-
 // The obstacle of a pair [skin, NAME], in any order.
 std::string other_than_skin(const YamlNode& item) {
   std::vector<std::string> between;
@@ -84,6 +75,15 @@ void read_friction(const YamlNode& contact, std::vector<Obstacle>& obstacles) {
 }
 
 }  // namespace
+
+std::vector<ObstaclePose> read_motion(const YamlNode& item) {
+  std::vector<ObstaclePose> motion;
+  for (const YamlNode& pose : item.optional_sequence("motion"))
+    motion.push_back({pose.number("time_s", AllowedRange::not_negative()),
+                      pose.vector3_or("translation_m", Eigen::Vector3d::Zero()),
+                      pose.vector3_or("rotation_rad", Eigen::Vector3d::Zero())});
+  return motion;
+}
 
 void read_contact(const YamlNode& scene, Body& body) {
   const std::optional<YamlNode> contact = scene.optional_child("contact");

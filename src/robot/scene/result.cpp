@@ -104,6 +104,36 @@ Json reaction_json(const Simulation& simulation) {
   return {{"force_n", list(forces_n.rowwise().sum())}, {"moment_nm", list(moment_nm)}};
 }
 
+// Of each held region, by its name or its place in the list.
+Json reactions_json(const Simulation& simulation) {
+  const Eigen::Matrix3Xd forces_n = simulation.reaction_forces_n();
+  Json all = Json::object();
+  const std::vector<Hold>& holds = simulation.body().holds();
+  for (std::size_t i = 0; i < holds.size(); ++i) {
+    Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+    for (const int node : holds[i].nodes) force_n += holds[i].axes.select(forces_n.col(node), 0.0);
+    all[holds[i].name.empty() ? std::to_string(i) : holds[i].name] = {{"force_n", list(force_n)}};
+  }
+  return all;
+}
+
+Json energy_json(const EnergyLedger& ledger) {
+  return {{"kinetic_j", ledger.kinetic_j},
+          {"elastic_j", ledger.elastic_j},
+          {"gravity_j", ledger.gravity_j},
+          {"loads_j", ledger.loads_j},
+          {"actuators_j", ledger.actuators_j},
+          {"gas_j", ledger.gas_j},
+          {"holds_j", ledger.holds_j},
+          {"obstacles_j", ledger.obstacles_j},
+          {"rescues_j", ledger.rescues_j},
+          {"material_j", ledger.material_j},
+          {"friction_j", ledger.friction_j},
+          {"integrator_j", ledger.integrator_j},
+          {"closure_error_j", ledger.closure_error_j},
+          {"turned_over_j", ledger.turned_over_j}};
+}
+
 Json solver_json(const Simulation& simulation, const SolveReport& solve) {
   const TetMesh& mesh = simulation.body().mesh();
   return {{"converged", solve.converged},  {"iterations", solve.iterations},
@@ -149,6 +179,8 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   result["markers"] = markers_json(simulation);
   add_actuators(simulation, result);
   if (scene.run.mode != RunMode::modal) result["reaction"] = reaction_json(simulation);
+  if (scene.run.mode != RunMode::modal) result["reactions"] = reactions_json(simulation);
+  if (simulation.energy_ledger()) result["energy"] = energy_json(*simulation.energy_ledger());
   add_contacts(simulation, result);
   result["solver"] = solver_json(simulation, report.solve);
   if (scene.fidelity) result["fidelity"] = fidelity_json(*scene.fidelity);

@@ -79,6 +79,7 @@ SolveReport solve_in_time(Simulation& simulation, const RunSettings& run, Trajec
   const double record_every_s = std::max(run.record_every_s, step_s);
   auto next = run.commands.begin();
   long recorded = 0;
+  if (simulation.options().method == SolverOptions::Method::newton) simulation.keep_energy_ledger();
   record(simulation, trajectory);
   for (long i = 0; i < step_count; ++i) {
     const double now_s = static_cast<double>(i) * step_s;

@@ -35,6 +35,7 @@ std::vector<std::unique_ptr<Actuator>> read_actuators(
     const YamlNode& scene, const Body& body, const MeshLocator& locator,
     const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`
 std::vector<Marker> read_markers(const YamlNode& scene, const Body& body, const MeshLocator& locator);
+std::vector<ObstaclePose> read_motion(const YamlNode& item);                // `motion` of an obstacle or a held region
 void read_contact(const YamlNode& scene, Body& body);                       // `contact`
 SolverOptions read_solver(const YamlNode& scene);                           // `solver`
 RunSettings read_run(const YamlNode& scene, const Simulation& simulation);  // `run`

@@ -122,6 +122,24 @@ TEST(CableFriction, RemembersWhereItComesFrom) {
   EXPECT_GT(std::abs(tip_at(0.95) - pulled), 1e-4);
 }
 
+// A tangle is laid out from the rest shape; there a cable that slipped before would hold lengths of another shape.
+TEST(CableFriction, StartsFromTheRestShapeWithItsLengths) {
+  const std::string cable = "model: friction, friction_coefficient: 0.4";
+  Simulation fresh = hanging_bar(cable), tangled = hanging_bar(cable);
+  for (const double command : {0.8, 0.95}) {
+    tangled.set_command("cable", command);
+    ASSERT_TRUE(tangled.solve_equilibrium().converged);
+  }
+  SimulationState state = tangled.state();
+  for (int node = 0; node < static_cast<int>(state.positions_m.cols()); ++node)
+    if (!tangled.body().fixed().col(node).any()) state.positions_m.col(node) = Eigen::Vector3d(0, -0.05, 0);
+  tangled.set_state(state);
+  fresh.set_command("cable", 0.95);
+  ASSERT_TRUE(fresh.solve_equilibrium().converged);
+  ASSERT_TRUE(tangled.solve_equilibrium().converged);
+  EXPECT_LT((tangled.marker_position(0) - fresh.marker_position(0)).norm(), 1e-8);
+}
+
 TEST(CableFriction, RestoredStateGoesOnToTheLastBit) {
   Simulation simulation = hanging_bar(
       "model: friction, friction_coefficient: 0.4, pull_speed_m_s: 0.02, "

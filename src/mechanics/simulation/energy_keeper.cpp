@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "energy_keeper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation_parts.h"
+
+namespace soft_robot_lab {
+namespace {
+
+double work_j(const Eigen::Matrix3Xd& forces_n, const Eigen::Matrix3Xd& way_m) {
+  return forces_n.cwiseProduct(way_m).sum();
+}
+
+}  // namespace
+
+EnergyKeeper::EnergyKeeper(const SimulationParts& parts)
+    : positions_m_(parts.state.positions_m), velocities_m_s_(parts.state.velocities_m_s) {
+  for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
+    const ActuatorReading reading =
+        parts.actuators[i]->observe(parts.state.positions_m, parts.multipliers_of(i), parts.state.drives[i]);
+    gas_.insert(gas_.end(), parts.actuators[i]->constraints().size(), reading.gauge_pressure_pa.has_value());
+  }
+  take_stock(parts, positions_m_, velocities_m_s_, parts.workspace.newton.elastic_energy_j(positions_m_));
+  start_j_ = stored_j();
+}
+
+void EnergyKeeper::take_stock(const SimulationParts& parts, const Eigen::Matrix3Xd& positions_m,
+                              const Eigen::Matrix3Xd& velocities_m_s, double elastic_j) {
+  const Body& body = parts.body;
+  const Eigen::Matrix3Xd moved_m = positions_m - body.mesh().nodes_m;
+  ledger_.kinetic_j = 0.5 * body.node_masses_kg().dot(velocities_m_s.colwise().squaredNorm().transpose());
+  ledger_.elastic_j = elastic_j;
+  ledger_.loads_j = -work_j(body.dead_loads_n(), moved_m);
+  ledger_.gravity_j = -work_j(parts.workspace.newton.loads_n(), moved_m) - ledger_.loads_j;
+}
+
+void EnergyKeeper::notice_rescue(const SimulationParts& parts, const SimulationState& before) {
+  if (before.positions_m == positions_m_ && before.velocities_m_s == velocities_m_s_) return;
+  const double known_j = stored_j();
+  take_stock(parts, before.positions_m, before.velocities_m_s,
+             before.positions_m == positions_m_ ? ledger_.elastic_j
+                                                : parts.workspace.newton.elastic_energy_j(before.positions_m));
+  ledger_.rescues_j += stored_j() - known_j;
+  reactions_n_.resize(3, 0);
+}
+
+void EnergyKeeper::add_step(const SimulationParts& parts, const SimulationState& before, const StepForces& end,
+                            const NewtonState& state, const Eigen::Matrix3Xd& velocities_m_s) {
+  notice_rescue(parts, before);
+  const EnergyLedger old = ledger_;
+  take_stock(parts, state.positions_m, velocities_m_s, end.forces.elastic_j);
+  const Eigen::Matrix3Xd way_m = state.positions_m - before.positions_m;
+  ledger_.material_j += work_j(end.forces.viscous_n + end.drag_n, way_m);
+  double rule_j = work_j(end.inertia_n, way_m) - (ledger_.kinetic_j - old.kinetic_j) +
+                  work_j(end.forces.elastic_n, way_m) - (ledger_.elastic_j - old.elastic_j);
+  Eigen::Matrix3Xd residual_n = end.inertia_n + end.drag_n + end.forces.elastic_n + end.forces.viscous_n +
+                                end.forces.contact_n - parts.workspace.newton.loads_n();
+  for (std::size_t i = 0; i < end.forces.values.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    const double change = end.forces.values[i] - parts.workspace.newton.constraint_value(
+                                                     static_cast<int>(i), before.positions_m, state.drives);
+    const double taken_j = 0.5 * (before.constraint_multipliers[index] + state.constraint_multipliers[index]) * change;
+    (gas_[i] ? ledger_.gas_j : ledger_.actuators_j) -= taken_j;
+    rule_j += work_j(end.forces.pulls_n[i], way_m) - taken_j;
+    residual_n += end.forces.pulls_n[i];
+  }
+  const double capstans_j = parts.workspace.newton.slipped_j(state);
+  ledger_.actuators_j += capstans_j;
+  ledger_.friction_j += capstans_j + end.forces.rubbed_j;
+  ledger_.obstacles_j += end.forces.rubbed_j - work_j(end.forces.contact_n, way_m);
+  const Eigen::Matrix3Xd reactions_n = parts.body.fixed().array().select(residual_n.array(), 0.0).matrix();
+  const double held_j = work_j(reactions_n, way_m);
+  const double holds_j = reactions_n_.cols() > 0 ? 0.5 * (held_j + work_j(reactions_n_, way_m)) : held_j;
+  ledger_.holds_j += holds_j;
+  ledger_.integrator_j += rule_j - (held_j - holds_j);
+  ledger_.closure_error_j = stored_j() - start_j_ - ledger_.actuators_j - ledger_.gas_j - ledger_.holds_j -
+                            ledger_.obstacles_j - ledger_.rescues_j + ledger_.material_j + ledger_.friction_j +
+                            ledger_.integrator_j;
+  for (const auto kind :
+       {&EnergyLedger::kinetic_j, &EnergyLedger::elastic_j, &EnergyLedger::gravity_j, &EnergyLedger::loads_j,
+        &EnergyLedger::actuators_j, &EnergyLedger::gas_j, &EnergyLedger::holds_j, &EnergyLedger::obstacles_j,
+        &EnergyLedger::material_j, &EnergyLedger::friction_j})
+    ledger_.turned_over_j += 0.5 * std::abs(ledger_.*kind - old.*kind);
+  positions_m_ = state.positions_m;
+  velocities_m_s_ = velocities_m_s;
+  reactions_n_ = reactions_n;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Keeps a simulation's EnergyLedger. A step's forces are taken where it ends, as the integrator takes them, and their
+// work is what they do along the step; the work of what has a state at both ends is the trapezoidal rule's, and the
+// difference of the two is the integrator's part.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mechanics/newton/newton_solver.h"
+#include "soft_robot_lab/mechanics/energy_ledger.h"
+#include "soft_robot_lab/mechanics/simulation_state.h"
+
+namespace soft_robot_lab {
+
+struct SimulationParts;
+
+// How a step ended: what acts on the nodes, and the inertia with its damping.
+struct StepForces {
+  NewtonForces forces;
+  Eigen::Matrix3Xd inertia_n, drag_n;
+};
+
+class EnergyKeeper {
+ public:
+  explicit EnergyKeeper(const SimulationParts& parts);
+
+  // `state`: after the step, with the slips that led there.
+  void add_step(const SimulationParts& parts, const SimulationState& before, const StepForces& end,
+                const NewtonState& state, const Eigen::Matrix3Xd& velocities_m_s);
+
+  const EnergyLedger& ledger() const { return ledger_; }
+
+ private:
+  double stored_j() const { return ledger_.kinetic_j + ledger_.elastic_j + ledger_.gravity_j + ledger_.loads_j; }
+  void take_stock(const SimulationParts& parts, const Eigen::Matrix3Xd& positions_m,
+                  const Eigen::Matrix3Xd& velocities_m_s, double elastic_j);
+  void notice_rescue(const SimulationParts& parts, const SimulationState& before);
+
+  EnergyLedger ledger_;
+  double start_j_ = 0.0;
+  std::vector<char> gas_;  // per constraint
+  Eigen::Matrix3Xd positions_m_, velocities_m_s_;
+  Eigen::Matrix3Xd reactions_n_;  // where the last step ended; empty before the first
+};
+
+}  // namespace soft_robot_lab

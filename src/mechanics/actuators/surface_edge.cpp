@@ -2,18 +2,17 @@
 #include "surface_edge.h"
 
 #include <map>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "mechanics/mesh/place_text.h"
 
 namespace soft_robot_lab {
 namespace {
 
 [[noreturn]] void refuse(const TetMesh& mesh, int node, const std::string& why) {
   const Eigen::Vector3d at = mesh.nodes_m.col(node);
-  std::ostringstream message;
-  message << "the surface cannot be capped: " << why << " at (" << at.x() << ", " << at.y() << ", " << at.z() << ") m";
-  throw std::invalid_argument(message.str());
+  throw std::invalid_argument("the surface cannot be capped: " + why + " at " + place_text(at));
 }
 
 // Edges that are not met by as many faces turning the other way.

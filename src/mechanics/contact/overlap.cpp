@@ -6,18 +6,13 @@
 
 #include "contact_points.h"
 #include "gap.h"
+#include "mechanics/mesh/place_text.h"
 #include "soft_robot_lab/mechanics/embedding.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kRounding = 0.01;  // of a face's size
-
-std::string place(const Eigen::Vector3d& at) {
-  std::ostringstream text;
-  text << "(" << at.x() << ", " << at.y() << ", " << at.z() << ") m";
-  return text.str();
-}
 
 // The skin, at its contact points and nodes.
 void refuse_skin_inside(const Body& body, const ContactPoints& points, const Obstacle& obstacle) {
@@ -39,7 +34,7 @@ void refuse_skin_inside(const Body& body, const ContactPoints& points, const Obs
   if (deepest_m == 0.0) return;
   std::ostringstream text;
   text << "obstacle '" << obstacle.name << "' is " << -deepest_m << " m inside the body at the start, at "
-       << place(where_m) << "; must be outside, as where its motion starts";
+       << place_text(where_m) << "; must be outside, as where its motion starts";
   throw std::invalid_argument(text.str());
 }
 
@@ -48,7 +43,7 @@ void refuse_swallowed(const Body& body, const Obstacle& obstacle) {
   if (std::holds_alternative<Plane>(obstacle.shape)) return;
   const Eigen::Vector3d middle_m = pose_at(obstacle, 0.0) * center_m(obstacle.shape);
   if (MeshLocator(body.mesh()).locate(middle_m).distance_m > 0.0) return;
-  throw std::invalid_argument("obstacle '" + obstacle.name + "': its middle, " + place(middle_m) +
+  throw std::invalid_argument("obstacle '" + obstacle.name + "': its middle, " + place_text(middle_m) +
                               ", is inside the body at the start; must be outside");
 }
 

@@ -13,6 +13,7 @@
 
 #include "mechanics/contact/gap.h"
 #include "mechanics/contact/overlap.h"
+#include "place_text.h"
 #include "shape_functions.h"
 
 namespace soft_robot_lab {
@@ -76,12 +77,6 @@ Eigen::VectorXd edge_lengths_m(const TetMesh& mesh, const Eigen::Vector3d& box_m
   return lengths_m;
 }
 
-std::string place(const Eigen::Vector3d& at_m) {
-  std::ostringstream text;
-  text << "(" << at_m.x() << ", " << at_m.y() << ", " << at_m.z() << ") m";
-  return text.str();
-}
-
 void check_hold(const std::vector<ObstaclePose>& motion, const Eigen::Matrix<bool, 3, 1>& axes) {
   if (motion.empty()) return;
   validate_motion(motion);
@@ -137,7 +132,7 @@ int Body::fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box
     const bool twice = taken && (fixed_.col(node).array() && axes.array()).any();
     if (twice && (!hold.motion.empty() || holder_moves(holds_, node)))
       throw std::invalid_argument("fixed: two regions hold the node at rest position " +
-                                  place(mesh_.nodes_m.col(node)) + ", and one of them moves; choose boxes apart");
+                                  place_text(mesh_.nodes_m.col(node)) + ", and one of them moves; choose boxes apart");
     fixed_.col(node) = fixed_.col(node).array() || axes.array();
     if (!twice) hold.nodes.push_back(node);
   }

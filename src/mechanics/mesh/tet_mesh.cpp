@@ -13,6 +13,7 @@
 
 #include <Eigen/Dense>
 
+#include "place_text.h"
 #include "tet_faces.h"
 #include "shape_functions.h"
 
@@ -74,12 +75,6 @@ double longest_edge(const Eigen::Matrix3Xd& nodes) {
   double longest = 0;
   for (const auto& [a, b] : kTetEdges) longest = std::max(longest, (nodes.col(a) - nodes.col(b)).norm());
   return longest;
-}
-
-std::string place_text(const Eigen::Vector3d& at) {
-  std::ostringstream text;
-  text << "(" << at.x() << ", " << at.y() << ", " << at.z() << ") m";
-  return text.str();
 }
 
 std::string element_text(const TetMesh& mesh, int tet) {

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <string>
 
+#include "mechanics/mesh/place_text.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -16,12 +18,6 @@ Eigen::Vector3d center_m(int element, const Body& body) {
   return centre;
 }
 
-std::string place(const Eigen::Vector3d& at) {
-  std::ostringstream text;
-  text << "at rest position (" << at.x() << ", " << at.y() << ", " << at.z() << ") m";
-  return text.str();
-}
-
 SolveWarning inverted(const NewtonReport& newton, const Body& body) {
   SolveWarning warning;
   warning.kind = "inverted_elements";
@@ -30,7 +26,7 @@ SolveWarning inverted(const NewtonReport& newton, const Body& body) {
   text << newton.inverted_elements << " inverted elements, the worst element " << newton.worst_element << " ";
   if (newton.worst_element >= 0) {
     warning.rest_position_m = center_m(newton.worst_element, body);
-    text << place(*warning.rest_position_m);
+    text << "at rest position " << place_text(*warning.rest_position_m);
   }
   text << ", det F = " << newton.smallest_determinant;
   warning.text = text.str();
@@ -45,7 +41,7 @@ SolveWarning residual_not_met(const NewtonReport& newton, const Body& body) {
   text << "residual " << newton.residual << ", asked for " << newton.tolerance;
   if (newton.worst_node >= 0) {
     warning.rest_position_m = body.mesh().nodes_m.col(newton.worst_node);
-    text << "; the largest force is left " << place(*warning.rest_position_m);
+    text << "; the largest force is left at rest position " << place_text(*warning.rest_position_m);
   }
   warning.text = text.str();
   return warning;

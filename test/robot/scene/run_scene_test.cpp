@@ -47,7 +47,7 @@ using Names = std::vector<std::string>;
 TEST(RunScene, WritesTheKeysOfAnEquilibrium) {
   const Outcome outcome = run("run: {mode: equilibrium, commands: [{time_s: 0, left: 0.95}]}\n");
   EXPECT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
-  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "reaction", "solver"}));
+  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "reaction", "reactions", "solver"}));
   EXPECT_EQ(keys(outcome.json["markers"]), (Names{"tip", "middle"}));
   EXPECT_EQ(keys(outcome.json["markers"]["tip"]), (Names{"position_m", "displacement_m"}));
   EXPECT_EQ(keys(outcome.json["cables"]), (Names{"left", "right"}));
@@ -76,7 +76,8 @@ TEST(RunScene, WritesWhatTouchesAndNothingElse) {
           "       motion: [{time_s: 0}, {time_s: 1, translation_m: [0, 0.01, 0], rotation_rad: [0, 0.1, 0]}]}\n"
           "run: {mode: equilibrium}\n");
   ASSERT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
-  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "reaction", "contacts", "solver"}));
+  EXPECT_EQ(keys(outcome.json),
+            (Names{"markers", "cables", "chambers", "reaction", "reactions", "contacts", "solver"}));
   ASSERT_EQ(outcome.json["contacts"].size(), 1u);
   const Json& post = outcome.json["contacts"][0];
   EXPECT_EQ(keys(post),
@@ -164,7 +165,8 @@ TEST(RunScene, RecordsATrajectoryInTime) {
       run("solver: {time_step_s: 0.01}\n"
           "run: {mode: dynamic, duration_s: 0.2, record_every_s: 0.05, commands: [{time_s: 0.1, left: 0.95}]}\n");
   EXPECT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
-  EXPECT_EQ(keys(outcome.json), (Names{"markers", "cables", "chambers", "reaction", "solver", "trajectory"}));
+  EXPECT_EQ(keys(outcome.json),
+            (Names{"markers", "cables", "chambers", "reaction", "reactions", "energy", "solver", "trajectory"}));
   const Json& trajectory = outcome.json["trajectory"];
   EXPECT_EQ(keys(trajectory), (Names{"time_s", "markers"}));
   ASSERT_EQ(trajectory["time_s"].size(), 5u);

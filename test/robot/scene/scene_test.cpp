@@ -209,7 +209,7 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"body: {material: {poissons_ratio: 0.5}}", "poissons_ratio"},
       {"body: {material: {youngs_modulus_pa: -1}}", "youngs_modulus_pa"},
       {"loads: [{box: {min_m: [0, 0, 0], max_m: [1, 1, 1]}}]", "loads[0]: must have one of traction_pa, force_n"},
-      {"loads: [{box: {min_m: [3, 3, 3], max_m: [4, 4, 4]}, force_n: [0, 1, 0]}]", "no whole boundary face lies in"},
+      {"loads: [{box: {min_m: [3, 3, 3], max_m: [4, 4, 4]}, force_n: [0, 1, 0]}]", "no whole boundary face, and no edge of one, lies in"},
       {"cables: [{name: far, points_m: [[0, 0, 0], [0.1, 0.5, 0]]}]", "bad.yaml:2: cables[0]"},
       {"cables: [{name: left, points_m: [[0, 0, 0], [0.1, 0, 0]], model: rope}]", "'rope' is not one of"},
       {"chambers: [{name: main, surface: cavity}]", "surface: the mesh has no surface 'cavity'; known: none"},

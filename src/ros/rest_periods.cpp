@@ -57,13 +57,13 @@ RestCriterion for_frames_of(const Recording& recording, RestCriterion criterion)
   return criterion;
 }
 
-struct Hold {
+struct Stay {
   CommandsSince commands;
   double end_s;
 };
 
 // Where motors last stood in a hold: at its end they may have the next command already.
-std::map<std::string, double> reached_in(const Recording& recording, const Hold& hold) {
+std::map<std::string, double> reached_in(const Recording& recording, const Stay& hold) {
   const auto after = [&](double time_s) {
     return std::partition_point(recording.reached.begin(), recording.reached.end(),
                                 [time_s](const CommandsSince& one) { return one.time_s <= time_s; });
@@ -78,8 +78,8 @@ std::map<std::string, double> reached_in(const Recording& recording, const Hold&
 }
 
 // Commands that did not change for two windows at least; first the time before any.
-std::vector<Hold> holds(const Recording& recording, const RestCriterion& criterion) {
-  std::vector<Hold> all;
+std::vector<Stay> holds(const Recording& recording, const RestCriterion& criterion) {
+  std::vector<Stay> all;
   const double first_s = recording.measured.front().header.stamp.toSec();
   const double last_s = recording.measured.back().header.stamp.toSec() + 1e-6;
   std::vector<CommandsSince> since = {{first_s, {}}};
@@ -109,7 +109,7 @@ std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCrite
   std::vector<RestPeriod> periods;
   if (recording.measured.empty()) return periods;
   const RestCriterion criterion = for_frames_of(recording, asked);
-  for (const Hold& hold : holds(recording, criterion))
+  for (const Stay& hold : holds(recording, criterion))
     if (const auto period = rest_at_end(recording, hold.commands, hold.end_s, criterion)) periods.push_back(*period);
   return periods;
 }
@@ -118,7 +118,7 @@ std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestC
   std::vector<MeasuredPose> poses;
   if (recording.measured.empty()) return poses;
   const RestCriterion criterion = for_frames_of(recording, asked);
-  for (const Hold& hold : holds(recording, criterion)) {
+  for (const Stay& hold : holds(recording, criterion)) {
     const auto period = rest_at_end(recording, hold.commands, hold.end_s, criterion);
     poses.push_back(period ? period->pose : MeasuredPose{hold.commands.values, {}});
     poses.back().reached = reached_in(recording, hold);
@@ -130,9 +130,9 @@ std::vector<MeasuredSwing> measured_swings(const Recording& recording, const Res
   std::vector<MeasuredSwing> swings;
   if (recording.measured.empty()) return swings;
   const RestCriterion criterion = for_frames_of(recording, asked);
-  const std::vector<Hold> all = holds(recording, criterion);
+  const std::vector<Stay> all = holds(recording, criterion);
   for (size_t i = 1; i < all.size(); ++i) {
-    const Hold &before = all[i - 1], &hold = all[i];
+    const Stay &before = all[i - 1], &hold = all[i];
     if (!rest_at_end(recording, before.commands, before.end_s, criterion)) continue;
     MeasuredSwing swing{before.commands.values, {}, {}};
     for (const CommandsSince& since : recording.commands)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // bad_messages_check [PART]: hands bad and extreme messages to the parts behind our nodes, of which PART takes every
 // PART-th only, and counts how each ended: taken, or refused with a reason. Status 1 where one ended as none may.
+#include <sys/resource.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -39,12 +41,30 @@ Bytes bytes_of(const Message& message) {
   return bytes;
 }
 
-// As roscpp reads it before any of our code has it; what it cannot read is its own to refuse.
+// As long as it lives, this process may take 1 GB at most.
+class LittleMemory {
+ public:
+  LittleMemory() {
+    getrlimit(RLIMIT_AS, &before_);
+    const rlimit little{1'000'000'000, before_.rlim_max};
+    setrlimit(RLIMIT_AS, &little);
+  }
+  ~LittleMemory() { setrlimit(RLIMIT_AS, &before_); }
+  LittleMemory(const LittleMemory&) = delete;
+  LittleMemory& operator=(const LittleMemory&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+// As roscpp reads it before any of our code has it; what it cannot read is its own to refuse. It takes the memory that
+// a list's length asks for before it looks how much was sent, which with 8 GB takes longer than a case may.
 template <typename Message>
 Message message_of(const Bytes& bytes) {
   Message message;
   Bytes copy = bytes;
   try {
+    const LittleMemory reading;
     ros::serialization::IStream stream(copy.data(), static_cast<std::uint32_t>(copy.size()));
     ros::serialization::deserialize(stream, message);
   } catch (const std::exception&) {

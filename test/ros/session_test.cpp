@@ -321,6 +321,8 @@ TEST_F(Session, RefusesBadPolicies) {
   request.policy.steps[0].time_s = 2.0;
   request.time_limit_s = 1.0;
   EXPECT_NE(ask<ExecutePolicy>(topics::execute_policy, request).message.find("time_limit_s: 1"), std::string::npos);
+  request.time_limit_s = std::numeric_limits<double>::infinity();
+  EXPECT_NE(ask<ExecutePolicy>(topics::execute_policy, request).message.find("time_limit_s: inf"), std::string::npos);
 }
 
 // Subscribers that come before and after a message, and while it is published.

@@ -5,14 +5,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "mechanics/mesh/place_text.h"
+#include "mechanics/mesh/point_text.h"
 
 namespace soft_robot_lab {
 namespace {
 
 [[noreturn]] void refuse(const TetMesh& mesh, int node, const std::string& why) {
   const Eigen::Vector3d at = mesh.nodes_m.col(node);
-  throw std::invalid_argument("the surface cannot be capped: " + why + " at " + place_text(at));
+  throw std::invalid_argument("the surface cannot be capped: " + why + " at " + point_text(at));
 }
 
 // Edges that are not met by as many faces turning the other way.

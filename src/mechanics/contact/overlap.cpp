@@ -6,7 +6,7 @@
 
 #include "contact_points.h"
 #include "gap.h"
-#include "mechanics/mesh/place_text.h"
+#include "mechanics/mesh/point_text.h"
 #include "soft_robot_lab/mechanics/embedding.h"
 
 namespace soft_robot_lab {
@@ -34,7 +34,7 @@ void refuse_skin_inside(const Body& body, const ContactPoints& points, const Obs
   if (deepest_m == 0.0) return;
   std::ostringstream text;
   text << "obstacle '" << obstacle.name << "' is " << -deepest_m << " m inside the body at the start, at "
-       << place_text(where_m) << "; must be outside, as where its motion starts";
+       << point_text(where_m) << "; must be outside, as where its motion starts";
   throw std::invalid_argument(text.str());
 }
 
@@ -43,7 +43,7 @@ void refuse_swallowed(const Body& body, const Obstacle& obstacle) {
   if (std::holds_alternative<Plane>(obstacle.shape)) return;
   const Eigen::Vector3d middle_m = pose_at(obstacle, 0.0) * center_m(obstacle.shape);
   if (MeshLocator(body.mesh()).locate(middle_m).distance_m > 0.0) return;
-  throw std::invalid_argument("obstacle '" + obstacle.name + "': its middle, " + place_text(middle_m) +
+  throw std::invalid_argument("obstacle '" + obstacle.name + "': its middle, " + point_text(middle_m) +
                               ", is inside the body at the start; must be outside");
 }
 

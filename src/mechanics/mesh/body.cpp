@@ -13,7 +13,7 @@
 
 #include "mechanics/contact/gap.h"
 #include "mechanics/contact/overlap.h"
-#include "place_text.h"
+#include "point_text.h"
 #include "shape_functions.h"
 
 namespace soft_robot_lab {
@@ -132,7 +132,7 @@ int Body::fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box
     const bool twice = taken && (fixed_.col(node).array() && axes.array()).any();
     if (twice && (!hold.motion.empty() || holder_moves(holds_, node)))
       throw std::invalid_argument("fixed: two regions hold the node at rest position " +
-                                  place_text(mesh_.nodes_m.col(node)) + ", and one of them moves; choose boxes apart");
+                                  point_text(mesh_.nodes_m.col(node)) + ", and one of them moves; choose boxes apart");
     fixed_.col(node) = fixed_.col(node).array() || axes.array();
     if (!twice) hold.nodes.push_back(node);
   }

@@ -13,7 +13,7 @@
 
 #include <Eigen/Dense>
 
-#include "place_text.h"
+#include "point_text.h"
 #include "tet_faces.h"
 #include "shape_functions.h"
 
@@ -80,7 +80,7 @@ double longest_edge(const Eigen::Matrix3Xd& nodes) {
 std::string element_text(const TetMesh& mesh, int tet) {
   const Eigen::Matrix3Xd nodes = element_nodes(mesh, tet);
   std::ostringstream text;
-  text << "element " << tet << " at " << place_text(nodes.leftCols<4>().rowwise().mean()) << " with signed volume "
+  text << "element " << tet << " at " << point_text(nodes.leftCols<4>().rowwise().mean()) << " with signed volume "
        << element_volume(nodes) << " m^3";
   return text.str();
 }
@@ -125,7 +125,7 @@ void check_nodes(const TetMesh& mesh) {
   std::vector<bool> used(static_cast<size_t>(mesh.node_count()), false);
   for (Eigen::Index i = 0; i < mesh.tets.size(); ++i) used[static_cast<size_t>(mesh.tets.data()[i])] = true;
   for (int node = 0; node < mesh.node_count(); ++node) {
-    const std::string name = "node " + std::to_string(node) + " at " + place_text(mesh.nodes_m.col(node));
+    const std::string name = "node " + std::to_string(node) + " at " + point_text(mesh.nodes_m.col(node));
     if (!mesh.nodes_m.col(node).allFinite()) refuse(name + " is not finite");
     if (!used[static_cast<size_t>(node)]) refuse(name + " belongs to no element");
   }
@@ -199,7 +199,7 @@ void check_faces(const TetMesh& mesh, const TetSides& sides) {
     const FaceKey key = face_key(nodes[0], nodes[1], nodes[2]);
     const std::string name =
         "face " + std::to_string(face) + " at " +
-        place_text((mesh.nodes_m.col(nodes[0]) + mesh.nodes_m.col(nodes[1]) + mesh.nodes_m.col(nodes[2])) / 3);
+        point_text((mesh.nodes_m.col(nodes[0]) + mesh.nodes_m.col(nodes[1]) + mesh.nodes_m.col(nodes[2])) / 3);
     const std::vector<TetSide> meeting = sides.meeting(key);
     if (meeting.size() != 1) refuse(name + " does not lie on the boundary");
     if (!same_but_for_the_first_corner(nodes, meeting[0].nodes(mesh))) refuse(name + " does not point outward");

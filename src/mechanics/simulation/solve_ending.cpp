@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "mechanics/mesh/place_text.h"
+#include "mechanics/mesh/point_text.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -26,7 +26,7 @@ SolveWarning inverted(const NewtonReport& newton, const Body& body) {
   text << newton.inverted_elements << " inverted elements, the worst element " << newton.worst_element << " ";
   if (newton.worst_element >= 0) {
     warning.rest_position_m = center_m(newton.worst_element, body);
-    text << "at rest position " << place_text(*warning.rest_position_m);
+    text << "at rest position " << point_text(*warning.rest_position_m);
   }
   text << ", det F = " << newton.smallest_determinant;
   warning.text = text.str();
@@ -41,7 +41,7 @@ SolveWarning residual_not_met(const NewtonReport& newton, const Body& body) {
   text << "residual " << newton.residual << ", asked for " << newton.tolerance;
   if (newton.worst_node >= 0) {
     warning.rest_position_m = body.mesh().nodes_m.col(newton.worst_node);
-    text << "; the largest force is left at rest position " << place_text(*warning.rest_position_m);
+    text << "; the largest force is left at rest position " << point_text(*warning.rest_position_m);
   }
   warning.text = text.str();
   return warning;

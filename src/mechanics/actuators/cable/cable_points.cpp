@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "element_crossings.h"
-#include "mechanics/mesh/place_text.h"
+#include "mechanics/mesh/point_text.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -29,7 +29,7 @@ std::vector<Eigen::Vector3d> read_path(const YamlNode& settings) {
     if (point.size() != 3) item.fail("a point is [x, y, z] in m");
     path.emplace_back(point);
     if (path.size() > 1 && (path.back() - path[path.size() - 2]).norm() < kNear_m)
-      item.fail("repeats the point before it, " + place_text(path.back()));
+      item.fail("repeats the point before it, " + point_text(path.back()));
   }
   if (path.size() < 2)
     settings.fail("points_m: a cable needs at least two points, this one has " + std::to_string(path.size()));
@@ -73,7 +73,7 @@ void require_room(const YamlNode& settings, const Eigen::Vector3d& plug_m, const
   std::ostringstream message;
   message << "plug_radius_m: " << plug_radius_m << " is out of range [0, " << 0.5 * width
           << "]: the plug would be wider than the body, which is about " << width << " m wide at "
-          << place_text(plug_m);
+          << point_text(plug_m);
   settings.fail(message.str());
 }
 
@@ -119,9 +119,9 @@ std::vector<PathPoint> as_given(const std::vector<Eigen::Vector3d>& path) {
 void require_near(const YamlNode& settings, const PathPoint& point, const Location& location, double reach_m) {
   if (location.distance_m <= reach_m) return;
   std::ostringstream message;
-  message << "point " << point.given << " at " << place_text(point.position_m) << " lies " << location.distance_m
+  message << "point " << point.given << " at " << point_text(point.position_m) << " lies " << location.distance_m
           << " m outside the body; the most is the sheath's radius, " << reach_m
-          << " m; the nearest point of the body is " << place_text(location.nearest_m);
+          << " m; the nearest point of the body is " << point_text(location.nearest_m);
   settings.sequence("points_m")[static_cast<std::size_t>(point.given)].fail(message.str());
 }
 

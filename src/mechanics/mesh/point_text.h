@@ -9,7 +9,7 @@
 
 namespace soft_robot_lab {
 
-inline std::string place_text(const Eigen::Vector3d& at_m) {
+inline std::string point_text(const Eigen::Vector3d& at_m) {
   std::ostringstream text;
   text << "(" << at_m.x() << ", " << at_m.y() << ", " << at_m.z() << ") m";
   return text.str();

@@ -37,7 +37,7 @@ std::vector<double> centre_of(const std::size_t* nodes) {
 
 // Normals of a face at the centres of its triangles.
 std::vector<double> normals_of(int face, const std::vector<std::size_t>& nodes) {
-  std::vector<double> normals(nodes.size(), 0.0), centres, parameters, unused;
+  std::vector<double> normals(nodes.size(), 0.0), centres, parameters;
   std::string type;
   gmsh::model::getType(2, face, type);
   if (type == "Plane" || type.rfind("Discrete", 0) == 0) return normals;
@@ -45,7 +45,7 @@ std::vector<double> normals_of(int face, const std::vector<std::size_t>& nodes) 
     const std::vector<double> centre = centre_of(&nodes[i]);
     centres.insert(centres.end(), centre.begin(), centre.end());
   }
-  gmsh::model::getClosestPoint(2, face, centres, unused, parameters);
+  gmsh::model::getParametrization(2, face, centres, parameters);
   gmsh::model::getNormal(face, parameters, normals);
   return normals;
 }

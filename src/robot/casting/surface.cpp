@@ -110,9 +110,10 @@ Eigen::Matrix3Xi without_slits(const Eigen::Matrix3Xi& triangles) {
   return kept.leftCols(count);
 }
 
-// Either way round, none longer than 0 where the kernel has none, and never far off the triangle's own.
+// Either way round, none longer than 0 where the kernel has none, and never far off the triangle's own: a facet stands
+// off by up to half the angle between neighbours.
 void take_true_normals(const Eigen::Matrix3Xd& normals, Surface& surface) {
-  constexpr double kNear = 0.9995;  // the kernel's closest points on cones can lie elsewhere on them
+  constexpr double kNear = 0.87;  // cosine of 30 degrees
   for (int t = 0; t < surface.triangle_count(); ++t) {
     const double cosine = normals.col(t).dot(surface.normals.col(t));
     if (std::abs(cosine) > kNear) surface.true_normals.col(t) = (cosine > 0 ? 1 : -1) * normals.col(t).normalized();

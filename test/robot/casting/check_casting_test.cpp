@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/casting/check_casting.h"
 
+#include <functional>
+
 #include <gtest/gtest.h>
 
 #include "robot/casting/pockets.h"
 #include "robot/casting/squeeze.h"
+#include "robot/design/surface_file.h"
 #include "shapes.h"
 
 namespace soft_robot_lab {
@@ -134,6 +137,51 @@ TEST(CheckCasting, SaysWhyForEachFailure) {
   settings.direction = Eigen::Vector3d(1, 1, 1).normalized();
   for (const CastingTest& test : check_casting(robot_of(box({0.03, 0.02, 0.01})), settings).tests)
     EXPECT_EQ(test.passed, test.why.empty()) << test.name;
+}
+
+using NormalAt = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
+
+Surface meshed(const std::string& solid_yaml) {
+  SurfaceRequest request;
+  request.solid_yaml = solid_yaml;
+  request.circle_segments = 24;
+  MesherOptions options;
+  options.program = SOFT_ROBOT_LAB_MESHER;
+  return read_off(surface_file_for(request, options));
+}
+
+// The largest angle between the normals of round skin and the true ones at its triangles' centres.
+double worst_angle_rad(const Surface& surface, const NormalAt& normal_at) {
+  double worst = 0.0;
+  for (int t = 0; t < surface.triangle_count(); ++t) {
+    if (std::abs(surface.normals(2, t)) > 0.9) continue;  // flat ends
+    worst = std::max(worst, surface.true_normals.col(t).cross(normal_at(surface.centre(t))).norm());
+  }
+  return worst;
+}
+
+TEST(CheckCasting, KnowsTheNormalsOfWhatFacetsStandFor) {
+  const NormalAt of_cylinder = [](const Eigen::Vector3d& at) {
+    return Eigen::Vector3d(at.x(), at.y(), 0).normalized();
+  };
+  const Surface cylinder = meshed("{cylinder: {start_m: [0, 0, 0], end_m: [0, 0, 0.03], radius_m: 0.015}}");
+  EXPECT_LT(worst_angle_rad(cylinder, of_cylinder), 1e-6);
+  const NormalAt of_cone = [](const Eigen::Vector3d& at) {
+    return Eigen::Vector3d(std::cos(0.1) * at.head<2>().normalized().x(), std::cos(0.1) * at.head<2>().normalized().y(),
+                           std::sin(0.1));
+  };
+  const std::string end_radius = std::to_string(0.015 - 0.1 * std::tan(0.1));
+  const Surface cone =
+      meshed("{cone: {start_m: [0, 0, 0], end_m: [0, 0, 0.1], radius_m: 0.015, end_radius_m: " + end_radius + "}}");
+  EXPECT_LT(worst_angle_rad(cone, of_cone), 1e-4);
+}
+
+TEST(CheckCasting, LetsACylinderLeaveAlongItsAxis) {
+  CastRobot robot;
+  robot.surface = meshed("{cylinder: {start_m: [0, 0, 0], end_m: [0, 0, 0.03], radius_m: 0.015}}");
+  CastingSettings settings;
+  settings.direction = kUp;
+  EXPECT_EQ(failures(check_casting(robot, settings)), "");
 }
 
 }  // namespace

@@ -299,7 +299,6 @@ TEST_F(Session, KeepsTheGhostWhereAnotherPolicyEnds) {
       std::async(std::launch::async, [&] { return ask<ExecutePolicy>(topics::execute_policy, playing).success; });
   ASSERT_TRUE(spin_until([&] { return hear<ActuatorState>(topics::simulator_actuators)->commands[0] < 1.0; }));
   OptimisePolicy::Request search = good_request();
-  search.marker = "tip";
   search.target = to_message(Eigen::Vector3d(0.02, 0.0, -0.095));
   search.tolerance_m = 2e-3;
   ASSERT_TRUE(ask<OptimisePolicy>(topics::optimise_policy, search).success);

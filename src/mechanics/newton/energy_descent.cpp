@@ -77,10 +77,16 @@ double raised(double convexity) {
 
 }  // namespace
 
-int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const {
+ElementSums NewtonSolver::sums_at(const Eigen::Matrix3Xd& positions_m) const {
   Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  return elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), unused).inverted;
+  return elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), unused);
 }
+
+double NewtonSolver::volumetric_energy_j(const ElementSums& sums) const {
+  return 0.5 * elements_.lambda_pa() * sums.volumetric_strain.cwiseAbs2().dot(elements_.rest_volumes_m3());
+}
+
+int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const { return sums_at(positions_m).inverted; }
 
 // The energy but for that of the constraints, and its gradient but for volume and constraints.
 NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m,
@@ -89,8 +95,7 @@ NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eig
   at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
   at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
   at.gradient_n -= loads_n_;
-  at.energy = at.elements.elastic_energy - loads_n_.cwiseProduct(positions_m).sum() +
-              0.5 * elements_.lambda_pa() * at.elements.volumetric_strain.cwiseAbs2().dot(elements_.rest_volumes_m3());
+  at.energy = at.elements.elastic_energy - loads_n_.cwiseProduct(positions_m).sum() + volumetric_energy_j(at.elements);
   if (task.inertia_per_s2 > 0.0) {
     const Eigen::Matrix3Xd lag = positions_m - *task.predicted_m;
     const Eigen::Matrix3Xd inertia = task.inertia_per_s2 * lag * body_.node_masses_kg().asDiagonal();

@@ -119,11 +119,8 @@ Eigen::Matrix3Xd NewtonSolver::reaction_forces_n(const NewtonState& state) const
 }
 
 double NewtonSolver::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const {
-  Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  const ElementSums sums =
-      elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), unused);
-  return sums.elastic_energy +
-         0.5 * elements_.lambda_pa() * sums.volumetric_strain.cwiseAbs2().dot(elements_.rest_volumes_m3());
+  const ElementSums sums = sums_at(positions_m);
+  return sums.elastic_energy + volumetric_energy_j(sums);
 }
 
 NewtonForces NewtonSolver::forces(const NewtonState& state,
@@ -131,8 +128,7 @@ NewtonForces NewtonSolver::forces(const NewtonState& state,
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   NewtonForces all{none, none, none, 0.0, 0.0, {}, {}};
   const ElementSums sums = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, all.elastic_n);
-  all.elastic_j = sums.elastic_energy +
-                  0.5 * elements_.lambda_pa() * sums.volumetric_strain.cwiseAbs2().dot(elements_.rest_volumes_m3());
+  all.elastic_j = sums.elastic_energy + volumetric_energy_j(sums);
   if (strain_target) springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
   const ContactSums touching = contact_.sums(state.positions_m, state.contact);
   contact_.add_forces(touching, all.contact_n);

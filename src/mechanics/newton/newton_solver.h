@@ -225,6 +225,8 @@ class NewtonSolver {
   // The same where carried points are just where their nodes carry them; the ties of the matrix let them give way.
   Eigen::MatrixXd solve_exactly(const Eigen::MatrixXd& right_hand_sides) const;
   Eigen::MatrixXd exact_forces_n(const Eigen::MatrixXd& motions_m) const;
+  ElementSums sums_at(const Eigen::Matrix3Xd& positions_m) const;  // but for the gradient
+  double volumetric_energy_j(const ElementSums& sums) const;
 
   std::shared_ptr<const NewtonTables> tables_;
   const Body& body_;  // these are the tables'

@@ -95,8 +95,7 @@ Json path_json(const std::vector<SolvePathStage>& path) {
 }
 
 // Of all holds together, about the origin of robot_base.
-Json reaction_json(const Simulation& simulation) {
-  const Eigen::Matrix3Xd forces_n = simulation.reaction_forces_n();
+Json reaction_json(const Simulation& simulation, const Eigen::Matrix3Xd& forces_n) {
   const Eigen::Matrix3Xd& positions_m = simulation.state().positions_m;
   Eigen::Vector3d moment_nm = Eigen::Vector3d::Zero();
   for (Eigen::Index node = 0; node < forces_n.cols(); ++node)
@@ -105,8 +104,7 @@ Json reaction_json(const Simulation& simulation) {
 }
 
 // Of each held region, by its name or its place in the list.
-Json reactions_json(const Simulation& simulation) {
-  const Eigen::Matrix3Xd forces_n = simulation.reaction_forces_n();
+Json reactions_json(const Simulation& simulation, const Eigen::Matrix3Xd& forces_n) {
   Json all = Json::object();
   const std::vector<Hold>& holds = simulation.body().holds();
   for (std::size_t i = 0; i < holds.size(); ++i) {
@@ -178,8 +176,11 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   Json result;
   result["markers"] = markers_json(simulation);
   add_actuators(simulation, result);
-  if (scene.run.mode != RunMode::modal) result["reaction"] = reaction_json(simulation);
-  if (scene.run.mode != RunMode::modal) result["reactions"] = reactions_json(simulation);
+  if (scene.run.mode != RunMode::modal) {
+    const Eigen::Matrix3Xd forces_n = simulation.reaction_forces_n();
+    result["reaction"] = reaction_json(simulation, forces_n);
+    result["reactions"] = reactions_json(simulation, forces_n);
+  }
   if (simulation.energy_ledger()) result["energy"] = energy_json(*simulation.energy_ledger());
   add_contacts(simulation, result);
   result["solver"] = solver_json(simulation, report.solve);

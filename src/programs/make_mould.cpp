@@ -46,6 +46,7 @@ void print(const Mould& mould, const std::string& folder) {
 }
 
 int make(const Arguments& arguments) {
+  require_mould_folder(arguments.output);
   SceneOptions options;
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.robot, arguments.set);

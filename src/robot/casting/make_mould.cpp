@@ -12,13 +12,15 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr int kCircleSegments = 96;       // a round wall of 45 mm radius is off by 0.02 mm
-constexpr double kEdgesAcrossMould = 50;  // of the robot's box
+constexpr double kEdgesAcrossMould = 30;  // of the robot's box
+constexpr double kSmallestEdge_m = 4e-4;  // a bore of 0.5 mm radius is off by 0.04 mm
 
 Surface mesh_piece(const Solid& solid, double largest_edge_m, const MesherOptions& options) {
   SurfaceRequest request;
   request.solid_yaml = to_yaml(solid);
   request.largest_edge_m = largest_edge_m;
   request.circle_segments = kCircleSegments;
+  request.smallest_edge_m = std::min(kSmallestEdge_m, largest_edge_m);
   return read_off(surface_file_for(request, options));
 }
 
@@ -33,12 +35,6 @@ MouldPart stand_on_bed(const MouldPiece& piece, const Surface& surface) {
   const Eigen::Matrix3Xd moved = (turned.colwise() + part.offset_m).unaryExpr(&in_stl);
   part.surface = make_surface(moved, surface.triangles);
   return part;
-}
-
-bool fits(Eigen::Vector3d size_m, Eigen::Vector3d room_m) {
-  std::sort(size_m.data(), size_m.data() + 3);
-  std::sort(room_m.data(), room_m.data() + 3);
-  return (size_m.array() <= room_m.array() + 1e-9).all();
 }
 
 double distance_m(const RayTree& tree, const Eigen::Vector3d& point_m) {
@@ -103,14 +99,14 @@ void fault(Mould& mould, const Parts&... parts) {
 
 void verify_part(const MouldSettings& settings, MouldPart& part, Mould& mould) {
   const Eigen::Vector3d size = part.size_m();
-  part.fits_printer = fits(size, settings.printer_m);
+  part.fits_printer = fits_printer(size, settings.printer_m);
   if (!part.fits_printer)
     fault(mould, part.name, " of ", 1000 * size.x(), " x ", 1000 * size.y(), " x ", 1000 * size.z(),
           " mm does not fit the printer (casting.printer_m).");
-  const Thickness thickness = measure_thickness(RayTree(part.surface), settings.min_wall_m);
-  part.thinnest_m = thickness.ball.worst_m;
+  const ThinPlace thinnest = measure_balls(RayTree(part.surface), settings.min_wall_m);
+  part.thinnest_m = thinnest.worst_m;
   if (part.thinnest_m < settings.min_wall_m * (1 - 1e-3))
-    fault(mould, part.name, " is ", 1000 * part.thinnest_m, " mm thick at ", place_text(thickness.ball.at_m),
+    fault(mould, part.name, " is ", 1000 * part.thinnest_m, " mm thick at ", place_text(thinnest.at_m),
           " of its own axes, less than casting.min_wall_m.");
 }
 
@@ -149,6 +145,7 @@ Mould make_mould(const CastRobotFile& file) {
     mould.parts.push_back(stand_on_bed(piece, pieces.back()));
     verify_part(settings, mould.parts.back(), mould);
   }
+  mould.robot = make_surface(mould.plan.frame.transpose() * robot.vertices_m, robot.triangles);
   mould.cavity_distance_m = cavity_distance_m(mould.plan, pieces, robot, settings.air_hole_radius_m);
   verify_volumes(mould);
   mould.silicone = to_mix(mould, file);

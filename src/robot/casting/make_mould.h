@@ -30,6 +30,7 @@ struct Silicone {
 struct Mould {
   MouldPlan plan;
   std::vector<MouldPart> parts;
+  Surface robot;  // as the pieces leave it room, up while the silicone cures: along the third axis
   double robot_volume_m3 = 0;
   double closure = 0;               // |block - parts - robot| / robot
   double cavity_distance_m = 0;     // of skin and cavity, the largest either way
@@ -43,8 +44,12 @@ constexpr double kLargestDistance_m = 1e-4;
 // Makes the pieces with the mesher and verifies them. Throws NoMould, std::invalid_argument, or as surface_file_for.
 Mould make_mould(const CastRobotFile& file);
 
-// Writes parts as binary STL in millimetres, mould.json and instructions.html into a new folder, whole or not at all.
-// An earlier mould there is replaced; a folder with anything else is refused. Throws std::runtime_error.
+// Throws std::runtime_error where write_mould would refuse this folder: it holds other files than a mould, or cannot be
+// made. To be asked before the mould is made.
+void require_mould_folder(const std::string& folder);
+
+// Writes parts as binary STL in millimetres, mould.json, instructions.html and its pictures into a new folder, whole or
+// not at all. An earlier mould there is replaced; a folder with anything else is refused. Throws std::runtime_error.
 void write_mould(const Mould& mould, const std::string& robot_name, const std::string& folder);
 
 std::string mould_json(const Mould& mould);

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "make_mould.h"
+#include "mould_picture.h"
 #include "settings/write_file.h"
 
 namespace soft_robot_lab {
@@ -117,6 +118,29 @@ std::vector<std::string> steps_of(const Mould& mould) {
   return steps;
 }
 
+std::string pictures_html(const Mould& mould) {
+  std::string figures;
+  for (const MouldPart& part : mould.parts)
+    figures += "<figure><img src=\"" + part.name + ".png\" alt=\"" + part.name + "\"><figcaption>" + part.name +
+               ".stl, as it stands on the bed</figcaption></figure>\n";
+  return figures +
+         "<figure><img src=\"robot.png\" alt=\"robot\"><figcaption>What is cast, as it lies in the mould"
+         "</figcaption></figure>\n";
+}
+
+fs::path place_of(const std::string& folder) {
+  const fs::path place = fs::absolute(folder).lexically_normal();
+  return place.has_filename() ? place : place.parent_path();
+}
+
+// The nearest folder above that there is must let others be made in it.
+void require_writable(const fs::path& place) {
+  fs::path above = place.parent_path();
+  while (!fs::exists(above) && above.has_relative_path()) above = above.parent_path();
+  if (!fs::is_directory(above)) throw std::runtime_error(above.string() + ": is no folder");
+  if (access(above.c_str(), W_OK | X_OK) != 0) throw std::runtime_error(above.string() + ": cannot be written to");
+}
+
 void require_replaceable(const fs::path& folder) {
   if (!fs::exists(folder)) return;
   if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + ": is no folder");
@@ -162,18 +186,27 @@ std::string mould_instructions(const Mould& mould, const std::string& robot_name
   for (const std::string& step : steps_of(mould)) list += "<li>" + step + "</li>\n";
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Casting " + escaped(robot_name) +
          "</title></head><body>\n<h1>Casting " + escaped(robot_name) + "</h1>\n" + parts_table(mould) + "<ol>\n" +
-         list + "</ol>\n</body></html>\n";
+         list + "</ol>\n" + pictures_html(mould) + "</body></html>\n";
+}
+
+void require_mould_folder(const std::string& folder) {
+  const fs::path place = place_of(folder);
+  require_replaceable(place);
+  require_writable(place);
 }
 
 void write_mould(const Mould& mould, const std::string& robot_name, const std::string& folder) {
-  fs::path place = fs::absolute(folder).lexically_normal();
-  if (!place.has_filename()) place = place.parent_path();
-  require_replaceable(place);
+  require_mould_folder(folder);
+  const fs::path place = place_of(folder);
   fs::create_directories(place.parent_path());
   std::string made = place.string() + ".XXXXXX";
   if (!mkdtemp(made.data())) throw std::runtime_error(place.string() + ": its folder cannot be written to");
   try {
-    for (const MouldPart& part : mould.parts) write_file(made + "/" + part.name + ".stl", binary_stl(part));
+    for (const MouldPart& part : mould.parts) {
+      write_file(made + "/" + part.name + ".stl", binary_stl(part));
+      write_file(made + "/" + part.name + ".png", picture_png(part.surface, {}));
+    }
+    write_file(made + "/robot.png", picture_png(mould.robot, {0.95, 0.72, 0.55}));
     write_file(made + "/instructions.html", mould_instructions(mould, robot_name));
     write_file(made + "/" + kDescription, mould_json(mould));
     fs::permissions(made, fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec |

@@ -123,7 +123,7 @@ MouldPlan plan_one_part(const CastRobot& robot, const Solid& solid, const Castin
   for (const AirHole& hole : plan.air_holes)
     parts.push_back(
         round_bar(hole.from_m, hole.to_m, settings.mould.air_hole_radius_m, settings.mould.air_hole_radius_m));
-  plan.pieces = {{"mould", combined(Solid::Kind::difference, parts), plan.frame.transpose()}};
+  plan.pieces = {{"mould", combined(Solid::Kind::difference, parts), plan.frame.transpose(), high - low}};
   return plan;
 }
 
@@ -247,6 +247,13 @@ std::vector<Solid> half_blocks(const Flanged& made, const MouldPlan& plan, bool 
   return {block(plan.frame, low, high), block(plan.frame, flange_low, flange_high)};
 }
 
+// Pegs are lower than the flange is thick, but stand above the lower half.
+Vector3d half_size(const Flanged& made, const MouldPlan& plan, bool upper) {
+  const double low = std::min(made.low.y(), made.flange_low.y()), high = std::max(made.high.y(), made.flange_high.y());
+  const double across = upper ? high - plan.parting_m : plan.parting_m - low;
+  return {made.flange_high.x() - made.flange_low.x(), across, made.high.z() - made.low.z()};
+}
+
 MouldPiece half(const Flanged& made, const MouldPlan& plan, const Solid& robot, bool upper) {
   std::vector<Solid> rest{combined(Solid::Kind::union_of, half_blocks(made, plan, upper)), robot};
   rest.insert(rest.end(), made.bolts.begin(), made.bolts.end());
@@ -263,7 +270,7 @@ MouldPiece half(const Flanged& made, const MouldPlan& plan, const Solid& robot, 
   to_print.row(1) = plan.frame.col(2).transpose();
   to_print.row(2) = sign * plan.frame.col(1).transpose();
   to_print.row(0) = to_print.row(1).cross(to_print.row(2));
-  return {upper ? "upper_half" : "lower_half", solid, to_print};
+  return {upper ? "upper_half" : "lower_half", solid, to_print, half_size(made, plan, upper)};
 }
 
 MouldPlan plan_two_parts(const CastRobot& robot, const Solid& solid, const CastingSettings& settings) {
@@ -294,7 +301,23 @@ bool two_parts_would_do(const CastRobot& robot) {
   }
 }
 
+void require_printable(const MouldPlan& plan, const MouldSettings& mould) {
+  for (const MouldPiece& piece : plan.pieces) {
+    if (fits_printer(piece.size_m, mould.printer_m)) continue;
+    std::ostringstream text;
+    text << piece.name << " of " << 1000 * piece.size_m.transpose() << " mm does not fit the printer of "
+         << 1000 * mould.printer_m.transpose() << " mm; a larger casting.printer_m would do";
+    throw NoMould(text.str());
+  }
+}
+
 }  // namespace
+
+bool fits_printer(Vector3d size_m, Vector3d room_m) {
+  std::sort(size_m.data(), size_m.data() + 3);
+  std::sort(room_m.data(), room_m.data() + 3);
+  return (size_m.array() <= room_m.array() + 1e-9).all();
+}
 
 Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops) {
   Parting best;
@@ -323,10 +346,11 @@ Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops)
 MouldPlan plan_mould(const CastRobot& robot, const std::string& solid_yaml, const CastingVerdict& verdict,
                      const CastingSettings& settings) {
   const Solid solid = robot_solid(solid_yaml);
-  if (verdict.castable) return plan_one_part(robot, solid, verdict, settings);
+  const auto printable = [&](const MouldPlan& plan) { return require_printable(plan, settings.mould), plan; };
+  if (verdict.castable) return printable(plan_one_part(robot, solid, verdict, settings));
   const std::string others = reasons(verdict, {"extraction", "stretch", "suction", "aspect"});
   if (!others.empty() || verdict.test("extraction").passed) throw NoMould(reasons(verdict, {}));
-  if (settings.mould.allow_two_part) return plan_two_parts(robot, solid, settings);
+  if (settings.mould.allow_two_part) return printable(plan_two_parts(robot, solid, settings));
   throw NoMould(reasons(verdict, {}) +
                 (two_parts_would_do(robot) ? " --allow two_part makes a mould of two halves." : ""));
 }

@@ -23,6 +23,7 @@ struct MouldPiece {
   std::string name;
   Solid solid;
   Eigen::Matrix3d to_print;  // turns it as it stands on the printer's bed
+  Eigen::Vector3d size_m;    // along the mould's axes
 };
 
 struct AirHole {
@@ -43,6 +44,9 @@ struct MouldPlan {
   std::vector<MouldPiece> pieces;
 };
 
+// Lengthwise along the printer's axes, in any order.
+bool fits_printer(Eigen::Vector3d size_m, Eigen::Vector3d room_m);
+
 // Two halves along which of the axes, and where: a plane such that no skin above it faces down and none below it up.
 // Throws NoMould.
 struct Parting {
@@ -54,6 +58,7 @@ Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops)
 
 // `solid_yaml` as CastRobotFile has it, its verdict as check_casting gives it. Throws NoMould, or std::invalid_argument
 // where the body is not made of solids.
+// A piece that the printer has no room for is refused here, before it is meshed.
 MouldPlan plan_mould(const CastRobot& robot, const std::string& solid_yaml, const CastingVerdict& verdict,
                      const CastingSettings& settings);
 

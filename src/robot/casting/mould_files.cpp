@@ -138,7 +138,9 @@ void require_writable(const fs::path& place) {
   fs::path above = place.parent_path();
   while (!fs::exists(above) && above.has_relative_path()) above = above.parent_path();
   if (!fs::is_directory(above)) throw std::runtime_error(above.string() + ": is no folder");
-  if (access(above.c_str(), W_OK | X_OK) != 0) throw std::runtime_error(above.string() + ": cannot be written to");
+  std::string probe = (above / "mould.XXXXXX").string();  // permissions are not all: a disk may be read-only
+  if (!mkdtemp(probe.data())) throw std::runtime_error(above.string() + ": cannot be written to");
+  fs::remove(probe);
 }
 
 void require_replaceable(const fs::path& folder) {

@@ -58,6 +58,7 @@ void surface_request(const YamlNode& request, const std::string& output_file) {
   SurfaceSizes sizes;
   sizes.largest_edge_m = node.number("largest_edge_m", AllowedRange::positive());
   sizes.circle_segments = node.integer("circle_segments", 6, 360);
+  sizes.smallest_edge_m = node.number_or("smallest_edge_m", 0, AllowedRange::not_negative());
   request.require_all_read();
   write_surface(solid, sizes, output_file);
 }

@@ -85,7 +85,8 @@ void write_off(const std::vector<Triangle>& all, double unit_m, const std::strin
 void set_sizes(const SurfaceSizes& sizes, double units_per_metre) {
   const double largest = sizes.largest_edge_m * units_per_metre;
   gmsh::option::setNumber("Mesh.MeshSizeMax", largest);
-  gmsh::option::setNumber("Mesh.MeshSizeMin", largest * kSmallestShare);
+  const double smallest = sizes.smallest_edge_m * units_per_metre;
+  gmsh::option::setNumber("Mesh.MeshSizeMin", smallest > 0 ? smallest : largest * kSmallestShare);
   gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
   gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", sizes.circle_segments);
 }

@@ -10,6 +10,7 @@ namespace soft_robot_lab {
 struct SurfaceSizes {
   double largest_edge_m = 0.01;
   int circle_segments = 48;
+  double smallest_edge_m = 0;  // 0: a share of the largest
 };
 
 // Writes the solid's boundary as robot/design/surface_file.h describes. Throws std::invalid_argument or, from Gmsh,

@@ -45,6 +45,7 @@ CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& optio
   const YamlNode settings = merge_overrides(YamlNode::load_file(path), options.overrides);
   CastRobotFile file;
   file.settings = read_casting_settings(settings);
+  file.mesher = mesher_options(options);
   const YamlNode section = settings.child("body");
   if (section.has("solid")) file.solid_yaml = to_yaml(read_solid(section.child("solid")));
   file.robot.surface = in_section(section, [&] {

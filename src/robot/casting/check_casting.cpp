@@ -40,9 +40,10 @@ CastingTest extraction_test(const Extraction& out, const TwoPart& halves, bool g
   const std::string way = given ? "along the given direction" : "along any direction";
   if (!out.blocked.empty()) {
     test.at_m = out.at_m;
-    test.why = sentence(1e6 * out.blocked_area_m2, " mm^2 of skin are held by the mould ", way, ", by up to ",
-                        mm(out.trap_depth_m), " at ", place_text(out.at_m),
-                        halves.passed ? "; a mould of two parts would let it out." : "; two parts do not help alone.");
+    test.why = sentence(
+        1e6 * out.blocked_area_m2, " mm^2 of skin are held by the mould ", way, ", by up to ", mm(out.trap_depth_m),
+        " at ", place_text(out.at_m),
+        halves.passed ? "; a mould of two parts would let it out." : "; two parts do not help along this direction.");
   } else if (!(out.top_area_m2 > 0)) {
     test.why = "No flat side can be open to air while the silicone cures.";
   } else {

@@ -132,27 +132,40 @@ void measure_cone(const RayTree& tree, int triangle, const Eigen::Vector3d& p, d
   if (nearest != nullptr) keep(place, (nearest->at_m - p).norm(), p, nearest->at_m, area, limit_m);
 }
 
-}  // namespace
-
-Thickness measure_thickness(const RayTree& tree, double limit_m) {
-  const Surface& surface = tree.surface();
-  // Two triangles a square of spacing, of samples a quarter of the limit apart where that is not too many.
-  const double spacing_m = std::max(limit_m / 4, std::sqrt(2 * surface.areas_m2.sum() / kMostSamples));
-  Thickness result;
-  result.of_facets.assign(static_cast<size_t>(surface.triangle_count()), kInfinite);
+// Two triangles a square of spacing, which is wider where there would be too many samples.
+template <typename Visit>
+void sample_skin(const Surface& surface, double spacing_m, const Visit& visit) {
+  spacing_m = std::max(spacing_m, std::sqrt(2 * surface.areas_m2.sum() / kMostSamples));
   for (int t = 0; t < surface.triangle_count(); ++t) {
     if (surface.areas_m2[t] <= 0) continue;
     const bool curved = surface.is_curved(t);  // only there the facet's normal is the solid's: at its centre
-    const Eigen::Vector3d normal = surface.true_normals.col(t);
-    sample_triangle(surface, t, curved ? kInfinite : spacing_m, [&](const Eigen::Vector3d& p, double area) {
-      const Ball ball = largest_ball(tree, p, normal);
-      double& least = result.of_facets[static_cast<size_t>(t)];
-      least = std::min(least, ball.diameter_m);
-      keep(result.ball, ball.diameter_m, p, ball.touch_m, area, limit_m);
-      measure_cone(tree, t, p, area, limit_m, result.cone);
-    });
+    sample_triangle(surface, t, curved ? kInfinite : spacing_m,
+                    [&](const Eigen::Vector3d& p, double area) { visit(t, p, area); });
   }
+}
+
+}  // namespace
+
+Thickness measure_thickness(const RayTree& tree, double limit_m) {
+  Thickness result;
+  result.of_facets.assign(static_cast<size_t>(tree.surface().triangle_count()), kInfinite);
+  sample_skin(tree.surface(), limit_m / 4, [&](int t, const Eigen::Vector3d& p, double area) {
+    const Ball ball = largest_ball(tree, p, tree.surface().true_normals.col(t));
+    double& least = result.of_facets[static_cast<size_t>(t)];
+    least = std::min(least, ball.diameter_m);
+    keep(result.ball, ball.diameter_m, p, ball.touch_m, area, limit_m);
+    measure_cone(tree, t, p, area, limit_m, result.cone);
+  });
   return result;
+}
+
+ThinPlace measure_balls(const RayTree& tree, double limit_m) {
+  ThinPlace place;
+  sample_skin(tree.surface(), limit_m / 2, [&](int t, const Eigen::Vector3d& p, double area) {
+    const Ball ball = largest_ball(tree, p, tree.surface().true_normals.col(t));
+    keep(place, ball.diameter_m, p, ball.touch_m, area, limit_m);
+  });
+  return place;
 }
 
 }  // namespace soft_robot_lab

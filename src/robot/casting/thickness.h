@@ -27,4 +27,7 @@ struct Thickness {
 // of rays of 30 degrees. Exact for plates, rods and the walls of tubes. `limit_m` > 0.
 Thickness measure_thickness(const RayTree& tree, double limit_m);
 
+// By balls alone, from samples half the limit apart: for parts of a mould, which are stiff.
+ThinPlace measure_balls(const RayTree& tree, double limit_m);
+
 }  // namespace soft_robot_lab

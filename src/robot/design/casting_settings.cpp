@@ -34,6 +34,34 @@ void read_sheath(const YamlNode& node, SheathSettings& sheath) {
   sheath.wall_m = node.number_or("wall_m", sheath.wall_m, AllowedRange::not_negative());
 }
 
+void read_allowed(const YamlNode& node, MouldSettings& mould) {
+  for (const YamlNode& item : node.optional_sequence("allow")) {
+    const std::string name = item.as_text();
+    if (name != "two_part") item.fail("is '" + name + "', must be two_part");
+    mould.allow_two_part = true;
+  }
+}
+
+void read_printer(const YamlNode& node, MouldSettings& mould) {
+  if (!node.has("printer_m")) return;
+  mould.printer_m = node.vector3("printer_m");
+  for (const YamlNode& edge : node.sequence("printer_m")) edge.as_number(AllowedRange::positive());
+}
+
+void read_mould(const YamlNode& node, MouldSettings& mould) {
+  read_allowed(node, mould);
+  read_printer(node, mould);
+  mould.wall_m = node.number_or("wall_m", mould.wall_m, {0.001, 0.05});
+  mould.min_wall_m = node.number_or("min_wall_m", mould.min_wall_m, {1e-4, 0.05});
+  mould.flange_m = node.number_or("flange_m", mould.flange_m, {0.005, 0.1});
+  mould.bolt_radius_m = node.number_or("bolt_radius_m", mould.bolt_radius_m, {0.0005, 0.01});
+  mould.key_radius_m = node.number_or("key_radius_m", mould.key_radius_m, {0.001, 0.02});
+  mould.clearance_m = node.number_or("clearance_m", mould.clearance_m, {0, 0.002});
+  mould.air_hole_radius_m = node.number_or("air_hole_radius_m", mould.air_hole_radius_m, {1e-4, 0.005});
+  mould.part_a_fraction = node.number_or("part_a_fraction", mould.part_a_fraction, {0, 1});
+  mould.spare_fraction = node.number_or("spare_fraction", mould.spare_fraction, {0, 1});
+}
+
 }  // namespace
 
 CastingSettings read_casting_settings(const YamlNode& robot) {
@@ -42,6 +70,7 @@ CastingSettings read_casting_settings(const YamlNode& robot) {
   if (!node) return settings;
   settings.direction = read_direction(*node);
   read_limits(*node, settings);
+  read_mould(*node, settings.mould);
   if (const auto sheath = node->optional_child("sheath")) read_sheath(*sheath, settings.sheath);
   return settings;
 }

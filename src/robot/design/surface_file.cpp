@@ -15,6 +15,9 @@ void check(const SurfaceRequest& request) {
   if (!std::isfinite(request.largest_edge_m) || request.largest_edge_m <= 0)
     throw std::invalid_argument("largest_edge_m: " + std::to_string(request.largest_edge_m) +
                                 " is out of range (0, inf)");
+  if (!(request.smallest_edge_m >= 0 && request.smallest_edge_m <= request.largest_edge_m))
+    throw std::invalid_argument("smallest_edge_m: " + std::to_string(request.smallest_edge_m) +
+                                " is out of range [0, largest_edge_m]");
   if (request.circle_segments < 6 || request.circle_segments > 360)
     throw std::invalid_argument("circle_segments: " + std::to_string(request.circle_segments) +
                                 " is out of range [6, 360]");
@@ -28,7 +31,9 @@ std::string surface_file_for(const SurfaceRequest& request, const MesherOptions&
   text.imbue(std::locale::classic());
   text.precision(17);
   text << "solid: " << request.solid_yaml << "\nsurface: {largest_edge_m: " << request.largest_edge_m
-       << ", circle_segments: " << request.circle_segments << "}\n";
+       << ", circle_segments: " << request.circle_segments;
+  if (request.smallest_edge_m > 0) text << ", smallest_edge_m: " << request.smallest_edge_m;
+  text << "}\n";
   const Solid solid = read_solid(YamlNode::parse(request.solid_yaml, "surface request"));
   return run_mesher(text.str(), referenced_files(solid), ".off", options);
 }

@@ -12,6 +12,7 @@ struct SurfaceRequest {
   std::string solid_yaml;        // as MeshRequest's
   double largest_edge_m = 0.01;  // > 0
   int circle_segments = 48;      // [6, 360]: edges around a full circle
+  double smallest_edge_m = 0;    // >= 0, where circles ask for less; 0: a 200th of the largest
 };
 
 // The path of an OFF file: vertices in metres with 17 digits; triangles turned as the kernel has them, each with the

@@ -43,6 +43,15 @@ TEST(Thickness, OfAWedgeOfTwentyDegreesGoesToZero) {
   EXPECT_LT(t.ball.at_m.x(), 0.001);
 }
 
+TEST(Thickness, OfTheSourcesConeAtARimBelowNinetyDegreesIsTheLimitTimesItsSine) {
+  // As the source defines it: a place on the top farther from the rim than the limit, nearer to the side.
+  const double draft = std::atan(0.005 / 0.03);
+  const Thickness t = measure(frustum({0.015, 0.015}, {0.02, 0.02}, 0.03).surface(), 0.002);
+  EXPECT_GE(t.cone.worst_m, 0.002 * std::cos(draft) * (1 - 1e-6));
+  EXPECT_LT(t.cone.worst_m, 0.002);
+  EXPECT_GT(t.ball.worst_m, 0.02) << "for balls it is not thin";
+}
+
 TEST(Thickness, DoesNotCountAGrooveBetweenTwoPlates) {
   // Two plates of 4 mm across a groove of 1 mm, on a common floor.
   const std::vector<Eigen::Vector2d> u{{-0.0045, -0.004}, {0.0045, -0.004}, {0.0045, 0.008},  {0.0005, 0.008},

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// make_mould ROBOT.yaml --output FOLDER [--allow two_part]: the mould that a robot is cast in, as STL.
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "robot/casting/make_mould.h"
+#include "robot/scene/parameters.h"
+#include "settings/command_line.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+
+namespace {
+
+using namespace soft_robot_lab;
+
+struct Arguments {
+  std::string robot, output;
+  std::vector<std::string> set, allow;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("ROBOT", arguments.robot, "the robot's file, whose block casting has the mould's dimensions")
+      ->type_name("FILE")
+      ->required();
+  app.add_option("--output", arguments.output, "where the mould goes; an earlier mould there is replaced")
+      ->type_name("FOLDER")
+      ->required();
+  app.add_option("--allow", arguments.allow, "two_part: two halves, where one block does not do")
+      ->type_name("WHAT")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"two_part"}));
+  app.add_option("--set", arguments.set, "a number of the file by its path, or a parameter that it names")
+      ->type_name("PATH=NUMBER")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.footer("Exit status: 0 made, 1 no mould can be made or it could not be written, 2 bad file or arguments.");
+}
+
+void print(const Mould& mould, const std::string& folder) {
+  for (const MouldPart& part : mould.parts)
+    std::cout << part.name << ".stl: " << 1000 * part.size_m().transpose() << " mm, " << part.surface.triangle_count()
+              << " triangles\n";
+  std::cout << mould.silicone.part_a_g << " g of part A and " << mould.silicone.part_b_g
+            << " g of part B; what to do is in " << folder << "/instructions.html\n";
+}
+
+int make(const Arguments& arguments) {
+  require_mould_folder(arguments.output);
+  SceneOptions options;
+  options.actuator_factory = make_actuator;
+  options.overrides = parameter_overrides(arguments.robot, arguments.set);
+  CastRobotFile file = load_cast_robot(arguments.robot, options);
+  file.settings.mould.allow_two_part |= !arguments.allow.empty();
+  const Mould mould = make_mould(file);
+  for (const std::string& fault : mould.faults) std::cerr << "make_mould: " << fault << "\n";
+  if (!mould.faults.empty()) return kNotGood;
+  const auto robot = std::filesystem::absolute(arguments.robot);
+  write_mould(mould, robot.stem() == "robot" ? robot.parent_path().filename() : robot.stem(), arguments.output);
+  print(mould, arguments.output);
+  return kGood;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Makes the mould that a robot is cast in, as STL, with instructions.", "make_mould");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] {
+    try {
+      return make(arguments);
+    } catch (const NoMould& reason) {
+      std::cerr << "make_mould: no mould: " << reason.what() << "\n";
+      return static_cast<int>(kNotGood);
+    }
+  });
+}

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "make_mould.h"
+#include "mould_picture.h"
+#include "settings/write_file.h"
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+using OrderedJson = nlohmann::ordered_json;
+
+constexpr const char* kDescription = "mould.json";
+
+template <typename Value>
+void append(std::string& bytes, const Value& value) {
+  std::array<char, sizeof(Value)> raw;
+  std::memcpy(raw.data(), &value, sizeof(Value));
+  bytes.append(raw.data(), raw.size());
+}
+
+// Little-endian, as all machines that this package knows.
+std::string binary_stl(const MouldPart& part) {
+  std::string bytes = "soft_robot_lab mould, millimetres";
+  bytes.resize(80, ' ');
+  append(bytes, static_cast<std::uint32_t>(part.surface.triangle_count()));
+  for (int t = 0; t < part.surface.triangle_count(); ++t) {
+    for (int i = 0; i < 3; ++i) append(bytes, static_cast<float>(part.surface.normals(i, t)));
+    for (int corner = 0; corner < 3; ++corner)
+      for (int i = 0; i < 3; ++i) append(bytes, static_cast<float>(1000 * part.surface.corner(t, corner)[i]));
+    append(bytes, std::uint16_t{0});
+  }
+  return bytes;
+}
+
+OrderedJson triple(const Eigen::Vector3d& value) { return {value.x(), value.y(), value.z()}; }
+
+OrderedJson part_json(const MouldPart& part) {
+  OrderedJson json;
+  json["name"] = part.name;
+  json["stl"] = part.name + ".stl";
+  json["volume_m3"] = part.surface.volume_m3();
+  json["size_m"] = triple(part.size_m());
+  json["triangles"] = part.surface.triangle_count();
+  json["watertight"] = true;  // make_surface makes no other
+  json["fits_printer"] = part.fits_printer;
+  json["thinnest_m"] = std::isfinite(part.thinnest_m) ? OrderedJson(part.thinnest_m) : OrderedJson(nullptr);
+  for (int i = 0; i < 3; ++i) json["rotation"].push_back(triple(part.rotation.row(i).transpose()));
+  json["offset_m"] = triple(part.offset_m);
+  return json;
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+  return result;
+}
+
+std::string rounded(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed;
+  text.precision(digits);
+  text << value;
+  return text.str();
+}
+
+std::string parts_table(const Mould& mould) {
+  std::string rows;
+  for (const MouldPart& part : mould.parts) {
+    const Eigen::Vector3d mm = 1000 * part.size_m();
+    rows += "<tr><td>" + part.name + ".stl</td><td>" + rounded(mm.x(), 1) + " x " + rounded(mm.y(), 1) + " x " +
+            rounded(mm.z(), 1) + " mm</td><td>" + rounded(1e6 * part.surface.volume_m3(), 1) + " ml</td></tr>\n";
+  }
+  return "<table><tr><th>part</th><th>size as it stands on the bed</th><th>volume</th></tr>\n" + rows + "</table>\n";
+}
+
+std::vector<std::string> assembly_steps(const Mould& mould) {
+  if (mould.plan.two_part)
+    return {"Put both halves together: the " + std::to_string(mould.plan.keys) +
+                " pegs of lower_half go into their sockets.",
+            "Close them with " + std::to_string(mould.plan.bolts) + " bolts through the flanges.",
+            "Stand the mould on its end: the opening is above, and level."};
+  std::vector<std::string> steps{"Put the mould on a level table, open side up."};
+  if (!mould.plan.air_holes.empty())
+    steps.push_back("Close the " + std::to_string(mould.plan.air_holes.size()) +
+                    " air holes from below with wax or tape.");
+  return steps;
+}
+
+std::vector<std::string> steps_of(const Mould& mould) {
+  std::vector<std::string> steps{"Print the parts as they stand in their files, in millimetres.",
+                                 "Smooth what forms the silicone, and spray it with a release agent."};
+  for (const std::string& step : assembly_steps(mould)) steps.push_back(step);
+  steps.push_back("Mix " + rounded(mould.silicone.part_a_g, 1) + " g of part A with " +
+                  rounded(mould.silicone.part_b_g, 1) + " g of part B: together " + rounded(mould.silicone.mass_g, 1) +
+                  " g.");
+  steps.push_back("Remove air from the mix in a vacuum.");
+  steps.push_back("Pour slowly in one place, until the silicone stands level with the rim. The cavity holds " +
+                  rounded(1e6 * mould.robot_volume_m3, 1) + " ml. Scrape off what stands above.");
+  steps.push_back("Let it cure as its maker states.");
+  if (!mould.plan.air_holes.empty()) steps.push_back("Open the air holes.");
+  std::ostringstream way;
+  way << mould.plan.direction.transpose();
+  steps.push_back(mould.plan.two_part
+                      ? "Take out the bolts, and pull the halves apart along [" + way.str() + "] of the robot's axes."
+                      : "Pull the robot out along [" + way.str() + "] of its own axes.");
+  steps.push_back("Sheaths and cables are not part of this mould: lead them through afterwards.");
+  return steps;
+}
+
+std::string pictures_html(const Mould& mould) {
+  std::string figures;
+  for (const MouldPart& part : mould.parts)
+    figures += "<figure><img src=\"" + part.name + ".png\" alt=\"" + part.name + "\"><figcaption>" + part.name +
+               ".stl, as it stands on the bed</figcaption></figure>\n";
+  return figures +
+         "<figure><img src=\"robot.png\" alt=\"robot\"><figcaption>What is cast, as it lies in the mould"
+         "</figcaption></figure>\n";
+}
+
+fs::path place_of(const std::string& folder) {
+  const fs::path place = fs::absolute(folder).lexically_normal();
+  return place.has_filename() ? place : place.parent_path();
+}
+
+// The nearest folder above that there is must let others be made in it.
+void require_writable(const fs::path& place) {
+  fs::path above = place.parent_path();
+  while (!fs::exists(above) && above.has_relative_path()) above = above.parent_path();
+  if (!fs::is_directory(above)) throw std::runtime_error(above.string() + ": is no folder");
+  std::string probe = (above / "mould.XXXXXX").string();  // permissions are not all: a disk may be read-only
+  if (!mkdtemp(probe.data())) throw std::runtime_error(above.string() + ": cannot be written to");
+  fs::remove(probe);
+}
+
+void require_replaceable(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + ": is no folder");
+  if (!fs::is_empty(folder) && !fs::exists(folder / kDescription))
+    throw std::runtime_error(folder.string() + ": holds other files than a mould; nothing was written");
+}
+
+// The old folder goes only once the new one is in its place.
+void put_in_place(const fs::path& made, const fs::path& folder) {
+  const fs::path old = made.string() + ".old";
+  const bool replaces = fs::exists(folder);
+  if (replaces) fs::rename(folder, old);
+  fs::rename(made, folder);
+  if (replaces) fs::remove_all(old);
+}
+
+}  // namespace
+
+std::string mould_json(const Mould& mould) {
+  OrderedJson json;
+  json["two_part"] = mould.plan.two_part;
+  json["direction"] = triple(mould.plan.direction);
+  json["up"] = triple(mould.plan.frame.col(2));
+  if (mould.plan.two_part) json["parting_m"] = mould.plan.parting_m;
+  for (const MouldPart& part : mould.parts) json["parts"].push_back(part_json(part));
+  json["robot_volume_m3"] = mould.robot_volume_m3;
+  json["block_volume_m3"] = mould.plan.block_volume_m3;
+  json["closure"] = mould.closure;
+  json["cavity_distance_m"] = mould.cavity_distance_m;
+  json["open_top_m2"] = mould.plan.top_area_m2;
+  json["air_holes"] = mould.plan.air_holes.size();
+  json["bolts"] = mould.plan.bolts;
+  json["keys"] = mould.plan.keys;
+  json["silicone"] = {{"volume_m3", mould.silicone.volume_m3},
+                      {"mass_g", mould.silicone.mass_g},
+                      {"part_a_g", mould.silicone.part_a_g},
+                      {"part_b_g", mould.silicone.part_b_g}};
+  return json.dump(2) + "\n";
+}
+
+std::string mould_instructions(const Mould& mould, const std::string& robot_name) {
+  std::string list;
+  for (const std::string& step : steps_of(mould)) list += "<li>" + step + "</li>\n";
+  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Casting " + escaped(robot_name) +
+         "</title></head><body>\n<h1>Casting " + escaped(robot_name) + "</h1>\n" + parts_table(mould) + "<ol>\n" +
+         list + "</ol>\n" + pictures_html(mould) + "</body></html>\n";
+}
+
+void require_mould_folder(const std::string& folder) {
+  const fs::path place = place_of(folder);
+  require_replaceable(place);
+  require_writable(place);
+}
+
+void write_mould(const Mould& mould, const std::string& robot_name, const std::string& folder) {
+  require_mould_folder(folder);
+  const fs::path place = place_of(folder);
+  fs::create_directories(place.parent_path());
+  std::string made = place.string() + ".XXXXXX";
+  if (!mkdtemp(made.data())) throw std::runtime_error(place.string() + ": its folder cannot be written to");
+  try {
+    for (const MouldPart& part : mould.parts) {
+      write_file(made + "/" + part.name + ".stl", binary_stl(part));
+      write_file(made + "/" + part.name + ".png", picture_png(part.surface, {}));
+    }
+    write_file(made + "/robot.png", picture_png(mould.robot, {0.95, 0.72, 0.55}));
+    write_file(made + "/instructions.html", mould_instructions(mould, robot_name));
+    write_file(made + "/" + kDescription, mould_json(mould));
+    fs::permissions(made, fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec |
+                              fs::perms::others_read | fs::perms::others_exec);
+    put_in_place(made, place);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove_all(made, ignored);
+    throw;
+  }
+}
+
+}  // namespace soft_robot_lab

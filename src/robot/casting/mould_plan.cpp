@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mould_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "pockets.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kBeyond_m = 0.001;     // what is cut away reaches this far out
+constexpr double kBoltsApart_m = 0.06;  // at most
+constexpr double kKeyTaper = 0.6;       // radius of a peg's end over its foot's
+
+Vector3d exact_axis(const Vector3d& normal, const std::string& what) {
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  const Vector3d exact = (normal[axis] > 0 ? 1.0 : -1.0) * Vector3d::Unit(axis);
+  if ((normal - exact).norm() < 1e-6) return exact;
+  std::ostringstream text;
+  text << what << " [" << normal.transpose()
+       << "] lies along none of the robot's axes: a block is made along these alone";
+  throw NoMould(text.str());
+}
+
+// A box from corner to corner in the mould's axes.
+Solid block(const Eigen::Matrix3d& frame, const Vector3d& low_m, const Vector3d& high_m) {
+  Solid solid;
+  solid.size_m = (frame * (high_m - low_m)).cwiseAbs();
+  solid.center_m = frame * (low_m + high_m) / 2;
+  return solid;
+}
+
+Solid round_bar(const Vector3d& from_m, const Vector3d& to_m, double radius_m, double end_radius_m) {
+  Solid solid;
+  solid.kind = radius_m == end_radius_m ? Solid::Kind::cylinder : Solid::Kind::cone;
+  solid.start_m = from_m;
+  solid.end_m = to_m;
+  solid.radius_m = radius_m;
+  solid.end_radius_m = end_radius_m;
+  return solid;
+}
+
+Solid combined(Solid::Kind kind, std::vector<Solid> parts) {
+  Solid solid;
+  solid.kind = kind;
+  solid.parts = std::move(parts);
+  return solid;
+}
+
+void forget_names(Solid& solid) {
+  solid.name.clear();
+  for (Solid& part : solid.parts) forget_names(part);
+}
+
+bool holds_stl(const Solid& solid) {
+  return solid.kind == Solid::Kind::stl_file || std::any_of(solid.parts.begin(), solid.parts.end(), holds_stl);
+}
+
+Solid robot_solid(const std::string& solid_yaml) {
+  if (solid_yaml.empty()) throw std::invalid_argument("body.mesh: a mould needs body.solid");
+  Solid solid = read_solid(YamlNode::parse(solid_yaml, "body.solid"));
+  if (holds_stl(solid)) throw std::invalid_argument("body.solid.stl: a mould needs shapes or STEP");
+  forget_names(solid);
+  return solid;
+}
+
+// Failed tests but these.
+std::string reasons(const CastingVerdict& verdict, const std::set<std::string>& forgiven) {
+  std::string all;
+  for (const CastingTest& test : verdict.tests)
+    if (!test.passed && forgiven.count(test.name) == 0) all += (all.empty() ? "" : " ") + test.name + ": " + test.why;
+  return all;
+}
+
+void take_box(const Surface& surface, MouldPlan& plan) {
+  const Eigen::Matrix3Xd places = plan.frame.transpose() * surface.vertices_m;
+  plan.low_m = places.rowwise().minCoeff();
+  plan.high_m = places.rowwise().maxCoeff();
+}
+
+double box_volume(const Vector3d& low_m, const Vector3d& high_m) { return (high_m - low_m).prod(); }
+
+double cone_volume(double height_m, double r, double s) { return M_PI / 3 * height_m * (r * r + r * s + s * s); }
+
+// --- one part ---
+
+void add_air_holes(const CastRobot& robot, const CastingSettings& settings, MouldPlan& plan) {
+  if (!settings.air_holes) return;
+  const RayTree tree(robot.surface);
+  const Vector3d up = plan.frame.col(2);
+  const double floor_m = plan.low_m.z() - settings.mould.wall_m;
+  for (const Pocket& pocket : find_pockets(tree, plan.direction, settings.notch_radius_m).pockets) {
+    const double length = (up.dot(pocket.at_m) - floor_m) / up.dot(plan.direction);
+    plan.block_volume_m3 -= M_PI * std::pow(settings.mould.air_hole_radius_m, 2) * length;
+    plan.air_holes.push_back({pocket.at_m, pocket.at_m - (length + kBeyond_m) * plan.direction});
+  }
+}
+
+MouldPlan plan_one_part(const CastRobot& robot, const Solid& solid, const CastingVerdict& verdict,
+                        const CastingSettings& settings) {
+  const RayTree tree(robot.surface);
+  const Extraction out = verify_extraction(tree, find_tops(robot.surface), verdict.direction);
+  MouldPlan plan;
+  plan.direction = verdict.direction;
+  plan.top_area_m2 = out.top_area_m2;
+  plan.frame = frame_along(exact_axis(out.top_normal, "the open top's normal"));
+  take_box(robot.surface, plan);
+  const Vector3d wall = Vector3d::Constant(settings.mould.wall_m);
+  const Vector3d low = plan.low_m - wall, high = plan.high_m + Vector3d(wall.x(), wall.y(), 0);
+  plan.block_volume_m3 = box_volume(low, high);
+  add_air_holes(robot, settings, plan);
+  std::vector<Solid> parts{block(plan.frame, low, high), solid};
+  for (const AirHole& hole : plan.air_holes)
+    parts.push_back(
+        round_bar(hole.from_m, hole.to_m, settings.mould.air_hole_radius_m, settings.mould.air_hole_radius_m));
+  plan.pieces = {{"mould", combined(Solid::Kind::difference, parts), plan.frame.transpose(), high - low}};
+  return plan;
+}
+
+// --- two parts ---
+
+struct Skin {
+  double down_m = -INFINITY, up_m = INFINITY;  // the highest point that faces down, the lowest that faces up
+};
+
+Skin facing(const Surface& surface, const Vector3d& direction) {
+  const double tolerance = std::sin(0.1 * M_PI / 180);
+  Skin skin;
+  for (int t = 0; t < surface.triangle_count(); ++t) {
+    const double cosine = surface.true_normals.col(t).dot(direction);
+    if (std::abs(cosine) <= tolerance || surface.areas_m2[t] == 0) continue;
+    for (int i = 0; i < 3; ++i) {
+      const double height = direction.dot(surface.corner(t, i));
+      if (cosine < 0) skin.down_m = std::max(skin.down_m, height);
+      if (cosine > 0) skin.up_m = std::min(skin.up_m, height);
+    }
+  }
+  return skin;
+}
+
+// The plane halves what is free, where the robot's middle is not.
+std::optional<double> parting_offset(const Surface& surface, const Vector3d& direction) {
+  const Skin skin = facing(surface, direction);
+  const double tolerance_m = 1e-7 * surface.size_m();
+  if (skin.down_m > skin.up_m + tolerance_m) return std::nullopt;
+  const Eigen::RowVectorXd heights = direction.transpose() * surface.vertices_m;
+  const double middle = (heights.minCoeff() + heights.maxCoeff()) / 2;
+  if (skin.up_m - skin.down_m < tolerance_m) return (skin.down_m + skin.up_m) / 2;
+  return std::clamp(middle, skin.down_m, skin.up_m);
+}
+
+void require_no_pockets(const CastRobot& robot, const Vector3d& direction, const CastingSettings& settings) {
+  const RayTree tree(robot.surface);
+  for (const double sign : {1.0, -1.0}) {
+    const Pockets found = find_pockets(tree, sign * direction, settings.notch_radius_m);
+    if (found.pockets.empty()) continue;
+    throw NoMould("a half of the mould would hold the robot by a vacuum in the pocket at " +
+                  place_text(found.pockets[0].at_m) + "; air holes are made in moulds of one part alone");
+  }
+}
+
+// Places along the flange, from its lower end: bolts, with a key between each two.
+struct FlangePlaces {
+  std::vector<double> bolts_m, keys_m;
+};
+
+FlangePlaces flange_places(double low_m, double high_m, const MouldSettings& mould) {
+  const double first = low_m + mould.flange_m / 2, length = high_m - low_m - mould.flange_m;
+  const double least = 2 * (mould.bolt_radius_m + mould.key_radius_m + mould.clearance_m + mould.min_wall_m);
+  if (length < least) throw NoMould("the mould is too low for bolts and keys; smaller flange_m may help");
+  const int gaps = std::max(1, static_cast<int>(std::ceil(length / kBoltsApart_m)));
+  FlangePlaces places;
+  for (int i = 0; i <= gaps; ++i) places.bolts_m.push_back(first + length * i / gaps);
+  for (int i = 0; i < gaps; ++i) places.keys_m.push_back(first + length * (i + 0.5) / gaps);
+  return places;
+}
+
+struct Flanged {
+  Vector3d low, high;                // of the block
+  Vector3d flange_low, flange_high;  // of both flanges, in one piece with it
+  std::vector<Solid> bolts, pegs, sockets;
+};
+
+void check_flange(const MouldSettings& mould) {
+  const double widest = std::max(mould.bolt_radius_m, mould.key_radius_m + mould.clearance_m);
+  if (mould.flange_m < 2 * (widest + mould.min_wall_m))
+    throw NoMould("flange_m leaves less than min_wall_m beside bolts or keys");
+  if (mould.wall_m / 2 < mould.min_wall_m + mould.clearance_m)
+    throw NoMould("wall_m leaves less than min_wall_m below the keys, which are half as high");
+}
+
+Flanged make_flanges(const MouldSettings& mould, MouldPlan& plan) {
+  check_flange(mould);
+  const Eigen::Matrix3d& frame = plan.frame;
+  const Vector3d wall = Vector3d::Constant(mould.wall_m);
+  Flanged made;
+  made.low = plan.low_m - wall;
+  made.high = plan.high_m + Vector3d(wall.x(), wall.y(), 0);
+  made.flange_low = {made.low.x() - mould.flange_m, plan.parting_m - mould.wall_m, made.low.z()};
+  made.flange_high = {made.high.x() + mould.flange_m, plan.parting_m + mould.wall_m, made.high.z()};
+  const FlangePlaces places = flange_places(made.low.z(), made.high.z(), mould);
+  const double key_height = mould.wall_m / 2;
+  for (const double x : {made.low.x() - mould.flange_m / 2, made.high.x() + mould.flange_m / 2}) {
+    for (const double z : places.bolts_m) {
+      const Vector3d at(x, plan.parting_m, z), reach(0, mould.wall_m + kBeyond_m, 0);
+      made.bolts.push_back(
+          round_bar(frame * (at - reach), frame * (at + reach), mould.bolt_radius_m, mould.bolt_radius_m));
+    }
+    for (const double z : places.keys_m) {
+      const Vector3d at(x, plan.parting_m, z), y = Vector3d::UnitY();
+      const double r = mould.key_radius_m, c = mould.clearance_m;
+      made.pegs.push_back(round_bar(frame * at, frame * (at + key_height * y), r, kKeyTaper * r));
+      made.sockets.push_back(round_bar(frame * at, frame * (at + (key_height + c) * y), r + c, kKeyTaper * r + c));
+    }
+  }
+  return made;
+}
+
+double flanged_volume(const Flanged& made, const MouldSettings& mould, const MouldPlan& plan) {
+  const double half_low = plan.parting_m - std::min(made.low.y(), made.flange_low.y());
+  const double half_high = std::max(made.high.y(), made.flange_high.y()) - plan.parting_m;
+  const double across = (made.high.x() - made.low.x()) * (half_low + half_high);
+  const double beside = 2 * mould.flange_m * 2 * mould.wall_m;
+  const double r = mould.key_radius_m, c = mould.clearance_m, h = mould.wall_m / 2;
+  const double peg = cone_volume(h, r, kKeyTaper * r), socket = cone_volume(h + c, r + c, kKeyTaper * r + c);
+  const double bolt = 2 * mould.wall_m * M_PI * std::pow(mould.bolt_radius_m, 2);
+  return (across + beside) * (made.high.z() - made.low.z()) - static_cast<double>(made.bolts.size()) * bolt +
+         static_cast<double>(made.pegs.size()) * (peg - socket);
+}
+
+// From the parting plane to its outer side, block and flanges.
+std::vector<Solid> half_blocks(const Flanged& made, const MouldPlan& plan, bool upper) {
+  Vector3d low = made.low, high = made.high, flange_low = made.flange_low, flange_high = made.flange_high;
+  (upper ? low : high).y() = (upper ? flange_low : flange_high).y() = plan.parting_m;
+  if (upper) high.y() = std::max(high.y(), flange_high.y());
+  if (!upper) low.y() = std::min(low.y(), flange_low.y());
+  return {block(plan.frame, low, high), block(plan.frame, flange_low, flange_high)};
+}
+
+// Pegs are lower than the flange is thick, but stand above the lower half.
+Vector3d half_size(const Flanged& made, const MouldPlan& plan, bool upper) {
+  const double low = std::min(made.low.y(), made.flange_low.y()), high = std::max(made.high.y(), made.flange_high.y());
+  const double across = upper ? high - plan.parting_m : plan.parting_m - low;
+  return {made.flange_high.x() - made.flange_low.x(), across, made.high.z() - made.low.z()};
+}
+
+MouldPiece half(const Flanged& made, const MouldPlan& plan, const Solid& robot, bool upper) {
+  std::vector<Solid> rest{combined(Solid::Kind::union_of, half_blocks(made, plan, upper)), robot};
+  rest.insert(rest.end(), made.bolts.begin(), made.bolts.end());
+  if (upper) rest.insert(rest.end(), made.sockets.begin(), made.sockets.end());
+  Solid solid = combined(Solid::Kind::difference, rest);
+  if (!upper) {
+    std::vector<Solid> all{solid};
+    all.insert(all.end(), made.pegs.begin(), made.pegs.end());
+    solid = combined(Solid::Kind::union_of, all);
+  }
+  // On the bed with the parting plane up.
+  Eigen::Matrix3d to_print;
+  const double sign = upper ? -1 : 1;
+  to_print.row(1) = plan.frame.col(2).transpose();
+  to_print.row(2) = sign * plan.frame.col(1).transpose();
+  to_print.row(0) = to_print.row(1).cross(to_print.row(2));
+  return {upper ? "upper_half" : "lower_half", solid, to_print, half_size(made, plan, upper)};
+}
+
+MouldPlan plan_two_parts(const CastRobot& robot, const Solid& solid, const CastingSettings& settings) {
+  const Parting parting = find_parting(robot.surface, find_tops(robot.surface));
+  require_no_pockets(robot, parting.direction, settings);
+  MouldPlan plan;
+  plan.two_part = true;
+  plan.direction = parting.direction;
+  plan.top_area_m2 = parting.top.area_m2;
+  const Vector3d up = exact_axis(parting.top.normal, "the open top's normal");
+  plan.frame << parting.direction.cross(up), parting.direction, up;
+  plan.parting_m = parting.offset_m;
+  take_box(robot.surface, plan);
+  const Flanged made = make_flanges(settings.mould, plan);
+  plan.bolts = static_cast<int>(made.bolts.size());
+  plan.keys = static_cast<int>(made.pegs.size());
+  plan.block_volume_m3 = flanged_volume(made, settings.mould, plan);
+  plan.pieces = {half(made, plan, solid, false), half(made, plan, solid, true)};
+  return plan;
+}
+
+bool two_parts_would_do(const CastRobot& robot) {
+  try {
+    find_parting(robot.surface, find_tops(robot.surface));
+    return true;
+  } catch (const NoMould&) {
+    return false;
+  }
+}
+
+void require_printable(const MouldPlan& plan, const MouldSettings& mould) {
+  for (const MouldPiece& piece : plan.pieces) {
+    if (fits_printer(piece.size_m, mould.printer_m)) continue;
+    std::ostringstream text;
+    text << piece.name << " of " << 1000 * piece.size_m.transpose() << " mm does not fit the printer of "
+         << 1000 * mould.printer_m.transpose() << " mm; a larger casting.printer_m would do";
+    throw NoMould(text.str());
+  }
+}
+
+}  // namespace
+
+bool fits_printer(Vector3d size_m, Vector3d room_m) {
+  std::sort(size_m.data(), size_m.data() + 3);
+  std::sort(room_m.data(), room_m.data() + 3);
+  return (size_m.array() <= room_m.array() + 1e-9).all();
+}
+
+Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops) {
+  Parting best;
+  double least_m = INFINITY;
+  bool parts = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d direction = Vector3d::Unit(axis);
+    const std::optional<double> offset = parting_offset(surface, direction);
+    if (!offset) continue;
+    parts = true;
+    const auto top = std::find_if(tops.begin(), tops.end(), [&](const HullPlane& plane) {
+      return std::abs(plane.normal.dot(direction)) < 1e-6 && plane.normal.cwiseAbs().maxCoeff() > 1 - 1e-9;
+    });
+    const double depth_m = surface.vertices_m.row(axis).maxCoeff() - surface.vertices_m.row(axis).minCoeff();
+    if (top == tops.end() || depth_m >= least_m) continue;
+    least_m = depth_m;
+    best = {direction, *offset, *top};
+  }
+  if (std::isfinite(least_m)) return best;
+  throw NoMould(parts
+                    ? "no flat side at right angles to the way in which two halves part can stay open for pouring"
+                    : "no plane across an axis parts two halves that both come off; a stepped parting surface or side "
+                      "cores would be needed");
+}
+
+MouldPlan plan_mould(const CastRobot& robot, const std::string& solid_yaml, const CastingVerdict& verdict,
+                     const CastingSettings& settings) {
+  const Solid solid = robot_solid(solid_yaml);
+  const auto printable = [&](const MouldPlan& plan) { return require_printable(plan, settings.mould), plan; };
+  if (verdict.castable) return printable(plan_one_part(robot, solid, verdict, settings));
+  const std::string others = reasons(verdict, {"extraction", "stretch", "suction", "aspect"});
+  if (!others.empty() || verdict.test("extraction").passed) throw NoMould(reasons(verdict, {}));
+  if (settings.mould.allow_two_part) return printable(plan_two_parts(robot, solid, settings));
+  throw NoMould(reasons(verdict, {}) +
+                (two_parts_would_do(robot) ? " --allow two_part makes a mould of two halves." : ""));
+}
+
+}  // namespace soft_robot_lab

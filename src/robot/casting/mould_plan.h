@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Of which solids a robot's mould consists: one open block, or two halves that part at a plane. See README.md beside
+// this file. Metres, frame: robot_base.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "check_casting.h"
+#include "extraction.h"
+#include "soft_robot_lab/robot/design/solid.h"
+
+namespace soft_robot_lab {
+
+// A good file of a robot for which no mould is made; what() names the reason, and what would help.
+class NoMould : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct MouldPiece {
+  std::string name;
+  Solid solid;
+  Eigen::Matrix3d to_print;  // turns it as it stands on the printer's bed
+  Eigen::Vector3d size_m;    // along the mould's axes
+};
+
+struct AirHole {
+  Eigen::Vector3d from_m, to_m;  // from the top of a core to below the floor
+};
+
+struct MouldPlan {
+  bool two_part = false;
+  // Axes of the mould as columns: across both others, the way in which the halves part, up while the silicone cures.
+  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // in which the robot, or the second half, leaves
+  Eigen::Vector3d low_m, high_m;                         // of the robot, along these axes
+  double parting_m = 0;                                  // of two parts: along the second axis
+  double top_area_m2 = 0;                                // open to air
+  std::vector<AirHole> air_holes;
+  int bolts = 0, keys = 0;
+  double block_volume_m3 = 0;  // closed form: all pieces together with the robot
+  std::vector<MouldPiece> pieces;
+};
+
+// Lengthwise along the printer's axes, in any order.
+bool fits_printer(Eigen::Vector3d size_m, Eigen::Vector3d room_m);
+
+// Two halves along which of the axes, and where: a plane such that no skin above it faces down and none below it up.
+// Throws NoMould.
+struct Parting {
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  double offset_m = 0;
+  HullPlane top;  // at right angles to the direction, stays open for pouring
+};
+Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops);
+
+// `solid_yaml` as CastRobotFile has it, its verdict as check_casting gives it. Throws NoMould, or std::invalid_argument
+// where the body is not made of solids.
+// A piece that the printer has no room for is refused here, before it is meshed.
+MouldPlan plan_mould(const CastRobot& robot, const std::string& solid_yaml, const CastingVerdict& verdict,
+                     const CastingSettings& settings);
+
+}  // namespace soft_robot_lab

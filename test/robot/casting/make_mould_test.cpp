@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Moulds by the real mesher, against closed forms.
+#include "robot/casting/make_mould.h"
+
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "robot/scene/scene_files.h"
+#include "run_program.h"
+#include "shapes.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+
+namespace soft_robot_lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A robot's file of one solid, clamped somewhere.
+CastRobotFile robot_of(const SceneFolder& folder, const std::string& solid, const std::string& casting = "{}") {
+  const std::string file = folder.write("robot.yaml", "body:\n  solid: " + solid +
+                                                          "\n  element_size_m: 0.02\n"
+                                                          "  material: {youngs_modulus_pa: 264200, poissons_ratio: "
+                                                          "0.499, density_kg_m3: 1070}\n"
+                                                          "  fixed: [{box: {min_m: [-1, -1, -1], max_m: [1, 1, "
+                                                          "0.001]}}]\ncasting: " +
+                                                          casting + "\n");
+  SceneOptions options;
+  options.actuator_factory = make_actuator;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  return load_cast_robot(file, options);
+}
+
+std::string refusal(const CastRobotFile& file) {
+  try {
+    const Mould mould = make_mould(file);
+    return mould.faults.empty() ? "made" : mould.faults[0];
+  } catch (const NoMould& error) {
+    return std::string("no mould: ") + error.what();
+  }
+}
+
+const char* const kBox = "{box: {size_m: [0.04, 0.03, 0.02], center_m: [0, 0, 0.01]}}";
+// Two heads and a narrower beam: undercut in every direction, but its halves part across y.
+const char* const kHammer =
+    "{union: [{box: {size_m: [0.04, 0.02, 0.01], center_m: [0, 0, 0.005]}}, "
+    "{box: {size_m: [0.012, 0.012, 0.022], center_m: [0, 0, 0.02]}}, "
+    "{box: {size_m: [0.04, 0.02, 0.01], center_m: [0, 0, 0.035]}}]}";
+
+TEST(MakeMould, MakesABoxsMouldToItsClosedForm) {
+  const SceneFolder folder;
+  const Mould mould = make_mould(robot_of(folder, kBox, "{direction: [0, 0, 1], wall_m: 0.005}"));
+  ASSERT_EQ(mould.parts.size(), 1u);
+  EXPECT_TRUE(mould.faults.empty()) << mould.faults[0];
+  EXPECT_NEAR(mould.parts[0].surface.volume_m3(), (0.05 * 0.04 * 0.025 - 0.04 * 0.03 * 0.02), 1e-12);
+  Eigen::Vector3d size = mould.parts[0].size_m();
+  EXPECT_NEAR(size.z(), 0.025, 1e-8);
+  EXPECT_NEAR(std::max(size.x(), size.y()), 0.05, 1e-8);
+  EXPECT_NEAR(std::min(size.x(), size.y()), 0.04, 1e-8);
+  EXPECT_LT(mould.closure, 1e-6);
+  EXPECT_LT(mould.cavity_distance_m, 1e-7);
+  EXPECT_NEAR(mould.parts[0].thinnest_m, 0.005, 1e-6);
+}
+
+TEST(MakeMould, WeighsTheSilicone) {
+  const SceneFolder folder;
+  const Mould mould = make_mould(robot_of(folder, kBox, "{part_a_fraction: 0.25, spare_fraction: 0.2}"));
+  EXPECT_NEAR(mould.silicone.mass_g, 24e-6 * 1.2 * 1070 * 1000, 1e-6);
+  EXPECT_NEAR(mould.silicone.part_a_g, 0.25 * mould.silicone.mass_g, 1e-9);
+  EXPECT_NEAR(mould.silicone.part_a_g + mould.silicone.part_b_g, mould.silicone.mass_g, 1e-9);
+}
+
+TEST(MakeMould, StandsWithItsOpenSideUp) {
+  const SceneFolder folder;
+  const Mould mould = make_mould(robot_of(folder, kBox, "{direction: [0, -1, 0]}"));
+  const MouldPart& part = mould.parts[0];
+  EXPECT_NEAR((part.rotation * Eigen::Vector3d(0, -1, 0) - Eigen::Vector3d::UnitZ()).norm(), 0, 1e-12);
+  EXPECT_NEAR(part.size_m().z(), 0.03 + 0.004, 1e-8);
+  EXPECT_NEAR(part.surface.vertices_m.minCoeff(), 0, 1e-12);
+}
+
+TEST(MakeMould, LeavesARoundCavityWithinATenthOfAMillimetre) {
+  const SceneFolder folder;
+  const Mould mould = make_mould(
+      robot_of(folder, "{cone: {start_m: [0, 0, 0], end_m: [0, 0, 0.03], radius_m: 0.0155, end_radius_m: 0.0165}}"));
+  EXPECT_TRUE(mould.faults.empty()) << mould.faults[0];
+  EXPECT_GT(mould.cavity_distance_m, 0);
+  EXPECT_LT(mould.cavity_distance_m, 1e-4);
+  EXPECT_LT(mould.closure, 1e-3);
+}
+
+TEST(MakeMould, PartsTwoHalvesToTheirClosedForm) {
+  const SceneFolder folder;
+  const Mould mould = make_mould(robot_of(folder, kHammer, "{allow: [two_part]}"));
+  ASSERT_EQ(mould.parts.size(), 2u);
+  EXPECT_TRUE(mould.faults.empty()) << mould.faults[0];
+  EXPECT_EQ(mould.plan.direction, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(mould.plan.bolts, 4);
+  EXPECT_EQ(mould.plan.keys, 2);
+  // Block of 48 x 28 x 44 mm, flanges of 12 x 8 mm on both sides, bolts, pegs and sockets.
+  const auto cone = [](double h, double r, double s) { return kPi / 3 * h * (r * r + r * s + s * s); };
+  const double block = (0.048 * 0.028 + 2 * 0.012 * 0.008) * 0.044 - 4 * kPi * 0.0022 * 0.0022 * 0.008 +
+                       2 * (cone(0.002, 0.0025, 0.0015) - cone(0.0022, 0.0027, 0.0017));
+  EXPECT_NEAR(mould.plan.block_volume_m3, block, 1e-12);
+  EXPECT_NEAR(mould.robot_volume_m3, 2 * 0.04 * 0.02 * 0.01 + 0.012 * 0.012 * 0.02, 1e-12);
+  EXPECT_LT(mould.closure, kLargestClosure);
+  for (const MouldPart& part : mould.parts) EXPECT_EQ(part.surface.shell_volumes_m3.size(), 1u);
+}
+
+TEST(MakeMould, OpensAirHolesUnderCores) {
+  const SceneFolder folder;
+  const std::string cup =
+      "{difference: [{box: {size_m: [0.03, 0.03, 0.03], center_m: [0, 0, 0.015]}}, "
+      "{cylinder: {start_m: [0, 0, -0.01], end_m: [0, 0, 0.02], radius_m: 0.008}}]}";
+  EXPECT_NE(refusal(robot_of(folder, cup, "{direction: [0, 0, 1], max_suction_strain: 0.01}")).find("suction"),
+            std::string::npos);
+  const Mould mould = make_mould(robot_of(folder, cup, "{direction: [0, 0, 1], air_holes: true}"));
+  EXPECT_TRUE(mould.faults.empty()) << mould.faults[0];
+  EXPECT_EQ(mould.plan.air_holes.size(), 1u);
+  // 34 mm of block's floor below and core, of which the hole takes 24.
+  EXPECT_NEAR(mould.plan.block_volume_m3, 0.038 * 0.038 * 0.034 - kPi * 0.0005 * 0.0005 * 0.024, 1e-12);
+}
+
+TEST(MakeMould, RefusesWhatItCannotMakeAndNamesWhatWouldHelp) {
+  const SceneFolder folder;
+  EXPECT_NE(refusal(robot_of(folder, kHammer)).find("--allow two_part"), std::string::npos);
+  const std::string hollow =
+      "{difference: [{box: {size_m: [0.02, 0.02, 0.02], center_m: [0, 0, 0.01]}}, "
+      "{box: {size_m: [0.01, 0.01, 0.01], center_m: [0, 0, 0.01]}}]}";
+  EXPECT_NE(refusal(robot_of(folder, hollow, "{allow: [two_part]}")).find("bond a lid"), std::string::npos);
+  const std::string ball = refusal(robot_of(folder, "{sphere: {radius_m: 0.02, center_m: [0, 0, 0]}}"));
+  EXPECT_EQ(ball.rfind("no mould: ", 0), 0u) << ball;
+  EXPECT_NE(refusal(robot_of(folder, kBox, "{printer_m: [0.03, 0.03, 0.2]}")).find("printer_m"), std::string::npos);
+  EXPECT_NE(refusal(robot_of(folder, kBox, "{wall_m: 0.002, min_wall_m: 0.003}")).find("min_wall_m"),
+            std::string::npos);
+  EXPECT_NE(refusal(robot_of(folder, kHammer, "{allow: [two_part], flange_m: 0.005}")).find("flange_m"),
+            std::string::npos);
+}
+
+TEST(MakeMould, RefusesKeysThatItDoesNotKnow) {
+  const SceneFolder folder;
+  EXPECT_THROW(robot_of(folder, kBox, "{allow: [lost_wax]}"), SettingsError);
+  EXPECT_THROW(robot_of(folder, kBox, "{wall_m: 0}"), SettingsError);
+  EXPECT_THROW(robot_of(folder, kBox, "{printer_m: [0.2, 0, 0.2]}"), SettingsError);
+}
+
+TEST(MakeMould, RefusesAFolderBeforeItWorks) {
+  const SceneFolder folder;
+  folder.write("file", "");
+  EXPECT_THROW(require_mould_folder(folder.path("file")), std::runtime_error);
+  EXPECT_THROW(require_mould_folder(folder.path("file/below")), std::runtime_error);
+  EXPECT_THROW(require_mould_folder("/proc/mould"), std::runtime_error);
+  EXPECT_NO_THROW(require_mould_folder(folder.path("new/mould")));
+}
+
+Outcome run(const SceneFolder& folder, const std::string& arguments) {
+  return run_program(SOFT_ROBOT_LAB_MAKE_MOULD, folder, arguments);
+}
+
+const std::string kRobots = SOFT_ROBOT_LAB_SOURCE "/config/robots/";
+
+// A second opinion on an STL file, where admesh is installed: all its counts of what it had to mend.
+void expect_admesh_finds_no_fault(const SceneFolder& folder, const std::string& stl) {
+  if (std::system("command -v admesh >/dev/null") != 0) return;
+  const Outcome outcome = run_program("admesh", folder, stl);
+  EXPECT_EQ(outcome.exit_status, 0);
+  EXPECT_NE(outcome.out.find("Number of parts       :     1 "), std::string::npos) << outcome.out;
+  for (const char* fault : {"Total disconnected facets        ", "Degenerate facets     ", "Edges fixed           ",
+                            "Facets removed        ", "Facets reversed       ", "Backwards edges       "})
+    EXPECT_NE(outcome.out.find(fault + std::string(":     0")), std::string::npos) << fault << outcome.out;
+}
+
+TEST(MakeMould, WritesTheHangingBarsMouldWhole) {
+  const SceneFolder folder;
+  const std::string output = folder.path("mould"), arguments = kRobots + "hanging_bar/robot.yaml --output " + output;
+  ASSERT_EQ(run(folder, arguments).exit_status, 0) << contents(folder.path("err"));
+  const std::string stl = contents(output + "/mould.stl");
+  ASSERT_GT(stl.size(), 84u);
+  std::uint32_t triangles = 0;
+  std::memcpy(&triangles, stl.data() + 80, 4);
+  EXPECT_EQ(stl.size(), 84 + 50 * static_cast<size_t>(triangles));
+  expect_admesh_finds_no_fault(folder, output + "/mould.stl");
+  for (const char* picture : {"/mould.png", "/robot.png"})
+    EXPECT_EQ(contents(output + picture).substr(1, 3), "PNG") << picture;
+  EXPECT_NE(contents(output + "/mould.json").find("\"fits_printer\": true"), std::string::npos);
+  EXPECT_NE(contents(output + "/instructions.html").find("Casting hanging_bar"), std::string::npos);
+  EXPECT_EQ(run(folder, arguments).exit_status, 0) << "an earlier mould is replaced";
+  for (const auto& entry : fs::directory_iterator(fs::path(output).parent_path()))
+    EXPECT_EQ(entry.path().filename().string().rfind("mould.", 0), std::string::npos) << entry.path();
+}
+
+TEST(MakeMould, LeavesFoldersOfOthersAlone) {
+  const SceneFolder folder;
+  folder.write("mine/notes.txt", "kept");
+  const Outcome outcome = run(folder, kRobots + "hanging_bar/robot.yaml --output " + folder.path("mine"));
+  EXPECT_EQ(outcome.exit_status, 2);
+  const Outcome sooner = run(folder, folder.path("missing.yaml") + " --output " + folder.path("mine"));
+  EXPECT_NE(sooner.err.find("other files"), std::string::npos) << "before the robot is read: " << sooner.err;
+  EXPECT_NE(outcome.err.find("other files"), std::string::npos) << outcome.err;
+  EXPECT_EQ(contents(folder.path("mine/notes.txt")), "kept");
+}
+
+TEST(MakeMould, EndsWithOneWhereNoMouldCanBeMadeAndWithTwoForABadFile) {
+  const SceneFolder folder;
+  const std::string output = " --output " + folder.path("mould");
+  EXPECT_EQ(run(folder, kRobots + "hammerbot/robot.yaml" + output).exit_status, 1);
+  EXPECT_FALSE(fs::exists(folder.path("mould")));
+  EXPECT_EQ(run(folder, folder.write("bad.yaml", "body: {solid: {box: 3}}") + output).exit_status, 2);
+  EXPECT_EQ(run(folder, folder.path("missing.yaml") + output).exit_status, 2);
+  EXPECT_EQ(run(folder, kRobots + "hammerbot/robot.yaml --allow lid" + output).exit_status, 2);
+  EXPECT_FALSE(fs::exists(folder.path("mould")));
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -187,11 +187,11 @@ TEST_F(Motors, StopWhenTheirNodeIsKilledAndMoveFromThereWhenItIsBack) {
   expect_shafts({1.0, 1.0}, {0, 0});
 }
 
-// More than one line, and more than one message of the socket; the emulator, its node and their answers stay.
 TEST_F(Motors, TakeCommandsThatWereSentApartAndArriveTogether) {
   expect_shafts({1.0, 1.0}, {0, 0});
   ros::Publisher publisher = ros::NodeHandle().advertise<ActuatorCommand>(topics::actuator_command, 10);
   wait_for("a second hand", [&] { return publisher.getNumSubscribers() >= publisher_.getNumSubscribers(); });
+  ros::WallDuration(0.1).sleep();  // both are sent after the shafts' command, by their stamps too
   ActuatorCommand first, second;
   first.names = second.names = {"left", "right"};
   first.values = {0.95, 1.0};
@@ -203,6 +203,7 @@ TEST_F(Motors, TakeCommandsThatWereSentApartAndArriveTogether) {
   wait_for("the second command", [&] { return state.target_steps[0] == 0.0 && state.target_steps[1] != 0.0; });
 }
 
+// More than one line, and more than one message of the socket; the emulator, its node and their answers stay.
 TEST_F(Motors, RefuseWhatIsNotOneRigCommand) {
   RigCommand::Request request;
   for (const std::string& text :

@@ -16,7 +16,6 @@ LiveTarget::~LiveTarget() {
   thread_.join();
 }
 
-// A search to the end makes way for a newer target; a short one does not, or a fast hand would never be answered.
 void LiveTarget::ask(const LiveGoal& goal) {
   const std::lock_guard lock(mutex_);
   next_ = goal;
@@ -40,10 +39,10 @@ void LiveTarget::run() {
     solving_ = true;
     lock.unlock();
     try {
-      solve_(goal, [this, &goal] {
+      solve_(goal, [this] {
         if (interrupted_) return true;
         const std::lock_guard newer(mutex_);
-        return goal.released && next_.has_value();
+        return next_.has_value();
       });
     } catch (const std::exception&) {  // the next target counts
     }

@@ -22,7 +22,8 @@ struct LiveGoal {
 
 class LiveTarget {
  public:
-  // `solve` ends soon where `interrupted` answers true. What it throws is lost.
+  // `solve` shows what it has before it asks `interrupted`, and ends soon where that answers true: as a newer target
+  // has come. So a fast hand is answered too. What it throws is lost.
   using Solve = std::function<void(const LiveGoal& goal, const std::function<bool()>& interrupted)>;
 
   explicit LiveTarget(Solve solve) : solve_(std::move(solve)) {}

@@ -16,11 +16,11 @@ PolicySearch::PolicySearch(ros::NodeHandle& node)
 
 PolicyAnswer PolicySearch::find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options) {
   model.reset();
-  return go_on(model, task, options, [] { return false; });
+  return go_on(model, task, options);
 }
 
 PolicyAnswer PolicySearch::go_on(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
-                                 const std::function<bool()>& interrupted) {
+                                 const ProgressCallback& after_each) {
   cancelled_ = false;
   std::optional<size_t> published;
   searching_ = true;
@@ -30,7 +30,7 @@ PolicyAnswer PolicySearch::go_on(Simulation& model, const PolicyTask& task, cons
     if (published != pose) publish_target(goal);
     published = pose;
     publish_progress(options.method, goal.marker, actuators, progress);
-    return ros::ok() && !cancelled_ && !interrupted();
+    return ros::ok() && !cancelled_ && (!after_each || after_each(progress));
   });
 }
 

@@ -22,9 +22,10 @@ class PolicySearch {
   // find_policy throws.
   PolicyAnswer find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options);
 
-  // From where the model is, and only until `interrupted` answers true: quick where the task is near to the one before.
+  // From where the model is: quick where the task is near to the one before. What `after_each` iteration throws ends
+  // the search at once, and the model stays where it then is.
   PolicyAnswer go_on(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
-                     const std::function<bool()>& interrupted);
+                     const ProgressCallback& after_each = {});
 
   bool cancel();  // false where nothing is searched for; the answer then has the poses found so far
 

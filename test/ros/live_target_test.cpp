@@ -59,6 +59,23 @@ TEST(LiveTarget, GivesUpALongSearchForANewerPlace) {
   EXPECT_EQ(interruptions, 1);
 }
 
+TEST(LiveTarget, GivesUpAShortSearchToo) {
+  std::atomic<bool> begun{false}, newer_asked{false}, looked{false}, gives_up{false};
+  LiveTarget live([&](const LiveGoal& goal, const std::function<bool()>& interrupted) {
+    begun = true;
+    if (goal.target_m.x() > 0.0) return;
+    wait_for([&] { return newer_asked.load(); });
+    gives_up = interrupted();
+    looked = true;
+  });
+  live.ask(goal_at(0.0));
+  wait_for([&] { return begun.load(); });
+  live.ask(goal_at(1.0));
+  newer_asked = true;
+  wait_for([&] { return looked.load(); });
+  EXPECT_TRUE(gives_up);
+}
+
 TEST(LiveTarget, MakesWayForARequest) {
   std::atomic<bool> begun{false}, ended{false};
   LiveTarget live([&](const LiveGoal&, const std::function<bool()>& interrupted) {

@@ -187,6 +187,22 @@ TEST_F(Motors, StopWhenTheirNodeIsKilledAndMoveFromThereWhenItIsBack) {
   expect_shafts({1.0, 1.0}, {0, 0});
 }
 
+TEST_F(Motors, TakeCommandsThatWereSentApartAndArriveTogether) {
+  expect_shafts({1.0, 1.0}, {0, 0});
+  ros::Publisher publisher = ros::NodeHandle().advertise<ActuatorCommand>(topics::actuator_command, 10);
+  wait_for("a second hand", [&] { return publisher.getNumSubscribers() >= publisher_.getNumSubscribers(); });
+  ros::WallDuration(0.1).sleep();  // both are sent after the shafts' command, by their stamps too
+  ActuatorCommand first, second;
+  first.names = second.names = {"left", "right"};
+  first.values = {0.95, 1.0};
+  second.values = {1.0, 0.95};
+  second.header.stamp = ros::Time::now();
+  first.header.stamp = second.header.stamp - ros::Duration(0.02);
+  publisher.publish(first);
+  publisher.publish(second);
+  wait_for("the second command", [&] { return state.target_steps[0] == 0.0 && state.target_steps[1] != 0.0; });
+}
+
 // More than one line, and more than one message of the socket; the emulator, its node and their answers stay.
 TEST_F(Motors, RefuseWhatIsNotOneRigCommand) {
   RigCommand::Request request;

@@ -56,6 +56,7 @@ class ControllerNode {
   void send(const std::vector<std::string>& names, const std::vector<double>& values) const;
   void answer_live(const LiveGoal& goal, const std::function<bool()>& interrupted);
   void remember(const PolicyTask& task, const PolicyAnswer& answer);
+  bool show_iterate(const OptimisationProgress& progress);
   void show_ghost();  // of the model as it is
   void remove_ghost(int found_count);
   void show_target(const std::string& marker, const Eigen::Vector3d& target_m);
@@ -177,7 +178,16 @@ void ControllerNode::remove_ghost(int found_count) {
   if (found_count == found_count_) ghost_.publish(no_ghost());
 }
 
-// While the target is dragged, a few iterations from where the model is; where it is let go, as the service does it.
+// Where the model is at these commands, and not at those of a step that led nowhere.
+bool ControllerNode::show_iterate(const OptimisationProgress& progress) {
+  const std::vector<double> commands = model_->state().commands();  // of all actuators: all may move
+  if (!std::equal(commands.begin(), commands.end(), progress.commands.begin(), progress.commands.end())) return false;
+  show_ghost();
+  return true;
+}
+
+// While the target is dragged, from where the model is; where it is let go, as the service does it. The ghost follows
+// after each iteration, and a newer target ends the search there: to replay what was found so far would cost as much.
 void ControllerNode::answer_live(const LiveGoal& goal, const std::function<bool()>& interrupted) {
   const std::unique_lock lock(model_mutex_, std::try_to_lock);
   if (!lock || !model_) return;
@@ -187,10 +197,16 @@ void ControllerNode::answer_live(const LiveGoal& goal, const std::function<bool(
   if (goal.released) {
     model_->reset();
   } else {
-    options.max_iterations = 4;
+    options.max_iterations = 12;
     options.tolerance_m = 1.0e-4;
   }
-  const PolicyAnswer answer = search_.go_on(*model_, task, options, interrupted);
+  bool shown = false;
+  const auto show = [&](const OptimisationProgress& progress) {
+    shown = show_iterate(progress) || shown;
+    if ((shown || goal.released) && interrupted()) throw std::runtime_error("a newer target counts");
+    return true;
+  };
+  const PolicyAnswer answer = search_.go_on(*model_, task, options, show);
   if (answer.success) remember(task, answer);
 }
 

@@ -93,10 +93,18 @@ class MotorNode {
 
   void on_command(const ActuatorCommand& command) {
     try {
-      driver_.command(command.names, command.values, now_s());
+      driver_.command(command.names, command.values, sent_s(command.header.stamp));
     } catch (const std::invalid_argument& error) {
       ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::actuator_command, log_text(error.what()).c_str());
     }
+  }
+
+  // By the machine's time. Commands that were sent apart may wait together for this node, and do not follow one another
+  // too fast for that. A stamp that cannot be true, or none, stands for now.
+  static double sent_s(const ros::Time& stamp) {
+    constexpr double longest_wait_s = 1.0;
+    const double waited_s = stamp.isZero() ? 0.0 : (ros::Time::now() - stamp).toSec();
+    return now_s() - (waited_s > 0.0 && waited_s < longest_wait_s ? waited_s : 0.0);
   }
 
   // The link takes milliseconds; a board that does not answer counts as lost long before the limit.

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Drags the target of a session round a circle, and prints how long the ghost takes to answer, and how near it gets.
+// For hands: `rosrun soft_robot_lab time_drag [TARGETS]` beside session.launch. No test compares speed.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <ros/ros.h>
+#include <unistd.h>
+#include <visualization_msgs/InteractiveMarkerFeedback.h>
+#include <visualization_msgs/Marker.h>
+
+#include "ros/conversions.h"
+#include "ros/messages.h"
+#include "ros/node_process.h"
+#include "ros/topics.h"
+#include "session_ears.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Feedback = visualization_msgs::InteractiveMarkerFeedback;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+// Of all its threads, as proc(5) counts them.
+double cpu_s(pid_t process) {
+  std::ifstream in("/proc/" + std::to_string(process) + "/stat");
+  std::string word;
+  double user = 0.0, system = 0.0;
+  for (int i = 0; i < 13; ++i) in >> word;
+  in >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+class Drag {
+ public:
+  // Waits until the session is there, and at rest.
+  bool begin() {
+    feedback_ = node_.advertise<Feedback>(std::string(topics::target_marker) + "/feedback", 10);
+    markers_ = node_.subscribe<MarkerObservations>(topics::simulator_markers, 1,
+                                                   boost::function<void(const MarkerObservations::ConstPtr&)>(
+                                                       [this](const auto& m) { tip_ = position_of(*m, "tip"); }));
+    ghosts_ = node_.subscribe<visualization_msgs::Marker>(
+        topics::controller_ghost, 100,
+        boost::function<void(const visualization_msgs::Marker::ConstPtr&)>([this](const auto& m) {
+          if (m->action == visualization_msgs::Marker::ADD) ++seen_;
+        }));
+    progress_ = node_.subscribe<PolicyProgress>(
+        topics::controller_progress, 100,
+        boost::function<void(const PolicyProgress::ConstPtr&)>([this](const auto& m) { distance_m_ = m->distance_m; }));
+    return spin_until([&] { return tip_ && feedback_.getNumSubscribers() > 0 && ghosts_.getNumPublishers() > 0; },
+                      60.0);
+  }
+
+  // Circles of 15 mm beside the tip's rest, by steps of about 1.6 mm.
+  void run(int targets) {
+    const pid_t controller = answering_process(ros::names::resolve("controller"), 5.0).value_or(getpid());
+    const Eigen::Vector3d centre = *tip_ + Eigen::Vector3d(0.0, 0.0, 0.01);
+    std::vector<double> walls_s, distances_m;
+    const double cpu_before_s = cpu_s(controller);
+    move(Feedback::MOUSE_DOWN, centre);
+    for (int i = 0; i < targets; ++i) {
+      const double angle = 2.0 * M_PI * i / 60.0;
+      const int before = seen_;
+      const ros::WallTime start = ros::WallTime::now();
+      move(Feedback::POSE_UPDATE, centre + 0.015 * Eigen::Vector3d(std::sin(angle), 1.0 - std::cos(angle), 0.0));
+      if (!spin_until([&] { return seen_ > before; }, 30.0)) break;
+      walls_s.push_back((ros::WallTime::now() - start).toSec());
+      distances_m.push_back(distance_m_);
+      spin_until([&] { return ros::WallTime::now() > start + ros::WallDuration(pause_s); }, 5.0);
+    }
+    const double cpu = (cpu_s(controller) - cpu_before_s) / targets;
+    std::printf("%zu of %d targets answered: median %.3f s, slowest %.3f s, CPU %.3f s each; left over %.2f mm\n",
+                walls_s.size(), targets, median(walls_s),
+                walls_s.empty() ? 0.0 : *std::max_element(walls_s.begin(), walls_s.end()), cpu,
+                1e3 * median(distances_m));
+  }
+
+ private:
+  void move(int event, const Eigen::Vector3d& place_m) {
+    Feedback feedback;
+    feedback.header.frame_id = topics::robot_frame;
+    feedback.header.stamp = ros::Time(0);
+    feedback.client_id = "time_drag";
+    feedback.marker_name = "target";
+    feedback.event_type = static_cast<unsigned char>(event);
+    feedback.pose.position = to_message(place_m);
+    feedback.pose.orientation.w = 1.0;
+    feedback_.publish(feedback);
+  }
+
+  static constexpr double pause_s = 0.2;  // a hand's next target comes later
+
+  ros::NodeHandle node_;
+  ros::Publisher feedback_;
+  ros::Subscriber markers_, ghosts_, progress_;
+  std::optional<Eigen::Vector3d> tip_;
+  int seen_ = 0;
+  double distance_m_ = 0.0;
+};
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "time_drag");
+  soft_robot_lab::Drag drag;
+  if (!drag.begin()) {
+    std::fprintf(stderr, "time_drag: no session answers\n");
+    return 1;
+  }
+  drag.run(argc > 1 ? std::atoi(argv[1]) : 60);
+  return 0;
+}

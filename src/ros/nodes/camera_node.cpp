@@ -1,9 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Films the simulated robot with rendered RGB-D cameras, behind the topics of realsense2_camera.
-//
-// Parameters: ~cameras (path of a rig, config/cameras/*.yaml), ~seed (of the sensors' noise), ~balls (path: where the
-// calibration's balls are, instead of the rig's own), ~show_balls (them, from the start), ~max_rate_hz (slower than the
-// rig says, for machines with few cores), ~plant (path: by how much the cameras really stand elsewhere).
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -31,6 +26,13 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Films the simulated robot with rendered RGB-D cameras, behind the topics of
+realsense2_camera.
+
+Parameters: ~cameras (path of a rig, config/cameras/*.yaml), ~seed (of the sensors' noise), ~balls (path: where the
+calibration's balls are, instead of the rig's own), ~show_balls (them, from the start), ~max_rate_hz (slower than
+the rig says, for machines with few cores), ~plant (path: by how much the cameras really stand elsewhere).)";
 
 const Eigen::Vector3d kWhite(0.9, 0.9, 0.9);
 
@@ -252,7 +254,7 @@ void CameraNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "cameras", [] {
+  return run_node(argc, argv, "cameras", kAbout, [] {
     CameraNode node(read_options(ros::NodeHandle("~")));
     node.run();
   });

@@ -1,9 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Finds policies on a model of its own, and plays and corrects them on whatever listens to the actuator commands.
-//
-// Parameters: ~scene (path; absent where the simulator names which scene runs), ~ramp_s (how long an optimised policy
-// takes to reach its commands), ~markers_topic (what corrects a policy), ~lost_after_s (without any marker for so long
-// a closed loop stops).
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -36,6 +31,13 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Finds policies on a model of its own, and plays and corrects them on whatever
+listens to the actuator commands.
+
+Parameters: ~scene (path; absent where the simulator names which scene runs), ~ramp_s (how long an optimised policy
+takes to reach its commands), ~markers_topic (what corrects a policy), ~lost_after_s (without any marker for so long
+a closed loop stops).)";
 
 ClosedLoopOptions read_loop_options() {
   ClosedLoopOptions options;
@@ -327,7 +329,7 @@ void ControllerNode::send(const std::vector<std::string>& names, const std::vect
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "controller", [] {
+  return run_node(argc, argv, "controller", kAbout, [] {
     // One thread each for an optimisation, an execution, a scene being loaded, and the topics.
     ros::AsyncSpinner spinner(4);
     ControllerNode node;

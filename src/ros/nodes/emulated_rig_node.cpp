@@ -1,9 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Publishes where the shafts of an emulated rig really are, and passes requests for faults on to it. Where the line to
-// the emulator breaks, it connects again; without one, it fails.
-//
-// Parameters: ~rig (path), ~control (the emulator's socket), ~plant (path: the backlash that its motors really have;
-// absent: none).
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -22,6 +17,12 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Publishes where the shafts of an emulated rig really are, and passes requests for
+faults on to it. Where the line to the emulator breaks, it connects again; without one, it fails.
+
+Parameters: ~rig (path), ~control (the emulator's socket), ~plant (path: the backlash that its motors really have;
+absent: none).)";
 
 std::string required(const ros::NodeHandle& node, const std::string& name) {
   std::string value;
@@ -109,7 +110,7 @@ class EmulatedRigNode {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "emulated_rig", [] {
+  return run_node(argc, argv, "emulated_rig", kAbout, [] {
     EmulatedRigNode node(ros::NodeHandle("~"));
     ros::spin();
   });

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Drives the rig's motors by actuators/command.
-//
-// Parameters: ~rig (path), ~device (instead of the one in the rig's file), ~zero_at_start (the robot hangs at rest when
-// the rig gets power: take that for zero).
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
@@ -25,6 +21,11 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Drives the rig's motors by actuators/command.
+
+Parameters: ~rig (path), ~device (instead of the one in the rig's file), ~zero_at_start (the robot hangs at rest
+when the rig gets power: take that for zero).)";
 
 using SteadyClock = std::chrono::steady_clock;
 
@@ -183,7 +184,7 @@ class MotorNode {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "motor", [] {
+  return run_node(argc, argv, "motor", kAbout, [] {
     const ros::NodeHandle node("~");
     MotorNode(read_rig(node), read_options(node)).run();
   });

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Draws markers, cables, target and error for rviz from what the session publishes, compares tracked with simulated
-// markers, and draws the simulated robot over what a camera sees of it, close up.
-//
-// Parameters: ~camera (whose image is drawn over, where the tracker believes it; absent: none).
 #include <optional>
 #include <string>
 
@@ -20,6 +16,11 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Draws markers, cables, target and error for rviz from what the session publishes,
+compares tracked with simulated markers, and draws the simulated robot over what a camera sees of it, close up.
+
+Parameters: ~camera (whose image is drawn over, where the tracker believes it; absent: none).)";
 
 using sensor_msgs::CameraInfo;
 using sensor_msgs::Image;
@@ -118,7 +119,7 @@ class OverlayNode {
 }  // namespace soft_robot_lab
 
 int main(int argc, char** argv) {
-  return soft_robot_lab::run_node(argc, argv, "overlay", [] {
+  return soft_robot_lab::run_node(argc, argv, "overlay", soft_robot_lab::kAbout, [] {
     soft_robot_lab::OverlayNode node;
     ros::spin();
   });

@@ -1,9 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plays the robot that an emulated rig moves: a second simulation, not quite the model, whose cables the rig's shafts
-// pull. What it publishes is the truth, for rendered cameras to see and for reports, not for controller or tracker.
-//
-// Parameters: ~plant (path: how it differs from the model), ~rig (path: whose shafts move it; absent: not checked),
-// ~surface_rate_hz (how often its skin is published while it moves; cameras need it as often as they film).
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -26,6 +21,13 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Plays the robot that an emulated rig moves: a second simulation, not quite the
+model, whose cables the rig's shafts pull. What it publishes is the truth, for rendered cameras to see and for
+reports, not for controller or tracker.
+
+Parameters: ~plant (path: how it differs from the model), ~rig (path: whose shafts move it; absent: not checked),
+~surface_rate_hz (how often its skin is published while it moves; cameras need it as often as they film).)";
 
 SceneOptions scene_options() {
   SceneOptions options;
@@ -129,5 +131,5 @@ class PlantNode {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "plant", [] { PlantNode(ros::NodeHandle("~")).run(); });
+  return run_node(argc, argv, "plant", kAbout, [] { PlantNode(ros::NodeHandle("~")).run(); });
 }

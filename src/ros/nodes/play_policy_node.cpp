@@ -9,6 +9,7 @@
 #include <ros/ros.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 
+#include "require_master.h"
 #include "session_client.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/control/policy.h"
@@ -72,5 +73,8 @@ int main(int argc, char** argv) {
   CLI::App app("Plays a policy on the running session and waits for rest.", "play_policy_node");
   Arguments arguments;
   declare(app, arguments);
-  return run_program(app, argc, argv, [&] { return play(arguments); });
+  return run_program(app, argc, argv, [&] {
+    require_master();
+    return play(arguments);
+  });
 }

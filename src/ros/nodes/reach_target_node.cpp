@@ -14,6 +14,7 @@
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
 
+#include "require_master.h"
 #include "session_client.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/control/optimiser.h"
@@ -147,5 +148,8 @@ int main(int argc, char** argv) {
   std::string task;
   app.add_option("TASK", task, "a task's file")->type_name("FILE")->required();
   app.footer("Exit status: 0 done, 1 a part failed or the marker rests too far away, 2 bad task.");
-  return run_program(app, argc, argv, [&] { return reach(task); });
+  return run_program(app, argc, argv, [&] {
+    require_master();
+    return reach(task);
+  });
 }

@@ -3,16 +3,41 @@
 #pragma once
 
 #include <exception>
+#include <iostream>
+#include <optional>
 #include <string>
 
 #include <ros/ros.h>
 
+#include "require_master.h"
+
 namespace soft_robot_lab {
 
-// Runs `run` after ROS has been set up; what it throws is written to the log, and gives the exit status 2.
+// Of what ROS itself does not take. The status where the node ends with it: 0 after --help, 2 for an unknown argument.
+inline std::optional<int> read_node_arguments(int argc, char** argv, const std::string& name,
+                                              const std::string& about) {
+  if (argc < 2) return std::nullopt;
+  const std::string first = argv[1];
+  if (first == "--help" || first == "-h") {
+    std::cout << about << "\n\nParameters are set as _name:=value, topics are renamed as topic:=other.\n";
+    return 0;
+  }
+  std::cerr << name << ": unknown argument '" << first << "'; parameters are set as _name:=value, --help names them\n";
+  return 2;
+}
+
+// Runs `run` after ROS has been set up; what it throws is written to the log, and gives the exit status 2. `about` is
+// what --help prints: what the node does, and its parameters.
 template <class Run>
-int run_node(int argc, char** argv, const std::string& name, Run run) {
+int run_node(int argc, char** argv, const std::string& name, const std::string& about, Run run) {
   ros::init(argc, argv, name);
+  if (const std::optional<int> ended = read_node_arguments(argc, argv, name, about)) return *ended;
+  try {
+    require_master();
+  } catch (const std::exception& error) {
+    std::cerr << name << ": " << error.what() << "\n";
+    return 2;
+  }
   const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be logged
   try {
     run();

@@ -19,6 +19,7 @@
 #include <soft_robot_lab/RealityGap.h>
 
 #include "control/configuration_table.h"
+#include "require_master.h"
 #include "session_client.h"
 #include "settings/command_line.h"
 #include "ros/stamps.h"
@@ -172,5 +173,8 @@ int main(int argc, char** argv) {
       ->type_name("S")
       ->capture_default_str();
   app.footer("Exit status: 0 done, 1 a part failed, 2 bad file or arguments.");
-  return run_program(app, argc, argv, [&] { return run_table(experiment, hold_s); });
+  return run_program(app, argc, argv, [&] {
+    require_master();
+    return run_table(experiment, hold_s);
+  });
 }

@@ -1,9 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Watches over a session: says in /diagnostics, as `session`, whether its nodes run and its recording grows, or since
-// when not, and whether the disk is nearly full.
-//
-// Parameters: ~nodes (list of names: those that the session starts again where they end), ~recorder (name; absent:
-// nothing is recorded), ~bag_folder (where it records).
 #include <ctime>
 #include <string>
 #include <vector>
@@ -17,6 +12,12 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Watches over a session: says in /diagnostics, as `session`, whether its nodes run
+and its recording grows, or since when not, and whether the disk is nearly full.
+
+Parameters: ~nodes (list of names: those that the session starts again where they end), ~recorder (name; absent:
+nothing is recorded), ~bag_folder (where it records).)";
 
 Moment present() {
   const std::time_t now = std::time(nullptr);
@@ -88,7 +89,7 @@ class SessionWatchNode {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "session_watch", [] {
+  return run_node(argc, argv, "session_watch", kAbout, [] {
     const SessionWatchNode node(ros::NodeHandle("~"));
     ros::spin();
   });

@@ -1,11 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Simulates a scene in real time, or as fast as possible, behind the topics that a rig has too.
-//
-// Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
-// gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
-// often as they film), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes the
-// same commands, which a scene has to suit), ~max_publish_rate_hz (1000: clock, markers and actuators of at most so
-// many steps in each second of the session, or of the wall where that is longer).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -37,6 +30,15 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Simulates a scene in real time, or as fast as possible, behind the topics that a rig
+has too.
+
+Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
+gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
+often as they film), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes
+the same commands, which a scene has to suit), ~max_publish_rate_hz (1000: clock, markers and actuators of at most
+so many steps in each second of the session, or of the wall where that is longer).)";
 
 using SteadyClock = std::chrono::steady_clock;
 
@@ -361,7 +363,7 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "simulator", [] {
+  return run_node(argc, argv, "simulator", kAbout, [] {
     SimulatorNode node(read_options(ros::NodeHandle("~")));
     node.run();
   });

@@ -1,12 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Follows the robot's markers with RGB-D cameras: images in, tracker/markers out. From a session, or from a recording
-// as fast as it can be read (~bag), with the same output.
-//
-// Parameters: ~cameras (list of names: the topics' first parts), ~tracker (path of the tracker's settings), ~poses
-// (path: where the cameras stand; a calibration writes it), ~default_poses (path, read while there is no such file),
-// ~scene (path; absent where simulator/scene names it), ~use_simulated (simulated markers say where to look first),
-// ~balls (path of the calibration's balls; absent: no calibration), ~bag and ~output (paths: a recording to read, and a
-// bag to write).
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -34,6 +26,15 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Follows the robot's markers with RGB-D cameras: images in, tracker/markers out. From
+a session, or from a recording as fast as it can be read (~bag), with the same output.
+
+Parameters: ~cameras (list of names: the topics' first parts), ~tracker (path of the tracker's settings), ~poses
+(path: where the cameras stand; a calibration writes it), ~default_poses (path, read while there is no such file),
+~scene (path; absent where simulator/scene names it), ~use_simulated (simulated markers say where to look first),
+~balls (path of the calibration's balls; absent: no calibration), ~bag and ~output (paths: a recording to read, and
+a bag to write).)";
 
 using diagnostic_updater::DiagnosticStatusWrapper;
 using sensor_msgs::CameraInfo;
@@ -336,7 +337,7 @@ void print(const ReplaySummary& summary, const std::string& output) {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "tracker", [] {
+  return run_node(argc, argv, "tracker", kAbout, [] {
     const NodeOptions options = read_options(ros::NodeHandle("~"));
     if (!options.bag.empty()) {
       print(replay_tracking(options.input, options.bag, options.output), options.output);

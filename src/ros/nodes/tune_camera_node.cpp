@@ -1,11 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sets a camera's exposure and gain by white balls in its dark box: films the empty box, waits until balls hang in it,
-// and then tries settings until the balls are crisp and the box is dark. What was set before is set again where it
-// fails. The answer stands in the log and, for realsense2_camera's launch file, in a file.
-//
-// Parameters: ~camera (first part of its topics), ~radius_m (of the balls), ~output (path of the file; default: none),
-// ~timeout_s (for the driver, for pictures, and for somebody to hang up the balls), ~settle_frames (after a
-// change, that may still be of the setting before), ~max_exposure [0.1 ms].
 #include <atomic>
 #include <csignal>
 #include <fstream>
@@ -29,6 +22,14 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(Sets a camera's exposure and gain by white balls in its dark box: films the empty
+box, waits until balls hang in it, and then tries settings until the balls are crisp and the box is dark. What was set
+before is set again where it fails. The answer stands in the log and, for realsense2_camera's launch file, in a file.
+
+Parameters: ~camera (first part of its topics), ~radius_m (of the balls), ~output (path of the file; default: none),
+~timeout_s (for the driver, for pictures, and for somebody to hang up the balls), ~settle_frames (after a change,
+that may still be of the setting before), ~max_exposure [0.1 ms].)";
 
 std::atomic<bool> interrupted{false};
 
@@ -203,7 +204,7 @@ void write(const std::string& path, const CameraSetting& setting) {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "tune_camera", [] {
+  return run_node(argc, argv, "tune_camera", kAbout, [] {
     const Options options = read_options(ros::NodeHandle("~"));
     CameraTuner tuner(options);
     // ROS would close the way to the driver at once, on which the old setting is set again.

@@ -1,11 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A window to tune the ranges of a marker's colour by: the image of a running camera (or of a bag that is played)
-// beside the mask. Sliders set the range; a click on a marker takes its colour, more clicks widen it. Keys: s saves, c
-// forgets the clicks, q ends.
-//
-// Parameters: ~camera (first part of its topics), ~tracker (path of the settings to start from), ~output (path to save
-// to; default: ~tracker itself), ~colour (name; a new one is added; default: the first), ~range (its place in the
-// colour's list, default 0).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,6 +21,14 @@
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kAbout = R"(A window to tune the ranges of a marker's colour by: the image of a running camera
+(or of a bag that is played) beside the mask. Sliders set the range; a click on a marker takes its colour, more clicks
+widen it. Keys: s saves, c forgets the clicks, q ends.
+
+Parameters: ~camera (first part of its topics), ~tracker (path of the settings to start from), ~output (path to save
+to; default: ~tracker itself), ~colour (name; a new one is added; default: the first), ~range (its place in the
+colour's list, default 0).)";
 
 constexpr char window[] = "tune_colours";
 constexpr int window_width_px = 1200, window_height_px = 560;  // at first: two pictures and six sliders
@@ -182,5 +183,5 @@ void ColourTuner::save() {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  return run_node(argc, argv, "tune_colours", [] { ColourTuner(ros::NodeHandle("~")).run(); });
+  return run_node(argc, argv, "tune_colours", kAbout, [] { ColourTuner(ros::NodeHandle("~")).run(); });
 }

@@ -234,13 +234,26 @@ ReducedError held_out_equilibria(const std::shared_ptr<const ReducedModel>& redu
   return sum.result();
 }
 
+ReducedError held_out_projection(const std::shared_ptr<const ReducedModel>& reduced, double duration_s) {
+  ErrorSum sum;
+  Simulation full(reduced->full);
+  const Eigen::VectorXd masses_kg = masses_of_axes_kg(full.body());
+  run_transient(reduced->box, duration_s, kHeldOutSeed, full, [&](int /*step*/, bool converged) {
+    const Eigen::VectorXd moved = snapshot_of(full, 0.0).displacement_m;
+    const Eigen::VectorXd q = reduced->basis.modes.transpose() * masses_kg.cwiseProduct(moved);
+    sum.add(converged, full.state().positions_m, reduced->positions_m(q));
+  });
+  return sum.result();
+}
+
 ReducedError held_out_transient(const std::shared_ptr<const ReducedModel>& reduced, double duration_s) {
   ErrorSum sum;
   Simulation full(reduced->full);
   ReducedSimulation fast(reduced);
   run_transient(reduced->box, duration_s, kHeldOutSeed, full, [&](int /*step*/, bool converged) {
     command_all(full.state().commands(), fast);
-    sum.add(fast.step().converged && converged, full.state().positions_m, fast.positions_m());
+    const bool solved = fast.step().converged;  // before the arguments below, whose order is free
+    sum.add(solved && converged, full.state().positions_m, fast.positions_m());
   });
   return sum.result();
 }

@@ -26,6 +26,9 @@ std::shared_ptr<const ReducedModel> train(const std::shared_ptr<const Model>& mo
 // At `count` commands in the box that training did not use, each from rest.
 ReducedError held_out_equilibria(const std::shared_ptr<const ReducedModel>& reduced, int count);
 
+// Of the best shapes that the modes hold, over the same transient as below: no equations of motion do better.
+ReducedError held_out_projection(const std::shared_ptr<const ReducedModel>& reduced, double duration_s);
+
 // Over a transient that training did not use.
 ReducedError held_out_transient(const std::shared_ptr<const ReducedModel>& reduced, double duration_s);
 

@@ -63,6 +63,15 @@ TEST_F(ReducedBar, ItsTransientsAreTheFullModelsWithinATenthOfAMillimetre) {
   RecordProperty("max_um", std::to_string(1e6 * error.max_m));
 }
 
+TEST_F(ReducedBar, ItsModesHoldTransientsCloserThanItsMotionDoes) {
+  const ReducedError shapes = held_out_projection(model_, 1.5), motion = held_out_transient(model_, 1.5);
+  EXPECT_EQ(shapes.unsolved, 0);
+  EXPECT_GT(shapes.rms_m, 0.0);
+  EXPECT_LT(shapes.rms_m, motion.rms_m);
+  RecordProperty("rms_um", std::to_string(1e6 * shapes.rms_m));
+  RecordProperty("max_um", std::to_string(1e6 * shapes.max_m));
+}
+
 TEST_F(ReducedBar, ItNeedsFewOfTheQuadraturePoints) {
   EXPECT_GT(model_->energy.points().size(), 0u);
   EXPECT_LT(model_->energy.points().size(), 60u);

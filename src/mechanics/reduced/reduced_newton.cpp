@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduced_newton.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "mechanics/newton/multiplier_problem.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kMostIterations = 40;
-constexpr double kSlow = 0.3;          // a step more than this of the last one asks for a new factor
-constexpr double kLongestStep = 0.05;  // of the body's size, rms: further out Newton's model means nothing
+constexpr int kMostIterations = 60;
+constexpr double kLeastShare = 1.0 / 64.0;  // of a step
+constexpr double kSlow = 0.3;               // a step more than this of the last one asks for a new factor
+constexpr double kLongestStep = 0.05;       // of the body's size, rms: further out Newton's model means nothing
 
 // Tensions at which every cable obeys its law after the step d0 - response * tensions.
 Eigen::VectorXd tensions_after(const ReducedCables::Values& cables, const Eigen::VectorXd& step,
@@ -31,12 +33,18 @@ Eigen::VectorXd tensions_after(const ReducedCables::Values& cables, const Eigen:
   return found.found ? found.y : Eigen::VectorXd();
 }
 
+ReducedUnknowns moved(const ReducedUnknowns& from, const Eigen::VectorXd& step, const Eigen::VectorXd& tensions_n,
+                      double share) {
+  return {from.q + share * step.head(from.q.size()), from.pressures + share * step.tail(from.pressures.size()),
+          from.tensions_n + share * tensions_n};
+}
+
 }  // namespace
 
 Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
-                               const ReducedCables::Values& cables, double inertia_per_s2) {
+                               const Eigen::MatrixXd& volume_gradients, const ReducedCables::Values& cables,
+                               double inertia_per_s2) {
   const Eigen::Index n = at.q.size(), r = at.pressures.size();
-  const Eigen::MatrixXd volume_gradients = model.energy.sums(at.q, at.pressures).volume_gradients;
   Eigen::MatrixXd matrix(n + r, n + r);
   matrix.topLeftCorner(n, n) = model.energy.hessian(at.q, at.pressures) + model.cables.hessian(cables, at.tensions_n);
   matrix.topLeftCorner(n, n).diagonal().array() += inertia_per_s2;
@@ -46,64 +54,98 @@ Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns&
   return matrix;
 }
 
+ReducedNewton::Point ReducedNewton::point_at(const Problem& problem, ReducedUnknowns at) {
+  ReducedCables::Values cables = problem.model.cables.at(at.q, at.tensions_n, problem.drives);
+  ReducedEnergy::Sums sums = problem.model.energy.sums(at.q, at.pressures);
+  return {std::move(at), std::move(cables), std::move(sums)};
+}
+
+void ReducedNewton::factorise(const Problem& problem, const Point& here, ReducedEnd& end) {
+  const double inertia_per_s2 = problem.task.inertia_per_s2;
+  factor_.compute(reduced_matrix(problem.model, here.at, here.sums.volume_gradients, here.cables, inertia_per_s2));
+  factor_inertia_ = inertia_per_s2;
+  fresh_ = true;
+  ++end.factorisations;
+}
+
+ReducedNewton::Step ReducedNewton::step_from(const Problem& problem, const Point& here, ReducedEnd& end) const {
+  ++end.iterations;
+  const Eigen::Index n = here.at.q.size(), r = here.at.pressures.size(), y = here.at.tensions_n.size();
+  Eigen::MatrixXd sides = Eigen::MatrixXd::Zero(n + r, 1 + y);
+  sides.col(0).head(n) = -(here.sums.force + problem.task.inertia_per_s2 * (here.at.q - problem.task.from));
+  sides.col(0).tail(r) = -here.sums.mismatch;
+  sides.topRightCorner(n, y) = here.cables.gradients;
+  Step step;
+  step.size_m = std::numeric_limits<double>::infinity();
+  const Eigen::MatrixXd solved = factor_.solve(sides);
+  if (!solved.allFinite()) return step;
+  const Eigen::MatrixXd response = solved.rightCols(y);
+  const Eigen::VectorXd tensions =
+      tensions_after(here.cables, solved.col(0).head(n), response.topRows(n), here.at.tensions_n);
+  if (tensions.size() != y || !tensions.allFinite()) return step;
+  step.nodes_and_pressures = solved.col(0) - response * tensions;
+  step.tensions_n = tensions - here.at.tensions_n;
+  step.size_m = step.nodes_and_pressures.head(n).norm() / std::sqrt(problem.model.mass_kg);
+  return step;
+}
+
 ReducedEnd ReducedNewton::solve(const ReducedModel& model, const ReducedTask& task, const DriveStates& drives,
                                 ReducedUnknowns& unknowns) {
+  const Problem problem{model, task, drives};
   ReducedEnd end;
-  if (task.inertia_per_s2 != factor_inertia_) factor_inertia_ = -1.0;
-  step_m_ = std::numeric_limits<double>::infinity();
-  while (end.iterations < kMostIterations && !end.converged)
-    if (!iterate(model, task, drives, unknowns, end)) break;
+  Point here = point_at(problem, unknowns);
+  fresh_ = false;
+  if (task.inertia_per_s2 != factor_inertia_) factorise(problem, here, end);
+  Step step = step_from(problem, here, end);
+  while (end.iterations < kMostIterations && std::isfinite(step.size_m) && step.size_m >= task.tolerance_m)
+    if (!go(problem, here, step, end)) break;
+  end.converged = step.size_m < task.tolerance_m;
+  unknowns = end.converged ? moved(here.at, step.nodes_and_pressures, step.tensions_n, 1.0) : here.at;
   if (!end.converged) factor_inertia_ = -1.0;
   return end;
 }
 
-bool ReducedNewton::iterate(const ReducedModel& model, const ReducedTask& task, const DriveStates& drives,
-                            ReducedUnknowns& unknowns, ReducedEnd& end) {
-  const Eigen::Index n = unknowns.q.size(), r = unknowns.pressures.size();
-  const ReducedCables::Values cables = model.cables.at(unknowns.q, unknowns.tensions_n, drives);
-  if (factor_inertia_ < 0.0) {
-    factor_.compute(reduced_matrix(model, unknowns, cables, task.inertia_per_s2));
-    factor_inertia_ = task.inertia_per_s2;
-    ++end.factorisations;
+bool ReducedNewton::go(const Problem& problem, Point& here, Step& step, ReducedEnd& end) {
+  const double longest = std::min(1.0, kLongestStep * problem.model.full->body().size_m() / step.size_m);
+  for (double share = longest; share >= kLeastShare * longest && end.iterations < kMostIterations; share *= 0.5) {
+    Point there = point_at(problem, moved(here.at, step.nodes_and_pressures, step.tensions_n, share));
+    Step next = step_from(problem, there, end);
+    if (next.size_m <= (1.0 - 0.25 * share) * step.size_m) {
+      const bool slow = next.size_m > kSlow * step.size_m && next.size_m >= problem.task.tolerance_m;
+      here = std::move(there);
+      step = std::move(next);
+      fresh_ = false;
+      if (!slow) return true;
+      factorise(problem, here, end);
+      step = step_from(problem, here, end);
+      return true;
+    }
+    ++end.shortened;
+    if (fresh_) continue;
+    factorise(problem, here, end);
+    step = step_from(problem, here, end);
+    return true;
   }
-  ++end.iterations;
-  const ReducedEnergy::Sums sums = model.energy.sums(unknowns.q, unknowns.pressures);
-  Eigen::MatrixXd sides = Eigen::MatrixXd::Zero(n + r, 1 + cables.gradients.cols());
-  sides.col(0).head(n) = -(sums.force + task.inertia_per_s2 * (unknowns.q - task.from));
-  sides.col(0).tail(r) = -sums.mismatch;
-  sides.topRightCorner(n, cables.gradients.cols()) = cables.gradients;
-  const Eigen::MatrixXd solved = factor_.solve(sides);
-  const Eigen::MatrixXd response = solved.rightCols(cables.gradients.cols());
-  const Eigen::VectorXd tensions =
-      tensions_after(cables, solved.col(0).head(n), response.topRows(n), unknowns.tensions_n);
-  if (tensions.size() != unknowns.tensions_n.size()) return false;
-  const Eigen::VectorXd step = solved.col(0) - response * tensions;
-  const double step_m = step.head(n).norm() / std::sqrt(model.mass_kg);
-  if (!std::isfinite(step_m) || !tensions.allFinite()) return false;
-  const double share = std::min(1.0, kLongestStep * model.full->body().size_m() / step_m);
-  unknowns.q += share * step.head(n);
-  unknowns.pressures += share * step.tail(r);
-  unknowns.tensions_n += share * (tensions - unknowns.tensions_n);
-  end.converged = step_m < task.tolerance_m;
-  if (step_m > kSlow * step_m_ || end.iterations == 1) factor_inertia_ = end.converged ? factor_inertia_ : -1.0;
-  step_m_ = step_m;
-  return true;
+  return false;
 }
 
+// By the inertia of the bordered matrix (Haynsworth 1968): a negative eigenvalue per active cable, and no more.
 bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at) {
   const ReducedCables::Values cables = model.cables.at(at.q, at.tensions_n, drives);
-  const Eigen::Index n = at.q.size(), r = at.pressures.size();
-  const Eigen::MatrixXd matrix = reduced_matrix(model, at, cables, 0.0);
-  const Eigen::MatrixXd volumes = matrix.topRightCorner(n, r);
-  Eigen::MatrixXd stiffness = matrix.topLeftCorner(n, n) + model.energy.lambda_pa() * volumes * volumes.transpose();
-  const double stiff = 1e3 * stiffness.norm();
-  for (Eigen::Index c = 0; c < at.tensions_n.size(); ++c) {
+  const Eigen::MatrixXd volumes = model.energy.sums(at.q, at.pressures).volume_gradients;
+  const Eigen::Index n = at.q.size(), y = at.tensions_n.size();
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n + y, n + y);
+  matrix.topLeftCorner(n, n) = reduced_matrix(model, at, volumes, cables, 0.0).topLeftCorner(n, n) +
+                               model.energy.lambda_pa() * volumes * volumes.transpose();
+  const double stiffness = matrix.norm();
+  for (Eigen::Index c = 0; c < y; ++c) {
     const ConstraintLaw& law = cables.laws[static_cast<std::size_t>(c)];
-    const Eigen::VectorXd gradient = cables.gradients.col(c);
-    if (active(law, at.tensions_n[c]))
-      stiffness += gradient * gradient.transpose() / std::max(law.compliance, gradient.squaredNorm() / stiff);
+    const bool taut = active(law, at.tensions_n[c]);
+    const double scale = stiffness / std::max(cables.gradients.col(c).norm(), 1e-300);
+    if (taut) matrix.col(n + c).head(n) = matrix.row(n + c).head(n) = scale * cables.gradients.col(c);
+    matrix(n + c, n + c) = taut ? -scale * scale * law.compliance : -stiffness;
   }
-  return stiffness.llt().info() == Eigen::Success;
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues()[y] > 0.0;
 }
 
 }  // namespace soft_robot_lab

@@ -21,15 +21,18 @@ struct ReducedTask {
 
 struct ReducedEnd {
   bool converged = false;
-  int iterations = 0, factorisations = 0;
+  int iterations = 0, factorisations = 0;  // linear solves, and factors for them
+  int shortened = 0;                       // steps cut by the line search
 };
 
-// The matrix of all but the cables, [K + inertia, G; G', -1/lambda].
+// The matrix of all but the cables, [K + inertia, G; G', -1/lambda]; G: `volume_gradients` of ReducedEnergy::Sums.
 Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
-                               const ReducedCables::Values& cables, double inertia_per_s2);
+                               const Eigen::MatrixXd& volume_gradients, const ReducedCables::Values& cables,
+                               double inertia_per_s2);
 
-// Newton's method on q, pressures and tensions together; the cables are a border (MultiplierProblem). A factor serves
-// as long as each step is less than 0.3 of the one before.
+// Newton's method on q, pressures and tensions together; the cables are a border (MultiplierProblem). A step is cut
+// until the next one by the same factor is shorter (natural monotonicity test, Deuflhard 2004, 3.3). A factor serves as
+// long as each step is less than 0.3 of the one before.
 class ReducedNewton {
  public:
   // Changes `unknowns` in any case.
@@ -37,12 +40,29 @@ class ReducedNewton {
                    ReducedUnknowns& unknowns);
 
  private:
-  bool iterate(const ReducedModel& model, const ReducedTask& task, const DriveStates& drives, ReducedUnknowns& unknowns,
-               ReducedEnd& end);
+  struct Problem {
+    const ReducedModel& model;
+    const ReducedTask& task;
+    const DriveStates& drives;
+  };
+  struct Point {
+    ReducedUnknowns at;
+    ReducedCables::Values cables;
+    ReducedEnergy::Sums sums;
+  };
+  struct Step {
+    Eigen::VectorXd nodes_and_pressures, tensions_n;  // changes
+    double size_m = 0.0;                              // rms; infinity: none found
+  };
+  static Point point_at(const Problem& problem, ReducedUnknowns at);
+  void factorise(const Problem& problem, const Point& here, ReducedEnd& end);
+  Step step_from(const Problem& problem, const Point& here, ReducedEnd& end) const;
+  // Goes along the step, which becomes the next one; false where no share of it passes.
+  bool go(const Problem& problem, Point& here, Step& step, ReducedEnd& end);
 
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   double factor_inertia_ = -1.0;  // none yet
-  double step_m_ = 0.0;           // of the last iteration
+  bool fresh_ = false;            // the factor is of the present point
 };
 
 // Whether the cables and constraints hold q in a minimum of the energy, and not on a saddle.

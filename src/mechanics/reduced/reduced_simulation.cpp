@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduced_simulation.h"
 
+#include <algorithm>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 
+#include "mechanics/solver_constants.h"
+
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kMostHalvings = 6;
+constexpr double kShortestPart = 1.0 / 64.0;  // of a time step
 constexpr int kContinuationSteps = 200;
 constexpr double kFirstArtificialStep_s = 0.02, kLongestArtificialStep_s = 100.0, kShortestArtificialStep_s = 1e-5;
 
@@ -52,27 +55,50 @@ void ReducedSimulation::set_command(const std::string& actuator, double command)
 ReducedReport ReducedSimulation::step() {
   const ReducedState before = state_;
   ReducedReport report;
-  report.converged = advance(model_->full->options().time_step_s, 0, report);
+  const double h = model_->full->options().time_step_s;
+  report.converged = advance(h, advance_drives(h), 0.0, 1.0, report);
   if (report.converged) return report;
   state_ = before;
   return report;
 }
 
-bool ReducedSimulation::advance(double h, int halvings, ReducedReport& report) {
+ReducedSimulation::CommandPath ReducedSimulation::advance_drives(double h) {
+  CommandPath path;
+  for (std::size_t i = 0; i < state_.drives.size(); ++i) {
+    path.from.push_back(state_.drives[i].actuated_command);
+    model_->full->actuators()[i]->advance(h, state_.drives[i]);
+    path.to.push_back(state_.drives[i].actuated_command);
+  }
+  return path;
+}
+
+// A velocity of implicit Euler is that of the middle of its step.
+Eigen::VectorXd ReducedSimulation::predicted(double h) const {
+  const double before_s = state_.previous_step_s;
+  const Eigen::VectorXd even = state_.at.q + h * state_.velocity;
+  if (before_s == 0.0 || h > constants::kLargestGrowth * before_s) return even;
+  return even + 0.5 * h * (h + before_s) / before_s * (state_.velocity - state_.previous_velocity);
+}
+
+bool ReducedSimulation::advance(double h, const CommandPath& path, double from, double to, ReducedReport& report) {
   const ReducedState before = state_;
-  for (std::size_t i = 0; i < state_.drives.size(); ++i) model_->full->actuators()[i]->advance(h, state_.drives[i]);
-  const Eigen::VectorXd from = before.at.q + h * before.velocity;
-  state_.at.q = from + 0.5 * h * (before.velocity - before.previous_velocity);
-  const ReducedEnd end = newton_.solve(*model_, {1.0 / (h * h), from, step_tolerance_m_}, state_.drives, state_.at);
+  const double part_s = (to - from) * h;
+  for (std::size_t i = 0; i < state_.drives.size(); ++i)
+    model_->full->actuators()[i]->place(path.from[i] + to * (path.to[i] - path.from[i]), state_.drives[i]);
+  state_.at.q = predicted(part_s);
+  const ReducedTask task{1.0 / (part_s * part_s), before.at.q + part_s * before.velocity, step_tolerance_m_};
+  const ReducedEnd end = newton_.solve(*model_, task, state_.drives, state_.at);
   count(end, report);
   if (end.converged) {
     state_.previous_velocity = before.velocity;
-    state_.velocity = (state_.at.q - before.at.q) / h;
-    state_.time_s += h;
+    state_.previous_step_s = part_s;
+    state_.velocity = (state_.at.q - before.at.q) / part_s;
+    state_.time_s += part_s;
     return true;
   }
   state_ = before;
-  return halvings < kMostHalvings && advance(0.5 * h, halvings + 1, report) && advance(0.5 * h, halvings + 1, report);
+  const double middle = 0.5 * (from + to);
+  return to - from > kShortestPart && advance(h, path, from, middle, report) && advance(h, path, middle, to, report);
 }
 
 bool ReducedSimulation::relax(ReducedReport& report) {
@@ -90,6 +116,7 @@ ReducedReport ReducedSimulation::solve_equilibrium() {
     model_->full->actuators()[i]->advance(std::numeric_limits<double>::infinity(), state_.drives[i]);
   state_.velocity.setZero();
   state_.previous_velocity.setZero();
+  state_.previous_step_s = 0.0;
   report.converged = relax(report);
   // Down the energy with a proximal term that fades (pseudo-transient continuation, Kelley & Keyes 1998).
   double h = kFirstArtificialStep_s;

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -15,6 +16,7 @@ struct ReducedState {
   double time_s = 0.0;
   ReducedUnknowns at;
   Eigen::VectorXd velocity, previous_velocity;  // of q, per second
+  double previous_step_s = 0.0;                 // zero: none, and previous_velocity is of no meaning
   DriveStates drives;
 };
 
@@ -49,7 +51,14 @@ class ReducedSimulation {
   Eigen::Matrix3Xd positions_m() const { return model_->positions_m(state_.at.q); }
 
  private:
-  bool advance(double h, int halvings, ReducedReport& report);
+  // Actuated commands move evenly within a step, however it is cut.
+  struct CommandPath {
+    std::vector<double> from, to;
+  };
+  CommandPath advance_drives(double h);
+  Eigen::VectorXd predicted(double h) const;
+  // The part of a step of length h from one share of it to another.
+  bool advance(double h, const CommandPath& path, double from, double to, ReducedReport& report);
   bool relax(ReducedReport& report);
 
   std::shared_ptr<const ReducedModel> model_;

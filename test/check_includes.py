@@ -8,13 +8,14 @@ import sys
 
 PERCEPTION = "perception/tracking perception/calibration perception/render"
 HARDWARE = "hardware/motor hardware/testbench hardware/plant"
-ROBOT = "robot/casting robot/design robot/scene mechanics mechanics/actuators geometry settings"
+ROBOT = "robot/casting robot/design robot/scene mechanics mechanics/actuators mechanics/reduced geometry settings"
 PRODUCT = f"session session/report control control/identification {HARDWARE} {PERCEPTION} {ROBOT}"
 ALLOWED = {
     "settings": "",
     "geometry": "",
     "mechanics": "settings",
     "mechanics/actuators": "mechanics settings",
+    "mechanics/reduced": "mechanics mechanics/actuators settings",
     "robot/design": "settings",
     "robot/scene": "robot/design mechanics settings",
     "robot/casting": "geometry robot/scene robot/design mechanics settings",

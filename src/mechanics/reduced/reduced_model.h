@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A body's motions within what it was trained for, in some tens of unknowns. It knows one load case: the loads and
+// gravity of its model, and commands within its box.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "reduced_cables.h"
+#include "reduced_energy.h"
+#include "soft_robot_lab/mechanics/model.h"
+
+namespace soft_robot_lab {
+
+// Per actuator, in the model's order.
+struct CommandBox {
+  std::vector<double> min, max;
+};
+
+// Against the full model on the same mesh: distances of nodes, over all nodes, states and steps compared.
+struct ReducedError {
+  int states = 0, unsolved = 0;  // of either model
+  double rms_m = 0.0, max_m = 0.0;
+};
+
+// It never changes once trained; simulations in several threads share one.
+struct ReducedModel {
+  std::shared_ptr<const Model> full;
+  CommandBox box;
+  ReducedBasis basis;
+  ReducedEnergy energy;
+  ReducedCables cables;
+  double mass_kg;
+  int snapshots = 0, failed_solves = 0;  // of the training
+
+  ReducedModel(std::shared_ptr<const Model> model, CommandBox commands, ReducedBasis modes)
+      : full(std::move(model)),
+        box(std::move(commands)),
+        basis(std::move(modes)),
+        energy(full->body(), basis),
+        cables(*full, basis.modes),
+        mass_kg(full->body().node_masses_kg().sum()) {}
+
+  Eigen::Matrix3Xd positions_m(const Eigen::VectorXd& q) const {
+    const Eigen::VectorXd moved = basis.modes * q;
+    return full->body().mesh().nodes_m + Eigen::Map<const Eigen::Matrix3Xd>(moved.data(), 3, moved.size() / 3);
+  }
+};
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+#include "reduced_model.h"
+
+namespace soft_robot_lab {
+
+struct ReducedUnknowns {
+  Eigen::VectorXd q, pressures, tensions_n;
+};
+
+// Inertia inertia_per_s2 / 2 |q - from|^2, on top of the energy: 1/h^2 of a time step, zero of an equilibrium.
+struct ReducedTask {
+  double inertia_per_s2;
+  Eigen::VectorXd from;
+  double tolerance_m;  // ends with a Newton step whose rms displacement is below
+};
+
+struct ReducedEnd {
+  bool converged = false;
+  int iterations = 0, factorisations = 0;  // linear solves, and factors for them
+  int shortened = 0;                       // steps cut by the line search
+};
+
+// The matrix of all but the cables, [K + inertia, G; G', -1/lambda]; G: `volume_gradients` of ReducedEnergy::Sums.
+Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
+                               const Eigen::MatrixXd& volume_gradients, const ReducedCables::Values& cables,
+                               double inertia_per_s2);
+
+// Newton's method on q, pressures and tensions together; the cables are a border (MultiplierProblem). A step is cut
+// until the next one by the same factor is shorter (natural monotonicity test, Deuflhard 2004, 3.3). A factor serves as
+// long as each step is less than 0.3 of the one before.
+class ReducedNewton {
+ public:
+  // Changes `unknowns` in any case.
+  ReducedEnd solve(const ReducedModel& model, const ReducedTask& task, const DriveStates& drives,
+                   ReducedUnknowns& unknowns);
+
+ private:
+  struct Problem {
+    const ReducedModel& model;
+    const ReducedTask& task;
+    const DriveStates& drives;
+  };
+  struct Point {
+    ReducedUnknowns at;
+    ReducedCables::Values cables;
+    ReducedEnergy::Sums sums;
+  };
+  struct Step {
+    Eigen::VectorXd nodes_and_pressures, tensions_n;  // changes
+    double size_m = 0.0;                              // rms; infinity: none found
+  };
+  static Point point_at(const Problem& problem, ReducedUnknowns at);
+  void factorise(const Problem& problem, const Point& here, ReducedEnd& end);
+  Step step_from(const Problem& problem, const Point& here, ReducedEnd& end) const;
+  // Goes along the step, which becomes the next one; false where no share of it passes.
+  bool go(const Problem& problem, Point& here, Step& step, ReducedEnd& end);
+
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  double factor_inertia_ = -1.0;  // none yet
+  bool fresh_ = false;            // the factor is of the present point
+};
+
+// Whether the cables and constraints hold q in a minimum of the energy, and not on a saddle.
+bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at);
+
+}  // namespace soft_robot_lab

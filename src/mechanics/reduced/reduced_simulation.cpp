@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduced_simulation.h"
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "mechanics/solver_constants.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kShortestPart = 1.0 / 64.0;  // of a time step
+constexpr int kContinuationSteps = 200;
+constexpr double kFirstArtificialStep_s = 0.02, kLongestArtificialStep_s = 100.0, kShortestArtificialStep_s = 1e-5;
+
+void count(const ReducedEnd& end, ReducedReport& report) {
+  report.iterations += end.iterations;
+  report.factorisations += end.factorisations;
+  ++report.steps;
+}
+
+}  // namespace
+
+ReducedSimulation::ReducedSimulation(std::shared_ptr<const ReducedModel> model) : model_(std::move(model)) { reset(); }
+
+void ReducedSimulation::reset() {
+  state_ = {};
+  state_.at = {Eigen::VectorXd::Zero(model_->energy.modes()), Eigen::VectorXd::Zero(model_->energy.pressures()),
+               Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model_->cables.count()))};
+  state_.velocity = state_.previous_velocity = Eigen::VectorXd::Zero(model_->energy.modes());
+  for (const auto& actuator : model_->full->actuators()) state_.drives.push_back(actuator->rest_state());
+}
+
+void ReducedSimulation::set_tolerance_m(double time_step_m, double equilibrium_m) {
+  if (!(time_step_m > 0.0) || !(equilibrium_m > 0.0))
+    throw std::invalid_argument("a tolerance of a reduced simulation must be > 0 m");
+  step_tolerance_m_ = time_step_m;
+  rest_tolerance_m_ = equilibrium_m;
+}
+
+void ReducedSimulation::set_command(const std::string& actuator, double command) {
+  const auto i = static_cast<std::size_t>(model_->full->actuator_index(actuator));
+  const double min = model_->box.min[i], max = model_->box.max[i];
+  if (!(command >= min && command <= max)) {
+    std::ostringstream message;
+    message << actuator << ": command " << command << " is outside [" << min << ", " << max
+            << "], for which the reduced model was trained; train it with a larger range, or use method newton";
+    throw std::invalid_argument(message.str());
+  }
+  model_->full->actuators()[i]->set_command(command, state_.drives[i]);
+}
+
+ReducedReport ReducedSimulation::step() {
+  const ReducedState before = state_;
+  ReducedReport report;
+  const double h = model_->full->options().time_step_s;
+  report.converged = advance(h, advance_drives(h), 0.0, 1.0, report);
+  if (report.converged) return report;
+  state_ = before;
+  return report;
+}
+
+ReducedSimulation::CommandPath ReducedSimulation::advance_drives(double h) {
+  CommandPath path;
+  for (std::size_t i = 0; i < state_.drives.size(); ++i) {
+    path.from.push_back(state_.drives[i].actuated_command);
+    model_->full->actuators()[i]->advance(h, state_.drives[i]);
+    path.to.push_back(state_.drives[i].actuated_command);
+  }
+  return path;
+}
+
+// A velocity of implicit Euler is that of the middle of its step.
+Eigen::VectorXd ReducedSimulation::predicted(double h) const {
+  const double before_s = state_.previous_step_s;
+  const Eigen::VectorXd even = state_.at.q + h * state_.velocity;
+  if (before_s == 0.0 || h > constants::kLargestGrowth * before_s) return even;
+  return even + 0.5 * h * (h + before_s) / before_s * (state_.velocity - state_.previous_velocity);
+}
+
+bool ReducedSimulation::advance(double h, const CommandPath& path, double from, double to, ReducedReport& report) {
+  const ReducedState before = state_;
+  const double part_s = (to - from) * h;
+  for (std::size_t i = 0; i < state_.drives.size(); ++i)
+    model_->full->actuators()[i]->place(path.from[i] + to * (path.to[i] - path.from[i]), state_.drives[i]);
+  state_.at.q = predicted(part_s);
+  const ReducedTask task{1.0 / (part_s * part_s), before.at.q + part_s * before.velocity, step_tolerance_m_};
+  const ReducedEnd end = newton_.solve(*model_, task, state_.drives, state_.at);
+  count(end, report);
+  if (end.converged) {
+    state_.previous_velocity = before.velocity;
+    state_.previous_step_s = part_s;
+    state_.velocity = (state_.at.q - before.at.q) / part_s;
+    state_.time_s += part_s;
+    return true;
+  }
+  state_ = before;
+  const double middle = 0.5 * (from + to);
+  return to - from > kShortestPart && advance(h, path, from, middle, report) && advance(h, path, middle, to, report);
+}
+
+bool ReducedSimulation::relax(ReducedReport& report) {
+  ReducedUnknowns trial = state_.at;
+  const ReducedEnd end = newton_.solve(*model_, {0.0, trial.q, rest_tolerance_m_}, state_.drives, trial);
+  count(end, report);
+  if (!end.converged || !stable(*model_, state_.drives, trial)) return false;
+  state_.at = trial;
+  return true;
+}
+
+ReducedReport ReducedSimulation::solve_equilibrium() {
+  ReducedReport report;
+  for (std::size_t i = 0; i < state_.drives.size(); ++i)
+    model_->full->actuators()[i]->advance(std::numeric_limits<double>::infinity(), state_.drives[i]);
+  state_.velocity.setZero();
+  state_.previous_velocity.setZero();
+  state_.previous_step_s = 0.0;
+  report.converged = relax(report);
+  // Down the energy with a proximal term that fades (pseudo-transient continuation, Kelley & Keyes 1998).
+  double h = kFirstArtificialStep_s;
+  for (int i = 0; i < kContinuationSteps && !report.converged && h >= kShortestArtificialStep_s; ++i) {
+    ReducedUnknowns trial = state_.at;
+    const ReducedEnd end = newton_.solve(*model_, {1.0 / (h * h), trial.q, 1e-6}, state_.drives, trial);
+    count(end, report);
+    if (end.converged) state_.at = trial;
+    h = end.converged ? std::min(2.0 * h, kLongestArtificialStep_s) : 0.25 * h;
+    if (end.converged && h > 1.0) report.converged = relax(report);
+  }
+  return report;
+}
+
+}  // namespace soft_robot_lab

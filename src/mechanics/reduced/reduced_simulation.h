@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "reduced_model.h"
+#include "reduced_newton.h"
+
+namespace soft_robot_lab {
+
+struct ReducedState {
+  double time_s = 0.0;
+  ReducedUnknowns at;
+  Eigen::VectorXd velocity, previous_velocity;  // of q, per second
+  double previous_step_s = 0.0;                 // zero: none, and previous_velocity is of no meaning
+  DriveStates drives;
+};
+
+struct ReducedReport {
+  bool converged = false;
+  int iterations = 0, factorisations = 0;
+  int steps = 0;  // time steps, or those of a continuation
+};
+
+// A reduced model that is moved through time by implicit Euler, or to equilibrium. Start: the rest shape.
+class ReducedSimulation {
+ public:
+  explicit ReducedSimulation(std::shared_ptr<const ReducedModel> model);
+
+  // Throws std::invalid_argument naming actuator, value and the trained range; nothing changes then.
+  void set_command(const std::string& actuator, double command);
+
+  // One time step of the full model's SolverOptions::time_step_s, in halves where it does not converge. Where it fails
+  // the state stays as it was, but for the commands.
+  ReducedReport step();
+
+  // The stable rest state near the present one; otherwise not converged, and the state is the furthest it came.
+  ReducedReport solve_equilibrium();
+
+  // Rms displacement of the last Newton iteration, > 0; smaller than the model's error is of no use.
+  void set_tolerance_m(double time_step_m, double equilibrium_m);
+
+  void reset();
+  const ReducedState& state() const { return state_; }
+  void set_state(const ReducedState& state) { state_ = state; }
+  const ReducedModel& model() const { return *model_; }
+  Eigen::Matrix3Xd positions_m() const { return model_->positions_m(state_.at.q); }
+
+ private:
+  // Actuated commands move evenly within a step, however it is cut.
+  struct CommandPath {
+    std::vector<double> from, to;
+  };
+  CommandPath advance_drives(double h);
+  Eigen::VectorXd predicted(double h) const;
+  // The part of a step of length h from one share of it to another.
+  bool advance(double h, const CommandPath& path, double from, double to, ReducedReport& report);
+  bool relax(ReducedReport& report);
+
+  std::shared_ptr<const ReducedModel> model_;
+  ReducedState state_;
+  ReducedNewton newton_;
+  double step_tolerance_m_ = 1e-6, rest_tolerance_m_ = 1e-8;
+};
+
+}  // namespace soft_robot_lab

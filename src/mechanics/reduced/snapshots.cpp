@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "snapshots.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr std::array<int, 12> kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+
+double radical_inverse(std::size_t i, int base) {
+  double value = 0.0, digit = 1.0 / base;
+  for (const auto b = static_cast<std::size_t>(base); i > 0; i /= b, digit /= base)
+    value += digit * static_cast<double>(i % b);
+  return value;
+}
+
+}  // namespace
+
+Snapshot snapshot_of(const Simulation& simulation, double inertia_per_s2) {
+  const SimulationState& state = simulation.state();
+  const Eigen::Matrix3Xd moved = state.positions_m - simulation.body().mesh().nodes_m;
+  return {Eigen::Map<const Eigen::VectorXd>(moved.data(), moved.size()), state.element_multipliers_pa,
+          state.constraint_multipliers, state.drives, inertia_per_s2};
+}
+
+std::vector<double> commands_in(const CommandBox& box, std::size_t i) {
+  if (box.min.size() > kPrimes.size()) throw std::invalid_argument("a reduced model takes at most 12 actuators");
+  std::vector<double> commands;
+  for (std::size_t a = 0; a < box.min.size(); ++a)
+    commands.push_back(box.min[a] + (box.max[a] - box.min[a]) * radical_inverse(i + 1, kPrimes[a]));
+  return commands;
+}
+
+void command(const std::vector<double>& commands, Simulation& simulation) {
+  for (std::size_t a = 0; a < commands.size(); ++a)
+    simulation.set_command(simulation.actuators()[a]->name(), commands[a]);
+}
+
+std::vector<std::vector<double>> transient_commands(const CommandBox& box, double duration_s, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::vector<std::vector<double>> targets(static_cast<std::size_t>(std::ceil(duration_s / kTransientHold_s)));
+  for (std::vector<double>& target : targets)
+    for (std::size_t a = 0; a < box.min.size(); ++a)
+      target.push_back(box.min[a] + (box.max[a] - box.min[a]) * (generator() / 4294967296.0));
+  return targets;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts of a reduced model on modes at random, without any training.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "mechanics/actuators/test_bar.h"
+#include "mechanics/reduced/pod.h"
+#include "mechanics/reduced/point_cubature.h"
+#include "mechanics/reduced/reduced_cables.h"
+#include "mechanics/reduced/reduced_energy.h"
+
+namespace soft_robot_lab {
+namespace {
+
+Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
+  std::mt19937 generator(seed);
+  Eigen::MatrixXd matrix(rows, columns);
+  for (Eigen::Index i = 0; i < matrix.size(); ++i) matrix.data()[i] = generator() / 2147483648.0 - 1.0;
+  return matrix;
+}
+
+// A short bar and smooth modes: polynomials of the rest position times random vectors.
+struct ReducedParts : ::testing::Test {
+  ReducedParts() : body(box_mesh({0, 0, 0}, {0.04, 0.02, 0.02}, {2, 1, 1}), Material{}) {
+    body.set_gravity({0, 0, -9.81});
+    basis.pressures = random_matrix(body.mesh().tet_count(), 2, 1);
+    basis.modes.resize(3 * body.mesh().node_count(), 4);
+    const Eigen::MatrixXd factors = random_matrix(9, 4, 2);
+    for (Eigen::Index k = 0; k < 4; ++k)
+      for (Eigen::Index i = 0; i < body.mesh().node_count(); ++i) {
+        const Eigen::Vector3d x = body.mesh().nodes_m.col(i) / 0.04;
+        const Eigen::Matrix3d a = Eigen::Map<const Eigen::Matrix3d>(factors.col(k).data());
+        basis.modes.col(k).segment<3>(3 * i) = 0.01 * (a * x + x.x() * x.y() * a.col(0));
+      }
+  }
+
+  Body body;
+  ReducedBasis basis;
+  const Eigen::VectorXd q = Eigen::Vector4d(0.3, -0.4, 0.2, 0.5);
+  const Eigen::VectorXd r = Eigen::Vector2d(900.0, -2000.0);
+};
+
+TEST_F(ReducedParts, PolynomialsAreTheVolumesOfTheShape) {
+  const std::vector<RestPoint> points = rest_points(body.mesh(), basis.modes);
+  Eigen::Vector3d sums = Eigen::Vector3d::Zero();
+  for (const RestPoint& point : points) {
+    const double growth = (Eigen::Matrix3d::Identity() + point.displacement_gradient(q)).determinant() - 1.0;
+    const Eigen::RowVector2d shares = basis.pressures.row(point.element);
+    sums += point.weight_m3 * growth * Eigen::Vector3d(shares[0], shares[1], 1.0);
+  }
+  const Eigen::VectorXd values = VolumePolynomials(points, basis.pressures).at(q).values;
+  EXPECT_LT((values - sums).norm(), 1e-12 * sums.norm());
+  EXPECT_GT(std::abs(sums[2]), 1e-8);
+}
+
+TEST_F(ReducedParts, ForcesAreTheSlopeOfTheEnergy) {
+  const ReducedEnergy energy(body, basis);
+  const ReducedEnergy::Sums at = energy.sums(q, r);
+  const double d = 1e-5;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const Eigen::VectorXd step = d * Eigen::VectorXd::Unit(4, i);
+    const double slope = (energy.sums(q + step, r).value - energy.sums(q - step, r).value) / (2.0 * d);
+    EXPECT_NEAR(at.force[i], slope, 1e-7 * at.force.norm());
+  }
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const Eigen::VectorXd step = Eigen::VectorXd::Unit(2, k);
+    const double slope = (energy.sums(q, r + step).value - energy.sums(q, r - step).value) / 2.0;
+    EXPECT_NEAR(at.mismatch[k], slope, 1e-7 * at.mismatch.norm());
+  }
+}
+
+TEST_F(ReducedParts, TheHessianIsTheSlopeOfTheForces) {
+  ReducedEnergy energy(body, basis);
+  energy.keep_points(random_matrix(static_cast<Eigen::Index>(energy.points().size()), 1, 3));
+  const Eigen::MatrixXd hessian = energy.hessian(q, r);
+  const double d = 1e-5;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const Eigen::VectorXd step = d * Eigen::VectorXd::Unit(4, i);
+    const Eigen::VectorXd slope = (energy.sums(q + step, r).force - energy.sums(q - step, r).force) / (2.0 * d);
+    EXPECT_LT((hessian.col(i) - slope).norm(), 1e-7 * hessian.norm());
+  }
+}
+
+TEST_F(ReducedParts, PointForcesAndPolynomialsAddUpToTheForce) {
+  ReducedEnergy all(body, basis), none(body, basis);
+  none.keep_points(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(none.points().size())));
+  const Eigen::VectorXd points = all.point_forces(q).rowwise().sum();
+  const Eigen::VectorXd force = all.sums(q, r).force;
+  EXPECT_LT((none.sums(q, r).force + points - force).norm(), 1e-12 * force.norm());
+}
+
+TEST(ReducedCables, LengthsAndSlopesAreThoseOfTheFullModel) {
+  const Simulation bar = hanging_bar("compliance_m_n: 1e-4");
+  const Eigen::MatrixXd modes = random_matrix(3 * bar.body().mesh().node_count(), 3, 4);
+  const ReducedCables cables(*bar.model(), modes);
+  const Eigen::VectorXd q = Eigen::Vector3d(1e-3, -2e-3, 1.5e-3), tension = Eigen::VectorXd::Constant(1, 0.7);
+  const DriveStates drives = bar.state().drives;
+  const ReducedCables::Values values = cables.at(q, tension, drives);
+  const Eigen::VectorXd moved = modes * q;
+  const Eigen::Matrix3Xd positions =
+      bar.body().mesh().nodes_m + Eigen::Map<const Eigen::Matrix3Xd>(moved.data(), 3, moved.size() / 3);
+  const Constraint& length = *bar.actuators()[0]->constraints()[0];
+  Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, positions.cols());
+  length.add_gradient(positions, drives[0], 1.0, gradient);
+  EXPECT_NEAR(values.laws[0].offset, length.law(length.value(positions, drives[0]), 0.7, drives[0]).offset, 1e-12);
+  const Eigen::VectorXd expected = modes.transpose() * Eigen::Map<const Eigen::VectorXd>(gradient.data(), moved.size());
+  EXPECT_LT((values.gradients.col(0) - expected).norm(), 1e-12 * expected.norm());
+  const Eigen::MatrixXd hessian = cables.hessian(values, tension);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Eigen::VectorXd step = 1e-7 * Eigen::VectorXd::Unit(3, i);
+    const Eigen::MatrixXd change =
+        (cables.at(q + step, tension, drives).gradients - cables.at(q - step, tension, drives).gradients) / 2e-7;
+    EXPECT_LT((hessian.col(i) - 0.7 * change.col(0)).norm(), 1e-5 * hessian.norm());
+  }
+}
+
+TEST(ReducedPod, FindsTheDirectionsOfItsSnapshotsAtRightAngles) {
+  const Eigen::MatrixXd directions = random_matrix(30, 4, 5);
+  const Eigen::MatrixXd snapshots = directions * random_matrix(4, 12, 6);
+  const Eigen::VectorXd weights = random_matrix(30, 1, 7).array().abs() + 0.1;
+  const Eigen::MatrixXd modes = pod(snapshots, weights, 9);
+  ASSERT_EQ(modes.cols(), 4);
+  const Eigen::MatrixXd products = modes.transpose() * weights.asDiagonal() * modes;
+  EXPECT_LT((products - Eigen::MatrixXd::Identity(4, 4)).norm(), 1e-13);
+  const Eigen::MatrixXd rest = snapshots - modes * (modes.transpose() * weights.asDiagonal() * snapshots);
+  EXPECT_LT(rest.norm(), 1e-12 * snapshots.norm());
+}
+
+TEST(ReducedCubature, ReachesItsToleranceWithFewPositiveWeights) {
+  const Eigen::MatrixXd contributions = random_matrix(6, 80, 8).array() + 0.3;
+  const double tolerance = 1e-3 * contributions.rowwise().sum().norm();
+  const Eigen::VectorXd weights = sparse_weights(contributions, tolerance);
+  EXPECT_GE(weights.minCoeff(), 0.0);
+  EXPECT_LE((weights.array() > 0.0).count(), 6);
+  EXPECT_LE((contributions * weights - contributions.rowwise().sum()).norm(), tolerance);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

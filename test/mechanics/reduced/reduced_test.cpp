@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "mechanics/actuators/test_bar.h"
+#include "mechanics/reduced/reduced_simulation.h"
+#include "mechanics/reduced/train.h"
+
+namespace soft_robot_lab {
+namespace {
+
+ReducedTraining small_training() {
+  ReducedTraining training;
+  training.box = {{0.85}, {1.0}};
+  training.modes = 10;
+  training.ramps = 4;
+  training.transient_s = 1.5;
+  return training;
+}
+
+// The bar is 100 mm long, and one training serves all cases.
+class ReducedBar : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { model_ = train(hanging_bar("pull_speed_m_s: 0.02").model(), small_training()); }
+  static void TearDownTestSuite() { model_.reset(); }
+  static std::shared_ptr<const ReducedModel> model_;
+};
+std::shared_ptr<const ReducedModel> ReducedBar::model_;
+
+TEST_F(ReducedBar, ItsModesAreOrthonormalInMassAndHoldWhatIsHeld) {
+  const Eigen::MatrixXd& modes = model_->basis.modes;
+  const Body& body = model_->full->body();
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(modes.cols(), modes.cols());
+  for (Eigen::Index i = 0; i < body.mesh().node_count(); ++i) {
+    const Eigen::MatrixXd rows = modes.middleRows<3>(3 * i);
+    products += body.node_masses_kg()[i] * rows.transpose() * rows;
+    if (body.fixed()(0, i)) {
+      EXPECT_EQ(rows.norm(), 0.0);
+    }
+  }
+  EXPECT_EQ(modes.cols(), 10);
+  EXPECT_LT((products - Eigen::MatrixXd::Identity(modes.cols(), modes.cols())).norm(), 1e-12);
+}
+
+TEST_F(ReducedBar, ItsEquilibriaAreTheFullModelsWithinATwentiethOfAMillimetre) {
+  const ReducedError error = held_out_equilibria(model_, 5);
+  EXPECT_EQ(error.unsolved, 0);
+  EXPECT_LT(error.rms_m, 0.05e-3);
+  EXPECT_LT(error.max_m, 0.2e-3);
+  RecordProperty("rms_um", std::to_string(1e6 * error.rms_m));
+  RecordProperty("max_um", std::to_string(1e6 * error.max_m));
+}
+
+TEST_F(ReducedBar, ItsTransientsAreTheFullModelsWithinATenthOfAMillimetre) {
+  const ReducedError error = held_out_transient(model_, 1.5);
+  EXPECT_EQ(error.unsolved, 0);
+  EXPECT_LT(error.rms_m, 0.1e-3);
+  EXPECT_LT(error.max_m, 0.5e-3);
+  RecordProperty("rms_um", std::to_string(1e6 * error.rms_m));
+  RecordProperty("max_um", std::to_string(1e6 * error.max_m));
+}
+
+TEST_F(ReducedBar, ItsModesHoldTransientsCloserThanItsMotionDoes) {
+  const ReducedError shapes = held_out_projection(model_, 1.5), motion = held_out_transient(model_, 1.5);
+  EXPECT_EQ(shapes.unsolved, 0);
+  EXPECT_GT(shapes.rms_m, 0.0);
+  EXPECT_LT(shapes.rms_m, motion.rms_m);
+  RecordProperty("rms_um", std::to_string(1e6 * shapes.rms_m));
+  RecordProperty("max_um", std::to_string(1e6 * shapes.max_m));
+}
+
+TEST_F(ReducedBar, ItNeedsFewOfTheQuadraturePoints) {
+  EXPECT_GT(model_->energy.points().size(), 0u);
+  EXPECT_LT(model_->energy.points().size(), 60u);
+  RecordProperty("points", std::to_string(model_->energy.points().size()));
+}
+
+TEST_F(ReducedBar, AHeldCommandEndsWhereItsEquilibriumIs) {
+  ReducedSimulation moved(model_), still(model_);
+  moved.set_command("cable", 0.9);
+  still.set_command("cable", 0.9);
+  for (int i = 0; i < 600; ++i) ASSERT_TRUE(moved.step().converged);
+  ASSERT_TRUE(still.solve_equilibrium().converged);
+  EXPECT_NEAR(moved.state().time_s, 10.0, 1e-9);
+  EXPECT_LT((moved.positions_m() - still.positions_m()).cwiseAbs().maxCoeff(), 2e-6);
+}
+
+TEST_F(ReducedBar, RepeatsItselfToTheLastBit) {
+  const auto end = [] {
+    ReducedSimulation simulation(model_);
+    simulation.set_command("cable", 0.88);
+    for (int i = 0; i < 20; ++i) simulation.step();
+    return simulation.state().at.q;
+  };
+  EXPECT_EQ(end(), end());
+}
+
+std::string refusal(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(ReducedBar, RefusesCommandsOutsideWhatItWasTrainedFor) {
+  ReducedSimulation simulation(model_);
+  for (const double command : {0.84, 1.01, std::nan("")}) {
+    const std::string words = refusal([&] { simulation.set_command("cable", command); });
+    EXPECT_NE(words.find("cable"), std::string::npos);
+    EXPECT_NE(words.find("[0.85, 1]"), std::string::npos) << words;
+  }
+  EXPECT_EQ(simulation.state().drives[0].command, 1.0);
+}
+
+TEST(ReducedTrainingInput, RefusesWhatItDoesNotKnow) {
+  const auto refused = [](const std::string& cable, const ReducedTraining& training) {
+    const Simulation bar = hanging_bar(cable);
+    return refusal([&] { train(bar.model(), training); });
+  };
+  EXPECT_NE(refused("model: friction, friction_coefficient: 0.2", small_training()).find("'cable'"), std::string::npos);
+  ReducedTraining training = small_training();
+  training.box = {{0.85}, {0.95}};
+  EXPECT_NE(refused("compliance_m_n: 0", training).find("rest command 1"), std::string::npos);
+  training.box = {{0.85, 0.9}, {1.0}};
+  EXPECT_NE(refused("compliance_m_n: 0", training).find("each of 1"), std::string::npos);
+  training = small_training();
+  training.modes = 41;
+  EXPECT_NE(refused("compliance_m_n: 0", training).find("modes: 41"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -95,10 +95,9 @@ VolumePolynomials::Values VolumePolynomials::at(const Eigen::VectorXd& q) const 
 Eigen::MatrixXd VolumePolynomials::hessian(const Eigen::VectorXd& q, const Eigen::VectorXd& scales) const {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(modes_, modes_);
   for (Eigen::Index k = 0; k < count(); ++k) result += scales[k] * quadratic_[static_cast<std::size_t>(k)];
-  Eigen::VectorXd column(modes_);
   for (Eigen::Index i = 0, p = 0; i < modes_; ++i)
     for (Eigen::Index j = i; j < modes_; ++j, ++p) {
-      column.noalias() = Eigen::Map<const Eigen::MatrixXd>(cubic_.col(p).data(), modes_, count()) * scales;
+      const Eigen::VectorXd column = Eigen::Map<const Eigen::MatrixXd>(cubic_.col(p).data(), modes_, count()) * scales;
       result.col(i) += q[j] * column;
       result.col(j) += q[i] * column;  // twice where i = j
     }

@@ -23,10 +23,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("ROBOT", arguments.robot, "the robot's file, whose block casting has the limits")
       ->type_name("FILE")
       ->required();
-  app.add_option("--set", arguments.set, "a number of the file by its path, or a parameter that it names")
-      ->type_name("PATH=NUMBER")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_set_option(app, arguments.set);
   app.add_option("--result", arguments.result, "where the verdict goes as JSON")->type_name("FILE");
   app.footer("Exit status: 0 castable, 1 not, 2 bad file or arguments.");
 }

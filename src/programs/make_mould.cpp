@@ -30,10 +30,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("WHAT")
       ->delimiter(',')
       ->check(CLI::IsMember({"two_part"}));
-  app.add_option("--set", arguments.set, "a number of the file by its path, or a parameter that it names")
-      ->type_name("PATH=NUMBER")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_set_option(app, arguments.set);
   app.footer("Exit status: 0 made, 1 no mould can be made or it could not be written, 2 bad file or arguments.");
 }
 

@@ -88,10 +88,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--iterations", options.max_iterations, "of the method, at most")->type_name("N");
   app.add_option("--seed", options.seed, "of methods with random numbers")->type_name("N")->capture_default_str();
-  app.add_option("--set", arguments.set, "a number of the file by its path, or a parameter that it names")
-      ->type_name("PATH=NUMBER")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_set_option(app, arguments.set);
   app.add_option("--result", arguments.result, "where the answer goes as JSON")->type_name("FILE");
   app.add_option("--policy", arguments.policy, "where the policy goes as YAML")->type_name("FILE");
   app.add_option("--replay", arguments.replay, "show where this policy takes the markers, and search nothing")

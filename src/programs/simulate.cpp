@@ -27,10 +27,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("SCENE", arguments.scene, "a scene's or robot's file")->type_name("FILE")->required();
   app.add_option("--result", arguments.result, "where the result goes as JSON; otherwise to the standard output")
       ->type_name("FILE");
-  app.add_option("--set", arguments.set, "a number of the file by its path, or a parameter that it names")
-      ->type_name("PATH=NUMBER")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_set_option(app, arguments.set);
   app.add_flag("--estimate-error", arguments.estimate_error,
                "also report how wrong the scene's mesh and time step make the markers");
   app.footer(

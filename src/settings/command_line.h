@@ -10,6 +10,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <unistd.h>
@@ -29,6 +30,14 @@ inline void require_printed() {
   const bool still = errno == 0 && write(STDOUT_FILENO, "\n", 1) < 0;  // it failed before, for this reason
   throw WriteError("the standard output cannot be written" +
                    (errno != 0 || still ? std::string(": ") + std::strerror(errno) : ""));
+}
+
+// --set PATH=NUMBER, as often as wanted.
+inline void add_set_option(CLI::App& app, std::vector<std::string>& words) {
+  app.add_option("--set", words, "a number of the file by its path, or a parameter that it names")
+      ->type_name("PATH=NUMBER")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 // An option that there is not, before words that may only look wrong because of it.

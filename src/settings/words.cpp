@@ -37,6 +37,13 @@ std::string format_number(double value) {
   return text.str();
 }
 
+std::string html_escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text)
+    result += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+  return result;
+}
+
 std::string unknown_key_message(const std::string& key, std::vector<std::string> known) {
   if (std::find(known.begin(), known.end(), key) != known.end()) return "key '" + key + "' has no use here";
   std::string message = "unknown key '" + key + "'";

@@ -12,7 +12,8 @@ namespace soft_robot_lab {
 
 std::string join(const std::vector<std::string>& words);  // with commas
 std::string format_number(double value);
-std::string quote(const std::string& text);  // as YAML
+std::string quote(const std::string& text);         // as YAML
+std::string html_escaped(const std::string& text);  // for the text and attributes of a page
 std::string unknown_key_message(const std::string& key, std::vector<std::string> known);
 
 // A decimal number and nothing else, whatever the locale.

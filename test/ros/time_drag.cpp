@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Drags the target of a session round a circle, and prints how long the ghost takes to answer, and how near it gets.
 // For hands: `rosrun soft_robot_lab time_drag [TARGETS]` beside session.launch. No test compares speed.
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -20,17 +19,12 @@
 #include "ros/node_process.h"
 #include "ros/topics.h"
 #include "session_ears.h"
+#include "settings/quantile.h"
 
 namespace soft_robot_lab {
 namespace {
 
 using Feedback = visualization_msgs::InteractiveMarkerFeedback;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 // Of all its threads, as proc(5) counts them.
 double cpu_s(pid_t process) {
@@ -80,10 +74,12 @@ class Drag {
       spin_until([&] { return ros::WallTime::now() > start + ros::WallDuration(pause_s); }, 5.0);
     }
     const double cpu = (cpu_s(controller) - cpu_before_s) / targets;
+    if (walls_s.empty()) {
+      std::printf("none of %d targets answered\n", targets);
+      return;
+    }
     std::printf("%zu of %d targets answered: median %.3f s, slowest %.3f s, CPU %.3f s each; left over %.2f mm\n",
-                walls_s.size(), targets, median(walls_s),
-                walls_s.empty() ? 0.0 : *std::max_element(walls_s.begin(), walls_s.end()), cpu,
-                1e3 * median(distances_m));
+                walls_s.size(), targets, median(walls_s), quantile(walls_s, 1.0), cpu, 1e3 * median(distances_m));
   }
 
  private:

@@ -8,17 +8,24 @@
 namespace soft_robot_lab {
 namespace {
 
-Eigen::VectorXd flat(const PointGradient& gradient, const Eigen::Matrix3d& stress) {
-  return gradient.transpose() * Eigen::Map<const Eigen::Matrix<double, 9, 1>>(stress.data());
-}
+// How much a point's volume has grown.
+struct Growth {
+  FlatMatrix f;              // 1 + A
+  double value;              // det F - 1
+  Eigen::VectorXd gradient;  // d value / dq
 
-// d cof(F) . dF for each column of D: F x D_i, where x is the bilinear cofactor.
-PointGradient cofactor_changes(const Eigen::Matrix3d& f, const PointGradient& d) {
-  PointGradient changes(9, d.cols());
-  for (Eigen::Index i = 0; i < d.cols(); ++i) {
-    const Eigen::Map<const Eigen::Matrix3d> a(d.col(i).data());
-    Eigen::Map<Eigen::Matrix3d>(changes.col(i).data()) = cofactor(f + a) - cofactor(f) - cofactor(a);
+  Growth(const RestPoint& point, const Eigen::VectorXd& q) {
+    const Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity() + point.displacement_gradient(q);
+    f = Eigen::Map<const FlatMatrix>(matrix.data());
+    value = matrix.determinant() - 1.0;
+    gradient = point.gradient.transpose() * (0.5 * tensor_cross(f, f));
   }
+};
+
+// d cof(F) for each column of D: F x D_i.
+PointGradient cofactor_changes(const FlatMatrix& f, const PointGradient& d) {
+  PointGradient changes(9, d.cols());
+  for (Eigen::Index i = 0; i < d.cols(); ++i) changes.col(i) = tensor_cross(f, d.col(i));
   return changes;
 }
 
@@ -34,7 +41,7 @@ ReducedEnergy::ReducedEnergy(const Body& body, const ReducedBasis& basis)
   for (const RestPoint& point : points_) {
     rest_volume_m3_ += point.weight_m3;
     stretch_ += point.weight_m3 * point.gradient.transpose() * point.gradient;
-    linear_ += point.weight_m3 * flat(point.gradient, Eigen::Matrix3d::Identity());
+    linear_ += point.weight_m3 * traces(point.gradient);
   }
   const Eigen::Matrix3Xd forces = body.external_forces_n();
   loads_ = basis.modes.transpose() * Eigen::Map<const Eigen::VectorXd>(forces.data(), forces.size());
@@ -63,10 +70,10 @@ ReducedEnergy::Sums ReducedEnergy::sums(const Eigen::VectorXd& q, const Eigen::V
   result.value = 0.5 * mu_ * (3.0 * rest_volume_m3_ + 2.0 * linear_.dot(q) + q.dot(stretched)) +
                  volumes.values.dot(scales(r)) - r.squaredNorm() / (2.0 * lambda_) - loads_.dot(q);
   for (const RestPoint& point : points_) {
-    const Eigen::Matrix3d f = Eigen::Matrix3d::Identity() + point.displacement_gradient(q);
-    const double growth = f.determinant() - 1.0, weight = mu_ * point.weight_m3;
-    result.value += 0.5 * weight * growth * growth;
-    result.force += flat(point.gradient, weight * growth * cofactor(f));
+    const Growth growth(point, q);
+    const double weight = mu_ * point.weight_m3;
+    result.value += 0.5 * weight * growth.value * growth.value;
+    result.force += weight * growth.value * growth.gradient;
   }
   result.mismatch = volumes.values.head(r.size()) - r / lambda_;
   result.volume_gradients = volumes.gradients.leftCols(r.size());
@@ -76,11 +83,10 @@ ReducedEnergy::Sums ReducedEnergy::sums(const Eigen::VectorXd& q, const Eigen::V
 Eigen::MatrixXd ReducedEnergy::hessian(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const {
   Eigen::MatrixXd result = mu_ * stretch_ + volumes_.hessian(q, scales(r));
   for (const RestPoint& point : points_) {
-    const Eigen::Matrix3d f = Eigen::Matrix3d::Identity() + point.displacement_gradient(q);
-    const double growth = f.determinant() - 1.0, weight = mu_ * point.weight_m3;
-    const Eigen::VectorXd gradient = flat(point.gradient, cofactor(f));
-    result += weight * (gradient * gradient.transpose());
-    result += weight * growth * point.gradient.transpose() * cofactor_changes(f, point.gradient);
+    const Growth growth(point, q);
+    const double weight = mu_ * point.weight_m3;
+    result += weight * (growth.gradient * growth.gradient.transpose());
+    result += weight * growth.value * point.gradient.transpose() * cofactor_changes(growth.f, point.gradient);
   }
   return result;
 }
@@ -88,9 +94,8 @@ Eigen::MatrixXd ReducedEnergy::hessian(const Eigen::VectorXd& q, const Eigen::Ve
 Eigen::MatrixXd ReducedEnergy::point_forces(const Eigen::VectorXd& q) const {
   Eigen::MatrixXd forces(q.size(), static_cast<Eigen::Index>(points_.size()));
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Eigen::Matrix3d f = Eigen::Matrix3d::Identity() + points_[i].displacement_gradient(q);
-    forces.col(static_cast<Eigen::Index>(i)) =
-        flat(points_[i].gradient, mu_ * points_[i].weight_m3 * (f.determinant() - 1.0) * cofactor(f));
+    const Growth growth(points_[i], q);
+    forces.col(static_cast<Eigen::Index>(i)) = mu_ * points_[i].weight_m3 * growth.value * growth.gradient;
   }
   return forces;
 }

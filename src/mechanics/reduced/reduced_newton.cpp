@@ -54,6 +54,22 @@ Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns&
   return matrix;
 }
 
+Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedCables::Values& cables,
+                         const Eigen::VectorXd& tensions_n) {
+  const Eigen::Index m = inner.rows(), n = cables.gradients.rows(), y = tensions_n.size();
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(m + y, m + y);
+  matrix.topLeftCorner(m, m) = inner;
+  const double stiffness = inner.topLeftCorner(n, n).norm();
+  for (Eigen::Index c = 0; c < y; ++c) {
+    const ConstraintLaw& law = cables.laws[static_cast<std::size_t>(c)];
+    const bool taut = active(law, tensions_n[c]);
+    const double scale = stiffness / std::max(cables.gradients.col(c).norm(), 1e-300);
+    if (taut) matrix.col(m + c).head(n) = matrix.row(m + c).head(n) = scale * cables.gradients.col(c);
+    matrix(m + c, m + c) = taut ? -scale * scale * law.compliance : -stiffness;
+  }
+  return matrix;
+}
+
 ReducedNewton::Point ReducedNewton::point_at(const Problem& problem, ReducedUnknowns at) {
   ReducedCables::Values cables = problem.model.cables.at(at.q, at.tensions_n, problem.drives);
   ReducedEnergy::Sums sums = problem.model.energy.sums(at.q, at.pressures);
@@ -134,17 +150,9 @@ bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedU
   const ReducedCables::Values cables = model.cables.at(at.q, at.tensions_n, drives);
   const Eigen::MatrixXd volumes = model.energy.sums(at.q, at.pressures).volume_gradients;
   const Eigen::Index n = at.q.size(), y = at.tensions_n.size();
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n + y, n + y);
-  matrix.topLeftCorner(n, n) = reduced_matrix(model, at, volumes, cables, 0.0).topLeftCorner(n, n) +
-                               model.energy.lambda_pa() * volumes * volumes.transpose();
-  const double stiffness = matrix.norm();
-  for (Eigen::Index c = 0; c < y; ++c) {
-    const ConstraintLaw& law = cables.laws[static_cast<std::size_t>(c)];
-    const bool taut = active(law, at.tensions_n[c]);
-    const double scale = stiffness / std::max(cables.gradients.col(c).norm(), 1e-300);
-    if (taut) matrix.col(n + c).head(n) = matrix.row(n + c).head(n) = scale * cables.gradients.col(c);
-    matrix(n + c, n + c) = taut ? -scale * scale * law.compliance : -stiffness;
-  }
+  const Eigen::MatrixXd stiffness = reduced_matrix(model, at, volumes, cables, 0.0).topLeftCorner(n, n) +
+                                    model.energy.lambda_pa() * volumes * volumes.transpose();
+  const Eigen::MatrixXd matrix = bordered(stiffness, cables, at.tensions_n);
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues()[y] > 0.0;
 }
 

@@ -30,6 +30,11 @@ Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns&
                                const Eigen::MatrixXd& volume_gradients, const ReducedCables::Values& cables,
                                double inertia_per_s2);
 
+// A matrix whose first rows and columns are q's, with a row and column for each cable below: its gradient where it is
+// taut, scaled to the matrix, and a negative pivot alone where it is slack.
+Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedCables::Values& cables,
+                         const Eigen::VectorXd& tensions_n);
+
 // Newton's method on q, pressures and tensions together; the cables are a border (MultiplierProblem). A step is cut
 // until the next one by the same factor is shorter (natural monotonicity test, Deuflhard 2004, 3.3). A factor serves as
 // long as each step is less than 0.3 of the one before.

@@ -48,6 +48,7 @@ class ReducedSimulation {
   const ReducedState& state() const { return state_; }
   void set_state(const ReducedState& state) { state_ = state; }
   const ReducedModel& model() const { return *model_; }
+  const std::vector<std::unique_ptr<const Actuator>>& actuators() const { return model_->full->actuators(); }
   Eigen::Matrix3Xd positions_m() const { return model_->positions_m(state_.at.q); }
 
  private:

@@ -37,9 +37,13 @@ std::vector<RestPoint> rest_points(const TetMesh& mesh, const Eigen::MatrixXd& m
   return points;
 }
 
-Eigen::Matrix3d cofactor(const Eigen::Matrix3d& f) {
-  Eigen::Matrix3d result;
-  result << f.col(1).cross(f.col(2)), f.col(2).cross(f.col(0)), f.col(0).cross(f.col(1));
+FlatMatrix tensor_cross(const Eigen::Ref<const FlatMatrix>& a, const Eigen::Ref<const FlatMatrix>& b) {
+  FlatMatrix result;
+  for (int c = 0; c < 3; ++c) {
+    const int u = 3 * ((c + 1) % 3), v = 3 * ((c + 2) % 3);
+    const Eigen::Vector3d au = a.segment<3>(u), av = a.segment<3>(v), bu = b.segment<3>(u), bv = b.segment<3>(v);
+    result.segment<3>(3 * c) = au.cross(bv) + bu.cross(av);
+  }
   return result;
 }
 

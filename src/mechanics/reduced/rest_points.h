@@ -24,10 +24,15 @@ struct RestPoint {
   }
 };
 
+inline Eigen::VectorXd traces(const PointGradient& d) { return (d.row(0) + d.row(4) + d.row(8)).transpose(); }
+
 // The quadrature points of all elements, four each; `modes`: displacements over 3*node + axis, one column a mode.
 std::vector<RestPoint> rest_points(const TetMesh& mesh, const Eigen::MatrixXd& modes);
 
-// Of F = 1 + A, column after column; d(det F)/dF.
-Eigen::Matrix3d cofactor(const Eigen::Matrix3d& f);
+// Matrices column after column.
+using FlatMatrix = Eigen::Matrix<double, 9, 1>;
+
+// A x B with  cof(A + B) = cof A + A x B + cof B;  half of A x A is cof A, the gradient of det A.
+FlatMatrix tensor_cross(const Eigen::Ref<const FlatMatrix>& a, const Eigen::Ref<const FlatMatrix>& b);
 
 }  // namespace soft_robot_lab

@@ -35,11 +35,6 @@ std::vector<double> commands_in(const CommandBox& box, std::size_t i) {
   return commands;
 }
 
-void command(const std::vector<double>& commands, Simulation& simulation) {
-  for (std::size_t a = 0; a < commands.size(); ++a)
-    simulation.set_command(simulation.actuators()[a]->name(), commands[a]);
-}
-
 std::vector<std::vector<double>> transient_commands(const CommandBox& box, double duration_s, unsigned seed) {
   std::mt19937 generator(seed);
   std::vector<std::vector<double>> targets(static_cast<std::size_t>(std::ceil(duration_s / kTransientHold_s)));

@@ -23,7 +23,12 @@ Snapshot snapshot_of(const Simulation& simulation, double inertia_per_s2);
 // Commands number `i` of a sequence that fills the box evenly (Halton 1960).
 std::vector<double> commands_in(const CommandBox& box, std::size_t i);
 
-void command(const std::vector<double>& commands, Simulation& simulation);
+// Of the full or of the reduced model, in its order of actuators.
+template <class AnySimulation>
+void command(const std::vector<double>& commands, AnySimulation& simulation) {
+  for (std::size_t a = 0; a < commands.size(); ++a)
+    simulation.set_command(simulation.actuators()[a]->name(), commands[a]);
+}
 
 // New commands whenever this time has passed, of a sequence by `seed`.
 constexpr double kTransientHold_s = 5.0 / 6.0;

@@ -11,6 +11,7 @@
 #include "mechanics/elements/elements.h"
 #include "mechanics/newton/multiplier_problem.h"
 #include "mechanics/simulation/require.h"
+#include "mechanics/simulation/workspace.h"
 #include "pod.h"
 #include "point_cubature.h"
 #include "reduced_newton.h"
@@ -115,11 +116,8 @@ Collected collect(const std::shared_ptr<const Model>& model, const ReducedTraini
   return all;
 }
 
-Eigen::VectorXd element_volumes_m3(const TetMesh& mesh) {
-  Eigen::VectorXd volumes = Eigen::VectorXd::Zero(mesh.tet_count());
-  const Eigen::MatrixXd no_modes(3 * mesh.node_count(), 0);
-  for (const RestPoint& point : rest_points(mesh, no_modes)) volumes[point.element] += point.weight_m3;
-  return volumes;
+const Eigen::VectorXd& element_volumes_m3(const Model& model) {
+  return model.tables().newton->elements->rest_volumes_m3();
 }
 
 Eigen::VectorXd masses_of_axes_kg(const Body& body) {
@@ -129,7 +127,7 @@ Eigen::VectorXd masses_of_axes_kg(const Body& body) {
 }
 
 // A third as many pressures as modes: more of them lock, fewer leave the volume free.
-ReducedBasis basis_of(const std::vector<Snapshot>& snapshots, const Body& body, int modes) {
+ReducedBasis basis_of(const std::vector<Snapshot>& snapshots, const Model& model, int modes) {
   const auto count = static_cast<Eigen::Index>(snapshots.size());
   Eigen::MatrixXd displacements(snapshots[0].displacement_m.size(), count);
   Eigen::MatrixXd multipliers(snapshots[0].multipliers_pa.size(), count);
@@ -138,9 +136,9 @@ ReducedBasis basis_of(const std::vector<Snapshot>& snapshots, const Body& body, 
     multipliers.col(i) = snapshots[static_cast<std::size_t>(i)].multipliers_pa;
   }
   ReducedBasis basis;
-  basis.modes = pod(displacements, masses_of_axes_kg(body), modes);
+  basis.modes = pod(displacements, masses_of_axes_kg(model.body()), modes);
   const int pressures = std::max(1, static_cast<int>(std::lround(static_cast<double>(basis.modes.cols()) / 3.0)));
-  basis.pressures = pod(multipliers, element_volumes_m3(body.mesh()), pressures);
+  basis.pressures = pod(multipliers, element_volumes_m3(model), pressures);
   return basis;
 }
 
@@ -153,21 +151,14 @@ Eigen::MatrixXd point_motions(const ReducedModel& model, const Snapshot& at, con
   const ReducedCables::Values cables = model.cables.at(unknowns.q, unknowns.tensions_n, at.drives);
   const Eigen::MatrixXd volumes = model.energy.sums(unknowns.q, unknowns.pressures).volume_gradients;
   const Eigen::MatrixXd inner = reduced_matrix(model, unknowns, volumes, cables, at.inertia_per_s2);
-  const Eigen::Index n = unknowns.q.size(), m = inner.rows(), y = unknowns.tensions_n.size();
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(m + y, m + y);
-  matrix.topLeftCorner(m, m) = inner;
-  for (Eigen::Index c = 0; c < y; ++c) {
-    const ConstraintLaw& law = cables.laws[static_cast<std::size_t>(c)];
-    const bool taut = active(law, unknowns.tensions_n[c]);
-    if (taut) matrix.col(m + c).head(n) = matrix.row(m + c).head(n) = cables.gradients.col(c);
-    matrix(m + c, m + c) = taut ? -law.compliance : 1.0;
-  }
+  const Eigen::Index n = unknowns.q.size();
+  const Eigen::MatrixXd matrix = bordered(inner, cables, unknowns.tensions_n);
   return matrix.inverse().topLeftCorner(n, n) * model.energy.point_forces(unknowns.q) / std::sqrt(model.mass_kg);
 }
 
 void choose_points(const std::vector<Snapshot>& snapshots, double tolerance_m, ReducedModel& model) {
   const Eigen::VectorXd masses_kg = masses_of_axes_kg(model.full->body());
-  const Eigen::VectorXd volumes_m3 = element_volumes_m3(model.full->body().mesh());
+  const Eigen::VectorXd& volumes_m3 = element_volumes_m3(*model.full);
   const std::size_t states = std::min(kCubatureStates, snapshots.size());
   const Eigen::Index n = model.energy.modes();
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(states) * n, static_cast<Eigen::Index>(model.energy.points().size()));
@@ -200,19 +191,13 @@ class ErrorSum {
   double squares_ = 0.0;
 };
 
-void command_all(const std::vector<double>& commands, ReducedSimulation& simulation) {
-  for (std::size_t a = 0; a < commands.size(); ++a)
-    simulation.set_command(simulation.model().full->actuators()[a]->name(), commands[a]);
-}
-
 }  // namespace
 
 std::shared_ptr<const ReducedModel> train(const std::shared_ptr<const Model>& model, const ReducedTraining& training) {
   require_valid(*model, training);
   ReducedCables(*model, Eigen::MatrixXd(3 * model->body().mesh().node_count(), 0));  // refuses others before the work
   const Collected all = collect(model, training);
-  auto reduced =
-      std::make_shared<ReducedModel>(model, training.box, basis_of(all.snapshots, model->body(), training.modes));
+  auto reduced = std::make_shared<ReducedModel>(model, training.box, basis_of(all.snapshots, *model, training.modes));
   reduced->snapshots = static_cast<int>(all.snapshots.size());
   reduced->failed_solves = all.failed;
   if (training.cubature_tolerance_m > 0.0) choose_points(all.snapshots, training.cubature_tolerance_m, *reduced);
@@ -228,7 +213,7 @@ ReducedError held_out_equilibria(const std::shared_ptr<const ReducedModel>& redu
     full.reset();
     fast.reset();
     command(commands, full);
-    command_all(commands, fast);
+    command(commands, fast);
     const bool exact = full.solve_equilibrium().converged, solved = fast.solve_equilibrium().converged;
     sum.add(exact && solved, full.state().positions_m, fast.positions_m());
   }
@@ -252,7 +237,7 @@ ReducedError held_out_transient(const std::shared_ptr<const ReducedModel>& reduc
   Simulation full(reduced->full);
   ReducedSimulation fast(reduced);
   run_transient(reduced->box, duration_s, kHeldOutSeed, full, [&](int /*step*/, bool converged) {
-    command_all(full.state().commands(), fast);
+    command(full.state().commands(), fast);
     const bool solved = fast.step().converged;  // before the arguments below, whose order is free
     sum.add(solved && converged, full.state().positions_m, fast.positions_m());
   });

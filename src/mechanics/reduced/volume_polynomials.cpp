@@ -8,19 +8,6 @@ namespace {
 
 constexpr std::size_t kPointsOfElement = 4;
 
-using Columns = Eigen::Ref<const Eigen::Matrix<double, 9, 1>>;
-
-// A x B with  cof(A + B) = cof A + A x B + cof B;  half of A x A is cof A.
-Eigen::Matrix<double, 9, 1> tensor_cross(const Columns& a, const Columns& b) {
-  Eigen::Matrix<double, 9, 1> result;
-  for (int c = 0; c < 3; ++c) {
-    const int u = 3 * ((c + 1) % 3), v = 3 * ((c + 2) % 3);
-    const Eigen::Vector3d au = a.segment<3>(u), av = a.segment<3>(v), bu = b.segment<3>(u), bv = b.segment<3>(v);
-    result.segment<3>(3 * c) = au.cross(bv) + bu.cross(av);
-  }
-  return result;
-}
-
 Eigen::MatrixXd all_crosses(const PointGradient& d) {
   const Eigen::Index n = d.cols();
   Eigen::MatrixXd crosses(9, n * (n + 1) / 2);
@@ -28,8 +15,6 @@ Eigen::MatrixXd all_crosses(const PointGradient& d) {
     for (Eigen::Index j = i; j < n; ++j, ++p) crosses.col(p) = (i == j ? 0.5 : 1.0) * tensor_cross(d.col(i), d.col(j));
   return crosses;
 }
-
-Eigen::VectorXd traces(const PointGradient& d) { return (d.row(0) + d.row(4) + d.row(8)).transpose(); }
 
 PointGradient transposed(const PointGradient& d) {
   PointGradient result(9, d.cols());

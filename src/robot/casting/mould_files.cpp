@@ -12,6 +12,7 @@
 
 #include "make_mould.h"
 #include "mould_picture.h"
+#include "settings/words.h"
 #include "settings/write_file.h"
 
 namespace soft_robot_lab {
@@ -58,12 +59,6 @@ OrderedJson part_json(const MouldPart& part) {
   for (int i = 0; i < 3; ++i) json["rotation"].push_back(triple(part.rotation.row(i).transpose()));
   json["offset_m"] = triple(part.offset_m);
   return json;
-}
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) result += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return result;
 }
 
 std::string rounded(double value, int digits) {
@@ -186,8 +181,8 @@ std::string mould_json(const Mould& mould) {
 std::string mould_instructions(const Mould& mould, const std::string& robot_name) {
   std::string list;
   for (const std::string& step : steps_of(mould)) list += "<li>" + step + "</li>\n";
-  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Casting " + escaped(robot_name) +
-         "</title></head><body>\n<h1>Casting " + escaped(robot_name) + "</h1>\n" + parts_table(mould) + "<ol>\n" +
+  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Casting " + html_escaped(robot_name) +
+         "</title></head><body>\n<h1>Casting " + html_escaped(robot_name) + "</h1>\n" + parts_table(mould) + "<ol>\n" +
          list + "</ol>\n" + pictures_html(mould) + "</body></html>\n";
 }
 

@@ -94,9 +94,8 @@ double cone_volume(double height_m, double r, double s) { return M_PI / 3 * heig
 
 // --- one part ---
 
-void add_air_holes(const CastRobot& robot, const CastingSettings& settings, MouldPlan& plan) {
+void add_air_holes(const RayTree& tree, const CastingSettings& settings, MouldPlan& plan) {
   if (!settings.air_holes) return;
-  const RayTree tree(robot.surface);
   const Vector3d up = plan.frame.col(2);
   const double floor_m = plan.low_m.z() - settings.mould.wall_m;
   for (const Pocket& pocket : find_pockets(tree, plan.direction, settings.notch_radius_m).pockets) {
@@ -118,7 +117,7 @@ MouldPlan plan_one_part(const CastRobot& robot, const Solid& solid, const Castin
   const Vector3d wall = Vector3d::Constant(settings.mould.wall_m);
   const Vector3d low = plan.low_m - wall, high = plan.high_m + Vector3d(wall.x(), wall.y(), 0);
   plan.block_volume_m3 = box_volume(low, high);
-  add_air_holes(robot, settings, plan);
+  add_air_holes(tree, settings, plan);
   std::vector<Solid> parts{block(plan.frame, low, high), solid};
   for (const AirHole& hole : plan.air_holes)
     parts.push_back(

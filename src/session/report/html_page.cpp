@@ -5,6 +5,8 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "settings/words.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -17,14 +19,6 @@ img { max-width: 100%; border: 1px solid #eee; }
 pre { background: #f6f6f6; padding: 1em; overflow-x: auto; font-size: 85%; }
 .failed { color: #a00; font-weight: bold; }
 </style>)";
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    result += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-  }
-  return result;
-}
 
 std::string base64(const std::string& bytes) {
   constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -47,35 +41,36 @@ std::string media_type(const std::string& file) {
 }  // namespace
 
 HtmlPage::HtmlPage(const std::string& title) {
-  body_ << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>soft_robot_lab: " << escaped(title)
-        << "</title>\n"
-        << kStyle << "</head><body>\n<h1>" << escaped(title) << "</h1>\n";
+  body_ << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>soft_robot_lab: "
+        << html_escaped(title) << "</title>\n"
+        << kStyle << "</head><body>\n<h1>" << html_escaped(title) << "</h1>\n";
 }
 
 void HtmlPage::heading(const std::string& text, const std::string& anchor) {
-  body_ << "<h2" << (anchor.empty() ? "" : " id=\"" + escaped(anchor) + "\"") << ">" << escaped(text) << "</h2>\n";
+  body_ << "<h2" << (anchor.empty() ? "" : " id=\"" + html_escaped(anchor) + "\"") << ">" << html_escaped(text)
+        << "</h2>\n";
 }
 
 void HtmlPage::link(const std::string& text, const std::string& anchor) {
-  body_ << "<p><a href=\"#" << escaped(anchor) << "\">" << escaped(text) << "</a></p>\n";
+  body_ << "<p><a href=\"#" << html_escaped(anchor) << "\">" << html_escaped(text) << "</a></p>\n";
 }
 
 void HtmlPage::paragraph(const std::string& text, const std::string& lead) {
-  body_ << "<p>" << (lead.empty() ? "" : "<b>" + escaped(lead) + "</b> ") << escaped(text) << "</p>\n";
+  body_ << "<p>" << (lead.empty() ? "" : "<b>" + html_escaped(lead) + "</b> ") << html_escaped(text) << "</p>\n";
 }
 
-void HtmlPage::failure(const std::string& text) { body_ << "<p class=\"failed\">" << escaped(text) << "</p>\n"; }
+void HtmlPage::failure(const std::string& text) { body_ << "<p class=\"failed\">" << html_escaped(text) << "</p>\n"; }
 
 void HtmlPage::table(const Table& table) {
   body_ << "<table><tr>";
-  for (const TableColumn& column : table.columns) body_ << "<th>" << escaped(column.name) << "</th>";
+  for (const TableColumn& column : table.columns) body_ << "<th>" << html_escaped(column.name) << "</th>";
   body_ << "</tr>\n";
   for (const auto& row : table.rows) {
     body_ << "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
       body_.precision(table.columns[i].digits);
       if (const auto* text = std::get_if<std::string>(&row[i])) {
-        body_ << "<td>" << escaped(*text) << "</td>";
+        body_ << "<td>" << html_escaped(*text) << "</td>";
       } else {
         body_ << "<td class=\"number\">" << std::get<double>(row[i]) << "</td>";
       }
@@ -92,13 +87,13 @@ void HtmlPage::pictures(const std::vector<std::string>& files) {
     std::ifstream file(path, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(file)), {});
     if (!file || bytes.empty()) throw std::runtime_error(path + ": cannot be read, or is empty");
-    body_ << "<img" << width << " alt=\"" << escaped(path.substr(path.rfind('/') + 1))
+    body_ << "<img" << width << " alt=\"" << html_escaped(path.substr(path.rfind('/') + 1))
           << "\" src=\"data:" << media_type(path) << ";base64," << base64(bytes) << "\">\n";
   }
   body_ << "</p>\n";
 }
 
-void HtmlPage::text(const std::string& lines) { body_ << "<pre>" << escaped(lines) << "</pre>\n"; }
+void HtmlPage::text(const std::string& lines) { body_ << "<pre>" << html_escaped(lines) << "</pre>\n"; }
 
 std::string HtmlPage::html() const { return body_.str() + "</body></html>\n"; }
 

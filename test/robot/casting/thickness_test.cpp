@@ -44,7 +44,8 @@ TEST(Thickness, OfAWedgeOfTwentyDegreesGoesToZero) {
 }
 
 TEST(Thickness, OfTheSourcesConeAtARimBelowNinetyDegreesIsTheLimitTimesItsSine) {
-  // As the source defines it: a place on the top farther from the rim than the limit, nearer to the side.
+  // By equation 2.5 of the source: a place on the top farther from the rim than the limit, nearer to the side, is
+  // joined to it by no path within the limit.
   const double draft = std::atan(0.005 / 0.03);
   const Thickness t = measure(frustum({0.015, 0.015}, {0.02, 0.02}, 0.03).surface(), 0.002);
   EXPECT_GE(t.cone.worst_m, 0.002 * std::cos(draft) * (1 - 1e-6));

@@ -68,6 +68,8 @@ class Body {
   // motion out of range, two of one name, and one that is inside the body, with depth and place.
   void set_obstacles(std::vector<Obstacle> obstacles);
 
+  void let_touch_itself() { touches_itself_ = true; }  // its skin does not pass through itself, without friction
+
   void set_gravity(const Eigen::Vector3d& gravity_m_s2) { gravity_m_s2_ = gravity_m_s2; }
 
   const TetMesh& mesh() const { return mesh_; }
@@ -83,6 +85,7 @@ class Body {
   // Puts the nodes of holds that move to where these are at a time.
   void place_held_nodes(double time_s, Eigen::Matrix3Xd& positions_m) const;
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+  bool touches_itself() const { return touches_itself_; }
   const Eigen::VectorXd& node_masses_kg() const { return node_masses_kg_; }  // with what hangs on the body
   const Eigen::VectorXd& hung_masses_kg() const { return hung_masses_kg_; }  // of them
   const Eigen::Vector3d& gravity_m_s2() const { return gravity_m_s2_; }
@@ -101,6 +104,7 @@ class Body {
   Eigen::VectorXd hung_weights_kg_;  // as the point's weights share it; may be negative
   Eigen::Matrix3Xd dead_loads_n_;
   std::vector<Obstacle> obstacles_;
+  bool touches_itself_ = false;
   Eigen::Vector3d gravity_m_s2_ = Eigen::Vector3d::Zero();
 };
 

@@ -63,20 +63,23 @@ struct Obstacle {
   void validate() const;  // throws std::invalid_argument: field, value, allowed range
 };
 
-// What a body and an obstacle do to one another. Areas are of the present shape.
+inline constexpr const char* kSkin = "skin";  // a body's own, where it touches itself; no obstacle's name
+
+// What a body and an obstacle, or its own skin, do to one another. Areas are of the present shape.
 struct ContactReading {
-  std::string obstacle;
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();      // of the obstacle on the body
+  std::string surface;                                    // the obstacle's name, or kSkin
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();      // of the obstacle on the body; skin pushes both ways: zero
+  double normal_force_n = 0.0;                            // sum of the pressures' forces
   double area_m2 = 0.0;                                   // with pressure
   double sticking_area_m2 = 0.0, slipping_area_m2 = 0.0;  // of it, where there is friction
   double largest_penetration_m = 0.0;
   double largest_pressure_pa = 0.0;  // force per rest area
 };
 
-// What contact adds to the state of a simulation. Plain numbers; all empty without obstacles.
+// What contact adds to the state of a simulation. Plain numbers; all empty without contact.
 struct ContactState {
   double time_s = 0.0;           // of the obstacles' motion
-  Eigen::VectorXd pressures_pa;  // per obstacle, per contact point
+  Eigen::VectorXd pressures_pa;  // per obstacle, and last the body's own skin; per contact point
   // Per obstacle with friction, per contact point, in the frame of the obstacle's shape: where the skin sticks, or
   // where it was when it did not touch.
   Eigen::Matrix3Xd anchors_m;

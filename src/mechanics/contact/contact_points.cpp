@@ -42,7 +42,7 @@ ContactPoints::ContactPoints(const Body& body) {
   sizes_m_.resize(faces_.cols());
   for (int face = 0; face < face_count(); ++face) {
     for (int place = 0; place < kPointsPerFace; ++place)
-      weights_m2_[kPointsPerFace * face + place] = area_m2(face, place, mesh.nodes_m);
+      weights_m2_[kPointsPerFace * face + place] = present_area_m2(kPointsPerFace * face + place, mesh.nodes_m);
     sizes_m_[face] = std::sqrt(2.0 * weights_m2_.segment<kPointsPerFace>(kPointsPerFace * face).sum());
   }
 }
@@ -54,17 +54,18 @@ Eigen::Vector3d ContactPoints::at(int point, const Eigen::Matrix3Xd& columns) co
   return sum;
 }
 
-double ContactPoints::area_m2(int face, int place, const Eigen::Matrix3Xd& positions_m) const {
+Eigen::Vector3d ContactPoints::outward_m2(int point, const Eigen::Matrix3Xd& positions_m) const {
+  const int face = face_of(point), place = point % kPointsPerFace;
   Eigen::Vector3d along_r = Eigen::Vector3d::Zero(), along_s = Eigen::Vector3d::Zero();
   for (int a = 0; a < nodes_per_face(); ++a) {
     along_r += along_r_(a, place) * positions_m.col(faces_(a, face));
     along_s += along_s_(a, place) * positions_m.col(faces_(a, face));
   }
-  return along_r.cross(along_s).norm() / (2.0 * kPointsPerFace);
+  return along_r.cross(along_s) / (2.0 * kPointsPerFace);
 }
 
 double ContactPoints::present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const {
-  return area_m2(face_of(point), point % kPointsPerFace, positions_m);
+  return outward_m2(point, positions_m).norm();
 }
 
 }  // namespace soft_robot_lab

@@ -31,9 +31,9 @@ class ContactPoints {
 
   Eigen::Vector3d at(int point, const Eigen::Matrix3Xd& columns) const;          // the nodes' columns, interpolated
   double present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // what weight_m2 has become
+  Eigen::Vector3d outward_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // normal, as long as that
 
  private:
-  double area_m2(int face, int place, const Eigen::Matrix3Xd& positions_m) const;
 
   Eigen::MatrixXi faces_;
   Eigen::MatrixXd shape_;              // nodes x points of a face

@@ -15,7 +15,9 @@ constexpr double kAtLimit = 1.0 + 1e-6;  // an anchor that was dragged along is 
 
 ContactTerm::ContactTerm(const Body& body)
     : obstacles_(body.obstacles()),
-      points_(obstacles_.empty() ? ContactPoints() : ContactPoints(body)),
+      touches_itself_(body.touches_itself()),
+      points_(empty() ? ContactPoints() : ContactPoints(body)),
+      skin_(touches_itself_ ? SkinPairs(body, points_) : SkinPairs()),
       youngs_modulus_pa_(body.material().youngs_modulus_pa) {
   int anchors = 0;
   for (const Obstacle& obstacle : obstacles_) {
@@ -55,7 +57,7 @@ ContactState ContactTerm::untouched(const Eigen::Matrix3Xd& positions_m, double 
   ContactState state;
   if (empty()) return state;
   state.time_s = time_s;
-  state.pressures_pa = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(obstacles_.size()) * points_.count());
+  state.pressures_pa = Eigen::VectorXd::Zero(pair_count());
   const auto rubbing = std::count_if(first_anchor_.begin(), first_anchor_.end(), [](int first) { return first >= 0; });
   state.anchors_m = Eigen::Matrix3Xd::Zero(3, rubbing * points_.count());
   commit(positions_m, state);
@@ -73,6 +75,7 @@ ContactSums ContactTerm::sums(const Eigen::Matrix3Xd& positions_m, const Contact
   if (empty()) return sums;
   sums.points_m = all_points(positions_m);
   for (std::size_t i = 0; i < obstacles_.size(); ++i) find_touches(static_cast<int>(i), state, sums);
+  if (touches_itself_) find_skin_touches(positions_m, state, sums);
   for (const ContactTouch& touch : sums.touches) {
     const double off_m = law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa);
     sums.mismatch = std::max(sums.mismatch, std::abs(off_m) / points_.face_size_m(point_of(touch.pair)));
@@ -98,10 +101,38 @@ void ContactTerm::find_touches(int obstacle, const ContactState& state, ContactS
       const double pressure_pa = state.pressures_pa[pair];
       const bool closed = law(pair).closed(gap.gap_m, pressure_pa);
       if (!closed && pressure_pa == 0.0) continue;
-      ContactTouch touch{pair, closed, gap.gap_m, pressure_pa, gap.normal, gap.hessian};
+      ContactTouch touch{pair, closed, gap.gap_m, pressure_pa, gap.normal, gap.hessian, {}};
       if (one.friction > 0.0) add_friction(pose, obstacle, state, sums, touch);
       sums.touches.push_back(std::move(touch));
     }
+  }
+}
+
+// A point that has lost the skin it pressed against is a face's size away from it: open.
+void ContactTerm::find_skin_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                                    ContactSums& sums) const {
+  skin_.prepare(positions_m);
+  const int first_pair = static_cast<int>(obstacles_.size()) * points_.count();
+  for (int point = 0; point < points_.count(); ++point) {
+    const int pair = first_pair + point, face = ContactPoints::face_of(point);
+    const double pressure_pa = state.pressures_pa[pair];
+    if (pressure_pa == 0.0 && !skin_.any_near(face)) continue;
+    const std::optional<SkinGap> met =
+        skin_.meet(face, sums.points_m.col(point), points_.outward_m2(point, positions_m), positions_m);
+    const double gap_m = met ? met->gap_m : points_.face_size_m(point);
+    const bool closed = met && law(pair).closed(gap_m, pressure_pa);
+    if (!closed && pressure_pa == 0.0) continue;
+    ContactTouch touch;
+    touch.pair = pair;
+    touch.closed = closed;
+    touch.gap_m = gap_m;
+    touch.pressure_pa = pressure_pa;
+    if (met) {
+      touch.normal = met->normal;
+      touch.bend = met->curvature_per_m;
+      touch.met = met->at;
+    }
+    sums.touches.push_back(std::move(touch));
   }
 }
 
@@ -115,17 +146,31 @@ void ContactTerm::add_friction(const Eigen::Isometry3d& pose, int obstacle, cons
   touch.away_m = away_m - touch.normal * touch.normal.dot(away_m);
 }
 
-void ContactTerm::add_at(int pair, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const {
-  const int point = point_of(pair), face = ContactPoints::face_of(point);
+void ContactTerm::add_at(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const {
+  const int point = point_of(touch.pair), face = ContactPoints::face_of(point);
   const auto shape = points_.shape(point);
   for (int a = 0; a < points_.nodes_per_face(); ++a) forces_n.col(points_.node(face, a)) += shape[a] * force_n;
+  if (!touch.on_skin()) return;
+  for (int a = 0; a < points_.nodes_per_face(); ++a)
+    forces_n.col(skin_.node(touch.met.face, a)) -= touch.met.shape[a] * force_n;
+}
+
+Eigen::Vector3d ContactTerm::relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const {
+  Eigen::Vector3d relative_m = points_.at(point_of(touch.pair), motion_m);
+  for (int a = 0; touch.on_skin() && a < points_.nodes_per_face(); ++a)
+    relative_m -= touch.met.shape[a] * motion_m.col(skin_.node(touch.met.face, a));
+  return relative_m;
+}
+
+FacePair ContactTerm::faces_of(const ContactTouch& touch) const {
+  return {ContactPoints::face_of(point_of(touch.pair)), touch.met.face};
 }
 
 void ContactTerm::add_forces(const ContactSums& at, Eigen::Matrix3Xd& residual_n) const {
   for (const ContactTouch& touch : at.touches) {
     Eigen::Vector3d force_pa = -touch.pressure_pa * touch.normal;
     if (touch.rubs()) force_pa += touch.friction.traction_pa(touch.away_m);
-    add_at(touch.pair, weight_m2(touch.pair) * force_pa, residual_n);
+    add_at(touch, weight_m2(touch.pair) * force_pa, residual_n);
   }
 }
 
@@ -133,7 +178,7 @@ void ContactTerm::add_hessian(const std::vector<ContactTouch>& touches, bool con
                               CliqueSink& matrix) const {
   const int nodes = points_.nodes_per_face();
   for (const ContactTouch& touch : touches) {
-    if (!touch.closed) continue;
+    if (!touch.closed || touch.on_skin()) continue;
     const NormalLaw normal = law(touch.pair);
     const double compliance_m_pa = soft ? normal.soft_m_pa : normal.compliance_m_pa;
     Eigen::Matrix3d block = touch.normal * touch.normal.transpose() / compliance_m_pa;
@@ -145,13 +190,37 @@ void ContactTerm::add_hessian(const std::vector<ContactTouch>& touches, bool con
   }
 }
 
+Eigen::MatrixXd ContactTerm::skin_hessian(const ContactTouch& touch, bool convex, bool soft) const {
+  const int nodes = points_.nodes_per_face(), point = point_of(touch.pair);
+  const NormalLaw normal = law(touch.pair);
+  const double weight_m2 = points_.weight_m2(point);
+  Eigen::VectorXd shape(2 * nodes);
+  shape << points_.shape(point), -touch.met.shape.head(nodes);
+  // Rows of the gap's derivatives: of itself, of the coordinates where it is met, of the normal's turning.
+  Eigen::MatrixXd gap(1, 6 * nodes), local(2, 6 * nodes), turn = Eigen::MatrixXd::Zero(2, 6 * nodes);
+  for (int a = 0; a < 2 * nodes; ++a) {
+    gap.middleCols<3>(3 * a) = shape[a] * touch.normal.transpose();
+    local.middleCols<3>(3 * a) = shape[a] * touch.met.dual_per_m.transpose();
+    if (a >= nodes) turn.middleCols<3>(3 * a) = touch.met.slopes.row(a - nodes).transpose() * touch.normal.transpose();
+  }
+  Eigen::MatrixXd sum = gap.transpose() * gap * (weight_m2 / (soft ? normal.soft_m_pa : normal.compliance_m_pa));
+  if (convex) return sum;
+  const double push_n = weight_m2 * touch.pressure_pa;
+  const Eigen::MatrixXd turned = turn.transpose() * local;
+  sum += push_n * (turned + turned.transpose());
+  for (int a = 0; a < 2 * nodes; ++a)
+    for (int b = 0; b < 2 * nodes; ++b)
+      sum.block<3, 3>(3 * a, 3 * b) += push_n * shape[a] * shape[b] * touch.bend;
+  return sum;
+}
+
 bool ContactTerm::same_set(const std::vector<ContactTouch>& a, const std::vector<ContactTouch>& b) {
   const auto next_closed = [](auto at, auto end) {
     return std::find_if(at, end, [](const ContactTouch& touch) { return touch.closed; });
   };
   auto i = next_closed(a.begin(), a.end()), j = next_closed(b.begin(), b.end());
   for (; i != a.end() && j != b.end(); i = next_closed(i + 1, a.end()), j = next_closed(j + 1, b.end())) {
-    if (i->pair != j->pair) return false;
+    if (i->pair != j->pair || i->met.face != j->met.face) return false;
   }
   return i == a.end() && j == b.end();
 }
@@ -168,26 +237,26 @@ void ContactTerm::add_mismatch_forces(const std::vector<ContactTouch>& linearise
       const bool known = made != linearised.end() && made->pair == touch.pair;
       force_pa = off_m / law(touch.pair).compliance_m_pa * (known ? made->normal : touch.normal);
     }
-    add_at(touch.pair, weight_m2(touch.pair) * force_pa, forces_n);
+    add_at(touch, weight_m2(touch.pair) * force_pa, forces_n);
   }
 }
 
 Eigen::VectorXd ContactTerm::next_pressures_pa(const std::vector<ContactTouch>& linearised, const ContactSums& here,
                                                const Eigen::Matrix3Xd& motion_m) const {
-  Eigen::VectorXd next = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(obstacles_.size()) * points_.count());
+  Eigen::VectorXd next = Eigen::VectorXd::Zero(pair_count());
   auto made = linearised.begin();
   for (const ContactTouch& touch : here.touches) {
     if (!touch.closed) continue;
     while (made != linearised.end() && made->pair < touch.pair) ++made;
     const Eigen::Vector3d& normal = made != linearised.end() && made->pair == touch.pair ? made->normal : touch.normal;
     next[touch.pair] =
-        law(touch.pair).pressure_pa(touch.gap_m + normal.dot(points_.at(point_of(touch.pair), motion_m)));
+        law(touch.pair).pressure_pa(touch.gap_m + normal.dot(relative_motion_m(touch, motion_m)));
   }
   return next;
 }
 
 Eigen::VectorXd ContactTerm::mismatches(const ContactSums& at) const {
-  Eigen::VectorXd all = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(obstacles_.size()) * points_.count());
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(pair_count());
   for (const ContactTouch& touch : at.touches)
     all[touch.pair] =
         law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa) / points_.face_size_m(point_of(touch.pair));
@@ -214,7 +283,7 @@ double ContactTerm::slope_change_j(const ContactSums& start, const Eigen::Vector
   for (const ContactTouch& touch : start.touches) {
     const double push_pa = law(touch.pair).merit_pa(touch.gap_m, next_pressures_pa[touch.pair]);
     sum += weight_m2(touch.pair) * (touch.pressure_pa - push_pa) *
-           touch.normal.dot(points_.at(point_of(touch.pair), motion_m));
+           touch.normal.dot(relative_motion_m(touch, motion_m));
   }
   return sum;
 }
@@ -267,19 +336,22 @@ double ContactTerm::rubbed_j(const ContactSums& at) const {
 
 std::vector<ContactReading> ContactTerm::readings(const Eigen::Matrix3Xd& positions_m,
                                                   const ContactState& state) const {
-  std::vector<ContactReading> all(obstacles_.size());
-  for (std::size_t i = 0; i < obstacles_.size(); ++i) all[i].obstacle = obstacles_[i].name;
+  std::vector<ContactReading> all(static_cast<std::size_t>(surface_count()));
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) all[i].surface = obstacles_[i].name;
+  if (touches_itself_) all.back().surface = kSkin;
   for (const ContactTouch& touch : sums(positions_m, state).touches) {
     ContactReading& reading = all[static_cast<std::size_t>(touch.pair / points_.count())];
     reading.largest_penetration_m = std::max(reading.largest_penetration_m, -touch.gap_m);
     if (touch.pressure_pa == 0.0) continue;
     Eigen::Vector3d push_pa = touch.pressure_pa * touch.normal;
-    const double area_m2 = points_.present_area_m2(point_of(touch.pair), positions_m);
+    // Skin on skin has two sides, and each its points.
+    const double area_m2 = (touch.on_skin() ? 0.5 : 1.0) * points_.present_area_m2(point_of(touch.pair), positions_m);
     if (touch.rubs()) {
       push_pa -= touch.friction.traction_pa(touch.away_m);
       (touch.friction.slips(kAtLimit * touch.away_m) ? reading.slipping_area_m2 : reading.sticking_area_m2) += area_m2;
     }
-    reading.force_n += weight_m2(touch.pair) * push_pa;
+    if (!touch.on_skin()) reading.force_n += weight_m2(touch.pair) * push_pa;
+    reading.normal_force_n += weight_m2(touch.pair) * touch.pressure_pa;
     reading.area_m2 += area_m2;
     reading.largest_pressure_pa = std::max(reading.largest_pressure_pa, touch.pressure_pa);
   }

@@ -9,15 +9,29 @@
 namespace soft_robot_lab {
 namespace {
 
-std::vector<std::vector<int>> neighbours_of(int node_count, const std::vector<std::vector<int>>& cliques) {
-  std::vector<std::vector<int>> neighbours(node_count);
+using Neighbours = std::vector<std::vector<int>>;  // per node, sorted
+
+Neighbours with_cliques(Neighbours neighbours, const std::vector<std::vector<int>>& cliques) {
   for (const auto& clique : cliques)
     for (int a : clique) neighbours[a].insert(neighbours[a].end(), clique.begin(), clique.end());
-  for (int a = 0; a < node_count; ++a) {
+  for (int a = 0; a < static_cast<int>(neighbours.size()); ++a) {
     auto& list = neighbours[a];
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
     list.erase(std::remove(list.begin(), list.end(), a), list.end());
+  }
+  return neighbours;
+}
+
+Neighbours neighbours_of(const BlockPattern& pattern) {
+  Neighbours neighbours(pattern.node_count());
+  for (int column = 0; column < pattern.node_count(); ++column) {
+    const int b = pattern.node(column);
+    for (int s = pattern.column_start()[column]; s < pattern.column_start()[column + 1]; ++s) {
+      const int a = pattern.node(pattern.rows()[s]);
+      neighbours[a].push_back(b);
+      neighbours[b].push_back(a);
+    }
   }
   return neighbours;
 }
@@ -78,8 +92,18 @@ std::vector<int> postorder(const std::vector<int>& order, const std::vector<std:
 }  // namespace
 
 BlockPattern::BlockPattern(int node_count, const std::vector<std::vector<int>>& cliques) {
-  const auto neighbours = neighbours_of(node_count, cliques);
-  node_ = postorder(nested_dissection(neighbours), neighbours);
+  const Neighbours neighbours = with_cliques(Neighbours(node_count), cliques);
+  set(nested_dissection(neighbours), neighbours);
+}
+
+BlockPattern::BlockPattern(const BlockPattern& of, const std::vector<std::vector<int>>& more, Order order) {
+  const Neighbours neighbours = with_cliques(neighbours_of(of), more);
+  set(order == Order::kept ? of.node_ : nested_dissection(neighbours), neighbours);
+}
+
+void BlockPattern::set(const std::vector<int>& order, const Neighbours& neighbours) {
+  const auto node_count = static_cast<int>(neighbours.size());
+  node_ = postorder(order, neighbours);
   position_.resize(node_count);
   for (int i = 0; i < node_count; ++i) position_[node_[i]] = i;
   column_start_.push_back(0);

@@ -17,6 +17,10 @@ class BlockPattern {
   // `cliques`: sets of nodes that are all coupled with one another. Orders the nodes by nested dissection (METIS).
   BlockPattern(int node_count, const std::vector<std::vector<int>>& cliques);
 
+  // Another with more cliques, in its order as far as that may be, or in a new one.
+  enum class Order { kept, anew };
+  BlockPattern(const BlockPattern& of, const std::vector<std::vector<int>>& more, Order order);
+
   int node_count() const { return static_cast<int>(position_.size()); }
   int position(int node) const { return position_[node]; }  // place of a node in the elimination order
   int node(int position) const { return node_[position]; }
@@ -27,6 +31,8 @@ class BlockPattern {
   int slot(int row_position, int column_position) const;
 
  private:
+  void set(const std::vector<int>& order, const std::vector<std::vector<int>>& neighbours);
+
   std::vector<int> position_, node_, column_start_, rows_;
 };
 

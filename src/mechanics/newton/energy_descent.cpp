@@ -142,7 +142,7 @@ bool NewtonSolver::linearise_downhill(const NewtonTask& task, const NewtonState&
                                       NewtonReport& report) {
   for (convexity = lowered(convexity);; convexity = raised(convexity)) {
     ++report.factorisations;
-    const bool positive = linearise_blend(task, state, volumetric_strain, convexity) && factor_.negative_pivots() == 0;
+    const bool positive = linearise_blend(task, state, volumetric_strain, convexity) && factor().negative_pivots() == 0;
     linearisation_.reset();
     if (positive || convexity > 1.0) return positive;
     ++report.convexified;

@@ -25,7 +25,7 @@ Eigen::MatrixXd NewtonSolver::exact_forces_n(const Eigen::MatrixXd& motions_m) c
       place.setZero();
       for (std::size_t k = 0; k + 1 < nodes.size(); ++k) place += weights[k] * all.col(nodes[k]);
     }
-    const Eigen::Matrix3Xd pulls_n = matrix_.multiply(all);
+    const Eigen::Matrix3Xd pulls_n = whole_matrix().multiply(all);
     Eigen::Matrix3Xd nodal_n = pulls_n.leftCols(layout_.node_count);
     for (int point = 0; point < layout_.point_count; ++point)
       for (std::size_t k = 0; k + 1 < layout_.ties[point].size(); ++k)

@@ -107,7 +107,8 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   if (strain_target) springs_.add_hessian(state.positions_m, *strain_target, convex, matrix_);
   if (!soft_contact_) touches_ = contact_.sums(state.positions_m, state.contact).touches;
   if (!add_rest_and_factorise(state, inertia_per_s2, convex)) return false;
-  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{state, inertia_per_s2, strain_target});
+  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{
+        state, inertia_per_s2, strain_target, with_skin_ ? with_skin_->pattern : nullptr});
   return true;
 }
 
@@ -127,11 +128,46 @@ bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inert
     ties.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
   CliqueAdder faces(matrix_, tables_->faces);
   contact_.add_hessian(touches_, convex, soft_contact_, faces);
-  matrix_.hold(body_.fixed());
-  if (!factor_.factorise(matrix_)) return false;
+  if (!factorise(convex)) return false;
   border_ = border(state);
   border_solved_ = solve(border_);
   return true;
+}
+
+bool NewtonSolver::factorise(bool convex) {
+  std::vector<FacePair> closed;
+  for (const ContactTouch& touch : touches_)
+    if (touch.closed && touch.on_skin()) closed.push_back(contact_.faces_of(touch));
+  if (closed.empty()) {
+    with_skin_.reset();
+    matrix_.hold(body_.fixed());
+    return factor_.factorise(matrix_);
+  }
+  include_in_pattern(std::move(closed));
+  if (!with_skin_ || with_skin_->pattern != contact_pattern_)
+    with_skin_ = std::make_unique<ContactMatrix>(contact_pattern_);
+  contact_pattern_->copy(matrix_, with_skin_->matrix);
+  CliqueAdder pairs(with_skin_->matrix, contact_pattern_->places());
+  for (const ContactTouch& touch : touches_)
+    if (touch.closed && touch.on_skin())
+      pairs.add_dense(contact_pattern_->index_of(contact_.faces_of(touch)),
+                      contact_.skin_hessian(touch, convex, soft_contact_));
+  with_skin_->matrix.hold(body_.fixed());
+  return with_skin_->factor.factorise(with_skin_->matrix);
+}
+
+// A new pattern takes in what will soon touch too, so that it lasts.
+void NewtonSolver::include_in_pattern(std::vector<FacePair> closed) {
+  const auto known = [&](const FacePair& pair) { return contact_pattern_->index_of(pair) >= 0; };
+  if (contact_pattern_ && std::all_of(closed.begin(), closed.end(), known)) return;
+  const std::vector<FacePair> likely = contact_.skin().likely();
+  closed.insert(closed.end(), likely.begin(), likely.end());
+  std::sort(closed.begin(), closed.end());
+  closed.erase(std::unique(closed.begin(), closed.end()), closed.end());
+  std::vector<std::vector<int>> cliques;
+  for (const FacePair& pair : closed) cliques.push_back(contact_.skin().nodes(pair));
+  contact_pattern_ = std::make_shared<const ContactPattern>(matrix_.pattern(), *tables_->factor, std::move(closed),
+                                                            cliques);
 }
 
 bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2,
@@ -146,13 +182,14 @@ bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
   if (linearisation == linearisation_) return;
   linearisation_.reset();
+  if (linearisation && linearisation->contact_pattern) contact_pattern_ = linearisation->contact_pattern;
   if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, linearisation->strain_target, false);
 }
 
 Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(3 * matrix_.node_count(), right_hand_sides.cols());
   x.topRows(right_hand_sides.rows()) = right_hand_sides;
-  factor_.solve(x);
+  factor().solve(x);
   return x.topRows(right_hand_sides.rows());
 }
 
@@ -160,7 +197,7 @@ Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) con
 // body is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A
 // (Haynsworth 1968: the inertia of the bordered matrix).
 bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const {
-  if (factor_.negative_pivots() == 0) return true;
+  if (factor().negative_pivots() == 0) return true;
   const int count = constraint_count();
   const std::vector<int> group = slipping_groups(problem, multipliers);
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, count);
@@ -170,11 +207,11 @@ bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::V
       if (group[i] == g && active(problem.laws[i], multipliers[i])) sums(i, size) = 1.0;
     if (!sums.col(size).isZero(0.0) && ++size == count) break;
   }
-  if (size < factor_.negative_pivots()) return false;
+  if (size < factor().negative_pivots()) return false;
   const Eigen::MatrixXd sub = sums.leftCols(size).transpose() * problem.delassus * sums.leftCols(size);
   const Eigen::VectorXd eigenvalues =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
-  return (eigenvalues.array() < 0.0).count() == factor_.negative_pivots();
+  return (eigenvalues.array() < 0.0).count() == factor().negative_pivots();
 }
 
 // With what condensation of the contact pressures adds.
@@ -205,7 +242,7 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
     problem.excess = border_.transpose() * motion + problem.delassus * state.constraint_multipliers;
     problem.laws = here.laws;
     problem.friction_contacts = here.friction_contacts;
-    const double penalty = factor_.negative_pivots() > 0 ? constants::kPenaltyOfBuckled : 1.0;
+    const double penalty = factor().negative_pivots() > 0 ? constants::kPenaltyOfBuckled : 1.0;
     for (int i = 0; i < count; ++i) {
       step.penalties[i] = penalty / std::max(std::abs(problem.delassus(i, i)) + here.laws[i].compliance, 1e-300);
       problem.delassus(i, i) += here.laws[i].compliance;
@@ -218,7 +255,7 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
     if (!stable_under(problem, step.constraint_multipliers)) return false;
     motion -= border_solved_ * (step.constraint_multipliers - state.constraint_multipliers);
   }
-  if (count == 0 && factor_.negative_pivots() > 0) return false;
+  if (count == 0 && factor().negative_pivots() > 0) return false;
   if (!motion.allFinite()) return false;
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
   step.element_multipliers_pa = elements_.updated_multipliers(here.elements.volumetric_strain, step.motion_m);
@@ -351,7 +388,7 @@ double NewtonSolver::rest_residual(const NewtonState& state) const {
 bool NewtonSolver::stable_at_rest(const NewtonState& state) {
   if (constraint_count() > 0) return sensitivities(state).size() > 0;
   return (linearised_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false)) &&
-         factor_.negative_pivots() == 0;
+         factor().negative_pivots() == 0;
 }
 
 double NewtonSolver::worst_violation(const NewtonState& state) const {

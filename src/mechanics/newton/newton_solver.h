@@ -22,6 +22,7 @@
 #include "mechanics/linear_algebra/block_matrix.h"
 #include "mechanics/simulation/driven_constraint.h"
 #include "mechanics/elements/elements.h"
+#include "contact_matrix.h"
 #include "multiplier_problem.h"
 #include "newton_tables.h"
 #include "soft_robot_lab/mechanics/body.h"
@@ -51,6 +52,7 @@ struct Linearisation {
   NewtonState at;
   double inertia_per_s2 = 0.0;
   std::shared_ptr<const StrainTarget> strain_target;
+  std::shared_ptr<const ContactPattern> contact_pattern;  // null where no skin touched skin
 };
 
 // minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)  +  energy of the pull
@@ -195,6 +197,10 @@ class NewtonSolver {
                  const std::shared_ptr<const StrainTarget>& strain_target, bool convex);
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2,
                               bool convex);  // what is not of the elements
+  bool factorise(bool convex);               // with skin on skin
+  void include_in_pattern(std::vector<FacePair> closed);
+  const BlockCholesky& factor() const { return with_skin_ ? with_skin_->factor : factor_; }
+  const BlockMatrix& whole_matrix() const { return with_skin_ ? with_skin_->matrix : matrix_; }
   bool linearised_at(const NewtonState& state, double inertia_per_s2,
                      const std::shared_ptr<const StrainTarget>& strain_target) const;
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
@@ -235,10 +241,12 @@ class NewtonSolver {
   const MatrixLayout& layout_;
   const Eigen::Matrix3Xd& loads_n_;
   const double force_floor_n_;
-  const ContactTerm& contact_;
+  ContactTerm contact_;
 
   BlockMatrix matrix_;
   BlockCholesky factor_;
+  std::unique_ptr<ContactMatrix> with_skin_;              // instead of both, where skin touches skin
+  std::shared_ptr<const ContactPattern> contact_pattern_;  // the last one
   Elements elements_;
   StrainSprings springs_;
   bool soft_contact_ = false;  // while descending

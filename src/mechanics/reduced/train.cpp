@@ -30,7 +30,7 @@ constexpr unsigned kTrainingSeed = 1, kHeldOutSeed = 2;
 void require_supported(const Model& model) {
   const Body& body = model.body();
   const char* what = nullptr;
-  if (!body.obstacles().empty()) what = "contact";
+  if (!body.obstacles().empty() || body.touches_itself()) what = "contact";
   if (body.viscosity().rayleigh_mass_per_s > 0.0 || body.viscosity().of_strain()) what = "viscosity";
   if (body.material().model != MaterialModel::neo_hookean) what = "a material other than neo_hookean";
   if (body.linear_volume() != LinearVolume::element) what = "vertex-averaged volumes";

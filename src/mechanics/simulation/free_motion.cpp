@@ -51,7 +51,7 @@ std::string free_motion(const Body& body, const Eigen::Matrix3Xd& positions_m, c
     for (int axis = 0; axis < 3; ++axis)
       if (body.fixed()(axis, node)) resist(arm(positions_m.col(node)), Eigen::Vector3d::Unit(axis), gram);
   for (const ContactTouch& touch : touching.touches) {
-    if (touch.pressure_pa == 0.0) continue;
+    if (touch.pressure_pa == 0.0 || touch.on_skin()) continue;
     const Eigen::Vector3d place = arm(touching.points_m.col(touch.pair % touching.points_m.cols()));
     resist(place, touch.normal, gram);
     const Eigen::Vector3d u = touch.normal.unitOrthogonal();

@@ -9,7 +9,6 @@ namespace soft_robot_lab {
 namespace {
 
 const std::vector<std::string> kShapes{"plane", "sphere", "capsule", "cylinder", "box"};
-constexpr const char* kSkin = "skin";
 constexpr double kRounding = 0.1;  // of a cylinder's radius, or a box's half least size: where nothing else is stated
 
 double rounding_m(const YamlNode& node, double largest_m) {
@@ -88,8 +87,7 @@ std::vector<ObstaclePose> read_motion(const YamlNode& item) {
 void read_contact(const YamlNode& scene, Body& body) {
   const std::optional<YamlNode> contact = scene.optional_child("contact");
   if (!contact) return;
-  if (contact->boolean_or("self", false))
-    contact->child("self").fail("self-contact is not supported yet; must be false");
+  if (contact->boolean_or("self", false)) body.let_touch_itself();
   std::vector<Obstacle> obstacles;
   const std::vector<YamlNode> items = contact->optional_sequence("obstacles");
   for (const YamlNode& item : items) obstacles.push_back({read_name(item), read_shape(item), read_motion(item), 0.0});

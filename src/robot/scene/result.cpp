@@ -60,12 +60,13 @@ void add_actuators(const Simulation& simulation, Json& result) {
 
 // One entry for each pair that touches.
 void add_contacts(const Simulation& simulation, Json& result) {
-  if (simulation.body().obstacles().empty()) return;
+  if (simulation.body().obstacles().empty() && !simulation.body().touches_itself()) return;
   Json all = Json::array();
   for (const ContactReading& reading : simulation.contacts()) {
     if (reading.area_m2 == 0.0) continue;
-    all.push_back({{"between", {"skin", reading.obstacle}},
+    all.push_back({{"between", {"skin", reading.surface}},
                    {"force_n", list(reading.force_n)},
+                   {"normal_force_n", reading.normal_force_n},
                    {"area_m2", reading.area_m2},
                    {"largest_penetration_m", reading.largest_penetration_m},
                    {"sticking_area_m2", reading.sticking_area_m2},
@@ -212,7 +213,7 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
   }
   for (const ContactReading& contact : simulation.contacts())
     if (contact.area_m2 > 0.0)
-      text << "touches " << contact.obstacle << " with " << contact.force_n.norm() << " N on " << 1e6 * contact.area_m2
+      text << "touches " << contact.surface << " with " << contact.normal_force_n << " N on " << 1e6 * contact.area_m2
            << " mm2\n";
   for (size_t i = 0; i < simulation.actuators().size(); ++i) {
     const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));

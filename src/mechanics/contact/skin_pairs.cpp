@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "skin_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "mechanics/mesh/shape_functions.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kDeepest = 0.5;         // of a face's size: deeper is the other side of a wall
+constexpr double kBehind = 4.0;          // of the largest face's size: walls are looked for so near
+constexpr double kMargin = 0.02;         // of the body's size: what near faces are looked for within
+constexpr double kOverEdge = 0.01;       // of a face's size: a point so far beyond its edge still meets it
+constexpr double kLikely = 0.1;          // of a face's size
+constexpr int kMostIterations = 12;
+
+// The area vector of a face's corners.
+Eigen::Vector3d corner_normal(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
+  const Eigen::Vector3d a = positions_m.col(faces(0, face));
+  return (positions_m.col(faces(1, face)) - a).cross(positions_m.col(faces(2, face)) - a);
+}
+
+Eigen::Vector3d middle_m(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (Eigen::Index a = 0; a < faces.rows(); ++a) sum += positions_m.col(faces(a, face));
+  return sum / static_cast<double>(faces.rows());
+}
+
+// Shape functions and their derivatives, without memory of their own.
+struct Surface {
+  SkinPlace::Table<6, 1> shape = SkinPlace::Table<6, 1>::Zero();
+  SkinPlace::Table<6, 2> slopes = SkinPlace::Table<6, 2>::Zero();
+
+  Surface(Eigen::Index nodes, double r, double s) {
+    const double l = 1.0 - r - s;
+    if (nodes == 6) {
+      shape << l * (2 * l - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * l * r, 4 * r * s, 4 * s * l;
+      slopes.col(0) << 1 - 4 * l, 4 * r - 1, 0, 4 * (l - r), 4 * s, -4 * s;
+      slopes.col(1) << 1 - 4 * l, 0, 4 * s - 1, -4 * r, 4 * r, 4 * (l - s);
+    } else {
+      shape.head<3>() << l, r, s;
+      slopes.col(0).head<3>() << -1, 1, 0;
+      slopes.col(1).head<3>() << -1, 0, 1;
+    }
+  }
+};
+
+// Second derivatives of the shape functions: along rr, ss, rs.
+SkinPlace::Table<6, 3> second_derivatives(Eigen::Index nodes) {
+  SkinPlace::Table<6, 3> all = SkinPlace::Table<6, 3>::Zero();
+  if (nodes != 6) return all;
+  all.col(0) << 4, 4, 0, -8, 0, 0;
+  all.col(1) << 4, 0, 4, 0, 0, -8;
+  all.col(2) << 4, 0, 0, -4, 4, -4;
+  return all;
+}
+
+using FaceNodes = Eigen::Matrix<double, 3, 6, Eigen::DontAlign>;
+
+FaceNodes nodes_of(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
+  FaceNodes nodes = FaceNodes::Zero();
+  for (Eigen::Index a = 0; a < faces.rows(); ++a) nodes.col(a) = positions_m.col(faces(a, face));
+  return nodes;
+}
+
+Eigen::Vector2d into_triangle(Eigen::Vector2d local) {
+  local = local.cwiseMax(0.0);
+  const double beyond = local.sum() - 1.0;
+  if (beyond > 0.0) local -= Eigen::Vector2d::Constant(0.5 * beyond);
+  local = local.cwiseMax(0.0);
+  return local / std::max(1.0, local.sum());
+}
+
+// Coordinates of the closest place, by Gauss and Newton's method, kept on the face.
+Eigen::Vector2d closest(Eigen::Index count, const FaceNodes& nodes, const Eigen::Vector3d& point_m) {
+  Eigen::Vector2d local = Eigen::Vector2d::Constant(1.0 / 3.0);
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    const Surface at(count, local.x(), local.y());
+    const Eigen::Matrix<double, 3, 2> tangents = nodes * at.slopes;
+    const Eigen::Matrix2d metric = tangents.transpose() * tangents;
+    const Eigen::Vector2d change = metric.inverse() * (tangents.transpose() * (point_m - nodes * at.shape));
+    const Eigen::Vector2d next = into_triangle(local + change);
+    const double moved = (next - local).cwiseAbs().maxCoeff();
+    local = next;
+    if (!(moved > 1e-13)) break;
+  }
+  return local;
+}
+
+}  // namespace
+
+SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
+    : faces_(points.faces()), others_(body.mesh().faces), margin_m_(kMargin * body.size_m()) {
+  const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
+  const auto count = static_cast<int>(others_.cols());
+  rest_middles_m_.resize(3, count);
+  rest_normals_.resize(3, count);
+  sizes_m_.resize(count);
+  std::map<std::vector<int>, int> place;
+  for (int face = 0; face < count; ++face) {
+    const Eigen::Vector3d area_m2 = corner_normal(others_, face, nodes_m);
+    rest_middles_m_.col(face) = middle_m(others_, face, nodes_m);
+    rest_normals_.col(face) = area_m2.normalized();
+    sizes_m_[face] = std::sqrt(area_m2.norm());
+    place[{others_.col(face).begin(), others_.col(face).end()}] = face;
+  }
+  for (Eigen::Index face = 0; face < faces_.cols(); ++face)
+    same_.push_back(place.at({faces_.col(face).begin(), faces_.col(face).end()}));
+  largest_size_m_ = sizes_m_.maxCoeff();
+}
+
+bool SkinPairs::counts(int face, int other) const {
+  const auto mine = faces_.col(face), theirs = others_.col(other);
+  for (Eigen::Index a = 0; a < mine.size(); ++a)
+    if (std::find(theirs.begin(), theirs.end(), mine[a]) != theirs.end()) return false;
+  const int same = same_[static_cast<std::size_t>(face)];
+  const Eigen::Vector3d between_m = rest_middles_m_.col(same) - rest_middles_m_.col(other);
+  const bool behind = between_m.dot(rest_normals_.col(other)) < -1e-9 * largest_size_m_;
+  return !(behind && between_m.norm() < kBehind * largest_size_m_);
+}
+
+void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
+  const auto count = static_cast<int>(others_.cols());
+  middles_m_.resize(3, count);
+  radii_m_.resize(count);
+  for (int face = 0; face < count; ++face) {
+    const FaceNodes nodes = nodes_of(others_, face, positions_m);
+    middles_m_.col(face) = nodes.leftCols(others_.rows()).rowwise().mean();
+    radii_m_[face] =
+        (nodes.leftCols(others_.rows()).colwise() - middles_m_.col(face)).colwise().norm().maxCoeff();
+  }
+  const bool near_enough = near_at_m_.cols() == positions_m.cols() &&
+                           (positions_m - near_at_m_).colwise().squaredNorm().maxCoeff() < 0.25 * margin_m_ * margin_m_;
+  if (!near_enough) find_near(positions_m);
+}
+
+void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
+  near_at_m_ = positions_m;
+  near_.assign(static_cast<std::size_t>(faces_.cols()), {});
+  std::vector<int> mine(static_cast<std::size_t>(others_.cols()), -1);
+  for (std::size_t face = 0; face < same_.size(); ++face) mine[static_cast<std::size_t>(same_[face])] = static_cast<int>(face);
+
+  struct Collect : btDbvt::ICollide {
+    std::vector<std::pair<int, int>> pairs;
+    void Process(const btDbvtNode* a, const btDbvtNode* b) override { pairs.emplace_back(a->dataAsInt, b->dataAsInt); }
+  } found;
+  btDbvt tree;
+  const double wider_m = 0.5 * (margin_m_ + kDeepest * largest_size_m_) + 1e-6 * near_at_m_.cwiseAbs().maxCoeff();
+  for (int face = 0; face < others_.cols(); ++face) {
+    const FaceNodes nodes = nodes_of(others_, face, positions_m);
+    const Eigen::Array<btScalar, 3, 1> low =
+        (nodes.leftCols(others_.rows()).rowwise().minCoeff().array() - wider_m).cast<btScalar>();
+    const Eigen::Array<btScalar, 3, 1> high =
+        (nodes.leftCols(others_.rows()).rowwise().maxCoeff().array() + wider_m).cast<btScalar>();
+    btDbvtNode* leaf = tree.insert(
+        btDbvtVolume::FromMM(btVector3(low.x(), low.y(), low.z()), btVector3(high.x(), high.y(), high.z())), nullptr);
+    leaf->dataAsInt = face;
+  }
+  if (!tree.empty()) tree.collideTT(tree.m_root, tree.m_root, found);
+  const auto add = [&](int face, int other) {
+    const int own = mine[static_cast<std::size_t>(face)];
+    if (own >= 0 && counts(own, other)) near_[static_cast<std::size_t>(own)].push_back(other);
+  };
+  for (const auto& [a, b] : found.pairs) {
+    if (a == b) continue;
+    add(a, b);
+    add(b, a);
+  }
+  for (std::vector<int>& of_face : near_) {
+    std::sort(of_face.begin(), of_face.end());
+    of_face.erase(std::unique(of_face.begin(), of_face.end()), of_face.end());
+  }
+}
+
+std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                                       const Eigen::Matrix3Xd& positions_m) const {
+  std::optional<SkinGap> best;
+  double best_m = std::numeric_limits<double>::infinity();
+  for (const int other : near_[static_cast<std::size_t>(face)]) {
+    const double deepest_m = kDeepest * sizes_m_[other];
+    if ((point_m - middles_m_.col(other)).norm() > radii_m_[other] + std::min(deepest_m, best_m)) continue;
+    const FaceNodes nodes = nodes_of(others_, other, positions_m);
+    const Eigen::Vector2d local = closest(others_.rows(), nodes, point_m);
+    const Surface at(others_.rows(), local.x(), local.y());
+    const Eigen::Matrix<double, 3, 2> tangents = nodes * at.slopes;
+    const Eigen::Vector3d area = tangents.col(0).cross(tangents.col(1));
+    const Eigen::Vector3d normal = area.normalized();
+    if (!normal.allFinite() || normal.dot(outward) >= 0.0) continue;
+    const Eigen::Vector3d off_m = point_m - nodes * at.shape;
+    const double gap_m = normal.dot(off_m);
+    if (std::abs(gap_m) > deepest_m || std::abs(gap_m) >= best_m ||
+        (off_m - gap_m * normal).norm() > kOverEdge * sizes_m_[other])
+      continue;
+    best_m = std::abs(gap_m);
+    best.emplace();
+    best->gap_m = gap_m;
+    best->normal = normal;
+    best->at.face = other;
+    best->at.shape = at.shape;
+    best->at.slopes = at.slopes;
+    best->at.dual_per_m = tangents * Eigen::Matrix2d(tangents.transpose() * tangents).inverse();
+    const Eigen::Vector3d bends = (nodes * second_derivatives(others_.rows())).transpose() * normal;
+    const Eigen::Matrix2d curvature = (Eigen::Matrix2d() << bends[0], bends[2], bends[2], bends[1]).finished();
+    best->curvature_per_m = best->at.dual_per_m * curvature * best->at.dual_per_m.transpose();
+  }
+  return best;
+}
+
+std::vector<FacePair> SkinPairs::likely() const {
+  std::vector<FacePair> pairs;
+  for (std::size_t face = 0; face < near_.size(); ++face) {
+    const int same = same_[face];
+    for (const int other : near_[face]) {
+      const double reach_m = radii_m_[same] + radii_m_[other] + kLikely * sizes_m_[other];
+      if ((middles_m_.col(same) - middles_m_.col(other)).norm() < reach_m)
+        pairs.emplace_back(static_cast<int>(face), other);
+    }
+  }
+  return pairs;
+}
+
+std::vector<int> SkinPairs::nodes(const FacePair& pair) const {
+  std::vector<int> both(faces_.col(pair.first).begin(), faces_.col(pair.first).end());
+  both.insert(both.end(), others_.col(pair.second).begin(), others_.col(pair.second).end());
+  return both;
+}
+
+}  // namespace soft_robot_lab

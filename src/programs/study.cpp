@@ -21,7 +21,7 @@ volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
-  std::string study, output, hosts, worker;
+  std::string study, output, hosts, mpi, worker;
   std::string ssh = "ssh -o BatchMode=yes";
   int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   bool retry_failed = false;
@@ -40,6 +40,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--ssh", arguments.ssh, "what starts a command on a host")
       ->type_name("COMMAND")
       ->capture_default_str();
+  app.add_option("--mpi", arguments.mpi, "run in the ranks that this command starts, as \"mpirun -n 8\"")
+      ->type_name("COMMAND");
   app.add_flag("--retry-failed", arguments.retry_failed, "run the tasks that failed before once more");
   app.add_option("--worker", arguments.worker)->group("");  // how the study starts itself
   app.footer(
@@ -48,6 +50,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 }
 
 std::vector<WorkerCommand> workers_for(const Arguments& arguments, const std::string& program) {
+  if (!arguments.mpi.empty()) return mpi_workers(program, arguments.mpi);
   if (!arguments.hosts.empty()) return remote_workers(program, arguments.hosts, arguments.ssh);
   return local_workers(program, arguments.workers);
 }

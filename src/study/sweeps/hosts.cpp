@@ -42,7 +42,7 @@ std::string this_program() { return find_program("study"); }
 }  // namespace
 
 std::vector<WorkerCommand> local_workers(const std::string& program, int count) {
-  const WorkerCommand worker{"this machine", {this_program(), "--worker", program}, 1};
+  const WorkerCommand worker{"this machine", {this_program(), "--worker", program}};
   return std::vector<WorkerCommand>(static_cast<std::size_t>(count), worker);
 }
 
@@ -59,10 +59,21 @@ std::vector<WorkerCommand> remote_workers(const std::string& program, const std:
     command.push_back(words[0]);
     command.push_back("exec " + shell_quoted(this_program()) + " --worker " + program);
     const int count = workers_of(words, hosts_file + ":" + std::to_string(number));
-    workers.insert(workers.end(), static_cast<std::size_t>(count), {words[0], command, 1});
+    workers.insert(workers.end(), static_cast<std::size_t>(count), {words[0], command});
   }
   if (workers.empty()) throw std::invalid_argument(hosts_file + ": names no host");
   return workers;
+}
+
+std::vector<WorkerCommand> mpi_workers(const std::string& program, const std::string& launcher) {
+  const std::string worker = find_program("study_mpi_worker");
+  if (worker.empty())
+    throw std::invalid_argument(
+        "--mpi: this build has no program study_mpi_worker; install libopenmpi-dev, build again");
+  std::vector<std::string> command = words_of(launcher);
+  if (command.empty()) throw std::invalid_argument("--mpi: must be a command that starts ranks, as mpirun -n 8");
+  command.insert(command.end(), {worker, program});
+  return {{"MPI", command}};
 }
 
 }  // namespace soft_robot_lab

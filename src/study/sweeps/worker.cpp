@@ -2,20 +2,18 @@
 #include "worker.h"
 
 #include <chrono>
-#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <deque>
 #include <filesystem>
 #include <iostream>
-#include <mutex>
 #include <set>
 #include <thread>
 #include <vector>
 
 #include <unistd.h>
 
+#include "line_queue.h"
 #include "robot/design/content_cache.h"
 #include "robot/design/timed_process.h"
 #include "settings/find_program.h"
@@ -103,35 +101,6 @@ Json run_task(const Json& task, const std::string& version, const WorkFolder& fo
   return judge(std::move(answer), task, end, text_of(result), last_line(text_of(errors)));
 }
 
-// Lines of the standard input, read by a thread that ends the process with it.
-class InputLines {
- public:
-  InputLines() : reader_([this] { read(); }) { reader_.detach(); }
-
-  std::optional<std::string> next() {
-    std::unique_lock<std::mutex> lock(mutex_);
-    come_.wait(lock, [&] { return !lines_.empty(); });
-    std::string line = std::move(lines_.front());
-    lines_.pop_front();
-    return line;
-  }
-
- private:
-  void read() {
-    for (std::string line; std::getline(std::cin, line);) {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      lines_.push_back(line);
-      come_.notify_one();
-    }
-    _exit(0);  // what it runs dies with it
-  }
-
-  std::mutex mutex_;
-  std::condition_variable come_;
-  std::deque<std::string> lines_;
-  std::thread reader_;
-};
-
 }  // namespace
 
 void run_worker(const std::string& program, int slot, const WorkerLink& link) {
@@ -153,12 +122,16 @@ void run_worker(const std::string& program, int slot, const WorkerLink& link) {
 }
 
 void run_worker_on_pipes(const std::string& program) {
-  auto* input = new InputLines;  // its thread runs until the process ends
-  run_worker(program, 0,
-             {[&] { return input->next(); },
-              [](const std::string& line) {
-                if (std::fputs((line + "\n").c_str(), stdout) < 0 || std::fflush(stdout) != 0) _exit(1);
-              }});
+  auto* input = new LineQueue;  // its threads run until the process ends
+  std::thread([input] {
+    for (std::string line; std::getline(std::cin, line);) input->push(line);
+    _exit(0);  // what it runs dies with it
+  }).detach();
+  run_worker(program, 0, {[&] { return input->wait(); }, print_line});
+}
+
+void print_line(const std::string& line) {
+  if (std::fputs((line + "\n").c_str(), stdout) < 0 || std::fflush(stdout) != 0) _exit(1);
 }
 
 }  // namespace soft_robot_lab

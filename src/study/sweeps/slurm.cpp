@@ -26,8 +26,9 @@ using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kSubmitLimit_s = 120.0;
-constexpr int kMostSilences = 60;                  // of squeue, one after the other
-constexpr std::chrono::seconds kLook{1}, kAsk{5};  // between looks at the files, and questions to Slurm
+constexpr int kMostSilences = 60;             // of squeue, one after the other
+constexpr std::chrono::seconds kLook{1};      // between looks at the files
+constexpr std::chrono::seconds kMostWait{5};  // between questions to Slurm, which begin more often
 constexpr std::uintmax_t kLargestLog_bytes = 1 << 20;
 
 // Complete lines that came into a file since the last look.
@@ -118,9 +119,12 @@ class SlurmRunner {
   // Until all is done or no job is left. False: stopped.
   bool wait_for_jobs() {
     Clock::time_point asked = round_.empty() ? Clock::time_point{} : Clock::now();
-    for (;; std::this_thread::sleep_for(kLook)) {
-      const bool ask = Clock::now() > asked + kAsk;
-      if (ask) asked = Clock::now();
+    for (std::chrono::seconds wait{1};; std::this_thread::sleep_for(kLook)) {
+      const bool ask = Clock::now() > asked + wait;
+      if (ask) {
+        asked = Clock::now();
+        wait = std::min(2 * wait, kMostWait);
+      }
       const bool left = !ask || jobs_are_left();
       collect();
       if (!ledger_.report()) return false;

@@ -44,7 +44,8 @@ TEST(BadStudy, NamesAValueBeyondTheRangeThatTheFileGives) {
 }
 
 TEST(BadStudy, NamesAnUnknownMethodAndWhatAGridLacks) {
-  expect_refused("method: random\nparameters: {height: {}}\n", "'random' is not one of grid, latin_hypercube, sobol");
+  expect_refused("method: random\nparameters: {height: {}}\n",
+                 "'random' is not one of grid, latin_hypercube, sobol, sobol_indices");
   expect_refused("parameters: {height: {}}\n", "key 'steps' is missing");
   expect_refused("parameters: {height: {steps: 2}}\nsamples: 3\n", "samples: has no use with method grid");
 }

@@ -66,6 +66,18 @@ Json failed(Json answer, const std::string& reason) {
   return answer;
 }
 
+// What the program itself says in its result: the first test that failed, or the first pose that is of no use.
+std::string reason_in(const Json& result) {
+  if (const auto tests = result.find("tests"); tests != result.end())
+    for (const auto& [name, test] : tests->items())
+      if (test.is_object() && !test.value("passed", true)) return name + ": " + test.value("why", "not passed");
+  if (const auto poses = result.find("poses"); poses != result.end())
+    for (std::size_t i = 0; i < poses->size(); ++i)
+      if (const Json& pose = (*poses)[i]; pose.is_object() && !pose.value("usable", true))
+        return "pose " + std::to_string(i) + ": " + pose.value("stop_reason", "not usable");
+  return "";
+}
+
 Json judge(Json answer, const Json& task, const ProcessEnd& end, const std::string& result, const std::string& errors) {
   if (was_killed(end)) {
     answer["lost"] = "its program was killed by signal " + std::to_string(end.value);
@@ -81,7 +93,7 @@ Json judge(Json answer, const Json& task, const ProcessEnd& end, const std::stri
     return failed(std::move(answer),
                   errors.empty() ? "ended with status " + std::to_string(end.value) + " and no result" : errors);
   answer["state"] = name_of(end.value == 0 ? TaskOutcome::State::good : TaskOutcome::State::not_good);
-  answer["reason"] = end.value == 0 ? "" : errors;
+  answer["reason"] = end.value == 0 ? "" : errors.empty() ? reason_in(found) : errors;
   answer["result"] = std::move(found);
   return answer;
 }

@@ -66,7 +66,7 @@ TEST_F(SlurmStudy, GoesOnWhereItsMasterWasKilled) {
   const pid_t master = start(
       {SOFT_ROBOT_LAB_STUDY_PROGRAM, folder.path("study.yaml"), "--slurm", "2", "--output", folder.path("slurm")});
   const std::string journal = folder.path("slurm/journal.sqlite");
-  while (outcomes_in(journal) < 3) usleep(5000);
+  for (int i = 0; i < 6000 && outcomes_in(journal) < 3; ++i) usleep(5000);
   kill(master, SIGKILL);
   waitpid(master, nullptr, 0);
   const Outcome again = run_study(folder, short_study("40"), "slurm", "--slurm 2");

@@ -67,7 +67,7 @@ TEST(BadStudy, KeepsTheReasonOfASolidThatIsEmpty) {
 TEST(BadStudy, SecondOneOnAJournalEndsWithAMessageAndTheFirstGoesOn) {
   const SceneFolder folder;
   short_scene(folder);
-  const std::string file = folder.write("study.yaml", short_study("40"));
+  const std::string file = folder.write("study.yaml", short_study("20"));
   const pid_t first = start({SOFT_ROBOT_LAB_STUDY_PROGRAM, file, "--workers", "1", "--output", folder.path("found")});
   const std::string journal = folder.path("found/journal.sqlite");
   for (int i = 0; i < 6000 && outcomes_in(journal) < 1; ++i) usleep(5000);
@@ -77,7 +77,7 @@ TEST(BadStudy, SecondOneOnAJournalEndsWithAMessageAndTheFirstGoesOn) {
   int status = -1;
   waitpid(first, &status, 0);
   EXPECT_EQ(status, 0);
-  EXPECT_EQ(outcomes_in(journal), 40);
+  EXPECT_EQ(outcomes_in(journal), 20);
   EXPECT_EQ(ask(journal, "PRAGMA integrity_check"), "ok");
 }
 

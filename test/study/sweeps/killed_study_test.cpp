@@ -68,7 +68,7 @@ TEST(KilledStudy, LosesAndDoublesNothingOfAThousandTasksOnThreeHosts) { expect_n
 #ifdef SOFT_ROBOT_LAB_MPIRUN
 const Words three_ranks = {"--mpi", SOFT_ROBOT_LAB_MPIRUN " --oversubscribe -n 3"};
 
-TEST(KilledStudy, LosesAndDoublesNothingOverMpi) { expect_nothing_lost(SceneFolder(), 40, 1, three_ranks); }
+TEST(KilledStudy, LosesAndDoublesNothingOverMpi) { expect_nothing_lost(SceneFolder(), 24, 1, three_ranks); }
 
 TEST(KilledStudy, LosesAndDoublesNothingOfAThousandTasksOverMpi) {
   expect_nothing_lost(SceneFolder(), 1000, 20, three_ranks);

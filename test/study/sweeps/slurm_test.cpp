@@ -53,25 +53,25 @@ class SlurmStudy : public testing::Test {
 };
 
 TEST_F(SlurmStudy, FindsWhatASerialRunFindsThoughAJobOfTheArrayNeverRan) {
-  ASSERT_EQ(run_study(folder, short_study("12"), "serial", "--workers 1").exit_status, 0);
-  const Outcome slurm = run_study(folder, short_study("12"), "slurm", "--slurm 3");
+  ASSERT_EQ(run_study(folder, short_study("9"), "serial", "--workers 1").exit_status, 0);
+  const Outcome slurm = run_study(folder, short_study("9"), "slurm", "--slurm 3");
   EXPECT_EQ(slurm.exit_status, 0) << slurm.err;
-  EXPECT_NE(slurm.err.find("4 tasks have no answer; they run in another array"), std::string::npos) << slurm.err;
+  EXPECT_NE(slurm.err.find("3 tasks have no answer; they run in another array"), std::string::npos) << slurm.err;
   EXPECT_EQ(table("slurm"), table("serial"));
   EXPECT_FALSE(std::filesystem::exists(folder.path("slurm/slurm"))) << "answers that are in the journal";
 }
 
 TEST_F(SlurmStudy, GoesOnWhereItsMasterWasKilled) {
-  ASSERT_EQ(run_study(folder, short_study("40"), "serial", "--workers 1").exit_status, 0);
+  ASSERT_EQ(run_study(folder, short_study("24"), "serial", "--workers 1").exit_status, 0);
   const pid_t master = start(
       {SOFT_ROBOT_LAB_STUDY_PROGRAM, folder.path("study.yaml"), "--slurm", "2", "--output", folder.path("slurm")});
   const std::string journal = folder.path("slurm/journal.sqlite");
   for (int i = 0; i < 6000 && outcomes_in(journal) < 3; ++i) usleep(5000);
   kill(master, SIGKILL);
   waitpid(master, nullptr, 0);
-  const Outcome again = run_study(folder, short_study("40"), "slurm", "--slurm 2");
+  const Outcome again = run_study(folder, short_study("24"), "slurm", "--slurm 2");
   EXPECT_EQ(again.exit_status, 0) << again.err;
-  EXPECT_EQ(outcomes_in(journal), 40);
+  EXPECT_EQ(outcomes_in(journal), 24);
   EXPECT_EQ(table("slurm"), table("serial"));
 }
 

@@ -115,6 +115,23 @@ TEST(Study, EndsWhereNoHostAnswers) {
   EXPECT_NE(outcome.err.find("no worker is left; the worker on one ended"), std::string::npos) << outcome.err;
 }
 
+TEST(Study, OfTheExamplesAreRead) {
+  int count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(SOFT_ROBOT_LAB_SOURCE "/config/studies")) {
+    EXPECT_NO_THROW(read_study(file.path().string())) << file.path();
+    ++count;
+  }
+  EXPECT_GE(count, 2);
+}
+
+TEST(Study, RunsInOneWayAtATime) {
+  const SceneFolder folder;
+  short_scene(folder);
+  const Outcome outcome = run_study(folder, short_study("2"), "found", "--slurm 2 --mpi mpirun");
+  EXPECT_EQ(outcome.exit_status, 2);
+  EXPECT_NE(outcome.err.find("excludes"), std::string::npos) << outcome.err;
+}
+
 TEST(Results, AreNamedByTheirPlaceWithoutTheTimesTheyTook) {
   const auto values = flatten(Json::parse(
       R"({"a": {"p_m": [1, 2, 3], "wall_s": 9}, "list": [4, 5], "things": [{"b": 1}], "words": ["c"], "word": "yes", "none": null})"));

@@ -74,7 +74,7 @@ TEST(Study, SaysWhyARobotCannotBeCast) {
   folder.write("short.yaml", "include: bar.yaml\ncables: []\ncasting: {min_thickness_m: 0.01}\n");
   const Outcome outcome = run_study(folder,
                                     "program: check_casting\nscene: short.yaml\n"
-                                    "parameters: {casting.min_thickness_m: {values: [0.09]}}\n",
+                                    "parameters: {casting.min_thickness_m: {values: [0.021]}}\n",
                                     "found", "");
   EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
   EXPECT_EQ(cell(contents(folder.path("found/results.csv")), 1, "state"), "not_good");

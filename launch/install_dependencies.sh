@@ -17,7 +17,7 @@ packages=(
   python3-std-srvs python3-geometry-msgs python3-visualization-msgs python3-diagnostic-msgs rosout rosbash
   rviz librviz-dev libinteractive-markers-dev xdotool xvfb xauth imagemagick libgl1-mesa-dri gnuplot-nox
   libeigen3-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libgmsh-dev libceres-dev libpagmo-dev libopenblas-serial-dev libmetis-dev
-  libsqlite3-dev libboost-dev
+  libsqlite3-dev libboost-dev libopenmpi-dev openmpi-bin
   libbullet-dev libopencv-dev libpcl-dev libembree-dev
   libmessage-filters-dev ros-sensor-msgs libsensor-msgs-dev python3-sensor-msgs
   gcc-avr avr-libc libsimavr-dev libelf-dev

@@ -10,6 +10,7 @@
 #include "progress_bar.h"
 #include "settings/command_line.h"
 #include "study/sweeps/hosts.h"
+#include "study/sweeps/slurm.h"
 #include "study/sweeps/study_report.h"
 #include "study/sweeps/worker.h"
 
@@ -21,33 +22,54 @@ volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
-  std::string study, output, hosts, worker;
+  std::string study, output, hosts, mpi, worker, array_job;
   std::string ssh = "ssh -o BatchMode=yes";
+  std::string sbatch = "sbatch";
+  int slurm = 0;
   int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   bool retry_failed = false;
 };
+
+// Where tasks run: one way at a time.
+void declare_ways(CLI::App& app, Arguments& arguments) {
+  auto* workers = app.add_option("--workers", arguments.workers, "how many tasks run at a time, each in one thread")
+                      ->type_name("N")
+                      ->check(CLI::Range(1, 1000))
+                      ->capture_default_str();
+  auto* hosts =
+      app.add_option("--hosts", arguments.hosts, "run on these machines: lines of a name and a number of workers")
+          ->type_name("FILE");
+  app.add_option("--ssh", arguments.ssh, "what starts a command on a host")
+      ->type_name("COMMAND")
+      ->capture_default_str();
+  auto* mpi = app.add_option("--mpi", arguments.mpi, "run in the ranks that this command starts, as \"mpirun -n 8\"")
+                  ->type_name("COMMAND");
+  auto* slurm = app.add_option("--slurm", arguments.slurm, "run in an array of so many jobs of Slurm")
+                    ->type_name("N")
+                    ->check(CLI::Range(1, 100000));
+  app.add_option("--sbatch", arguments.sbatch, "what takes such an array, with arguments of the site")
+      ->type_name("COMMAND")
+      ->capture_default_str();
+  hosts->excludes(workers);
+  mpi->excludes(workers)->excludes(hosts);
+  slurm->excludes(workers)->excludes(hosts)->excludes(mpi);
+}
 
 void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("STUDY", arguments.study, "the study's file")->type_name("FILE");
   app.add_option("--output", arguments.output, "the folder of journal.sqlite, results.csv, results.npy and report.html")
       ->type_name("FOLDER");
-  app.add_option("--workers", arguments.workers, "how many tasks run at a time, each in one thread")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--hosts", arguments.hosts, "run on these machines: lines of a name and a number of workers")
-      ->type_name("FILE");
-  app.add_option("--ssh", arguments.ssh, "what starts a command on a host")
-      ->type_name("COMMAND")
-      ->capture_default_str();
+  declare_ways(app, arguments);
   app.add_flag("--retry-failed", arguments.retry_failed, "run the tasks that failed before once more");
   app.add_option("--worker", arguments.worker)->group("");  // how the study starts itself
+  app.add_option("--array-job", arguments.array_job)->group("");
   app.footer(
       "The same command goes on where it was stopped. Exit status: 0 all tasks are good, 1 some are not or were not\n"
       "run, 2 bad study or arguments.");
 }
 
 std::vector<WorkerCommand> workers_for(const Arguments& arguments, const std::string& program) {
+  if (!arguments.mpi.empty()) return mpi_workers(program, arguments.mpi);
   if (!arguments.hosts.empty()) return remote_workers(program, arguments.hosts, arguments.ssh);
   return local_workers(program, arguments.workers);
 }
@@ -87,10 +109,12 @@ class Progress {
 RunProgress run(const Arguments& arguments, const StudySettings& study, const std::vector<StudyTask>& tasks,
                 Journal& journal, const std::string& version) {
   Progress progress;
-  RunOptions options{workers_for(arguments, study.program), version, {}, {}};
-  options.report = [&](const RunProgress& now) { return progress.show(now); };
-  options.warn = [](const std::string& what) { std::cerr << "study: warning: " << what << "\n"; };
-  return run_tasks(study, tasks, journal, options);
+  const auto report = [&](const RunProgress& now) { return progress.show(now); };
+  const auto warn = [](const std::string& what) { std::cerr << "study: warning: " << what << "\n"; };
+  if (arguments.slurm > 0)
+    return run_tasks_by_slurm(study, tasks, journal,
+                              {arguments.slurm, arguments.sbatch, arguments.output, report, warn});
+  return run_tasks(study, tasks, journal, {workers_for(arguments, study.program), version, report, warn});
 }
 
 int finish(const Arguments& arguments, const StudySettings& study, const ResultsTable& table) {
@@ -106,6 +130,7 @@ int finish(const Arguments& arguments, const StudySettings& study, const Results
 }
 
 int run_study(const Arguments& arguments) {
+  if (!arguments.array_job.empty()) return run_array_job(arguments.worker, arguments.array_job), kGood;
   if (!arguments.worker.empty()) return run_worker_on_pipes(arguments.worker), kGood;
   if (arguments.study.empty()) throw std::invalid_argument("no study named; --help lists all arguments");
   if (arguments.output.empty()) throw std::invalid_argument("--output FOLDER is missing");

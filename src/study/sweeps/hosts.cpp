@@ -7,25 +7,12 @@
 #include "settings/find_program.h"
 #include "settings/read_file.h"
 #include "settings/words.h"
+#include "shell_words.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr int kMostWorkers = 1000;
-
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
-
-// For a remote shell.
-std::string shell_quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
 
 int workers_of(const std::vector<std::string>& line, const std::string& place) {
   if (line.size() > 2) throw std::invalid_argument(place + ": must be a host and its number of workers");
@@ -37,12 +24,10 @@ int workers_of(const std::vector<std::string>& line, const std::string& place) {
   return count;
 }
 
-std::string this_program() { return find_program("study"); }
-
 }  // namespace
 
 std::vector<WorkerCommand> local_workers(const std::string& program, int count) {
-  const WorkerCommand worker{"this machine", {this_program(), "--worker", program}, 1};
+  const WorkerCommand worker{"this machine", {study_program(), "--worker", program}};
   return std::vector<WorkerCommand>(static_cast<std::size_t>(count), worker);
 }
 
@@ -57,12 +42,23 @@ std::vector<WorkerCommand> remote_workers(const std::string& program, const std:
     if (words.empty()) continue;
     std::vector<std::string> command = words_of(shell);
     command.push_back(words[0]);
-    command.push_back("exec " + shell_quoted(this_program()) + " --worker " + program);
+    command.push_back("exec " + shell_quoted(study_program()) + " --worker " + program);
     const int count = workers_of(words, hosts_file + ":" + std::to_string(number));
-    workers.insert(workers.end(), static_cast<std::size_t>(count), {words[0], command, 1});
+    workers.insert(workers.end(), static_cast<std::size_t>(count), {words[0], command});
   }
   if (workers.empty()) throw std::invalid_argument(hosts_file + ": names no host");
   return workers;
+}
+
+std::vector<WorkerCommand> mpi_workers(const std::string& program, const std::string& launcher) {
+  const std::string worker = find_program("study_mpi_worker");
+  if (worker.empty())
+    throw std::invalid_argument(
+        "--mpi: this build has no program study_mpi_worker; install libopenmpi-dev, build again");
+  std::vector<std::string> command = words_of(launcher);
+  if (command.empty()) throw std::invalid_argument("--mpi: must be a command that starts ranks, as mpirun -n 8");
+  command.insert(command.end(), {worker, program});
+  return {{"MPI", command}};
 }
 
 }  // namespace soft_robot_lab

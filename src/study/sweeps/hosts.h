@@ -18,4 +18,8 @@ std::vector<WorkerCommand> local_workers(const std::string& program, int count);
 std::vector<WorkerCommand> remote_workers(const std::string& program, const std::string& hosts_file,
                                           const std::string& shell);
 
+// The ranks that `launcher` starts, as "mpirun -n 8" does. Where one ends, Open MPI ends all, and all start again.
+// Throws std::invalid_argument where this build has no MPI.
+std::vector<WorkerCommand> mpi_workers(const std::string& program, const std::string& launcher);
+
 }  // namespace soft_robot_lab

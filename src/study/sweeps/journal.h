@@ -26,7 +26,8 @@ class Journal {
   // The study's tasks, in place of those of an earlier run. Outcomes stay.
   void set_tasks(const StudySettings& study, const std::vector<StudyTask>& tasks);
 
-  // Each call is a transaction: after it the outcome is on the disk. One that is there already stays as it is.
+  // Each call is a transaction: after it the outcome outlives this program, however that ends. One that is there
+  // already stays as it is.
   void add(const TaskOutcome& outcome);
 
   std::optional<TaskOutcome> find(const std::string& hash) const;

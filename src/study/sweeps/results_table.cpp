@@ -16,16 +16,19 @@ constexpr std::size_t kLongestList = 16;
 
 bool is_time_taken(const std::string& key) { return key == "wall_s" || key == "cpu_s" || key == "from_cache"; }
 
-bool all_numbers(const Json& list) {
-  return std::all_of(list.begin(), list.end(), [](const Json& item) { return item.is_number(); });
+bool all_of(const Json& list, bool (Json::*is)() const) {
+  return std::all_of(list.begin(), list.end(), [&](const Json& item) { return (item.*is)(); });
 }
+
+void flatten_into(const std::string& name, const Json& node, Values& values);
 
 void flatten_list(const std::string& name, const Json& list, Values& values) {
   static const char* axes[] = {".x", ".y", ".z"};
-  if (!all_numbers(list) || list.size() > kLongestList || list.empty())
+  const bool numbers = all_of(list, &Json::is_number);
+  if ((!numbers && !all_of(list, &Json::is_object)) || list.size() > kLongestList || list.empty())
     return values.emplace_back(name + ".count", list.size()), void();
   for (std::size_t i = 0; i < list.size(); ++i)
-    values.emplace_back(name + (list.size() == 3 ? axes[i] : "[" + std::to_string(i) + "]"), list[i]);
+    flatten_into(name + (numbers && list.size() == 3 ? axes[i] : "[" + std::to_string(i) + "]"), list[i], values);
 }
 
 void flatten_into(const std::string& name, const Json& node, Values& values) {

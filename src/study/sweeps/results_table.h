@@ -13,8 +13,9 @@
 
 namespace soft_robot_lab {
 
-// A result's values by name: markers.tip.position_m.x for triples, NAME[0] for other lists of up to 16 numbers, and
-// NAME.count for lists of anything else. Times that a run took are left out, since they differ from run to run.
+// A result's values by name: markers.tip.position_m.x for triples, NAME[0] for other lists of up to 16 numbers or maps,
+// as poses[0].final_distance_m, and NAME.count for lists of anything else. Times that a run took are left out, since
+// they differ from run to run.
 std::vector<std::pair<std::string, nlohmann::ordered_json>> flatten(const nlohmann::ordered_json& result);
 
 struct ResultsTable {

@@ -84,25 +84,74 @@ Points latin_hypercube(const StudySettings& study) {
   return points;
 }
 
+// Points in [0, 1) of so many dimensions.
+class SobolSequence {
+ public:
+  SobolSequence(std::size_t dimensions, int seed) : shifts_(dimensions), sequence_(dimensions) {
+    Random random(seed);
+    for (std::uint64_t& shift : shifts_) shift = random.bits();
+  }
+
+  std::vector<double> next() {
+    std::vector<double> point;
+    for (const std::uint64_t shift : shifts_)
+      point.push_back(std::ldexp(static_cast<double>((sequence_() ^ shift) >> 11), -53));
+    return point;
+  }
+
+ private:
+  std::vector<std::uint64_t> shifts_;
+  boost::random::sobol sequence_;
+};
+
+std::vector<double> at(const StudySettings& study, const std::vector<double>& fractions) {
+  std::vector<double> point;
+  for (std::size_t i = 0; i < study.parameters.size(); ++i) point.push_back(at(study.parameters[i], fractions[i]));
+  return point;
+}
+
 Points sobol(const StudySettings& study) {
-  Random random(study.seed);
-  std::vector<std::uint64_t> shifts(study.parameters.size());
-  for (std::uint64_t& shift : shifts) shift = random.bits();
-  boost::random::sobol sequence(study.parameters.size());
-  Points points(static_cast<std::size_t>(study.samples));
-  for (std::vector<double>& point : points)
-    for (std::size_t i = 0; i < study.parameters.size(); ++i) {
-      const std::uint64_t bits = sequence() ^ shifts[i];
-      point.push_back(at(study.parameters[i], std::ldexp(static_cast<double>(bits >> 11), -53)));
+  SobolSequence sequence(study.parameters.size(), study.seed);
+  Points points;
+  for (int i = 0; i < study.samples; ++i) points.push_back(at(study, sequence.next()));
+  return points;
+}
+
+// For each base point: A, B, and A with one value of B for each parameter.
+Points sobol_indices_points(const StudySettings& study) {
+  const std::size_t count = study.parameters.size();
+  if (static_cast<std::size_t>(study.samples) * (count + 2) > static_cast<std::size_t>(kMostTasks))
+    throw std::invalid_argument("samples: sobol_indices makes samples * (parameters + 2) tasks, more than " +
+                                std::to_string(kMostTasks));
+  SobolSequence sequence(2 * count, study.seed);
+  Points points;
+  for (int i = 0; i < study.samples; ++i) {
+    const std::vector<double> both = sequence.next();
+    const std::vector<double> a = at(study, both);
+    const std::vector<double> b = at(study, {both.begin() + static_cast<std::ptrdiff_t>(count), both.end()});
+    points.insert(points.end(), {a, b});
+    for (std::size_t p = 0; p < count; ++p) {
+      points.push_back(a);
+      points.back()[p] = b[p];
     }
+  }
   return points;
 }
 
 }  // namespace
 
 std::vector<std::vector<double>> sample(const StudySettings& study) {
-  if (study.method == SamplingMethod::grid) return grid(study);
-  return study.method == SamplingMethod::sobol ? sobol(study) : latin_hypercube(study);
+  switch (study.method) {
+    case SamplingMethod::grid:
+      return grid(study);
+    case SamplingMethod::latin_hypercube:
+      return latin_hypercube(study);
+    case SamplingMethod::sobol:
+      return sobol(study);
+    case SamplingMethod::sobol_indices:
+      return sobol_indices_points(study);
+  }
+  throw std::logic_error("no such method");
 }
 
 }  // namespace soft_robot_lab

@@ -10,7 +10,8 @@ namespace soft_robot_lab {
 
 // One row a task, one value a parameter. A grid's last parameter runs fastest. A Latin hypercube (McKay, Beckman and
 // Conover 1979) has one point in each of `samples` equal slices of each parameter. Sobol's sequence has the directions
-// of Joe and Kuo 2008 and is shifted digitally by the seed. Throws std::invalid_argument for more than kMostTasks.
+// of Joe and Kuo 2008 and is shifted digitally by the seed. Method sobol_indices has the points that sobol_indices.h
+// needs. Throws std::invalid_argument for more than kMostTasks.
 std::vector<std::vector<double>> sample(const StudySettings& study);
 
 }  // namespace soft_robot_lab

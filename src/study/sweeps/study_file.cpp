@@ -78,9 +78,9 @@ StudyParameter read_study_parameter(const YamlNode& owner, const std::string& na
 }
 
 SamplingMethod read_method(const YamlNode& file) {
-  const std::string name = file.choice_or("method", "grid", {"grid", "latin_hypercube", "sobol"});
-  if (name == "grid") return SamplingMethod::grid;
-  return name == "sobol" ? SamplingMethod::sobol : SamplingMethod::latin_hypercube;
+  static const std::vector<std::string> names = {"grid", "latin_hypercube", "sobol", "sobol_indices"};
+  const std::string name = file.choice_or("method", names[0], names);
+  return static_cast<SamplingMethod>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
 std::string read_scene_path(const YamlNode& file) {

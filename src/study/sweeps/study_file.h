@@ -9,7 +9,7 @@
 
 namespace soft_robot_lab {
 
-enum class SamplingMethod { grid, latin_hypercube, sobol };
+enum class SamplingMethod { grid, latin_hypercube, sobol, sobol_indices };
 
 // One dimension of a study: a list of values, or a range.
 struct StudyParameter {
@@ -26,7 +26,7 @@ struct StudySettings {
   std::vector<std::string> arguments;
   std::vector<StudyParameter> parameters;
   SamplingMethod method = SamplingMethod::grid;
-  int samples = 0;  // of methods but grid
+  int samples = 0;  // of methods but grid; of sobol_indices: base points
   int seed = 1;
   double time_limit_s = 600.0;    // of one task
   std::vector<std::string> show;  // results in report.html; empty: the first that vary

@@ -13,6 +13,7 @@
 #include "session/report/plot.h"
 #include "settings/words.h"
 #include "settings/write_file.h"
+#include "sobol_indices.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -84,6 +85,16 @@ Plot plot_of(const StudySettings& study, const ResultsTable& table, std::size_t 
   return plot;
 }
 
+void write_indices(const StudySettings& study, const ResultsTable& table, const std::vector<std::size_t>& shown,
+                   HtmlPage& page) {
+  if (study.method != SamplingMethod::sobol_indices) return;
+  page.heading("What matters");
+  page.paragraph(
+      "Fraction of a result's variance that a parameter causes alone, and together with others (Sobol indices), each "
+      "with its 95 % interval. Base points with a task without this result are left out.");
+  page.table(sobol_table(table, shown));
+}
+
 void print(const Table& table, std::ostream& out) {
   for (const auto& row : table.rows) {
     out << " ";
@@ -118,7 +129,9 @@ std::vector<std::size_t> shown_results(const StudySettings& study, const Results
 std::string study_summary(const StudySettings& study, const ResultsTable& table) {
   std::ostringstream text;
   text << count_text(table) << "\n" << std::setprecision(6);
-  print(spreads(shown_results(study, table), table), text);
+  const std::vector<std::size_t> shown = shown_results(study, table);
+  print(spreads(shown, table), text);
+  if (study.method == SamplingMethod::sobol_indices) print(sobol_table(table, shown), text);
   print(failures(table), text);
   return text.str();
 }
@@ -129,6 +142,7 @@ void write_study_report(const StudySettings& study, const ResultsTable& table, c
   const std::vector<std::size_t> shown = shown_results(study, table);
   page.heading("Results");
   page.table(spreads(shown, table));
+  write_indices(study, table, shown, page);
   std::size_t plots = 0;
   for (const std::size_t result : shown)
     for (std::size_t parameter = 0; parameter < table.parameters.size(); ++parameter) {

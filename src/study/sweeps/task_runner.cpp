@@ -4,10 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <deque>
-#include <map>
 #include <memory>
-#include <set>
 #include <stdexcept>
 
 #include <poll.h>
@@ -18,9 +15,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMostAttempts = 5;   // of a task
-constexpr int kMostStarts = 3;     // of a worker that never answers
-constexpr double kGrace_s = 60.0;  // beyond a task's limit, until its worker counts as hung
+constexpr std::size_t kMostSlots = 1000;  // of one command
+constexpr int kMostStarts = 3;            // of a worker that never answers
+constexpr double kGrace_s = 60.0;         // beyond a task's limit, until its worker counts as hung
 
 struct Slot {
   bool ready = false;
@@ -35,55 +32,29 @@ struct Crew {
   int starts = 0;  // since it last answered
 };
 
-double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
 class TaskRunner {
  public:
   TaskRunner(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
              const RunOptions& options)
-      : study_(study), journal_(journal), options_(options) {
-    std::set<std::string> known;
-    for (const StudyTask& task : tasks)
-      if (known.insert(task.hash).second) take(task);
-    progress_.before = progress_.done;
-  }
+      : study_(study), options_(options), ledger_(tasks, journal, options.report) {}
 
   RunProgress run() {
     for (const WorkerCommand& command : options_.workers) crews_.push_back({&command, nullptr});
-    if (!queue_.empty())
+    if (!ledger_.open.empty())
       for (Crew& crew : crews_) start(crew);
-    bool go_on = report();
-    while (go_on && progress_.done < progress_.tasks) {
+    bool go_on = ledger_.report();
+    while (go_on && !ledger_.all_done()) {
       if (crews_.empty()) throw std::runtime_error("no worker is left; " + last_trouble_);
       wait();
       give_out();
-      go_on = report();
+      go_on = ledger_.report();
     }
-    return progress_;
+    return ledger_.progress();
   }
 
  private:
-  void take(const StudyTask& task) {
-    ++progress_.tasks;
-    if (const auto outcome = journal_.find(task.hash))
-      count(*outcome);
-    else
-      queue_.push_back(&task);
-  }
-
-  void count(const TaskOutcome& outcome) {
-    ++progress_.done;
-    if (outcome.state == TaskOutcome::State::failed) ++progress_.failed;
-    if (outcome.state == TaskOutcome::State::not_good) ++progress_.not_good;
-  }
-
-  bool report() {
-    progress_.elapsed_s = since(begin_);
-    return !options_.report || options_.report(progress_);
-  }
-
   void start(Crew& crew) {
-    crew.slots.assign(static_cast<std::size_t>(crew.command->slots), {});
+    crew.slots.clear();
     crew.channel.reset();
     ++crew.starts;
     crew.channel = std::make_unique<WorkerChannel>(*crew.command);
@@ -104,18 +75,22 @@ class TaskRunner {
   void listen(Crew& crew) {
     for (const std::string& line : crew.channel->receive()) {
       const Json message = Json::parse(line, nullptr, false);
-      const int place = message.is_object() ? message.value("slot", -1) : -1;
-      if (place < 0 || place >= crew.command->slots) continue;  // what a login prints
-      Slot& slot = crew.slots[static_cast<std::size_t>(place)];
-      message.contains("version") ? greet(crew, slot, message) : finish(crew, slot, message);
+      const auto slot = message.is_object() ? message.find("slot") : message.end();
+      if (slot == message.end() || !slot->is_number_unsigned()) continue;  // what a login prints
+      const std::size_t place = *slot;
+      if (message.contains("version")) greet(crew, place, message);
+      if (message.contains("hash") && place < crew.slots.size()) finish(crew, crew.slots[place], message);
     }
   }
 
-  void greet(const Crew& crew, Slot& slot, const Json& message) {
+  void greet(Crew& crew, std::size_t place, const Json& message) {
     if (message.at("version") != options_.version)
       throw std::runtime_error("worker on " + crew.command->name + ": its program " + study_.program +
                                " is another version than here; install the same");
-    slot.ready = true;
+    if (place >= kMostSlots)
+      throw std::runtime_error("more than " + std::to_string(kMostSlots) + " workers in one job");
+    if (place >= crew.slots.size()) crew.slots.resize(place + 1);
+    crew.slots[place].ready = true;
   }
 
   void finish(Crew& crew, Slot& slot, const Json& message) {
@@ -125,19 +100,11 @@ class TaskRunner {
     const StudyTask& task = *std::exchange(slot.task, nullptr);
     crew.starts = 0;
     if (message.contains("lost")) return again(task, message.at("lost"));
-    record({task.hash, state_named(message.at("state")), message.at("reason"),
-            message.contains("result") ? message.at("result").dump() : "", message.at("wall_s")});
-  }
-
-  void record(const TaskOutcome& outcome) {
-    journal_.add(outcome);
-    count(outcome);
+    if (const auto outcome = outcome_of(message)) ledger_.record(*outcome);
   }
 
   void again(const StudyTask& task, const std::string& why) {
-    if (++attempts_[task.hash] < kMostAttempts) return queue_.push_front(&task);
-    record({task.hash, TaskOutcome::State::failed, "given up after " + std::to_string(kMostAttempts) + " times: " + why,
-            "", 0.0});
+    if (ledger_.may_run_again(task, why)) ledger_.open.push_front(&task);
   }
 
   static bool hangs(const Crew& crew) {
@@ -157,11 +124,11 @@ class TaskRunner {
   // Whoever is idle gets the next task; none is given out twice at a time.
   void give_out() {
     for (Crew& crew : crews_)
-      for (std::size_t i = 0; i < crew.slots.size() && !queue_.empty(); ++i) {
+      for (std::size_t i = 0; i < crew.slots.size() && !ledger_.open.empty(); ++i) {
         Slot& slot = crew.slots[i];
         if (!slot.ready || slot.task) continue;
-        slot.task = queue_.front();
-        queue_.pop_front();
+        slot.task = ledger_.open.front();
+        ledger_.open.pop_front();
         slot.until =
             Clock::now() + std::chrono::milliseconds(static_cast<long>(1e3 * (study_.time_limit_s + kGrace_s)));
         Json request = task_request(study_, *slot.task);
@@ -172,12 +139,8 @@ class TaskRunner {
   }
 
   const StudySettings& study_;
-  Journal& journal_;
   const RunOptions& options_;
-  Clock::time_point begin_ = Clock::now();
-  RunProgress progress_;
-  std::deque<const StudyTask*> queue_;
-  std::map<std::string, int> attempts_;
+  TaskLedger ledger_;
   std::vector<Crew> crews_;
   std::string last_trouble_;
 };

@@ -2,28 +2,20 @@
 // Hands the tasks of a study to its workers, and their outcomes to the journal.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "journal.h"
-#include "task.h"
+#include "task_ledger.h"
 #include "worker_channel.h"
 
 namespace soft_robot_lab {
 
-struct RunProgress {
-  std::size_t tasks = 0, done = 0;  // different ones; those of earlier runs are done
-  std::size_t before = 0;           // done in earlier runs
-  std::size_t failed = 0, not_good = 0;
-  double elapsed_s = 0.0;
-};
-
 struct RunOptions {
   std::vector<WorkerCommand> workers;
-  std::string version;                             // of the program, which each worker must have
-  std::function<bool(const RunProgress&)> report;  // after each outcome and each second; false: stop
-  std::function<void(const std::string&)> warn;    // of workers that ended
+  std::string version;  // of the program, which each worker must have
+  ReportProgress report;
+  Warn warn;  // of workers that ended
 };
 
 // A task whose worker or program was killed runs again, and fails at the fifth time. A worker that ended is started

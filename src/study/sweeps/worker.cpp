@@ -2,20 +2,18 @@
 #include "worker.h"
 
 #include <chrono>
-#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <deque>
 #include <filesystem>
 #include <iostream>
-#include <mutex>
 #include <set>
 #include <thread>
 #include <vector>
 
 #include <unistd.h>
 
+#include "line_queue.h"
 #include "robot/design/content_cache.h"
 #include "robot/design/timed_process.h"
 #include "settings/find_program.h"
@@ -68,6 +66,18 @@ Json failed(Json answer, const std::string& reason) {
   return answer;
 }
 
+// What the program itself says in its result: the first test that failed, or the first pose that is of no use.
+std::string reason_in(const Json& result) {
+  if (const auto tests = result.find("tests"); tests != result.end())
+    for (const auto& [name, test] : tests->items())
+      if (test.is_object() && !test.value("passed", true)) return name + ": " + test.value("why", "not passed");
+  if (const auto poses = result.find("poses"); poses != result.end())
+    for (std::size_t i = 0; i < poses->size(); ++i)
+      if (const Json& pose = (*poses)[i]; pose.is_object() && !pose.value("usable", true))
+        return "pose " + std::to_string(i) + ": " + pose.value("stop_reason", "not usable");
+  return "";
+}
+
 Json judge(Json answer, const Json& task, const ProcessEnd& end, const std::string& result, const std::string& errors) {
   if (was_killed(end)) {
     answer["lost"] = "its program was killed by signal " + std::to_string(end.value);
@@ -83,7 +93,7 @@ Json judge(Json answer, const Json& task, const ProcessEnd& end, const std::stri
     return failed(std::move(answer),
                   errors.empty() ? "ended with status " + std::to_string(end.value) + " and no result" : errors);
   answer["state"] = name_of(end.value == 0 ? TaskOutcome::State::good : TaskOutcome::State::not_good);
-  answer["reason"] = end.value == 0 ? "" : errors;
+  answer["reason"] = end.value == 0 ? "" : errors.empty() ? reason_in(found) : errors;
   answer["result"] = std::move(found);
   return answer;
 }
@@ -102,35 +112,6 @@ Json run_task(const Json& task, const std::string& version, const WorkFolder& fo
   answer["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return judge(std::move(answer), task, end, text_of(result), last_line(text_of(errors)));
 }
-
-// Lines of the standard input, read by a thread that ends the process with it.
-class InputLines {
- public:
-  InputLines() : reader_([this] { read(); }) { reader_.detach(); }
-
-  std::optional<std::string> next() {
-    std::unique_lock<std::mutex> lock(mutex_);
-    come_.wait(lock, [&] { return !lines_.empty(); });
-    std::string line = std::move(lines_.front());
-    lines_.pop_front();
-    return line;
-  }
-
- private:
-  void read() {
-    for (std::string line; std::getline(std::cin, line);) {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      lines_.push_back(line);
-      come_.notify_one();
-    }
-    _exit(0);  // what it runs dies with it
-  }
-
-  std::mutex mutex_;
-  std::condition_variable come_;
-  std::deque<std::string> lines_;
-  std::thread reader_;
-};
 
 }  // namespace
 
@@ -153,12 +134,16 @@ void run_worker(const std::string& program, int slot, const WorkerLink& link) {
 }
 
 void run_worker_on_pipes(const std::string& program) {
-  auto* input = new InputLines;  // its thread runs until the process ends
-  run_worker(program, 0,
-             {[&] { return input->next(); },
-              [](const std::string& line) {
-                if (std::fputs((line + "\n").c_str(), stdout) < 0 || std::fflush(stdout) != 0) _exit(1);
-              }});
+  auto* input = new LineQueue;  // its threads run until the process ends
+  std::thread([input] {
+    for (std::string line; std::getline(std::cin, line);) input->push(line);
+    _exit(0);  // what it runs dies with it
+  }).detach();
+  run_worker(program, 0, {[&] { return input->wait(); }, print_line});
+}
+
+void print_line(const std::string& line) {
+  if (std::fputs((line + "\n").c_str(), stdout) < 0 || std::fflush(stdout) != 0) _exit(1);
 }
 
 }  // namespace soft_robot_lab

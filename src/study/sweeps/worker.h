@@ -24,4 +24,6 @@ void run_worker(const std::string& program, int slot, const WorkerLink& link);
 // The same over standard input and output. The whole process ends at once when its input does, with what it runs.
 void run_worker_on_pipes(const std::string& program);
 
+void print_line(const std::string& line);  // on the standard output; ends the process where nobody reads it
+
 }  // namespace soft_robot_lab

@@ -66,15 +66,18 @@ WorkerChannel::WorkerChannel(const WorkerCommand& command) {
   throw std::runtime_error(trouble);
 }
 
-// Without its input a worker ends by itself; a launcher or remote shell that does not is killed.
+// Without its input a worker ends by itself, and a launcher with it, as long as its output has a reader; what does not
+// is killed.
 WorkerChannel::~WorkerChannel() {
   close(input_);
-  close(output_);
-  for (int i = 0; i < 100; ++i) {
-    if (waitpid(process_, nullptr, WNOHANG) != 0) return;
-    if (i == 50) kill(-process_, SIGTERM);
-    usleep(10000);
+  bool ended = false;
+  for (int i = 0; i < 200 && !ended; ++i) {
+    ended = waitpid(process_, nullptr, WNOHANG) != 0;
+    if (i == 150) kill(-process_, SIGTERM);
+    if (!ended) usleep(10000);
   }
+  close(output_);
+  if (ended) return;
   kill(-process_, SIGKILL);
   waitpid(process_, nullptr, 0);
 }

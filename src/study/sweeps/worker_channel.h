@@ -13,7 +13,6 @@ namespace soft_robot_lab {
 struct WorkerCommand {
   std::string name;  // of the host, for messages
   std::vector<std::string> command;
-  int slots = 1;
 };
 
 class WorkerChannel {

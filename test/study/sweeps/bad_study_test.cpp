@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bad studies end with a message that names key, value and range, and leave the journal whole.
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "running_study.h"
 #include "study_run.h"
 
 namespace soft_robot_lab {
@@ -44,7 +41,8 @@ TEST(BadStudy, NamesAValueBeyondTheRangeThatTheFileGives) {
 }
 
 TEST(BadStudy, NamesAnUnknownMethodAndWhatAGridLacks) {
-  expect_refused("method: random\nparameters: {height: {}}\n", "'random' is not one of grid, latin_hypercube, sobol");
+  expect_refused("method: random\nparameters: {height: {}}\n",
+                 "'random' is not one of grid, latin_hypercube, sobol, sobol_indices");
   expect_refused("parameters: {height: {}}\n", "key 'steps' is missing");
   expect_refused("parameters: {height: {steps: 2}}\nsamples: 3\n", "samples: has no use with method grid");
 }
@@ -66,16 +64,31 @@ TEST(BadStudy, KeepsTheReasonOfASolidThatIsEmpty) {
   EXPECT_NE(outcome.out.find("reason simulate: "), std::string::npos) << outcome.out;
 }
 
-TEST(BadStudy, SecondOneOnAJournalEndsWithAMessage) {
+TEST(BadStudy, SecondOneOnAJournalEndsWithAMessageAndTheFirstGoesOn) {
+  const SceneFolder folder;
+  short_scene(folder);
+  const std::string file = folder.write("study.yaml", short_study("20"));
+  const pid_t first = start({SOFT_ROBOT_LAB_STUDY_PROGRAM, file, "--workers", "1", "--output", folder.path("found")});
+  const std::string journal = folder.path("found/journal.sqlite");
+  for (int i = 0; i < 6000 && outcomes_in(journal) < 1; ++i) usleep(5000);
+  const Outcome second = run_study(folder, short_study("2"), "found", "");
+  EXPECT_EQ(second.exit_status, 2);
+  EXPECT_NE(second.err.find("another study writes to its journal"), std::string::npos) << second.err;
+  int status = -1;
+  waitpid(first, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(outcomes_in(journal), 20);
+  EXPECT_EQ(ask(journal, "PRAGMA integrity_check"), "ok");
+}
+
+TEST(BadStudy, RefusesAJournalThatIsNone) {
   const SceneFolder folder;
   short_scene(folder);
   std::filesystem::create_directory(folder.path("found"));
-  const int lock = open(folder.path("found/journal.lock").c_str(), O_RDWR | O_CREAT, 0600);
-  ASSERT_EQ(flock(lock, LOCK_EX), 0);
+  folder.write("found/journal.sqlite", std::string(5000, 'x'));
   const Outcome outcome = run_study(folder, short_study("2"), "found", "");
-  close(lock);
   EXPECT_EQ(outcome.exit_status, 2);
-  EXPECT_NE(outcome.err.find("another study writes to its journal"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("is no journal of a study"), std::string::npos) << outcome.err;
 }
 
 TEST(BadStudy, LeavesTheJournalWholeOnAFullDisk) {
@@ -88,6 +101,7 @@ TEST(BadStudy, LeavesTheJournalWholeOnAFullDisk) {
       run_program("trap '' XFSZ; ulimit -f 64; " SOFT_ROBOT_LAB_STUDY_PROGRAM, folder, study + command);
   EXPECT_EQ(full.exit_status, 1);
   EXPECT_NE(full.err.find("journal.sqlite: cannot be written"), std::string::npos) << full.err;
+  EXPECT_EQ(ask(folder.path("found/journal.sqlite"), "PRAGMA integrity_check"), "ok");
   const Outcome after = run_program(SOFT_ROBOT_LAB_STUDY_PROGRAM, folder, study + command);
   EXPECT_EQ(after.exit_status, 0) << after.err;
   EXPECT_EQ(contents(folder.path("found/results.csv")), contents(folder.path("whole/results.csv")));

@@ -26,7 +26,7 @@ inline Outcome run_study(const SceneFolder& folder, const std::string& text, con
 inline std::string short_study(const std::string& count) {
   return "program: simulate\nscene: short.yaml\nmethod: latin_hypercube\nsamples: " + count +
          "\nparameters:\n  body.material.youngs_modulus_pa: {range: [1.0e+5, 1.0e+6]}\n"
-         "  markers.tip.position_m[0]: {range: [0.08, 0.1]}\n";
+         "  markers.tip.position_m[0]: {range: [0.08, 0.1]}\nshow: [markers.tip.position_m.y]\n";
 }
 
 }  // namespace soft_robot_lab

@@ -69,6 +69,31 @@ TEST(Study, RunsNothingTwice) {
   EXPECT_GE(std::filesystem::last_write_time(folder.path("found/journal.sqlite")), written);
 }
 
+TEST(Study, SaysWhyARobotCannotBeCast) {
+  const SceneFolder folder;
+  folder.write("short.yaml", "include: bar.yaml\ncables: []\ncasting: {min_thickness_m: 0.01}\n");
+  const Outcome outcome = run_study(folder,
+                                    "program: check_casting\nscene: short.yaml\n"
+                                    "parameters: {casting.min_thickness_m: {values: [0.021]}}\n",
+                                    "found", "");
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
+  EXPECT_EQ(cell(contents(folder.path("found/results.csv")), 1, "state"), "not_good");
+  EXPECT_NE(outcome.out.find("reason thickness: "), std::string::npos) << outcome.out;
+}
+
+TEST(Study, HasTheDistancesOfAPolicy) {
+  const SceneFolder folder;
+  folder.write("short.yaml", "include: bar.yaml\nbody: {element: linear}\n");
+  const Outcome outcome = run_study(folder,
+                                    "program: optimise\nscene: short.yaml\n"
+                                    "arguments: [--marker, tip, --target, '0.09', '0', '0.005', --iterations, '2']\n"
+                                    "parameters: {body.material.density_kg_m3: {values: [1000]}}\n",
+                                    "found", "");
+  EXPECT_LT(outcome.exit_status, 2) << outcome.err;
+  const std::string distance = cell(contents(folder.path("found/results.csv")), 1, "poses[0].final_distance_m");
+  EXPECT_GT(std::atof(distance.c_str()), 0.0) << distance << outcome.out;
+}
+
 TEST(Study, RunsOnHostsThroughARemoteShell) {
   const SceneFolder folder;
   short_scene(folder);
@@ -90,12 +115,30 @@ TEST(Study, EndsWhereNoHostAnswers) {
   EXPECT_NE(outcome.err.find("no worker is left; the worker on one ended"), std::string::npos) << outcome.err;
 }
 
+TEST(Study, OfTheExamplesAreRead) {
+  int count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(SOFT_ROBOT_LAB_SOURCE "/config/studies")) {
+    EXPECT_NO_THROW(read_study(file.path().string())) << file.path();
+    ++count;
+  }
+  EXPECT_GE(count, 2);
+}
+
+TEST(Study, RunsInOneWayAtATime) {
+  const SceneFolder folder;
+  short_scene(folder);
+  const Outcome outcome = run_study(folder, short_study("2"), "found", "--slurm 2 --mpi mpirun");
+  EXPECT_EQ(outcome.exit_status, 2);
+  EXPECT_NE(outcome.err.find("excludes"), std::string::npos) << outcome.err;
+}
+
 TEST(Results, AreNamedByTheirPlaceWithoutTheTimesTheyTook) {
   const auto values = flatten(Json::parse(
-      R"({"a": {"p_m": [1, 2, 3], "wall_s": 9}, "list": [4, 5], "things": [{"b": 1}], "word": "yes", "none": null})"));
+      R"({"a": {"p_m": [1, 2, 3], "wall_s": 9}, "list": [4, 5], "things": [{"b": 1}], "words": ["c"], "word": "yes", "none": null})"));
   std::string text;
   for (const auto& [name, value] : values) text += name + "=" + value.dump() + " ";
-  EXPECT_EQ(text, "a.p_m.x=1 a.p_m.y=2 a.p_m.z=3 list[0]=4 list[1]=5 things.count=1 word=\"yes\" none=null ");
+  EXPECT_EQ(text,
+            "a.p_m.x=1 a.p_m.y=2 a.p_m.z=3 list[0]=4 list[1]=5 things[0].b=1 words.count=1 word=\"yes\" none=null ");
 }
 
 TEST(Results, OfNumPyBeginAsItsFormatAsks) {

@@ -149,8 +149,7 @@ Eigen::MatrixXd point_motions(const ReducedModel& model, const Snapshot& at, con
                                  model.basis.pressures.transpose() * volumes_m3.cwiseProduct(at.multipliers_pa),
                                  at.tensions_n};
   const ReducedCables::Values cables = model.cables.at(unknowns.q, unknowns.tensions_n, at.drives);
-  const Eigen::MatrixXd volumes = model.energy.sums(unknowns.q, unknowns.pressures).volume_gradients;
-  const Eigen::MatrixXd inner = reduced_matrix(model, unknowns, volumes, cables, at.inertia_per_s2);
+  const Eigen::MatrixXd inner = reduced_matrix(model, unknowns, cables, at.inertia_per_s2);
   const Eigen::Index n = unknowns.q.size();
   const Eigen::MatrixXd matrix = bordered(inner, cables, unknowns.tensions_n);
   return matrix.inverse().topLeftCorner(n, n) * model.energy.point_forces(unknowns.q) / std::sqrt(model.mass_kg);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "mechanics/reduced/held_out.h"
 #include "mechanics/reduced/reduced_simulation.h"
 #include "mechanics/reduced/snapshots.h"
 #include "mechanics/reduced/train.h"
@@ -65,7 +66,7 @@ void print(const char* what, const ReducedError& error) {
               1e3 * error.max_m, error.unsolved, error.states);
 }
 
-void measure(const Scene& scene, const ReducedTraining& training) {
+void measure(const Scene& scene, const ReducedTraining& training, const HeldOut& held_out) {
   const double h = scene.simulation->options().time_step_s, start_s = cpu_time_s();
   const std::shared_ptr<const ReducedModel> model = train(scene.simulation->model(), training);
   std::printf("N = %d, %d multipliers, %zu points, %d snapshots, trained in %.1f CPU-s\n",
@@ -77,8 +78,8 @@ void measure(const Scene& scene, const ReducedTraining& training) {
   for (int i = 0; i < kRepeats; ++i)
     if (const Cost cost = motion(training.box, simulation, h); cost.us < best.us) best = cost;
   print("reduced", best, h);
-  print("equilibria", held_out_equilibria(model, 20));
-  print("transient", held_out_transient(model, kDuration_s));
+  print("equilibria", held_out.equilibria(model));
+  print("transient", held_out.transient(model));
   std::fflush(stdout);
 }
 
@@ -97,8 +98,9 @@ int main(int argc, char** argv) {
   training.box = {std::vector<double>(actuators, 0.75), std::vector<double>(actuators, 1.1)};
   const double h = scene.simulation->options().time_step_s;
   print("newton", motion(training.box, *scene.simulation, h), h);
+  const HeldOut held_out(scene.simulation->model(), training.box, 20, kDuration_s);
   for (const int count : modes) {
     training.modes = count;
-    measure(scene, training);
+    measure(scene, training, held_out);
   }
 }

@@ -65,7 +65,7 @@ class ReducedSimulation {
   std::shared_ptr<const ReducedModel> model_;
   ReducedState state_;
   ReducedNewton newton_;
-  double step_tolerance_m_ = 1e-6, rest_tolerance_m_ = 1e-8;
+  double step_tolerance_m_ = 3e-6, rest_tolerance_m_ = 1e-8;
 };
 
 }  // namespace soft_robot_lab

@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "mechanics/actuators/test_bar.h"
+#include "mechanics/reduced/held_out.h"
 #include "mechanics/reduced/reduced_simulation.h"
 #include "mechanics/reduced/train.h"
 
@@ -24,11 +26,19 @@ ReducedTraining small_training() {
 // The bar is 100 mm long, and one training serves all cases.
 class ReducedBar : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { model_ = train(hanging_bar("pull_speed_m_s: 0.02").model(), small_training()); }
-  static void TearDownTestSuite() { model_.reset(); }
+  static void SetUpTestSuite() {
+    model_ = train(hanging_bar("pull_speed_m_s: 0.02").model(), small_training());
+    held_out_ = std::make_unique<HeldOut>(model_->full, model_->box, 5, 1.5);
+  }
+  static void TearDownTestSuite() {
+    model_.reset();
+    held_out_.reset();
+  }
   static std::shared_ptr<const ReducedModel> model_;
+  static std::unique_ptr<const HeldOut> held_out_;
 };
 std::shared_ptr<const ReducedModel> ReducedBar::model_;
+std::unique_ptr<const HeldOut> ReducedBar::held_out_;
 
 TEST_F(ReducedBar, ItsModesAreOrthonormalInMassAndHoldWhatIsHeld) {
   const Eigen::MatrixXd& modes = model_->basis.modes;
@@ -46,7 +56,7 @@ TEST_F(ReducedBar, ItsModesAreOrthonormalInMassAndHoldWhatIsHeld) {
 }
 
 TEST_F(ReducedBar, ItsEquilibriaAreTheFullModelsWithinATwentiethOfAMillimetre) {
-  const ReducedError error = held_out_equilibria(model_, 5);
+  const ReducedError error = held_out_->equilibria(model_);
   EXPECT_EQ(error.unsolved, 0);
   EXPECT_LT(error.rms_m, 0.05e-3);
   EXPECT_LT(error.max_m, 0.2e-3);
@@ -55,7 +65,7 @@ TEST_F(ReducedBar, ItsEquilibriaAreTheFullModelsWithinATwentiethOfAMillimetre) {
 }
 
 TEST_F(ReducedBar, ItsTransientsAreTheFullModelsWithinATenthOfAMillimetre) {
-  const ReducedError error = held_out_transient(model_, 1.5);
+  const ReducedError error = held_out_->transient(model_);
   EXPECT_EQ(error.unsolved, 0);
   EXPECT_LT(error.rms_m, 0.1e-3);
   EXPECT_LT(error.max_m, 0.5e-3);
@@ -64,7 +74,7 @@ TEST_F(ReducedBar, ItsTransientsAreTheFullModelsWithinATenthOfAMillimetre) {
 }
 
 TEST_F(ReducedBar, ItsModesHoldTransientsCloserThanItsMotionDoes) {
-  const ReducedError shapes = held_out_projection(model_, 1.5), motion = held_out_transient(model_, 1.5);
+  const ReducedError shapes = held_out_->projection(*model_), motion = held_out_->transient(model_);
   EXPECT_EQ(shapes.unsolved, 0);
   EXPECT_GT(shapes.rms_m, 0.0);
   EXPECT_LT(shapes.rms_m, motion.rms_m);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kHeldOutEquilibria = 20;
 constexpr double kHeldOutTransient_s = 6.0;
-const std::vector<int> kModes{8, 12, 16, 20, 25, 30, 40};
+const std::vector<int> kModes{4, 6, 8, 12, 16, 20, 25, 30, 40};
 // An error is 5 to 15 times the tolerance of the cubature.
 constexpr double kShareOfCubature = 1.0 / 20.0;
 

@@ -146,10 +146,10 @@ bool ReducedNewton::go(const Problem& problem, Point& here, Step& step, ReducedE
 }
 
 // By the inertia of the bordered matrix (Haynsworth 1968): a negative eigenvalue per active cable, and no more.
-bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at) {
+bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at, double inertia_per_s2) {
   const ReducedCables::Values cables = model.cables.at(at.q, at.tensions_n, drives);
   const Eigen::Index n = at.q.size(), r = at.pressures.size(), y = at.tensions_n.size();
-  const Eigen::MatrixXd inner = reduced_matrix(model, at, cables, 0.0);
+  const Eigen::MatrixXd inner = reduced_matrix(model, at, cables, inertia_per_s2);
   const Eigen::MatrixXd volumes = inner.topRightCorner(n, r);
   const Eigen::MatrixXd stiffness =
       inner.topLeftCorner(n, n) + model.energy.lambda_pa() * volumes * volumes.transpose();

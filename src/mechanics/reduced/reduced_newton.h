@@ -68,7 +68,8 @@ class ReducedNewton {
   bool fresh_ = false;             // the inverse is of the present point
 };
 
-// Whether the cables and constraints hold q in a minimum of the energy, and not on a saddle.
-bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at);
+// Whether the cables and constraints hold q in a minimum of the energy with this inertia, and not on a saddle.
+bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at,
+            double inertia_per_s2 = 0.0);
 
 }  // namespace soft_robot_lab

@@ -60,7 +60,7 @@ class ReducedSimulation {
   Eigen::VectorXd predicted(double h) const;
   // The part of a step of length h from one share of it to another.
   bool advance(double h, const CommandPath& path, double from, double to, ReducedReport& report);
-  bool relax(ReducedReport& report);
+  bool relax(int most_iterations, ReducedReport& report);
 
   std::shared_ptr<const ReducedModel> model_;
   ReducedState state_;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "point_sums.h"
 
+#include <utility>
+
+#include "mechanics/elements/batches.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -82,25 +86,32 @@ SOFT_ROBOT_LAB_CLONES void group_hessian(const Batch* d, const Batch* weight, co
 
 }  // namespace
 
+struct PointSums::Groups {
+  Batches gradients;  // per group and mode: 9, a matrix column after column
+  Batches weights;    // per group, zero where a lane is empty
+};
+
 PointSums::PointSums(const std::vector<RestPoint>& points)
-    : modes_(points.empty() ? 0 : points.front().gradient.cols()),
-      groups_((points.size() + kLanes - 1) / kLanes),
-      gradients_(groups_ * 9 * static_cast<std::size_t>(modes_), Batch{}),
-      weights_(groups_, Batch{}) {
+    : modes_(points.empty() ? 0 : points.front().gradient.cols()) {
+  const std::size_t count = (points.size() + kLanes - 1) / kLanes, entries = 9 * static_cast<std::size_t>(modes_);
+  Groups groups{Batches(count * entries, Batch{}), Batches(count, Batch{})};
   for (std::size_t p = 0; p < points.size(); ++p) {
     const std::size_t group = p / kLanes, lane = p % kLanes;
-    weights_[group][lane] = points[p].weight_m3;
-    for (Index i = 0; i < 9 * modes_; ++i)
-      gradients_[group * 9 * static_cast<std::size_t>(modes_) + static_cast<std::size_t>(i)][lane] =
-          points[p].gradient.data()[i];
+    groups.weights[group][lane] = points[p].weight_m3;
+    for (std::size_t i = 0; i < entries; ++i)
+      groups.gradients[group * entries + i][lane] = points[p].gradient.data()[i];
   }
+  groups_ = std::make_shared<const Groups>(std::move(groups));
 }
 
 double PointSums::add_force(const Eigen::VectorXd& q, double scale, Eigen::VectorXd& force) const {
   Batches sums(static_cast<std::size_t>(modes_), Batch{});
+  const Batch* d = groups_->gradients.data();
   double value = 0.0;
-  for (std::size_t group = 0; group < groups_; ++group)
-    value += group_force(&gradients_[group * 9 * sums.size()], &weights_[group], q.data(), modes_, sums.data());
+  for (const Batch& weight : groups_->weights) {
+    value += group_force(d, &weight, q.data(), modes_, sums.data());
+    d += 9 * modes_;
+  }
   for (Index i = 0; i < modes_; ++i) force[i] += scale * total(sums[static_cast<std::size_t>(i)]);
   return scale * value;
 }
@@ -108,8 +119,11 @@ double PointSums::add_force(const Eigen::VectorXd& q, double scale, Eigen::Vecto
 void PointSums::add_hessian(const Eigen::VectorXd& q, double scale, Eigen::MatrixXd& hessian) const {
   const auto modes = static_cast<std::size_t>(modes_);
   Batches triangle(modes * (modes + 1) / 2, Batch{});
-  for (std::size_t group = 0; group < groups_; ++group)
-    group_hessian(&gradients_[group * 9 * modes], &weights_[group], q.data(), modes_, triangle.data());
+  const Batch* d = groups_->gradients.data();
+  for (const Batch& weight : groups_->weights) {
+    group_hessian(d, &weight, q.data(), modes_, triangle.data());
+    d += 9 * modes_;
+  }
   const Batch* entry = triangle.data();
   for (Index i = 0; i < modes_; ++i)
     for (Index j = 0; j <= i; ++j, ++entry) {

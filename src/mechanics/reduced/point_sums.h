@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "mechanics/elements/batches.h"
 #include "rest_points.h"
 
 namespace soft_robot_lab {
@@ -20,10 +20,9 @@ class PointSums {
   void add_hessian(const Eigen::VectorXd& q, double scale, Eigen::MatrixXd& hessian) const;
 
  private:
+  struct Groups;
   Eigen::Index modes_;
-  std::size_t groups_;
-  Batches gradients_;  // per group and mode: 9, a matrix column after column
-  Batches weights_;    // per group, zero where a lane is empty
+  std::shared_ptr<const Groups> groups_;
 };
 
 }  // namespace soft_robot_lab

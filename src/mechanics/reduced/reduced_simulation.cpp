@@ -12,7 +12,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kShortestPart = 1.0 / 64.0;  // of a time step
-constexpr int kNearIterations = 15;  // of Newton; with more it may have found another branch than that nearby
+constexpr int kNearIterations = 15;           // of Newton; with more it may have found another branch than that nearby
 constexpr int kContinuationSteps = 200;
 constexpr double kFirstArtificialStep_s = 0.02, kLongestArtificialStep_s = 100.0, kShortestArtificialStep_s = 1e-5;
 

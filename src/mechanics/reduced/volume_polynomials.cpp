@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "volume_polynomials.h"
 
+#include <utility>
+
 #include "polynomial_kernels.h"
 
 namespace soft_robot_lab {
@@ -54,6 +56,7 @@ void add_points(const RestPoint* points, std::size_t count, Eigen::VectorXd& all
   });
 }
 
+Eigen::Index pair_count(Eigen::Index n) { return n * (n + 1) / 2; }
 Eigen::Index monomial_count(Eigen::Index n) { return n + n * (n + 1) / 2 + n * (n + 1) * (n + 2) / 6; }
 
 double* numbers(Batches& batches) { return reinterpret_cast<double*>(batches.data()); }
@@ -61,69 +64,67 @@ const double* numbers(const Batches& batches) { return reinterpret_cast<const do
 
 }  // namespace
 
+// A row of batches for each polynomial.
+struct VolumePolynomials::Coefficients {
+  Coefficients(Eigen::Index modes, Eigen::Index polynomials)
+      : row(blocks_for(static_cast<std::size_t>(monomial_count(modes)))),
+        all(row * static_cast<std::size_t>(polynomials), Batch{}) {}
+
+  Batch* of(Eigen::Index polynomial) { return all.data() + row * static_cast<std::size_t>(polynomial); }
+  const double* numbers_of(Eigen::Index polynomial) const {
+    return numbers(all) + kLanes * row * static_cast<std::size_t>(polynomial);
+  }
+  Batches monomials(const Eigen::VectorXd& q) const {
+    Batches at(row, Batch{});
+    fill_monomials(q.data(), q.size(), numbers(at));
+    return at;
+  }
+
+  std::size_t row;
+  Batches all;
+};
+
 VolumePolynomials::VolumePolynomials(const std::vector<RestPoint>& points, const Eigen::MatrixXd& shares)
-    : modes_(points.front().gradient.cols()),
-      count_(shares.cols() + 1),
-      row_(blocks_for(static_cast<std::size_t>(monomial_count(modes_)))),
-      coefficients_(row_ * static_cast<std::size_t>(count_), Batch{}) {
+    : modes_(points.front().gradient.cols()), count_(shares.cols() + 1) {
+  auto coefficients = std::make_shared<Coefficients>(modes_, count_);
   for (std::size_t first = 0; first < points.size(); first += kPointsOfElement) {
+    Eigen::VectorXd element = Eigen::VectorXd::Zero(monomial_count(modes_));
+    add_points(&points[first], kPointsOfElement, element);
     Eigen::RowVectorXd all(count_);
     all << shares.row(points[first].element), 1.0;
-    add_element(points, first, all);
+    for (Eigen::Index k = 0; k < count_; ++k)
+      Eigen::Map<Eigen::VectorXd>(reinterpret_cast<double*>(coefficients->of(k)), element.size()) += all[k] * element;
   }
-}
-
-double* VolumePolynomials::coefficients(Eigen::Index polynomial) {
-  return numbers(coefficients_) + kLanes * row_ * static_cast<std::size_t>(polynomial);
-}
-
-const Batch* VolumePolynomials::row(Eigen::Index polynomial) const {
-  return coefficients_.data() + row_ * static_cast<std::size_t>(polynomial);
-}
-
-void VolumePolynomials::add_element(const std::vector<RestPoint>& points, std::size_t first,
-                                    const Eigen::RowVectorXd& shares) {
-  Eigen::VectorXd element = Eigen::VectorXd::Zero(monomial_count(modes_));
-  add_points(&points[first], kPointsOfElement, element);
-  for (Eigen::Index k = 0; k < count_; ++k)
-    Eigen::Map<Eigen::VectorXd>(coefficients(k), element.size()) += shares[k] * element;
-}
-
-Batches VolumePolynomials::monomials(const Eigen::VectorXd& q) const {
-  Batches all(row_, Batch{});
-  fill_monomials(q.data(), modes_, numbers(all));
-  return all;
-}
-
-Batches VolumePolynomials::combined(const Eigen::VectorXd& scales) const {
-  Batches sum(row_, Batch{});
-  add_polynomials(row(0), row_, count_, scales.data(), sum.data());
-  return sum;
+  coefficients_ = std::move(coefficients);
 }
 
 VolumePolynomials::Values VolumePolynomials::at(const Eigen::VectorXd& q, const Eigen::VectorXd& scales) const {
-  const Batches at = monomials(q);
-  Batches sum(row_, Batch{});
+  const std::size_t row = coefficients_->row;
+  const Batches at = coefficients_->monomials(q);
+  Batches sum(row, Batch{});
   Values result{Eigen::VectorXd(count()), Eigen::VectorXd(modes_)};
-  evaluate_polynomials(row(0), row_, count_, at.data(), scales.data(), result.values.data(), sum.data());
-  Eigen::VectorXd slopes(pairs());
+  evaluate_polynomials(coefficients_->all.data(), row, count_, at.data(), scales.data(), result.values.data(),
+                       sum.data());
+  Eigen::VectorXd slopes(pair_count(modes_));
   polynomial_gradient({numbers(sum), numbers(at), q.data(), modes_}, slopes.data(), result.gradient.data());
   return result;
 }
 
 Eigen::MatrixXd VolumePolynomials::gradients(const Eigen::VectorXd& q) const {
-  const Batches at = monomials(q);
+  const Batches at = coefficients_->monomials(q);
   Eigen::MatrixXd result(modes_, count());
-  Eigen::VectorXd slopes(pairs());
+  Eigen::VectorXd slopes(pair_count(modes_));
   for (Eigen::Index k = 0; k < count(); ++k)
-    polynomial_gradient({reinterpret_cast<const double*>(row(k)), numbers(at), q.data(), modes_}, slopes.data(),
+    polynomial_gradient({coefficients_->numbers_of(k), numbers(at), q.data(), modes_}, slopes.data(),
                         result.col(k).data());
   return result;
 }
 
 Eigen::MatrixXd VolumePolynomials::hessian(const Eigen::VectorXd& q, const Eigen::VectorXd& scales) const {
-  const Batches at = monomials(q), sum = combined(scales);
-  Eigen::VectorXd slopes(pairs()), gradient(modes_);
+  const Batches at = coefficients_->monomials(q);
+  Batches sum(coefficients_->row, Batch{});
+  add_polynomials(coefficients_->all.data(), coefficients_->row, count_, scales.data(), sum.data());
+  Eigen::VectorXd slopes(pair_count(modes_)), gradient(modes_);
   const CubicAt polynomial{numbers(sum), numbers(at), q.data(), modes_};
   polynomial_gradient(polynomial, slopes.data(), gradient.data());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(modes_, modes_);

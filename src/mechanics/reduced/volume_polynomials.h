@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "mechanics/elements/batches.h"
 #include "rest_points.h"
 
 namespace soft_robot_lab {
@@ -36,16 +36,9 @@ class VolumePolynomials {
   Eigen::Index count() const { return count_; }
 
  private:
-  void add_element(const std::vector<RestPoint>& points, std::size_t first, const Eigen::RowVectorXd& shares);
-  double* coefficients(Eigen::Index polynomial);
-  const Batch* row(Eigen::Index polynomial) const;
-  Eigen::Index pairs() const { return modes_ * (modes_ + 1) / 2; }
-  Batches monomials(const Eigen::VectorXd& q) const;
-  Batches combined(const Eigen::VectorXd& scales) const;
-
+  struct Coefficients;
   Eigen::Index modes_, count_;
-  std::size_t row_;  // batches of a polynomial
-  Batches coefficients_;
+  std::shared_ptr<const Coefficients> coefficients_;
 };
 
 }  // namespace soft_robot_lab

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "mechanics/actuators/test_bar.h"
+#include "mechanics/box_mesh.h"
 #include "mechanics/reduced/held_out.h"
 #include "mechanics/reduced/reduced_simulation.h"
 #include "mechanics/reduced/train.h"
@@ -106,6 +107,80 @@ TEST_F(ReducedBar, RepeatsItselfToTheLastBit) {
     return simulation.state().at.q;
   };
   EXPECT_EQ(end(), end());
+}
+
+// A column of 100 mm with a cable on either side: both pulled, it buckles to the front or to the back. Gravity leans
+// it.
+Simulation column() {
+  Body body(box_mesh({-0.01, 0, -0.006}, {0.01, 0.1, 0.006}, {2, 6, 2}), Material{264200.0, 0.49, 1070.0});
+  body.fix_nodes({-1, -1, -1}, {1, 1e-6, 1}, {true, true, true});
+  body.set_gravity({0, -9.81, 1.0});
+  const MeshLocator locator(body.mesh());
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  for (const char* cable : {"{name: left, points_m: [[-0.006, 0, 0], [-0.006, 0.095, 0]]",
+                            "{name: right, points_m: [[0.006, 0, 0], [0.006, 0.095, 0]]"}) {
+    actuators.push_back(std::make_unique<Cable>());
+    actuators.back()->initialise(
+        YamlNode::parse(std::string(cable) + ", sheath_radius_m: 0.002, plug_radius_m: 0.003}", "column"), body,
+        locator);
+  }
+  return Simulation(std::move(body), std::move(actuators), {}, SolverOptions{});
+}
+
+class ReducedColumn : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    ReducedTraining training;
+    training.box = {{0.95, 0.95}, {1.0, 1.0}};
+    training.modes = 20;
+    training.ramps = 8;
+    training.transient_s = 2.0;
+    model_ = train(column().model(), training);
+  }
+  static void TearDownTestSuite() { model_.reset(); }
+
+  static ReducedSimulation pulled() {
+    ReducedSimulation simulation(model_);
+    simulation.set_command("left", 0.955);
+    simulation.set_command("right", 0.955);
+    return simulation;
+  }
+  static std::shared_ptr<const ReducedModel> model_;
+};
+std::shared_ptr<const ReducedModel> ReducedColumn::model_;
+
+TEST_F(ReducedColumn, LeavesTheSaddleForAMinimumOnOneSide) {
+  ReducedSimulation simulation = pulled();
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const Eigen::Matrix3Xd moved = simulation.positions_m() - model_->full->body().mesh().nodes_m;
+  EXPECT_GT(moved.row(2).cwiseAbs().maxCoeff(), 0.01);
+  EXPECT_TRUE(stable(*model_, simulation.state().drives, simulation.state().at));
+}
+
+TEST_F(ReducedColumn, KnowsASaddleFromTheMinimumOnEitherSide) {
+  ReducedSimulation simulation = pulled();
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const DriveStates& drives = simulation.state().drives;
+  EXPECT_TRUE(stable(*model_, drives, simulation.state().at));
+  // From the straight shape Newton's method goes to the equilibrium nearby, which is the saddle.
+  ReducedUnknowns straight = ReducedSimulation(model_).state().at;
+  ReducedNewton newton;
+  ASSERT_TRUE(newton.solve(*model_, {0.0, straight.q, 1e-9}, drives, straight).converged);
+  EXPECT_GT((model_->positions_m(straight.q) - simulation.positions_m()).cwiseAbs().maxCoeff(), 0.005);
+  EXPECT_FALSE(stable(*model_, drives, straight));
+  EXPECT_TRUE(stable(*model_, drives, straight, 1e6));  // the inertia of a short step holds it
+}
+
+TEST_F(ReducedColumn, ATimeStepWithoutASolutionIsHalvedAndAtLastUndone) {
+  ReducedSimulation simulation = pulled();
+  const ReducedState before = simulation.state();
+  simulation.set_tolerance_m(1e-30, 1e-9);  // beyond rounding
+  const ReducedReport report = simulation.step();
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.steps, 7);  // the whole and its halves down to a 64th
+  EXPECT_EQ(simulation.state().at.q, before.at.q);
+  EXPECT_EQ(simulation.state().time_s, before.time_s);
+  EXPECT_EQ(simulation.state().drives[0].actuated_command, before.drives[0].actuated_command);
 }
 
 std::string refusal(const std::function<void()>& action) {

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mechanics/elements/elements.h"
+#include "mechanics/simulation/workspace.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
@@ -51,6 +53,13 @@ void ReducedSimulation::set_command(const std::string& actuator, double command)
     throw std::invalid_argument(message.str());
   }
   model_->full->actuators()[i]->set_command(command, state_.drives[i]);
+}
+
+int ReducedSimulation::inverted_elements() const {
+  const Elements elements(model_->full->tables().newton->elements, bulk_lambda_pa(model_->full->body().material()));
+  const Eigen::Matrix3Xd shape_m = positions_m();
+  Eigen::Matrix3Xd forces_n = Eigen::Matrix3Xd::Zero(3, shape_m.cols());
+  return elements.add_gradient(shape_m, Eigen::VectorXd::Zero(elements.multiplier_count()), forces_n).inverted;
 }
 
 ReducedReport ReducedSimulation::step() {

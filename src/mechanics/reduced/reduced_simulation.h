@@ -49,6 +49,7 @@ class ReducedSimulation {
   void set_state(const ReducedState& state) { state_ = state; }
   const ReducedModel& model() const { return *model_; }
   const std::vector<std::unique_ptr<const Actuator>>& actuators() const { return model_->full->actuators(); }
+  int inverted_elements() const;  // of the full model at the present shape
   Eigen::Matrix3Xd positions_m() const { return model_->positions_m(state_.at.q); }
 
  private:

@@ -6,10 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "mechanics/elements/elements.h"
 #include "mechanics/simulation/actuator_warnings.h"
 #include "mechanics/simulation/modal.h"
-#include "mechanics/simulation/workspace.h"
 #include "scene_motion.h"
 
 namespace soft_robot_lab {
@@ -126,19 +124,12 @@ void refuse_inverted(SolveReport& solve) {
                   " elements are inverted at the end: too soft for its loads, or meshed too coarsely";
 }
 
-int inverted_elements(const Simulation& simulation) {
-  const Eigen::Matrix3Xd& positions_m = simulation.state().positions_m;
-  const Elements elements(simulation.model()->tables().newton->elements, bulk_lambda_pa(simulation.body().material()));
-  Eigen::Matrix3Xd forces_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
-  return elements.add_gradient(positions_m, Eigen::VectorXd::Zero(elements.multiplier_count()), forces_n).inverted;
-}
-
 // The simulation keeps the last state, with what is wrong with that of a reduced model.
 void end(const Scene& scene, SceneMotion& motion, RunReport& report) {
   motion.show();
   report.left_reduced = scene.reduction && !motion.reduced();
   if (!motion.reduced()) return;
-  report.solve.inverted_elements = inverted_elements(*scene.simulation);
+  report.solve.inverted_elements = motion.inverted_elements();
   const Simulation& simulation = *scene.simulation;
   for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
     for (const SolveWarning& warning :

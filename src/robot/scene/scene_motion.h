@@ -24,7 +24,8 @@ class SceneMotion {
 
   bool reduced() const { return fast_.has_value(); }  // still
   double time_s() const;
-  Eigen::Matrix3Xd markers_m() const;  // 3 x markers
+  Eigen::Matrix3Xd markers_m() const;                                   // 3 x markers
+  int inverted_elements() const { return fast_->inverted_elements(); }  // while reduced()
 
   void show();  // gives the simulation the present state
 

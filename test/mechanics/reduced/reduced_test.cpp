@@ -171,6 +171,24 @@ TEST_F(ReducedColumn, KnowsASaddleFromTheMinimumOnEitherSide) {
   EXPECT_TRUE(stable(*model_, drives, straight, 1e6));  // the inertia of a short step holds it
 }
 
+TEST_F(ReducedColumn, NewtonsMethodCutsStepsThatLeadTooFarAndEndsWhereItDoesFromNearby) {
+  ReducedSimulation buckled = pulled();
+  ASSERT_TRUE(buckled.solve_equilibrium().converged);
+  const ReducedState rest = ReducedSimulation(model_).state();
+  const auto solved = [&](double share, ReducedUnknowns& at) {
+    at = rest.at;
+    at.q = share * buckled.state().at.q;
+    return ReducedNewton().solve(*model_, {1e5, buckled.state().at.q, 1e-9}, rest.drives, at);
+  };
+  ReducedUnknowns near, far;
+  const ReducedEnd from_near = solved(1.0, near), from_far = solved(2.0, far);
+  ASSERT_TRUE(from_near.converged);
+  ASSERT_TRUE(from_far.converged);
+  EXPECT_EQ(from_near.shortened, 0);
+  EXPECT_GT(from_far.shortened, 0);
+  EXPECT_LT((near.q - far.q).norm(), 1e-8);  // of unit kg^0.5 m, some 1e-7 m
+}
+
 TEST_F(ReducedColumn, ATimeStepWithoutASolutionIsHalvedAndAtLastUndone) {
   ReducedSimulation simulation = pulled();
   const ReducedState before = simulation.state();

@@ -17,7 +17,7 @@ ALLOWED = {
     "mechanics/actuators": "mechanics settings",
     "mechanics/reduced": "mechanics mechanics/actuators settings",
     "robot/design": "settings",
-    "robot/scene": "robot/design mechanics settings",
+    "robot/scene": "robot/design mechanics mechanics/reduced settings",
     "robot/casting": "geometry robot/scene robot/design mechanics settings",
     "perception/tracking": "settings",
     "perception/calibration": "perception/tracking settings",

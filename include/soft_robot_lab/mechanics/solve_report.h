@@ -14,6 +14,7 @@ namespace soft_robot_lab {
 //   inverted_elements    smallest det F                    residual_not_met     residual
 //   command_not_reached  what is missing, in `unit`        slack                length in excess of the cable's path, <
 //   0 excessive_tension    the tension                       untangled             elements laid out anew
+//   outside_training     0: a reduced model did not know a command, or found no way
 //   free_motion          0: nothing resists a rigid motion of the body, which `text` names
 struct SolveWarning {
   std::string kind;
@@ -39,6 +40,7 @@ enum class SolveStage {
   untangle,          // elements laid out anew
   last_resort,       // time steps that took the end of the descent without a solution
   xpbd,              // sweeps
+  reduced,           // iterations of a reduced model
   more               // stages beyond kLongestPath, not listed
 };
 

@@ -22,19 +22,13 @@ struct Growth {
   }
 };
 
-// d cof(F) for each column of D: F x D_i.
-PointGradient cofactor_changes(const FlatMatrix& f, const PointGradient& d) {
-  PointGradient changes(9, d.cols());
-  for (Eigen::Index i = 0; i < d.cols(); ++i) changes.col(i) = tensor_cross(f, d.col(i));
-  return changes;
-}
-
 }  // namespace
 
 ReducedEnergy::ReducedEnergy(const Body& body, const ReducedBasis& basis)
     : mu_(body.material().lame_mu_pa()),
       lambda_(bulk_lambda_pa(body.material())),
       points_(rest_points(body.mesh(), basis.modes)),
+      point_sums_(points_),
       volumes_(points_, basis.pressures),
       stretch_(Eigen::MatrixXd::Zero(basis.modes.cols(), basis.modes.cols())),
       linear_(Eigen::VectorXd::Zero(basis.modes.cols())) {
@@ -54,6 +48,7 @@ void ReducedEnergy::keep_points(const Eigen::VectorXd& factors) {
     if (factor > 0.0) kept.push_back({points_[i].element, factor * points_[i].weight_m3, points_[i].gradient});
   }
   points_ = std::move(kept);
+  point_sums_ = PointSums(points_);
 }
 
 Eigen::VectorXd ReducedEnergy::scales(const Eigen::VectorXd& r) const {
@@ -63,32 +58,25 @@ Eigen::VectorXd ReducedEnergy::scales(const Eigen::VectorXd& r) const {
 }
 
 ReducedEnergy::Sums ReducedEnergy::sums(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const {
-  VolumePolynomials::Values volumes = volumes_.at(q);
-  const Eigen::VectorXd stretched = stretch_ * q;
+  const Eigen::VectorXd of_volumes = scales(r), stretched = stretch_ * q;
+  const VolumePolynomials::Values volumes = volumes_.at(q, of_volumes);
   Sums result;
-  result.force = mu_ * (stretched + linear_) + volumes.gradients * scales(r) - loads_;
+  result.force = mu_ * (stretched + linear_) + volumes.gradient - loads_;
   result.value = 0.5 * mu_ * (3.0 * rest_volume_m3_ + 2.0 * linear_.dot(q) + q.dot(stretched)) +
-                 volumes.values.dot(scales(r)) - r.squaredNorm() / (2.0 * lambda_) - loads_.dot(q);
-  for (const RestPoint& point : points_) {
-    const Growth growth(point, q);
-    const double weight = mu_ * point.weight_m3;
-    result.value += 0.5 * weight * growth.value * growth.value;
-    result.force += weight * growth.value * growth.gradient;
-  }
+                 volumes.values.dot(of_volumes) - r.squaredNorm() / (2.0 * lambda_) - loads_.dot(q);
+  result.value += point_sums_.add_force(q, mu_, result.force);
   result.mismatch = volumes.values.head(r.size()) - r / lambda_;
-  result.volume_gradients = volumes.gradients.leftCols(r.size());
   return result;
 }
 
 Eigen::MatrixXd ReducedEnergy::hessian(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const {
   Eigen::MatrixXd result = mu_ * stretch_ + volumes_.hessian(q, scales(r));
-  for (const RestPoint& point : points_) {
-    const Growth growth(point, q);
-    const double weight = mu_ * point.weight_m3;
-    result += weight * (growth.gradient * growth.gradient.transpose());
-    result += weight * growth.value * point.gradient.transpose() * cofactor_changes(growth.f, point.gradient);
-  }
+  point_sums_.add_hessian(q, mu_, result);
   return result;
+}
+
+Eigen::MatrixXd ReducedEnergy::volume_gradients(const Eigen::VectorXd& q) const {
+  return volumes_.gradients(q).leftCols(pressures());
 }
 
 Eigen::MatrixXd ReducedEnergy::point_forces(const Eigen::VectorXd& q) const {

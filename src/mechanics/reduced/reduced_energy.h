@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "point_sums.h"
 #include "rest_points.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "volume_polynomials.h"
@@ -32,13 +33,13 @@ class ReducedEnergy {
   void keep_points(const Eigen::VectorXd& factors);
 
   struct Sums {
-    double value;                      // [J]
-    Eigen::VectorXd force;             // d/dq
-    Eigen::VectorXd mismatch;          // d/dr = c - r / lambda
-    Eigen::MatrixXd volume_gradients;  // N x nr: d2/dq dr
+    double value;              // [J]
+    Eigen::VectorXd force;     // d/dq
+    Eigen::VectorXd mismatch;  // d/dr = c - r / lambda
   };
   Sums sums(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;
   Eigen::MatrixXd hessian(const Eigen::VectorXd& q, const Eigen::VectorXd& r) const;  // d2/dq2
+  Eigen::MatrixXd volume_gradients(const Eigen::VectorXd& q) const;                   // d2/dq dr, N x nr
 
   // Per point, N x points: its part in the force, at z = 1.
   Eigen::MatrixXd point_forces(const Eigen::VectorXd& q) const;
@@ -53,6 +54,7 @@ class ReducedEnergy {
 
   double mu_, lambda_, rest_volume_m3_ = 0.0;
   std::vector<RestPoint> points_;  // weights z w
+  PointSums point_sums_;           // the same
   VolumePolynomials volumes_;
   Eigen::MatrixXd stretch_;  // sum w D'D
   Eigen::VectorXd linear_;   // sum w tr A_i

@@ -32,6 +32,7 @@ struct ReducedModel {
   ReducedBasis basis;
   ReducedEnergy energy;
   ReducedCables cables;
+  Eigen::VectorXd point_factors;  // as kept; empty where every point is
   double mass_kg;
   int snapshots = 0, failed_solves = 0;  // of the training
 
@@ -42,6 +43,11 @@ struct ReducedModel {
         energy(full->body(), basis),
         cables(*full, basis.modes),
         mass_kg(full->body().node_masses_kg().sum()) {}
+
+  void keep_points(const Eigen::VectorXd& factors) {
+    energy.keep_points(factors);
+    point_factors = factors;
+  }
 
   Eigen::Matrix3Xd positions_m(const Eigen::VectorXd& q) const {
     const Eigen::VectorXd moved = basis.modes * q;

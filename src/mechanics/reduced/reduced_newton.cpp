@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "mechanics/newton/multiplier_problem.h"
 
@@ -42,14 +43,13 @@ ReducedUnknowns moved(const ReducedUnknowns& from, const Eigen::VectorXd& step, 
 }  // namespace
 
 Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
-                               const Eigen::MatrixXd& volume_gradients, const ReducedCables::Values& cables,
-                               double inertia_per_s2) {
+                               const ReducedCables::Values& cables, double inertia_per_s2) {
   const Eigen::Index n = at.q.size(), r = at.pressures.size();
   Eigen::MatrixXd matrix(n + r, n + r);
   matrix.topLeftCorner(n, n) = model.energy.hessian(at.q, at.pressures) + model.cables.hessian(cables, at.tensions_n);
   matrix.topLeftCorner(n, n).diagonal().array() += inertia_per_s2;
-  matrix.topRightCorner(n, r) = volume_gradients;
-  matrix.bottomLeftCorner(r, n) = volume_gradients.transpose();
+  matrix.topRightCorner(n, r) = model.energy.volume_gradients(at.q);
+  matrix.bottomLeftCorner(r, n) = matrix.topRightCorner(n, r).transpose();
   matrix.bottomRightCorner(r, r) = Eigen::MatrixXd::Identity(r, r) / -model.energy.lambda_pa();
   return matrix;
 }
@@ -78,8 +78,8 @@ ReducedNewton::Point ReducedNewton::point_at(const Problem& problem, ReducedUnkn
 
 void ReducedNewton::factorise(const Problem& problem, const Point& here, ReducedEnd& end) {
   const double inertia_per_s2 = problem.task.inertia_per_s2;
-  factor_.compute(reduced_matrix(problem.model, here.at, here.sums.volume_gradients, here.cables, inertia_per_s2));
-  factor_inertia_ = inertia_per_s2;
+  inverse_ = reduced_matrix(problem.model, here.at, here.cables, inertia_per_s2).inverse();
+  inverse_inertia_ = inertia_per_s2;
   fresh_ = true;
   ++end.factorisations;
 }
@@ -93,7 +93,7 @@ ReducedNewton::Step ReducedNewton::step_from(const Problem& problem, const Point
   sides.topRightCorner(n, y) = here.cables.gradients;
   Step step;
   step.size_m = std::numeric_limits<double>::infinity();
-  const Eigen::MatrixXd solved = factor_.solve(sides);
+  const Eigen::MatrixXd solved = inverse_ * sides;
   if (!solved.allFinite()) return step;
   const Eigen::MatrixXd response = solved.rightCols(y);
   const Eigen::VectorXd tensions =
@@ -111,13 +111,13 @@ ReducedEnd ReducedNewton::solve(const ReducedModel& model, const ReducedTask& ta
   ReducedEnd end;
   Point here = point_at(problem, unknowns);
   fresh_ = false;
-  if (task.inertia_per_s2 != factor_inertia_) factorise(problem, here, end);
+  if (task.inertia_per_s2 != inverse_inertia_) factorise(problem, here, end);
   Step step = step_from(problem, here, end);
   while (end.iterations < kMostIterations && std::isfinite(step.size_m) && step.size_m >= task.tolerance_m)
     if (!go(problem, here, step, end)) break;
   end.converged = step.size_m < task.tolerance_m;
   unknowns = end.converged ? moved(here.at, step.nodes_and_pressures, step.tensions_n, 1.0) : here.at;
-  if (!end.converged) factor_inertia_ = -1.0;
+  if (!end.converged) inverse_inertia_ = -1.0;
   return end;
 }
 
@@ -146,12 +146,13 @@ bool ReducedNewton::go(const Problem& problem, Point& here, Step& step, ReducedE
 }
 
 // By the inertia of the bordered matrix (Haynsworth 1968): a negative eigenvalue per active cable, and no more.
-bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at) {
+bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at, double inertia_per_s2) {
   const ReducedCables::Values cables = model.cables.at(at.q, at.tensions_n, drives);
-  const Eigen::MatrixXd volumes = model.energy.sums(at.q, at.pressures).volume_gradients;
-  const Eigen::Index n = at.q.size(), y = at.tensions_n.size();
-  const Eigen::MatrixXd stiffness = reduced_matrix(model, at, volumes, cables, 0.0).topLeftCorner(n, n) +
-                                    model.energy.lambda_pa() * volumes * volumes.transpose();
+  const Eigen::Index n = at.q.size(), r = at.pressures.size(), y = at.tensions_n.size();
+  const Eigen::MatrixXd inner = reduced_matrix(model, at, cables, inertia_per_s2);
+  const Eigen::MatrixXd volumes = inner.topRightCorner(n, r);
+  const Eigen::MatrixXd stiffness =
+      inner.topLeftCorner(n, n) + model.energy.lambda_pa() * volumes * volumes.transpose();
   const Eigen::MatrixXd matrix = bordered(stiffness, cables, at.tensions_n);
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues()[y] > 0.0;
 }

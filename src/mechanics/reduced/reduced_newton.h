@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include "reduced_model.h"
 
@@ -25,10 +24,9 @@ struct ReducedEnd {
   int shortened = 0;                       // steps cut by the line search
 };
 
-// The matrix of all but the cables, [K + inertia, G; G', -1/lambda]; G: `volume_gradients` of ReducedEnergy::Sums.
+// The matrix of all but the cables, [K + inertia, G; G', -1/lambda]; G: ReducedEnergy::volume_gradients.
 Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
-                               const Eigen::MatrixXd& volume_gradients, const ReducedCables::Values& cables,
-                               double inertia_per_s2);
+                               const ReducedCables::Values& cables, double inertia_per_s2);
 
 // A matrix whose first rows and columns are q's, with a row and column for each cable below: its gradient where it is
 // taut, scaled to the matrix, and a negative pivot alone where it is slack.
@@ -36,8 +34,8 @@ Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedCables::Valu
                          const Eigen::VectorXd& tensions_n);
 
 // Newton's method on q, pressures and tensions together; the cables are a border (MultiplierProblem). A step is cut
-// until the next one by the same factor is shorter (natural monotonicity test, Deuflhard 2004, 3.3). A factor serves as
-// long as each step is less than 0.3 of the one before.
+// until the next one by the same inverse is shorter (natural monotonicity test, Deuflhard 2004, 3.3). An inverse
+// serves, also in further solves, as long as each step is less than 0.3 of the one before.
 class ReducedNewton {
  public:
   // Changes `unknowns` in any case.
@@ -65,12 +63,13 @@ class ReducedNewton {
   // Goes along the step, which becomes the next one; false where no share of it passes.
   bool go(const Problem& problem, Point& here, Step& step, ReducedEnd& end);
 
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
-  double factor_inertia_ = -1.0;  // none yet
-  bool fresh_ = false;            // the factor is of the present point
+  Eigen::MatrixXd inverse_;
+  double inverse_inertia_ = -1.0;  // none yet
+  bool fresh_ = false;             // the inverse is of the present point
 };
 
-// Whether the cables and constraints hold q in a minimum of the energy, and not on a saddle.
-bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at);
+// Whether the cables and constraints hold q in a minimum of the energy with this inertia, and not on a saddle.
+bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at,
+            double inertia_per_s2 = 0.0);
 
 }  // namespace soft_robot_lab

@@ -6,12 +6,15 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mechanics/elements/elements.h"
+#include "mechanics/simulation/workspace.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kShortestPart = 1.0 / 64.0;  // of a time step
+constexpr int kNearIterations = 15;           // of Newton; with more it may have found another branch than that nearby
 constexpr int kContinuationSteps = 200;
 constexpr double kFirstArtificialStep_s = 0.02, kLongestArtificialStep_s = 100.0, kShortestArtificialStep_s = 1e-5;
 
@@ -50,6 +53,13 @@ void ReducedSimulation::set_command(const std::string& actuator, double command)
     throw std::invalid_argument(message.str());
   }
   model_->full->actuators()[i]->set_command(command, state_.drives[i]);
+}
+
+int ReducedSimulation::inverted_elements() const {
+  const Elements elements(model_->full->tables().newton->elements, bulk_lambda_pa(model_->full->body().material()));
+  const Eigen::Matrix3Xd shape_m = positions_m();
+  Eigen::Matrix3Xd forces_n = Eigen::Matrix3Xd::Zero(3, shape_m.cols());
+  return elements.add_gradient(shape_m, Eigen::VectorXd::Zero(elements.multiplier_count()), forces_n).inverted;
 }
 
 ReducedReport ReducedSimulation::step() {
@@ -101,11 +111,11 @@ bool ReducedSimulation::advance(double h, const CommandPath& path, double from, 
   return to - from > kShortestPart && advance(h, path, from, middle, report) && advance(h, path, middle, to, report);
 }
 
-bool ReducedSimulation::relax(ReducedReport& report) {
+bool ReducedSimulation::relax(int most_iterations, ReducedReport& report) {
   ReducedUnknowns trial = state_.at;
   const ReducedEnd end = newton_.solve(*model_, {0.0, trial.q, rest_tolerance_m_}, state_.drives, trial);
   count(end, report);
-  if (!end.converged || !stable(*model_, state_.drives, trial)) return false;
+  if (!end.converged || end.iterations > most_iterations || !stable(*model_, state_.drives, trial)) return false;
   state_.at = trial;
   return true;
 }
@@ -117,16 +127,19 @@ ReducedReport ReducedSimulation::solve_equilibrium() {
   state_.velocity.setZero();
   state_.previous_velocity.setZero();
   state_.previous_step_s = 0.0;
-  report.converged = relax(report);
-  // Down the energy with a proximal term that fades (pseudo-transient continuation, Kelley & Keyes 1998).
+  report.converged = relax(kNearIterations, report);
+  // Down the energy with a proximal term that fades (pseudo-transient continuation, Kelley & Keyes 1998), but not so
+  // fast that a step has more than one end: it would stay on a saddle, where a slower one leaves it.
   double h = kFirstArtificialStep_s;
   for (int i = 0; i < kContinuationSteps && !report.converged && h >= kShortestArtificialStep_s; ++i) {
     ReducedUnknowns trial = state_.at;
-    const ReducedEnd end = newton_.solve(*model_, {1.0 / (h * h), trial.q, 1e-6}, state_.drives, trial);
+    const double inertia_per_s2 = 1.0 / (h * h);
+    const ReducedEnd end = newton_.solve(*model_, {inertia_per_s2, trial.q, 1e-6}, state_.drives, trial);
     count(end, report);
-    if (end.converged) state_.at = trial;
-    h = end.converged ? std::min(2.0 * h, kLongestArtificialStep_s) : 0.25 * h;
-    if (end.converged && h > 1.0) report.converged = relax(report);
+    const bool down = end.converged && stable(*model_, state_.drives, trial, inertia_per_s2);
+    if (down) state_.at = trial;
+    h = down ? std::min(2.0 * h, kLongestArtificialStep_s) : 0.25 * h;
+    if (down && h > 1.0) report.converged = relax(std::numeric_limits<int>::max(), report);
   }
   return report;
 }

@@ -49,6 +49,7 @@ class ReducedSimulation {
   void set_state(const ReducedState& state) { state_ = state; }
   const ReducedModel& model() const { return *model_; }
   const std::vector<std::unique_ptr<const Actuator>>& actuators() const { return model_->full->actuators(); }
+  int inverted_elements() const;  // of the full model at the present shape
   Eigen::Matrix3Xd positions_m() const { return model_->positions_m(state_.at.q); }
 
  private:
@@ -60,12 +61,12 @@ class ReducedSimulation {
   Eigen::VectorXd predicted(double h) const;
   // The part of a step of length h from one share of it to another.
   bool advance(double h, const CommandPath& path, double from, double to, ReducedReport& report);
-  bool relax(ReducedReport& report);
+  bool relax(int most_iterations, ReducedReport& report);
 
   std::shared_ptr<const ReducedModel> model_;
   ReducedState state_;
   ReducedNewton newton_;
-  double step_tolerance_m_ = 1e-6, rest_tolerance_m_ = 1e-8;
+  double step_tolerance_m_ = 3e-6, rest_tolerance_m_ = 1e-8;
 };
 
 }  // namespace soft_robot_lab

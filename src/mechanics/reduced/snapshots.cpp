@@ -44,4 +44,10 @@ std::vector<std::vector<double>> transient_commands(const CommandBox& box, doubl
   return targets;
 }
 
+Eigen::VectorXd masses_of_axes_kg(const Body& body) {
+  const Eigen::RowVectorXd masses = body.node_masses_kg().transpose();
+  const Eigen::Matrix3Xd all = masses.replicate<3, 1>();
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), all.size());
+}
+
 }  // namespace soft_robot_lab

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -33,5 +35,23 @@ void command(const std::vector<double>& commands, AnySimulation& simulation) {
 // New commands whenever this time has passed, of a sequence by `seed`.
 constexpr double kTransientHold_s = 5.0 / 6.0;
 std::vector<std::vector<double>> transient_commands(const CommandBox& box, double duration_s, unsigned seed);
+
+// Moves the full model through them from its rest shape; calls `after_step(number, converged)` after each step.
+template <class AfterStep>
+void run_transient(const CommandBox& box, double duration_s, unsigned seed, Simulation& simulation,
+                   const AfterStep& after_step) {
+  const std::vector<std::vector<double>> targets = transient_commands(box, duration_s, seed);
+  const double h = simulation.options().time_step_s;
+  const int steps = static_cast<int>(std::lround(duration_s / h));
+  simulation.reset();
+  for (int i = 0; i < steps; ++i) {
+    const auto hold = static_cast<std::size_t>(i * h / kTransientHold_s);
+    command(targets[std::min(hold, targets.size() - 1)], simulation);
+    after_step(i, simulation.step().converged);
+  }
+}
+
+// Of the coordinates 3*node + axis.
+Eigen::VectorXd masses_of_axes_kg(const Body& body);
 
 }  // namespace soft_robot_lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Training of a reduced model by the full one, and its error on what it was not trained with.
+// Training of a reduced model by the full one.
 #pragma once
 
 #include <memory>
@@ -19,17 +19,13 @@ struct ReducedTraining {
 // The method: displacements and element multipliers by POD, polynomials exact in the reduced coordinates, and
 // non-negative point weights chosen for their effect on displacements (energy-conserving sampling and weighting,
 // Farhat et al. 2014, with rows of the inverse tangent in place of forces). Deterministic. Throws
-// std::invalid_argument with field, value and range, and for a model with contact, viscosity, another material than
-// neo_hookean, vertex-averaged volumes, or an actuator that is no frictionless cable.
+// std::invalid_argument with field, value and range, and for a model with contact, moving holds, viscosity, another
+// material than neo_hookean, vertex-averaged volumes, or an actuator that is no frictionless cable.
 std::shared_ptr<const ReducedModel> train(const std::shared_ptr<const Model>& model, const ReducedTraining& training);
 
-// At `count` commands in the box that training did not use, each from rest.
-ReducedError held_out_equilibria(const std::shared_ptr<const ReducedModel>& reduced, int count);
-
-// Of the best shapes that the modes hold, over the same transient as below: no equations of motion do better.
-ReducedError held_out_projection(const std::shared_ptr<const ReducedModel>& reduced, double duration_s);
-
-// Over a transient that training did not use.
-ReducedError held_out_transient(const std::shared_ptr<const ReducedModel>& reduced, double duration_s);
+// The same from states that were collected with the same box, for several numbers of modes.
+struct TrainingSet;
+std::shared_ptr<const ReducedModel> train_on(const TrainingSet& set, const std::shared_ptr<const Model>& model,
+                                             const ReducedTraining& training);
 
 }  // namespace soft_robot_lab

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "volume_polynomials.h"
 
-#include <Eigen/Geometry>
+#include <utility>
+
+#include "polynomial_kernels.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -12,7 +14,7 @@ Eigen::MatrixXd all_crosses(const PointGradient& d) {
   const Eigen::Index n = d.cols();
   Eigen::MatrixXd crosses(9, n * (n + 1) / 2);
   for (Eigen::Index i = 0, p = 0; i < n; ++i)
-    for (Eigen::Index j = i; j < n; ++j, ++p) crosses.col(p) = (i == j ? 0.5 : 1.0) * tensor_cross(d.col(i), d.col(j));
+    for (Eigen::Index j = i; j < n; ++j, ++p) crosses.col(p) = tensor_cross(d.col(i), d.col(j));
   return crosses;
 }
 
@@ -23,70 +25,111 @@ PointGradient transposed(const PointGradient& d) {
   return result;
 }
 
-Eigen::VectorXd products(const Eigen::VectorXd& q) {
-  Eigen::VectorXd m(q.size() * (q.size() + 1) / 2);
-  for (Eigen::Index i = 0, p = 0; i < q.size(); ++i)
-    for (Eigen::Index j = i; j < q.size(); ++j) m[p++] = q[i] * q[j];
-  return m;
+// Calls f(position among the monomials, i, pair (j, l), factor) for all triples; the factor is the number of their
+// different orders over six.
+template <class F>
+void for_triples(Eigen::Index n, const F& f) {
+  const Eigen::Index pairs = n * (n + 1) / 2;
+  Eigen::Index place = n + pairs;
+  for (Eigen::Index i = 0, first = 0; i < n; first += n - i, ++i)
+    for (Eigen::Index j = i, pair = first; j < n; ++j)
+      for (Eigen::Index l = j; l < n; ++l, ++pair, ++place)
+        f(place, i, pair, i == l ? 1.0 / 6.0 : (i == j || j == l ? 0.5 : 1.0));
 }
 
-}  // namespace
-
-VolumePolynomials::VolumePolynomials(const std::vector<RestPoint>& points, const Eigen::MatrixXd& shares)
-    : modes_(points.front().gradient.cols()) {
-  const Eigen::Index polynomials = shares.cols() + 1;
-  linear_.setZero(modes_, polynomials);
-  quadratic_.assign(static_cast<std::size_t>(polynomials), Eigen::MatrixXd::Zero(modes_, modes_));
-  cubic_.setZero(modes_ * polynomials, modes_ * (modes_ + 1) / 2);
-  for (std::size_t first = 0; first < points.size(); first += kPointsOfElement) {
-    Eigen::RowVectorXd all(polynomials);
-    all << shares.row(points[first].element), 1.0;
-    add_element(points, first, all);
-  }
-}
-
-void VolumePolynomials::add_element(const std::vector<RestPoint>& points, std::size_t first,
-                                    const Eigen::RowVectorXd& shares) {
-  Eigen::VectorXd linear = Eigen::VectorXd::Zero(modes_);
-  Eigen::MatrixXd quadratic = Eigen::MatrixXd::Zero(modes_, modes_);
-  Eigen::MatrixXd cubic = Eigen::MatrixXd::Zero(modes_, cubic_.cols());
-  for (std::size_t i = first; i < first + kPointsOfElement; ++i) {
+// Coefficients of sum over points of w (det F - 1).
+void add_points(const RestPoint* points, std::size_t count, Eigen::VectorXd& all) {
+  const Eigen::Index n = points[0].gradient.cols();
+  Eigen::MatrixXd quadratic = Eigen::MatrixXd::Zero(n, n), cubic = Eigen::MatrixXd::Zero(n, n * (n + 1) / 2);
+  for (std::size_t i = 0; i < count; ++i) {
     const PointGradient& d = points[i].gradient;
     const Eigen::VectorXd trace = traces(d);
     const double w = points[i].weight_m3;
-    linear += w * trace;
+    all.head(n) += w * trace;
     quadratic += w * (trace * trace.transpose() - d.transpose() * transposed(d));
     cubic += w * (d.transpose() * all_crosses(d));
   }
-  for (Eigen::Index k = 0; k < shares.size(); ++k) {
-    linear_.col(k) += shares[k] * linear;
-    quadratic_[static_cast<std::size_t>(k)] += shares[k] * quadratic;
-    cubic_.middleRows(k * modes_, modes_) += shares[k] * cubic;
-  }
+  for (Eigen::Index i = 0, place = n; i < n; ++i)
+    for (Eigen::Index j = i; j < n; ++j, ++place) all[place] += (i == j ? 0.5 : 1.0) * quadratic(i, j);
+  for_triples(n, [&](Eigen::Index place, Eigen::Index i, Eigen::Index pair, double factor) {
+    all[place] += factor * cubic(i, pair);
+  });
 }
 
-VolumePolynomials::Values VolumePolynomials::at(const Eigen::VectorXd& q) const {
-  const Eigen::VectorXd cubes = cubic_ * products(q);
-  Values result{Eigen::VectorXd(count()), linear_};
-  for (Eigen::Index k = 0; k < count(); ++k) {
-    const Eigen::VectorXd squares = quadratic_[static_cast<std::size_t>(k)] * q;
-    const auto cube = cubes.segment(k * modes_, modes_);
-    result.values[k] = q.dot(linear_.col(k) + squares / 2.0 + cube / 3.0);
-    result.gradients.col(k) += squares + cube;
+Eigen::Index pair_count(Eigen::Index n) { return n * (n + 1) / 2; }
+Eigen::Index monomial_count(Eigen::Index n) { return n + n * (n + 1) / 2 + n * (n + 1) * (n + 2) / 6; }
+
+double* numbers(Batches& batches) { return reinterpret_cast<double*>(batches.data()); }
+const double* numbers(const Batches& batches) { return reinterpret_cast<const double*>(batches.data()); }
+
+}  // namespace
+
+// A row of batches for each polynomial.
+struct VolumePolynomials::Coefficients {
+  Coefficients(Eigen::Index modes, Eigen::Index polynomials)
+      : row(blocks_for(static_cast<std::size_t>(monomial_count(modes)))),
+        all(row * static_cast<std::size_t>(polynomials), Batch{}) {}
+
+  Batch* of(Eigen::Index polynomial) { return all.data() + row * static_cast<std::size_t>(polynomial); }
+  const double* numbers_of(Eigen::Index polynomial) const {
+    return numbers(all) + kLanes * row * static_cast<std::size_t>(polynomial);
   }
+  Batches monomials(const Eigen::VectorXd& q) const {
+    Batches at(row, Batch{});
+    fill_monomials(q.data(), q.size(), numbers(at));
+    return at;
+  }
+
+  std::size_t row;
+  Batches all;
+};
+
+VolumePolynomials::VolumePolynomials(const std::vector<RestPoint>& points, const Eigen::MatrixXd& shares)
+    : modes_(points.front().gradient.cols()), count_(shares.cols() + 1) {
+  auto coefficients = std::make_shared<Coefficients>(modes_, count_);
+  for (std::size_t first = 0; first < points.size(); first += kPointsOfElement) {
+    Eigen::VectorXd element = Eigen::VectorXd::Zero(monomial_count(modes_));
+    add_points(&points[first], kPointsOfElement, element);
+    Eigen::RowVectorXd all(count_);
+    all << shares.row(points[first].element), 1.0;
+    for (Eigen::Index k = 0; k < count_; ++k)
+      Eigen::Map<Eigen::VectorXd>(reinterpret_cast<double*>(coefficients->of(k)), element.size()) += all[k] * element;
+  }
+  coefficients_ = std::move(coefficients);
+}
+
+VolumePolynomials::Values VolumePolynomials::at(const Eigen::VectorXd& q, const Eigen::VectorXd& scales) const {
+  const std::size_t row = coefficients_->row;
+  const Batches at = coefficients_->monomials(q);
+  Batches sum(row, Batch{});
+  Values result{Eigen::VectorXd(count()), Eigen::VectorXd(modes_)};
+  evaluate_polynomials(coefficients_->all.data(), row, count_, at.data(), scales.data(), result.values.data(),
+                       sum.data());
+  Eigen::VectorXd slopes(pair_count(modes_));
+  polynomial_gradient({numbers(sum), numbers(at), q.data(), modes_}, slopes.data(), result.gradient.data());
+  return result;
+}
+
+Eigen::MatrixXd VolumePolynomials::gradients(const Eigen::VectorXd& q) const {
+  const Batches at = coefficients_->monomials(q);
+  Eigen::MatrixXd result(modes_, count());
+  Eigen::VectorXd slopes(pair_count(modes_));
+  for (Eigen::Index k = 0; k < count(); ++k)
+    polynomial_gradient({coefficients_->numbers_of(k), numbers(at), q.data(), modes_}, slopes.data(),
+                        result.col(k).data());
   return result;
 }
 
 Eigen::MatrixXd VolumePolynomials::hessian(const Eigen::VectorXd& q, const Eigen::VectorXd& scales) const {
+  const Batches at = coefficients_->monomials(q);
+  Batches sum(coefficients_->row, Batch{});
+  add_polynomials(coefficients_->all.data(), coefficients_->row, count_, scales.data(), sum.data());
+  Eigen::VectorXd slopes(pair_count(modes_)), gradient(modes_);
+  const CubicAt polynomial{numbers(sum), numbers(at), q.data(), modes_};
+  polynomial_gradient(polynomial, slopes.data(), gradient.data());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(modes_, modes_);
-  for (Eigen::Index k = 0; k < count(); ++k) result += scales[k] * quadratic_[static_cast<std::size_t>(k)];
-  for (Eigen::Index i = 0, p = 0; i < modes_; ++i)
-    for (Eigen::Index j = i; j < modes_; ++j, ++p) {
-      const Eigen::VectorXd column = Eigen::Map<const Eigen::MatrixXd>(cubic_.col(p).data(), modes_, count()) * scales;
-      result.col(i) += q[j] * column;
-      result.col(j) += q[i] * column;  // twice where i = j
-    }
-  return result;
+  add_polynomial_hessian(polynomial, slopes.data(), result.data());
+  return result + result.transpose();
 }
 
 }  // namespace soft_robot_lab

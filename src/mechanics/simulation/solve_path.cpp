@@ -23,6 +23,8 @@ const char* name_of(SolveStage stage) {
       return "last_resort";
     case SolveStage::xpbd:
       return "xpbd";
+    case SolveStage::reduced:
+      return "reduced";
     case SolveStage::more:
       break;
   }
@@ -32,6 +34,8 @@ const char* name_of(SolveStage stage) {
 bool may_follow(SolveStage before, SolveStage after) {
   if (after == SolveStage::more || before == SolveStage::more) return after == SolveStage::more;
   if (before == SolveStage::xpbd || after == SolveStage::xpbd) return before == after;
+  if (before == SolveStage::reduced) return after == SolveStage::newton;  // where it is left for good
+  if (after == SolveStage::reduced) return false;
   switch (before) {
     case SolveStage::newton:  // its own rescues first, then those around it
       return true;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fidelity_json.h"
+#include "reduction.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
 
 namespace soft_robot_lab {
@@ -170,6 +171,9 @@ std::string millimetres(const Eigen::Vector3d& v) {
   return text.str();
 }
 
+// A reduced model balances forces within its modes alone: of the full model's reaction it knows nothing.
+bool ends_reduced(const Scene& scene, const RunReport& report) { return scene.reduction && !report.left_reduced; }
+
 }  // namespace
 
 std::string result_json(const Scene& scene, const RunReport& report) {
@@ -177,7 +181,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   Json result;
   result["markers"] = markers_json(simulation);
   add_actuators(simulation, result);
-  if (scene.run.mode != RunMode::modal) {
+  if (scene.run.mode != RunMode::modal && !ends_reduced(scene, report)) {
     const Eigen::Matrix3Xd forces_n = simulation.reaction_forces_n();
     result["reaction"] = reaction_json(simulation, forces_n);
     result["reactions"] = reactions_json(simulation, forces_n);
@@ -185,6 +189,8 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   if (simulation.energy_ledger()) result["energy"] = energy_json(*simulation.energy_ledger());
   add_contacts(simulation, result);
   result["solver"] = solver_json(simulation, report.solve);
+  if (ends_reduced(scene, report)) result["solver"]["residual"] = nullptr;
+  if (scene.reduction) result["reduced"] = reduction_json(*scene.reduction, report.left_reduced);
   if (scene.fidelity) result["fidelity"] = fidelity_json(*scene.fidelity);
   if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);
   if (scene.run.mode == RunMode::dynamic) result["trajectory"] = trajectory_json(simulation, report.trajectory);
@@ -198,9 +204,11 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
   const TetMesh& mesh = simulation.body().mesh();
   std::ostringstream text;
   text << (solve.converged ? "converged" : "did not converge") << ": " << solve.iterations << " iterations in "
-       << solve.steps << " steps, residual " << solve.residual << ", " << solve.wall_s << " s; " << mesh.node_count()
-       << " nodes, " << mesh.tet_count() << " elements\n";
+       << solve.steps << " steps, ";
+  if (!ends_reduced(scene, report)) text << "residual " << solve.residual << ", ";
+  text << solve.wall_s << " s; " << mesh.node_count() << " nodes, " << mesh.tet_count() << " elements\n";
   if (scene.fidelity) text << summary(*scene.fidelity);
+  if (scene.reduction) text << summary(*scene.reduction, report.left_reduced);
   for (Eigen::Index i = 0; i < report.frequencies_hz.size(); ++i) {
     text << "mode " << i + 1 << " at " << report.frequencies_hz[i] << " Hz\n";
   }

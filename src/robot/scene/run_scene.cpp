@@ -6,7 +6,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mechanics/simulation/actuator_warnings.h"
 #include "mechanics/simulation/modal.h"
+#include "scene_motion.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -24,17 +26,17 @@ void add(const SolveReport& part, SolveReport& total) {
   if (!part.message.empty()) total.message = part.message;
 }
 
-void command(Simulation& simulation, const TimedCommands& timed) {
-  for (const auto& [actuator, value] : timed.commands) simulation.set_command(actuator, value);
+void command(SceneMotion& motion, const TimedCommands& timed) {
+  for (const auto& [actuator, value] : timed.commands) motion.set_command(actuator, value);
 }
 
-SolveReport solve_in_order(Simulation& simulation, const std::vector<TimedCommands>& commands) {
+SolveReport solve_in_order(SceneMotion& motion, const std::vector<TimedCommands>& commands) {
   SolveReport total;
   total.converged = true;
-  if (commands.empty()) add(simulation.solve_equilibrium(), total);
+  if (commands.empty()) add(motion.solve_equilibrium(), total);
   for (size_t i = 0; i < commands.size() && total.converged; ++i) {
-    command(simulation, commands[i]);
-    add(simulation.solve_equilibrium(), total);
+    command(motion, commands[i]);
+    add(motion.solve_equilibrium(), total);
     if (!total.converged) total.message = "run.commands[" + std::to_string(i) + "]: " + total.message;
   }
   return total;
@@ -62,29 +64,24 @@ void warn_of_unfinished_commands(const Simulation& simulation, SolveReport& tota
   }
 }
 
-void record(const Simulation& simulation, Trajectory& trajectory) {
-  const int count = static_cast<int>(simulation.markers().size());
-  Eigen::Matrix3Xd markers_m(3, count);
-  for (int i = 0; i < count; ++i) markers_m.col(i) = simulation.marker_position(i);
-  trajectory.time_s.push_back(simulation.state().time_s);
-  trajectory.markers_m.push_back(std::move(markers_m));
+void record(const SceneMotion& motion, Trajectory& trajectory) {
+  trajectory.time_s.push_back(motion.time_s());
+  trajectory.markers_m.push_back(motion.markers_m());
 }
 
-SolveReport solve_in_time(Simulation& simulation, const RunSettings& run, Trajectory& trajectory) {
+SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double step_s, Trajectory& trajectory) {
   SolveReport total;
   total.converged = true;
-  const double step_s = simulation.options().time_step_s;
   const double close_s = 1.0e-6 * step_s;  // sums of steps miss round times by rounding
   const auto step_count = static_cast<long>(std::ceil((run.duration_s - close_s) / step_s));
   const double record_every_s = std::max(run.record_every_s, step_s);
   auto next = run.commands.begin();
   long recorded = 0;
-  if (simulation.options().method == SolverOptions::Method::newton) simulation.keep_energy_ledger();
-  record(simulation, trajectory);
+  record(motion, trajectory);
   for (long i = 0; i < step_count; ++i) {
     const double now_s = static_cast<double>(i) * step_s;
-    for (; next != run.commands.end() && next->time_s <= now_s + close_s; ++next) command(simulation, *next);
-    const SolveReport step = simulation.step();
+    for (; next != run.commands.end() && next->time_s <= now_s + close_s; ++next) command(motion, *next);
+    const SolveReport step = motion.step();
     const bool first_failure = total.converged && !step.converged;
     add(step, total);
     if (first_failure) {
@@ -93,10 +90,9 @@ SolveReport solve_in_time(Simulation& simulation, const RunSettings& run, Trajec
       total.message = text.str();
     }
     if (now_s + step_s < static_cast<double>(recorded + 1) * record_every_s - close_s) continue;
-    record(simulation, trajectory);
+    record(motion, trajectory);
     recorded = static_cast<long>((now_s + step_s + close_s) / record_every_s);
   }
-  warn_of_unfinished_commands(simulation, total);
   return total;
 }
 
@@ -128,13 +124,31 @@ void refuse_inverted(SolveReport& solve) {
                   " elements are inverted at the end: too soft for its loads, or meshed too coarsely";
 }
 
+// The simulation keeps the last state, with what is wrong with that of a reduced model.
+void end(const Scene& scene, SceneMotion& motion, RunReport& report) {
+  motion.show();
+  report.left_reduced = scene.reduction && !motion.reduced();
+  if (!motion.reduced()) return;
+  report.solve.inverted_elements = motion.inverted_elements();
+  const Simulation& simulation = *scene.simulation;
+  for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
+    for (const SolveWarning& warning :
+         actuator_warnings(simulation.actuator_state(static_cast<int>(i)), simulation.body()))
+      add_warning(warning, report.solve.warnings);
+}
+
 }  // namespace
 
 RunReport run_scene(Scene& scene) {
   RunReport report;
   Simulation& simulation = *scene.simulation;
+  SceneMotion motion(scene);
   if (scene.run.mode == RunMode::dynamic) {
-    report.solve = solve_in_time(simulation, scene.run, report.trajectory);
+    if (simulation.options().method == SolverOptions::Method::newton && !motion.reduced())
+      simulation.keep_energy_ledger();
+    report.solve = solve_in_time(motion, scene.run, simulation.options().time_step_s, report.trajectory);
+    end(scene, motion, report);
+    warn_of_unfinished_commands(simulation, report.solve);
     refuse_inverted(report.solve);
     return report;
   }
@@ -142,7 +156,8 @@ RunReport run_scene(Scene& scene) {
     find_modes(simulation, scene.run.modes, report);
     return report;
   }
-  report.solve = solve_in_order(simulation, scene.run.commands);
+  report.solve = solve_in_order(motion, scene.run.commands);
+  end(scene, motion, report);
   refuse_inverted(report.solve);
   if (scene.run.sensitivity && report.solve.converged) add_sensitivity(simulation, report);
   return report;

@@ -3,6 +3,7 @@
 
 #include "fidelity.h"
 #include "parameters.h"
+#include "reduction.h"
 #include "robot/design/casting_settings.h"
 
 namespace soft_robot_lab {
@@ -36,12 +37,15 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
 Scene load_scene(const YamlNode& node, const SceneOptions& options) {
   const YamlNode stated = merge_overrides(node, options.overrides);
   read_parameters(stated);
+  refuse_unknown_reduced(stated, options);
   std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
   const bool chosen = fidelity && !fidelity->choice.empty();
   const YamlNode settings = chosen ? merge(stated, fidelity->choice) : stated;
   Scene scene = build_scene(settings, read_mesh(settings, options), options);
   read_casting_settings(settings);
+  const std::optional<ReducedRequest> request = read_reduced(settings, scene);
   settings.require_all_read();
+  if (request) scene.reduction = reduce(settings, scene, *request, options);
   scene.file = node.source();
   scene.fidelity = std::move(fidelity);
   return scene;

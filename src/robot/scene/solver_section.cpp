@@ -9,7 +9,9 @@ SolverOptions read_solver(const YamlNode& scene) {
   SolverOptions options;
   const std::optional<YamlNode> node = scene.optional_child("solver");
   if (!node) return options;
-  if (node->choice_or("method", "newton", {"newton", "xpbd"}) == "xpbd") options.method = SolverOptions::Method::xpbd;
+  // A reduced model is trained by newton, which goes on where it ends.
+  if (node->choice_or("method", "newton", {"newton", "xpbd", "reduced"}) == "xpbd")
+    options.method = SolverOptions::Method::xpbd;
   if (node->choice_or("integrator", "implicit_euler", {"implicit_euler", "bdf2"}) == "bdf2") {
     options.integrator = Integrator::bdf2;
   }

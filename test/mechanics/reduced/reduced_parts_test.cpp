@@ -52,7 +52,7 @@ TEST_F(ReducedParts, PolynomialsAreTheVolumesOfTheShape) {
     const Eigen::RowVector2d shares = basis.pressures.row(point.element);
     sums += point.weight_m3 * growth * Eigen::Vector3d(shares[0], shares[1], 1.0);
   }
-  const Eigen::VectorXd values = VolumePolynomials(points, basis.pressures).at(q).values;
+  const Eigen::VectorXd values = VolumePolynomials(points, basis.pressures).at(q, Eigen::Vector3d::Zero()).values;
   EXPECT_LT((values - sums).norm(), 1e-12 * sums.norm());
   EXPECT_GT(std::abs(sums[2]), 1e-8);
 }
@@ -70,6 +70,16 @@ TEST_F(ReducedParts, ForcesAreTheSlopeOfTheEnergy) {
     const Eigen::VectorXd step = Eigen::VectorXd::Unit(2, k);
     const double slope = (energy.sums(q, r + step).value - energy.sums(q, r - step).value) / 2.0;
     EXPECT_NEAR(at.mismatch[k], slope, 1e-7 * at.mismatch.norm());
+  }
+}
+
+TEST_F(ReducedParts, VolumeGradientsAreTheSlopeOfTheForcesByThePressures) {
+  const ReducedEnergy energy(body, basis);
+  const Eigen::MatrixXd gradients = energy.volume_gradients(q);
+  const Eigen::VectorXd force = energy.sums(q, r).force;
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const Eigen::VectorXd change = energy.sums(q, r + 1e4 * Eigen::VectorXd::Unit(2, k)).force - force;
+    EXPECT_LT((1e4 * gradients.col(k) - change).norm(), 1e-9 * force.norm());
   }
 }
 

@@ -3,9 +3,12 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "mechanics/actuators/test_bar.h"
+#include "mechanics/box_mesh.h"
+#include "mechanics/reduced/held_out.h"
 #include "mechanics/reduced/reduced_simulation.h"
 #include "mechanics/reduced/train.h"
 
@@ -24,11 +27,19 @@ ReducedTraining small_training() {
 // The bar is 100 mm long, and one training serves all cases.
 class ReducedBar : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { model_ = train(hanging_bar("pull_speed_m_s: 0.02").model(), small_training()); }
-  static void TearDownTestSuite() { model_.reset(); }
+  static void SetUpTestSuite() {
+    model_ = train(hanging_bar("pull_speed_m_s: 0.02").model(), small_training());
+    held_out_ = std::make_unique<HeldOut>(model_->full, model_->box, 5, 1.5);
+  }
+  static void TearDownTestSuite() {
+    model_.reset();
+    held_out_.reset();
+  }
   static std::shared_ptr<const ReducedModel> model_;
+  static std::unique_ptr<const HeldOut> held_out_;
 };
 std::shared_ptr<const ReducedModel> ReducedBar::model_;
+std::unique_ptr<const HeldOut> ReducedBar::held_out_;
 
 TEST_F(ReducedBar, ItsModesAreOrthonormalInMassAndHoldWhatIsHeld) {
   const Eigen::MatrixXd& modes = model_->basis.modes;
@@ -46,7 +57,7 @@ TEST_F(ReducedBar, ItsModesAreOrthonormalInMassAndHoldWhatIsHeld) {
 }
 
 TEST_F(ReducedBar, ItsEquilibriaAreTheFullModelsWithinATwentiethOfAMillimetre) {
-  const ReducedError error = held_out_equilibria(model_, 5);
+  const ReducedError error = held_out_->equilibria(model_);
   EXPECT_EQ(error.unsolved, 0);
   EXPECT_LT(error.rms_m, 0.05e-3);
   EXPECT_LT(error.max_m, 0.2e-3);
@@ -55,7 +66,7 @@ TEST_F(ReducedBar, ItsEquilibriaAreTheFullModelsWithinATwentiethOfAMillimetre) {
 }
 
 TEST_F(ReducedBar, ItsTransientsAreTheFullModelsWithinATenthOfAMillimetre) {
-  const ReducedError error = held_out_transient(model_, 1.5);
+  const ReducedError error = held_out_->transient(model_);
   EXPECT_EQ(error.unsolved, 0);
   EXPECT_LT(error.rms_m, 0.1e-3);
   EXPECT_LT(error.max_m, 0.5e-3);
@@ -64,7 +75,7 @@ TEST_F(ReducedBar, ItsTransientsAreTheFullModelsWithinATenthOfAMillimetre) {
 }
 
 TEST_F(ReducedBar, ItsModesHoldTransientsCloserThanItsMotionDoes) {
-  const ReducedError shapes = held_out_projection(model_, 1.5), motion = held_out_transient(model_, 1.5);
+  const ReducedError shapes = held_out_->projection(*model_), motion = held_out_->transient(model_);
   EXPECT_EQ(shapes.unsolved, 0);
   EXPECT_GT(shapes.rms_m, 0.0);
   EXPECT_LT(shapes.rms_m, motion.rms_m);
@@ -96,6 +107,98 @@ TEST_F(ReducedBar, RepeatsItselfToTheLastBit) {
     return simulation.state().at.q;
   };
   EXPECT_EQ(end(), end());
+}
+
+// A column of 100 mm with a cable on either side: both pulled, it buckles to the front or to the back. Gravity leans
+// it.
+Simulation column() {
+  Body body(box_mesh({-0.01, 0, -0.006}, {0.01, 0.1, 0.006}, {2, 6, 2}), Material{264200.0, 0.49, 1070.0});
+  body.fix_nodes({-1, -1, -1}, {1, 1e-6, 1}, {true, true, true});
+  body.set_gravity({0, -9.81, 1.0});
+  const MeshLocator locator(body.mesh());
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  for (const char* cable : {"{name: left, points_m: [[-0.006, 0, 0], [-0.006, 0.095, 0]]",
+                            "{name: right, points_m: [[0.006, 0, 0], [0.006, 0.095, 0]]"}) {
+    actuators.push_back(std::make_unique<Cable>());
+    actuators.back()->initialise(
+        YamlNode::parse(std::string(cable) + ", sheath_radius_m: 0.002, plug_radius_m: 0.003}", "column"), body,
+        locator);
+  }
+  return Simulation(std::move(body), std::move(actuators), {}, SolverOptions{});
+}
+
+class ReducedColumn : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    ReducedTraining training;
+    training.box = {{0.95, 0.95}, {1.0, 1.0}};
+    training.modes = 20;
+    training.ramps = 8;
+    training.transient_s = 2.0;
+    model_ = train(column().model(), training);
+  }
+  static void TearDownTestSuite() { model_.reset(); }
+
+  static ReducedSimulation pulled() {
+    ReducedSimulation simulation(model_);
+    simulation.set_command("left", 0.955);
+    simulation.set_command("right", 0.955);
+    return simulation;
+  }
+  static std::shared_ptr<const ReducedModel> model_;
+};
+std::shared_ptr<const ReducedModel> ReducedColumn::model_;
+
+TEST_F(ReducedColumn, LeavesTheSaddleForAMinimumOnOneSide) {
+  ReducedSimulation simulation = pulled();
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const Eigen::Matrix3Xd moved = simulation.positions_m() - model_->full->body().mesh().nodes_m;
+  EXPECT_GT(moved.row(2).cwiseAbs().maxCoeff(), 0.01);
+  EXPECT_TRUE(stable(*model_, simulation.state().drives, simulation.state().at));
+}
+
+TEST_F(ReducedColumn, KnowsASaddleFromTheMinimumOnEitherSide) {
+  ReducedSimulation simulation = pulled();
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const DriveStates& drives = simulation.state().drives;
+  EXPECT_TRUE(stable(*model_, drives, simulation.state().at));
+  // From the straight shape Newton's method goes to the equilibrium nearby, which is the saddle.
+  ReducedUnknowns straight = ReducedSimulation(model_).state().at;
+  ReducedNewton newton;
+  ASSERT_TRUE(newton.solve(*model_, {0.0, straight.q, 1e-9}, drives, straight).converged);
+  EXPECT_GT((model_->positions_m(straight.q) - simulation.positions_m()).cwiseAbs().maxCoeff(), 0.005);
+  EXPECT_FALSE(stable(*model_, drives, straight));
+  EXPECT_TRUE(stable(*model_, drives, straight, 1e6));  // the inertia of a short step holds it
+}
+
+TEST_F(ReducedColumn, NewtonsMethodCutsStepsThatLeadTooFarAndEndsWhereItDoesFromNearby) {
+  ReducedSimulation buckled = pulled();
+  ASSERT_TRUE(buckled.solve_equilibrium().converged);
+  const ReducedState rest = ReducedSimulation(model_).state();
+  const auto solved = [&](double share, ReducedUnknowns& at) {
+    at = rest.at;
+    at.q = share * buckled.state().at.q;
+    return ReducedNewton().solve(*model_, {1e5, buckled.state().at.q, 1e-9}, rest.drives, at);
+  };
+  ReducedUnknowns near, far;
+  const ReducedEnd from_near = solved(1.0, near), from_far = solved(2.0, far);
+  ASSERT_TRUE(from_near.converged);
+  ASSERT_TRUE(from_far.converged);
+  EXPECT_EQ(from_near.shortened, 0);
+  EXPECT_GT(from_far.shortened, 0);
+  EXPECT_LT((near.q - far.q).norm(), 1e-8);  // of unit kg^0.5 m, some 1e-7 m
+}
+
+TEST_F(ReducedColumn, ATimeStepWithoutASolutionIsHalvedAndAtLastUndone) {
+  ReducedSimulation simulation = pulled();
+  const ReducedState before = simulation.state();
+  simulation.set_tolerance_m(1e-30, 1e-9);  // beyond rounding
+  const ReducedReport report = simulation.step();
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.steps, 7);  // the whole and its halves down to a 64th
+  EXPECT_EQ(simulation.state().at.q, before.at.q);
+  EXPECT_EQ(simulation.state().time_s, before.time_s);
+  EXPECT_EQ(simulation.state().drives[0].actuated_command, before.drives[0].actuated_command);
 }
 
 std::string refusal(const std::function<void()>& action) {

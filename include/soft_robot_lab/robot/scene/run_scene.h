@@ -19,6 +19,7 @@ struct Trajectory {
 struct RunReport {
   SolveReport solve;            // sums over the run; `converged` where all did, the largest residual, the last message
   Trajectory trajectory;        // dynamic runs
+  bool left_reduced = false;    // a reduced model did not serve to the end; a warning says why
   Eigen::MatrixXd sensitivity;  // 3*markers x actuators, where the run asked for it and converged; otherwise empty
   Eigen::VectorXd frequencies_hz;  // modal runs, ascending; their `solve.residual` is ModalResult::change
 };

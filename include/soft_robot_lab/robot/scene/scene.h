@@ -37,11 +37,15 @@ struct RunSettings {
   std::vector<TimedCommands> commands;  // in order of time
 };
 
+struct SceneReduction;  // the reduced model and how it came about
+
 struct Scene {
   std::string file;
   std::unique_ptr<Simulation> simulation;
   RunSettings run;
   std::optional<FidelityReport> fidelity;  // where the scene or its options ask for it
+  // With solver.method reduced: run_scene moves the simulation by it. Null otherwise.
+  std::shared_ptr<const SceneReduction> reduction;
 };
 
 struct SceneOptions {
@@ -49,7 +53,9 @@ struct SceneOptions {
   std::string cache_folder;
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;
-  bool estimate_error = false;                // judge the scene as it is (scene/fidelity.h)
+  bool knows_reduced = false;  // runs the scene by run_scene; otherwise method reduced is refused
+  std::function<void(double, const std::string&)> progress;  // of training, 0 to 1; may be empty
+  bool estimate_error = false;                               // judge the scene as it is (scene/fidelity.h)
   std::string overrides;                      // YAML text laid over the file, as a file that includes it would be
   std::function<void(TetMesh&)> change_mesh;  // applied before anything binds to the mesh; may be empty
 };

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "reduced_model.h"
+#include "training_set.h"
+
+namespace soft_robot_lab {
+
+struct ReducedRequest {
+  CommandBox box;             // holds every actuator's rest command
+  double tolerance_m = 1e-4;  // > 0, of `largest_rms_m` of the outcome
+  int modes = 0;              // [1, 40]; 0: the fewest that meet the tolerance
+};
+
+struct ReducedChoice {
+  std::shared_ptr<const ReducedModel> model;
+  ReducedError equilibria, transient;  // on what it was not trained with
+  double cpu_s = 0.0;                  // of training and judging
+
+  double largest_rms_m() const { return equilibria.rms_m > transient.rms_m ? equilibria.rms_m : transient.rms_m; }
+};
+
+// Trains, and judges on 20 equilibria and 6 s of motion that training did not use. Deterministic but for cpu_s. Throws
+// std::invalid_argument as train(), and where the tolerance is not met, with the error of the best.
+ReducedChoice choose_modes(const std::shared_ptr<const Model>& model, const ReducedRequest& request,
+                           const TrainingProgress& progress);
+
+}  // namespace soft_robot_lab

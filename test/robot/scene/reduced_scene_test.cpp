@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scenes with solver.method reduced, on a coarse bar with one cable, which bends it to one side.
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "scene_files.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/scene/run_scene.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Outcome {
+  RunReport report;
+  Json json;
+};
+
+const std::string kMotion =
+    "run: {mode: dynamic, duration_s: 2, commands: [{time_s: 0, left: 0.93}, {time_s: 1, left: 0.96}]}\n";
+const std::string kReduced = "method: reduced, tolerance_m: 2.0e-4, commands: {left: [0.9, 1]}";
+
+// One folder, so that a model is trained once.
+class ReducedScene : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new SceneFolder;
+    folder_->write("coarse.yaml", R"(include: bar.yaml
+body: {element_size_m: 0.03}
+cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], sheath_radius_m: 0.001, plug_radius_m: 0.003}]
+)");
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static Scene load(const std::string& solver, const std::string& rest, bool knows_reduced = true) {
+    SceneOptions options;
+    options.mesher = SOFT_ROBOT_LAB_MESHER;
+    options.cache_folder = folder_->path("cache");
+    options.actuator_factory = make_actuator;
+    options.knows_reduced = knows_reduced;
+    const std::string text = "include: coarse.yaml\nsolver: {time_step_s: 0.05, " + solver + "}\n" + rest;
+    return load_scene(folder_->write("scene.yaml", text), options);
+  }
+
+  static Outcome run(const std::string& solver, const std::string& rest) {
+    Scene scene = load(solver, rest);
+    Outcome outcome;
+    outcome.report = run_scene(scene);
+    outcome.json = Json::parse(result_json(scene, outcome.report));
+    return outcome;
+  }
+
+  static std::string refusal(const std::string& solver, const std::string& rest, bool knows_reduced = true) {
+    try {
+      load(solver, rest, knows_reduced);
+    } catch (const SettingsError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  static SceneFolder* folder_;
+};
+SceneFolder* ReducedScene::folder_ = nullptr;
+
+double largest_distance_m(const Trajectory& a, const Trajectory& b) {
+  double largest_m = 0.0;
+  for (std::size_t i = 0; i < a.markers_m.size(); ++i)
+    largest_m = std::max(largest_m, (a.markers_m[i] - b.markers_m[i]).colwise().norm().maxCoeff());
+  return largest_m;
+}
+
+TEST_F(ReducedScene, MovesAsNewtonWithinTheErrorThatItStates) {
+  const Outcome fast = run(kReduced, kMotion), full = run("method: newton", kMotion);
+  ASSERT_TRUE(fast.report.solve.converged) << fast.report.solve.message;
+  ASSERT_EQ(fast.report.trajectory.markers_m.size(), full.report.trajectory.markers_m.size());
+  const Json& reduced = fast.json["reduced"];
+  const double stated_m = reduced["held_out"]["transient"]["max_m"].get<double>();
+  EXPECT_LE(largest_distance_m(fast.report.trajectory, full.report.trajectory), 2.0 * stated_m);
+  EXPECT_LT(full.report.trajectory.markers_m.back()(1, 0), -0.005);  // it did move
+  EXPECT_LE(reduced["held_out"]["transient"]["rms_m"].get<double>(), 2.0e-4);
+  EXPECT_LE(reduced["held_out"]["equilibria"]["rms_m"].get<double>(), 2.0e-4);
+  EXPECT_EQ(reduced["commands"]["left"], (Json{0.9, 1.0}));
+  EXPECT_EQ(reduced["left"], false);
+  EXPECT_EQ(fast.report.solve.path[0].stage, SolveStage::reduced);
+  EXPECT_TRUE(fast.json["solver"]["residual"].is_null());
+  EXPECT_FALSE(fast.json.contains("reaction"));
+  EXPECT_NEAR(fast.json["cables"]["left"]["tension_n"].get<double>(),
+              full.json["cables"]["left"]["tension_n"].get<double>(), 0.05);
+}
+
+TEST_F(ReducedScene, IsTrainedOnceForAllRunsAndRepeatsItselfToTheLastBit) {
+  const Outcome first = run(kReduced, kMotion), second = run(kReduced, kMotion);
+  EXPECT_EQ(second.json["reduced"]["training"]["from_cache"], true);
+  EXPECT_EQ(first.json["markers"], second.json["markers"]);
+  EXPECT_EQ(first.json["reduced"]["held_out"], second.json["reduced"]["held_out"]);
+  const Outcome heavier = run(kReduced, "body: {material: {density_kg_m3: 1200}}\n" + kMotion);
+  EXPECT_EQ(heavier.json["reduced"]["training"]["from_cache"], false);
+}
+
+TEST_F(ReducedScene, TakesMoreModesForASmallerTolerance) {
+  const auto modes = [](const std::string& tolerance) {
+    return run("method: reduced, tolerance_m: " + tolerance + ", commands: {left: [0.9, 1]}", kMotion)
+        .json["reduced"]["modes"]
+        .get<int>();
+  };
+  EXPECT_LT(modes("2.0e-4"), modes("1.0e-5"));
+}
+
+TEST_F(ReducedScene, FindsTheEquilibriaOfNewton) {
+  const std::string rest = "run: {mode: equilibrium, commands: [{time_s: 0, left: 0.92}]}\n";
+  const Outcome fast = run(kReduced, rest), full = run("method: newton", rest);
+  ASSERT_TRUE(fast.report.solve.converged);
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(fast.json["markers"]["tip"]["position_m"][axis].get<double>(),
+                full.json["markers"]["tip"]["position_m"][axis].get<double>(),
+                2.0 * fast.json["reduced"]["held_out"]["equilibria"]["max_m"].get<double>());
+}
+
+TEST_F(ReducedScene, GoesOnByNewtonFromACommandThatItWasNotTrainedFor) {
+  const std::string rest =
+      "run: {mode: dynamic, duration_s: 3, commands: [{time_s: 0, left: 0.95}, {time_s: 1, left: 0.85}]}\n";
+  const Outcome fast = run(kReduced, rest), full = run("method: newton", rest);
+  ASSERT_TRUE(fast.report.solve.converged) << fast.report.solve.message;
+  EXPECT_EQ(fast.json["reduced"]["left"], true);
+  ASSERT_EQ(fast.report.solve.warnings.size(), 1u);
+  EXPECT_EQ(fast.report.solve.warnings[0].kind, "outside_training");
+  EXPECT_NE(fast.report.solve.warnings[0].text.find("command 0.85 of left is outside [0.9, 1]"), std::string::npos);
+  ASSERT_EQ(fast.report.solve.path.front().stage, SolveStage::reduced);
+  for (std::size_t i = 1; i < fast.report.solve.path.size(); ++i)
+    EXPECT_TRUE(may_follow(fast.report.solve.path[i - 1].stage, fast.report.solve.path[i].stage));
+  const Eigen::Matrix3Xd apart = fast.report.trajectory.markers_m.back() - full.report.trajectory.markers_m.back();
+  EXPECT_LT(apart.colwise().norm().maxCoeff(), 5e-5);  // newton has forgotten where it took over
+  EXPECT_TRUE(fast.json["solver"]["residual"].is_number());
+  EXPECT_TRUE(fast.json.contains("reaction"));
+}
+
+TEST_F(ReducedScene, RefusesWhatItDoesNotKnow) {
+  const struct {
+    std::string solver, rest, words;
+  } cases[] = {
+      {"method: reduced", kMotion, "commands"},
+      {"method: reduced, commands: {right: [0.9, 1]}", kMotion, "left"},
+      {"method: reduced, commands: {left: [0.9]}", kMotion, "two numbers"},
+      {"method: reduced, commands: {left: [0.9, 0.95]}", kMotion, "rest command 1"},
+      {"method: reduced, commands: {left: [0.9, 1], third: [0.9, 1]}", kMotion, "third"},
+      {kReduced + ", modes: 41", kMotion, "modes"},
+      {kReduced + ", integrator: bdf2", kMotion, "integrator other than implicit_euler"},
+      {kReduced, "body: {hysteresis: {stiffness_ratio: 0.1, relaxation_time_s: 1}}\n" + kMotion, "viscosity"},
+      {kReduced, "cables: {left: {model: friction, friction_coefficient: 0.1}}\n" + kMotion, "'left'"},
+      {kReduced, "contact: {obstacles: [{name: floor, plane: {point_m: [0, -1, 0], normal: [0, 1, 0]}}]}\n" + kMotion,
+       "contact"},
+      {kReduced, "run: {mode: modal}\n", "mode modal"},
+      {kReduced, "run: {mode: equilibrium, sensitivity: true}\n", "sensitivity"},
+      {kReduced, "fidelity: {tolerance_m: 0.001}\n" + kMotion, "fidelity"},
+      {"method: newton, tolerance_m: 1.0e-4", kMotion, "tolerance_m"},
+  };
+  for (const auto& one : cases) {
+    const std::string words = refusal(one.solver, one.rest);
+    EXPECT_NE(words.find(one.words), std::string::npos) << one.solver << one.rest << words;
+  }
+  EXPECT_NE(refusal(kReduced, kMotion, false).find("program simulate alone"), std::string::npos);
+}
+
+TEST_F(ReducedScene, RefusesAToleranceThatItDoesNotMeetAndSaysHowFarItIs) {
+  const std::string words =
+      refusal("method: reduced, modes: 3, tolerance_m: 1.0e-7, commands: {left: [0.9, 1]}", kMotion);
+  EXPECT_NE(words.find("3 modes or fewer meets tolerance_m 1e-07: rms "), std::string::npos) << words;
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "conversions.h"
+#include "soft_robot_lab/mechanics/embedding.h"
 #include "topics.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double visible_motion_m = 2.0e-5;
-constexpr double see_through = 0.55;  // opacity of a skin with chambers in it
+constexpr double see_through = 0.55;  // opacity of a skin that would hide what lies in it
 // Okabe and Ito's blue and vermilion, which colour-blind readers distinguish.
 const Eigen::Vector3d skin_colour(0.50, 0.80, 0.91), still_air_colour(0.93, 0.90, 0.78);
 const Eigen::Vector3d pressure_colour(0.84, 0.37, 0.0), vacuum_colour(0.0, 0.45, 0.70);
@@ -40,7 +41,31 @@ Eigen::Vector3d colour_of(double gauge_pressure_pa, double full_pa) {
   return (1.0 - fraction) * still_air_colour + fraction * (gauge_pressure_pa < 0.0 ? vacuum_colour : pressure_colour);
 }
 
+// The share of a path's length that lies inside the body.
+double share_inside(const std::vector<Eigen::Vector3d>& path_m, const MeshLocator& locator) {
+  constexpr int parts = 8;  // of a span between two points
+  double inside_m = 0.0, length_m = 0.0;
+  for (std::size_t i = 1; i < path_m.size(); ++i) {
+    const Eigen::Vector3d span_m = path_m[i] - path_m[i - 1];
+    length_m += span_m.norm();
+    for (int part = 0; part < parts; ++part)
+      if (locator.locate(path_m[i - 1] + (part + 0.5) / parts * span_m).distance_m == 0.0)
+        inside_m += span_m.norm() / parts;
+  }
+  return length_m > 0.0 ? inside_m / length_m : 0.0;
+}
+
 }  // namespace
+
+double fitting_opacity(const Simulation& robot) {
+  constexpr double most = 0.6;
+  const MeshLocator locator(robot.body().mesh());
+  for (int i = 0; i < static_cast<int>(robot.actuators().size()); ++i) {
+    const ActuatorReading reading = robot.actuator_state(i);
+    if (!reading.surface.empty() || share_inside(reading.path_m, locator) > most) return see_through;
+  }
+  return 1.0;
+}
 
 SurfaceMarker::SurfaceMarker(const TetMesh& mesh, double opacity)
     : skin_(mesh), opacity_(opacity), face_surface_(mesh.face_surface), surface_names_(mesh.surface_names) {}
@@ -67,7 +92,6 @@ visualization_msgs::Marker SurfaceMarker::message(const Eigen::Matrix3Xd& positi
     colours[i] = colour_of(pressure->second, full_gauge_pressure_pa_);
     lit_within[i] = true;
   }
-  const double opacity = opacity_ > 0.0 ? opacity_ : gauge_pressures_pa.empty() ? 1.0 : see_through;
   drawn_positions_m_ = positions_m;
   visualization_msgs::Marker marker;
   marker.header.stamp = stamp;
@@ -77,7 +101,7 @@ visualization_msgs::Marker SurfaceMarker::message(const Eigen::Matrix3Xd& positi
   marker.pose.orientation.w = 1.0;
   marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
   marker.color =
-      shaded(Eigen::Vector3d::UnitZ(), 1.0, skin_colour, opacity);  // by its alpha rviz sees whether to look through
+      shaded(Eigen::Vector3d::UnitZ(), 1.0, skin_colour, opacity_);  // by its alpha rviz sees whether to look through
   marker.points.reserve(3 * skin_.triangles().size());
   marker.colors.reserve(3 * skin_.triangles().size());
   const Eigen::Matrix3Xd normals = skin_.normals(positions_m);
@@ -87,7 +111,7 @@ visualization_msgs::Marker SurfaceMarker::message(const Eigen::Matrix3Xd& positi
     for (const auto& [node, normal] : corners) {
       marker.points.push_back(to_message(positions_m.col(node)));
       const double openness = lit_within[place] ? 1.0 : skin_.openness()[normal];
-      marker.colors.push_back(shaded(normals.col(normal), openness, colours[place], opacity));
+      marker.colors.push_back(shaded(normals.col(normal), openness, colours[place], opacity_));
     }
   }
   return marker;

@@ -11,13 +11,13 @@
 #include <visualization_msgs/Marker.h>
 
 #include "session/report/smooth_skin.h"
+#include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
 
 class SurfaceMarker {
  public:
-  // Opacity in (0, 1]; 0: the skin is opaque, but that of a robot with chambers lets them be seen.
-  explicit SurfaceMarker(const TetMesh& mesh, double opacity = 0.0);
+  explicit SurfaceMarker(const TetMesh& mesh, double opacity = 1.0);  // (0, 1]
 
   // Whether a node of the skin moved visibly since the last `message`; true at first, and once after `forget`.
   bool moved(const Eigen::Matrix3Xd& positions_m) const;
@@ -38,6 +38,10 @@ class SurfaceMarker {
   Eigen::Matrix3Xd drawn_positions_m_;  // as in the last message; empty at first
   ros::Time followed_;                  // the last stamp
 };
+
+// 1, or less where an opaque skin would hide a chamber, or a cable for most of its length. Of a robot in its rest
+// shape.
+double fitting_opacity(const Simulation& robot);
 
 // The skin of a robot that is not there yet: one colour, translucent.
 visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface);

@@ -36,7 +36,7 @@ has too.
 
 Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
-often as they film), ~skin_opacity (1: opaque; 0: opaque where no chamber lies in it), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes
+often as they film), ~skin_opacity (1: opaque; 0: opaque where that hides no chamber or cable), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes
 the same commands, which a scene has to suit), ~max_publish_rate_hz (1000: clock, markers and actuators of at most
 so many steps in each second of the session, or of the wall where that is longer).)";
 
@@ -49,7 +49,7 @@ struct SimulatorOptions {
   double real_time_factor = 1.0;  // [0, 1000]; 0: as fast as possible
   bool start_at_rest = true;
   double surface_rate_hz = 15.0;  // (0, 1000]
-  double skin_opacity = 0.0;      // [0, 1]; 0: SurfaceMarker chooses
+  double skin_opacity = 0.0;      // [0, 1]; 0: fitting_opacity
   bool publish_clock = true;
   std::string rig;                      // empty: none
   double max_publish_rate_hz = 1000.0;  // [1, 100000]
@@ -94,7 +94,7 @@ struct RunningScene {
       : path(loaded.file),
         fidelity(std::move(loaded.fidelity)),
         simulation(std::move(loaded.simulation)),
-        surface(simulation->body().mesh(), skin_opacity) {}
+        surface(simulation->body().mesh(), skin_opacity > 0.0 ? skin_opacity : fitting_opacity(*simulation)) {}
 
   std::string path;
   std::optional<FidelityReport> fidelity;

@@ -30,7 +30,7 @@ ALLOWED = {
     "control": "mechanics settings",
     "control/identification": "control robot/scene mechanics settings",
     "session": "control mechanics settings",
-    "session/report": "perception/render robot/design mechanics settings",
+    "session/report": "geometry perception/render robot/design mechanics settings",
     "study": PRODUCT,
     "ros": PRODUCT,
     "programs": f"study ros {PRODUCT}",

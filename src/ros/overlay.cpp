@@ -2,6 +2,7 @@
 #include "overlay.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -51,9 +52,10 @@ class Drawing {
   }
 
   void line(const std::string& ns, const std::string& name, const std::vector<geometry_msgs::Point>& points,
-            double width_m, const std_msgs::ColorRGBA& rgba) {
+            double width_m, const std_msgs::ColorRGBA& rgba, const std::vector<std_msgs::ColorRGBA>& along = {}) {
     Shape& shape = add(ns, name, Shape::LINE_STRIP, rgba);
     shape.points = points;
+    shape.colors = along;
     shape.scale.x = width_m;
   }
 
@@ -117,25 +119,69 @@ void draw_markers(const MarkerObservations& markers, const std::string& ns, cons
     drawing.sphere(ns, markers.names[i], markers.positions[i], options.marker_radius_m, rgba);
     if (std::find(written.begin(), written.end(), markers.names[i]) != written.end()) continue;
     geometry_msgs::Point above = markers.positions[i];
-    above.z += options.marker_radius_m + 0.6 * options.text_height_m;
+    above.y -= 3.5 * options.text_height_m;  // out of the skin, towards who stands in front of the robot
+    above.z += options.marker_radius_m + 1.1 * options.text_height_m;
     drawing.text(ns + "_names", markers.names[i], above, markers.names[i]);
   }
 }
 
-std_msgs::ColorRGBA tension_colour(double tension_n, const OverlayOptions& options) {
-  const float fraction = static_cast<float>(std::clamp(tension_n / options.full_tension_n, 0.0, 1.0));
-  return colour(0.15f + 0.75f * fraction, 0.60f - 0.50f * fraction, 0.15f);
+// Plasma (van der Walt and Smith 2015) without its palest end: even in lightness, also for colour-blind readers.
+std_msgs::ColorRGBA tension_colour(double fraction) {
+  constexpr std::array<std::array<float, 3>, 5> stops = {{{0.05f, 0.03f, 0.53f},
+                                                          {0.45f, 0.00f, 0.66f},
+                                                          {0.74f, 0.22f, 0.53f},
+                                                          {0.93f, 0.47f, 0.33f},
+                                                          {0.99f, 0.77f, 0.15f}}};
+  const float place = static_cast<float>(std::clamp(fraction, 0.0, 1.0)) * 4.0f;
+  const auto below = std::min(stops.size() - 2, static_cast<std::size_t>(place));
+  const float share = place - static_cast<float>(below);
+  const auto mixed = [&](std::size_t k) { return (1.0f - share) * stops[below][k] + share * stops[below + 1][k]; };
+  return colour(mixed(0), mixed(1), mixed(2));
 }
 
-void draw_cables(const ActuatorState& actuators, const OverlayOptions& options, Drawing& drawing) {
+// 1, 2 or 5 times a power of ten, not below it.
+double round_up(double value) {
+  const double decade = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double step : {1.0, 2.0, 5.0})
+    if (value <= step * decade * (1.0 + 1e-9)) return step * decade;
+  return 10.0 * decade;
+}
+
+void draw_tension_scale(const geometry_msgs::Point& middle, double full_tension_n, const OverlayOptions& options,
+                        Drawing& drawing) {
+  const double half_m = 5.0 * options.text_height_m;
+  constexpr int parts = 16;
+  std::vector<geometry_msgs::Point> points(parts + 1, middle);
+  std::vector<std_msgs::ColorRGBA> colours;
+  for (int i = 0; i <= parts; ++i) {
+    points[static_cast<size_t>(i)].x += half_m * (2.0 * i / parts - 1.0);
+    colours.push_back(tension_colour(static_cast<double>(i) / parts));
+  }
+  drawing.line("tension_scale", "bar", points, 0.6 * options.text_height_m, colours.front(), colours);
+  for (const bool end : {false, true}) {
+    geometry_msgs::Point place = middle;
+    place.x += (end ? 1.0 : -1.0) * (half_m + 1.4 * options.text_height_m);
+    drawing.text("tension_scale_text", end ? "full" : "none", place, end ? text_of(full_tension_n, "%g N") : "0");
+  }
+}
+
+void draw_cables(const ActuatorState& actuators, double full_tension_n, const OverlayOptions& options,
+                 Drawing& drawing) {
+  std::optional<geometry_msgs::Point> top;
   for (const CableState& cable : actuators.cables) {
     if (cable.path.size() < 2) continue;
-    drawing.line("cables", cable.name, cable.path, options.cable_width_m, tension_colour(cable.tension_n, options));
+    drawing.line("cables", cable.name, cable.path, options.cable_width_m,
+                 tension_colour(cable.tension_n / full_tension_n));
     geometry_msgs::Point place = cable.path.front();
+    if (!top || place.z > top->z) top = place;
     place.x += (place.x < 0.0 ? -4.0 : 4.0) * options.text_height_m;
     place.z += 2.0 * options.text_height_m;
     drawing.text("cable_tensions", cable.name, place, cable.name + text_of(cable.tension_n, " %.1f N"));
   }
+  if (!top) return;
+  top->x = 0.0;
+  top->z += 6.2 * options.text_height_m;
+  draw_tension_scale(*top, full_tension_n, options, drawing);
 }
 
 void draw_chambers(const ActuatorState& actuators, Drawing& drawing) {
@@ -165,7 +211,7 @@ void draw_gap(const RealityGap& gap, const OverlayOptions& options, Drawing& dra
     drawing.text("gap_text", gap.names[i], beside, text_of(1e3 * gap.distances_m[i], "%.2f mm"));
   }
   geometry_msgs::Point above;
-  above.z = 6.0 * options.text_height_m;  // above the axes of the frame
+  above.z = 8.4 * options.text_height_m;  // above the axes of the frame and the scale of tensions
   drawing.text("gap_rms", "rms", above, text_of(1e3 * gap.rms_m, "gap %.2f mm rms"));
 }
 
@@ -224,7 +270,10 @@ visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const
   draw_markers(inputs.simulated, "simulated", simulated_colour, {}, options_, drawing);
   draw_markers(inputs.measured, "measured", measured_colour, inputs.simulated.names, options_, drawing);
   if (inputs.gap) draw_gap(*inputs.gap, options_, drawing);
-  draw_cables(inputs.actuators, options_, drawing);
+  double full_tension_n = std::max(full_tension_n_, options_.full_tension_n);
+  for (const CableState& cable : inputs.actuators.cables)
+    if (cable.tension_n > full_tension_n) full_tension_n = round_up(cable.tension_n);
+  draw_cables(inputs.actuators, full_tension_n, options_, drawing);
   draw_chambers(inputs.actuators, drawing);
   if (inputs.target) {
     from_message(inputs.target->position, "target");
@@ -233,6 +282,7 @@ visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const
   }
   visualization_msgs::MarkerArray array = drawing.finished();
   shown_ = drawing.numbers();
+  full_tension_n_ = full_tension_n;
   return array;
 }
 

@@ -31,7 +31,7 @@ struct OverlayOptions {
   double target_radius_m = 0.004;
   double cable_width_m = 0.0012;
   double text_height_m = 0.004;
-  double full_tension_n = 5.0;  // drawn red; none is drawn green
+  double full_tension_n = 1.0;  // the least end of the scale of tensions, which grows with what is seen
 };
 
 class Overlay {
@@ -47,6 +47,7 @@ class Overlay {
   OverlayOptions options_;
   OverlayNumbers shown_;
   int next_ = 0;
+  double full_tension_n_ = 0.0;  // the end of the scale: 1, 2 or 5 times a power of ten
 };
 
 }  // namespace soft_robot_lab

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The body's skin as triangles for rviz, chambers coloured by their pressure.
+// The body's skin as triangles for rviz, smoothly shaded, chambers coloured by their pressure.
 #pragma once
 
-#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -11,13 +10,14 @@
 #include <ros/time.h>
 #include <visualization_msgs/Marker.h>
 
-#include "soft_robot_lab/mechanics/tet_mesh.h"
+#include "session/report/smooth_skin.h"
+#include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
 
 class SurfaceMarker {
  public:
-  explicit SurfaceMarker(const TetMesh& mesh);
+  explicit SurfaceMarker(const TetMesh& mesh, double opacity = 1.0);  // (0, 1]
 
   // Whether a node of the skin moved visibly since the last `message`; true at first, and once after `forget`.
   bool moved(const Eigen::Matrix3Xd& positions_m) const;
@@ -25,20 +25,23 @@ class SurfaceMarker {
   // Forgets where the clock was set back: who sees the skin waits for a new one then.
   void follow_clock(const ros::Time& stamp);
 
-  // Gauge pressures by the name of the surface they act on.
+  // Gauge pressures by the name of the surface they act on; the largest so far sets the scale of their colours.
   visualization_msgs::Marker message(const Eigen::Matrix3Xd& positions_m, const ros::Time& stamp,
                                      const std::map<std::string, double>& gauge_pressures_pa = {});
 
  private:
-  struct Triangle {
-    std::array<int, 3> nodes;
-    int surface;  // as in TetMesh::face_surface
-  };
-  std::vector<Triangle> triangles_;  // four for a face with mid-edge nodes
+  SmoothSkin skin_;
+  double opacity_;
+  double full_gauge_pressure_pa_ = 1000.0;
+  std::vector<int> face_surface_;  // as in TetMesh
   std::vector<std::string> surface_names_;
   Eigen::Matrix3Xd drawn_positions_m_;  // as in the last message; empty at first
   ros::Time followed_;                  // the last stamp
 };
+
+// 1, or less where an opaque skin would hide a chamber, or a cable for most of its length. Of a robot in its rest
+// shape.
+double fitting_opacity(const Simulation& robot);
 
 // The skin of a robot that is not there yet: one colour, translucent.
 visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface);

@@ -26,6 +26,9 @@ constexpr char rig_shafts[] = "rig/shafts";        // of an emulated rig: the tr
 constexpr char plant_markers[] = "plant/markers";  // of the robot that it moves: the truth
 constexpr char plant_surface[] = "plant/surface";
 
+constexpr char session_recording[] = "session/recording";  // std_msgs/Bool, latched
+constexpr char session_record[] = "session/record";        // std_srvs/SetBool
+
 constexpr char simulator_reset[] = "simulator/reset";
 constexpr char simulator_load[] = "simulator/load";
 constexpr char motor_zero[] = "motor/zero";

@@ -70,8 +70,24 @@ TEST(Overlay, ColoursCablesByTension) {
   const Shape tight_line = shapes_in(inputs(), "cables").at(0);
   const Shape slack_line = shapes_in(slack, "cables").at(0);
   EXPECT_EQ(tight_line.points.size(), 3u);
-  EXPECT_GT(tight_line.color.r, tight_line.color.g);
-  EXPECT_GT(slack_line.color.g, slack_line.color.r);
+  EXPECT_GT(tight_line.color.r, tight_line.color.b);
+  EXPECT_GT(slack_line.color.b, slack_line.color.r);
+}
+
+TEST(Overlay, FitsTheScaleOfTensionsToWhatTheRobotShows) {
+  OverlayInputs loose = inputs();
+  loose.actuators.cables[0].tension_n = 0.3;
+  const auto end_of_scale = [](const visualization_msgs::MarkerArray& array) {
+    for (const Shape& shape : array.markers)
+      if (shape.ns == "tension_scale_text" && shape.text != "0") return shape.text;
+    return std::string("none");
+  };
+  Overlay overlay;
+  EXPECT_EQ(end_of_scale(overlay.draw(loose, ros::Time(1.0))), "1 N");
+  EXPECT_EQ(end_of_scale(overlay.draw(inputs(), ros::Time(2.0))), "10 N");
+  EXPECT_EQ(end_of_scale(overlay.draw(loose, ros::Time(3.0))), "10 N") << "a scale that shrinks recolours all";
+  const Shape bar = shapes_in(inputs(), "tension_scale").at(0);
+  EXPECT_EQ(bar.colors.size(), bar.points.size());
 }
 
 TEST(Overlay, WritesPressureAndVolumeIntoChambers) {

@@ -3,6 +3,7 @@
 // until it works, as the panel takes seconds to find a session's services; none of them does harm when it comes twice.
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <string>
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/ExecutePolicy.h>
+#include <std_msgs/Bool.h>
 #include <std_srvs/Trigger.h>
 #include <visualization_msgs/Marker.h>
 
@@ -132,6 +134,26 @@ TEST_F(Panel, ExecutesWhatWasFoundForAPoseAndShowsItsGhostBefore) {
   const auto is_there = [&] { return std::abs(tip_.x() - 0.02) < 1e-3; };
   EXPECT_TRUE(press_until("alt+e", is_there));
   EXPECT_TRUE(spin_until([&] { return action == visualization_msgs::Marker::DELETE; }, patience_s));
+}
+
+TEST_F(Panel, RecordsUntilRecordIsPressedAgain) {
+  namespace fs = std::filesystem;
+  const fs::path folder = ros::NodeHandle("session_watch").param<std::string>("bag_folder", "");
+  bool recording = false;
+  const ros::Subscriber heard = node_.subscribe<std_msgs::Bool>(
+      topics::session_recording, 1,
+      boost::function<void(const std_msgs::Bool::ConstPtr&)>([&](const auto& m) { recording = m->data != 0; }));
+  const auto bags = [&](const std::string& ending) {
+    std::error_code none;
+    int count = 0;
+    for (const auto& file : fs::directory_iterator(folder, none)) count += file.path().extension() == ending ? 1 : 0;
+    return count;
+  };
+  const int before = bags(".bag");
+  ASSERT_TRUE(press_until("alt+d", [&] { return recording; }));
+  ASSERT_TRUE(spin_until([&] { return bags(".active") == 1; }, patience_s));
+  ASSERT_TRUE(press_until("alt+d", [&] { return !recording; }));
+  EXPECT_TRUE(spin_until([&] { return bags(".bag") == before + 1 && bags(".active") == 0; }, patience_s));
 }
 
 TEST_F(Panel, StopsAPolicyWhereItIs) {

@@ -75,6 +75,7 @@ class ControllerNode {
 
   std::mutex model_mutex_;  // held while the model computes
   std::unique_ptr<Simulation> model_;
+  std::unique_ptr<SurfaceMarker> ghost_surface_;  // of the model
 
   mutable std::mutex mutex_;  // guards what follows; held briefly
   CommandLimitsByName limits_;
@@ -137,6 +138,7 @@ void ControllerNode::load(const std::string& path) {
   live_.interrupt();
   const std::lock_guard model_lock(model_mutex_);
   model_ = std::move(scene.simulation);
+  ghost_surface_ = std::make_unique<SurfaceMarker>(model_->body().mesh());
   {
     const std::lock_guard lock(mutex_);
     limits_ = std::move(limits);
@@ -160,8 +162,7 @@ void ControllerNode::show_target(const std::string& marker, const Eigen::Vector3
 }
 
 void ControllerNode::show_ghost() {
-  SurfaceMarker surface(model_->body().mesh());
-  ghost_.publish(ghost_of(surface.message(model_->state().positions_m, ros::Time::now())));
+  ghost_.publish(ghost_of(ghost_surface_->message(model_->state().positions_m, ros::Time::now())));
 }
 
 void ControllerNode::remember(const PolicyTask& task, const PolicyAnswer& answer) {

@@ -5,19 +5,25 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/ros.h>
+#include <std_msgs/Bool.h>
+#include <std_srvs/SetBool.h>
 
 #include "run_node.h"
 #include "ros/node_process.h"
+#include "ros/recorder_process.h"
 #include "ros/session_watch.h"
+#include "ros/topics.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr const char* kAbout = R"(Watches over a session: says in /diagnostics, as `session`, whether its nodes run
-and its recording grows, or since when not, and whether the disk is nearly full.
+and its recording grows, or since when not, and whether the disk is nearly full. Its service session/record starts and
+stops a recording of its own, as the panel's Record asks.
 
 Parameters: ~nodes (list of names: those that the session starts again where they end), ~recorder (name; absent:
-nothing is recorded), ~bag_folder (where it records).)";
+nothing is recorded from the start), ~bag_folder (where it records), ~robot (in the names of bags), ~record_images
+(what cameras see too).)";
 
 Moment present() {
   const std::time_t now = std::time(nullptr);
@@ -32,11 +38,17 @@ class SessionWatchNode {
  public:
   explicit SessionWatchNode(const ros::NodeHandle& parameters)
       : recorder_(parameters.param<std::string>("recorder", "")),
-        bag_folder_(parameters.param<std::string>("bag_folder", "")) {
+        bag_folder_(parameters.param<std::string>("bag_folder", "")),
+        robot_(parameters.param<std::string>("robot", "session")),
+        images_(parameters.param("record_images", false)) {
     for (const std::string& name : parameters.param<std::vector<std::string>>("nodes", {})) nodes_.emplace_back(name);
     if (!recorder_.empty()) nodes_.emplace_back(recorder_);
     diagnostics_.setHardwareID("session");
     diagnostics_.add("session", this, &SessionWatchNode::diagnose);
+    recording_publisher_ = ros::NodeHandle().advertise<std_msgs::Bool>(topics::session_recording, 1, true);
+    publish_recording();
+    if (!bag_folder_.empty())
+      service_ = ros::NodeHandle().advertiseService(topics::session_record, &SessionWatchNode::record, this);
     timer_ = ros::NodeHandle().createSteadyTimer(ros::WallDuration(1.0),
                                                  [this](const auto&) { diagnostics_.force_update(); });
   }
@@ -57,12 +69,59 @@ class SessionWatchNode {
       status.add("bag size [MB]", static_cast<double>(bag.bytes) / 1048576.0);
       status.add("free space [MB]", static_cast<double>(bag.free_bytes.value_or(0)) / 1048576.0);
     }
+    all = worst_of(all, asked_recording(now, status));
     using Status = diagnostic_msgs::DiagnosticStatus;
     status.summary(all.level == Finding::Level::ok        ? Status::OK
                    : all.level == Finding::Level::warning ? Status::WARN
                                                           : Status::ERROR,
                    all.text);
     log(all);
+  }
+
+  Finding asked_recording(const Moment& now, diagnostic_updater::DiagnosticStatusWrapper& status) {
+    publish_recording();
+    if (asked_.ended_by_itself())
+      return {Finding::Level::error, "recording: the recorder ended by itself; press Record"};
+    const std::optional<pid_t> process = asked_.process();
+    if (!process) return {};
+    const BagSight bag = look_at_bag(process, bag_folder_);
+    status.add("asked bag", bag.path);
+    return asked_bag_.update(now, bag);
+  }
+
+  void publish_recording() {
+    std_msgs::Bool recording;
+    recording.data = !recorder_.empty() || asked_.process().has_value();
+    if (told_ == static_cast<int>(recording.data)) return;
+    told_ = static_cast<int>(recording.data);
+    recording_publisher_.publish(recording);
+  }
+
+  bool record(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+    try {
+      if (!recorder_.empty()) throw std::runtime_error("the session records until its end (record:=true)");
+      response.message = request.data ? start_recording() : stop_recording();
+      response.success = true;
+    } catch (const std::exception& error) {
+      response.message = error.what();
+    }
+    publish_recording();
+    return true;
+  }
+
+  std::string start_recording() {
+    asked_.start({"rosrun", "soft_robot_lab", "record.sh", bag_folder_, robot_, images_ ? "true" : "false"});
+    asked_bag_ = {};
+    return "records into " + bag_folder_;
+  }
+
+  std::string stop_recording() {
+    const std::optional<pid_t> process = asked_.process();
+    if (!process) throw std::runtime_error("nothing is recorded");
+    std::string path = look_at_bag(process, bag_folder_).path;
+    if (!asked_.stop(longest_closing_s)) return path + " is still being written";
+    const std::size_t ending = path.rfind(".active");
+    return "recorded " + path.substr(0, ending);
   }
 
   void log(const Finding& finding) {
@@ -76,11 +135,17 @@ class SessionWatchNode {
       ROS_ERROR_THROTTLE(1.0, "%s", finding.text.c_str());
   }
 
-  static constexpr double longest_answer_s = 0.5;
-  std::string recorder_, bag_folder_, logged_;
+  static constexpr double longest_answer_s = 0.5, longest_closing_s = 10.0;
+  std::string recorder_, bag_folder_, robot_, logged_;
+  bool images_;
+  int told_ = -1;          // what was last said of the recording
+  RecorderProcess asked_;  // by the service
+  BagWatch asked_bag_;
   std::vector<NodeWatch> nodes_;
   BagWatch recording_;
   diagnostic_updater::Updater diagnostics_;
+  ros::Publisher recording_publisher_;
+  ros::ServiceServer service_;
   ros::SteadyTimer timer_;
 };
 
@@ -90,7 +155,7 @@ class SessionWatchNode {
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
   return run_node(argc, argv, "session_watch", kAbout, [] {
-    const SessionWatchNode node(ros::NodeHandle("~"));
+    SessionWatchNode node(ros::NodeHandle("~"));
     ros::spin();
   });
 }

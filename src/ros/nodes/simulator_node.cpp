@@ -36,7 +36,7 @@ has too.
 
 Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
-often as they film), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes
+often as they film), ~skin_opacity (1: opaque; 0: opaque where that hides no chamber or cable), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes
 the same commands, which a scene has to suit), ~max_publish_rate_hz (1000: clock, markers and actuators of at most
 so many steps in each second of the session, or of the wall where that is longer).)";
 
@@ -49,6 +49,7 @@ struct SimulatorOptions {
   double real_time_factor = 1.0;  // [0, 1000]; 0: as fast as possible
   bool start_at_rest = true;
   double surface_rate_hz = 15.0;  // (0, 1000]
+  double skin_opacity = 0.0;      // [0, 1]; 0: fitting_opacity
   bool publish_clock = true;
   std::string rig;                      // empty: none
   double max_publish_rate_hz = 1000.0;  // [1, 100000]
@@ -60,6 +61,8 @@ struct SimulatorOptions {
     if (!(surface_rate_hz > 0.0 && surface_rate_hz <= 1000.0)) {
       throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz) + " is not in (0, 1000]");
     }
+    if (!(skin_opacity >= 0.0 && skin_opacity <= 1.0))
+      throw std::invalid_argument("skin_opacity: " + std::to_string(skin_opacity) + " is not in [0, 1]");
     if (!(max_publish_rate_hz >= 1.0 && max_publish_rate_hz <= 1.0e5)) {
       throw std::invalid_argument("max_publish_rate_hz: " + std::to_string(max_publish_rate_hz) +
                                   " is not in [1, 100000]");
@@ -77,6 +80,7 @@ SimulatorOptions read_options(const ros::NodeHandle& node) {
   node.getParam("real_time_factor", options.real_time_factor);
   node.getParam("start_at_rest", options.start_at_rest);
   node.getParam("surface_rate_hz", options.surface_rate_hz);
+  node.getParam("skin_opacity", options.skin_opacity);
   node.getParam("publish_clock", options.publish_clock);
   node.getParam("rig", options.rig);
   node.getParam("max_publish_rate_hz", options.max_publish_rate_hz);
@@ -86,11 +90,11 @@ SimulatorOptions read_options(const ros::NodeHandle& node) {
 
 // A scene ready to run, with the state that `reset` brings back.
 struct RunningScene {
-  explicit RunningScene(Scene loaded)
+  RunningScene(Scene loaded, double skin_opacity)
       : path(loaded.file),
         fidelity(std::move(loaded.fidelity)),
         simulation(std::move(loaded.simulation)),
-        surface(simulation->body().mesh()) {}
+        surface(simulation->body().mesh(), skin_opacity > 0.0 ? skin_opacity : fitting_opacity(*simulation)) {}
 
   std::string path;
   std::optional<FidelityReport> fidelity;
@@ -201,7 +205,7 @@ void SimulatorNode::publish_frames() {
 }
 
 std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) const {
-  auto scene = std::make_unique<RunningScene>(load_scene(path, scene_options_));
+  auto scene = std::make_unique<RunningScene>(load_scene(path, scene_options_), options_.skin_opacity);
   if (!options_.rig.empty()) require_same_commands(*scene->simulation, path, load_rig(options_.rig), options_.rig);
   const TetMesh& mesh = scene->simulation->body().mesh();
   ROS_INFO("%s: %d elements, %d nodes", path.c_str(), mesh.tet_count(), mesh.node_count());

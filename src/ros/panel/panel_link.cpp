@@ -10,6 +10,8 @@
 #include <soft_robot_lab/Calibrate.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/ZeroMotors.h>
+#include <std_msgs/Bool.h>
+#include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <xmlrpcpp/XmlRpc.h>
 
@@ -66,6 +68,8 @@ PanelLink::PanelLink(const std::string& session) : node_(session) {
                           ++targets_;
                         }),
       listen_to<RealityGap>(node_, topics::reality_gap, 1, [this](const auto& m) { lamps_.add(m, now_s()); }),
+      listen_to<std_msgs::Bool>(node_, topics::session_recording, 1,
+                                [this](const auto& m) { recording_ = m.data != 0; }),
       listen_to<MotorState>(node_, topics::motor_state, 1, [this](const auto&) { has_motors_ = true; }),
       listen_to<diagnostic_msgs::DiagnosticArray>(node_, "/diagnostics", 50,
                                                   [this](const auto& m) { lamps_.add(m, now_s()); }),
@@ -180,6 +184,14 @@ void PanelLink::clear() { ask_trigger(quick_lane, "Clear", topics::motor_clear);
 
 void PanelLink::ask_trigger(const std::string& lane, const std::string& title, const std::string& service) {
   calls_.start(lane, title, [this, service] { return calls_.ask<std_srvs::Trigger>(node_, service, {}).message; });
+}
+
+void PanelLink::record(bool on) {
+  std_srvs::SetBool::Request request;
+  request.data = on;
+  calls_.start(quick_lane, "Record", [this, request] {
+    return calls_.ask<std_srvs::SetBool>(node_, topics::session_record, request).message;
+  });
 }
 
 void PanelLink::zero() {

@@ -46,6 +46,8 @@ class PanelLink {
   void play(const Policy& policy);
   void stop();   // all: searches, policies, drives
   void reset();  // the simulation's start; a rig goes to its rest commands
+  bool recording() const { return recording_; }
+  void record(bool on);
   void zero();
   void clear();
   void calibrate(bool with_balls);
@@ -64,7 +66,7 @@ class PanelLink {
   MarkerObservations markers_;
   std::optional<Target> target_;
   int targets_ = 0;
-  bool has_motors_ = false;
+  bool has_motors_ = false, recording_ = false;
   double looked_at_s_ = -1.0;
 
   mutable std::mutex services_mutex_;

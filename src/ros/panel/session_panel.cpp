@@ -114,10 +114,13 @@ QWidget* SessionPanel::make_buttons() {
   stop_ = button("&Stop", "Ends searches and policies; the drives hold where they are. A rig's motors stop until Clear",
                  [this] { link_->stop(); });
   reset_ = button("&Reset", "Back to the scene's start; a rig goes to its rest commands", [this] { link_->reset(); });
+  record_ = button("Recor&d", "Records the session into a bag, until it is pressed again",
+                   [this] { link_->record(!link_->recording()); });
+  record_->setCheckable(true);
   zero_ = button("&Zero", "The robot hangs at rest: here is zero for the motors", [this] { link_->zero(); });
   clear_ = button("&Clear", "The motors may move again", [this] { link_->clear(); });
   calibrate_ = button("C&alibrate", "Finds where the cameras stand: first without balls", [this] { calibrate(); });
-  add_grid(new QGridLayout(box), {optimise_, execute_, stop_, reset_, zero_, clear_, calibrate_}, 4);
+  add_grid(new QGridLayout(box), {optimise_, execute_, stop_, reset_, record_, zero_, clear_, calibrate_}, 4);
   return box;
 }
 
@@ -231,6 +234,8 @@ void SessionPanel::refresh_buttons() {
   forget_->setEnabled(has_pose);
   store_->setEnabled(!editors_.empty());
   reset_->setEnabled(link_->offers(topics::simulator_reset));
+  record_->setVisible(link_->offers(topics::session_record));
+  record_->setChecked(link_->recording());
   zero_->setVisible(link_->offers(topics::motor_zero));
   clear_->setVisible(link_->offers(topics::motor_clear));
   calibrate_->setVisible(link_->offers(topics::calibrate));

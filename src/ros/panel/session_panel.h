@@ -61,7 +61,7 @@ class SessionPanel : public rviz::Panel {
   QComboBox *marker_ = nullptr, *method_ = nullptr, *pose_ = nullptr;
   QDoubleSpinBox* target_mm_[3] = {};
   QPushButton *optimise_ = nullptr, *execute_ = nullptr, *stop_ = nullptr, *reset_ = nullptr;
-  QPushButton *zero_ = nullptr, *clear_ = nullptr, *calibrate_ = nullptr;
+  QPushButton *zero_ = nullptr, *clear_ = nullptr, *calibrate_ = nullptr, *record_ = nullptr;
   QPushButton *store_ = nullptr, *play_ = nullptr, *forget_ = nullptr;
 };
 

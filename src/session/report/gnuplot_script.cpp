@@ -14,6 +14,10 @@ namespace {
 // Okabe & Ito's palette (Wong 2011, Nature Methods 8:441): distinguished by colour-blind readers too.
 constexpr std::array<const char*, 8> kPalette = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                                  "#E69F00", "#56B4E9", "#000000", "#B8A800"};
+// Viridis (van der Walt and Smith 2015) at ninths: even in lightness, so it can be read in grey too.
+constexpr const char* kScale =
+    "0 '#440154', 1 '#472d7b', 2 '#3b528b', 3 '#2c728e', 4 '#21918c', 5 '#28ae80', 6 '#5ec962', 7 '#addc30', 8 "
+    "'#fde725'";
 constexpr std::array<int, 8> kMarks = {7, 5, 9, 11, 13, 6, 4, 8};  // of gnuplot: circle, square, triangles, ...
 constexpr std::size_t kMostBeside = 5, kMostSlanted = 12;          // words below the x axis
 constexpr int kMostBelow = 6;                                      // a longer legend stands beside the picture
@@ -29,7 +33,7 @@ std::string quoted(const std::string& text) {
 
 std::string colour(const Series& series, std::size_t place) {
   const std::size_t index = series.colour < 0 ? place : static_cast<std::size_t>(series.colour);
-  return std::string("'") + kPalette[index % kPalette.size()] + "'";
+  return series.values.empty() ? std::string("rgb '") + kPalette[index % kPalette.size()] + "'" : "palette";
 }
 
 std::string mark(std::size_t place) { return std::to_string(kMarks[place % kMarks.size()]); }
@@ -81,7 +85,7 @@ void write_guides(std::ostream& script, const Plot& plot) {
 }
 
 std::string look(const Series& series, std::size_t place) {
-  const std::string line = "lc rgb " + colour(series, place) + " lw 2.5";
+  const std::string line = "lc " + colour(series, place) + " lw 2.5";
   const std::string points = " pt " + mark(place) + " ps 1";
   switch (series.style) {
     case SeriesStyle::lines:
@@ -90,19 +94,21 @@ std::string look(const Series& series, std::size_t place) {
       return "with lines dt 2 " + line;
     case SeriesStyle::points:
       return "with points " + line + " pt " + mark(place) + " ps 1.4";
+    case SeriesStyle::crosses:
+      return "with points " + line + " pt 2 ps 0.8";
     case SeriesStyle::lines_points:
       return "with linespoints " + line + points;
     case SeriesStyle::dashes_points:
       return "with linespoints dt 2 " + line + points;
     case SeriesStyle::bars:
-      return "with boxes fs solid 0.85 noborder lc rgb " + colour(series, place);
+      return "with boxes fs solid 0.85 noborder lc " + colour(series, place);
     case SeriesStyle::squares:
-      return "with boxxyerror fs solid 0.9 noborder lc rgb " + colour(series, place);
+      return "with boxxyerror fs solid 0.9 noborder lc " + colour(series, place);
   }
   return "";
 }
 
-// Columns of a series' data block: x, y, deviation, label.
+// Columns of a series' data block: x, y, deviation, label or value.
 std::string columns(const Series& series, double offset) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
@@ -110,10 +116,11 @@ std::string columns(const Series& series, double offset) {
   if (is_bars(series)) {
     text << "($1+" << offset << "):2";
   } else if (series.style == SeriesStyle::squares) {
-    text << "1:2:(0.46):(0.46)";
+    text << "1:2:(" << series.half_size.first << "):(" << series.half_size.second << ")";
   } else {
     text << "1:2";
   }
+  if (!series.values.empty()) text << ":4";
   return text.str();
 }
 
@@ -121,6 +128,7 @@ void write_data(std::ostream& script, const Series& series, std::size_t place) {
   script << "$series" << place << " << END_OF_SERIES\n";
   for (std::size_t i = 0; i < series.x.size(); ++i) {
     script << series.x[i] << " " << series.y[i] << " " << (series.deviations.empty() ? 0 : series.deviations[i]);
+    if (!series.values.empty()) script << " " << series.values[i];
     if (!series.point_labels.empty()) {
       std::string label = series.point_labels[i];
       std::replace(label.begin(), label.end(), '"', '\'');
@@ -148,7 +156,7 @@ void write_curves(std::ostream& script, const Plot& plot) {
       script << ", \\\n     $series" << i << " using ($1+" << offset << "):2:3 with yerrorbars lc '#444444' lw 2 pt 0"
              << " notitle";
     if (series.point_labels.empty()) continue;
-    script << ", \\\n     $series" << i << " using 1:2:4 with labels offset 0.9,0.6 left font ',11' tc rgb "
+    script << ", \\\n     $series" << i << " using 1:2:4 with labels offset 0.9,0.6 left font ',11' tc "
            << colour(series, i) << " notitle";
   }
   script << "\n";
@@ -167,6 +175,9 @@ std::string gnuplot_script(const Plot& plot, const std::string& terminal, const 
          << "set border 3 lc '#444444'\nset tics nomirror\nset grid lc '#dddddd' lt 1 lw 1\nset pointsize 1\n"
          << (plot.series.size() <= kMostBelow ? "set key below center horizontal height 1 samplen 3\n"
                                               : "set key outside right top vertical\n");
+  if (!plot.colour_bar.empty())
+    script << "set palette defined (" << kScale << ")\nset cblabel " << quoted(plot.colour_bar) << "\n";
+  if (plot.equal_scale) script << "set size ratio -1\n";
   write_axis(script, "x", plot.x);
   write_axis(script, "y", plot.y);
   write_guides(script, plot);

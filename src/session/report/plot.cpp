@@ -50,7 +50,9 @@ std::string csv(const Plot& plot) {
   text.precision(10);
   const bool deviate = std::any_of(plot.series.begin(), plot.series.end(),
                                    [](const Series& series) { return !series.deviations.empty(); });
-  text << "series," << csv_cell(plot.x.label) << "," << csv_cell(plot.y.label) << (deviate ? ",deviation\n" : "\n");
+  const bool valued = !plot.colour_bar.empty();
+  text << "series," << csv_cell(plot.x.label) << "," << csv_cell(plot.y.label) << (deviate ? ",deviation" : "")
+       << (valued ? "," + csv_cell(plot.colour_bar) : "") << "\n";
   for (const Series& series : plot.series) {
     for (std::size_t i = 0; i < series.x.size(); ++i) {
       const bool named = !series.point_labels.empty() && !series.point_labels[i].empty();
@@ -58,6 +60,8 @@ std::string csv(const Plot& plot) {
       text << csv_cell(name) << "," << series.x[i] << "," << series.y[i];
       if (deviate) text << ",";
       if (!series.deviations.empty()) text << series.deviations[i];
+      if (valued) text << ",";
+      if (!series.values.empty()) text << series.values[i];
       text << "\n";
     }
   }
@@ -103,6 +107,11 @@ void Plot::validate() const {
     for (const double deviation : one.deviations)
       require(deviation >= 0 && std::isfinite(deviation), *this,
               "series '" + one.label + "': a deviation is negative or not finite");
+    require(one.values.empty() || (one.values.size() == one.x.size() && one.point_labels.empty()), *this,
+            "series '" + one.label + "' has values for some of its points only, or labels beside them");
+    require(one.values.empty() || !colour_bar.empty(), *this, "has values, but no label of their colour bar");
+    for (const double value : one.values)
+      require(std::isfinite(value), *this, "series '" + one.label + "': a value is not finite");
     check_axis(*this, one.label, "x", x, one.x);
     check_axis(*this, one.label, "y", y, one.y);
   }

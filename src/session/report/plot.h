@@ -24,8 +24,9 @@ enum class SeriesStyle {
   points,
   lines_points,
   dashes_points,
-  bars,    // standing on the x axis; several series stand beside each other
-  squares  // large enough to fill a grid of unit steps
+  bars,  // standing on the x axis; several series stand beside each other
+  crosses,
+  squares  // of half_size to each side of their places
 };
 
 struct Series {
@@ -36,6 +37,8 @@ struct Series {
   int colour = -1;                             // place in the palette of eight; -1: the series' own place
   std::vector<std::string> point_labels = {};  // none, or one beside each point
   std::vector<double> deviations = {};         // none, or half the length of an error bar at each point
+  std::vector<double> values = {};             // none, or what colours each point or square, by Plot::colour_bar
+  std::pair<double, double> half_size = {0.46, 0.46};  // of squares, in x and y: these fill a grid of unit steps
 };
 
 struct Plot {
@@ -46,6 +49,8 @@ struct Plot {
   std::vector<Series> series = {};
   int width_px = 960;
   int height_px = 600;
+  bool equal_scale = false;     // a unit is as long on both axes
+  std::string colour_bar = {};  // the label of the values' scale, with the unit; empty: none has values
 
   void validate() const;  // throws std::invalid_argument: series, and what is wrong with it
 };
@@ -56,7 +61,8 @@ Series histogram(const std::string& label, const std::vector<double>& values, do
 struct PlotFiles {
   std::string svg;
   std::string png;
-  std::string csv;  // "series,x,y": one line a point, x and y named as the axes; ",deviation" where any has one
+  std::string csv;  // "series,x,y": one line a point, x and y named as the axes; ",deviation" or the colour bar's label
+                    // where any has one
 };
 
 // Writes FOLDER/NAME.csv, .svg and .png, the CSV first. Throws std::invalid_argument as validate does, and

@@ -82,7 +82,7 @@ TEST(Plot, DrawsEveryStyle) {
   Plot plot{"styles", "styles", {"x"}, {"y"}};
   for (const SeriesStyle style :
        {SeriesStyle::lines, SeriesStyle::dashes, SeriesStyle::points, SeriesStyle::lines_points,
-        SeriesStyle::dashes_points, SeriesStyle::bars, SeriesStyle::squares}) {
+        SeriesStyle::dashes_points, SeriesStyle::bars, SeriesStyle::crosses, SeriesStyle::squares}) {
     plot.series.push_back({"style " + std::to_string(plot.series.size()), {1, 2}, {1, 3}, style});
   }
   plot.x.ticks = {{1, "first"}, {2, "second"}};
@@ -91,6 +91,21 @@ TEST(Plot, DrawsEveryStyle) {
   for (const std::string word : {"style 0", "style 5", "style 6", "first", "second"}) {
     EXPECT_NE(svg.find(word), std::string::npos) << word;
   }
+}
+
+TEST(Plot, ColoursPointsAndSquaresByTheirValues) {
+  const SceneFolder folder;
+  Plot plot{"values", "values", {"x"}, {"y"}};
+  plot.colour_bar = "tension [N]";
+  plot.equal_scale = true;
+  plot.series = {{"squares", {1, 2}, {1, 1}, SeriesStyle::squares}, {"", {1, 2}, {2, 2}, SeriesStyle::points}};
+  plot.series[0].values = {0, 5};
+  plot.series[1].values = {1, 4};
+  const PlotFiles files = write_plot(plot, folder.path("pictures"));
+  const std::string svg = contents(files.svg);
+  for (const std::string word : {"tension [N]", "rgb( 68,   1,  84)", "rgb(253, 231,  37)"})
+    EXPECT_NE(svg.find(word), std::string::npos) << word;
+  EXPECT_EQ(contents(files.csv).substr(0, 37), "series,x,y,tension [N]\nsquares,1,1,0\n");
 }
 
 TEST(Plot, RefusesWhatCannotBeDrawn) {
@@ -111,6 +126,13 @@ TEST(Plot, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(refusal([](Plot& p) { p.series[0].y.pop_back(); }), quadratic + "has unequal numbers of x and y");
   EXPECT_EQ(refusal([](Plot& p) { p.series[0].y[1] = std::numeric_limits<double>::quiet_NaN(); }),
             start + "series 'quadratic': y is not finite");
+  EXPECT_EQ(refusal([](Plot& p) {
+              p.colour_bar = "v";
+              p.series[0].values = {1};
+            }),
+            quadratic + "has values for some of its points only, or labels beside them");
+  EXPECT_EQ(refusal([](Plot& p) { p.series[0].values = p.series[0].y; }),
+            start + "has values, but no label of their colour bar");
   EXPECT_NE(refusal([](Plot& p) { p.series[0].x[1] = 0.0; }).find("must be above 0 on a logarithmic axis"),
             std::string::npos);
   EXPECT_NE(refusal([](Plot& p) { p.name = "a/b"; }).find("must be that of a file"), std::string::npos);

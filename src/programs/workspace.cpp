@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// workspace ROBOT.yaml --output FOLDER: where a robot's marker rests over all its commands, and what that takes.
+#include <algorithm>
+#include <csignal>
+#include <iostream>
+#include <string>
+#include <thread>
+
+#include "progress_bar.h"
+#include "robot/scene/parameters.h"
+#include "settings/command_line.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+#include "study/workspace/workspace_report.h"
+#include "study/workspace/workspace_run.h"
+
+namespace {
+
+using namespace soft_robot_lab;
+
+volatile std::sig_atomic_t interrupted = 0;
+void interrupt(int) { interrupted = 1; }
+
+struct Arguments {
+  WorkspaceSettings settings;
+  std::string output;
+  int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  WorkspaceSettings& settings = arguments.settings;
+  app.add_option("ROBOT", settings.robot, "a scene's or robot's file")->type_name("FILE")->required();
+  app.add_option("--output", arguments.output, "the folder of workspace.html, its pictures and results.csv")
+      ->type_name("FOLDER")
+      ->required();
+  app.add_option("--marker", settings.marker, "whose places are shown (tip, else the last)")->type_name("NAME");
+  app.add_option("--steps", settings.steps, "of each command on a grid, its limits among them")
+      ->type_name("N")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str();
+  app.add_option("--samples", settings.samples, "so many points of Sobol's sequence instead of a grid")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", settings.seed, "of the samples")->type_name("N")->capture_default_str();
+  app.add_option("--range", settings.range, "of an actuator's command, instead of its limits")
+      ->type_name("NAME MIN MAX");
+  app.add_option("--threads", arguments.threads, "at a time")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  add_set_option(app, settings.set);
+  app.footer(
+      "Ctrl-C shows what is there; the same command goes on from it. Exit status: 0 every command has a rest state,\n"
+      "1 some have none or were not asked, 2 bad robot or arguments.");
+}
+
+void find_points(const Arguments& arguments, const WorkspacePlan& plan, const std::shared_ptr<const Model>& model,
+                 Journal& journal) {
+  ProgressBar bar("workspace");
+  int percent = -1;
+  run_workspace(plan, model, arguments.threads, journal, [&](const WorkspaceProgress& now) {
+    const double fraction = static_cast<double>(now.done) / static_cast<double>(now.points);
+    if (const int next = static_cast<int>(100.0 * fraction); next != percent) {
+      percent = next;
+      bar.show(fraction, std::to_string(now.done) + " of " + std::to_string(now.points) + " commands, " +
+                             std::to_string(now.failed) + " without a rest state");
+    }
+    return interrupted == 0;
+  });
+}
+
+int show_workspace(const Arguments& arguments) {
+  SceneOptions options;
+  options.actuator_factory = make_actuator;
+  options.overrides = parameter_overrides(arguments.settings.robot, arguments.settings.set);
+  const Scene scene = load_scene(arguments.settings.robot, options);
+  const WorkspacePlan plan = plan_workspace(arguments.settings, *scene.simulation, program_version("workspace"));
+  Journal journal(arguments.output);
+  journal.set_tasks(plan.study, plan.tasks);
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  find_points(arguments, plan, scene.simulation->model(), journal);
+  const ResultsTable table = workspace_table(plan, journal);
+  write_file(arguments.output + "/results.csv", results_csv(table));
+  write_file(arguments.output + "/results.npy", results_npy(table));
+  std::cout << workspace_summary(plan, table);
+  write_workspace_report(plan, table, arguments.output);
+  std::cout << arguments.output << "/workspace.html\n";
+  if (interrupted != 0) std::cerr << "workspace: stopped; the same command goes on from here\n";
+  const bool all = std::all_of(table.states.begin(), table.states.end(), [](const auto& s) { return s == "good"; });
+  return all ? kGood : kNotGood;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Finds where a robot rests over all its commands, without a ROS master.", "workspace");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return show_workspace(arguments); });
+}

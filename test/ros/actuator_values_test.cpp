@@ -87,7 +87,7 @@ TEST_F(ShownActuators, DoNotJumpBackWhileACommandIsOnItsWay) {
 TEST_F(ShownActuators, ShowWhatHoldsWhereACommandWasRefused) {
   values_.edit("left", 0.8, 0.0);
   values_.take_command();
-  values_.add_state(state_of(1.0, 0.0), ActuatorValues::patience_s + 0.1);
+  values_.add_state(state_of(1.0, 0.0), ActuatorValues::timeout_s + 0.1);
   EXPECT_EQ(left().shown, 1.0);
   EXPECT_TRUE(values_.take_command().names.empty());
 }

@@ -3,10 +3,11 @@
 
 namespace soft_robot_lab {
 
+// Laws of elastic energy.
 enum class MaterialModel { neo_hookean, mooney_rivlin, yeoh };
 
 // Isotropic silicone: its moduli at small strain, and the constants with which its energy goes on from there (the
-// energies stand in sim/material_law.h). Defaults: Ecoflex 00-50.
+// energies stand in src/mechanics/material/material_law.h). Defaults: Ecoflex 00-50.
 struct Material {
   double youngs_modulus_pa = 264200.0;  // > 0
   double poissons_ratio = 0.4999;       // [0, 0.5); near 0.5 is almost incompressible

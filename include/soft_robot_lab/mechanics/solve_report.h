@@ -46,6 +46,7 @@ enum class SolveStage {
 
 constexpr std::size_t kLongestPath = 100;  // stages that a report lists
 
+// A stage of a solve, and its count.
 struct SolvePathStage {
   SolveStage stage = SolveStage::newton;
   int count = 0;

@@ -159,6 +159,96 @@ void append(FittedValue value, FitResult& result) {
   result.values.push_back(std::move(value));
 }
 
+// The residuals of all swings, with what Ceres may change: the damping, of each swing its extent, delay and tempo, and
+// of each track its place.
+class SwingProblem {
+ public:
+  SwingProblem(SwingPredictor& predictor, const ChosenSwings& chosen, const Eigen::Matrix3d& turn, double model_error_m)
+      : predictor_(predictor), problem_(options(predictor)), places_(chosen.tracks.size(), Place::Zero()) {
+    for (const double delay_s : chosen.delays_s) swings_.emplace_back(1.0, delay_s / kDelaySize_s, 1.0);
+    for (std::size_t t = 0; t < places_.size(); ++t) add_track(chosen.tracks[t], places_[t], turn, model_error_m);
+  }
+
+  void set_bounds(const FitNumber& number) {
+    problem_.SetParameterLowerBound(&predictor_.unknown, 0, std::log(number.min / number.start));
+    problem_.SetParameterUpperBound(&predictor_.unknown, 0, std::log(number.max / number.start));
+    for (Eigen::Vector3d& swing : swings_) {
+      for (const auto& [index, most] : {std::pair{0, kMostExtent}, std::pair{2, kMostTempo}}) {
+        problem_.SetParameterLowerBound(swing.data(), index, 1.0 / most);
+        problem_.SetParameterUpperBound(swing.data(), index, most);
+      }
+      problem_.SetParameterLowerBound(swing.data(), 1, swing[1] - kSwingDelayMargin_s / kDelaySize_s);
+      problem_.SetParameterUpperBound(swing.data(), 1, swing[1] + kSwingDelayMargin_s / kDelaySize_s);
+    }
+  }
+
+  double rms_m() const {
+    double squares = 0.0;
+    for (const Sample& sample : samples_) squares += sample.residual->miss_m(sample.unknowns).squaredNorm();
+    return std::sqrt(squares / static_cast<double>(samples_.size()));
+  }
+
+  FitEnd solve(const FitRequest& request) {
+    return solve_fit(problem_, loss_, request, [this] { return rms_m(); });
+  }
+
+  double information_of_damping() {
+    std::vector<double*> others;
+    for (Eigen::Vector3d& swing : swings_) others.push_back(swing.data());
+    for (Place& place : places_) others.push_back(place.data());
+    return information(problem_, &predictor_.unknown, others);
+  }
+
+ private:
+  struct Sample {
+    const SwingResidual* residual;
+    const double* unknowns[3];
+  };
+
+  static ceres::Problem::Options options(SwingPredictor& predictor) {
+    ceres::Problem::Options options;
+    options.evaluation_callback = &predictor;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  void add_track(const SwingTrack& track, Place& place, const Eigen::Matrix3d& turn, double model_error_m) {
+    for (const MeasuredMarker& one : track.measured)
+      place.head<3>() += one.position_m / (kPlaceSize_m * static_cast<double>(track.measured.size()));
+    for (std::size_t i = 0; i < track.times_s.size(); ++i) {
+      auto* residual = new SwingResidual(predictor_, track, i, turn, model_error_m);
+      double* swing = swings_[track.swing].data();
+      problem_.AddResidualBlock(residual, &loss_, &predictor_.unknown, swing, place.data());
+      samples_.push_back({residual, {&predictor_.unknown, swing, place.data()}});
+    }
+  }
+
+  SwingPredictor& predictor_;
+  ceres::LossFunctionWrapper loss_{nullptr, ceres::TAKE_OWNERSHIP};
+  ceres::Problem problem_;
+  std::vector<Eigen::Vector3d> swings_;  // extent, delay, tempo
+  std::vector<Place> places_;
+  std::vector<Sample> samples_;
+};
+
+void take_over(const FitEnd& end, FitResult& result) {
+  if (result.values.empty()) {  // damping alone
+    result.converged = end.converged;
+    result.message = end.message;
+  } else if (!end.converged) {
+    result.converged = false;
+    result.message = "damping: " + end.message;
+  }
+  result.iterations += end.iterations;
+}
+
+void warn_of(const FittedValue& value, const FitNumber& number, FitResult& result) {
+  if (!value.identifiable) result.warnings.push_back("the data cannot identify damping");
+  if (value.value < 1.01 * number.min || value.value > 0.99 * number.max)
+    result.warnings.push_back("damping ended on its bound " + text_of(value.value) +
+                              " s; at the lower one the scene's own time step damps as much as the robot does");
+}
+
 }  // namespace
 
 void fit_damping(const std::string& scene, const SceneOptions& asked, const std::vector<MeasuredSwing>& swings,
@@ -173,69 +263,15 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
     return;
   }
   SwingPredictor predictor(scene, options, chosen.swings, number.start);
-  ceres::Problem::Options problem_options;
-  problem_options.evaluation_callback = &predictor;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(problem_options);
-  ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);
-  std::vector<Eigen::Vector3d> of_swings;  // extent, delay, tempo
-  for (const double delay_s : chosen.delays_s) of_swings.emplace_back(1.0, delay_s / kDelaySize_s, 1.0);
-  struct Sample {
-    const SwingResidual* residual;
-    const double* unknowns[3];
-  };
-  std::vector<Sample> samples;
-  std::vector<Place> places(chosen.tracks.size(), Place::Zero());
-  for (std::size_t t = 0; t < places.size(); ++t) {
-    const SwingTrack& track = chosen.tracks[t];
-    for (const MeasuredMarker& one : track.measured)
-      places[t].head<3>() += one.position_m / (kPlaceSize_m * static_cast<double>(track.measured.size()));
-    for (std::size_t i = 0; i < track.times_s.size(); ++i) {
-      auto* residual =
-          new SwingResidual(predictor, track, i, result.measured_from_base.linear(), request.model_error_m);
-      double *swing = of_swings[track.swing].data(), *place = places[t].data();
-      problem.AddResidualBlock(residual, &loss, &predictor.unknown, swing, place);
-      samples.push_back({residual, {&predictor.unknown, swing, place}});
-    }
-  }
-  problem.SetParameterLowerBound(&predictor.unknown, 0, std::log(number.min / number.start));
-  problem.SetParameterUpperBound(&predictor.unknown, 0, std::log(number.max / number.start));
-  for (Eigen::Vector3d& swing : of_swings) {
-    for (const auto& [index, most] : {std::pair{0, kMostExtent}, std::pair{2, kMostTempo}}) {
-      problem.SetParameterLowerBound(swing.data(), index, 1.0 / most);
-      problem.SetParameterUpperBound(swing.data(), index, most);
-    }
-    problem.SetParameterLowerBound(swing.data(), 1, swing[1] - kSwingDelayMargin_s / kDelaySize_s);
-    problem.SetParameterUpperBound(swing.data(), 1, swing[1] + kSwingDelayMargin_s / kDelaySize_s);
-  }
-  const auto rms_m = [&] {
-    double squares = 0.0;
-    for (const Sample& sample : samples) squares += sample.residual->miss_m(sample.unknowns).squaredNorm();
-    return std::sqrt(squares / static_cast<double>(samples.size()));
-  };
-  const FitEnd end = solve_fit(problem, loss, request, rms_m);
-  if (result.values.empty()) {  // damping alone
-    result.converged = end.converged;
-    result.message = end.message;
-  } else if (!end.converged) {
-    result.converged = false;
-    result.message = "damping: " + end.message;
-  }
-  result.iterations += end.iterations;
-
-  std::vector<double*> others;
-  for (Eigen::Vector3d& swing : of_swings) others.push_back(swing.data());
-  for (Place& place : places) others.push_back(place.data());
-  const double information_of_it = information(problem, &predictor.unknown, others);
-  const FittedValue value = with_confidence(number, predictor.damping_s(), information_of_it);
-  if (!value.identifiable) result.warnings.push_back("the data cannot identify damping");
-  if (value.value < 1.01 * number.min || value.value > 0.99 * number.max)
-    result.warnings.push_back("damping ended on its bound " + text_of(value.value) +
-                              " s; at the lower one the scene's own time step damps as much as the robot does");
+  SwingProblem problem(predictor, chosen, result.measured_from_base.linear(), request.model_error_m);
+  problem.set_bounds(number);
+  take_over(problem.solve(request), result);
+  const FittedValue value = with_confidence(number, predictor.damping_s(), problem.information_of_damping());
+  warn_of(value, number, result);
   append(value, result);
   result.overrides = with_damping(options, value.value).overrides;
   result.swings = static_cast<int>(chosen.swings.size());
-  result.swing_rms_m = rms_m();
+  result.swing_rms_m = problem.rms_m();
 }
 
 }  // namespace soft_robot_lab

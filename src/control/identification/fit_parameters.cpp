@@ -85,71 +85,83 @@ double FitParameters::present(const std::string& cable, const std::string& key, 
 
 void FitParameters::add(const FitParameter& asked, const std::string& cable) {
   const std::string& key = asked.name;
-  FitNumber number{key, FitNumber::Kind::modulus, key, {}, 0, 0.0, 0.0, 0.0, 1.0};
-  if (key == "damping" && cable.empty()) {
-    if (damping_) throw std::invalid_argument("parameters: damping is asked for twice");
-    number.kind = FitNumber::Kind::damping;
-    number.min = 1e-5;
-    number.max = 0.1;
-    number.start = damping_s_ > 0.0 ? damping_s_ : 2e-3;
-    number.start = std::max(asked.min.value_or(number.min), std::min(asked.max.value_or(number.max), number.start));
-    damping_ = with_bounds(number, asked);
-  } else if (key == "youngs_modulus_pa" && cable.empty()) {
-    number.start = number.size = material_.youngs_modulus_pa;
-    number.min = number.start / 5.0;
-    number.max = number.start * 5.0;
-    add_number(number, asked);
-  } else if (key == "density_kg_m3" && cable.empty()) {
-    number.kind = FitNumber::Kind::density;
-    number.start = number.size = material_.density_kg_m3;
-    number.min = number.start / 2.0;
-    number.max = number.start * 2.0;
-    add_number(number, asked);
-  } else if (key == "camera_to_base" && cable.empty()) {
-    number.kind = FitNumber::Kind::camera;
-    for (const char* part : {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"}) {
-      number.name = key + "." + part;
-      number.size = number.axis < 3 ? 1e-3 : 1e-2;
-      number.max = number.axis < 3 ? 0.05 : 0.3;
-      number.min = -number.max;
-      add_number(number, asked);
-      ++number.axis;
-    }
-  } else if (key == "friction_coefficient" || key == "compliance_m_n" || key == "length_offset_m") {
-    number.kind = FitNumber::Kind::of_cables;
-    const std::vector<std::string> all = cable.empty() ? cables_.names() : std::vector<std::string>{cable};
-    if (all.empty()) throw std::invalid_argument("parameters: " + key + ": the scene has no cables");
-    if (!cable.empty()) SceneCables(cables_).set(cable, key, "0");  // refuses unknown names
-    std::vector<std::vector<std::string>> groups = {all};
-    if (key == "length_offset_m") {
-      groups.clear();
-      for (const std::string& one : all) groups.push_back({one});
-    }
-    for (const std::vector<std::string>& group : groups) {
-      number.cables = group;
-      number.name = key + (group.size() < cables_.names().size() || key == "length_offset_m" ? "." + group[0] : "");
-      if (key == "friction_coefficient") {
-        number.start = std::max(0.02, present(group[0], key, 0.1));
-        number.size = 0.1;
-        number.min = 1e-3;  // at none at all, nothing says which way a cable slips
-        number.max = 1.0;
-      } else if (key == "compliance_m_n") {
-        number.start = present(group[0], key, kCableCompliance);
-        number.size = 1e-5 + number.start;
-        number.min = 0.0;
-        number.max = std::max(2e-3, 10.0 * number.start);
-      } else {
-        number.start = present(group[0], key, 0.0);
-        number.size = 1e-3;
-        number.min = -0.01;
-        number.max = 0.01;
-      }
-      add_number(number, asked);
-    }
+  if (key == "friction_coefficient" || key == "compliance_m_n" || key == "length_offset_m") {
+    add_of_cables(asked, cable);
+  } else if (cable.empty() && key == "damping") {
+    add_damping(asked);
+  } else if (cable.empty() && key == "youngs_modulus_pa") {
+    add_of_material(FitNumber::Kind::modulus, material_.youngs_modulus_pa, 5.0, asked);
+  } else if (cable.empty() && key == "density_kg_m3") {
+    add_of_material(FitNumber::Kind::density, material_.density_kg_m3, 2.0, asked);
+  } else if (cable.empty() && key == "camera_to_base") {
+    add_camera(asked);
   } else {
     throw std::invalid_argument("parameters: '" + key + (cable.empty() ? "" : "." + cable) + "' is not one of " +
                                 kKnown);
   }
+}
+
+void FitParameters::add_damping(const FitParameter& asked) {
+  if (damping_) throw std::invalid_argument("parameters: damping is asked for twice");
+  FitNumber number{asked.name, FitNumber::Kind::damping, asked.name, {}, 0, 0.0, 1e-5, 0.1, 1.0};
+  number.start = damping_s_ > 0.0 ? damping_s_ : 2e-3;
+  number.start = std::max(asked.min.value_or(number.min), std::min(asked.max.value_or(number.max), number.start));
+  damping_ = with_bounds(number, asked);
+}
+
+void FitParameters::add_of_material(FitNumber::Kind kind, double present, double factor, const FitParameter& asked) {
+  add_number({asked.name, kind, asked.name, {}, 0, present, present / factor, present * factor, present}, asked);
+}
+
+void FitParameters::add_camera(const FitParameter& asked) {
+  FitNumber number{asked.name, FitNumber::Kind::camera, asked.name, {}, 0, 0.0, 0.0, 0.0, 1.0};
+  for (const char* part : {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"}) {
+    number.name = asked.name + "." + part;
+    number.size = number.axis < 3 ? 1e-3 : 1e-2;
+    number.max = number.axis < 3 ? 0.05 : 0.3;
+    number.min = -number.max;
+    add_number(number, asked);
+    ++number.axis;
+  }
+}
+
+// One number for all cables, but of lengths one for each.
+void FitParameters::add_of_cables(const FitParameter& asked, const std::string& cable) {
+  const std::string& key = asked.name;
+  const std::vector<std::string> all = cable.empty() ? cables_.names() : std::vector<std::string>{cable};
+  if (all.empty()) throw std::invalid_argument("parameters: " + key + ": the scene has no cables");
+  if (!cable.empty()) SceneCables(cables_).set(cable, key, "0");  // refuses unknown names
+  std::vector<std::vector<std::string>> groups = {all};
+  if (key == "length_offset_m") {
+    groups.clear();
+    for (const std::string& one : all) groups.push_back({one});
+  }
+  for (const std::vector<std::string>& group : groups) {
+    FitNumber number = number_of_cables(key, group[0]);
+    number.cables = group;
+    number.name = key + (group.size() < cables_.names().size() || key == "length_offset_m" ? "." + group[0] : "");
+    add_number(number, asked);
+  }
+}
+
+FitNumber FitParameters::number_of_cables(const std::string& key, const std::string& cable) const {
+  FitNumber number{key, FitNumber::Kind::of_cables, key, {}, 0, 0.0, 0.0, 0.0, 1.0};
+  if (key == "friction_coefficient") {
+    number.start = std::max(0.02, present(cable, key, 0.1));
+    number.size = 0.1;
+    number.min = 1e-3;  // at none at all, nothing says which way a cable slips
+    number.max = 1.0;
+  } else if (key == "compliance_m_n") {
+    number.start = present(cable, key, kCableCompliance);
+    number.size = 1e-5 + number.start;
+    number.max = std::max(2e-3, 10.0 * number.start);
+  } else {
+    number.start = present(cable, key, 0.0);
+    number.size = 1e-3;
+    number.min = -0.01;
+    number.max = 0.01;
+  }
+  return number;
 }
 
 void FitParameters::add_number(FitNumber number, const FitParameter& asked) {

@@ -51,6 +51,11 @@ class FitParameters {
 
  private:
   void add(const FitParameter& asked, const std::string& cable);
+  void add_damping(const FitParameter& asked);
+  void add_of_material(FitNumber::Kind kind, double present, double factor, const FitParameter& asked);
+  void add_camera(const FitParameter& asked);
+  void add_of_cables(const FitParameter& asked, const std::string& cable);
+  FitNumber number_of_cables(const std::string& key, const std::string& cable) const;
   void add_number(FitNumber number, const FitParameter& asked);
   static FitNumber with_bounds(FitNumber number, const FitParameter& asked);
   double present(const std::string& cable, const std::string& key, double otherwise) const;

@@ -58,6 +58,14 @@ inline void add_isotropic_and_cross(Batch isotropic, const Batch* e, Batch* bloc
   block[5] -= e[0];
 }
 
+// Of weight w, so much that w (mu I + s d2J/dF2) gets positive: |eigenvalues of d2J/dF2| <= 2/sqrt(3) |F|.
+inline Batch convex_shift(Batch w, double mu, Batch s, const BatchMatrix& f) {
+  Batch bound;
+  const Batch norm = squared_norm(f);
+  for (int lane = 0; lane < kLanes; ++lane) bound[lane] = std::abs(s[lane]) * 1.1547005384 * std::sqrt(norm[lane]);
+  return bound > mu ? w * (bound - mu) : splat(0.0);
+}
+
 // Condensed Hessian blocks of four elements: pairs a >= b in rows, 9 numbers each (column-major). With g = d(V0
 // Jbar)/dx the block (a, b) is
 //   [laplacian + extra] I + sum_q w mu (c grad a)(c grad b)^T + lambda/V0 g_a g_b^T
@@ -79,13 +87,7 @@ inline void batch_hessian(const Batch* x, const Batch* gradients, const Batch* w
     const Batch s = mu * (j - 2.0) + p;
     second[q] = w * s;
     extra[q] = splat(0.0);
-    if (convex) {
-      // |eigenvalues of d2J/dF2| <= 2/sqrt(3) |F|, so this much makes mu I + s d2J/dF2 positive.
-      Batch bound;
-      const Batch norm = squared_norm(f[q]);
-      for (int lane = 0; lane < kLanes; ++lane) bound[lane] = std::abs(s[lane]) * 1.1547005384 * std::sqrt(norm[lane]);
-      extra[q] = bound > mu ? w * (bound - mu) : splat(0.0);
-    }
+    if (convex) extra[q] = convex_shift(w, mu, s, f[q]);
     volume += w;
     for (int a = 0; a < Nodes; ++a) {
       const BatchVector along = multiply(c[q], g + 3 * a);

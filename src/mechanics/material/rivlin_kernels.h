@@ -30,6 +30,28 @@ inline Batch convex_shift(Batch slope, Batch second, double c01, const BatchMatr
   return shift;
 }
 
+inline RivlinPoint rivlin_point(const BatchMatrix& f, const BatchMatrix& c, Batch j, Batch w, const Rivlin& law,
+                                Batch p, bool convex) {
+  const Batch phi = shear_energy(f, j);
+  Batch slope = 2.0 * (law.c10 + phi * (2.0 * law.c2 + 3.0 * law.c3 * phi));
+  Batch curvature = 2.0 * law.c2 + 6.0 * law.c3 * phi;
+  if (convex) {
+    slope = slope > 0.0 ? slope : splat(0.0);
+    curvature = curvature > 0.0 ? curvature : splat(0.0);
+  }
+  const Batch second = slope * (j - 2.0) - 4.0 * law.c01 + p;
+  RivlinPoint point;
+  point.f = f;
+  point.b = times_transposed(f);
+  point.second = w * second;
+  point.isotropic = w * (slope + 2.0 * law.c01 * squared_norm(f));
+  if (convex) point.isotropic += w * convex_shift(slope, second, law.c01, f, c);
+  point.along_cofactor = w * slope;
+  point.curvature = w * curvature;
+  point.invariant = 2.0 * law.c01 * w;
+  return point;
+}
+
 // With Y(phi) = c1 phi + c2 phi^2 + c3 phi^3 and slope = 2 Y': a = F grad a, a' = cof F grad a, n = 2 a + 2 (J - 2) a',
 // ab = grad a . grad b. The block (a, b) is
 //   sum_q w { [slope ab + 2 c01 (I1 ab - a.b)] I + slope a' b'^T + Y'' n_a n_b^T + 2 c01 (2 a b^T - b a^T - ab F F^T) }
@@ -45,23 +67,8 @@ inline void batch_hessian(const Batch* x, const Batch* gradients, const Batch* w
   for (int q = 0; q < Points; ++q) {
     const Batch* g = gradients + 3 * Nodes * q;
     const BatchMatrix f = deformation_gradient<Nodes>(x, g), c = cofactor(f);
-    const Batch j = determinant(f, c), w = weights[q], phi = shear_energy(f, j);
-    Batch slope = 2.0 * (law.c10 + phi * (2.0 * law.c2 + 3.0 * law.c3 * phi));
-    Batch curvature = 2.0 * law.c2 + 6.0 * law.c3 * phi;
-    if (convex) {
-      slope = slope > 0.0 ? slope : splat(0.0);
-      curvature = curvature > 0.0 ? curvature : splat(0.0);
-    }
-    const Batch second = slope * (j - 2.0) - 4.0 * law.c01 + p;
-    RivlinPoint& point = points[q];
-    point.f = f;
-    point.b = times_transposed(f);
-    point.second = w * second;
-    point.isotropic = w * (slope + 2.0 * law.c01 * squared_norm(f));
-    if (convex) point.isotropic += w * convex_shift(slope, second, law.c01, f, c);
-    point.along_cofactor = w * slope;
-    point.curvature = w * curvature;
-    point.invariant = 2.0 * law.c01 * w;
+    const Batch j = determinant(f, c), w = weights[q];
+    points[q] = rivlin_point(f, c, j, w, law, p, convex);
     volume += w;
     for (int a = 0; a < Nodes; ++a) {
       const BatchVector fa = multiply(f, g + 3 * a), ca = multiply(c, g + 3 * a);

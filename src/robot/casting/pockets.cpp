@@ -22,7 +22,7 @@ struct HeightMap {
   Eigen::ArrayXXd height_m;  // of the robot's lowest skin; with an open border
 
   double cell_area_m2() const { return cell_m * cell_m; }
-  Eigen::Vector3d place_m(Eigen::Index i, Eigen::Index j) const {
+  Eigen::Vector3d position_m(Eigen::Index i, Eigen::Index j) const {
     const Eigen::Vector3d local(low_m.x() + (static_cast<double>(i) - 0.5) * cell_m,
                                 low_m.y() + (static_cast<double>(j) - 0.5) * cell_m, height_m(i, j));
     return frame * local;
@@ -41,7 +41,7 @@ HeightMap look_from_below(const RayTree& tree, const Eigen::Vector3d& direction)
   const double below = map.low_m.z() - 0.01 * tree.surface().size_m();
   for (Eigen::Index i = 1; i + 1 < map.height_m.rows(); ++i) {
     for (Eigen::Index j = 1; j + 1 < map.height_m.cols(); ++j) {
-      Eigen::Vector3d start = map.frame.transpose() * map.place_m(i, j);
+      Eigen::Vector3d start = map.frame.transpose() * map.position_m(i, j);
       start.z() = below;
       const auto hit = tree.first_hit(map.frame * start, direction, 0);
       if (hit) map.height_m(i, j) = below + hit->distance_m;
@@ -108,7 +108,7 @@ Pocket collect(const HeightMap& map, const Eigen::ArrayXXd& level, double least_
     const auto [x, y] = cells[next];
     const double depth = map.height_m(x, y) - level(x, y);
     pocket.roof_area_m2 += map.cell_area_m2();
-    if (depth > pocket.depth_m) pocket.depth_m = depth, pocket.at_m = map.place_m(x, y);
+    if (depth > pocket.depth_m) pocket.depth_m = depth, pocket.at_m = map.position_m(x, y);
     for_neighbours(map.height_m, x, y, [&](Eigen::Index u, Eigen::Index v) {
       if (seen(u, v) != 0 || map.height_m(u, v) - level(u, v) < least_depth_m) return;
       seen(u, v) = 1;

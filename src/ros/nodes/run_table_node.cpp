@@ -31,7 +31,7 @@ namespace {
 
 constexpr double ramp_s = 1.0, usual_hold_s = 3.0, longest_hold_s = 600.0;
 constexpr int least_gaps = 3;
-constexpr double patience_s = 10.0;  // for so many
+constexpr double timeout_s = 10.0;  // for so many
 
 // Root mean square of all gaps heard while the robot rests.
 class RestingGap {
@@ -44,7 +44,7 @@ class RestingGap {
     count_ = 0;
     sum_m2_ = 0.0;
     begin_ = ros::Time::now();
-    for (double held_s = 0.0; ros::ok() && (held_s < hold_s || (count_ < least_gaps && held_s < hold_s + patience_s));
+    for (double held_s = 0.0; ros::ok() && (held_s < hold_s || (count_ < least_gaps && held_s < hold_s + timeout_s));
          held_s = seconds_between(begin_, ros::Time::now()))
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
     return count_ > 0 ? std::sqrt(sum_m2_ / count_) : -1.0;

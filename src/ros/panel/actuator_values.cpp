@@ -80,7 +80,7 @@ bool ActuatorValues::follow(ActuatorRow& row, double command, double now_s) {
   const auto edit = edits_.find(row.name);
   if (edit != edits_.end()) {
     const bool holds = edit->second.sent && command == edit->second.value;
-    if (!holds && now_s - edit->second.since_s < patience_s) return false;
+    if (!holds && now_s - edit->second.since_s < timeout_s) return false;
     edits_.erase(edit);
   }
   const double before = row.shown;

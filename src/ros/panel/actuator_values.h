@@ -36,7 +36,7 @@ class ActuatorValues {
   void set_ranges(const ActuatorRanges& ranges);
 
   // What holds now, whoever asked for it. A row that was just edited keeps its value until its own command holds, or
-  // `patience_s` has passed without. Returns whether a row changed what it shows.
+  // `timeout_s` has passed without. Returns whether a row changed what it shows.
   bool add_state(const ActuatorState& state, double now_s);
 
   // Rounds to what is shown, and keeps within the limits; what was shown before is not sent again. An unknown name is
@@ -51,7 +51,7 @@ class ActuatorValues {
   const std::vector<ActuatorRow>& rows() const { return rows_; }
   int revision() const { return revision_; }  // grows where rows come or go, not where values change
 
-  static constexpr double patience_s = 1.0;
+  static constexpr double timeout_s = 1.0;
 
  private:
   struct Edit {

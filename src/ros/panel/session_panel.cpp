@@ -218,10 +218,10 @@ void SessionPanel::refresh_target() {
   const auto target = link_->target(marker_->currentText().toStdString());
   if (!target) return;
   shown_targets_ = link_->targets();
-  const double place_m[3] = {target->x, target->y, target->z};
+  const double position_m[3] = {target->x, target->y, target->z};
   for (int axis = 0; axis < 3; ++axis) {
     const QSignalBlocker quiet(target_mm_[axis]);
-    if (!target_mm_[axis]->hasFocus()) target_mm_[axis]->setValue(1e3 * place_m[axis]);
+    if (!target_mm_[axis]->hasFocus()) target_mm_[axis]->setValue(1e3 * position_m[axis]);
   }
 }
 

@@ -81,7 +81,7 @@ std::string settle(Simulation& simulation) {
 }
 
 // A method for comparison that has not solved a single step by then is not going to.
-double patience_s(const StabilityMethod& method, const StabilityCell& cell) {
+double timeout_s(const StabilityMethod& method, const StabilityCell& cell) {
   constexpr double kShare = 0.3;
   return !method.ours && cell.failed_solves == cell.solves ? kShare * method.cpu_limit_s : method.cpu_limit_s;
 }
@@ -185,7 +185,7 @@ StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMeth
       cell.outcome = Outcome::not_finite;
       return cell;
     }
-    if (cell.cpu_s > patience_s(method, cell) && cell.solves < solves) {
+    if (cell.cpu_s > timeout_s(method, cell) && cell.solves < solves) {
       cell.outcome = last.converged ? Outcome::too_slow : Outcome::reported;
       cell.message += (cell.message.empty() ? "" : "; ") + std::string("given up after ") +
                       std::to_string(static_cast<int>(cell.cpu_s)) + " s of CPU time, " + std::to_string(cell.solves) +

@@ -62,18 +62,86 @@ TEST(SolvePath, NamesTheRescuesOfAHardPull) {
 TEST(SolvePath, ShowsWhereInvertedElementsAreLaidOutAnew) {
   Simulation simulation = hanging_bar("compliance_m_n: 0");
   SimulationState state = simulation.state();
-  const auto& fixed = simulation.body().fixed();
-  for (Eigen::Index node = 0; node < fixed.cols(); ++node)
-    if (!fixed.col(node).any()) state.positions_m(1, node) *= -0.5;  // into the clamp
+  for (Eigen::Index node = 0; node < state.positions_m.cols(); ++node)
+    if (state.positions_m(1, node) < -0.09) state.positions_m(1, node) += 0.05;  // the tip into the middle
+  state.inverted_steps = 1;
   simulation.set_state(state);
-  bool untangled = false;
-  for (int step = 0; step < 4; ++step) {
-    const SolveReport report = simulation.step();
+  const SolveReport report = simulation.step();
+  expect_allowed(report.path);
+  ASSERT_TRUE(has(report.path, SolveStage::untangle)) << text_of(report.path);
+  EXPECT_EQ(report.path.front().stage, SolveStage::untangle);
+  EXPECT_GT(report.path.front().count, 0);
+  EXPECT_EQ(report.inverted_elements, 0);
+}
+
+int count_of(const std::vector<SolvePathStage>& path, SolveStage stage) {
+  int count = 0;
+  for (const SolvePathStage& at : path) count += at.stage == stage ? at.count : 0;
+  return count;
+}
+
+// A bar whose cable is pulled at once, and the step in which a rescue is needed.
+struct HardPull {
+  SolveStage rescue;
+  std::string cable;
+  double command;
+  int steps;
+  int max_iterations = 100;
+  double tolerance = 1e-4;
+};
+
+SolveReport last_step_of(const HardPull& pull) {
+  SolverOptions options;
+  options.max_iterations = pull.max_iterations;
+  options.dynamic_tolerance = pull.tolerance;
+  Simulation simulation = hanging_bar(pull.cable, options);
+  simulation.set_command("cable", pull.command);
+  for (int step = 1; step < pull.steps; ++step) simulation.step();
+  return simulation.step();
+}
+
+TEST(SolvePath, NamesEachRescueOfATimeStep) {
+  const HardPull table[] = {{SolveStage::line_search, "compliance_m_n: 0", 0.7, 2},
+                            {SolveStage::convexify, "compliance_m_n: 0", 0.7, 2},
+                            {SolveStage::energy_descent, "compliance_m_n: 0", 0.5, 1},
+                            {SolveStage::halving, "model: friction, friction_coefficient: 0.3", 0.5, 1},
+                            {SolveStage::last_resort, "compliance_m_n: 0", 0.8, 1, 1, 1e-12}};
+  for (const HardPull& pull : table) {
+    SCOPED_TRACE(name_of(pull.rescue));
+    const SolveReport report = last_step_of(pull);
     expect_allowed(report.path);
-    untangled = untangled || has(report.path, SolveStage::untangle);
-    if (report.inverted_elements == 0) break;
+    EXPECT_TRUE(has(report.path, pull.rescue)) << text_of(report.path);
+    EXPECT_EQ(report.converged, pull.rescue != SolveStage::last_resort) << text_of(report.path);
+    // Nothing is done that is not listed.
+    EXPECT_EQ(count_of(report.path, SolveStage::newton) + count_of(report.path, SolveStage::energy_descent),
+              report.iterations);
+    EXPECT_GE(report.rejected_steps,
+              count_of(report.path, SolveStage::line_search) + count_of(report.path, SolveStage::convexify));
   }
-  EXPECT_TRUE(untangled || simulation.state().inverted_steps == 0);
+}
+
+// Friction has no energy to descend along.
+TEST(SolvePath, OfAnEquilibriumWithFrictionGoesOnInArtificialTime) {
+  SolverOptions options;
+  options.max_iterations = 2;
+  Simulation simulation = hanging_bar("model: friction, friction_coefficient: 0.3", options);
+  simulation.set_command("cable", 0.9);
+  const SolveReport report = simulation.solve_equilibrium();
+  expect_allowed(report.path);
+  EXPECT_TRUE(has(report.path, SolveStage::pseudo_transient)) << text_of(report.path);
+  EXPECT_FALSE(has(report.path, SolveStage::energy_descent)) << text_of(report.path);
+}
+
+// A column buckles under its weight.
+TEST(SolvePath, OfAnEquilibriumDescendsWhereNewtonFindsNoWay) {
+  Body body(box_mesh({0, 0, 0}, {0.01, 0.1, 0.01}, {1, 8, 1}), Material{264200.0, 0.49, 1070.0});
+  body.fix_nodes({-10, -10, -10}, {10, 1e-6, 10}, {true, true, true});
+  body.set_gravity({0.01, -40.0, 0});
+  Simulation simulation(std::move(body), {}, {}, {});
+  const SolveReport report = simulation.solve_equilibrium();
+  EXPECT_TRUE(report.converged);
+  expect_allowed(report.path);
+  EXPECT_TRUE(has(report.path, SolveStage::energy_descent)) << text_of(report.path);
 }
 
 TEST(SolvePath, OfAnEquilibriumCountsItsCuts) {

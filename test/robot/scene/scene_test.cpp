@@ -180,8 +180,21 @@ struct BadScene {
   std::string words;  // expected in the message
 };
 
+void expect_refused(const std::vector<BadScene>& table) {
+  const SceneFolder folder;
+  for (const BadScene& bad : table) {
+    SCOPED_TRACE(bad.text);
+    try {
+      load_scene(folder.write("bad.yaml", "include: bar.yaml\n" + bad.text + "\n"), options());
+      ADD_FAILURE() << "accepted";
+    } catch (const SettingsError& error) {
+      EXPECT_NE(std::string(error.what()).find(bad.words), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(Scene, RefusesWithPlaceAndReason) {
-  const std::vector<BadScene> table = {
+  expect_refused({
       {"gravity_m_s: [0, 0, 0]", "bad.yaml:2: unknown key 'gravity_m_s' (did you mean 'gravity_m_s2'?)"},
       {"gravity_m_s2: [0, .nan, 0]", "bad.yaml:2: gravity_m_s2[1]: '.nan' is not a finite number"},
       {"body: {mesh: bar.msh}", "body: must have one of solid, mesh"},
@@ -226,6 +239,11 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"contact: {friction: [{between: [skin, wall], coefficient: 1}]}", "unknown surface 'wall'; known: skin"},
       {"contact: {obstacles: [{name: floor, plane: {point_m: [0, 0, 0], normal: [0, 0, 1]}}]}",
        "contact: obstacle 'floor' is"},
+  });
+}
+
+TEST(Scene, RefusesSolversAndRunsWithPlaceAndReason) {
+  expect_refused({
       {"solver: {method: jacobi}", "solver.method: 'jacobi' is not one of newton, xpbd"},
       {"solver: {substeps: 10}", "unknown key 'substeps'"},
       {"solver: {method: xpbd, substeps: 0}", "solver.substeps: 0 is out of range [1, 10000]"},
@@ -253,17 +271,7 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"run: {commands: [{time_s: 0, lefd: 0.9}]}", "unknown key 'lefd' (did you mean 'left'?)"},
       {"run: {commands: [{time_s: 1, left: 0.9}, {time_s: 0.5}]}", "run.commands[1].time_s: is earlier than"},
       {"run: {commands: [{time_s: -1}]}", "time_s: -1 is out of range [0, inf)"},
-  };
-  const SceneFolder folder;
-  for (const BadScene& bad : table) {
-    SCOPED_TRACE(bad.text);
-    try {
-      load_scene(folder.write("bad.yaml", "include: bar.yaml\n" + bad.text + "\n"), options());
-      ADD_FAILURE() << "accepted";
-    } catch (const SettingsError& error) {
-      EXPECT_NE(std::string(error.what()).find(bad.words), std::string::npos) << error.what();
-    }
-  }
+  });
 }
 
 TEST(Scene, RefusesIncludesThatLeadNowhere) {

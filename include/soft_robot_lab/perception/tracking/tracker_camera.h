@@ -9,6 +9,7 @@
 
 namespace soft_robot_lab {
 
+// A camera as the tracker knows it.
 struct TrackerCamera {
   std::string name;  // as in RgbdFrame
   CameraModel model;

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A small thing.
+#pragma once
+
+struct Small {
+  int size = 1;
+};

@@ -29,12 +29,11 @@ class ContactPoints {
   double weight_m2(int point) const { return weights_m2_[point]; }          // share of the rest area
   double face_size_m(int point) const { return sizes_m_[face_of(point)]; }  // edge of half a square of its area
 
-  Eigen::Vector3d at(int point, const Eigen::Matrix3Xd& columns) const;          // the nodes' columns, interpolated
-  double present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // what weight_m2 has become
+  Eigen::Vector3d at(int point, const Eigen::Matrix3Xd& columns) const;              // the nodes' columns, interpolated
+  double present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const;      // what weight_m2 has become
   Eigen::Vector3d outward_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // normal, as long as that
 
  private:
-
   Eigen::MatrixXi faces_;
   Eigen::MatrixXd shape_;              // nodes x points of a face
   Eigen::MatrixXd along_r_, along_s_;  // its derivatives

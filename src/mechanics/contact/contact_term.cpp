@@ -209,8 +209,7 @@ Eigen::MatrixXd ContactTerm::skin_hessian(const ContactTouch& touch, bool convex
   const Eigen::MatrixXd turned = turn.transpose() * local;
   sum += push_n * (turned + turned.transpose());
   for (int a = 0; a < 2 * nodes; ++a)
-    for (int b = 0; b < 2 * nodes; ++b)
-      sum.block<3, 3>(3 * a, 3 * b) += push_n * shape[a] * shape[b] * touch.bend;
+    for (int b = 0; b < 2 * nodes; ++b) sum.block<3, 3>(3 * a, 3 * b) += push_n * shape[a] * shape[b] * touch.bend;
   return sum;
 }
 
@@ -249,8 +248,7 @@ Eigen::VectorXd ContactTerm::next_pressures_pa(const std::vector<ContactTouch>& 
     if (!touch.closed) continue;
     while (made != linearised.end() && made->pair < touch.pair) ++made;
     const Eigen::Vector3d& normal = made != linearised.end() && made->pair == touch.pair ? made->normal : touch.normal;
-    next[touch.pair] =
-        law(touch.pair).pressure_pa(touch.gap_m + normal.dot(relative_motion_m(touch, motion_m)));
+    next[touch.pair] = law(touch.pair).pressure_pa(touch.gap_m + normal.dot(relative_motion_m(touch, motion_m)));
   }
   return next;
 }
@@ -282,8 +280,7 @@ double ContactTerm::slope_change_j(const ContactSums& start, const Eigen::Vector
   double sum = 0.0;
   for (const ContactTouch& touch : start.touches) {
     const double push_pa = law(touch.pair).merit_pa(touch.gap_m, next_pressures_pa[touch.pair]);
-    sum += weight_m2(touch.pair) * (touch.pressure_pa - push_pa) *
-           touch.normal.dot(relative_motion_m(touch, motion_m));
+    sum += weight_m2(touch.pair) * (touch.pressure_pa - push_pa) * touch.normal.dot(relative_motion_m(touch, motion_m));
   }
   return sum;
 }

@@ -7,8 +7,8 @@
 // gradient, a the compliance, w the weight and N the shape functions of a closed point
 //   residual  - w l n N     matrix  w / a (n n') N N' - w l (grad grad g) N N'     l+ = max(0, -(g + n.dx) / a)
 // All nodes of a face are in one element, so the pattern of the matrix stays. A point of the skin that meets other skin
-// pushes the closest place y of that face back; n is the face's normal there, g = n . (x - y), and with the tangents t_a,
-// their duals t^a and the curvature k (Wriggers 2006, 6.4, at g = 0)
+// pushes the closest place y of that face back; n is the face's normal there, g = n . (x - y), and with the tangents
+// t_a, their duals t^a and the curvature k (Wriggers 2006, 6.4, at g = 0)
 //   d2g = - (n . dy,a) t^a . (dx - dy) - its transpose - k (dx - dy) (dx - dy)
 // Both faces are in the matrix then, so its pattern grows (ContactMatrix).
 #pragma once

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
@@ -15,11 +14,11 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kDeepest = 0.5;         // of a face's size: deeper is the other side of a wall
-constexpr double kBehind = 4.0;          // of the largest face's size: walls are looked for so near
-constexpr double kMargin = 0.02;         // of the body's size: what near faces are looked for within
-constexpr double kOverEdge = 0.01;       // of a face's size: a point so far beyond its edge still meets it
-constexpr double kLikely = 0.1;          // of a face's size
+constexpr double kDeepest = 0.5;    // of a face's size: deeper is the other side of a wall
+constexpr double kBehind = 4.0;     // of the largest face's size: walls are looked for so near
+constexpr double kMargin = 0.02;    // of the body's size: what near faces are looked for within
+constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
+constexpr double kLikely = 0.1;     // of a face's size
 constexpr int kMostIterations = 12;
 
 // The area vector of a face's corners.
@@ -28,34 +27,9 @@ Eigen::Vector3d corner_normal(const Eigen::MatrixXi& faces, int face, const Eige
   return (positions_m.col(faces(1, face)) - a).cross(positions_m.col(faces(2, face)) - a);
 }
 
-Eigen::Vector3d middle_m(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (Eigen::Index a = 0; a < faces.rows(); ++a) sum += positions_m.col(faces(a, face));
-  return sum / static_cast<double>(faces.rows());
-}
-
-// Shape functions and their derivatives, without memory of their own.
-struct Surface {
-  SkinPlace::Table<6, 1> shape = SkinPlace::Table<6, 1>::Zero();
-  SkinPlace::Table<6, 2> slopes = SkinPlace::Table<6, 2>::Zero();
-
-  Surface(Eigen::Index nodes, double r, double s) {
-    const double l = 1.0 - r - s;
-    if (nodes == 6) {
-      shape << l * (2 * l - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * l * r, 4 * r * s, 4 * s * l;
-      slopes.col(0) << 1 - 4 * l, 4 * r - 1, 0, 4 * (l - r), 4 * s, -4 * s;
-      slopes.col(1) << 1 - 4 * l, 0, 4 * s - 1, -4 * r, 4 * r, 4 * (l - s);
-    } else {
-      shape.head<3>() << l, r, s;
-      slopes.col(0).head<3>() << -1, 1, 0;
-      slopes.col(1).head<3>() << -1, 0, 1;
-    }
-  }
-};
-
 // Second derivatives of the shape functions: along rr, ss, rs.
-SkinPlace::Table<6, 3> second_derivatives(Eigen::Index nodes) {
-  SkinPlace::Table<6, 3> all = SkinPlace::Table<6, 3>::Zero();
+Eigen::Matrix<double, 6, 3> second_derivatives(Eigen::Index nodes) {
+  Eigen::Matrix<double, 6, 3> all = Eigen::Matrix<double, 6, 3>::Zero();
   if (nodes != 6) return all;
   all.col(0) << 4, 4, 0, -8, 0, 0;
   all.col(1) << 4, 0, 4, 0, 0, -8;
@@ -63,10 +37,10 @@ SkinPlace::Table<6, 3> second_derivatives(Eigen::Index nodes) {
   return all;
 }
 
-using FaceNodes = Eigen::Matrix<double, 3, 6, Eigen::DontAlign>;
+using FaceNodes = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 6>;
 
 FaceNodes nodes_of(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
-  FaceNodes nodes = FaceNodes::Zero();
+  FaceNodes nodes(3, faces.rows());
   for (Eigen::Index a = 0; a < faces.rows(); ++a) nodes.col(a) = positions_m.col(faces(a, face));
   return nodes;
 }
@@ -80,19 +54,40 @@ Eigen::Vector2d into_triangle(Eigen::Vector2d local) {
 }
 
 // Coordinates of the closest place, by Gauss and Newton's method, kept on the face.
-Eigen::Vector2d closest(Eigen::Index count, const FaceNodes& nodes, const Eigen::Vector3d& point_m) {
+Eigen::Vector2d closest(const FaceNodes& nodes, const Eigen::Vector3d& point_m) {
   Eigen::Vector2d local = Eigen::Vector2d::Constant(1.0 / 3.0);
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const Surface at(count, local.x(), local.y());
-    const Eigen::Matrix<double, 3, 2> tangents = nodes * at.slopes;
+    const FaceShape at = face_shape(nodes.cols(), local.x(), local.y());
+    const Eigen::Matrix<double, 3, 2> tangents = nodes * at.slopes.transpose();
     const Eigen::Matrix2d metric = tangents.transpose() * tangents;
-    const Eigen::Vector2d change = metric.inverse() * (tangents.transpose() * (point_m - nodes * at.shape));
+    const Eigen::Vector2d change = metric.inverse() * (tangents.transpose() * (point_m - nodes * at.values));
     const Eigen::Vector2d next = into_triangle(local + change);
     const double moved = (next - local).cwiseAbs().maxCoeff();
     local = next;
     if (!(moved > 1e-13)) break;
   }
   return local;
+}
+
+// Faces whose boxes overlap, by Bullet.
+std::vector<std::pair<int, int>> overlapping(const Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& positions_m,
+                                             double wider_m) {
+  struct Collect : btDbvt::ICollide {
+    std::vector<std::pair<int, int>> pairs;
+    void Process(const btDbvtNode* a, const btDbvtNode* b) override { pairs.emplace_back(a->dataAsInt, b->dataAsInt); }
+  } found;
+  btDbvt tree;
+  const auto corner = [](const Eigen::Vector3d& at_m) {
+    return btVector3(static_cast<btScalar>(at_m.x()), static_cast<btScalar>(at_m.y()), static_cast<btScalar>(at_m.z()));
+  };
+  for (int face = 0; face < faces.cols(); ++face) {
+    const FaceNodes nodes = nodes_of(faces, face, positions_m);
+    const Eigen::Vector3d low_m = nodes.rowwise().minCoeff().array() - wider_m;
+    const Eigen::Vector3d high_m = nodes.rowwise().maxCoeff().array() + wider_m;
+    tree.insert(btDbvtVolume::FromMM(corner(low_m), corner(high_m)), nullptr)->dataAsInt = face;
+  }
+  if (!tree.empty()) tree.collideTT(tree.m_root, tree.m_root, found);
+  return std::move(found.pairs);
 }
 
 }  // namespace
@@ -107,7 +102,7 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
   std::map<std::vector<int>, int> place;
   for (int face = 0; face < count; ++face) {
     const Eigen::Vector3d area_m2 = corner_normal(others_, face, nodes_m);
-    rest_middles_m_.col(face) = middle_m(others_, face, nodes_m);
+    rest_middles_m_.col(face) = nodes_of(others_, face, nodes_m).rowwise().mean();
     rest_normals_.col(face) = area_m2.normalized();
     sizes_m_[face] = std::sqrt(area_m2.norm());
     place[{others_.col(face).begin(), others_.col(face).end()}] = face;
@@ -133,9 +128,8 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   radii_m_.resize(count);
   for (int face = 0; face < count; ++face) {
     const FaceNodes nodes = nodes_of(others_, face, positions_m);
-    middles_m_.col(face) = nodes.leftCols(others_.rows()).rowwise().mean();
-    radii_m_[face] =
-        (nodes.leftCols(others_.rows()).colwise() - middles_m_.col(face)).colwise().norm().maxCoeff();
+    middles_m_.col(face) = nodes.rowwise().mean();
+    radii_m_[face] = (nodes.colwise() - middles_m_.col(face)).colwise().norm().maxCoeff();
   }
   const bool near_enough = near_at_m_.cols() == positions_m.cols() &&
                            (positions_m - near_at_m_).colwise().squaredNorm().maxCoeff() < 0.25 * margin_m_ * margin_m_;
@@ -146,30 +140,14 @@ void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
   near_at_m_ = positions_m;
   near_.assign(static_cast<std::size_t>(faces_.cols()), {});
   std::vector<int> mine(static_cast<std::size_t>(others_.cols()), -1);
-  for (std::size_t face = 0; face < same_.size(); ++face) mine[static_cast<std::size_t>(same_[face])] = static_cast<int>(face);
-
-  struct Collect : btDbvt::ICollide {
-    std::vector<std::pair<int, int>> pairs;
-    void Process(const btDbvtNode* a, const btDbvtNode* b) override { pairs.emplace_back(a->dataAsInt, b->dataAsInt); }
-  } found;
-  btDbvt tree;
-  const double wider_m = 0.5 * (margin_m_ + kDeepest * largest_size_m_) + 1e-6 * near_at_m_.cwiseAbs().maxCoeff();
-  for (int face = 0; face < others_.cols(); ++face) {
-    const FaceNodes nodes = nodes_of(others_, face, positions_m);
-    const Eigen::Array<btScalar, 3, 1> low =
-        (nodes.leftCols(others_.rows()).rowwise().minCoeff().array() - wider_m).cast<btScalar>();
-    const Eigen::Array<btScalar, 3, 1> high =
-        (nodes.leftCols(others_.rows()).rowwise().maxCoeff().array() + wider_m).cast<btScalar>();
-    btDbvtNode* leaf = tree.insert(
-        btDbvtVolume::FromMM(btVector3(low.x(), low.y(), low.z()), btVector3(high.x(), high.y(), high.z())), nullptr);
-    leaf->dataAsInt = face;
-  }
-  if (!tree.empty()) tree.collideTT(tree.m_root, tree.m_root, found);
+  for (std::size_t face = 0; face < same_.size(); ++face)
+    mine[static_cast<std::size_t>(same_[face])] = static_cast<int>(face);
   const auto add = [&](int face, int other) {
     const int own = mine[static_cast<std::size_t>(face)];
     if (own >= 0 && counts(own, other)) near_[static_cast<std::size_t>(own)].push_back(other);
   };
-  for (const auto& [a, b] : found.pairs) {
+  const double wider_m = 0.5 * (margin_m_ + kDeepest * largest_size_m_) + 1e-6 * positions_m.cwiseAbs().maxCoeff();
+  for (const auto& [a, b] : overlapping(others_, positions_m, wider_m)) {
     if (a == b) continue;
     add(a, b);
     add(b, a);
@@ -180,36 +158,40 @@ void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
   }
 }
 
+// What a point finds on one face, where it is in front of it, or not deeper inside than counts.
+std::optional<SkinGap> SkinPairs::gap_to(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                                         const Eigen::Matrix3Xd& positions_m) const {
+  const FaceNodes nodes = nodes_of(others_, other, positions_m);
+  const Eigen::Vector2d local = closest(nodes, point_m);
+  const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
+  const Eigen::Matrix<double, 3, 2> tangents = nodes * shape.slopes.transpose();
+  SkinGap gap;
+  gap.normal = tangents.col(0).cross(tangents.col(1)).normalized();
+  if (!gap.normal.allFinite() || gap.normal.dot(outward) >= 0.0) return std::nullopt;
+  const Eigen::Vector3d off_m = point_m - nodes * shape.values;
+  gap.gap_m = gap.normal.dot(off_m);
+  const double beyond_edge_m = (off_m - gap.gap_m * gap.normal).norm();
+  if (std::abs(gap.gap_m) > kDeepest * sizes_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other])
+    return std::nullopt;
+  gap.at.face = other;
+  gap.at.shape.head(nodes.cols()) = shape.values;
+  gap.at.slopes.topRows(nodes.cols()) = shape.slopes.transpose();
+  gap.at.dual_per_m = tangents * Eigen::Matrix2d(tangents.transpose() * tangents).inverse();
+  const Eigen::Vector3d bends =
+      (nodes * second_derivatives(nodes.cols()).topRows(nodes.cols())).transpose() * gap.normal;
+  const Eigen::Matrix2d curvature = (Eigen::Matrix2d() << bends[0], bends[2], bends[2], bends[1]).finished();
+  gap.curvature_per_m = gap.at.dual_per_m * curvature * gap.at.dual_per_m.transpose();
+  return gap;
+}
+
 std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                        const Eigen::Matrix3Xd& positions_m) const {
   std::optional<SkinGap> best;
-  double best_m = std::numeric_limits<double>::infinity();
   for (const int other : near_[static_cast<std::size_t>(face)]) {
-    const double deepest_m = kDeepest * sizes_m_[other];
-    if ((point_m - middles_m_.col(other)).norm() > radii_m_[other] + std::min(deepest_m, best_m)) continue;
-    const FaceNodes nodes = nodes_of(others_, other, positions_m);
-    const Eigen::Vector2d local = closest(others_.rows(), nodes, point_m);
-    const Surface at(others_.rows(), local.x(), local.y());
-    const Eigen::Matrix<double, 3, 2> tangents = nodes * at.slopes;
-    const Eigen::Vector3d area = tangents.col(0).cross(tangents.col(1));
-    const Eigen::Vector3d normal = area.normalized();
-    if (!normal.allFinite() || normal.dot(outward) >= 0.0) continue;
-    const Eigen::Vector3d off_m = point_m - nodes * at.shape;
-    const double gap_m = normal.dot(off_m);
-    if (std::abs(gap_m) > deepest_m || std::abs(gap_m) >= best_m ||
-        (off_m - gap_m * normal).norm() > kOverEdge * sizes_m_[other])
-      continue;
-    best_m = std::abs(gap_m);
-    best.emplace();
-    best->gap_m = gap_m;
-    best->normal = normal;
-    best->at.face = other;
-    best->at.shape = at.shape;
-    best->at.slopes = at.slopes;
-    best->at.dual_per_m = tangents * Eigen::Matrix2d(tangents.transpose() * tangents).inverse();
-    const Eigen::Vector3d bends = (nodes * second_derivatives(others_.rows())).transpose() * normal;
-    const Eigen::Matrix2d curvature = (Eigen::Matrix2d() << bends[0], bends[2], bends[2], bends[1]).finished();
-    best->curvature_per_m = best->at.dual_per_m * curvature * best->at.dual_per_m.transpose();
+    const double reach_m = best ? std::abs(best->gap_m) : kDeepest * sizes_m_[other];
+    if ((point_m - middles_m_.col(other)).norm() > radii_m_[other] + reach_m) continue;
+    const std::optional<SkinGap> gap = gap_to(other, point_m, outward, positions_m);
+    if (gap && (!best || std::abs(gap->gap_m) < std::abs(best->gap_m))) best = gap;
   }
   return best;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where points of a body's skin meet other skin of the same body, in its present shape. Bullet's tree of boxes finds the
-// faces that are near; the closest place on a face and the gap to it are ours, in double precision.
+// Where points of a body's skin meet other skin of the same body, in its present shape. Bullet's tree of boxes finds
+// the faces that are near; the closest place on a face and the gap to it are ours, in double precision.
 //
 // No pairs are faces that share a node, and faces that lie behind one another at rest, nearer than a few faces: the two
 // sides of a thin wall.
@@ -22,10 +22,10 @@ struct SkinPlace {
   template <int rows, int columns>
   using Table = Eigen::Matrix<double, rows, columns, Eigen::DontAlign>;
 
-  int face = -1;                                     // of the mesh; -1: none
-  Table<6, 1> shape = Table<6, 1>::Zero();           // functions of the face's nodes; the last are zero for 3 nodes
-  Table<6, 2> slopes = Table<6, 2>::Zero();          // their derivatives along the face's two coordinates
-  Table<3, 2> dual_per_m = Table<3, 2>::Zero();      // dual tangents: d coordinate / d position
+  int face = -1;                                 // of the mesh; -1: none
+  Table<6, 1> shape = Table<6, 1>::Zero();       // functions of the face's nodes; the last are zero for 3 nodes
+  Table<6, 2> slopes = Table<6, 2>::Zero();      // their derivatives along the face's two coordinates
+  Table<3, 2> dual_per_m = Table<3, 2>::Zero();  // dual tangents: d coordinate / d position
 };
 
 struct SkinGap {
@@ -60,12 +60,14 @@ class SkinPairs {
 
  private:
   bool counts(int face, int other) const;
+  std::optional<SkinGap> gap_to(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                                const Eigen::Matrix3Xd& positions_m) const;
   void find_near(const Eigen::Matrix3Xd& positions_m);
 
   Eigen::MatrixXi faces_, others_;  // nodes x faces: of the points, of the whole mesh
   Eigen::Matrix3Xd rest_middles_m_, rest_normals_;
-  Eigen::VectorXd sizes_m_;        // of the mesh's faces
-  std::vector<int> same_;          // of each face of the points, the mesh's
+  Eigen::VectorXd sizes_m_;  // of the mesh's faces
+  std::vector<int> same_;    // of each face of the points, the mesh's
   double largest_size_m_ = 0.0, margin_m_ = 0.0;
 
   Eigen::Matrix3Xd near_at_m_;  // where near_ was found

@@ -41,13 +41,15 @@ inline ShapeFunctions shape_functions(int node_count, const Eigen::Vector3d& loc
 
 // Of a face with 3 or 6 nodes, in (r, s) = weights of corners 1, 2.
 struct FaceShape {
-  Eigen::VectorXd values;   // per node
-  Eigen::Matrix2Xd slopes;  // d/d(r, s), 2 x nodes
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> values;  // per node
+  Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 6> slopes;  // d/d(r, s), 2 x nodes
 };
 
 inline FaceShape face_shape(Eigen::Index node_count, double r, double s) {
   const double l = 1.0 - r - s;
-  FaceShape shape{Eigen::VectorXd(node_count), Eigen::Matrix2Xd(2, node_count)};
+  FaceShape shape;
+  shape.values.resize(node_count);
+  shape.slopes.resize(2, node_count);
   if (node_count == 6) {
     shape.values << l * (2 * l - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * l * r, 4 * r * s, 4 * s * l;
     shape.slopes << 1 - 4 * l, 4 * r - 1, 0, 4 * (l - r), 4 * s, -4 * s,  //

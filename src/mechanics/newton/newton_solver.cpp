@@ -107,8 +107,9 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   if (strain_target) springs_.add_hessian(state.positions_m, *strain_target, convex, matrix_);
   if (!soft_contact_) touches_ = contact_.sums(state.positions_m, state.contact).touches;
   if (!add_rest_and_factorise(state, inertia_per_s2, convex)) return false;
-  if (!convex) linearisation_ = std::make_shared<Linearisation>(Linearisation{
-        state, inertia_per_s2, strain_target, with_skin_ ? with_skin_->pattern : nullptr});
+  if (!convex)
+    linearisation_ = std::make_shared<Linearisation>(
+        Linearisation{state, inertia_per_s2, strain_target, with_skin_ ? with_skin_->pattern : nullptr});
   return true;
 }
 
@@ -166,8 +167,8 @@ void NewtonSolver::include_in_pattern(std::vector<FacePair> closed) {
   closed.erase(std::unique(closed.begin(), closed.end()), closed.end());
   std::vector<std::vector<int>> cliques;
   for (const FacePair& pair : closed) cliques.push_back(contact_.skin().nodes(pair));
-  contact_pattern_ = std::make_shared<const ContactPattern>(matrix_.pattern(), *tables_->factor, std::move(closed),
-                                                            cliques);
+  contact_pattern_ =
+      std::make_shared<const ContactPattern>(matrix_.pattern(), *tables_->factor, std::move(closed), cliques);
 }
 
 bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2,

@@ -245,7 +245,7 @@ class NewtonSolver {
 
   BlockMatrix matrix_;
   BlockCholesky factor_;
-  std::unique_ptr<ContactMatrix> with_skin_;              // instead of both, where skin touches skin
+  std::unique_ptr<ContactMatrix> with_skin_;               // instead of both, where skin touches skin
   std::shared_ptr<const ContactPattern> contact_pattern_;  // the last one
   Elements elements_;
   StrainSprings springs_;

@@ -48,6 +48,7 @@ std::string other_than_skin(const YamlNode& item) {
   if (between.size() != 2 || skin == between.end())
     item.child("between").fail("must be two names, of which one is skin: [skin, floor]");
   between.erase(skin);
+  if (between[0] == kSkin) item.child("between").fail("of skin on skin there is no friction yet; leave the pair out");
   return between[0];
 }
 
@@ -56,6 +57,10 @@ void read_friction(const YamlNode& contact, std::vector<Obstacle>& obstacles) {
   const std::optional<YamlNode> node = contact.optional_child("friction");
   if (!node) return;
   if (node->is_scalar()) {
+    if (contact.boolean_or("self", false))
+      node->fail(
+          "is of every pair, but skin on skin knows none yet; list pairs instead: {between: [skin, NAME], "
+          "coefficient: 0.3}");
     const double all = node->as_number(AllowedRange::not_negative());
     for (Obstacle& obstacle : obstacles) obstacle.friction = all;
     return;

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bodies that touch themselves: references, derivatives, thin walls, and states that are restored.
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "contact_bodies.h"
+#include "mechanics/contact/contact_term.h"
+#include "reference_table.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Eigen::Vector3d;
+
+// The cells of a box whose middles are kept.
+TetMesh carved(const Vector3d& min_m, const Vector3d& max_m, const Eigen::Vector3i& cells,
+               const std::function<bool(const Vector3d&)>& kept) {
+  const TetMesh whole = box_mesh(min_m, max_m, cells, false);
+  std::vector<int> place(static_cast<std::size_t>(whole.nodes_m.cols()), -1), tets;
+  TetMesh mesh;
+  std::vector<int> nodes;
+  for (int tet = 0; tet < whole.tets.cols(); ++tet) {
+    const int first = 6 * (tet / 6);  // the first and last corner of a cell's first tetrahedron are opposite
+    const Vector3d middle_m = 0.5 * (whole.nodes_m.col(whole.tets(0, first)) + whole.nodes_m.col(whole.tets(3, first)));
+    if (!kept(middle_m)) continue;
+    tets.push_back(tet);
+    for (int corner = 0; corner < 4; ++corner) {
+      int& at = place[static_cast<std::size_t>(whole.tets(corner, tet))];
+      if (at >= 0) continue;
+      at = static_cast<int>(nodes.size());
+      nodes.push_back(whole.tets(corner, tet));
+    }
+  }
+  mesh.nodes_m = whole.nodes_m(Eigen::all, nodes);
+  mesh.tets = whole.tets(Eigen::all, tets).unaryExpr([&](int node) { return place[static_cast<std::size_t>(node)]; });
+  return make_quadratic(mesh);
+}
+
+// Plane strain, from above and from below.
+void press(Body& body, const Vector3d& from_m, const Vector3d& to_m, double traction_pa) {
+  body.add_traction(from_m, to_m, {0, -traction_pa, 0});
+  body.add_traction({from_m.x(), -to_m.y(), from_m.z()}, {to_m.x(), -from_m.y(), to_m.z()}, {0, traction_pa, 0});
+}
+
+// Elements of 2 mm.
+Simulation pressed_slot(double traction_pa) {
+  Body body(carved({-0.03, -0.012, 0}, {0.03, 0.012, 0.01}, {30, 16, 2},
+                   [](const Vector3d& at) { return std::abs(at.x()) > 0.022 || std::abs(at.y()) > 0.003; }),
+            kSilicone);
+  body.fix_nodes({-1, -1, -1}, {-0.029999, 1, 1}, {true, true, true});
+  body.fix_nodes({0.029999, -1, -1}, {1, 1, 1}, {true, true, true});
+  hold_slab(body);
+  press(body, {-0.010001, 0.011999, -1}, {0.010001, 0.012001, 1}, traction_pa);
+  body.let_touch_itself();
+  std::vector<Marker> markers;
+  markers.emplace_back("inner_mid", Vector3d(0, 0.003, 0.005), body.mesh(), MeshLocator(body.mesh()));
+  markers.emplace_back("top_mid", Vector3d(0, 0.012, 0.005), body.mesh(), MeshLocator(body.mesh()));
+  return Simulation(std::move(body), {}, std::move(markers), SolverOptions{});
+}
+
+TetMesh clip_mesh(const Eigen::Vector3i& cells) {
+  return carved({0, -0.014, 0}, {0.06, 0.014, 0.01}, cells,
+                [](const Vector3d& at) { return at.x() < 0.01 || std::abs(at.y()) > 0.006; });
+}
+
+Simulation pressed_clip(const Eigen::Vector3i& cells, double traction_pa) {
+  Body body(clip_mesh(cells), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  hold_slab(body);
+  press(body, {0.049999, 0.013999, -1}, {1, 0.014001, 1}, traction_pa);
+  body.let_touch_itself();
+  std::vector<Marker> markers;
+  markers.emplace_back("tip_out", Vector3d(0.06, 0.014, 0.005), body.mesh(), MeshLocator(body.mesh()));
+  return Simulation(std::move(body), {}, std::move(markers), SolverOptions{});
+}
+
+ReferenceRow reference_at(const std::string& table, double traction_pa) {
+  for (const ReferenceRow& row : read_reference(table))
+    if (row.text("law") == "design" && row.number("nu") == 0.49 &&
+        std::abs(row.number("traction_Pa") - traction_pa) < 1e-9)
+      return row;
+  throw std::runtime_error("no such row");
+}
+
+// R9. The contact of the first is three elements wide.
+TEST(SelfContact, ASlotIsPressedShutAsInTheReference) {
+  for (const auto& [traction_pa, tolerance] : {std::pair(6000.0, 0.03), std::pair(14000.0, 0.01)}) {
+    Simulation simulation = pressed_slot(traction_pa);
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    const ReferenceRow row = reference_at("r9_slot_selfcontact", traction_pa);
+    const ContactReading contact = simulation.contacts().back();
+    const double force_n = row.number("contact_force_N");
+    EXPECT_NEAR(contact.normal_force_n, force_n, tolerance * force_n);
+    EXPECT_NEAR(simulation.marker_position(0).y(), 0.0, 1e-5);
+    EXPECT_NEAR(simulation.marker_position(1).y() - 0.012, row.number("top_mid_uy_m"), 2e-5);
+    EXPECT_LT(contact.largest_penetration_m, 1e-6);
+    EXPECT_TRUE(contact.force_n.isZero(0.0));
+  }
+}
+
+TEST(SelfContact, TheLegsOfAClipMeetAsInTheReference) {
+  Simulation simulation = pressed_clip({30, 14, 2}, 1000.0);
+  const SolveReport report = simulation.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  const ReferenceRow row = reference_at("r9_clip_selfcontact", 1000.0);
+  EXPECT_NEAR(simulation.contacts().back().normal_force_n, row.number("contact_force_N"),
+              0.02 * row.number("contact_force_N"));
+  EXPECT_NEAR(simulation.marker_position(0).y() - 0.014, row.number("tip_out_uy_m"), row.number("unc_u_m"));
+}
+
+// Of pressures that are -gap / compliance everywhere.
+struct Pressed {
+  ContactSums sums;
+  Eigen::Matrix3Xd forces_n;
+};
+
+Pressed pressed_at(const ContactTerm& term, const ContactState& untouched, const Eigen::Matrix3Xd& positions_m,
+                   double compliance_m_pa_per_size) {
+  Pressed at{term.sums(positions_m, untouched), Eigen::Matrix3Xd::Zero(3, positions_m.cols())};
+  for (ContactTouch& touch : at.sums.touches)
+    touch.pressure_pa =
+        -touch.gap_m / (compliance_m_pa_per_size * term.points().face_size_m(touch.pair % term.points().count()));
+  term.add_forces(at.sums, at.forces_n);
+  return at;
+}
+
+// Legs that overlap by 20 um, with rough inner sides. The curved part of the matrix counts a hundredth of the whole.
+TEST(SelfContact, ItsMatrixIsTheDerivativeOfItsForces) {
+  Body body(clip_mesh({6, 14, 1}), kSilicone);
+  body.let_touch_itself();
+  const ContactTerm term(body);
+  Eigen::Matrix3Xd x = body.mesh().nodes_m;
+  const ContactState untouched = term.untouched(x, 0.0);
+  for (Eigen::Index node = 0; node < x.cols(); ++node) {
+    if (x(0, node) < 0.02 || std::abs(x(1, node)) < 0.005) continue;
+    x(1, node) -= std::copysign(0.00601 + 4e-6 * std::sin(97.0 * double(node)), x(1, node));
+  }
+  const double per_size = 0.002 / kSilicone.youngs_modulus_pa;
+  const Pressed here = pressed_at(term, untouched, x, per_size);
+  ASSERT_GT(here.sums.touches.size(), 20u);
+  const auto matrix = [&](bool convex) {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(x.size(), x.size());
+    for (const ContactTouch& touch : here.sums.touches) {
+      const std::vector<int> nodes = term.skin().nodes(term.faces_of(touch));
+      const Eigen::MatrixXd dense = term.skin_hessian(touch, convex, false);
+      for (std::size_t a = 0; a < nodes.size(); ++a)
+        for (std::size_t b = 0; b < nodes.size(); ++b)
+          sum.block<3, 3>(3 * nodes[a], 3 * nodes[b]) += dense.block<3, 3>(3 * Eigen::Index(a), 3 * Eigen::Index(b));
+    }
+    return sum;
+  };
+  const Eigen::MatrixXd whole = matrix(false), flat = matrix(true);
+  EXPECT_TRUE(whole.isApprox(whole.transpose(), 1e-12));
+  const Eigen::Index some = x.size() / 7;
+  Eigen::MatrixXd wrong(x.size(), some), curved(x.size(), some);
+  for (Eigen::Index column = 0; column < some; ++column) {
+    const Eigen::Index i = 7 * column;
+    Eigen::Matrix3Xd more = x, less = x;
+    more.data()[i] += 1e-9;
+    less.data()[i] -= 1e-9;
+    const Eigen::Matrix3Xd forces_n =
+        (pressed_at(term, untouched, more, per_size).forces_n - pressed_at(term, untouched, less, per_size).forces_n) /
+        2e-9;
+    wrong.col(column) = Eigen::Map<const Eigen::VectorXd>(forces_n.data(), forces_n.size()) - whole.col(i);
+    curved.col(column) = whole.col(i) - flat.col(i);
+  }
+  ASSERT_GT(curved.norm(), 1e-4 * whole.norm());
+  EXPECT_LT(wrong.norm(), 0.05 * curved.norm());
+  EXPECT_LT(here.forces_n.rowwise().sum().norm(), 1e-12 * here.forces_n.norm());
+}
+
+// Its two sides are nearer than a face is wide, and face away from one another.
+TEST(SelfContact, TheSidesOfAThinWallDoNotTouch) {
+  const auto bent = [](bool touches_itself) {
+    Body body(box_mesh({0, 0, 0}, {0.06, 0.001, 0.02}, {8, 1, 3}), kSilicone);
+    body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, true, true});
+    body.set_gravity({0, -9.81, 0});
+    if (touches_itself) body.let_touch_itself();
+    Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+    EXPECT_TRUE(simulation.solve_equilibrium().converged);
+    if (touches_itself) {
+      EXPECT_EQ(simulation.contacts().back().area_m2, 0.0);
+    }
+    return simulation.state().positions_m;
+  };
+  EXPECT_TRUE(bent(true) == bent(false));
+}
+
+TEST(SelfContact, ARestoredStateGoesOnAsIfItHadNeverStopped) {
+  Simulation one = pressed_clip({12, 14, 1}, 1000.0), other = pressed_clip({12, 14, 1}, 1000.0);
+  int touching = 0;
+  for (int i = 0; i < 12; ++i) {
+    one.step();
+    if (one.contacts().back().area_m2 > 0.0) ++touching;
+  }
+  EXPECT_GT(touching, 0);
+  other.set_state(one.state());
+  for (int i = 0; i < 4; ++i) {
+    one.step();
+    other.step();
+  }
+  EXPECT_TRUE(one.state() == other.state());
+}
+
+TEST(SelfContact, IsRefusedByTheSolverThatDoesNotKnowIt) {
+  Body body(clip_mesh({6, 14, 1}), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  body.let_touch_itself();
+  SolverOptions options;
+  options.method = SolverOptions::Method::xpbd;
+  EXPECT_THROW(Simulation(std::move(body), {}, {}, options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -80,8 +80,8 @@ TEST(RunScene, WritesWhatTouchesAndNothingElse) {
             (Names{"markers", "cables", "chambers", "reaction", "reactions", "contacts", "solver"}));
   ASSERT_EQ(outcome.json["contacts"].size(), 1u);
   const Json& post = outcome.json["contacts"][0];
-  EXPECT_EQ(keys(post),
-            (Names{"between", "force_n", "area_m2", "largest_penetration_m", "sticking_area_m2", "slipping_area_m2"}));
+  EXPECT_EQ(keys(post), (Names{"between", "force_n", "normal_force_n", "area_m2", "largest_penetration_m",
+                               "sticking_area_m2", "slipping_area_m2"}));
   EXPECT_EQ(post["between"], Json({"skin", "post"}));
   EXPECT_GT(post["force_n"][1].get<double>(), 0.01);
   EXPECT_LT(post["largest_penetration_m"].get<double>(), 1e-5);

@@ -45,6 +45,14 @@ FaceNodes nodes_of(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3X
   return nodes;
 }
 
+// Of the face as a Bezier triangle, which lies between them.
+FaceNodes control_points(const FaceNodes& nodes) {
+  FaceNodes points = nodes;
+  for (int edge = 0; edge < 3 && nodes.cols() == 6; ++edge)
+    points.col(3 + edge) = 2.0 * nodes.col(3 + edge) - 0.5 * (nodes.col(edge) + nodes.col((edge + 1) % 3));
+  return points;
+}
+
 Eigen::Vector2d into_triangle(Eigen::Vector2d local) {
   local = local.cwiseMax(0.0);
   const double beyond = local.sum() - 1.0;
@@ -126,10 +134,15 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   const auto count = static_cast<int>(others_.cols());
   middles_m_.resize(3, count);
   radii_m_.resize(count);
+  low_m_.resize(3, count);
+  high_m_.resize(3, count);
   for (int face = 0; face < count; ++face) {
     const FaceNodes nodes = nodes_of(others_, face, positions_m);
     middles_m_.col(face) = nodes.rowwise().mean();
     radii_m_[face] = (nodes.colwise() - middles_m_.col(face)).colwise().norm().maxCoeff();
+    const FaceNodes around = control_points(nodes);
+    low_m_.col(face) = around.rowwise().minCoeff();
+    high_m_.col(face) = around.rowwise().maxCoeff();
   }
   const bool near_enough = near_at_m_.cols() == positions_m.cols() &&
                            (positions_m - near_at_m_).colwise().squaredNorm().maxCoeff() < 0.25 * margin_m_ * margin_m_;
@@ -189,7 +202,8 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
   std::optional<SkinGap> best;
   for (const int other : near_[static_cast<std::size_t>(face)]) {
     const double reach_m = best ? std::abs(best->gap_m) : kDeepest * sizes_m_[other];
-    if ((point_m - middles_m_.col(other)).norm() > radii_m_[other] + reach_m) continue;
+    if ((point_m - low_m_.col(other)).minCoeff() < -reach_m || (high_m_.col(other) - point_m).minCoeff() < -reach_m)
+      continue;
     const std::optional<SkinGap> gap = gap_to(other, point_m, outward, positions_m);
     if (gap && (!best || std::abs(gap->gap_m) < std::abs(best->gap_m))) best = gap;
   }

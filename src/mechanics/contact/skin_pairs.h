@@ -74,6 +74,7 @@ class SkinPairs {
   std::vector<std::vector<int>> near_;
   Eigen::Matrix3Xd middles_m_;  // at the present positions
   Eigen::VectorXd radii_m_;
+  Eigen::Matrix3Xd low_m_, high_m_;  // corners of a box around each face
 };
 
 }  // namespace soft_robot_lab

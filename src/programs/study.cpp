@@ -118,15 +118,12 @@ RunProgress run(const Arguments& arguments, const StudySettings& study, const st
 }
 
 int finish(const Arguments& arguments, const StudySettings& study, const ResultsTable& table) {
-  write_file(arguments.output + "/results.csv", results_csv(table));
-  write_file(arguments.output + "/results.npy", results_npy(table));
+  write_results(table, arguments.output);
   std::cout << study_summary(study, table);
   write_study_report(study, table, arguments.output);
   std::cout << arguments.output << "/report.html\n";
   if (interrupted != 0) std::cerr << "study: stopped; the same command goes on from here\n";
-  const bool good =
-      std::all_of(table.states.begin(), table.states.end(), [](const auto& state) { return state == "good"; });
-  return good ? kGood : kNotGood;
+  return table.all_good() ? kGood : kNotGood;
 }
 
 int run_study(const Arguments& arguments) {

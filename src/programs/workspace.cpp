@@ -81,14 +81,12 @@ int show_workspace(const Arguments& arguments) {
   std::signal(SIGTERM, interrupt);
   find_points(arguments, plan, scene.simulation->model(), journal);
   const ResultsTable table = workspace_table(plan, journal);
-  write_file(arguments.output + "/results.csv", results_csv(table));
-  write_file(arguments.output + "/results.npy", results_npy(table));
+  write_results(table, arguments.output);
   std::cout << workspace_summary(plan, table);
   write_workspace_report(plan, table, arguments.output);
   std::cout << arguments.output << "/workspace.html\n";
   if (interrupted != 0) std::cerr << "workspace: stopped; the same command goes on from here\n";
-  const bool all = std::all_of(table.states.begin(), table.states.end(), [](const auto& s) { return s == "good"; });
-  return all ? kGood : kNotGood;
+  return table.all_good() ? kGood : kNotGood;
 }
 
 }  // namespace

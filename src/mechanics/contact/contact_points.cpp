@@ -2,7 +2,6 @@
 #include "contact_points.h"
 
 #include <cmath>
-#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -24,10 +23,9 @@ bool held(const Body& body, Eigen::Index face) {
 
 ContactPoints::ContactPoints(const Body& body) {
   const TetMesh& mesh = body.mesh();
-  std::vector<Eigen::Index> free;
-  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face)
-    if (!held(body, face)) free.push_back(face);
-  faces_ = mesh.faces(Eigen::all, free);
+  for (int face = 0; face < mesh.faces.cols(); ++face)
+    if (!held(body, face)) mesh_faces_.push_back(face);
+  faces_ = mesh.faces(Eigen::all, mesh_faces_);
   const int nodes = nodes_per_face();
   shape_.resize(nodes, kPointsPerFace);
   along_r_.resize(nodes, kPointsPerFace);

@@ -3,6 +3,8 @@
 // quadratic triangle integrate to zero, so forces at nodes would miss a uniform pressure.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "soft_robot_lab/mechanics/body.h"
@@ -23,7 +25,8 @@ class ContactPoints {
   static int face_of(int point) { return point / kPointsPerFace; }
 
   int node(int face, int corner) const { return faces_(corner, face); }
-  const Eigen::MatrixXi& faces() const { return faces_; }  // nodes x faces
+  const Eigen::MatrixXi& faces() const { return faces_; }             // nodes x faces
+  const std::vector<int>& mesh_faces() const { return mesh_faces_; }  // which of the mesh's they are
   // Of the face's nodes at the point.
   auto shape(int point) const { return shape_.col(point % kPointsPerFace); }
   double weight_m2(int point) const { return weights_m2_[point]; }          // share of the rest area
@@ -35,6 +38,7 @@ class ContactPoints {
 
  private:
   Eigen::MatrixXi faces_;
+  std::vector<int> mesh_faces_;
   Eigen::MatrixXd shape_;              // nodes x points of a face
   Eigen::MatrixXd along_r_, along_s_;  // its derivatives
   Eigen::VectorXd weights_m2_, sizes_m_;

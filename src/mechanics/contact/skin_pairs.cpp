@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <Eigen/Geometry>
@@ -25,16 +24,6 @@ constexpr int kMostIterations = 12;
 Eigen::Vector3d corner_normal(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
   const Eigen::Vector3d a = positions_m.col(faces(0, face));
   return (positions_m.col(faces(1, face)) - a).cross(positions_m.col(faces(2, face)) - a);
-}
-
-// Second derivatives of the shape functions: along rr, ss, rs.
-Eigen::Matrix<double, 6, 3> second_derivatives(Eigen::Index nodes) {
-  Eigen::Matrix<double, 6, 3> all = Eigen::Matrix<double, 6, 3>::Zero();
-  if (nodes != 6) return all;
-  all.col(0) << 4, 4, 0, -8, 0, 0;
-  all.col(1) << 4, 0, 4, 0, 0, -8;
-  all.col(2) << 4, 0, 0, -4, 4, -4;
-  return all;
 }
 
 using FaceNodes = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 6>;
@@ -101,46 +90,37 @@ std::vector<std::pair<int, int>> overlapping(const Eigen::MatrixXi& faces, const
 }  // namespace
 
 SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
-    : faces_(points.faces()), others_(body.mesh().faces), margin_m_(kMargin * body.size_m()) {
+    : faces_(body.mesh().faces), same_(points.mesh_faces()), margin_m_(kMargin * body.size_m()) {
   const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
-  const auto count = static_cast<int>(others_.cols());
+  const auto count = static_cast<int>(faces_.cols());
   rest_middles_m_.resize(3, count);
   rest_normals_.resize(3, count);
   sizes_m_.resize(count);
-  std::map<std::vector<int>, int> place;
   for (int face = 0; face < count; ++face) {
-    const Eigen::Vector3d area_m2 = corner_normal(others_, face, nodes_m);
-    rest_middles_m_.col(face) = nodes_of(others_, face, nodes_m).rowwise().mean();
+    const Eigen::Vector3d area_m2 = corner_normal(faces_, face, nodes_m);
+    rest_middles_m_.col(face) = nodes_of(faces_, face, nodes_m).rowwise().mean();
     rest_normals_.col(face) = area_m2.normalized();
     sizes_m_[face] = std::sqrt(area_m2.norm());
-    place[{others_.col(face).begin(), others_.col(face).end()}] = face;
   }
-  for (Eigen::Index face = 0; face < faces_.cols(); ++face)
-    same_.push_back(place.at({faces_.col(face).begin(), faces_.col(face).end()}));
   largest_size_m_ = sizes_m_.maxCoeff();
 }
 
 bool SkinPairs::counts(int face, int other) const {
-  const auto mine = faces_.col(face), theirs = others_.col(other);
+  const int same = same_[static_cast<std::size_t>(face)];
+  const auto mine = faces_.col(same), theirs = faces_.col(other);
   for (Eigen::Index a = 0; a < mine.size(); ++a)
     if (std::find(theirs.begin(), theirs.end(), mine[a]) != theirs.end()) return false;
-  const int same = same_[static_cast<std::size_t>(face)];
   const Eigen::Vector3d between_m = rest_middles_m_.col(same) - rest_middles_m_.col(other);
   const bool behind = between_m.dot(rest_normals_.col(other)) < -1e-9 * largest_size_m_;
   return !(behind && between_m.norm() < kBehind * largest_size_m_);
 }
 
 void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
-  const auto count = static_cast<int>(others_.cols());
-  middles_m_.resize(3, count);
-  radii_m_.resize(count);
+  const auto count = static_cast<int>(faces_.cols());
   low_m_.resize(3, count);
   high_m_.resize(3, count);
   for (int face = 0; face < count; ++face) {
-    const FaceNodes nodes = nodes_of(others_, face, positions_m);
-    middles_m_.col(face) = nodes.rowwise().mean();
-    radii_m_[face] = (nodes.colwise() - middles_m_.col(face)).colwise().norm().maxCoeff();
-    const FaceNodes around = control_points(nodes);
+    const FaceNodes around = control_points(nodes_of(faces_, face, positions_m));
     low_m_.col(face) = around.rowwise().minCoeff();
     high_m_.col(face) = around.rowwise().maxCoeff();
   }
@@ -151,8 +131,8 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
 
 void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
   near_at_m_ = positions_m;
-  near_.assign(static_cast<std::size_t>(faces_.cols()), {});
-  std::vector<int> mine(static_cast<std::size_t>(others_.cols()), -1);
+  near_.assign(same_.size(), {});
+  std::vector<int> mine(static_cast<std::size_t>(faces_.cols()), -1);
   for (std::size_t face = 0; face < same_.size(); ++face)
     mine[static_cast<std::size_t>(same_[face])] = static_cast<int>(face);
   const auto add = [&](int face, int other) {
@@ -160,7 +140,7 @@ void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
     if (own >= 0 && counts(own, other)) near_[static_cast<std::size_t>(own)].push_back(other);
   };
   const double wider_m = 0.5 * (margin_m_ + kDeepest * largest_size_m_) + 1e-6 * positions_m.cwiseAbs().maxCoeff();
-  for (const auto& [a, b] : overlapping(others_, positions_m, wider_m)) {
+  for (const auto& [a, b] : overlapping(faces_, positions_m, wider_m)) {
     if (a == b) continue;
     add(a, b);
     add(b, a);
@@ -174,7 +154,7 @@ void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
 // What a point finds on one face, where it is in front of it, or not deeper inside than counts.
 std::optional<SkinGap> SkinPairs::gap_to(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                          const Eigen::Matrix3Xd& positions_m) const {
-  const FaceNodes nodes = nodes_of(others_, other, positions_m);
+  const FaceNodes nodes = nodes_of(faces_, other, positions_m);
   const Eigen::Vector2d local = closest(nodes, point_m);
   const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
   const Eigen::Matrix<double, 3, 2> tangents = nodes * shape.slopes.transpose();
@@ -190,8 +170,7 @@ std::optional<SkinGap> SkinPairs::gap_to(int other, const Eigen::Vector3d& point
   gap.at.shape.head(nodes.cols()) = shape.values;
   gap.at.slopes.topRows(nodes.cols()) = shape.slopes.transpose();
   gap.at.dual_per_m = tangents * Eigen::Matrix2d(tangents.transpose() * tangents).inverse();
-  const Eigen::Vector3d bends =
-      (nodes * second_derivatives(nodes.cols()).topRows(nodes.cols())).transpose() * gap.normal;
+  const Eigen::Vector3d bends = (nodes * face_bends(nodes.cols())).transpose() * gap.normal;
   const Eigen::Matrix2d curvature = (Eigen::Matrix2d() << bends[0], bends[2], bends[2], bends[1]).finished();
   gap.curvature_per_m = gap.at.dual_per_m * curvature * gap.at.dual_per_m.transpose();
   return gap;
@@ -210,13 +189,20 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
   return best;
 }
 
-std::vector<FacePair> SkinPairs::likely() const {
+std::vector<FacePair> SkinPairs::likely(const Eigen::Matrix3Xd& positions_m) const {
+  Eigen::Matrix3Xd middles_m(3, faces_.cols());
+  Eigen::VectorXd radii_m(faces_.cols());
+  for (int face = 0; face < faces_.cols(); ++face) {
+    const FaceNodes nodes = nodes_of(faces_, face, positions_m);
+    middles_m.col(face) = nodes.rowwise().mean();
+    radii_m[face] = (nodes.colwise() - middles_m.col(face)).colwise().norm().maxCoeff();
+  }
   std::vector<FacePair> pairs;
   for (std::size_t face = 0; face < near_.size(); ++face) {
     const int same = same_[face];
     for (const int other : near_[face]) {
-      const double reach_m = radii_m_[same] + radii_m_[other] + kLikely * sizes_m_[other];
-      if ((middles_m_.col(same) - middles_m_.col(other)).norm() < reach_m)
+      const double reach_m = radii_m[same] + radii_m[other] + kLikely * sizes_m_[other];
+      if ((middles_m.col(same) - middles_m.col(other)).norm() < reach_m)
         pairs.emplace_back(static_cast<int>(face), other);
     }
   }
@@ -224,8 +210,9 @@ std::vector<FacePair> SkinPairs::likely() const {
 }
 
 std::vector<int> SkinPairs::nodes(const FacePair& pair) const {
-  std::vector<int> both(faces_.col(pair.first).begin(), faces_.col(pair.first).end());
-  both.insert(both.end(), others_.col(pair.second).begin(), others_.col(pair.second).end());
+  const auto own = faces_.col(same_[static_cast<std::size_t>(pair.first)]), other = faces_.col(pair.second);
+  std::vector<int> both(own.begin(), own.end());
+  both.insert(both.end(), other.begin(), other.end());
   return both;
 }
 

@@ -43,7 +43,7 @@ class SkinPairs {
   SkinPairs() = default;  // none
   SkinPairs(const Body& body, const ContactPoints& points);
 
-  // Must come before the two below, at the same positions. What it finds serves until a node has moved far; so an
+  // Must come before any_near and meet, at the same positions. What it finds serves until a node has moved far; so an
   // object serves one thread.
   void prepare(const Eigen::Matrix3Xd& positions_m);
 
@@ -52,11 +52,11 @@ class SkinPairs {
   std::optional<SkinGap> meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                               const Eigen::Matrix3Xd& positions_m) const;
 
-  // Pairs that nearly touch, sorted: those that a step may bring together.
-  std::vector<FacePair> likely() const;
+  // Pairs that nearly touch, sorted: those that a step may bring together. Of those near where prepare() was called.
+  std::vector<FacePair> likely(const Eigen::Matrix3Xd& positions_m) const;
 
-  int node(int face, int corner) const { return others_(corner, face); }  // of the mesh's face
-  std::vector<int> nodes(const FacePair& pair) const;                     // of both faces
+  int node(int face, int corner) const { return faces_(corner, face); }  // of the mesh's face
+  std::vector<int> nodes(const FacePair& pair) const;                    // of both faces
 
  private:
   bool counts(int face, int other) const;
@@ -64,17 +64,15 @@ class SkinPairs {
                                 const Eigen::Matrix3Xd& positions_m) const;
   void find_near(const Eigen::Matrix3Xd& positions_m);
 
-  Eigen::MatrixXi faces_, others_;  // nodes x faces: of the points, of the whole mesh
+  Eigen::MatrixXi faces_;  // nodes x faces, of the whole mesh
   Eigen::Matrix3Xd rest_middles_m_, rest_normals_;
-  Eigen::VectorXd sizes_m_;  // of the mesh's faces
-  std::vector<int> same_;    // of each face of the points, the mesh's
+  Eigen::VectorXd sizes_m_;
+  std::vector<int> same_;  // of each face of the points, the mesh's
   double largest_size_m_ = 0.0, margin_m_ = 0.0;
 
   Eigen::Matrix3Xd near_at_m_;  // where near_ was found
   std::vector<std::vector<int>> near_;
-  Eigen::Matrix3Xd middles_m_;  // at the present positions
-  Eigen::VectorXd radii_m_;
-  Eigen::Matrix3Xd low_m_, high_m_;  // corners of a box around each face
+  Eigen::Matrix3Xd low_m_, high_m_;  // corners of a box around each face, at the present positions
 };
 
 }  // namespace soft_robot_lab

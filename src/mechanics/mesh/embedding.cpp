@@ -127,9 +127,8 @@ Location MeshLocator::locate(const Eigen::Vector3d& point_m) const {
   const auto corner = [&](Eigen::Index face, int i) -> Eigen::Vector3d {
     return mesh_.nodes_m.col(mesh_.faces(i, face));
   };
-  constexpr std::array<std::array<int, 3>, 4> kParts{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
   for (Eigen::Index face = 0; face < mesh_.faces.cols(); ++face) {
-    for (const auto& part : kParts) {
+    for (const auto& part : kFaceQuarters) {
       const bool whole = mesh_.faces.rows() == 3;
       const Eigen::Vector3d candidate =
           whole ? nearest_on_triangle(point_m, corner(face, 0), corner(face, 1), corner(face, 2))

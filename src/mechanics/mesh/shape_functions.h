@@ -61,6 +61,25 @@ inline FaceShape face_shape(Eigen::Index node_count, double r, double s) {
   return shape;
 }
 
+// Second derivatives of the same, nodes x 3: d2/dr2, d2/ds2, d2/(dr ds). They are the same all over the face.
+inline Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 6, 3> face_bends(Eigen::Index node_count) {
+  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 6, 3> bends;
+  bends.setZero(node_count, 3);
+  if (node_count != 6) return bends;
+  bends.col(0) << 4, 4, 0, -8, 0, 0;
+  bends.col(1) << 4, 0, 4, 0, 0, -8;
+  bends.col(2) << 4, 0, 0, -4, 4, -4;
+  return bends;
+}
+
+// A face with 6 nodes as four triangles:
+//         2
+//        / \          .
+//       5---4
+//      / \ / \        .
+//     0---3---1
+inline constexpr std::array<std::array<int, 3>, 4> kFaceQuarters{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+
 // Four points, weight 1/24 each, exact for quadratics.
 inline std::array<Eigen::Vector3d, 4> tet_quadrature_points() {
   constexpr double a = 0.58541019662496845446, b = 0.13819660112501051518;

@@ -114,7 +114,6 @@ class Subdivider {
   }
 
   void split_faces() {
-    constexpr std::array<std::array<int, 3>, 4> kParts{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
     fine_.mesh.faces.resize(coarse_.faces.rows(), 4 * coarse_.faces.cols());
     for (Eigen::Index face = 0; face < coarse_.faces.cols(); ++face) {
       std::array<int, 6> number;
@@ -124,7 +123,7 @@ class Subdivider {
             coarse_.quadratic() ? coarse_.faces(3 + i, face) : middles_.known(number[i], number[(i + 1) % 3]);
       for (int i = 0; i < 4; ++i) {
         auto nodes = fine_.mesh.faces.col(4 * face + i);
-        for (int k = 0; k < 3; ++k) nodes[k] = number[kParts[i][k]];
+        for (int k = 0; k < 3; ++k) nodes[k] = number[kFaceQuarters[i][k]];
         for (int k = 0; k < 3 && coarse_.quadratic(); ++k) nodes[3 + k] = middles_.known(nodes[k], nodes[(k + 1) % 3]);
         fine_.mesh.face_surface.push_back(coarse_.face_surface[face]);
       }

@@ -53,11 +53,11 @@ std::string other_than_skin(const YamlNode& item) {
 }
 
 // One coefficient for all pairs, or a list of pairs.
-void read_friction(const YamlNode& contact, std::vector<Obstacle>& obstacles) {
+void read_friction(const YamlNode& contact, bool self, std::vector<Obstacle>& obstacles) {
   const std::optional<YamlNode> node = contact.optional_child("friction");
   if (!node) return;
   if (node->is_scalar()) {
-    if (contact.boolean_or("self", false))
+    if (self)
       node->fail(
           "is of every pair, but skin on skin knows none yet; list pairs instead: {between: [skin, NAME], "
           "coefficient: 0.3}");
@@ -96,7 +96,7 @@ void read_contact(const YamlNode& scene, Body& body) {
   std::vector<Obstacle> obstacles;
   const std::vector<YamlNode> items = contact->optional_sequence("obstacles");
   for (const YamlNode& item : items) obstacles.push_back({read_name(item), read_shape(item), read_motion(item), 0.0});
-  read_friction(*contact, obstacles);
+  read_friction(*contact, body.touches_itself(), obstacles);
   for (std::size_t i = 0; i < items.size(); ++i)
     obstacles[i].friction = items[i].number_or("friction", obstacles[i].friction, AllowedRange::not_negative());
   in_section(*contact, [&] { body.set_obstacles(std::move(obstacles)); });

@@ -42,23 +42,23 @@ void SceneMotion::set_command(const std::string& actuator, double command) {
 }
 
 SolveReport SceneMotion::step() {
-  if (fast_) {
-    const Clock::time_point start = Clock::now();
-    const ReducedReport done = fast_->step();
-    if (done.converged) return finish(report_of(done, start));
-    leave("a step of the reduced model did not converge");
-  }
-  return finish(simulation_.step());
+  const auto done = by_reduced(&ReducedSimulation::step, "a step of the reduced model did not converge");
+  return finish(done ? *done : simulation_.step());
 }
 
 SolveReport SceneMotion::solve_equilibrium() {
-  if (fast_) {
-    const Clock::time_point start = Clock::now();
-    const ReducedReport done = fast_->solve_equilibrium();
-    if (done.converged) return finish(report_of(done, start));
-    leave("the reduced model found no equilibrium");
-  }
-  return finish(simulation_.solve_equilibrium());
+  const auto done = by_reduced(&ReducedSimulation::solve_equilibrium, "the reduced model found no equilibrium");
+  return finish(done ? *done : simulation_.solve_equilibrium());
+}
+
+std::optional<SolveReport> SceneMotion::by_reduced(ReducedReport (ReducedSimulation::*move)(),
+                                                   const std::string& failure) {
+  if (!fast_) return std::nullopt;
+  const Clock::time_point start = Clock::now();
+  const ReducedReport done = ((*fast_).*move)();
+  if (done.converged) return report_of(done, start);
+  leave(failure);
+  return std::nullopt;
 }
 
 SolveReport SceneMotion::finish(SolveReport report) {
@@ -90,7 +90,7 @@ void SceneMotion::show() {
   if (!fast_) return;
   const ReducedState& from = fast_->state();
   const ReducedBasis& basis = fast_->model().basis;
-  SimulationState to = SimulationState(simulation_.state());
+  SimulationState to = simulation_.state();
   const Eigen::VectorXd velocities = basis.modes * from.velocity;
   to.time_s = from.time_s;
   to.positions_m = fast_->positions_m();

@@ -30,6 +30,8 @@ class SceneMotion {
   void show();  // gives the simulation the present state
 
  private:
+  // Nothing where there is no reduced model, or it failed and was left.
+  std::optional<SolveReport> by_reduced(ReducedReport (ReducedSimulation::*move)(), const std::string& failure);
   void leave(const std::string& why);
   SolveReport finish(SolveReport report);  // with the warnings
 

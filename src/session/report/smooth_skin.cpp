@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "geometry/mesh_tree.h"
+#include "mechanics/mesh/shape_functions.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -14,23 +15,16 @@ const double kCrease = std::cos(40.0 * M_PI / 180.0);
 constexpr int kRays = 48;        // from each place
 constexpr double kReach = 0.33;  // of the body's diagonal
 
-//         2
-//        / \          a face with mid-edge nodes 3 (01), 4 (12), 5 (20)
-//       5---4         becomes four triangles
-//      / \ / \        .
-//     0---3---1
-constexpr int kQuarters[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
-
-// Derivatives of the six shape functions by the barycentric coordinates of corners 1 and 2, at each of the six nodes.
+// Derivatives of the six shape functions along the face's coordinates, at each of the six nodes.
 struct Slopes {
   Eigen::Matrix<double, 6, 6> r, s;  // function x node
 
   Slopes() {
     constexpr double places[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
     for (int node = 0; node < 6; ++node) {
-      const double b = places[node][0], c = places[node][1], a = 1.0 - b - c;
-      r.col(node) << 1 - 4 * a, 4 * b - 1, 0, 4 * (a - b), 4 * c, -4 * c;
-      s.col(node) << 1 - 4 * a, 0, 4 * c - 1, -4 * b, 4 * b, 4 * (a - c);
+      const FaceShape shape = face_shape(6, places[node][0], places[node][1]);
+      r.col(node) = shape.slopes.row(0).transpose();
+      s.col(node) = shape.slopes.row(1).transpose();
     }
   }
 };
@@ -100,7 +94,7 @@ void SmoothSkin::cut_faces() {
       triangles_.push_back({{corner(0, face), corner(1, face), corner(2, face)}, number});
       continue;
     }
-    for (const auto& q : kQuarters)
+    for (const auto& q : kFaceQuarters)
       triangles_.push_back({{corner(q[0], face), corner(q[1], face), corner(q[2], face)}, number});
   }
 }

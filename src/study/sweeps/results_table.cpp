@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 
+#include "settings/write_file.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -91,6 +93,10 @@ Values flatten(const Json& result) {
   return values;
 }
 
+bool ResultsTable::all_good() const {
+  return std::all_of(states.begin(), states.end(), [](const std::string& state) { return state == "good"; });
+}
+
 std::vector<double> ResultsTable::numbers(std::size_t result) const {
   std::vector<double> values;
   for (const Json& cell : columns[result])
@@ -153,6 +159,11 @@ std::string results_npy(const ResultsTable& table) {
   for (std::size_t row = 0; row < table.tasks.size(); ++row)
     for (const auto& column : columns) append_little_endian(bytes, &column.second[row], sizeof(double));
   return bytes;
+}
+
+void write_results(const ResultsTable& table, const std::string& folder) {
+  write_file(folder + "/results.csv", results_csv(table));
+  write_file(folder + "/results.npy", results_npy(table));
 }
 
 }  // namespace soft_robot_lab

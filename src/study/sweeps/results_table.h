@@ -24,6 +24,8 @@ struct ResultsTable {
   std::vector<std::string> states, reasons;                  // "" for tasks that were not run
   std::vector<StudyTask> tasks;
 
+  bool all_good() const;
+
   // Of a column, NaN where it holds no number; truth counts as 1.
   std::vector<double> numbers(std::size_t result) const;
 };
@@ -35,5 +37,8 @@ std::string results_csv(const ResultsTable& table);
 
 // A NumPy array with a named field of doubles for each parameter and each result that is a number: numpy.load(FILE).
 std::string results_npy(const ResultsTable& table);
+
+// Both into a folder, as results.csv and results.npy.
+void write_results(const ResultsTable& table, const std::string& folder);
 
 }  // namespace soft_robot_lab

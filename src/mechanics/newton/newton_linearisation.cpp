@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Newton's matrix: how it is put together, factorised, and made again for a saved state.
+#include <algorithm>
+
+#include "mechanics/solver_constants.h"
+#include "newton_solver.h"
+
+namespace soft_robot_lab {
+
+bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
+                             const std::shared_ptr<const StrainTarget>& strain_target, bool convex) {
+  linearisation_.reset();
+  matrix_.set_zero();
+  elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
+  if (strain_target) springs_.add_hessian(state.positions_m, *strain_target, convex, matrix_);
+  if (!soft_contact_) touches_ = contact_.sums(state.positions_m, state.contact).touches;
+  if (!add_rest_and_factorise(state, inertia_per_s2, convex)) return false;
+  if (!convex)
+    linearisation_ = std::make_shared<Linearisation>(
+        Linearisation{state, inertia_per_s2, strain_target, with_skin_ ? with_skin_->pattern : nullptr});
+  return true;
+}
+
+bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inertia_per_s2, bool convex) {
+  if (inertia_per_s2 > 0.0) {
+    for (int node = 0; node < layout_.node_count; ++node)
+      matrix_.add_to_diagonal(node, inertia_per_s2 * body_.node_masses_kg()[node]);
+  }
+  for (int i = 0; i < constraint_count(); ++i) {
+    if (state.constraint_multipliers[i] == 0.0) continue;
+    CliqueAdder hessian(matrix_, tables_->cliques[static_cast<std::size_t>(i)]);
+    constraints_[i].add_hessian(state.positions_m, state.drives, state.constraint_multipliers[i], hessian);
+  }
+  const double tie = constants::kTieStiffness * body_.material().youngs_modulus_pa * body_.size_m();
+  CliqueAdder ties(matrix_, tables_->ties);
+  for (int point = 0; point < layout_.point_count; ++point)
+    ties.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
+  CliqueAdder faces(matrix_, tables_->faces);
+  contact_.add_hessian(touches_, convex, soft_contact_, faces);
+  if (!factorise(state.positions_m, convex)) return false;
+  border_ = border(state);
+  border_solved_ = solve(border_);
+  return true;
+}
+
+bool NewtonSolver::factorise(const Eigen::Matrix3Xd& positions_m, bool convex) {
+  std::vector<FacePair> closed;
+  for (const ContactTouch& touch : touches_)
+    if (touch.closed && touch.on_skin()) closed.push_back(contact_.faces_of(touch));
+  if (closed.empty()) {
+    with_skin_.reset();
+    matrix_.hold(body_.fixed());
+    return factor_.factorise(matrix_);
+  }
+  include_in_pattern(positions_m, std::move(closed));
+  if (!with_skin_ || with_skin_->pattern != contact_pattern_)
+    with_skin_ = std::make_unique<ContactMatrix>(contact_pattern_);
+  contact_pattern_->copy(matrix_, with_skin_->matrix);
+  CliqueAdder pairs(with_skin_->matrix, contact_pattern_->places());
+  for (const ContactTouch& touch : touches_)
+    if (touch.closed && touch.on_skin())
+      pairs.add_dense(contact_pattern_->index_of(contact_.faces_of(touch)),
+                      contact_.skin_hessian(touch, convex, soft_contact_));
+  with_skin_->matrix.hold(body_.fixed());
+  return with_skin_->factor.factorise(with_skin_->matrix);
+}
+
+// A new pattern takes in what will soon touch too, so that it lasts.
+void NewtonSolver::include_in_pattern(const Eigen::Matrix3Xd& positions_m, std::vector<FacePair> closed) {
+  const auto known = [&](const FacePair& pair) { return contact_pattern_->index_of(pair) >= 0; };
+  if (contact_pattern_ && std::all_of(closed.begin(), closed.end(), known)) return;
+  const std::vector<FacePair> likely = contact_.skin().likely(positions_m);
+  closed.insert(closed.end(), likely.begin(), likely.end());
+  std::sort(closed.begin(), closed.end());
+  closed.erase(std::unique(closed.begin(), closed.end()), closed.end());
+  std::vector<std::vector<int>> cliques;
+  for (const FacePair& pair : closed) cliques.push_back(contact_.skin().nodes(pair));
+  contact_pattern_ =
+      std::make_shared<const ContactPattern>(matrix_.pattern(), *tables_->factor, std::move(closed), cliques);
+}
+
+bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2,
+                                 const std::shared_ptr<const StrainTarget>& strain_target) const {
+  return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 &&
+         linearisation_->strain_target == strain_target && linearisation_->at.positions_m == state.positions_m &&
+         linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
+         linearisation_->at.constraint_multipliers == state.constraint_multipliers &&
+         linearisation_->at.contact == state.contact;
+}
+
+void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
+  if (linearisation == linearisation_) return;
+  linearisation_.reset();
+  if (linearisation && linearisation->contact_pattern) contact_pattern_ = linearisation->contact_pattern;
+  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, linearisation->strain_target, false);
+}
+
+Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(3 * matrix_.node_count(), right_hand_sides.cols());
+  x.topRows(right_hand_sides.rows()) = right_hand_sides;
+  factor().solve(x);
+  return x.topRows(right_hand_sides.rows());
+}
+
+}  // namespace soft_robot_lab

@@ -44,7 +44,13 @@ std::string binary_stl(const MouldPart& part) {
   return bytes;
 }
 
-OrderedJson triple(const Eigen::Vector3d& value) { return {value.x(), value.y(), value.z()}; }
+// Turning parts and directions leaves zeros with a sign, which a reader takes for an error.
+Eigen::Vector3d without_negative_zeros(const Eigen::Vector3d& value) { return value + Eigen::Vector3d::Zero(); }
+
+OrderedJson triple(const Eigen::Vector3d& value) {
+  const Eigen::Vector3d shown = without_negative_zeros(value);
+  return {shown.x(), shown.y(), shown.z()};
+}
 
 OrderedJson part_json(const MouldPart& part) {
   OrderedJson json;
@@ -105,7 +111,7 @@ std::vector<std::string> steps_of(const Mould& mould) {
   steps.push_back("Let it cure as its maker states.");
   if (!mould.plan.air_holes.empty()) steps.push_back("Open the air holes.");
   std::ostringstream way;
-  way << mould.plan.direction.transpose();
+  way << without_negative_zeros(mould.plan.direction).transpose();
   steps.push_back(mould.plan.two_part
                       ? "Take out the bolts, and pull the halves apart along [" + way.str() + "] of the robot's axes."
                       : "Pull the robot out along [" + way.str() + "] of its own axes.");

@@ -193,6 +193,15 @@ TEST(MakeMould, WritesTheHangingBarsMouldWhole) {
     EXPECT_EQ(entry.path().filename().string().rfind("mould.", 0), std::string::npos) << entry.path();
 }
 
+TEST(MakeMould, WritesZerosOfDirectionsWithoutASign) {
+  Mould mould;
+  mould.plan.direction = Eigen::Vector3d(-0.0, -0.0, 1);
+  mould.plan.frame = -Eigen::Matrix3d::Identity();
+  EXPECT_EQ(mould_json(mould).find("-0.0"), std::string::npos) << mould_json(mould);
+  EXPECT_NE(mould_instructions(mould, "bar").find("along [0 0 1]"), std::string::npos)
+      << mould_instructions(mould, "bar");
+}
+
 TEST(MakeMould, LeavesFoldersOfOthersAlone) {
   const SceneFolder folder;
   folder.write("mine/notes.txt", "kept");

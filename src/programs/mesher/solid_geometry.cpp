@@ -2,6 +2,7 @@
 #include "solid_geometry.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <stdexcept>
 
@@ -95,6 +96,40 @@ Volumes build_combination(const Solid& solid, bool cut) {
   return rest;
 }
 
+void turn(const Volumes& volumes, const Solid& solid, double angle_deg) {
+  const Eigen::Vector3d at = scaled(solid.center_m), axis = solid.axis;
+  occ::rotate(volumes, at.x(), at.y(), at.z(), axis.x(), axis.y(), axis.z(), angle_deg * M_PI / 180);
+}
+
+void shift(const Volumes& volumes, const Eigen::Vector3d& by_m) {
+  const Eigen::Vector3d by = scaled(by_m);
+  occ::translate(volumes, by.x(), by.y(), by.z());
+}
+
+Volumes build_moved(const Solid& solid) {
+  const Volumes volumes = build(solid.parts[0]);
+  const Eigen::Vector3d at = scaled(solid.center_m), n = solid.axis.normalized();
+  if (solid.kind == Kind::rotate) turn(volumes, solid, solid.angle_deg);
+  if (solid.kind == Kind::translate) shift(volumes, solid.by_m);
+  if (solid.kind == Kind::scale) occ::dilate(volumes, at.x(), at.y(), at.z(), solid.factor, solid.factor, solid.factor);
+  if (solid.kind == Kind::mirror) occ::mirror(volumes, n.x(), n.y(), n.z(), -n.dot(at));
+  return volumes;
+}
+
+// Each copy is turned, then moved, once more than the one before.
+Volumes build_array(const Solid& solid) {
+  Volumes all = build(solid.parts[0]);
+  const Volumes first = all;
+  for (int i = 1; i < solid.count; ++i) {
+    Volumes copy;
+    occ::copy(first, copy);
+    if (solid.angle_deg != 0) turn(copy, solid, i * solid.angle_deg);
+    shift(copy, i * solid.by_m);
+    all.insert(all.end(), copy.begin(), copy.end());
+  }
+  return fuse(all);
+}
+
 Volumes build(const Solid& solid) {
   switch (solid.kind) {
     case Kind::box:
@@ -112,6 +147,13 @@ Volumes build(const Solid& solid) {
       return build_combination(solid, true);
     case Kind::intersection:
       return build_combination(solid, false);
+    case Kind::rotate:
+    case Kind::translate:
+    case Kind::scale:
+    case Kind::mirror:
+      return build_moved(solid);
+    case Kind::array:
+      return build_array(solid);
     case Kind::step_file:
       return build_step(solid);
     case Kind::stl_file:

@@ -15,13 +15,21 @@ constexpr double kOnSurface = 1e-5;  // kernel units: 1e-8 m
 constexpr size_t kSamples = 25;      // per surface
 
 struct NamedSolid {
-  const Solid* solid;
+  Solid solid;  // where it stands in the body
   int depth;
 };
 
 void collect(const Solid& solid, int depth, std::vector<NamedSolid>& named) {
-  if (!solid.name.empty()) named.push_back({&solid, depth});
+  if (!solid.name.empty()) named.push_back({solid, depth});
+  const size_t first = named.size();
   for (const Solid& part : solid.parts) collect(part, depth + 1, named);
+  if (!solid.moves()) return;
+  for (size_t i = first; i < named.size(); ++i) {
+    Solid moved = solid;
+    moved.name = named[i].solid.name;
+    moved.parts = {named[i].solid};
+    named[i].solid = moved;
+  }
 }
 
 // The strongest name first.
@@ -100,12 +108,12 @@ std::vector<NamedSurface> name_surfaces(int body, const Solid& solid) {
   std::vector<bool> is_named(entities.size(), false);
   for (const NamedSolid& named : names) {
     gmsh::model::add("named solid");
-    const std::vector<bool> on_boundary = find_on_boundary(points, *named.solid);
+    const std::vector<bool> on_boundary = find_on_boundary(points, named.solid);
     gmsh::model::remove();
     for (size_t i = 0; i < entities.size(); ++i) {
       if (!on_boundary[i] || is_named[i]) continue;
       is_named[i] = true;
-      add(surfaces, named.solid->name, entities[i].second);
+      add(surfaces, named.solid.name, entities[i].second);
     }
   }
   gmsh::model::setCurrent(model);

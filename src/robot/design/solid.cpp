@@ -10,10 +10,13 @@ namespace {
 
 using Kind = Solid::Kind;
 
+constexpr int kMostCopies = 1000;
+
 // In the order of Kind.
 const std::vector<std::string>& kind_names() {
-  static const std::vector<std::string> names = {"box",   "sphere",     "cylinder",     "cone", "extrude",
-                                                 "union", "difference", "intersection", "step", "stl"};
+  static const std::vector<std::string> names = {"box",   "sphere",     "cylinder",     "cone",   "extrude",
+                                                 "union", "difference", "intersection", "rotate", "translate",
+                                                 "scale", "mirror",     "array",        "step",   "stl"};
   return names;
 }
 
@@ -133,6 +136,56 @@ void read_parts(const YamlNode& node, Solid& solid) {
   }
 }
 
+Eigen::Vector3d read_direction(const YamlNode& node, const std::string& key) {
+  const Eigen::Vector3d given = node.vector3(key);
+  if (given.norm() < 1e-9) node.child(key).fail("has no length");
+  return given;
+}
+
+Eigen::Vector3d vector3_or_zero(const YamlNode& node, const std::string& key) {
+  return node.has(key) ? node.vector3(key) : Eigen::Vector3d::Zero().eval();
+}
+
+Solid read_moved(const YamlNode& node) {
+  Solid inner = read_solid(node.child("solid"));
+  if (inner.kind == Kind::stl_file) node.child("solid").fail("an STL file must be the whole solid");
+  return inner;
+}
+
+void read_rotate(const YamlNode& node, Solid& solid) {
+  solid.parts = {read_moved(node)};
+  solid.axis = read_direction(node, "axis");
+  solid.angle_deg = node.number("angle_deg", {-360, 360});
+  solid.center_m = vector3_or_zero(node, "center_m");
+}
+
+void read_translate(const YamlNode& node, Solid& solid) {
+  solid.parts = {read_moved(node)};
+  solid.by_m = node.vector3("by_m");
+}
+
+void read_scale(const YamlNode& node, Solid& solid) {
+  solid.parts = {read_moved(node)};
+  solid.factor = node.number("factor", {1e-3, 1e3});
+  solid.center_m = vector3_or_zero(node, "center_m");
+}
+
+void read_mirror(const YamlNode& node, Solid& solid) {
+  solid.parts = {read_moved(node)};
+  solid.axis = read_direction(node, "normal");
+  solid.center_m = vector3_or_zero(node, "center_m");
+}
+
+void read_array(const YamlNode& node, Solid& solid) {
+  solid.parts = {read_moved(node)};
+  solid.count = node.integer("count", 1, kMostCopies);
+  solid.by_m = vector3_or_zero(node, "by_m");
+  if (node.has("axis")) solid.axis = read_direction(node, "axis");
+  solid.angle_deg = node.number_or("angle_deg", 0, {-360, 360});
+  solid.center_m = vector3_or_zero(node, "center_m");
+  if (solid.by_m.isZero() && solid.angle_deg == 0) node.fail("needs by_m or angle_deg between its copies");
+}
+
 std::string read_file(const YamlNode& node) {
   namespace fs = std::filesystem;
   const fs::path file = fs::absolute(fs::path(node.source()).parent_path() / node.as_text()).lexically_normal();
@@ -159,7 +212,19 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
+std::string moved_text(const Solid& solid) {
+  const std::string inner = "{solid: " + to_yaml(solid.parts[0]), center = ", center_m: " + vector_text(solid.center_m);
+  const std::string axis = vector_text(solid.axis), by = ", by_m: " + vector_text(solid.by_m);
+  const std::string angle = ", angle_deg: " + number_text(solid.angle_deg);
+  if (solid.kind == Kind::rotate) return inner + ", axis: " + axis + angle + center + "}";
+  if (solid.kind == Kind::translate) return inner + by + "}";
+  if (solid.kind == Kind::scale) return inner + ", factor: " + number_text(solid.factor) + center + "}";
+  if (solid.kind == Kind::mirror) return inner + ", normal: " + axis + center + "}";
+  return inner + ", count: " + std::to_string(solid.count) + by + ", axis: " + axis + angle + center + "}";
+}
+
 std::string shape_text(const Solid& solid) {
+  if (solid.moves()) return moved_text(solid);
   const std::string center = "center_m: " + vector_text(solid.center_m);
   const std::string radius = "radius_m: " + number_text(solid.radius_m);
   const std::string axis = "start_m: " + vector_text(solid.start_m) + ", end_m: " + vector_text(solid.end_m);
@@ -181,8 +246,7 @@ std::string shape_text(const Solid& solid) {
     case Kind::intersection:
       for (const Solid& part : solid.parts) list += (list.empty() ? "" : ", ") + to_yaml(part);
       return "[" + list + "]";
-    case Kind::step_file:
-    case Kind::stl_file:
+    default:
       break;
   }
   return quoted(solid.file);
@@ -192,8 +256,9 @@ std::string shape_text(const Solid& solid) {
 
 Solid read_solid(const YamlNode& node) {
   using Read = void (*)(const YamlNode&, Solid&);
-  static constexpr Read readers[] = {read_box,     read_sphere, read_cylinder, read_cone,
-                                     read_extrude, read_parts,  read_parts,    read_parts};
+  static constexpr Read readers[] = {read_box,   read_sphere, read_cylinder, read_cone,   read_extrude,
+                                     read_parts, read_parts,  read_parts,    read_rotate, read_translate,
+                                     read_scale, read_mirror, read_array};
   Solid solid;
   solid.kind = read_kind(node);
   const YamlNode shape = node.child(kind_names()[static_cast<size_t>(solid.kind)]);

@@ -163,6 +163,30 @@ Outcome run(const SceneFolder& folder, const std::string& arguments) {
 
 const std::string kRobots = SOFT_ROBOT_LAB_SOURCE "/config/robots/";
 
+CastRobotFile cast_robot(const std::string& name) {
+  SceneOptions options;
+  options.actuator_factory = make_actuator;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  return load_cast_robot(kRobots + name + "/robot.yaml", options);
+}
+
+double length_m(const SheathPath& path) {
+  double length = 0;
+  for (size_t i = 0; i + 1 < path.points_m.size(); ++i) length += (path.points_m[i + 1] - path.points_m[i]).norm();
+  return length;
+}
+
+TEST(MakeMould, LetsTheCastableRobotsOutAsTheSourcesWere) {
+  for (const auto& [name, cable_m] : {std::pair{"spinebot_castable", 0.0805}, {"hammerbot_castable", 0.1}}) {
+    const CastRobotFile file = cast_robot(name);
+    const CastingVerdict verdict = check_casting(file.robot, file.settings);
+    EXPECT_TRUE(verdict.castable) << name;
+    EXPECT_EQ(verdict.direction, Eigen::Vector3d::UnitY());
+    ASSERT_EQ(file.robot.sheaths.size(), 2u);
+    for (const SheathPath& path : file.robot.sheaths) EXPECT_NEAR(length_m(path), cable_m, 1e-12) << name;
+  }
+}
+
 // A second opinion on an STL file, where admesh is installed: all its counts of what it had to mend.
 void expect_admesh_finds_no_fault(const SceneFolder& folder, const std::string& stl) {
   if (std::system("command -v admesh >/dev/null") != 0) return;

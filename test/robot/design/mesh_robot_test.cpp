@@ -169,6 +169,39 @@ TEST_F(MeshRobot, CombinesSolids) {
   expect_relative(area(mesh, "b"), 2 * kPi * 0.02 * 0.01, 3e-3);
 }
 
+TEST_F(MeshRobot, MovesSolidsAndTheirNames) {
+  const auto box_of = [&](const std::string& how) {
+    const TetMesh mesh = mesh_of(how, 0.01);
+    Eigen::Matrix<double, 3, 2> box;
+    box << mesh.nodes_m.rowwise().minCoeff(), mesh.nodes_m.rowwise().maxCoeff();
+    EXPECT_EQ(mesh.surface_names, std::vector<std::string>{"part"});
+    return box;
+  };
+  const auto expect_box = [&](const std::string& how, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    const auto box = box_of(how);
+    EXPECT_LT((box.col(0) - low).norm() + (box.col(1) - high).norm(), 1e-9) << how << "\n" << box;
+  };
+  const std::string part = "{solid: {box: {size_m: [0.04, 0.02, 0.01], center_m: [0.02, 0, 0]}, name: part}, ";
+  expect_box("{rotate: " + part + "axis: [0, 0, 2], angle_deg: 90}}", {-0.01, 0, -0.005}, {0.01, 0.04, 0.005});
+  expect_box("{rotate: " + part + "axis: [0, 0, 1], angle_deg: 90, center_m: [0.04, 0, 0]}}", {0.03, -0.04, -0.005},
+             {0.05, 0, 0.005});
+  expect_box("{translate: " + part + "by_m: [0.01, 0.02, 0.03]}}", {0.01, 0.01, 0.025}, {0.05, 0.03, 0.035});
+  expect_box("{scale: " + part + "factor: 0.5, center_m: [0.04, 0, 0]}}", {0.02, -0.005, -0.0025},
+             {0.04, 0.005, 0.0025});
+  expect_box("{mirror: " + part + "normal: [2, 0, 0], center_m: [-0.01, 0, 0]}}", {-0.06, -0.01, -0.005},
+             {-0.02, 0.01, 0.005});
+  expect_box("{array: " + part + "count: 3, by_m: [0.03, 0, 0]}}", {0, -0.01, -0.005}, {0.1, 0.01, 0.005});
+}
+
+TEST_F(MeshRobot, TurnsEachCopyOfAnArrayOnceMore) {
+  // Four bars around the z axis: a cross of 80 x 20 mm each way.
+  const TetMesh cross = mesh_of(
+      "{array: {solid: {box: {size_m: [0.04, 0.02, 0.01], center_m: [0.02, 0, 0]}}, count: 4, axis: [0, 0, 1], "
+      "angle_deg: 90}}",
+      0.01);
+  expect_relative(volume(cross), (2 * 0.08 * 0.02 - 0.02 * 0.02) * 0.01, 1e-9);
+}
+
 TEST_F(MeshRobot, NamesTheCavityOfADifference) {
   const TetMesh mesh = mesh_of(std::string("{difference: [") + kBeam + ", " + kCavity + "]}", 0.01);
   expect_relative(volume(mesh), 4e-5 - 8e-6, 1e-12);

@@ -48,6 +48,20 @@ TEST(Solid, WritesWhatItReads) {
   }
 }
 
+TEST(Solid, WritesMovedSolidsAsItReadsThem) {
+  const std::string ball = "{solid: {sphere: {radius_m: 0.1, center_m: [0, 0, 0]}}, ";
+  for (const char* text :
+       {"rotate: %axis: [0, 0.3, 0.4], angle_deg: 30, center_m: [1, 2, 3]}", "translate: %by_m: [1, 2, 3]}",
+        "scale: %factor: 1.5, center_m: [1, 0, 0]}", "mirror: %normal: [0.1, 0.2, 0.3], center_m: [0, 0, 1]}",
+        "array: %count: 3, by_m: [0, 0, 1], axis: [1, 1, 0], angle_deg: 20, center_m: [0, 1, 0]}"}) {
+    std::string filled = text;
+    filled.replace(filled.find('%'), 1, ball);
+    const std::string written = to_yaml(read(filled));
+    EXPECT_EQ(written.substr(1, 5), filled.substr(0, 5));
+    EXPECT_EQ(to_yaml(read(written)), written) << text;
+  }
+}
+
 TEST(Solid, KeepsEveryDimension) {
   const Solid cone =
       read("{cone: {start_m: [1, 2, 3], end_m: [4, 5, 6], radius_m: 0.1, end_radius_m: 0.2}, name: tip}");
@@ -95,6 +109,11 @@ TEST(Solid, NamesThePlaceOfWhatIsWrong) {
       {"\nunion:\n- sphere: {radius_m: 1, center_m: [0, 0, 0]}\n- sphere: {radius_m: nan, center_m: [0, 0, 0]}",
        "scene.yaml:4: union[1].sphere.radius_m: 'nan' is not a finite number"},
       {"step: no/such.step", "there is no file"},
+      {"rotate: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, axis: [0, 0, 0], angle_deg: 1}",
+       "rotate.axis: has no length"},
+      {"scale: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, factor: 0}", "scale.factor: 0 is out of range"},
+      {"array: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, count: 2}", "needs by_m or angle_deg"},
+      {"translate: {by_m: [0, 0, 1]}", "translate: key 'solid' is missing"},
       {"{sphere: {radius_m: 1, center_m: [0, 0, 0]}, name: ''}", "name: '' is no name"},
       {"{sphere: {radius_m: 1, center_m: [0, 0, 0]}, name: 'a\"b'}", "is no name"},
       {"{sphere: {radius_m: 1, center_m: [0, 0, 0], name: a}, name: b}", "has two names"},

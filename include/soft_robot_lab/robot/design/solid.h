@@ -12,21 +12,46 @@
 namespace soft_robot_lab {
 
 struct Solid {
-  enum class Kind { box, sphere, cylinder, cone, extrude, union_of, difference, intersection, step_file, stl_file };
+  enum class Kind {
+    box,
+    sphere,
+    cylinder,
+    cone,
+    extrude,
+    union_of,
+    difference,
+    intersection,
+    rotate,
+    translate,
+    scale,
+    mirror,
+    array,
+    step_file,
+    stl_file
+  };
   Kind kind = Kind::box;
   // Names the surface where this solid bounds the body; may be empty. Where several named solids share a surface, the
   // one nested deepest names it, and of those the one written last.
   std::string name;
-  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();    // box
-  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  // box, sphere
-  Eigen::Vector3d start_m = Eigen::Vector3d::Zero();   // cylinder, cone
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // box
+  Eigen::Vector3d center_m =
+      Eigen::Vector3d::Zero();                        // box, sphere; what rotate, scale, mirror and array keep in place
+  Eigen::Vector3d start_m = Eigen::Vector3d::Zero();  // cylinder, cone
   Eigen::Vector3d end_m = Eigen::Vector3d::Zero();
-  double radius_m = 0.0;                          // sphere, cylinder, cone (at the start)
-  double end_radius_m = 0.0;                      // cone
-  std::vector<Eigen::Vector2d> polygon_m;         // extrude: corners in x, y
-  Eigen::Vector2d z_m = Eigen::Vector2d::Zero();  // extrude: from, to
-  std::string file;                               // step_file, stl_file: absolute
-  std::vector<Solid> parts;                       // union_of, difference (first minus the rest), intersection
+  double radius_m = 0.0;                            // sphere, cylinder, cone (at the start)
+  double end_radius_m = 0.0;                        // cone
+  std::vector<Eigen::Vector2d> polygon_m;           // extrude: corners in x, y
+  Eigen::Vector2d z_m = Eigen::Vector2d::Zero();    // extrude: from, to
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  // rotate, array; the plane's normal of mirror
+  double angle_deg = 0.0;                           // rotate; array: of one copy to the next
+  Eigen::Vector3d by_m = Eigen::Vector3d::Zero();   // translate; array: of one copy to the next
+  double factor = 1.0;                              // scale
+  int count = 1;                                    // array
+  std::string file;                                 // step_file, stl_file: absolute
+  // union_of, difference (first minus the rest), intersection; rotate and its kin have one
+  std::vector<Solid> parts;
+
+  bool moves() const { return kind >= Kind::rotate && kind <= Kind::array; }
 };
 
 // Reads `solid: {box: ..., name: ...}` and its kin; relative files are found beside the file that names them.

@@ -13,6 +13,7 @@
 #include <Eigen/LU>
 
 #include "shape_functions.h"
+#include "skin.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -41,27 +42,6 @@ std::optional<Eigen::Vector3d> invert_map(const TetMesh& mesh, int tet, const Ei
     if (step.norm() < 1e-13) return local;
   }
   return std::nullopt;
-}
-
-// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                    const Eigen::Vector3d& c) {
-  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return a;
-  const Eigen::Vector3d bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return a + d1 / (d1 - d3) * ab;
-  const Eigen::Vector3d cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return a + d2 / (d2 - d6) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  return a + (vb * ab + vc * ac) / (va + vb + vc);
 }
 
 }  // namespace
@@ -122,30 +102,13 @@ Location MeshLocator::locate(const Eigen::Vector3d& point_m) const {
   best.nearest_m = point_m;
   if (best_inside >= -kInsideTolerance) return best;
 
-  // Outside: the nearest point of the boundary, whose curved faces are taken as four flat triangles each.
-  double nearest_distance = std::numeric_limits<double>::infinity();
-  const auto corner = [&](Eigen::Index face, int i) -> Eigen::Vector3d {
-    return mesh_.nodes_m.col(mesh_.faces(i, face));
-  };
-  for (Eigen::Index face = 0; face < mesh_.faces.cols(); ++face) {
-    for (const auto& part : kFaceQuarters) {
-      const bool whole = mesh_.faces.rows() == 3;
-      const Eigen::Vector3d candidate =
-          whole ? nearest_on_triangle(point_m, corner(face, 0), corner(face, 1), corner(face, 2))
-                : nearest_on_triangle(point_m, corner(face, part[0]), corner(face, part[1]), corner(face, part[2]));
-      const double distance = (candidate - point_m).norm();
-      if (distance < nearest_distance) {
-        nearest_distance = distance;
-        best.nearest_m = candidate;
-      }
-      if (whole) break;
-    }
-  }
+  const SkinPoint skin = nearest_on_skin(mesh_, point_m);
+  best.nearest_m = skin.position_m;
   best_inside = -std::numeric_limits<double>::infinity();
   best.tet = -1;
   consider(best.nearest_m);
   if (best.tet < 0) throw std::invalid_argument("no element found for a point; the mesh has no boundary faces");
-  best.distance_m = nearest_distance;
+  best.distance_m = skin.distance_m;
   return best;
 }
 

@@ -31,7 +31,7 @@ std::vector<SheathPath> read_sheaths(const YamlNode& robot, double default_radiu
     path.name = cable.text("name");
     path.radius_m = cable.number_or("sheath_radius_m", default_radius_m);
     if (!(path.radius_m > 0)) path.radius_m = default_radius_m;
-    for (const YamlNode& point : cable.sequence("points_m")) path.points_m.push_back(as_vector3(point));
+    for (const YamlNode& point : cable_path(cable)) path.points_m.push_back(as_vector3(point));
     paths.push_back(std::move(path));
   }
   return paths;

@@ -12,8 +12,8 @@ std::vector<MeshRefinement> plug_refinements(const YamlNode& scene) {
   std::vector<MeshRefinement> refinements;
   for (const YamlNode& cable : scene.optional_sequence("cables")) {
     if (!cable.has("plug_radius_m")) continue;
-    const std::vector<YamlNode> points = cable.sequence("points_m");
-    if (points.empty()) cable.fail("points_m is empty");
+    const std::vector<YamlNode> points = cable_path(cable);
+    if (points.empty()) cable.fail("its path is empty");
     const double plug_radius_m = cable.number("plug_radius_m", AllowedRange::positive());
     refinements.push_back({as_vector3(points.back()), 2.0 * plug_radius_m, plug_radius_m});
   }
@@ -89,6 +89,10 @@ TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options) {
     if (options.change_mesh) options.change_mesh(mesh);
     return mesh;
   });
+}
+
+std::vector<YamlNode> cable_path(const YamlNode& cable) {
+  return cable.sequence(cable.has("path_m") ? "path_m" : "points_m");
 }
 
 Eigen::Vector3d as_vector3(const YamlNode& node) {

@@ -45,6 +45,8 @@ std::string beside(const YamlNode& node, const std::string& file);
 
 Eigen::Vector3d as_vector3(const YamlNode& node);  // an item [x, y, z] of a list
 
+std::vector<YamlNode> cable_path(const YamlNode& cable);  // the items of its path, by whichever key it has
+
 // What a part refuses becomes an error at the section's file and line.
 template <typename Build>
 auto in_section(const YamlNode& node, const Build& build) {

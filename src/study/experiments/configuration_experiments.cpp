@@ -81,7 +81,8 @@ std::string spring_cables_yaml(const Settings& settings) {
   for (const std::string& name : cables.names()) {
     text << "  - {name: " << name << ", model: springs, stiffness_n_m: " << settings.spring_stiffness_n_m
          << ", damping_n_s_m: " << settings.spring_damping_n_s_m;
-    for (const std::string key : {"points_m", "sheath_radius_m", "plug_radius_m", "min_contraction", "pull_speed_m_s"})
+    for (const std::string key :
+         {"points_m", "path_m", "sheath_radius_m", "plug_radius_m", "min_contraction", "pull_speed_m_s"})
       if (const auto value = cables.value(name, key)) text << ", " << key << ": " << *value;
     text << "}\n";
   }

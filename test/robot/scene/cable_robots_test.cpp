@@ -38,5 +38,23 @@ TEST(CableRobots, TakeAFifthOfTheirLengthInFewIterations) {
   expect_easy_pull("hammerbot", 1.1, 3);
 }
 
+// The corners of Spinebot's cable alone give the points that its file has by hand, and one more, where the cable enters
+// the vertebra of its plug.
+TEST(CableRobots, SpinebotsCableFindsItsWayByItself) {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  const std::string file = SOFT_ROBOT_LAB_SOURCE "/config/robots/spinebot/robot.yaml";
+  const auto left = [](const Scene& scene) { return scene.simulation->actuator_state(0).path_m; };
+  std::vector<Eigen::Vector3d> wanted = left(load_scene(file, options));
+  wanted.insert(wanted.end() - 1, Eigen::Vector3d(-0.011, 0, -0.078));
+  options.overrides =
+      "cables: [{name: left, path_m: [[-0.011, 0, 0], [-0.011, 0, -0.0805]], via_points: given, plug_radius_m: "
+      "0.0025}]";
+  const std::vector<Eigen::Vector3d> found = left(load_scene(file, options));
+  ASSERT_EQ(found.size(), wanted.size());
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LT((found[i] - wanted[i]).norm(), 1e-9) << i;
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

@@ -18,9 +18,10 @@ struct DriveCommand;
 //   points_m: [[x, y, z], ...] at rest. Points outside the body by no more than the sheath's radius are moved onto it,
 //     which is reported; further out is an error with the place. Between its points the cable is straight, and may be
 //     free.
-//   via_points: given, those of points_m alone; or per_element, beside them one in the middle of the cable's way
-//   through
-//     every element of the mesh that it crosses and that holds none of them
+//   path_m: [[x, y, z], ...] instead: the corners of its path. Where that leaves and enters the body points are set: in
+//     the silicone the cable is in a sheath, elsewhere free. A corner in the air, and a leg along the skin, are errors.
+//   via_points: given, those above alone (default of points_m); or per_element (of path_m), beside them one in the
+//     middle of the cable's way through every element of the mesh that it crosses and that holds none of them
 //   model: sliding (one tension along the path), friction (tension falls by exp(-friction_coefficient * angle) at each
 //     point, against the slip), or springs (one unilateral spring from point to point, as the thesis has it)
 //   command: contraction (commanded length / rest length), length_m or tension_n

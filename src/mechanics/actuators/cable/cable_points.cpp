@@ -3,28 +3,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <sstream>
 
 #include <Eigen/Geometry>
 
-#include "element_crossings.h"
+#include "cable_route.h"
 #include "mechanics/mesh/point_text.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kNear_m = 1e-9;
-constexpr double kInside = 1e-6;  // in an element, off its faces, in reference coordinates
+constexpr double kRound = 1e-6;  // of the body's size: the same of a sheath without a radius
+constexpr double kOnSkin = 0.1;  // of the sheath's radius: nearer to the skin counts as on it
 
 struct Spread {
   double sheath_radius_m, plug_radius_m;
   double box_m;  // of every point; 0 for discs
 };
 
-std::vector<Eigen::Vector3d> read_path(const YamlNode& settings) {
-  std::vector<Eigen::Vector3d> path;
-  for (const YamlNode& item : settings.sequence("points_m")) {
+GivenPath read_path(const YamlNode& settings, const std::string& key) {
+  GivenPath path;
+  for (const YamlNode& item : settings.sequence(key)) {
     const Eigen::VectorXd point = item.as_numbers();
     if (point.size() != 3) item.fail("a point is [x, y, z] in m");
     path.emplace_back(point);
@@ -32,8 +31,22 @@ std::vector<Eigen::Vector3d> read_path(const YamlNode& settings) {
       item.fail("repeats the point before it, " + point_text(path.back()));
   }
   if (path.size() < 2)
-    settings.fail("points_m: a cable needs at least two points, this one has " + std::to_string(path.size()));
+    settings.fail(key + ": a cable needs at least two points, this one has " + std::to_string(path.size()));
   return path;
+}
+
+std::vector<PathPoint> read_points(const YamlNode& settings, const Body& body, const MeshLocator& locator,
+                                   double sheath_radius_m) {
+  const bool routes_itself = settings.has("path_m");
+  if (routes_itself == settings.has("points_m")) settings.fail("must have one of path_m, points_m");
+  const bool per_element = settings.choice_or("via_points", routes_itself ? "per_element" : "given",
+                                              {"given", "per_element"}) == "per_element";
+  const GivenPath path = read_path(settings, routes_itself ? "path_m" : "points_m");
+  if (routes_itself) {
+    const double tolerance_m = std::max(kOnSkin * sheath_radius_m, kRound * body.size_m());
+    return routed(path, body.mesh(), locator, {tolerance_m, per_element}, settings);
+  }
+  return per_element ? with_point_per_element(path, body.mesh(), locator) : as_given(path);
 }
 
 bool held(const EmbeddedPoint& point, const FixedAxes& fixed) {
@@ -77,52 +90,14 @@ void require_room(const YamlNode& settings, const Eigen::Vector3d& plug_m, const
   settings.fail(message.str());
 }
 
-// A point that the cable is to run through, and its place among the given ones; -1 for one set between them.
-struct PathPoint {
-  Eigen::Vector3d position_m;
-  int given;
-};
-
-// Elements with a given via point inside, so that they need no other.
-std::set<int> taken_elements(const std::vector<Eigen::Vector3d>& path, const MeshLocator& locator) {
-  std::set<int> taken;
-  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
-    const Location at = locator.locate(path[i]);
-    if (at.distance_m == 0.0 && at.local.minCoeff() > kInside && at.local.sum() < 1.0 - kInside) taken.insert(at.tet);
-  }
-  return taken;
-}
-
-// One more point in every element that the cable crosses and that holds none, in the middle of its way through it.
-std::vector<PathPoint> with_point_per_element(const std::vector<Eigen::Vector3d>& path, const TetMesh& mesh,
-                                              const MeshLocator& locator) {
-  std::set<int> taken = taken_elements(path, locator);
-  std::vector<PathPoint> points = {{path.front(), 0}};
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const Eigen::Vector3d &from = path[i - 1], &to = path[i];
-    for (const ElementCrossing& crossing : element_crossings(mesh, from, to)) {
-      const Eigen::Vector3d middle = from + 0.5 * (crossing.from + crossing.to) * (to - from);
-      if (taken.insert(crossing.tet).second && locator.locate(middle).distance_m <= kNear_m)
-        points.push_back({middle, -1});
-    }
-    points.push_back({to, static_cast<int>(i)});
-  }
-  return points;
-}
-
-std::vector<PathPoint> as_given(const std::vector<Eigen::Vector3d>& path) {
-  std::vector<PathPoint> points;
-  for (const Eigen::Vector3d& position_m : path) points.push_back({position_m, static_cast<int>(points.size())});
-  return points;
-}
-
 void require_near(const YamlNode& settings, const PathPoint& point, const Location& location, double reach_m) {
   if (location.distance_m <= reach_m) return;
   std::ostringstream message;
   message << "point " << point.given << " at " << point_text(point.position_m) << " lies " << location.distance_m
           << " m outside the body; the most is the sheath's radius, " << reach_m
           << " m; the nearest point of the body is " << point_text(location.nearest_m);
-  settings.sequence("points_m")[static_cast<std::size_t>(point.given)].fail(message.str());
+  settings.sequence(settings.has("path_m") ? "path_m" : "points_m")[static_cast<std::size_t>(point.given)].fail(
+      message.str());
 }
 
 }  // namespace
@@ -133,10 +108,7 @@ CablePoints read_cable_points(const YamlNode& settings, const Body& body, const 
   spread.plug_radius_m = settings.number_or("plug_radius_m", 0.003, AllowedRange::not_negative());
   spread.box_m = settings.number_or("spread_box_m", 0.0, AllowedRange::not_negative());
   const double reach = std::max(spread.sheath_radius_m, 0.5 * spread.box_m) + kNear_m;
-  const bool per_element = settings.choice_or("via_points", "given", {"given", "per_element"}) == "per_element";
-  const std::vector<Eigen::Vector3d> given = read_path(settings);
-  const std::vector<PathPoint> path =
-      per_element ? with_point_per_element(given, body.mesh(), locator) : as_given(given);
+  const std::vector<PathPoint> path = read_points(settings, body, locator, spread.sheath_radius_m);
   CablePoints result;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Location location = locator.locate(path[i].position_m);
@@ -151,8 +123,8 @@ CablePoints read_cable_points(const YamlNode& settings, const Body& body, const 
       result.points.push_back(locator.embed_box(location.nearest_m, spread.box_m));
     } else {
       if (last) require_room(settings, location.nearest_m, along, spread.plug_radius_m, locator);
-      result.points.push_back(
-          locator.embed_disc(location.nearest_m, along, last ? spread.plug_radius_m : spread.sheath_radius_m));
+      result.points.push_back(locator.embed_disc(location.nearest_m, path[i].normal.value_or(along),
+                                                 last ? spread.plug_radius_m : spread.sheath_radius_m));
     }
   }
   return result;

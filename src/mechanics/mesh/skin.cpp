@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "skin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "shape_functions.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kOnEdge = 1e-9;    // in reference coordinates
+constexpr double kSame = 1e-9;      // of the line: crossings at an edge that faces share
+constexpr double kBulge = 0.15;     // of a face's box: how far a curved one may reach beyond its nodes
+constexpr double kParallel = 1e-9;  // sine of the angle between a line and a face along which it runs
+
+// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                    const Eigen::Vector3d& c) {
+  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return a;
+  const Eigen::Vector3d bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0.0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return a + d1 / (d1 - d3) * ab;
+  const Eigen::Vector3d cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0.0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return a + d2 / (d2 - d6) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  return a + (vb * ab + vc * ac) / (va + vb + vc);
+}
+
+struct Line {
+  Eigen::Vector3d from_m, way_m;
+  Eigen::Matrix<double, 2, 3> across;  // two directions across it
+
+  Line(const Eigen::Vector3d& from, const Eigen::Vector3d& to) : from_m(from), way_m(to - from) {
+    const Eigen::Vector3d u = way_m.unitOrthogonal();
+    across << u.transpose(), way_m.normalized().cross(u).transpose();
+  }
+  double share(const Eigen::Vector3d& point_m) const { return (point_m - from_m).dot(way_m) / way_m.squaredNorm(); }
+};
+
+bool may_meet(const Line& line, const Eigen::Matrix3Xd& face_m) {
+  const Eigen::Vector3d to_m = line.from_m + line.way_m;
+  const Eigen::Array3d least = face_m.rowwise().minCoeff(), most = face_m.rowwise().maxCoeff();
+  const double margin = kBulge * (most - least).matrix().norm();
+  return (line.from_m.cwiseMin(to_m).array() <= most + margin).all() &&
+         (line.from_m.cwiseMax(to_m).array() >= least - margin).all();
+}
+
+// By Newton's method on the two distances across the line, from a place (r, s) of the face.
+std::optional<SkinCrossing> crossing(const Line& line, const Eigen::Matrix3Xd& face_m, Eigen::Vector2d place) {
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    const FaceShape shape = face_shape(face_m.cols(), place[0], place[1]);
+    const Eigen::Vector3d at_m = face_m * shape.values;
+    const Eigen::Matrix<double, 3, 2> slopes = face_m * shape.slopes.transpose();
+    const Eigen::Matrix2d seen = line.across * slopes;
+    if (!(std::abs(seen.determinant()) > kParallel * slopes.col(0).norm() * slopes.col(1).norm())) return std::nullopt;
+    const Eigen::Vector2d step = -seen.inverse() * (line.across * (at_m - line.from_m));
+    place += step;
+    if (place.norm() > 10.0) return std::nullopt;
+    if (step.norm() > 1e-12) continue;
+    if (place.minCoeff() < -kOnEdge || place.sum() > 1.0 + kOnEdge) return std::nullopt;
+    const double share = line.share(face_m * face_shape(face_m.cols(), place[0], place[1]).values);
+    if (share < -kSame || share > 1.0 + kSame) return std::nullopt;
+    return SkinCrossing{share, slopes.col(0).cross(slopes.col(1)).normalized()};
+  }
+  return std::nullopt;
+}
+
+// A curved face may be met more than once: a start in the middle of each of its quarters.
+void add_crossings(const Line& line, const Eigen::Matrix3Xd& face_m, std::vector<SkinCrossing>& all) {
+  static const Eigen::Vector2d starts[] = {{1. / 6, 1. / 6}, {2. / 3, 1. / 6}, {1. / 6, 2. / 3}, {1. / 3, 1. / 3}};
+  for (const Eigen::Vector2d& start : starts)
+    if (const auto one = crossing(line, face_m, start)) all.push_back(*one);
+}
+
+}  // namespace
+
+SkinPoint nearest_on_skin(const TetMesh& mesh, const Eigen::Vector3d& point_m) {
+  SkinPoint nearest{point_m, std::numeric_limits<double>::infinity()};
+  const auto try_triangle = [&](Eigen::Index face, const std::array<int, 3>& part) {
+    const auto corner = [&](int i) -> Eigen::Vector3d { return mesh.nodes_m.col(mesh.faces(part[i], face)); };
+    const Eigen::Vector3d candidate = nearest_on_triangle(point_m, corner(0), corner(1), corner(2));
+    const double distance_m = (candidate - point_m).norm();
+    if (distance_m < nearest.distance_m) nearest = {candidate, distance_m};
+  };
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
+    if (mesh.faces.rows() == 3) {
+      try_triangle(face, {0, 1, 2});
+    } else {
+      for (const std::array<int, 3>& part : kFaceQuarters) try_triangle(face, part);
+    }
+  }
+  return nearest;
+}
+
+std::vector<SkinCrossing> skin_crossings(const TetMesh& mesh, const Eigen::Vector3d& from_m,
+                                         const Eigen::Vector3d& to_m) {
+  const Line line(from_m, to_m);
+  std::vector<SkinCrossing> all;
+  Eigen::Matrix3Xd face_m(3, mesh.faces.rows());
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
+    for (Eigen::Index a = 0; a < face_m.cols(); ++a) face_m.col(a) = mesh.nodes_m.col(mesh.faces(a, face));
+    if (may_meet(line, face_m)) add_crossings(line, face_m, all);
+  }
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.share < b.share; });
+  const auto same = [](const auto& a, const auto& b) { return b.share - a.share < kSame; };
+  all.erase(std::unique(all.begin(), all.end(), same), all.end());
+  return all;
+}
+
+}  // namespace soft_robot_lab

@@ -8,7 +8,7 @@ import sys
 
 PERCEPTION = "perception/tracking perception/calibration perception/render"
 HARDWARE = "hardware/motor hardware/testbench hardware/plant"
-ROBOT = "robot/casting robot/design robot/scene mechanics mechanics/actuators mechanics/reduced geometry settings"
+ROBOT = "robot/casting robot/design robot/scene robot/rollouts mechanics mechanics/actuators mechanics/reduced geometry settings"
 PRODUCT = f"session session/report control control/identification {HARDWARE} {PERCEPTION} {ROBOT}"
 ALLOWED = {
     "settings": "",
@@ -18,6 +18,7 @@ ALLOWED = {
     "mechanics/reduced": "mechanics mechanics/actuators settings",
     "robot/design": "settings",
     "robot/scene": "robot/design mechanics mechanics/reduced settings",
+    "robot/rollouts": "robot/scene mechanics mechanics/reduced settings",
     "robot/casting": "geometry robot/scene robot/design mechanics settings",
     "perception/tracking": "settings",
     "perception/calibration": "perception/tracking settings",

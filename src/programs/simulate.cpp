@@ -2,12 +2,11 @@
 // simulate SCENE.yaml [--result FILE] [--set PATH=NUMBER] [--estimate-error]: runs a scene from the shell, without a
 // ROS master.
 #include <iostream>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "progress_bar.h"
+#include "load_with_bar.h"
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -37,23 +36,12 @@ void declare(CLI::App& app, Arguments& arguments) {
       "written), 2 bad scene or arguments.");
 }
 
-// With a bar where a reduced model is trained.
-Scene load(const std::string& file, SceneOptions options) {
-  std::optional<ProgressBar> bar;
-  options.knows_reduced = true;
-  options.progress = [&](double fraction, const std::string& what) {
-    if (!bar) bar.emplace("simulate");
-    bar->show(fraction, what);
-  };
-  return load_scene(file, options);
-}
-
 int simulate(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.scene, arguments.set);
   options.estimate_error = arguments.estimate_error;
-  Scene scene = load(arguments.scene, options);
+  Scene scene = load_with_bar("simulate", arguments.scene, options);
   const RunReport report = run_scene(scene);
   for (const SolveWarning& warning : report.solve.warnings) std::cerr << "simulate: warning: " << warning.text << "\n";
   if (arguments.result.empty()) {

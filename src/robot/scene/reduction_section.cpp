@@ -34,7 +34,8 @@ void refuse_other_questions(const YamlNode& settings, const RunSettings& run) {
 void refuse_unknown_reduced(const YamlNode& scene, const SceneOptions& options) {
   if (!asks_for_reduced(scene)) return;
   const YamlNode method = scene.child("solver").child("method");
-  if (!options.knows_reduced) method.fail("reduced is for the program simulate alone; must be newton or xpbd here");
+  if (!options.knows_reduced)
+    method.fail("reduced is for the programs simulate and rollouts; must be newton or xpbd here");
   if (scene.has("fidelity")) method.fail("reduced is not chosen by fidelity; leave out one of the two");
 }
 

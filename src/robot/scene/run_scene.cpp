@@ -64,9 +64,13 @@ void warn_of_unfinished_commands(const Simulation& simulation, SolveReport& tota
   }
 }
 
-void record(const SceneMotion& motion, Trajectory& trajectory) {
+void record(SceneMotion& motion, Trajectory& trajectory) {
   trajectory.time_s.push_back(motion.time_s());
   trajectory.markers_m.push_back(motion.markers_m());
+  const DriveStates& drives = motion.drives();
+  Eigen::Matrix2Xd& commands = trajectory.commands.emplace_back(2, static_cast<Eigen::Index>(drives.size()));
+  for (std::size_t i = 0; i < drives.size(); ++i)
+    commands.col(static_cast<Eigen::Index>(i)) << drives[i].command, drives[i].actuated_command;
 }
 
 SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double step_s, Trajectory& trajectory) {
@@ -125,12 +129,12 @@ void refuse_inverted(SolveReport& solve) {
 }
 
 // The simulation keeps the last state, with what is wrong with that of a reduced model.
-void end(const Scene& scene, SceneMotion& motion, RunReport& report) {
+void end(SceneMotion& motion, RunReport& report) {
   motion.show();
-  report.left_reduced = scene.reduction && !motion.reduced();
+  report.left_reduced = motion.left();
   if (!motion.reduced()) return;
   report.solve.inverted_elements = motion.inverted_elements();
-  const Simulation& simulation = *scene.simulation;
+  const Simulation& simulation = motion.simulation();
   for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
     for (const SolveWarning& warning :
          actuator_warnings(simulation.actuator_state(static_cast<int>(i)), simulation.body()))
@@ -139,6 +143,15 @@ void end(const Scene& scene, SceneMotion& motion, RunReport& report) {
 
 }  // namespace
 
+RunReport run_in_time(SceneMotion& motion, const RunSettings& run) {
+  RunReport report;
+  report.solve = solve_in_time(motion, run, motion.simulation().options().time_step_s, report.trajectory);
+  end(motion, report);
+  warn_of_unfinished_commands(motion.simulation(), report.solve);
+  refuse_inverted(report.solve);
+  return report;
+}
+
 RunReport run_scene(Scene& scene) {
   RunReport report;
   Simulation& simulation = *scene.simulation;
@@ -146,18 +159,14 @@ RunReport run_scene(Scene& scene) {
   if (scene.run.mode == RunMode::dynamic) {
     if (simulation.options().method == SolverOptions::Method::newton && !motion.reduced())
       simulation.keep_energy_ledger();
-    report.solve = solve_in_time(motion, scene.run, simulation.options().time_step_s, report.trajectory);
-    end(scene, motion, report);
-    warn_of_unfinished_commands(simulation, report.solve);
-    refuse_inverted(report.solve);
-    return report;
+    return run_in_time(motion, scene.run);
   }
   if (scene.run.mode == RunMode::modal) {
     find_modes(simulation, scene.run.modes, report);
     return report;
   }
   report.solve = solve_in_order(motion, scene.run.commands);
-  end(scene, motion, report);
+  end(motion, report);
   refuse_inverted(report.solve);
   if (scene.run.sensitivity && report.solve.converged) add_sensitivity(simulation, report);
   return report;

@@ -24,8 +24,17 @@ SolveReport report_of(const ReducedReport& reduced, Clock::time_point start) {
 
 }  // namespace
 
-SceneMotion::SceneMotion(Scene& scene) : simulation_(*scene.simulation) {
-  if (scene.reduction) fast_.emplace(scene.reduction->choice.model);
+SceneMotion::SceneMotion(Simulation& simulation, std::shared_ptr<const SceneReduction> reduction)
+    : simulation_(simulation), reduction_(std::move(reduction)) {
+  if (!reduction_) return;
+  fast_.emplace(reduction_->choice.model);
+  fast_markers_.emplace(*reduction_->choice.model);
+}
+
+void SceneMotion::reset() {
+  simulation_.reset();
+  warnings_.clear();
+  if (reduction_) fast_.emplace(reduction_->choice.model);  // without what the last one has factorised
 }
 
 void SceneMotion::set_command(const std::string& actuator, double command) {
@@ -78,11 +87,13 @@ void SceneMotion::leave(const std::string& why) {
 
 double SceneMotion::time_s() const { return fast_ ? fast_->state().time_s : simulation_.state().time_s; }
 
-Eigen::Matrix3Xd SceneMotion::markers_m() const {
-  const Eigen::Matrix3Xd positions_m = fast_ ? fast_->positions_m() : simulation_.state().positions_m;
+const DriveStates& SceneMotion::drives() const { return fast_ ? fast_->state().drives : simulation_.state().drives; }
+
+Eigen::Matrix3Xd SceneMotion::markers_m() {
+  if (fast_) return fast_markers_->places_m(fast_->state().at.q);
   Eigen::Matrix3Xd markers_m(3, static_cast<Eigen::Index>(simulation_.markers().size()));
   for (Eigen::Index i = 0; i < markers_m.cols(); ++i)
-    markers_m.col(i) = simulation_.markers()[static_cast<std::size_t>(i)].position(positions_m);
+    markers_m.col(i) = simulation_.marker_position(static_cast<int>(i));
   return markers_m;
 }
 

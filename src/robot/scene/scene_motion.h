@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "mechanics/reduced/reduced_markers.h"
 #include "mechanics/reduced/reduced_simulation.h"
+#include "soft_robot_lab/robot/scene/run_scene.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {
@@ -16,18 +19,25 @@ namespace soft_robot_lab {
 // not trained for, or finds no way: then the simulation goes on from there, with a warning.
 class SceneMotion {
  public:
-  explicit SceneMotion(Scene& scene);
+  explicit SceneMotion(Scene& scene) : SceneMotion(*scene.simulation, scene.reduction) {}
+  // `reduction` may be null. Keeps the simulation, which must outlive it.
+  SceneMotion(Simulation& simulation, std::shared_ptr<const SceneReduction> reduction);
+
+  void reset();  // as it was made: the rest shape, and the reduced model where there is one
 
   void set_command(const std::string& actuator, double command);  // throws as Simulation does
   SolveReport step();
   SolveReport solve_equilibrium();
 
   bool reduced() const { return fast_.has_value(); }  // still
+  bool left() const { return reduction_ && !fast_; }  // a reduced model, for newton
   double time_s() const;
-  Eigen::Matrix3Xd markers_m() const;                                   // 3 x markers
+  Eigen::Matrix3Xd markers_m();  // 3 x markers
+  const DriveStates& drives() const;
   int inverted_elements() const { return fast_->inverted_elements(); }  // while reduced()
 
   void show();  // gives the simulation the present state
+  Simulation& simulation() { return simulation_; }
 
  private:
   // Nothing where there is no reduced model, or it failed and was left.
@@ -36,8 +46,14 @@ class SceneMotion {
   SolveReport finish(SolveReport report);  // with the warnings
 
   Simulation& simulation_;
+  std::shared_ptr<const SceneReduction> reduction_;
   std::optional<ReducedSimulation> fast_;
+  std::optional<ReducedMarkers> fast_markers_;
   std::vector<SolveWarning> warnings_;
 };
+
+// Steps until the duration of the run has passed, giving commands when their time comes. The simulation keeps the last
+// state.
+RunReport run_in_time(SceneMotion& motion, const RunSettings& run);
 
 }  // namespace soft_robot_lab

@@ -14,6 +14,7 @@ namespace soft_robot_lab {
 struct Trajectory {
   std::vector<double> time_s;
   std::vector<Eigen::Matrix3Xd> markers_m;  // per time: one column per marker, robot_base
+  std::vector<Eigen::Matrix2Xd> commands;   // per time: one column per actuator, as commanded and as its drive reached
 };
 
 struct RunReport {

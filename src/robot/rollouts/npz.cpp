@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "npz.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+
+#include <boost/crc.hpp>
+
+#include "settings/words.h"
+
+namespace soft_robot_lab {
+namespace {
+
+// Signatures of a file, of its row in the directory, and of the directory's end.
+constexpr std::uint32_t kFile = 0x04034b50, kRow = 0x02014b50, kEnd = 0x06054b50;
+constexpr std::size_t kFileHeader = 30, kRowHeader = 46, kEndHeader = 22;
+constexpr std::size_t kLargest_bytes = 0xfffffffe, kNone = static_cast<std::size_t>(-1);
+const std::string kMagic = "\x93NUMPY";
+
+void expect(bool good, const std::string& why) {
+  if (!good) throw std::invalid_argument("npz: " + why);
+}
+
+// Least byte first, as both formats have it.
+void put(std::uint64_t value, int bytes, std::string& to) {
+  for (int i = 0; i < bytes; ++i) to += static_cast<char>(value >> (8 * i) & 0xff);
+}
+
+std::uint64_t get(const std::string& from, std::size_t at, int bytes) {
+  expect(at + static_cast<std::size_t>(bytes) <= from.size(), "the file is cut off");
+  std::uint64_t value = 0;
+  for (int i = bytes; i-- > 0;) value = value << 8 | static_cast<unsigned char>(from[at + static_cast<std::size_t>(i)]);
+  return value;
+}
+
+std::string part(const std::string& from, std::size_t at, std::size_t size) {
+  expect(at <= from.size() && size <= from.size() - at, "the file is cut off");
+  return from.substr(at, size);
+}
+
+std::string npy(const NpzArray& array) {
+  std::string shape;
+  for (const std::size_t size : array.shape) shape += std::to_string(size) + ", ";
+  std::string header = "{'descr': '" + array.type + "', 'fortran_order': False, 'shape': (" + shape + "), }";
+  constexpr std::size_t alignment = 64, before = 10;
+  header.resize(header.size() + alignment - (before + header.size() + 1) % alignment, ' ');
+  header += '\n';
+  std::string all = kMagic;
+  put(1, 2, all);  // version 1.0
+  put(header.size(), 2, all);
+  return all + header + array.bytes;
+}
+
+// What a file's header and its row share, from the version needed to the length of the extra field.
+std::string shared_header(const std::string& name, const std::string& content) {
+  boost::crc_32_type crc;
+  crc.process_bytes(content.data(), content.size());
+  std::string header;
+  put(20, 2, header);          // version 2.0
+  put(0, 4, header);           // no flags; stored
+  put(0x00210000, 4, header);  // 1980-01-01, so that equal data are equal files
+  put(crc.checksum(), 4, header);
+  put(content.size(), 4, header);
+  put(content.size(), 4, header);
+  put(name.size(), 2, header);
+  put(0, 2, header);
+  return header;
+}
+
+struct Directory {
+  std::size_t rows, start;
+};
+
+Directory directory_of(const std::string& bytes) {
+  expect(bytes.size() >= kEndHeader, "not an archive of numpy.savez");
+  for (std::size_t at = bytes.size() - kEndHeader;; --at) {
+    if (get(bytes, at, 4) == kEnd) return {get(bytes, at + 10, 2), get(bytes, at + 16, 4)};
+    expect(at > 0 && bytes.size() - at < 0xffff + kEndHeader, "not an archive of numpy.savez");
+  }
+}
+
+// What stands after 'key': in the header of an array, up to one of `ends`.
+std::string value_of(const std::string& header, const std::string& key, const char* ends) {
+  const std::size_t at = header.find("'" + key + "':");
+  expect(at != std::string::npos, "an array's header has no " + key);
+  const std::size_t from = header.find_first_not_of(' ', at + key.size() + 3);
+  const std::size_t to = from == std::string::npos ? from : header.find_first_of(ends, from + 1);
+  expect(to != std::string::npos, "an array's header has no end of " + key);
+  return header.substr(from, to - from);
+}
+
+std::vector<std::size_t> shape_of(const std::string& words) {
+  std::vector<std::size_t> shape;
+  for (std::size_t at = 1; at < words.size();) {
+    const std::size_t end = std::min(words.find(',', at), words.size());
+    std::string number = words.substr(at, end - at);
+    number.erase(std::remove(number.begin(), number.end(), ' '), number.end());
+    if (!number.empty()) shape.push_back(parse_number<std::size_t>(number).value_or(kNone));
+    expect(number.empty() || shape.back() != kNone, "an array's shape " + words + ") is none");
+    at = end + 1;
+  }
+  return shape;
+}
+
+std::size_t entry_bytes(const std::string& type) {
+  const std::size_t size = type.size() > 2 ? parse_number<std::size_t>(type.substr(2)).value_or(0) : 0;
+  expect(size > 0 && size < 0xffff, "an array's type " + type + " is not known");
+  return type[1] == 'U' ? 4 * size : size;
+}
+
+NpzArray array_from(const std::string& name, const std::string& bytes) {
+  expect(bytes.compare(0, kMagic.size(), kMagic) == 0, name + " is no array");
+  const bool first = get(bytes, 6, 1) == 1;
+  const std::size_t start = first ? 10 : 12, length = get(bytes, 8, first ? 2 : 4);
+  const std::string header = part(bytes, start, length);
+  expect(value_of(header, "fortran_order", ",}") == "False", name + " is in Fortran's order; save a.copy(order='C')");
+  NpzArray array{name, value_of(header, "descr", "'").substr(1), shape_of(value_of(header, "shape", ")")), {}};
+  std::size_t size = entry_bytes(array.type);
+  for (const std::size_t along : array.shape) {
+    expect(along == 0 || size <= kLargest_bytes / along, name + " is beyond 4 GB");
+    size *= along;
+  }
+  array.bytes = part(bytes, start + length, size);
+  return array;
+}
+
+template <class Number>
+std::vector<double> numbers_as(const std::string& bytes) {
+  std::vector<double> numbers(bytes.size() / sizeof(Number));
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    Number number;
+    std::memcpy(&number, bytes.data() + i * sizeof number, sizeof number);
+    numbers[i] = static_cast<double>(number);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+NpzArray numbers_array(std::string name, std::vector<std::size_t> shape, const std::vector<double>& numbers) {
+  return {std::move(name), "<f8", std::move(shape),
+          std::string(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double))};
+}
+
+NpzArray flags_array(std::string name, const std::vector<bool>& flags) {
+  return {std::move(name), "|b1", {flags.size()}, std::string(flags.begin(), flags.end())};
+}
+
+NpzArray words_array(std::string name, const std::vector<std::string>& words) {
+  std::size_t longest = 1;
+  for (const std::string& word : words) longest = std::max(longest, word.size());
+  NpzArray array{std::move(name), "<U" + std::to_string(longest), {words.size()}, {}};
+  for (std::string word : words) {
+    word.resize(longest, '\0');
+    for (const char letter : word) put(static_cast<unsigned char>(letter), 4, array.bytes);
+  }
+  return array;
+}
+
+std::string npz(const std::vector<NpzArray>& arrays) {
+  std::string all, directory;
+  for (const NpzArray& array : arrays) {
+    const std::string content = npy(array), name = array.name + ".npy", header = shared_header(name, content);
+    expect(all.size() + content.size() + 0xffff < kLargest_bytes, "the arrays are beyond 4 GB; record fewer times");
+    put(kRow, 4, directory);
+    put(20, 2, directory);  // made by version 2.0
+    directory += header;
+    put(0, 10, directory);  // no comment, first disk, no attributes
+    put(all.size(), 4, directory);
+    directory += name;
+    put(kFile, 4, all);
+    all += header + name + content;
+  }
+  const std::size_t start = all.size();
+  all += directory;
+  put(kEnd, 4, all);
+  put(0, 4, all);  // of one disk
+  put(arrays.size(), 2, all);
+  put(arrays.size(), 2, all);
+  put(directory.size(), 4, all);
+  put(start, 4, all);
+  put(0, 2, all);
+  return all;
+}
+
+std::vector<NpzArray> read_npz(const std::string& bytes) {
+  const Directory directory = directory_of(bytes);
+  std::vector<NpzArray> arrays;
+  std::size_t row = directory.start;
+  for (std::size_t i = 0; i < directory.rows; ++i) {
+    expect(get(bytes, row, 4) == kRow, "its directory is broken");
+    const std::size_t name_size = get(bytes, row + 28, 2), file = get(bytes, row + 42, 4);
+    std::string name = part(bytes, row + kRowHeader, name_size);
+    expect(get(bytes, row + 10, 2) == 0, name + " is compressed; write it by numpy.savez");
+    expect(get(bytes, file, 4) == kFile, "its directory is broken");
+    const std::size_t start = file + kFileHeader + get(bytes, file + 26, 2) + get(bytes, file + 28, 2);
+    const std::string content = part(bytes, start, get(bytes, row + 24, 4));
+    if (name.size() > 4 && name.substr(name.size() - 4) == ".npy") name.resize(name.size() - 4);
+    arrays.push_back(array_from(name, content));
+    row += kRowHeader + name_size + get(bytes, row + 30, 2) + get(bytes, row + 32, 2);
+  }
+  return arrays;
+}
+
+std::vector<double> numbers_of(const NpzArray& array) {
+  if (array.type == "<f8") return numbers_as<double>(array.bytes);
+  if (array.type == "<f4") return numbers_as<float>(array.bytes);
+  if (array.type == "<i8") return numbers_as<std::int64_t>(array.bytes);
+  if (array.type == "<i4") return numbers_as<std::int32_t>(array.bytes);
+  throw std::invalid_argument("npz: " + array.name + " is of type " + array.type + ", must be <f8, <f4, <i8 or <i4");
+}
+
+}  // namespace soft_robot_lab

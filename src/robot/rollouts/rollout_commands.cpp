@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rollout_commands.h"
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+
+#include "mechanics/simulation/require.h"
+#include "npz.h"
+#include "robot/scene/reduction.h"
+#include "settings/read_file.h"
+#include "settings/words.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr std::uintmax_t kLargestCommands_bytes = 1u << 30;
+constexpr std::size_t kMostRollouts = 1000000;
+
+[[noreturn]] void fail(const std::string& where, const std::string& why) {
+  throw std::invalid_argument(where + ": " + why);
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char letter : line) {
+    if (letter == ',') cells.emplace_back();
+    if (letter != ',' && letter != ' ' && letter != '\r') cells.back() += letter;
+  }
+  return cells;
+}
+
+// A table, read line by line.
+class CommandTable {
+ public:
+  CommandTable(const std::string& file, const std::string& header, const Model& model)
+      : file_(file), columns_(cells_of(header)), model_(model) {
+    for (const std::string& column : columns_)
+      if (column != "rollout" && column != "time_s") model.actuator_index(column);
+  }
+
+  void add(const std::string& line, std::size_t number, std::vector<RolloutCommands>& all) const {
+    const std::string where = file_ + ":" + std::to_string(number);
+    const std::vector<std::string> cells = cells_of(line);
+    if (cells.size() != columns_.size())
+      fail(where, std::to_string(cells.size()) + " cells, must be " + std::to_string(columns_.size()));
+    double rollout = 0.0;
+    TimedCommands timed;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (cells[i].empty() && i > 0) continue;
+      const double value = number_in(where, columns_[i], cells[i]);
+      if (columns_[i] == "rollout") {
+        rollout = value;
+      } else if (columns_[i] == "time_s") {
+        timed.time_s = value;
+      } else {
+        timed.commands.emplace_back(columns_[i], value);
+      }
+    }
+    place(where, rollout, all).push_back(std::move(timed));
+  }
+
+ private:
+  double number_in(const std::string& where, const std::string& column, const std::string& cell) const {
+    const std::optional<double> value = parse_number<double>(cell);
+    if (!value || !std::isfinite(*value)) fail(where, column + ": '" + cell + "' is not a finite number");
+    if (column != "rollout" && column != "time_s") {
+      try {
+        model_.actuators()[static_cast<std::size_t>(model_.actuator_index(column))]->require_in_limits(*value);
+      } catch (const std::invalid_argument& error) {
+        fail(where, error.what());
+      }
+    }
+    return *value;
+  }
+
+  static RolloutCommands& place(const std::string& where, double rollout, std::vector<RolloutCommands>& all) {
+    const auto last = static_cast<double>(all.size()) - 1.0;
+    if (!(rollout == last || rollout == last + 1.0) || rollout < 0.0)
+      fail(where, "rollout " + format_number(rollout) + " comes after " + format_number(last) +
+                      "; they are counted from 0, in order");
+    if (all.size() >= kMostRollouts) fail(where, "more than 1000000 rollouts");
+    if (rollout > last) all.emplace_back();
+    return all.back();
+  }
+
+  const std::string file_;
+  const std::vector<std::string> columns_;
+  const Model& model_;
+};
+
+std::vector<RolloutCommands> from_table(const std::string& file, const Model& model) {
+  std::istringstream lines(read_regular_file(file, kLargestCommands_bytes));
+  std::string line;
+  if (!std::getline(lines, line)) fail(file, "is empty; its first line names the columns");
+  const CommandTable table(file, line, model);
+  std::vector<RolloutCommands> all;
+  for (std::size_t number = 2; std::getline(lines, line); ++number)
+    if (line.find_first_not_of(" \r") != std::string::npos) table.add(line, number, all);
+  return all;
+}
+
+// Adds the column of one actuator.
+void add_array(const NpzArray& array, double hold_s, std::vector<RolloutCommands>& all) {
+  if (array.shape.size() != 2) fail(array.name, "must have two dimensions, rollouts x holds");
+  const std::size_t rollouts = array.shape[0], holds = array.shape[1];
+  if (all.empty()) all.assign(rollouts, RolloutCommands(holds));
+  if (all.size() != rollouts || all.front().size() != holds)
+    fail(array.name, "is " + std::to_string(rollouts) + " x " + std::to_string(holds) + ", another array is " +
+                         std::to_string(all.size()) + " x " + std::to_string(all.front().size()));
+  const std::vector<double> numbers = numbers_of(array);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    TimedCommands& timed = all[i / holds][i % holds];
+    timed.time_s = hold_s * static_cast<double>(i % holds);
+    timed.commands.emplace_back(array.name, numbers[i]);
+  }
+}
+
+std::vector<RolloutCommands> from_arrays(const std::string& file, double hold_s, const Model& model) {
+  require(hold_s > 0.0, "hold_s", hold_s, "(0, inf)");
+  std::vector<RolloutCommands> all;
+  try {
+    for (const NpzArray& array : read_npz(read_regular_file(file, kLargestCommands_bytes))) {
+      const auto& actuator = *model.actuators()[static_cast<std::size_t>(model.actuator_index(array.name))];
+      for (const double value : numbers_of(array)) actuator.require_in_limits(value);
+      add_array(array, hold_s, all);
+    }
+  } catch (const std::invalid_argument& error) {
+    fail(file, error.what());
+  }
+  return all;
+}
+
+bool ends_with(const std::string& file, const std::string& ending) {
+  return file.size() >= ending.size() && file.compare(file.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+}  // namespace
+
+CommandBox command_box(const Scene& scene) {
+  if (scene.reduction) return scene.reduction->choice.model->box;
+  CommandBox box;
+  for (const auto& actuator : scene.simulation->actuators()) {
+    box.min.push_back(actuator->limits().min);
+    box.max.push_back(actuator->limits().max);
+  }
+  return box;
+}
+
+std::vector<RolloutCommands> random_commands(const RandomCommands& random, const Model& model) {
+  require(random.rollouts > 0 && random.rollouts <= static_cast<int>(kMostRollouts), "rollouts", random.rollouts,
+          "[1, 1000000]");
+  require(random.hold_s > 0.0, "hold_s", random.hold_s, "(0, inf)");
+  for (std::size_t a = 0; a < random.box.min.size(); ++a)
+    if (!std::isfinite(random.box.min[a]) || !std::isfinite(random.box.max[a]))
+      fail(model.actuators()[a]->name(), "has no limits to draw commands within; give it a range");
+  std::vector<RolloutCommands> all(static_cast<std::size_t>(random.rollouts));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    std::seed_seq seeds{random.seed, static_cast<unsigned>(i)};
+    std::mt19937 generator(seeds);
+    for (int k = 0; k * random.hold_s < random.duration_s; ++k) {
+      TimedCommands& timed = all[i].emplace_back();
+      timed.time_s = k * random.hold_s;
+      for (std::size_t a = 0; a < random.box.min.size(); ++a)
+        timed.commands.emplace_back(
+            model.actuators()[a]->name(),
+            random.box.min[a] + (random.box.max[a] - random.box.min[a]) * (generator() / 4294967296.0));
+    }
+  }
+  return all;
+}
+
+std::vector<RolloutCommands> read_commands_file(const std::string& file, double hold_s, const Model& model) {
+  if (ends_with(file, ".csv")) return from_table(file, model);
+  if (ends_with(file, ".npz")) return from_arrays(file, hold_s, model);
+  fail(file, "must end in .csv or .npz");
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "soft_robot_lab/robot/rollouts/batch.h"
+
+namespace soft_robot_lab {
+
+// What rollouts did, as the bytes of a NumPy archive:
+//   actuators, markers               names
+//   time_s                           times
+//   commands, reached                rollouts x times x actuators: as commanded, and where the drive was
+//   markers_m                        rollouts x times x markers x 3, robot_base
+//   converged, reduced               rollouts: whether every step did; whether a reduced model served to the end
+// Rollouts that were not started are left out.
+std::string rollouts_npz(const Scene& scene, const std::vector<RunReport>& reports);
+
+}  // namespace soft_robot_lab

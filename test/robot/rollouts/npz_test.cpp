@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot/rollouts/npz.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace soft_robot_lab {
+namespace {
+
+std::string archive() {
+  return npz({numbers_array("commands", {2, 3}, {1.0, 2.0, 3.0, -4.5, 1e-300, 6.0}), flags_array("good", {true, false}),
+              words_array("names", {"left", "right_2"}), numbers_array("empty", {0, 3}, {})});
+}
+
+std::string refusal(const std::string& bytes) {
+  try {
+    for (const NpzArray& array : read_npz(bytes)) numbers_of(array);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Npz, GivesBackWhatWasWritten) {
+  const std::vector<NpzArray> arrays = read_npz(archive());
+  ASSERT_EQ(arrays.size(), 4u);
+  EXPECT_EQ(arrays[0].name, "commands");
+  EXPECT_EQ(arrays[0].shape, (std::vector<std::size_t>{2, 3}));
+  EXPECT_EQ(numbers_of(arrays[0]), (std::vector<double>{1.0, 2.0, 3.0, -4.5, 1e-300, 6.0}));
+  EXPECT_EQ(arrays[1].bytes, std::string("\1\0", 2));
+  EXPECT_EQ(arrays[2].type, "<U7");
+  EXPECT_EQ(arrays[2].bytes.substr(4 * 7, 8), std::string("r\0\0\0i\0\0\0", 8));
+  EXPECT_EQ(arrays[3].shape, (std::vector<std::size_t>{0, 3}));
+}
+
+TEST(Npz, IsTheSameFileForTheSameArrays) { EXPECT_EQ(archive(), archive()); }
+
+TEST(Npz, RefusesAnArchiveThatIsCutOffAnywhere) {
+  const std::string whole = archive();
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_NE(refusal(whole.substr(0, size)), "") << size << " of " << whole.size();
+}
+
+TEST(Npz, ReadsOrRefusesAnArchiveWithAnyByteChanged) {
+  for (std::size_t at = 0; at < archive().size(); ++at)
+    for (const char other : {'\0', '\xff', '1'}) {
+      std::string changed = archive();
+      changed[at] = other;
+      refusal(changed);  // under sanitisers: no byte is read that is not there
+    }
+}
+
+TEST(Npz, NamesWhatItDoesNotRead) {
+  EXPECT_NE(refusal("no archive").find("numpy.savez"), std::string::npos);
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string bytes = npz({numbers_array("a", {2, 2}, {1, 2, 3, 4})});
+    return refusal(bytes.replace(bytes.find(from), from.size(), to));
+  };
+  EXPECT_NE(with("'fortran_order': False", "'fortran_order': True ").find("Fortran"), std::string::npos);
+  EXPECT_NE(with("<f8", "<c8").find("a is of type <c8"), std::string::npos);
+  std::string compressed = archive();
+  compressed[compressed.rfind("PK\x01\x02") + 10] = 8;
+  EXPECT_NE(refusal(compressed).find("compressed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

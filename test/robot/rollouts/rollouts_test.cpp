@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many runs of one scene: the same numbers however many threads there are, and what goes in and out of the program.
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "robot/rollouts/npz.h"
+#include "robot/rollouts/rollout_commands.h"
+#include "robot/rollouts/rollout_file.h"
+#include "run_program.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/rollouts/batch.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const std::string kNewton = "solver: {time_step_s: 0.05}\n";
+const std::string kReduced =
+    "solver: {time_step_s: 0.05, method: reduced, tolerance_m: 3.0e-4, commands: {left: [0.9, 1]}}\n";
+
+// One folder, so that a model is trained once.
+class RolloutsOfABar : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new SceneFolder;
+    folder_->write("coarse.yaml", R"(include: bar.yaml
+body: {element_size_m: 0.03}
+cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], sheath_radius_m: 0.001, plug_radius_m: 0.003}]
+)");
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static Scene load(const std::string& solver) {
+    SceneOptions options;
+    options.mesher = SOFT_ROBOT_LAB_MESHER;
+    options.cache_folder = folder_->path("cache");
+    options.actuator_factory = make_actuator;
+    options.knows_reduced = true;
+    return load_scene(folder_->write("scene.yaml", "include: coarse.yaml\n" + solver), options);
+  }
+
+  static RolloutPlan random_plan(const Scene& scene, int rollouts) {
+    const CommandBox box{{0.9}, {1.0}};
+    return {1.0, 0.0, random_commands({box, rollouts, 1.0, 0.25, 3}, *scene.simulation->model())};
+  }
+
+  static Outcome run(const std::string& arguments) { return run_program(SOFT_ROBOT_LAB_ROLLOUTS, *folder_, arguments); }
+
+  static SceneFolder* folder_;
+};
+SceneFolder* RolloutsOfABar::folder_ = nullptr;
+
+void expect_equal(const std::vector<RunReport>& one, const std::vector<RunReport>& other) {
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].trajectory.time_s, other[i].trajectory.time_s);
+    EXPECT_EQ(one[i].trajectory.markers_m, other[i].trajectory.markers_m) << i;
+    EXPECT_EQ(one[i].trajectory.commands, other[i].trajectory.commands);
+    EXPECT_EQ(one[i].left_reduced, other[i].left_reduced);
+  }
+}
+
+TEST_F(RolloutsOfABar, AreTheSameToTheLastBitInSeveralThreads) {
+  for (const std::string& solver : {kNewton, kReduced}) {
+    SCOPED_TRACE(solver);
+    const Scene scene = load(solver);
+    const RolloutPlan plan = random_plan(scene, 7);
+    const Batch batch(scene);
+    const std::vector<RunReport> alone = batch.run(plan, 1), together = batch.run(plan, 3);
+    expect_equal(alone, together);
+    EXPECT_NE(alone[0].trajectory.markers_m.back(), alone[1].trajectory.markers_m.back());
+    EXPECT_EQ(alone[0].trajectory.markers_m.size(), 21u);
+  }
+}
+
+TEST_F(RolloutsOfABar, DoNotHangOnThoseBefore) {
+  for (const std::string& solver : {kNewton, kReduced}) {
+    SCOPED_TRACE(solver);
+    const Scene scene = load(solver);
+    RolloutPlan plan = random_plan(scene, 3);
+    const std::vector<RunReport> all = Batch(scene).run(plan, 1);
+    plan.rollouts = {plan.rollouts[2]};
+    expect_equal(Batch(scene).run(plan, 1), {all[2]});
+  }
+}
+
+TEST_F(RolloutsOfABar, OfAReducedModelAreThoseOfARunOfTheScene) {
+  const Scene scene = load(kReduced);
+  const RolloutPlan plan{1.0, 0.0, {{{0.0, {{"left", 0.92}}}, {0.5, {{"left", 0.97}}}}}};
+  Scene one =
+      load(kReduced +
+           "run: {mode: dynamic, duration_s: 1, commands: [{time_s: 0, left: 0.92}, {time_s: 0.5, left: 0.97}]}\n");
+  expect_equal(Batch(scene).run(plan, 2), {run_scene(one)});
+}
+
+TEST_F(RolloutsOfABar, GoOnByNewtonBeyondWhatWasTrainedAndSaySo) {
+  const Scene scene = load(kReduced);
+  RolloutPlan plan{0.5, 0.0, {{{0.0, {{"left", 0.95}}}}, {{0.0, {{"left", 0.95}}}, {0.25, {{"left", 0.8}}}}}};
+  plan.rollouts.push_back(plan.rollouts[0]);
+  const std::vector<RunReport> reports = Batch(scene).run(plan, 1);
+  EXPECT_FALSE(reports[0].left_reduced);
+  EXPECT_TRUE(reports[1].left_reduced);
+  ASSERT_FALSE(reports[1].solve.warnings.empty());
+  EXPECT_EQ(reports[1].solve.warnings[0].kind, "outside_training");
+  EXPECT_FALSE(reports[2].left_reduced);
+  EXPECT_EQ(reports[2].trajectory.markers_m, reports[0].trajectory.markers_m);
+}
+
+TEST_F(RolloutsOfABar, StopWhereTheCallerWantsNoMore) {
+  const Scene scene = load(kNewton);
+  const std::vector<RunReport> reports =
+      Batch(scene).run(random_plan(scene, 5), 1, [](std::size_t ended) { return ended < 2; });
+  EXPECT_FALSE(reports[1].trajectory.time_s.empty());
+  EXPECT_TRUE(reports[2].trajectory.time_s.empty());
+}
+
+TEST_F(RolloutsOfABar, RefuseBadPlansBeforeAnythingMoves) {
+  const Scene scene = load(kNewton);
+  const auto refusal = [&](RolloutPlan plan, int threads) -> std::string {
+    try {
+      Batch(scene).run(plan, threads);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const RolloutPlan good = random_plan(scene, 1);
+  RolloutPlan plan = good;
+  EXPECT_NE(refusal(plan, 0).find("threads: 0"), std::string::npos);
+  plan.duration_s = -1.0;
+  EXPECT_NE(refusal(plan, 1).find("duration_s: -1"), std::string::npos);
+  plan = good;
+  plan.rollouts[0][1].commands[0].second = 7.0;
+  EXPECT_NE(refusal(plan, 1).find("left"), std::string::npos);
+  plan = good;
+  plan.rollouts[0][1].time_s = -0.5;
+  EXPECT_NE(refusal(plan, 1).find("time_s: -0.5"), std::string::npos);
+}
+
+TEST_F(RolloutsOfABar, RandomCommandsOfFewAreTheFirstOfMany) {
+  const Scene scene = load(kNewton);
+  const CommandBox box{{0.9}, {1.0}};
+  const auto draw = [&](int rollouts, unsigned seed) {
+    return random_commands({box, rollouts, 1.0, 0.3, seed}, *scene.simulation->model());
+  };
+  const std::vector<RolloutCommands> few = draw(2, 1), many = draw(5, 1);
+  ASSERT_EQ(few[1].size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(few[1][k].commands, many[1][k].commands);
+    EXPECT_GE(few[1][k].commands[0].second, 0.9);
+    EXPECT_LE(few[1][k].commands[0].second, 1.0);
+  }
+  EXPECT_NE(few[0][0].commands, few[1][0].commands);
+  EXPECT_NE(few[0][0].commands, draw(2, 2)[0][0].commands);
+}
+
+TEST_F(RolloutsOfABar, ReadTheSameCommandsFromATableAndFromArrays) {
+  const Scene scene = load(kNewton);
+  const Model& model = *scene.simulation->model();
+  const std::string table = folder_->write("c.csv", "rollout,time_s,left\n0,0,0.95\n0,0.5,0.9\n1,0,1\n1,0.5,0.93\r\n");
+  const std::string arrays = folder_->path("c.npz");
+  std::ofstream(arrays, std::ios::binary) << npz({numbers_array("left", {2, 2}, {0.95, 0.9, 1.0, 0.93})});
+  const std::vector<RolloutCommands> a = read_commands_file(table, 0.5, model),
+                                     b = read_commands_file(arrays, 0.5, model);
+  ASSERT_EQ(a.size(), 2u);
+  ASSERT_EQ(b.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_EQ(a[i][k].time_s, b[i][k].time_s);
+      EXPECT_EQ(a[i][k].commands, b[i][k].commands);
+    }
+  EXPECT_EQ(a[1][1].commands[0].second, 0.93);
+}
+
+TEST_F(RolloutsOfABar, NameWhatIsWrongInATable) {
+  const Scene scene = load(kNewton);
+  const struct {
+    std::string text, words;
+  } cases[] = {
+      {"", "is empty"},
+      {"rollout,time_s,third\n", "third"},
+      {"rollout,time_s,left\n0,0\n", "bad.csv:2: 2 cells, must be 3"},
+      {"rollout,time_s,left\n0,0,much\n", "bad.csv:2: left: 'much'"},
+      {"rollout,time_s,left\n0,0,0.95\n0,1,nan\n", "bad.csv:3: left"},
+      {"rollout,time_s,left\n0,0,9\n", "bad.csv:2: "},
+      {"rollout,time_s,left\n1,0,0.95\n", "rollout 1 comes after -1"},
+  };
+  for (const auto& one : cases) {
+    try {
+      read_commands_file(folder_->write("bad.csv", one.text), 0.5, *scene.simulation->model());
+      ADD_FAILURE() << one.text;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(one.words), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST_F(RolloutsOfABar, ProgramWritesWhatPythonUnpacks) {
+  folder_->write("robot.yaml", "include: coarse.yaml\n" + kNewton);
+  const std::string output = folder_->path("data.npz");
+  const Outcome outcome =
+      run(folder_->path("robot.yaml") +
+          " --random 3 --duration 0.5 --hold 0.25 --range left 0.9 1 --threads 2 --output " + output);
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  const std::vector<NpzArray> arrays = read_npz(contents(output));
+  ASSERT_EQ(arrays.size(), 8u);
+  EXPECT_EQ(arrays[3].name, "commands");
+  EXPECT_EQ(arrays[3].shape, (std::vector<std::size_t>{3, 11, 1}));
+  EXPECT_EQ(arrays[5].shape, (std::vector<std::size_t>{3, 11, 2, 3}));
+  EXPECT_EQ(arrays[6].bytes, std::string(3, '\1'));
+  // Python's own reader of archives checks names, sizes and sums; NumPy is built upon it.
+  const std::string script = folder_->write("check.py", R"(import ast, struct, sys, zipfile
+archive = zipfile.ZipFile(sys.argv[1])
+assert archive.testzip() is None
+data = archive.read("markers_m.npy")
+assert data[:8] == b"\x93NUMPY\x01\x00"
+size = struct.unpack("<H", data[8:10])[0]
+assert (10 + size) % 64 == 0
+header = ast.literal_eval(data[10 : 10 + size].decode())
+assert header == {"descr": "<f8", "fortran_order": False, "shape": (3, 11, 2, 3)}, header
+assert len(data) == 10 + size + 8 * 3 * 11 * 2 * 3
+)");
+  EXPECT_EQ(std::system((std::string(SOFT_ROBOT_LAB_PYTHON) + " " + script + " " + output).c_str()), 0);
+}
+
+TEST_F(RolloutsOfABar, ProgramNamesWrongArguments) {
+  folder_->write("robot.yaml", "include: coarse.yaml\n" + kNewton);
+  const std::string robot = folder_->path("robot.yaml"), to = " --output " + folder_->path("x.npz");
+  const struct {
+    std::string arguments, words;
+  } cases[] = {
+      {"", "--commands"}, {" --commands none.txt", ".csv or .npz"}, {" --random 1 --range left 0.9 7", "left"}};
+  for (const auto& one : cases) {
+    const Outcome outcome = run(robot + to + one.arguments);
+    EXPECT_EQ(outcome.exit_status, 2);
+    EXPECT_NE(outcome.err.find(one.words), std::string::npos) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

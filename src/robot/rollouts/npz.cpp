@@ -170,7 +170,8 @@ std::string npz(const std::vector<NpzArray>& arrays) {
     put(kRow, 4, directory);
     put(20, 2, directory);  // made by version 2.0
     directory += header;
-    put(0, 10, directory);  // no comment, first disk, no attributes
+    put(0, 4, directory);  // no comment, first disk
+    put(0, 6, directory);  // no attributes
     put(all.size(), 4, directory);
     directory += name;
     put(kFile, 4, all);

@@ -14,7 +14,7 @@ packages=(
   libros-rosgraph-msgs-dev libdynamic-reconfigure-config-init-mutex-dev python3-dynamic-reconfigure
   ros-std-msgs ros-geometry-msgs ros-visualization-msgs ros-diagnostic-msgs ros-actionlib-msgs ros-std-srvs
   python3-roslaunch python3-rostopic python3-rosservice python3-rosnode python3-rosparam python3-rosbag python3-rosmsg
-  python3-std-srvs python3-geometry-msgs python3-visualization-msgs python3-diagnostic-msgs rosout rosbash
+  python3-std-srvs python3-std-msgs python3-rosgraph-msgs python3-tf2-msgs python3-geometry-msgs python3-visualization-msgs python3-diagnostic-msgs rosout rosbash
   rviz librviz-dev libinteractive-markers-dev xdotool xvfb xauth imagemagick libgl1-mesa-dri gnuplot-nox
   libeigen3-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libgmsh-dev libceres-dev libpagmo-dev libopenblas-serial-dev libmetis-dev
   libsqlite3-dev libboost-dev libopenmpi-dev openmpi-bin

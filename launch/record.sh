@@ -2,13 +2,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # record.sh FOLDER ROBOT [IMAGES]: records a session into FOLDER/DATE_ROBOT.bag until SIGINT. Everything but /clock, which
 # `rosbag play --clock` makes anew, and what cameras see and the tracker's steps with it, unless IMAGES is `true`.
+# In a namespace it records what is in it.
 # Where that is taken, as after a start within the same second or a clock that was set back, it is DATE_ROBOT_2.bag, ...
 set -euo pipefail
 folder=$1 robot=$2 images=${3:-false}
 shift $(($# < 3 ? 2 : 3)) # the rest is for ROS: __name:=..., __log:=...
-topics=(/actuators/command /simulator/markers /simulator/actuators /simulator/surface /simulator/scene /tracker/markers
-  /controller/progress /controller/target /overlay /reality_gap /motor/state /rig/shafts /plant/markers /tf /tf_static /diagnostics /rosout)
-[[ $images != true ]] || topics+=(/tracker/steps --regex '/[^/]+/(color|aligned_depth_to_color)/(image_raw|camera_info)')
+session=/${ROS_NAMESPACE:-}/
+session=$(tr -s / <<<"$session") # "/left/" in the namespace left, else "/"
+topics=(actuators/command simulator/markers simulator/actuators simulator/surface simulator/scene tracker/markers
+  controller/progress controller/target overlay reality_gap motor/state rig/shafts plant/markers)
+topics=("${topics[@]/#/$session}" /tf /tf_static /diagnostics /rosout)
+[[ $images != true ]] || topics+=("${session}tracker/steps" --regex "$session[^/]+/(color|aligned_depth_to_color)/(image_raw|camera_info)")
+for argument in "$@"; do # ROS would end the one that runs
+  [[ $argument == __name:=* ]] && timeout 10 rosnode ping -c 1 "$session${argument#__name:=}" 2>/dev/null | grep -q "xmlrpc reply" || continue
+  echo "record.sh: a recorder of this name runs already; end that session first, or start this one in a namespace" >&2
+  exit 1
+done
 mkdir -p "$folder"
 bag=$folder/$(date +%Y-%m-%d_%H-%M-%S)_$robot part=2
 name=$bag

@@ -25,7 +25,8 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.add_flag("--quick", arguments.quick, "coarse bodies, fewer cases, and files named stability_quick");
+  app.add_flag("--quick", arguments.quick,
+               "coarse bodies, fewer cases, our solver alone, and files named stability_quick");
   app.add_option(
          "--output", arguments.output,
          "a folder for stability.svg, .png and .csv (the places of the squares) and stability_cells.csv (a line "
@@ -69,7 +70,7 @@ std::size_t place_of(const std::string& name, const std::vector<Item>& all) {
 // As in the lists, whatever order they were run in.
 void sort_cells(bool quick, std::vector<StabilityCell>& cells) {
   const auto bodies = stability_bodies(quick);
-  const auto methods = stability_methods();
+  const auto methods = stability_methods(quick);
   const auto cases = hard_cases(quick);
   const auto place = [&](const StabilityCell& cell) {
     return std::array<std::size_t, 3>{place_of(cell.body, bodies), place_of(cell.method, methods),
@@ -84,7 +85,7 @@ std::vector<StabilityCell> run(const Arguments& arguments, const std::string& ta
   options.actuator_factory = make_actuator;
   StabilityBench bench(options, config_folder());
   const auto bodies = choose(stability_bodies(arguments.quick), arguments.body);
-  const auto methods = choose(stability_methods(), arguments.method);
+  const auto methods = choose(stability_methods(arguments.quick), arguments.method);
   const auto cases = choose(hard_cases(arguments.quick), arguments.hard_case);
   const double count = static_cast<double>(bodies.size() * methods.size() * cases.size());
   std::vector<StabilityCell> cells = known_cells(table);

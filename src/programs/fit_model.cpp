@@ -2,6 +2,7 @@
 // fit_model BAG --parameters A,B,C: fits a robot's scene to a recorded session, or reports how far it is from one.
 #include <iomanip>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ using namespace soft_robot_lab;
 
 struct Arguments {
   std::string bag, scene, output = "fitted.yaml";
+  std::optional<double> from_s, to_s;
   FitRequest request;
 };
 
@@ -36,6 +38,11 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--scene", arguments.scene, "the robot's file, where it is not the one that the recording names")
       ->type_name("FILE");
   app.add_option("--output", arguments.output, "where the fitted scene goes")->type_name("FILE")->capture_default_str();
+  app.add_option("--from", arguments.from_s, "leave out what was before, since the first markers")
+      ->type_name("SECONDS");
+  app.add_option("--to", arguments.to_s,
+                 "leave out what was after; else the part ends where a motor lost its place or was set to zero")
+      ->type_name("SECONDS");
   app.add_option("--mass", request.mass_kg,
                  "of the whole robot, weighed: stiffness is measured against weight; otherwise the scene's density "
                  "counts")
@@ -61,7 +68,9 @@ int fit(const Arguments& arguments) {
     arguments.request.validate();
     require_writable(arguments.output);
   }
-  const Recording recording = read_recording(arguments.bag);
+  const UsablePart part = usable_part(read_recording(arguments.bag), arguments.from_s, arguments.to_s);
+  if (!part.note.empty()) std::cerr << "fit_model: " << part.note << "\n";
+  const Recording& recording = part.recording;
   const std::string scene = arguments.scene.empty() ? recording.scene : arguments.scene;
   if (scene.empty()) throw std::invalid_argument("the recording names no scene; give --scene");
   SceneOptions options;

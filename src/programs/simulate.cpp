@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // simulate SCENE.yaml [--result FILE] [--set PATH=NUMBER] [--estimate-error]: runs a scene from the shell, without a
 // ROS master.
+#include <chrono>
+#include <csignal>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -32,8 +35,26 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_flag("--estimate-error", arguments.estimate_error,
                "also report how wrong the scene's mesh and time step make the markers");
   app.footer(
-      "Exit status: 0 converged, 1 ran but did not converge or did not meet the scene's fidelity (the result is still\n"
-      "written), 2 bad scene or arguments.");
+      "Exit status: 0 converged, 1 ran but did not converge, was ended by Ctrl-C, or did not meet the scene's "
+      "fidelity\n"
+      "(the result is still written), 2 bad scene or arguments.");
+}
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void interrupt(int) { interrupted = 1; }
+
+// With a bar where it lasts longer than a second. Ctrl-C ends it, and what was simulated until then is written.
+RunReport run(Scene& scene) {
+  using Clock = std::chrono::steady_clock;
+  std::signal(SIGINT, interrupt);
+  std::optional<ProgressBar> bar;
+  const Clock::time_point start = Clock::now();
+  return run_scene(scene, [&](double fraction) {
+    if (!bar && Clock::now() - start > std::chrono::seconds(1)) bar.emplace("simulate");
+    if (bar) bar->show(fraction, "runs; Ctrl-C ends it and keeps what is done");
+    return interrupted == 0;
+  });
 }
 
 int simulate(const Arguments& arguments) {
@@ -42,7 +63,7 @@ int simulate(const Arguments& arguments) {
   options.overrides = parameter_overrides(arguments.scene, arguments.set);
   options.estimate_error = arguments.estimate_error;
   Scene scene = load_with_bar("simulate", arguments.scene, options);
-  const RunReport report = run_scene(scene);
+  const RunReport report = run(scene);
   for (const SolveWarning& warning : report.solve.warnings) std::cerr << "simulate: warning: " << warning.text << "\n";
   if (arguments.result.empty()) {
     std::cout << result_json(scene, report) << std::flush;

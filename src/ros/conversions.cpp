@@ -7,7 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "topics.h"
+#include "frames.h"
+#include "robot/scene/reaction.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -39,6 +40,14 @@ std::string joined(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
+}
+
+geometry_msgs::Vector3 vector(const Eigen::Vector3d& vector) {
+  geometry_msgs::Vector3 message;
+  message.x = vector.x();
+  message.y = vector.y();
+  message.z = vector.z();
+  return message;
 }
 
 }  // namespace
@@ -75,7 +84,7 @@ void require_whole(const MarkerObservations& markers) {
 MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp) {
   MarkerObservations message;
   message.header.stamp = stamp;
-  message.header.frame_id = topics::robot_frame;
+  message.header.frame_id = robot_frame();
   const size_t count = simulation.markers().size();
   for (size_t i = 0; i < count; ++i) {
     message.names.push_back(simulation.markers()[i].name());
@@ -103,7 +112,7 @@ ActuatorRanges actuator_ranges(const Simulation& simulation, const ros::Time& st
 ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp) {
   ActuatorState message;
   message.header.stamp = stamp;
-  message.header.frame_id = topics::robot_frame;
+  message.header.frame_id = robot_frame();
   for (int i = 0; i < static_cast<int>(simulation.actuators().size()); ++i) {
     const ActuatorReading state = simulation.actuator_state(i);
     message.names.push_back(state.name);
@@ -112,6 +121,28 @@ ActuatorState actuator_states(const Simulation& simulation, const ros::Time& sta
     if (state.length_m) message.cables.push_back(cable_state(state));
     if (state.volume_m3) message.chambers.push_back(chamber_state(state));
   }
+  return message;
+}
+
+sensor_msgs::JointState joint_states(const ActuatorState& actuators) {
+  std::map<std::string, double> efforts;
+  for (const CableState& cable : actuators.cables) efforts[cable.name] = cable.tension_n;
+  for (const ChamberState& chamber : actuators.chambers) efforts[chamber.name] = chamber.gauge_pressure_pa;
+  sensor_msgs::JointState message;
+  message.header = actuators.header;
+  message.name = actuators.names;
+  message.position = actuators.actuated_commands;
+  for (const std::string& name : actuators.names) message.effort.push_back(efforts[name]);
+  return message;
+}
+
+geometry_msgs::WrenchStamped reaction_of(const Simulation& simulation, const ros::Time& stamp) {
+  const Reaction reaction = total_reaction(simulation, simulation.reaction_forces_n());
+  geometry_msgs::WrenchStamped message;
+  message.header.stamp = stamp;
+  message.header.frame_id = robot_frame();
+  message.wrench.force = vector(reaction.force_n);
+  message.wrench.torque = vector(reaction.moment_nm);
   return message;
 }
 

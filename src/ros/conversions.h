@@ -7,7 +7,9 @@
 
 #include <Eigen/Core>
 #include <geometry_msgs/Point.h>
+#include <geometry_msgs/WrenchStamped.h>
 #include <ros/time.h>
+#include <sensor_msgs/JointState.h>
 
 #include "messages.h"
 #include "soft_robot_lab/mechanics/simulation.h"
@@ -25,6 +27,13 @@ void require_whole(const MarkerObservations& markers);
 MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp);
 ActuatorRanges actuator_ranges(const Simulation& simulation, const ros::Time& stamp);
 ActuatorState actuator_states(const Simulation& simulation, const ros::Time& stamp);
+
+// Of each actuator as `position` its command as reached, in the unit of that command, and as `effort` what it pulls or
+// presses with: tension [N], gauge pressure [Pa]. For tools that know only joints.
+sensor_msgs::JointState joint_states(const ActuatorState& actuators);
+
+// What holds the body where it is clamped, all holds together, about the origin of robot_base [N, Nm].
+geometry_msgs::WrenchStamped reaction_of(const Simulation& simulation, const ros::Time& stamp);
 
 // By the name of the surface it acts on.
 std::map<std::string, double> gauge_pressures_pa(const Simulation& simulation);

@@ -133,12 +133,14 @@ bool FitService::fit(FitModel::Request& request, FitModel::Response& response) {
     if (!lock) throw std::runtime_error("busy with another fit; ask again when it ended");
     const FitRequest fit = fit_request(request);
     if (!request.file.empty()) require_writable(request.file);
-    const Recording recording = request.bag.empty() ? heard() : read_recording(request.bag);
+    const UsablePart part = usable_part(request.bag.empty() ? heard() : read_recording(request.bag));
+    const Recording& recording = part.recording;
     const std::string scene = request.scene.empty() ? recording.scene : request.scene;
     if (scene.empty()) throw std::invalid_argument("scene: none is given, and the recording does not name one");
     const std::vector<MeasuredPose> poses = measured_poses(recording);
     const FitResult result = fit_model(scene, options_, poses, fit, measured_swings(recording));
     fill_response(result, response);
+    if (!part.note.empty()) response.warnings.push_back(part.note);
     response.poses = static_cast<int>(
         std::count_if(poses.begin(), poses.end(), [](const MeasuredPose& pose) { return !pose.markers.empty(); }));
     if (!request.file.empty()) write_fitted_scene(result, scene, request.file);

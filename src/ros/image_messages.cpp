@@ -10,6 +10,8 @@
 #include <sensor_msgs/distortion_models.h>
 #include <sensor_msgs/image_encodings.h>
 
+#include "frames.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -85,8 +87,6 @@ void read_depth(const sensor_msgs::Image& message, RgbdFrame& frame) {
 }
 
 }  // namespace
-
-std::string optical_frame(const std::string& camera) { return camera + "_color_optical_frame"; }
 
 sensor_msgs::Image colour_message(const cv::Mat& colour, const std_msgs::Header& header) {
   return image_message(colour, header, sensor_msgs::image_encodings::RGB8);

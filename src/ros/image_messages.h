@@ -20,7 +20,6 @@ struct FrameMessages {
   sensor_msgs::CameraInfo info;  // of both
 };
 
-std::string optical_frame(const std::string& camera);
 FrameMessages frame_messages(const RgbdFrame& frame, const CameraModel& model, const ros::Time& stamp);
 sensor_msgs::Image colour_message(const cv::Mat& colour, const std_msgs::Header& header);  // rgb8
 // And back; the frame owns its pixels. Colour as rgb8 or bgr8, depth as 16UC1 [mm] or 32FC1 [m] (REP 118); what is not

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "conversions.h"
+#include "frames.h"
 #include "image_messages.h"
 #include "topics.h"
 
@@ -18,7 +19,7 @@ constexpr std::size_t most_simulated = 600;  // ten seconds at 60 Hz
 MarkerObservations observations(const TrackerReport& report) {
   MarkerObservations message;
   message.header.stamp = ros::Time(report.stamp_s);
-  message.header.frame_id = topics::robot_frame;
+  message.header.frame_id = robot_frame();
   for (const MarkerObservation& marker : report.markers) {
     message.names.push_back(marker.name);
     message.positions.push_back(to_message(marker.position_m));

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "conversions.h"
-#include "topics.h"
+#include "frames.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -97,7 +97,7 @@ class Drawing {
   Shape shape_of(const std::string& ns, int number) const {
     Shape shape;
     shape.header.stamp = stamp_;
-    shape.header.frame_id = topics::robot_frame;
+    shape.header.frame_id = robot_frame();
     shape.ns = ns;
     shape.id = number;
     shape.pose.orientation.w = 1.0;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "conversions.h"
+#include "frames.h"
 #include "messages.h"
 #include "topics.h"
 
@@ -43,7 +44,7 @@ bool PolicySearch::cancel() {
 void PolicySearch::publish_target(const MarkerGoal& goal) const {
   Target target;
   target.header.stamp = ros::Time::now();
-  target.header.frame_id = topics::robot_frame;
+  target.header.frame_id = robot_frame();
   target.marker = goal.marker;
   target.position = to_message(goal.target_m);
   target_publisher_.publish(target);

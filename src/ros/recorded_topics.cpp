@@ -3,9 +3,39 @@
 
 #include <algorithm>
 
+#include "topics.h"
+
 namespace soft_robot_lab {
 
-std::string relative(const std::string& topic) { return topic.substr(!topic.empty() && topic[0] == '/' ? 1 : 0); }
+namespace {
+
+// By how they end; before that stands, of some sessions, a namespace.
+const std::vector<std::string>& known_topics() {
+  static const std::vector<std::string> all = {
+      topics::actuator_command,    topics::simulator_markers, topics::tracker_markers, topics::tracker_steps,
+      topics::simulator_actuators, topics::simulator_surface, topics::simulator_scene, topics::controller_progress,
+      topics::controller_target,   topics::overlay,           topics::reality_gap,     topics::motor_state,
+      topics::rig_shafts,          topics::plant_markers};
+  return all;
+}
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+}  // namespace
+
+std::string relative(const std::string& topic) {
+  for (const std::string& known : known_topics())
+    if (ends_with(topic, "/" + known)) return known;
+  for (const char* part : {"/color/", "/aligned_depth_to_color/"}) {  // of a camera, whose name stands before
+    const std::size_t end = topic.rfind(part);
+    if (end == std::string::npos || end == 0) continue;
+    const std::size_t start = topic.rfind('/', end - 1);
+    return topic.substr(start == std::string::npos ? 0 : start + 1);
+  }
+  return topic.substr(!topic.empty() && topic[0] == '/' ? 1 : 0);
+}
 
 rosbag::View only(const rosbag::Bag& bag, const std::vector<std::string>& topics) {
   return rosbag::View(bag, [topics](const rosbag::ConnectionInfo* connection) {

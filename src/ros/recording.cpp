@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recording.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 
@@ -13,6 +16,17 @@
 #include "topics.h"
 
 namespace soft_robot_lab {
+namespace {
+
+double item(const std::vector<double>& list, size_t index) { return index < list.size() ? list[index] : 0.0; }
+
+std::string tenths(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", value);
+  return text;
+}
+
+}  // namespace
 
 void Recording::add(const ActuatorCommand& command, double time_s) {
   std::map<std::string, double> values = commands.empty() ? std::map<std::string, double>{} : commands.back().values;
@@ -31,6 +45,23 @@ void Recording::add(const MotorState& motors, double time_s) {
   for (size_t i = 0; i < count; ++i)
     if (motors.known[i] && !motors.moving[i]) values[motors.names[i]] = motors.values[i];
   if (reached.empty() || values != reached.back().values) reached.push_back({time_s, std::move(values)});
+  note_events(motors, time_s);
+}
+
+// Before the first command nothing is spoilt: there the rig is linked and set to zero.
+void Recording::note_events(const MotorState& motors, double time_s) {
+  constexpr double most_steps = 8.0;  // that a motor takes between two states of one that stands
+  for (size_t i = 0; i < motors.names.size() && motors.names == motors_.names && !commands.empty(); ++i) {
+    const double before = item(motors_.position_steps, i), now = item(motors.position_steps, i);
+    if (motors_.known[i] && !motors.known[i]) {
+      const std::string reason = i < motors.fault.size() ? motors.fault[i] : "";
+      events.push_back(
+          {time_s, motors.names[i] + " does not know where it is" + (reason.empty() ? "" : ": " + reason)});
+    } else if (now == 0.0 && std::abs(before) > most_steps && !motors.moving[i] && !motors_.moving[i]) {
+      events.push_back({time_s, motors.names[i] + " was set to zero"});
+    }
+  }
+  motors_ = motors;
 }
 
 void Recording::add_measured(const MarkerObservations& markers) {
@@ -62,6 +93,37 @@ void add(const rosbag::MessageInstance& message, Recording& recording) {
 }
 
 }  // namespace
+
+UsablePart usable_part(const Recording& recording, std::optional<double> from_s, std::optional<double> to_s) {
+  UsablePart part{recording, {}};
+  Recording& kept = part.recording;
+  if (kept.measured.empty()) return part;
+  const double start_s = kept.measured.front().header.stamp.toSec(), last_s = kept.measured.back().header.stamp.toSec();
+  const double first_s = start_s + from_s.value_or(0.0);
+  double end_s = to_s ? start_s + *to_s : last_s;
+  const auto event = std::find_if(kept.events.begin(), kept.events.end(),
+                                  [&](const RecordedEvent& one) { return one.time_s > first_s; });
+  const bool spoilt = event != kept.events.end() && event->time_s <= end_s;
+  if (spoilt && !to_s) end_s = event->time_s;
+  if (spoilt) part.note = tenths(event->time_s - start_s) + " s: " + event->text;
+  if (from_s || end_s < last_s)
+    part.note = "used from " + tenths(first_s - start_s) + " s to " + tenths(end_s - start_s) + " s of " +
+                tenths(last_s - start_s) + " s" + (spoilt ? "; at " + part.note : "");
+  const auto outside = [&](const auto& message) {
+    return message.header.stamp.toSec() < first_s || message.header.stamp.toSec() > end_s;
+  };
+  const auto cut = [&](auto& messages) {
+    messages.erase(std::remove_if(messages.begin(), messages.end(), outside), messages.end());
+  };
+  cut(kept.measured);
+  cut(kept.simulated);
+  cut(kept.gaps);
+  if (kept.measured.empty())
+    throw std::invalid_argument("no markers were tracked from " + tenths(first_s - start_s) + " s to " +
+                                tenths(end_s - start_s) + " s; the recording has " + tenths(last_s - start_s) + " s" +
+                                (part.note.empty() ? "" : " (" + part.note + ")"));
+  return part;
+}
 
 Recording read_recording(const std::string& path) {
   if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path))

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <soft_robot_lab/MotorState.h>
 #include <soft_robot_lab/RealityGap.h>
 
 #include "soft_robot_lab/control/identification/fit_model.h"
@@ -20,19 +22,40 @@ struct CommandsSince {
   std::map<std::string, double> values;  // of all actuators that were ever commanded until then
 };
 
+// What spoils all that follows: motors that lost steps or were set to another zero, while the robot was in use.
+struct RecordedEvent {
+  double time_s = 0.0;
+  std::string text;
+};
+
 struct Recording {
   std::vector<CommandsSince> commands;  // where they changed
   std::vector<CommandsSince> reached;   // by motors that stood and knew where, in units of commands; where it changed
   std::vector<MarkerObservations> measured, simulated;
   std::vector<RealityGap> gaps;  // of these two
-  std::string scene;             // that the simulator ran last; empty where it is not recorded
+  std::vector<RecordedEvent> events;
+  std::string scene;  // that the simulator ran last; empty where it is not recorded
   double start_s = 0.0, end_s = 0.0;
 
   // In order of time; a message older than the one before is left out.
   void add(const ActuatorCommand& command, double time_s);
   void add(const MotorState& motors, double time_s);
   void add_measured(const MarkerObservations& markers);
+
+ private:
+  void note_events(const MotorState& motors, double time_s);
+  MotorState motors_;  // the last
 };
+
+// Of a recording, what may be compared with a model.
+struct UsablePart {
+  Recording recording;  // the commands before the part too: friction knows the way
+  std::string note;     // which part it is, and what ended it; empty: all
+};
+
+// From and to [s since the recording's first markers]; without `to_s` it ends before the first event since `from_s`.
+// Throws std::invalid_argument where nothing is left.
+UsablePart usable_part(const Recording& recording, std::optional<double> from_s = {}, std::optional<double> to_s = {});
 
 // Throws std::runtime_error for a file that is no bag, holds no tracked markers, or is cut off.
 Recording read_recording(const std::string& bag);

@@ -6,6 +6,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "frames.h"
 #include "stamps.h"
 #include "conversions.h"
 #include "topics.h"
@@ -18,8 +19,11 @@ constexpr double standing_still_m = 1.0e-4;     // the simulator sends a skin fo
 constexpr double longest_velocity_gap_s = 0.1;  // two skins further apart give no velocity
 
 void require_robot_frame(const std_msgs::Header& header, const std::string& topic) {
-  if (header.frame_id != topics::robot_frame)
-    throw std::invalid_argument(topic + ": header.frame_id: '" + header.frame_id + "' is not " + topics::robot_frame);
+  try {
+    prefix_of_robot(header.frame_id);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(topic + ": " + error.what());
+  }
 }
 
 bool stand_still(const Eigen::Matrix3Xd& now_m, const Eigen::Matrix3Xd& then_m) {

@@ -13,6 +13,7 @@
 #include <rosbag/view.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include "frames.h"
 #include "recorded_topics.h"
 #include "camera_overlay.h"
 #include "image_messages.h"
@@ -54,6 +55,7 @@ class Painter {
       for (const auto& transform : tree->transforms) place(transform);
     } else if (topic == topics::simulator_surface) {
       surface_ = *read_message<visualization_msgs::Marker>(message);
+      if (!surface_.header.frame_id.empty()) session_ = prefix_of_robot(surface_.header.frame_id);
     } else if (const auto of_lens = before(topic, "/color/camera_info")) {
       cameras_[*of_lens].lens = camera_model(*read_message<sensor_msgs::CameraInfo>(message));
     } else if (const auto camera = before(topic, "/color/image_raw")) {
@@ -71,16 +73,20 @@ class Painter {
  private:
   void place(const geometry_msgs::TransformStamped& transform) {
     const std::string parent = relative(transform.header.frame_id), child = relative(transform.child_frame_id);
-    if (parent != topics::world_frame) return;
-    if (child == topics::robot_frame) world_from_robot_ = isometry(transform.transform);
-    poses_[child] = isometry(transform.transform);
+    poses_[child] = {parent, isometry(transform.transform)};
   }
 
   // By when it was recorded, which is after it was taken.
   bool wanted(const std::string& camera, double time_s) const {
     const auto found = cameras_.find(camera);
-    return found != cameras_.end() && found->second.lens && poses_.count(optical_frame(camera)) > 0 &&
+    return found != cameras_.end() && found->second.lens && world_from(optical_frame(camera, session_)) &&
            found->second.next < times_s_.size() && time_s >= times_s_[found->second.next];
+  }
+
+  std::optional<Eigen::Isometry3d> world_from(const std::string& frame) const {
+    const auto found = poses_.find(frame);
+    if (found == poses_.end() || found->second.first != world_frame(session_)) return std::nullopt;
+    return found->second.second;
   }
 
   void draw(const std::string& name, const sensor_msgs::Image& image) {
@@ -89,7 +95,10 @@ class Painter {
     if (time_s < times_s_[camera.next]) return;
     while (camera.next < times_s_.size() && times_s_[camera.next] <= time_s) ++camera.next;
     const size_t asked = camera.next - 1;
-    const Eigen::Isometry3d camera_from_robot = poses_.at(optical_frame(name)).inverse() * world_from_robot_;
+    const Eigen::Isometry3d world_from_robot =
+        world_from(robot_frame(session_)).value_or(Eigen::Isometry3d::Identity());
+    const Eigen::Isometry3d camera_from_robot =
+        world_from(optical_frame(name, session_)).value().inverse() * world_from_robot;
     const CloseUp::View view = camera.close_up.of(colour_image(image), *camera.lens, camera_from_robot, surface_);
     const cv::Mat drawn = draw_robot(view.image, view.model, camera_from_robot, surface_, nearest(gaps_, time_s));
     cv::Mat bgr;
@@ -105,8 +114,8 @@ class Painter {
   std::vector<double> times_s_;
   std::string folder_;
   std::map<std::string, Camera> cameras_;
-  std::map<std::string, Eigen::Isometry3d> poses_;  // in the world, by frame
-  Eigen::Isometry3d world_from_robot_ = Eigen::Isometry3d::Identity();
+  std::map<std::string, std::pair<std::string, Eigen::Isometry3d>> poses_;  // and in which frame, by frame
+  std::string session_;                                                     // with what its frames begin
   visualization_msgs::Marker surface_;
   std::vector<SessionPicture> pictures_;
 };

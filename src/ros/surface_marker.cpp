@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "conversions.h"
+#include "frames.h"
 #include "soft_robot_lab/mechanics/embedding.h"
-#include "topics.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -95,7 +95,7 @@ visualization_msgs::Marker SurfaceMarker::message(const Eigen::Matrix3Xd& positi
   drawn_positions_m_ = positions_m;
   visualization_msgs::Marker marker;
   marker.header.stamp = stamp;
-  marker.header.frame_id = topics::robot_frame;
+  marker.header.frame_id = robot_frame();
   marker.ns = "surface";
   marker.type = visualization_msgs::Marker::TRIANGLE_LIST;
   marker.pose.orientation.w = 1.0;
@@ -135,7 +135,7 @@ visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface) {
 
 visualization_msgs::Marker no_ghost() {
   visualization_msgs::Marker marker;
-  marker.header.frame_id = topics::robot_frame;
+  marker.header.frame_id = robot_frame();
   marker.ns = "ghost";
   marker.action = visualization_msgs::Marker::DELETE;
   return marker;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "conversions.h"
+#include "frames.h"
 #include "image_messages.h"
 #include "log_text.h"
 #include "topics.h"
@@ -55,7 +56,7 @@ void TargetMarker::show(const std::string& marker, const Eigen::Vector3d& target
   const std::lock_guard lock(mutex_);
   if (held_ && marker == marker_) return;
   InteractiveMarker target;
-  target.header.frame_id = topics::robot_frame;
+  target.header.frame_id = robot_frame();
   target.name = "target";
   target.description = "";  // the overlay writes beside it
   target.pose.position = to_message(target_m);
@@ -92,7 +93,7 @@ void TargetMarker::on_feedback(const Feedback& feedback) {
 // Only where it is, not how it is turned. As old as it may be: frames of a session do not move.
 void TargetMarker::on_goal(const geometry_msgs::PoseStamped& goal) {
   try {
-    const auto pose = frames_.lookupTransform(topics::robot_frame, goal.header.frame_id, ros::Time(0));
+    const auto pose = frames_.lookupTransform(robot_frame(), goal.header.frame_id, ros::Time(0));
     const Eigen::Vector3d target_m =
         isometry(pose.transform) * from_message(goal.pose.position, topics::controller_goal);
     std::string marker;

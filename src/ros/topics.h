@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Names of topics, services and frames; relative, so that a session can be pushed into a namespace.
+// Names of topics and services; relative, so that a session can be pushed into a namespace.
 #pragma once
 
 namespace soft_robot_lab::topics {
@@ -11,6 +11,8 @@ constexpr char tracker_steps[] = "tracker/steps";  // what each of them was made
 constexpr char tracker_image[] = "tracker/image";  // what a camera sees, with the markers found
 constexpr char simulator_actuators[] = "simulator/actuators";
 constexpr char simulator_ranges[] = "simulator/actuator_ranges";  // latched: which commands the scene's actuators take
+constexpr char simulator_joint_states[] = "simulator/joint_states";  // sensor_msgs/JointState: commands and forces
+constexpr char simulator_reaction[] = "simulator/reaction";  // geometry_msgs/WrenchStamped: what holds the robot
 constexpr char simulator_surface[] = "simulator/surface";
 constexpr char simulator_scene[] = "simulator/scene";  // std_msgs/String, latched: path of the scene that runs
 constexpr char controller_progress[] = "controller/progress";
@@ -42,8 +44,5 @@ constexpr char execute_policy[] = "controller/execute_policy";
 constexpr char fit_model[] = "controller/fit_model";
 constexpr char calibrate[] = "tracker/calibrate";
 constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
-
-constexpr char world_frame[] = "world";
-constexpr char robot_frame[] = "robot_base";
 
 }  // namespace soft_robot_lab::topics

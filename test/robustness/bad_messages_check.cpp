@@ -17,6 +17,7 @@
 #include "soft_robot_lab/control/closed_loop.h"
 #include "ros/conversions.h"
 #include "ros/fit_service.h"
+#include "ros/frames.h"
 #include "ros/gap_meter.h"
 #include "ros/image_messages.h"
 #include "ros/marker_frames.h"
@@ -95,7 +96,7 @@ void require_finite(const geometry_msgs::Point& point, const char* what) {
 MarkerObservations two_markers(double time_s) {
   MarkerObservations markers;
   markers.header.stamp = ros::Time(time_s);
-  markers.header.frame_id = topics::robot_frame;
+  markers.header.frame_id = robot_frame();
   markers.names = {"middle", "tip"};
   markers.positions.resize(2);
   markers.positions[0].x = 0.05;
@@ -198,7 +199,7 @@ void require_moment(const SeenRobotStates& states) {
 visualization_msgs::Marker triangle(double time_s) {
   visualization_msgs::Marker surface;
   surface.header.stamp = ros::Time(time_s);
-  surface.header.frame_id = topics::robot_frame;
+  surface.header.frame_id = robot_frame();
   surface.type = visualization_msgs::Marker::TRIANGLE_LIST;
   surface.points.resize(3);
   surface.points[1].x = surface.points[2].y = 0.01;

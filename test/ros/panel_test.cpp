@@ -19,6 +19,7 @@
 
 #include "hidden_rviz.h"
 #include "ros/conversions.h"
+#include "ros/frames.h"
 #include "ros/topics.h"
 #include "session_ears.h"
 
@@ -126,7 +127,7 @@ TEST_F(Panel, ExecutesWhatWasFoundForAPoseAndShowsItsGhostBefore) {
       boost::function<void(const visualization_msgs::Marker::ConstPtr&)>([&](const auto& m) { action = m->action; }));
   ros::Publisher goals = node_.advertise<geometry_msgs::PoseStamped>(topics::controller_goal, 1, true);
   geometry_msgs::PoseStamped goal;
-  goal.header.frame_id = topics::world_frame;
+  goal.header.frame_id = room_frame;
   goal.pose.position = to_message(Eigen::Vector3d(0.02, 0.0, -0.095));
   goals.publish(goal);
   ASSERT_TRUE(spin_until([&] { return action == visualization_msgs::Marker::ADD; }, patience_s));

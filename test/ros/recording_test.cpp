@@ -14,6 +14,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "ros/fit_service.h"
+#include "ros/frames.h"
 #include "ros/image_messages.h"
 #include "ros/session_report.h"
 
@@ -179,6 +180,60 @@ TEST(RestPeriods, StandWhereTheMotorsStood) {
   MotorState broken = motors(20.0, 0.7, false, true);
   broken.known.clear();
   EXPECT_THROW(recording.add(broken, 20.0), std::runtime_error);
+}
+
+// Twenty seconds: commands at 3, 8 and 13 s; `event` changes what the motor says from 10 s on.
+template <typename Event>
+Recording with_event(const Event& event) {
+  Recording recording;
+  for (int i = 0; i < 200; ++i)
+    recording.add_measured(observation(10.0 + 0.1 * i, 0.001, 5.0, MarkerObservations::SEEN));
+  recording.add(motors(10.0, 1.0, false, false), 10.0);  // as before a link
+  for (int i = 0; i < 3; ++i) recording.add(command(13.0 + 5.0 * i, 0.9 - 0.1 * i), 13.0 + 5.0 * i);
+  for (int i = 1; i < 200; ++i) {
+    MotorState state = motors(10.0 + 0.1 * i, 0.9, false, true);
+    state.position_steps = {120.0};
+    state.fault = {""};
+    if (i >= 100) event(state);
+    recording.add(state, 10.0 + 0.1 * i);
+  }
+  return recording;
+}
+
+std::size_t usable_poses(const Recording& recording, std::optional<double> from_s = {},
+                         std::optional<double> to_s = {}) {
+  std::size_t count = 0;
+  for (const MeasuredPose& pose : measured_poses(usable_part(recording, from_s, to_s).recording))
+    count += pose.markers.empty() ? 0 : 1;
+  return count;
+}
+
+TEST(UsablePart, EndsWhereAMotorIsSetToZero) {
+  const Recording recording = with_event([](MotorState& state) { state.position_steps = {0.0}; });
+  EXPECT_EQ(measured_poses(recording).size(), 4u);
+  EXPECT_EQ(usable_poses(recording), 3u);
+  const std::string note = usable_part(recording).note;
+  EXPECT_NE(note.find("used from 0.0 s to 10.0 s of 19.9 s; at 10.0 s: left was set to zero"), std::string::npos)
+      << note;
+  EXPECT_EQ(usable_poses(recording, 11.0), 2u) << "what comes after the event can be asked for";
+}
+
+TEST(UsablePart, EndsWhereAMotorStalls) {
+  const Recording recording = with_event([](MotorState& state) {
+    state.known = {false};
+    state.fault = {"stalled; motor/clear"};
+  });
+  EXPECT_EQ(usable_poses(recording), 3u);
+  const std::string note = usable_part(recording).note;
+  EXPECT_NE(note.find("left does not know where it is: stalled; motor/clear"), std::string::npos) << note;
+}
+
+TEST(UsablePart, IsAllWhereNothingHappened) {
+  const Recording recording = with_event([](MotorState& state) { state.position_steps = {121.0}; });
+  EXPECT_EQ(usable_part(recording).note, "");
+  EXPECT_EQ(usable_poses(recording), 4u);
+  EXPECT_EQ(usable_poses(recording, 4.0, 12.0), 2u);
+  EXPECT_THROW(usable_part(recording, 40.0), std::invalid_argument);
 }
 
 TEST_F(Session, FindsWhereTheRobotRested) {

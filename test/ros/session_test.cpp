@@ -5,14 +5,17 @@
 #include <future>
 #include <limits>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/WrenchStamped.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
+#include <sensor_msgs/JointState.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/LoadScene.h>
 #include <soft_robot_lab/OptimisePolicy.h>
@@ -123,6 +126,29 @@ TEST_F(Session, PublishesCablesSurfaceAndOverlay) {
   EXPECT_GT(surface->points.size(), 0u);
   EXPECT_EQ(surface->points.size() % 3, 0u);
   EXPECT_FALSE(hear<visualization_msgs::MarkerArray>(topics::overlay)->markers.empty());
+}
+
+TEST_F(Session, PublishesWhatOtherToolsKnow) {
+  const auto joints = hear<sensor_msgs::JointState>(topics::simulator_joint_states);
+  const auto actuators = hear<ActuatorState>(topics::simulator_actuators);
+  EXPECT_EQ(joints->name, actuators->names);
+  ASSERT_EQ(joints->position.size(), 2u);
+  ASSERT_EQ(joints->effort.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(joints->position[i], actuators->actuated_commands[i], 1e-9);
+    EXPECT_NEAR(joints->effort[i], actuators->cables[i].tension_n, 1e-6);
+  }
+  const auto reaction = hear<geometry_msgs::WrenchStamped>(topics::simulator_reaction);
+  EXPECT_EQ(reaction->header.frame_id, "robot_base");
+  const double weight_n = 0.02 * 0.02 * 0.1 * 1070.0 * 9.81;
+  EXPECT_NEAR(reaction->wrench.force.z, weight_n, 1e-3 * weight_n);
+  std::set<std::string> frames;
+  const auto in_time = [&](const auto& m) {
+    for (const auto& one : m->transforms) frames.insert(one.header.frame_id + " -> " + one.child_frame_id);
+  };
+  const ros::Subscriber tree = node_.subscribe<tf2_msgs::TFMessage>(
+      "/tf", 10, boost::function<void(const tf2_msgs::TFMessage::ConstPtr&)>(in_time));
+  EXPECT_TRUE(spin_until([&] { return frames.count("robot_base -> simulated/tip") > 0; }));
 }
 
 TEST_F(Session, ResetsToTheStart) {

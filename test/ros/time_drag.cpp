@@ -15,6 +15,7 @@
 #include <visualization_msgs/Marker.h>
 
 #include "ros/conversions.h"
+#include "ros/frames.h"
 #include "ros/messages.h"
 #include "ros/node_process.h"
 #include "ros/topics.h"
@@ -85,7 +86,7 @@ class Drag {
  private:
   void move(int event, const Eigen::Vector3d& place_m) {
     Feedback feedback;
-    feedback.header.frame_id = topics::robot_frame;
+    feedback.header.frame_id = robot_frame();
     feedback.header.stamp = ros::Time(0);
     feedback.client_id = "time_drag";
     feedback.marker_name = "target";

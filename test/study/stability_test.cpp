@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -42,6 +43,20 @@ TEST(Stability, DefaultSolverSurvivesOrRecoversEverywhere) {
     }
   }
   EXPECT_GE(cells, 30);
+}
+
+// What --quick ends with 0 by.
+TEST(Stability, QuickChartHoldsOurSolverAndBodiesThatBearBothCables) {
+  StabilityBench bench = make_bench();
+  for (const StabilityMethod& method : stability_methods(true)) EXPECT_TRUE(method.ours) << method.name;
+  const auto all = hard_cases(true);
+  const auto both = std::find_if(all.begin(), all.end(), [](const auto& one) { return one.contractions.size() == 2; });
+  ASSERT_NE(both, all.end());
+  for (const StabilityBody& body : stability_bodies(true)) {
+    if (body.name != "Hammerbot") continue;
+    const StabilityCell cell = bench.run(body, stability_methods(true).front(), *both);
+    EXPECT_TRUE(is_good(cell.outcome)) << cell.message;
+  }
 }
 
 // On the mesh as it is, in time, these ended with inverted elements.

@@ -146,6 +146,14 @@ ModelGap gap_of(const std::vector<MeasuredPose>& poses,
   return gap;
 }
 
+// [m], of each pose; 0 for one without markers.
+std::vector<double> pose_gaps_m(const std::vector<MeasuredPose>& poses, const Predictor& predictor) {
+  std::vector<double> gaps_m;
+  for (std::size_t p = 0; p < poses.size(); ++p)
+    gaps_m.push_back(gap_of({poses[p]}, [&](std::size_t, Eigen::Index m) { return predictor.measured(p, m); }).rms_m);
+  return gaps_m;
+}
+
 // What is identified by rest states.
 FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene, const SceneOptions& options,
                       const std::vector<MeasuredPose>& poses, const FitRequest& request) {
@@ -182,6 +190,7 @@ FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene,
   predictor.PrepareForEvaluation(true, true);
   if (!predictor.good()) throw std::runtime_error("the scene as it is has no equilibrium: " + predictor.trouble());
   result.before = gap_now();
+  const std::vector<double> before_m = pose_gaps_m(poses, predictor);
   const FitEnd end = solve_fit(problem, loss, request, [&] { return gap_now().rms_m; });
   result.converged = end.converged;
   result.message = end.message;
@@ -194,6 +203,7 @@ FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene,
   if (!predictor.good()) throw std::runtime_error("the fitted scene has no equilibrium: " + predictor.trouble());
   problem.Evaluate({}, &cost, &scaled, nullptr, &jacobian);
   result.after = gap_now();
+  add_configurations(poses, before_m, pose_gaps_m(poses, predictor), request, result);
   const Eigen::VectorXd values = predictor.values(unknowns);
   result.measured_from_base = parameters.measured_from_base(values);
   result.overrides = parameters.overrides(values);

@@ -9,6 +9,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "settings/quantile.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -19,6 +21,23 @@ constexpr double kOnBound = 1e-6;   // of the range
 std::string short_text(double value) {
   std::ostringstream text;
   text << std::setprecision(3) << value;
+  return text.str();
+}
+
+std::string commands_text(const std::map<std::string, double>& commands) {
+  std::string text;
+  for (const auto& [name, value] : commands) text += (text.empty() ? "" : ", ") + name + " " + short_text(value);
+  return text.empty() ? "rest" : text;
+}
+
+std::string configurations_text(const std::vector<FittedConfiguration>& configurations) {
+  std::ostringstream text;
+  text << std::setprecision(3) << (configurations.empty() ? "" : "gap by configuration, before and after\n");
+  for (std::size_t i = 0; i < configurations.size(); ++i) {
+    const FittedConfiguration& one = configurations[i];
+    text << "  " << i + 1 << " (" << commands_text(one.commands) << "): " << 1e3 * one.before_m << " mm, "
+         << 1e3 * one.after_m << " mm" << (one.outlying ? ", far beyond the others" : "") << "\n";
+  }
   return text.str();
 }
 
@@ -109,6 +128,27 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
   warn_of_pairs(numbers, result);
 }
 
+// As far as `outlier_deviations` times the median of all is nothing special.
+void add_configurations(const std::vector<MeasuredPose>& poses, const std::vector<double>& before_m,
+                        const std::vector<double>& after_m, const FitRequest& request, FitResult& result) {
+  std::vector<double> seen_m;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (poses[p].markers.empty()) continue;
+    result.configurations.push_back({poses[p].commands, before_m[p], after_m[p], false});
+    seen_m.push_back(after_m[p]);
+  }
+  const double usual_m = seen_m.empty() ? 0.0 : median(std::move(seen_m));
+  const double far_m = request.outlier_deviations * std::max(usual_m, request.model_error_m);
+  for (std::size_t i = 0; i < result.configurations.size(); ++i) {
+    FittedConfiguration& one = result.configurations[i];
+    one.outlying = one.after_m > far_m;
+    if (one.outlying)
+      result.warnings.push_back("configuration " + std::to_string(i + 1) + " (" + commands_text(one.commands) +
+                                ") is missed by " + short_text(1e3 * one.after_m) + " mm, the median of all is " +
+                                short_text(1e3 * usual_m) + " mm: look at what happened there, or leave it out");
+  }
+}
+
 std::string summary(const FitResult& result) {
   std::ostringstream text;
   for (const FittedValue& value : result.values)
@@ -119,6 +159,7 @@ std::string summary(const FitResult& result) {
        << " mm after\n";
   for (const auto& [marker, rms_m] : result.before.marker_rms_m)
     text << "  " << marker << ": " << 1e3 * rms_m << " mm, " << 1e3 * result.after.marker_rms_m.at(marker) << " mm\n";
+  text << configurations_text(result.configurations);
   if (result.swings > 0)
     text << result.swings << (result.swings == 1 ? " swing" : " swings") << " missed by " << 1e3 * result.swing_rms_m
          << " mm rms\n";

@@ -23,4 +23,8 @@ Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix);
 void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian,
                     const std::vector<double>& residuals, FitResult& result);
 
+// Fills configurations, and warns of those that lie far beyond the others. Gaps [m] are one for each pose.
+void add_configurations(const std::vector<MeasuredPose>& poses, const std::vector<double>& before_m,
+                        const std::vector<double>& after_m, const FitRequest& request, FitResult& result);
+
 }  // namespace soft_robot_lab

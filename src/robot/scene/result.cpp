@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fidelity_json.h"
+#include "reaction.h"
 #include "reduction.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
 
@@ -98,11 +99,8 @@ Json path_json(const std::vector<SolvePathStage>& path) {
 
 // Of all holds together, about the origin of robot_base.
 Json reaction_json(const Simulation& simulation, const Eigen::Matrix3Xd& forces_n) {
-  const Eigen::Matrix3Xd& positions_m = simulation.state().positions_m;
-  Eigen::Vector3d moment_nm = Eigen::Vector3d::Zero();
-  for (Eigen::Index node = 0; node < forces_n.cols(); ++node)
-    moment_nm += Eigen::Vector3d(positions_m.col(node)).cross(Eigen::Vector3d(forces_n.col(node)));
-  return {{"force_n", list(forces_n.rowwise().sum())}, {"moment_nm", list(moment_nm)}};
+  const Reaction total = total_reaction(simulation, forces_n);
+  return {{"force_n", list(total.force_n)}, {"moment_nm", list(total.moment_nm)}};
 }
 
 // Of each held region, by its name or its place in the list.

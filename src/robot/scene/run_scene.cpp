@@ -30,7 +30,18 @@ void command(SceneMotion& motion, const TimedCommands& timed) {
   for (const auto& [actuator, value] : timed.commands) motion.set_command(actuator, value);
 }
 
-SolveReport solve_in_order(SceneMotion& motion, const std::vector<TimedCommands>& commands) {
+// Whether the run shall end here; then `total` says so.
+bool ends_early(const RunProgress& progress, double done, double all, const std::string& unit, SolveReport& total) {
+  if (!progress || progress(done / all) || done >= all) return false;
+  std::ostringstream text;
+  text << "ended after " << done << " of " << all << " " << unit << ", as asked";
+  total.converged = false;
+  total.message = text.str();
+  return true;
+}
+
+SolveReport solve_in_order(SceneMotion& motion, const std::vector<TimedCommands>& commands,
+                           const RunProgress& progress) {
   SolveReport total;
   total.converged = true;
   if (commands.empty()) add(motion.solve_equilibrium(), total);
@@ -38,6 +49,8 @@ SolveReport solve_in_order(SceneMotion& motion, const std::vector<TimedCommands>
     command(motion, commands[i]);
     add(motion.solve_equilibrium(), total);
     if (!total.converged) total.message = "run.commands[" + std::to_string(i) + "]: " + total.message;
+    const auto done = static_cast<double>(i + 1), all = static_cast<double>(commands.size());
+    if (total.converged && ends_early(progress, done, all, "commands", total)) break;
   }
   return total;
 }
@@ -73,7 +86,8 @@ void record(SceneMotion& motion, Trajectory& trajectory) {
     commands.col(static_cast<Eigen::Index>(i)) << drives[i].command, drives[i].actuated_command;
 }
 
-SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double step_s, Trajectory& trajectory) {
+SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double step_s, const RunProgress& progress,
+                          Trajectory& trajectory) {
   SolveReport total;
   total.converged = true;
   const double close_s = 1.0e-6 * step_s;  // sums of steps miss round times by rounding
@@ -93,8 +107,10 @@ SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double st
       text << "step " << i + 1 << " of " << step_count << ", at " << now_s << " s: " << step.message;
       total.message = text.str();
     }
-    if (now_s + step_s < static_cast<double>(recorded + 1) * record_every_s - close_s) continue;
+    const bool ends = ends_early(progress, now_s + step_s, run.duration_s, "s", total);
+    if (!ends && now_s + step_s < static_cast<double>(recorded + 1) * record_every_s - close_s) continue;
     record(motion, trajectory);
+    if (ends) break;
     recorded = static_cast<long>((now_s + step_s + close_s) / record_every_s);
   }
   return total;
@@ -143,29 +159,29 @@ void end(SceneMotion& motion, RunReport& report) {
 
 }  // namespace
 
-RunReport run_in_time(SceneMotion& motion, const RunSettings& run) {
+RunReport run_in_time(SceneMotion& motion, const RunSettings& run, const RunProgress& progress) {
   RunReport report;
-  report.solve = solve_in_time(motion, run, motion.simulation().options().time_step_s, report.trajectory);
+  report.solve = solve_in_time(motion, run, motion.simulation().options().time_step_s, progress, report.trajectory);
   end(motion, report);
   warn_of_unfinished_commands(motion.simulation(), report.solve);
   refuse_inverted(report.solve);
   return report;
 }
 
-RunReport run_scene(Scene& scene) {
+RunReport run_scene(Scene& scene, const RunProgress& progress) {
   RunReport report;
   Simulation& simulation = *scene.simulation;
   SceneMotion motion(scene);
   if (scene.run.mode == RunMode::dynamic) {
     if (simulation.options().method == SolverOptions::Method::newton && !motion.reduced())
       simulation.keep_energy_ledger();
-    return run_in_time(motion, scene.run);
+    return run_in_time(motion, scene.run, progress);
   }
   if (scene.run.mode == RunMode::modal) {
     find_modes(simulation, scene.run.modes, report);
     return report;
   }
-  report.solve = solve_in_order(motion, scene.run.commands);
+  report.solve = solve_in_order(motion, scene.run.commands, progress);
   end(motion, report);
   refuse_inverted(report.solve);
   if (scene.run.sensitivity && report.solve.converged) add_sensitivity(simulation, report);

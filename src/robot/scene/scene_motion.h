@@ -54,6 +54,6 @@ class SceneMotion {
 
 // Steps until the duration of the run has passed, giving commands when their time comes. The simulation keeps the last
 // state.
-RunReport run_in_time(SceneMotion& motion, const RunSettings& run);
+RunReport run_in_time(SceneMotion& motion, const RunSettings& run, const RunProgress& progress = {});
 
 }  // namespace soft_robot_lab

@@ -18,6 +18,7 @@
 #include "run_node.h"
 #include "hardware/plant/plant.h"
 #include "ros/camera_driver.h"
+#include "ros/frames.h"
 #include "ros/image_messages.h"
 #include "ros/log_text.h"
 #include "ros/rendered_rig.h"
@@ -184,8 +185,8 @@ void CameraNode::add(const Message& message, void (SeenRobotStates::*add_message
 void CameraNode::publish_true_poses() {
   std::vector<geometry_msgs::TransformStamped> poses;
   for (const RigCamera& camera : rig_.cameras())
-    poses.push_back(transform_message(topics::world_frame, "truth/" + optical_frame(camera.pose.name),
-                                      camera.pose.world_from_camera));
+    poses.push_back(
+        transform_message(world_frame(), optical_frame("truth/" + camera.pose.name), camera.pose.world_from_camera));
   true_poses_.sendTransform(poses);
 }
 

@@ -3,10 +3,13 @@
 #include <string>
 
 #include <ros/ros.h>
+#include <tf2_ros/transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 
 #include "run_node.h"
 #include "ros/camera_overlay.h"
+#include "ros/conversions.h"
+#include "ros/frames.h"
 #include "ros/gap_meter.h"
 #include "ros/image_messages.h"
 #include "ros/log_text.h"
@@ -18,7 +21,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr const char* kAbout = R"(Draws markers, cables, target and error for rviz from what the session publishes,
-compares tracked with simulated markers, and draws the simulated robot over what a camera sees of it, close up.
+compares tracked with simulated markers, publishes both as frames, and draws the simulated robot over what a camera sees of it, close up.
 
 Parameters: ~camera (whose image is drawn over, where the tracker believes it; absent: none).)";
 
@@ -53,6 +56,7 @@ class OverlayNode {
       gap_.add_simulated(markers);
       inputs_.simulated = markers;
       publish(markers.header.stamp);
+      broadcast(markers, "simulated/", simulated_stamp_);
     });
   }
   void on_measured(const MarkerObservations& markers) {
@@ -60,6 +64,7 @@ class OverlayNode {
       gap_.add_measured(markers);
       inputs_.measured = markers;
       publish(markers.header.stamp);
+      broadcast(markers, "tracked/", tracked_stamp_);
     });
   }
   // Bad messages stand in the log; the next ones go on.
@@ -83,7 +88,7 @@ class OverlayNode {
   void on_image(const Image& colour) {
     if (image_publisher_.getNumSubscribers() == 0 || !info_ || !surface_) return;
     try {
-      const auto pose = frames_.lookupTransform(optical_frame_, topics::robot_frame, ros::Time(0));
+      const auto pose = frames_.lookupTransform(optical_frame_, robot_frame(), ros::Time(0));
       const Eigen::Isometry3d camera_from_robot = isometry(pose.transform);
       const CloseUp::View view = close_up_.of(colour_image(colour), camera_model(*info_), camera_from_robot, *surface_);
       const cv::Mat drawn = draw_robot(view.image, view.model, camera_from_robot, *surface_, inputs_.gap);
@@ -100,6 +105,21 @@ class OverlayNode {
     publisher_.publish(overlay_.draw(inputs_, stamp));
   }
 
+  // As frames that are not turned. `stamp`: of the last that were sent.
+  void broadcast(const MarkerObservations& markers, const std::string& kind, ros::Time& stamp) {
+    const double age_s = seconds_between(stamp, markers.header.stamp);
+    if (age_s >= 0.0 && age_s < period_s) return;
+    stamp = markers.header.stamp;
+    std::vector<geometry_msgs::TransformStamped> frames;
+    for (std::size_t i = 0; i < markers.names.size(); ++i) {
+      const Eigen::Translation3d place(from_message(markers.positions.at(i), "positions"));
+      frames.push_back(
+          transform_message(robot_frame(), frame_prefix() + kind + markers.names[i], Eigen::Isometry3d(place)));
+      frames.back().header.stamp = stamp;
+    }
+    marker_frames_.sendTransform(frames);
+  }
+
   static constexpr double period_s = 1.0 / 15.0;
   OverlayInputs inputs_;
   Overlay overlay_;
@@ -108,7 +128,8 @@ class OverlayNode {
   CloseUp close_up_;
   std::optional<CameraInfo> info_;
   std::optional<visualization_msgs::Marker> surface_;
-  ros::Time published_;
+  ros::Time published_, simulated_stamp_, tracked_stamp_;
+  tf2_ros::TransformBroadcaster marker_frames_;
   ros::Publisher publisher_, gap_publisher_, image_publisher_;
   tf2_ros::Buffer frames_;
   tf2_ros::TransformListener listener_{frames_};

@@ -8,7 +8,9 @@
 #include <string>
 
 #include <ros/ros.h>
+#include <unistd.h>
 
+#include "ros/node_process.h"
 #include "require_master.h"
 
 namespace soft_robot_lab {
@@ -26,6 +28,14 @@ inline std::optional<int> read_node_arguments(int argc, char** argv, const std::
   return 2;
 }
 
+// Throws std::runtime_error where a node of this name runs already: ROS would end that one, and with it what it drives.
+inline void require_free_name(double longest_answer_s = 0.5) {
+  const std::string& name = ros::this_node::getName();
+  if (const std::optional<pid_t> other = answering_process(name, longest_answer_s); other && *other != getpid())
+    throw std::runtime_error(name + " runs already, as process " + std::to_string(*other) +
+                             "; end that session first, or start this one in a namespace of its own");
+}
+
 // Runs `run` after ROS has been set up; what it throws is written to the log, and gives the exit status 2. `about` is
 // what --help prints: what the node does, and its parameters.
 template <class Run>
@@ -34,6 +44,7 @@ int run_node(int argc, char** argv, const std::string& name, const std::string& 
   if (const std::optional<int> ended = read_node_arguments(argc, argv, name, about)) return *ended;
   try {
     require_master();
+    require_free_name();
   } catch (const std::exception& error) {
     std::cerr << name << ": " << error.what() << "\n";
     return 2;

@@ -20,8 +20,10 @@
 #include "run_node.h"
 #include "hardware/plant/same_commands.h"
 #include "ros/actuator_plugins.h"
-#include "ros/latched_publisher.h"
 #include "ros/conversions.h"
+#include "ros/frames.h"
+#include "ros/image_messages.h"
+#include "ros/latched_publisher.h"
 #include "ros/log_text.h"
 #include "ros/publish_limit.h"
 #include "ros/surface_marker.h"
@@ -37,7 +39,7 @@ has too.
 Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
 often as they film), ~skin_opacity (1: opaque; 0: opaque where that hides no chamber or cable), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes
-the same commands, which a scene has to suit), ~max_publish_rate_hz (1000: clock, markers and actuators of at most
+the same commands, which a scene has to suit), ~position_m (x, y, z in the room, of a session in a namespace), ~max_publish_rate_hz (1000: clock, markers and actuators of at most
 so many steps in each second of the session, or of the wall where that is longer).)";
 
 using SteadyClock = std::chrono::steady_clock;
@@ -53,6 +55,7 @@ struct SimulatorOptions {
   bool publish_clock = true;
   std::string rig;                      // empty: none
   double max_publish_rate_hz = 1000.0;  // [1, 100000]
+  std::vector<double> position_m = {0.0, 0.0, 0.0};
 
   void validate() const {
     if (!(real_time_factor >= 0.0 && real_time_factor <= 1000.0)) {
@@ -67,6 +70,9 @@ struct SimulatorOptions {
       throw std::invalid_argument("max_publish_rate_hz: " + std::to_string(max_publish_rate_hz) +
                                   " is not in [1, 100000]");
     }
+    if (position_m.size() != 3 ||
+        !std::all_of(position_m.begin(), position_m.end(), [](double x) { return std::abs(x) <= 1e3; }))
+      throw std::invalid_argument("position_m: must be three numbers [m] in [-1000, 1000]");
     if (!publish_clock && real_time_factor != 1.0) {
       throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) +
                                   " is not 1, as it has to be where publish_clock is false");
@@ -84,6 +90,7 @@ SimulatorOptions read_options(const ros::NodeHandle& node) {
   node.getParam("publish_clock", options.publish_clock);
   node.getParam("rig", options.rig);
   node.getParam("max_publish_rate_hz", options.max_publish_rate_hz);
+  node.getParam("position_m", options.position_m);
   options.validate();
   return options;
 }
@@ -158,7 +165,7 @@ class SimulatorNode {
   PublishLimit publish_limit_{options_.max_publish_rate_hz};
 
   ros::NodeHandle node_;
-  ros::Publisher clock_, markers_, actuators_, surface_;
+  ros::Publisher clock_, markers_, actuators_, joints_, reaction_, surface_;
   LatchedPublisher<std_msgs::String> scene_path_{topics::simulator_scene};
   LatchedPublisher<ActuatorRanges> ranges_{topics::simulator_ranges};
   ros::Subscriber commands_;
@@ -176,6 +183,8 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   if (options_.publish_clock) clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
   markers_ = node_.advertise<MarkerObservations>(topics::simulator_markers, 1000);
   actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
+  joints_ = node_.advertise<sensor_msgs::JointState>(topics::simulator_joint_states, 10);
+  reaction_ = node_.advertise<geometry_msgs::WrenchStamped>(topics::simulator_reaction, 10);
   publish_frames();
   auto first = prepare(options_.scene);
   if (const std::string failure = settle(*first); !failure.empty()) ROS_WARN("%s", log_text(failure).c_str());
@@ -197,11 +206,15 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
 }
 
 void SimulatorNode::publish_frames() {
-  geometry_msgs::TransformStamped world_from_robot;
-  world_from_robot.header.frame_id = topics::world_frame;
-  world_from_robot.child_frame_id = topics::robot_frame;
-  world_from_robot.transform.rotation.w = 1.0;
-  frames_.sendTransform(world_from_robot);
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  std::vector<geometry_msgs::TransformStamped> frames = {transform_message(world_frame(), robot_frame(), here)};
+  const Eigen::Vector3d position_m = Eigen::Vector3d::Map(options_.position_m.data());
+  if (world_frame() != room_frame) {
+    frames.push_back(transform_message(room_frame, world_frame(), Eigen::Translation3d(position_m) * here));
+  } else if (!position_m.isZero(0.0)) {
+    throw std::invalid_argument("position_m: must be zero in a session that has no namespace");
+  }
+  frames_.sendTransform(frames);
 }
 
 std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) const {
@@ -284,7 +297,10 @@ void SimulatorNode::publish() {
     clock_.publish(clock);
   }
   markers_.publish(marker_observations(simulation, stamp));
-  actuators_.publish(actuator_states(simulation, stamp));
+  const ActuatorState actuators = actuator_states(simulation, stamp);
+  actuators_.publish(actuators);
+  if (joints_.getNumSubscribers() > 0) joints_.publish(joint_states(actuators));
+  if (reaction_.getNumSubscribers() > 0) reaction_.publish(reaction_of(simulation, stamp));
 
   constexpr double rounding = 1.0e-6;
   const double period = std::floor(session_s_ * options_.surface_rate_hz + rounding);

@@ -16,6 +16,7 @@
 #include "run_node.h"
 #include "ros/calibrate_request.h"
 #include "ros/camera_diagnosis.h"
+#include "ros/frames.h"
 #include "ros/image_messages.h"
 #include "ros/log_text.h"
 #include "ros/replay_tracking.h"
@@ -241,7 +242,7 @@ void TrackerNode::tell_knocked_cameras() {
 void TrackerNode::broadcast(const std::vector<CameraPose>& poses) {
   std::vector<geometry_msgs::TransformStamped> messages;
   for (const CameraPose& pose : poses)
-    messages.push_back(transform_message(topics::world_frame, optical_frame(pose.name), pose.world_from_camera));
+    messages.push_back(transform_message(world_frame(), optical_frame(pose.name), pose.world_from_camera));
   if (!messages.empty()) frames_.sendTransform(messages);
 }
 

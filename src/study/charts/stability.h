@@ -67,9 +67,10 @@ struct HardCase {
 };
 
 // The lists of the chart (src/study/charts/stability_lists.cpp): a body, a method or a case more is one entry there.
-// `quick`: coarse bodies, and fewer cases.
+// `quick`: coarse bodies where these bear all cases, fewer cases, and our solver alone: the others take ten times as
+// long.
 std::vector<StabilityBody> stability_bodies(bool quick);
-std::vector<StabilityMethod> stability_methods();
+std::vector<StabilityMethod> stability_methods(bool quick = false);
 std::vector<HardCase> hard_cases(bool quick);
 
 struct StabilityCell {

@@ -161,6 +161,11 @@ TEST(FitModel, OutliersHardlyMoveIt) {
   request.parameters = {{"youngs_modulus_pa", 200000.0, {}, {}}};
   const FitResult result = fit_model(kScene, options_with(kLying), poses, request);
   EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 264200, 0.05 * 264200) << summary(result);
+  ASSERT_EQ(result.configurations.size(), kWay.size());
+  for (std::size_t i = 0; i < kWay.size(); ++i) EXPECT_EQ(result.configurations[i].outlying, i == 2) << summary(result);
+  EXPECT_TRUE(warns(result, "configuration 3 (left 0.9, right 1) is missed by 1"))
+      << summary(result);  // 20 mm of one of two
+  EXPECT_NE(summary(result).find("  3 (left 0.9, right 1): "), std::string::npos) << summary(result);
 }
 
 TEST(FitModel, RefusesBadRequests) {

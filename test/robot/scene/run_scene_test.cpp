@@ -23,14 +23,14 @@ struct Outcome {
   std::string summary;
 };
 
-Outcome run(const std::string& text) {
+Outcome run(const std::string& text, const RunProgress& progress = {}) {
   const SceneFolder folder;
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
   Scene scene = load_scene(folder.write("scene.yaml", "include: bar.yaml\n" + text), options);
   Outcome outcome;
-  outcome.report = run_scene(scene);
+  outcome.report = run_scene(scene, progress);
   outcome.json = Json::parse(result_json(scene, outcome.report));
   outcome.summary = result_summary(scene, outcome.report);
   return outcome;
@@ -183,6 +183,22 @@ TEST(RunScene, RecordsEveryStepByDefault) {
   const Outcome outcome = run("solver: {time_step_s: 0.01}\nrun: {mode: dynamic, duration_s: 0.07}\n");
   EXPECT_EQ(outcome.json["trajectory"]["time_s"].size(), 8u);
   EXPECT_GE(outcome.report.solve.steps, 7);
+}
+
+TEST(RunScene, EndsWhereItIsAskedToAndKeepsWhatIsDone) {
+  std::vector<double> done;
+  const auto progress = [&](double fraction) {
+    done.push_back(fraction);
+    return done.size() < 3;
+  };
+  const Outcome outcome =
+      run("solver: {time_step_s: 0.01}\nrun: {mode: dynamic, duration_s: 0.1, record_every_s: 0.05}\n", progress);
+  ASSERT_EQ(done.size(), 3u);
+  EXPECT_NEAR(done[2], 0.3, 1e-12);
+  EXPECT_FALSE(outcome.report.solve.converged);
+  EXPECT_EQ(outcome.report.solve.message, "ended after 0.03 of 0.1 s, as asked");
+  ASSERT_EQ(outcome.json["trajectory"]["time_s"].size(), 2u);
+  EXPECT_NEAR(outcome.json["trajectory"]["time_s"][1].get<double>(), 0.03, 1e-12);
 }
 
 TEST(RunScene, GivesCommandsNoSoonerThanTheirTime) {

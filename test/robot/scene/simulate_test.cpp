@@ -55,6 +55,19 @@ TEST(Simulate, PrintsTheResultWhereNoFileIsNamed) {
   EXPECT_EQ(outcome.err, "");
 }
 
+TEST(Simulate, ShowsHowFarItIsAndKeepsWhatIsDoneAtCtrlC) {
+  const SceneFolder folder;
+  const std::string scene =
+      folder.write("long.yaml", "include: bar.yaml\nrun: {mode: dynamic, duration_s: 100000, record_every_s: 1}\n");
+  const Outcome outcome = run_program("timeout --preserve-status --signal=INT 4 " SOFT_ROBOT_LAB_SIMULATE, folder,
+                                      scene + " --result " + folder.path("result.json"));
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find(" %: runs; Ctrl-C ends it"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find(" of 100000 s, as asked"), std::string::npos) << outcome.err;
+  const Json result = Json::parse(contents(folder.path("result.json")));
+  EXPECT_GE(result["trajectory"]["time_s"].size(), 2u);
+}
+
 TEST(Simulate, WritesTheSameBytesTwiceButForTheTime) {
   const SceneFolder folder;
   const auto without_time = [](const std::string& text) {

@@ -79,6 +79,13 @@ struct ModelGap {
   std::map<std::string, double> marker_rms_m;
 };
 
+// One rest state that had markers; rms over these.
+struct FittedConfiguration {
+  std::map<std::string, double> commands;
+  double before_m = 0.0, after_m = 0.0;
+  bool outlying = false;  // after the fit far beyond the others
+};
+
 struct FitResult {
   bool converged = false;
   std::string message;  // why it stopped
@@ -86,8 +93,9 @@ struct FitResult {
   Eigen::MatrixXd correlations;       // of the values, ones on the diagonal
   std::vector<std::string> warnings;  // what the data cannot identify, with the parameters' names
   ModelGap before, after;             // at rest
-  int swings = 0;                     // that identified the damping
-  double swing_rms_m = 0.0;           // by which the fitted model misses them
+  std::vector<FittedConfiguration> configurations;
+  int swings = 0;            // that identified the damping
+  double swing_rms_m = 0.0;  // by which the fitted model misses them
   int iterations = 0;
   double cpu_s = 0.0;
   std::string overrides;  // YAML to be laid over the scene

@@ -2,6 +2,7 @@
 // Carries out what a scene's `run` asks for, and writes down the outcome.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,14 @@ struct RunReport {
   Eigen::VectorXd frequencies_hz;  // modal runs, ascending; their `solve.residual` is ModalResult::change
 };
 
+// Hears after each step or equilibrium which fraction of the run is done; false ends it there.
+using RunProgress = std::function<bool(double fraction)>;
+
 // Equilibrium: solves for each of the timed commands in their order, from the state before, and stops at the first that
 // does not converge. Dynamic: steps until the duration has passed, giving commands when their time comes. Modal:
-// vibrations about the rest shape (sim/modal.h). The simulation keeps the last state.
-RunReport run_scene(Scene& scene);
+// vibrations about the rest shape (sim/modal.h). The simulation keeps the last state. A run that was ended early has
+// not converged, and says so.
+RunReport run_scene(Scene& scene, const RunProgress& progress = {});
 
 // result.json (README, "Scene files"). Numbers that are not finite would be written as null, never as NaN.
 std::string result_json(const Scene& scene, const RunReport& report);

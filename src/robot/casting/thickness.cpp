@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 #include <set>
-#include <unordered_map>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -74,22 +74,78 @@ double edge_distance_m(const Surface& surface, int triangle, int edge, const Eig
   return (a + share * along - p).norm();
 }
 
-// The triangles that a path on the skin inside the ball joins to the one that p lies on.
-std::set<int> joined_to(const Surface& surface, int start, const Eigen::Vector3d& p, double radius_m) {
-  std::set<int> joined{start};
-  std::vector<int> open{start};
-  while (!open.empty()) {
-    const int t = open.back();
-    open.pop_back();
-    for (int e = 0; e < 3; ++e) {
-      const int next = surface.neighbours(e, t);
-      if (joined.count(next) > 0 || edge_distance_m(surface, t, e, p) >= radius_m) continue;
-      joined.insert(next);
-      open.push_back(next);
+// Which smooth part of the skin each triangle belongs to, and which of these meet at an edge.
+class Patches {
+ public:
+  explicit Patches(const Surface& surface) : patch_(static_cast<size_t>(surface.triangle_count()), -1) {
+    int count = 0;
+    for (int t = 0; t < surface.triangle_count(); ++t)
+      if (patch_[static_cast<size_t>(t)] < 0) spread(surface, t, count++);
+    for (int t = 0; t < surface.triangle_count(); ++t)
+      for (const int other : surface.neighbours.col(t)) meet_.insert({of(t), of(other)});
+  }
+
+  bool meet(int a, int b) const { return meet_.count({of(a), of(b)}) > 0; }
+
+ private:
+  int of(int triangle) const { return patch_[static_cast<size_t>(triangle)]; }
+
+  void spread(const Surface& surface, int seed, int name) {
+    constexpr double kSmooth = 0.87;  // cosine of 30 degrees
+    std::vector<int> open{seed};
+    patch_[static_cast<size_t>(seed)] = name;
+    while (!open.empty()) {
+      const int t = open.back();
+      open.pop_back();
+      for (const int next : surface.neighbours.col(t)) {
+        if (of(next) >= 0 || surface.normals.col(t).dot(surface.normals.col(next)) < kSmooth) continue;
+        patch_[static_cast<size_t>(next)] = name;
+        open.push_back(next);
+      }
     }
   }
-  return joined;
-}
+
+  std::vector<int> patch_;
+  std::set<std::pair<int, int>> meet_;
+};
+
+// Whether paths on the skin inside a ball join triangles, one start after the other.
+class Flood {
+ public:
+  explicit Flood(const Surface& surface) : surface_(surface), seen_(static_cast<size_t>(surface.triangle_count()), 0) {}
+
+  void start(int triangle, const Eigen::Vector3d& around_m, double radius_m) {
+    around_m_ = around_m;
+    radius_m_ = radius_m;
+    ++round_;
+    open_ = {triangle};
+    seen_[static_cast<size_t>(triangle)] = round_;
+  }
+
+  // Goes only as far as it must.
+  bool reaches(int triangle) {
+    while (seen_[static_cast<size_t>(triangle)] != round_ && !open_.empty()) {
+      const int t = open_.back();
+      open_.pop_back();
+      for (int e = 0; e < 3; ++e) {
+        const int next = surface_.neighbours(e, t);
+        if (seen_[static_cast<size_t>(next)] == round_ || edge_distance_m(surface_, t, e, around_m_) >= radius_m_)
+          continue;
+        seen_[static_cast<size_t>(next)] = round_;
+        open_.push_back(next);
+      }
+    }
+    return seen_[static_cast<size_t>(triangle)] == round_;
+  }
+
+ private:
+  const Surface& surface_;
+  std::vector<int> seen_;
+  std::vector<int> open_;
+  int round_ = 0;
+  Eigen::Vector3d around_m_ = Eigen::Vector3d::Zero();
+  double radius_m_ = 0;
+};
 
 bool runs_inside(const RayTree& tree, const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
   const Eigen::Vector3d way = q - p;
@@ -117,20 +173,39 @@ std::vector<Opposite> opposite_skin(const RayTree& tree, const Eigen::Vector3d& 
   return found;
 }
 
-void measure_cone(const RayTree& tree, int triangle, const Eigen::Vector3d& p, double area, double limit_m,
-                  ThinPlace& place) {
-  const Surface& surface = tree.surface();
-  std::vector<Opposite> found = opposite_skin(tree, p, surface.normals.col(triangle), limit_m);
-  if (found.empty()) return;
-  const std::set<int> joined = joined_to(surface, triangle, p, limit_m);
-  const Opposite* nearest = nullptr;
-  for (const Opposite& other : found) {
-    if (joined.count(other.triangle) > 0) continue;
-    if (nearest != nullptr && (other.at_m - p).norm() >= (nearest->at_m - p).norm()) continue;
-    if (runs_inside(tree, p, other.at_m)) nearest = &other;
+// Places that the cone of one triangle's points meets from inside, nearest first.
+class Cone {
+ public:
+  Cone(const RayTree& tree, double limit_m)
+      : tree_(tree), limit_m_(limit_m), patches_(tree.surface()), flood_(tree.surface()) {}
+
+  void measure(int triangle, const Eigen::Vector3d& p, double area, ThinPlace& place) {
+    const Surface& surface = tree_.surface();
+    std::vector<Opposite> found = opposite_skin(tree_, p, surface.normals.col(triangle), limit_m_);
+    const auto nearer = [&](const Opposite& a, const Opposite& b) {
+      return (a.at_m - p).squaredNorm() < (b.at_m - p).squaredNorm();
+    };
+    std::sort(found.begin(), found.end(), nearer);
+    flood_.start(triangle, p, limit_m_);
+    for (const Opposite& other : found) {
+      if (is_corner(triangle, other.triangle) || flood_.reaches(other.triangle) || !runs_inside(tree_, p, other.at_m))
+        continue;
+      return keep(place, (other.at_m - p).norm(), p, other.at_m, area, limit_m_);
+    }
   }
-  if (nearest != nullptr) keep(place, (nearest->at_m - p).norm(), p, nearest->at_m, area, limit_m);
-}
+
+ private:
+  // Adjacent surfaces make no back side, unless they are those of a knife's edge.
+  bool is_corner(int a, int b) const {
+    const Surface& surface = tree_.surface();
+    return surface.normals.col(a).dot(surface.normals.col(b)) > -std::cos(2 * kHalfCone) && patches_.meet(a, b);
+  }
+
+  const RayTree& tree_;
+  double limit_m_;
+  Patches patches_;
+  Flood flood_;
+};
 
 // Two triangles a square of spacing, which is wider where there would be too many samples.
 template <typename Visit>
@@ -148,13 +223,14 @@ void sample_skin(const Surface& surface, double spacing_m, const Visit& visit) {
 
 Thickness measure_thickness(const RayTree& tree, double limit_m) {
   Thickness result;
+  Cone cone(tree, limit_m);
   result.of_facets.assign(static_cast<size_t>(tree.surface().triangle_count()), kInfinite);
   sample_skin(tree.surface(), limit_m / 4, [&](int t, const Eigen::Vector3d& p, double area) {
     const Ball ball = largest_ball(tree, p, tree.surface().true_normals.col(t));
     double& least = result.of_facets[static_cast<size_t>(t)];
     least = std::min(least, ball.diameter_m);
     keep(result.ball, ball.diameter_m, p, ball.touch_m, area, limit_m);
-    measure_cone(tree, t, p, area, limit_m, result.cone);
+    cone.measure(t, p, area, result.cone);
   });
   return result;
 }

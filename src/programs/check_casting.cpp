@@ -41,7 +41,7 @@ int check(const Arguments& arguments) {
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
   const CastRobotFile file = load_cast_robot(arguments.robot, options);
-  const CastingVerdict verdict = check_casting(file.robot, file.settings);
+  const CastingVerdict verdict = check_casting(file);
   if (!arguments.result.empty()) write_file(arguments.result, verdict_json(verdict));
   print(verdict);
   return verdict.castable ? kGood : kNotGood;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// make_mould ROBOT.yaml --output FOLDER [--allow two_part]: the mould that a robot is cast in, as STL.
+// make_mould ROBOT.yaml --output FOLDER [--allow two_part,lid]: the mould that a robot is cast in, as STL.
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -26,10 +26,10 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--output", arguments.output, "where the mould goes; an earlier mould there is replaced")
       ->type_name("FOLDER")
       ->required();
-  app.add_option("--allow", arguments.allow, "two_part: two halves, where one block does not do")
+  app.add_option("--allow", arguments.allow, "where one block does not do: two_part for two halves, lid for two pours")
       ->type_name("WHAT")
       ->delimiter(',')
-      ->check(CLI::IsMember({"two_part"}));
+      ->check(CLI::IsMember({"two_part", "lid"}));
   add_set_option(app, arguments.set);
   app.footer("Exit status: 0 made, 1 no mould can be made or it could not be written, 2 bad file or arguments.");
 }
@@ -48,7 +48,8 @@ int make(const Arguments& arguments) {
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
   CastRobotFile file = load_cast_robot(arguments.robot, options);
-  file.settings.mould.allow_two_part |= !arguments.allow.empty();
+  for (const std::string& what : arguments.allow)
+    (what == "lid" ? file.settings.mould.allow_lid : file.settings.mould.allow_two_part) = true;
   const Mould mould = make_mould(file);
   for (const std::string& fault : mould.faults) std::cerr << "make_mould: " << fault << "\n";
   if (!mould.faults.empty()) return kNotGood;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cast_robot.h"
 
+#include <stdexcept>
+
 #include "robot/design/mesh_quality.h"
 #include "robot/design/surface_file.h"
 #include "robot/scene/sections.h"
@@ -10,18 +12,29 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kEdgesAcross = 50;  // of the body's box: round sides get more by their curvature
+constexpr int kRuleSegments = 24;    // of seats, as thin as a straw: normals are the solid's anyway
+constexpr double kBelow_m = 0.001;   // what is swept goes on below the floor
 
 Surface surface_of_mesh(TetMesh mesh) {
   complete_boundary(mesh);
   return make_surface(mesh.nodes_m, mesh.faces.topRows(3));
 }
 
-Surface surface_of_solid(const std::string& solid_yaml, const TetMesh& mesh, const MesherOptions& options) {
-  const Eigen::Vector3d size_m = mesh.nodes_m.rowwise().maxCoeff() - mesh.nodes_m.rowwise().minCoeff();
+Surface surface_of_body(const std::string& solid_yaml, double size_m, const MesherOptions& options) {
   SurfaceRequest request;
   request.solid_yaml = solid_yaml;
-  request.largest_edge_m = size_m.norm() / kEdgesAcross;
+  request.largest_edge_m = size_m / kEdgesAcross;
   return read_off(surface_file_for(request, options));
+}
+
+double size_m(const TetMesh& mesh) {
+  return (mesh.nodes_m.rowwise().maxCoeff() - mesh.nodes_m.rowwise().minCoeff()).norm();
+}
+
+// Not worth a Boolean where they are refused anyway.
+bool can_lie_on_shelves(const std::vector<SheathPath>& paths, const Eigen::Vector3d& direction) {
+  return steepest_sheath(paths, direction).worst_m >= kSteepest_deg &&
+         nearest_footprints(paths, direction).worst_m >= 0;
 }
 
 std::vector<SheathPath> read_sheaths(const YamlNode& robot, double default_radius_m) {
@@ -50,13 +63,47 @@ CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& optio
   if (section.has("solid")) file.solid_yaml = to_yaml(read_solid(section.child("solid")));
   file.robot.surface = in_section(section, [&] {
     return file.solid_yaml.empty() ? surface_of_mesh(body.mesh())
-                                   : surface_of_solid(file.solid_yaml, body.mesh(), mesher_options(options));
+                                   : surface_of_body(file.solid_yaml, size_m(body.mesh()), mesher_options(options));
   });
   file.robot.youngs_modulus_pa = body.material().youngs_modulus_pa;
   file.robot.density_kg_m3 = body.material().density_kg_m3;
   file.robot.sheaths = read_sheaths(settings, file.settings.sheath.radius_m);
   file.robot.mesh_qualities = volume_length_qualities(body.mesh().nodes_m, body.mesh().tets);
   return file;
+}
+
+Surface surface_of_solid(const Solid& solid, double size_m, const MesherOptions& options) {
+  SurfaceRequest request;
+  request.solid_yaml = to_yaml(solid);
+  request.largest_edge_m = size_m / kEdgesAcross;
+  request.circle_segments = kRuleSegments;
+  return read_off(surface_file_for(request, options));
+}
+
+std::vector<SheathPiece> pieces_on_shelves(const CastRobotFile& file) {
+  const CastRobot& robot = file.robot;
+  if (!file.settings.sheath.shelf || !can_lie_on_shelves(robot.sheaths, way_out(robot.surface, file.settings)))
+    return {};
+  return sheath_pieces(RayTree(robot.surface), robot.sheaths, file.settings.sheath.longest_slot_m);
+}
+
+MouldHeights heights_along(const Surface& surface, const Eigen::Vector3d& direction) {
+  const Eigen::RowVectorXd heights = direction.transpose() * surface.vertices_m;
+  return {heights.minCoeff(), heights.maxCoeff()};
+}
+
+CastingVerdict check_casting(const CastRobotFile& file) {
+  const std::vector<SheathPiece> pieces = pieces_on_shelves(file);
+  if (pieces.empty()) return check_casting(file.robot, file.settings);
+  if (file.solid_yaml.empty()) throw std::invalid_argument("casting.sheath.shelf: a body.mesh has no shelves");
+  CastRobot robot = file.robot;
+  const Eigen::Vector3d direction = way_out(robot.surface, file.settings);
+  MouldHeights heights = heights_along(robot.surface, direction);
+  heights.floor_m -= kBelow_m;
+  const Solid solid = less_swept_sheaths(read_solid(YamlNode::parse(file.solid_yaml, "body.solid")), pieces, direction,
+                                         heights, file.settings.sheath.clearance_m);
+  robot.shelved = surface_of_solid(solid, robot.surface.size_m(), file.mesher);
+  return check_casting(robot, file.settings);
 }
 
 }  // namespace soft_robot_lab

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "check_casting.h"
+#include "shelves.h"
 #include "soft_robot_lab/robot/design/mesher.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
@@ -19,5 +20,17 @@ struct CastRobotFile {
 // Reads a robot's file as a scene, with its strict keys, and the surface of its body: its solid's, or its mesh's where
 // it has no solid. Throws as load_scene does.
 CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& options);
+
+// The surface of a solid, fine enough for the rules; `size_m` is the robot's. Throws as surface_file_for.
+Surface surface_of_solid(const Solid& solid, double size_m, const MesherOptions& options);
+
+// What lies on shelves of a robot's mould; nothing where its sheaths have none, or cannot have any.
+std::vector<SheathPiece> pieces_on_shelves(const CastRobotFile& file);
+
+// The lowest and the highest skin along a direction.
+MouldHeights heights_along(const Surface& surface, const Eigen::Vector3d& direction);
+
+// As check_casting of the robot alone; where sheaths lie on shelves, of what these leave of it. Throws as load_scene.
+CastingVerdict check_casting(const CastRobotFile& file);
 
 }  // namespace soft_robot_lab

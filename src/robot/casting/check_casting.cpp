@@ -9,6 +9,7 @@
 #include "angles.h"
 #include "extraction.h"
 #include "pockets.h"
+#include "shelves.h"
 #include "squeeze.h"
 #include "thickness.h"
 
@@ -140,6 +141,29 @@ CastingTest ligaments_test(const CastRobot& robot, const RayTree& tree, double l
   return test;
 }
 
+std::string shelves_fault(const WorstAlong& steepest, const WorstAlong& nearest) {
+  if (steepest.worst_m < kSteepest_deg)
+    return sentence("The sheath of cable ", steepest.cable, " stands at ", steepest.worst_m,
+                    " degrees to the way out, too upright for a shelf (", kSteepest_deg, ").");
+  if (nearest.worst_m < 0)
+    return sentence("Seen along the way out, the sheaths of ", nearest.cable, " and ", nearest.other, " overlap by ",
+                    mm(-nearest.worst_m), " at ", place_text(nearest.at_m), ": no shelf can hold both.");
+  return "";
+}
+
+CastingTest shelves_test(const CastRobot& robot, const Eigen::Vector3d& direction, const SheathSettings& sheath) {
+  CastingTest test{"shelves", true, {}, {}, "", ""};
+  if (!sheath.shelf) return test;
+  const WorstAlong steepest = steepest_sheath(robot.sheaths, direction);
+  const WorstAlong nearest = nearest_footprints(robot.sheaths, direction);
+  test.numbers = {
+      {"worst_m", nearest.worst_m}, {"limit_m", 0}, {"steepest_deg", steepest.worst_m}, {"limit_deg", kSteepest_deg}};
+  test.why = shelves_fault(steepest, nearest);
+  test.passed = test.why.empty();
+  if (!test.passed) test.at_m = steepest.worst_m < kSteepest_deg ? steepest.at_m : nearest.at_m;
+  return test;
+}
+
 CastingTest stretch_test(const Surface& surface, const Eigen::Vector3d& direction, double limit) {
   const Squeeze squeeze = needed_stretch(surface, direction);
   CastingTest test{"stretch", squeeze.stretch <= limit, {{"worst", squeeze.stretch}, {"limit", limit}}, {}, "", ""};
@@ -221,28 +245,34 @@ const CastingTest& CastingVerdict::test(const std::string& name) const {
   return *found;
 }
 
+Eigen::Vector3d way_out(const Surface& surface, const CastingSettings& settings) {
+  if (settings.direction) return without_noise(*settings.direction);
+  const std::vector<HullPlane> tops = find_tops(surface);
+  const std::optional<Eigen::Vector3d> best = best_direction(surface, tops);
+  return without_noise(best ? *best : least_blocked_direction(surface, tops));
+}
+
 CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& settings) {
-  const RayTree tree(robot.surface);
-  const std::vector<HullPlane> tops = find_tops(robot.surface);
+  const RayTree whole(robot.surface);  // what sheaths run in
+  const Surface& surface = robot.shelved ? *robot.shelved : robot.surface;
+  const RayTree tree(surface);
   CastingVerdict verdict;
   verdict.direction_given = settings.direction.has_value();
-  std::optional<Eigen::Vector3d> direction = settings.direction;
-  if (!direction) direction = best_direction(robot.surface, tops);
-  verdict.direction = without_noise(direction ? *direction : least_blocked_direction(robot.surface, tops));
-  const Extraction out = verify_extraction(tree, tops, verdict.direction);
+  verdict.direction = way_out(robot.surface, settings);
+  const Extraction out = verify_extraction(tree, find_tops(surface), verdict.direction);
   verdict.blocked = out.blocked;
   const Thickness thickness = measure_thickness(tree, settings.min_thickness_m);
   verdict.thickness_m = thickness.of_facets;
   const Pockets pockets = find_pockets(tree, verdict.direction, settings.notch_radius_m);
   verdict.tests = {
       extraction_test(out, verify_two_parts(tree, verdict.direction), verdict.direction_given, settings.min_draft_deg),
-      cavities_test(robot.surface),
+      cavities_test(surface),
       thickness_test(thickness, settings.min_thickness_m),
-      angles_test(measure_angles(robot.surface, settings.notch_radius_m, settings.min_angle_deg),
-                  settings.min_angle_deg),
-      cables_test(robot, tree, settings),
-      ligaments_test(robot, tree, settings.sheath.wall_m),
-      stretch_test(robot.surface, verdict.direction, settings.max_stretch),
+      angles_test(measure_angles(surface, settings.notch_radius_m, settings.min_angle_deg), settings.min_angle_deg),
+      cables_test(robot, whole, settings),
+      ligaments_test(robot, whole, settings.sheath.wall_m),
+      shelves_test(robot, verdict.direction, settings.sheath),
+      stretch_test(surface, verdict.direction, settings.max_stretch),
       suction_test(pockets, robot, settings),
       aspect_test(pockets, settings.max_core_aspect),
       mesh_test(robot.mesh_qualities)};

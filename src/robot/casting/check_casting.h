@@ -20,6 +20,8 @@ struct CastRobot {
   double youngs_modulus_pa = 264200;
   double density_kg_m3 = 1070;
   std::vector<double> mesh_qualities;  // Q_vl of its elements; may be empty
+  // Where sheaths lie on shelves: the surface less what they and their shelves take away, which then is judged.
+  std::optional<Surface> shelved;
 };
 
 struct CastingTest {
@@ -41,6 +43,9 @@ struct CastingVerdict {
 
   const CastingTest& test(const std::string& name) const;  // throws std::out_of_range
 };
+
+// Unit: the settings' own, or the best, or that with the least skin in the way. Sheaths count as none.
+Eigen::Vector3d way_out(const Surface& surface, const CastingSettings& settings);
 
 CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& settings);
 

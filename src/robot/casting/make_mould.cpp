@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "inside_solid.h"
 #include "robot/design/surface_file.h"
 #include "thickness.h"
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr int kCircleSegments = 96;       // a round wall of 45 mm radius is off by 0.02 mm
 constexpr double kEdgesAcrossMould = 30;  // of the robot's box
+constexpr double kSliver_m2 = 1e-10;      // a facet so small has no normal to speak of
 constexpr double kSmallestEdge_m = 4e-4;  // a bore of 0.5 mm radius is off by 0.04 mm
 
 Surface mesh_piece(const Solid& solid, double largest_edge_m, const MesherOptions& options) {
@@ -54,21 +56,42 @@ struct Apart {
     const Eigen::Vector3d way = plan.frame.col(axis);
     return std::abs(way.dot(surface.centre(t)) - height_m) < 1e-6 && std::abs(way.dot(surface.normals.col(t))) > 0.9999;
   }
-  bool open_top(const Surface& surface, int t) const { return on_plane(surface, t, 2, plan.high_m.z()); }
+  bool at_rim(const Surface& surface, int t) const { return on_plane(surface, t, 2, plan.rim_m); }
   bool near_air_hole(const Eigen::Vector3d& at_m) const {
     return std::any_of(plan.air_holes.begin(), plan.air_holes.end(), [&](const AirHole& hole) {
       return (at_m - hole.from_m).cross(plan.direction).norm() < 1.01 * air_hole_m;
     });
   }
-  bool outside(const Surface& surface, int t) const {
+  bool outside(const MouldPiece& piece, const Surface& surface, int t) const {
     const Eigen::Vector3d at = plan.frame.transpose() * surface.centre(t);
     const double tolerance = 1e-6;
-    if ((at.array() < plan.low_m.array() - tolerance).any() || (at.array() > plan.high_m.array() + tolerance).any())
+    if ((at.array() < piece.form_low_m.array() - tolerance).any() ||
+        (at.array() > piece.form_high_m.array() + tolerance).any())
       return true;
     if (plan.two_part && on_plane(surface, t, 1, plan.parting_m)) return true;
-    return open_top(surface, t) || near_air_hole(surface.centre(t));
+    return at_rim(surface, t) || near_air_hole(surface.centre(t));
   }
 };
+
+// How far a facet of the cavity is off the solid whose equations are asked, at its centre: silicone just before it,
+// none just behind.
+double off_solid_m(const Solid& cast, const Eigen::Vector3d& centre, const Eigen::Vector3d& normal) {
+  for (double step = kLargestDistance_m / 64; step < 1.5 * kLargestDistance_m; step *= 2)
+    if (contains(cast, centre + step * normal) && !contains(cast, centre - step * normal)) return step;
+  return INFINITY;
+}
+
+// Of all facets that form silicone; 0 where the solid comes from a file.
+double equation_distance_m(const MouldPlan& plan, const std::vector<Surface>& pieces, double air_hole_m) {
+  if (!has_equations(plan.cast)) return 0;
+  const Apart apart{plan, air_hole_m};
+  double worst = 0;
+  for (size_t i = 0; i < pieces.size(); ++i)
+    for (int t = 0; t < pieces[i].triangle_count(); ++t)
+      if (pieces[i].areas_m2[t] > kSliver_m2 && !apart.outside(plan.pieces[i], pieces[i], t))
+        worst = std::max(worst, off_solid_m(plan.cast, pieces[i].centre(t), pieces[i].normals.col(t)));
+  return worst;
+}
 
 // Both ways: each triangle's centre of one surface to the other.
 double cavity_distance_m(const MouldPlan& plan, const std::vector<Surface>& pieces, const Surface& robot,
@@ -78,14 +101,15 @@ double cavity_distance_m(const MouldPlan& plan, const std::vector<Surface>& piec
   std::vector<RayTree> trees(pieces.begin(), pieces.end());
   double worst = 0;
   for (int t = 0; t < robot.triangle_count(); ++t) {
-    if (apart.open_top(robot, t) || apart.near_air_hole(robot.centre(t))) continue;
+    if (apart.at_rim(robot, t) || apart.near_air_hole(robot.centre(t))) continue;
     double least = INFINITY;
     for (const RayTree& tree : trees) least = std::min(least, distance_m(tree, robot.centre(t)));
     worst = std::max(worst, least);
   }
-  for (const Surface& piece : pieces)
-    for (int t = 0; t < piece.triangle_count(); ++t)
-      if (!apart.outside(piece, t)) worst = std::max(worst, distance_m(robot_tree, piece.centre(t)));
+  for (size_t i = 0; i < pieces.size(); ++i)
+    for (int t = 0; t < pieces[i].triangle_count(); ++t)
+      if (!apart.outside(plan.pieces[i], pieces[i], t))
+        worst = std::max(worst, distance_m(robot_tree, pieces[i].centre(t)));
   return worst;
 }
 
@@ -106,17 +130,18 @@ void verify_part(const MouldSettings& settings, MouldPart& part, Mould& mould) {
   const ThinPlace thinnest = measure_balls(RayTree(part.surface), settings.min_wall_m);
   part.thinnest_m = thinnest.worst_m;
   if (part.thinnest_m < settings.min_wall_m * (1 - 1e-3))
-    fault(mould, part.name, " is ", 1000 * part.thinnest_m, " mm thick at ", place_text(thinnest.at_m),
-          " of its own axes, less than casting.min_wall_m.");
+    fault(mould, part.name, " is ", 1000 * part.thinnest_m, " mm thick between ", place_text(thinnest.at_m), " and ",
+          place_text(thinnest.opposite_m), " of its own axes, less than casting.min_wall_m.");
 }
 
 void verify_volumes(Mould& mould) {
   double parts = 0;
-  for (const MouldPart& part : mould.parts) parts += part.surface.volume_m3();
+  for (size_t i = 0; i < mould.parts.size(); ++i)
+    if (mould.plan.pieces[i].in_block) parts += mould.parts[i].surface.volume_m3();
   mould.closure = std::abs(mould.plan.block_volume_m3 - parts - mould.robot_volume_m3) / mould.robot_volume_m3;
   if (!(mould.closure <= kLargestClosure))
     fault(mould, "Block less mould differs from the robot's volume by ", 100 * mould.closure, " %.");
-  if (!(mould.cavity_distance_m <= kLargestDistance_m))
+  if (!(std::max(mould.cavity_distance_m, mould.equation_distance_m) <= kLargestDistance_m))
     fault(mould, "The cavity is more than 0.1 mm off the robot's skin.");
 }
 
@@ -134,10 +159,9 @@ Silicone to_mix(const Mould& mould, const CastRobotFile& file) {
 Mould make_mould(const CastRobotFile& file) {
   const MouldSettings& settings = file.settings.mould;
   Mould mould;
-  mould.plan = plan_mould(file.robot, file.solid_yaml, check_casting(file.robot, file.settings), file.settings);
+  mould.plan = plan_mould(file, check_casting(file));
   const double edge_m = file.robot.surface.size_m() / kEdgesAcrossMould;
-  const Solid solid = read_solid(YamlNode::parse(file.solid_yaml, "body.solid"));
-  const Surface robot = mesh_piece(solid, edge_m, file.mesher);
+  const Surface robot = mesh_piece(mould.plan.cast, edge_m, file.mesher);
   mould.robot_volume_m3 = robot.volume_m3();
   std::vector<Surface> pieces;
   for (const MouldPiece& piece : mould.plan.pieces) {
@@ -147,6 +171,7 @@ Mould make_mould(const CastRobotFile& file) {
   }
   mould.robot = make_surface(mould.plan.frame.transpose() * robot.vertices_m, robot.triangles);
   mould.cavity_distance_m = cavity_distance_m(mould.plan, pieces, robot, settings.air_hole_radius_m);
+  mould.equation_distance_m = equation_distance_m(mould.plan, pieces, settings.air_hole_radius_m);
   verify_volumes(mould);
   mould.silicone = to_mix(mould, file);
   return mould;

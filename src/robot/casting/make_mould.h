@@ -34,6 +34,7 @@ struct Mould {
   double robot_volume_m3 = 0;
   double closure = 0;               // |block - parts - robot| / robot
   double cavity_distance_m = 0;     // of skin and cavity, the largest either way
+  double equation_distance_m = 0;   // of the cavity's facets to the shapes' own equations; no more than this
   std::vector<std::string> faults;  // sentences: empty where it is good
   Silicone silicone;
 };

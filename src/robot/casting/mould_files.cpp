@@ -85,6 +85,25 @@ std::string parts_table(const Mould& mould) {
   return "<table><tr><th>part</th><th>size as it stands on the bed</th><th>volume</th></tr>\n" + rows + "</table>\n";
 }
 
+std::string way_text(const MouldPlan& plan) {
+  std::ostringstream way;
+  way << "[" << without_negative_zeros(plan.direction).transpose() << "]";
+  return way.str();
+}
+
+// From the mix to the robot, in two pours.
+std::vector<std::string> lid_steps(const Mould& mould) {
+  const double first_ml = 1e6 * mould.plan.first_pour_m3, all_ml = 1e6 * mould.robot_volume_m3;
+  return {"Stand base and lid_tray on a level table, open side up. Close the core's air holes with wax.",
+          "Pour half of the mix into base, up to its rim: " + rounded(first_ml, 1) + " ml stay in it.",
+          "Lower the core, one end first, until its feet stand on the rim. Scrape off what it presses out.",
+          "Let it cure as its maker states. Open the air holes, draw the core out, and pull the body out along " +
+              way_text(mould.plan) + " of the robot's axes.",
+          "Mix the rest anew, and pour " + rounded(all_ml - first_ml, 1) + " ml into lid_tray, up to its rim.",
+          "Lay the body on it, open side down, where it fits the outline, before the lid cures.",
+          "Let it cure, and pull both out. Pierce the wall where air shall come in."};
+}
+
 std::vector<std::string> assembly_steps(const Mould& mould) {
   if (mould.plan.two_part)
     return {"Put both halves together: the " + std::to_string(mould.plan.keys) +
@@ -98,24 +117,49 @@ std::vector<std::string> assembly_steps(const Mould& mould) {
   return steps;
 }
 
+// Straws that lie in the mould before the silicone is poured.
+std::vector<std::string> sheath_steps(const MouldPlan& plan) {
+  if (plan.sheaths.empty()) return {};
+  std::vector<std::string> steps{"Close both ends of each sheath with a rod or wax, and lay them on their shelves:"};
+  for (const SheathPiece& piece : plan.sheaths)
+    steps.back() += " " + piece.cable + ", " + rounded(1000 * piece.length_m(), 1) + " mm, outside " +
+                    rounded(2000 * piece.radius_m, 1) + " mm;";
+  steps.back().back() = '.';
+  if (plan.webs_m3 > 0)
+    steps.push_back("Press modelling clay into the slots above them, in the mould's teeth, up to the rim: together " +
+                    rounded(1e6 * plan.webs_m3, 2) + " ml. Or cut this silicone off afterwards.");
+  return steps;
+}
+
+std::string mix_step(const Silicone& silicone) {
+  return "Mix " + rounded(silicone.part_a_g, 1) + " g of part A with " + rounded(silicone.part_b_g, 1) +
+         " g of part B: together " + rounded(silicone.mass_g, 1) + " g.";
+}
+
+// From the mix to the robot, in one pour.
+std::vector<std::string> pour_steps(const Mould& mould) {
+  std::vector<std::string> steps{
+      "Pour slowly in one place, until the silicone stands level with the rim. The cavity holds " +
+          rounded(1e6 * mould.robot_volume_m3, 1) + " ml. Scrape off what stands above.",
+      "Let it cure as its maker states."};
+  if (!mould.plan.air_holes.empty()) steps.push_back("Open the air holes.");
+  steps.push_back((mould.plan.two_part ? "Take out the bolts, and pull the halves apart along " + way_text(mould.plan) +
+                                             " of the robot's axes."
+                                       : "Pull the robot out along " + way_text(mould.plan) + " of its own axes."));
+  steps.push_back(mould.plan.sheaths.empty()
+                      ? "Sheaths and cables are not part of this mould: lead them through afterwards."
+                      : "Cut the sheaths where they cross gaps, and lead the cables through.");
+  return steps;
+}
+
 std::vector<std::string> steps_of(const Mould& mould) {
   std::vector<std::string> steps{"Print the parts as they stand in their files, in millimetres.",
                                  "Smooth what forms the silicone, and spray it with a release agent."};
-  for (const std::string& step : assembly_steps(mould)) steps.push_back(step);
-  steps.push_back("Mix " + rounded(mould.silicone.part_a_g, 1) + " g of part A with " +
-                  rounded(mould.silicone.part_b_g, 1) + " g of part B: together " + rounded(mould.silicone.mass_g, 1) +
-                  " g.");
-  steps.push_back("Remove air from the mix in a vacuum.");
-  steps.push_back("Pour slowly in one place, until the silicone stands level with the rim. The cavity holds " +
-                  rounded(1e6 * mould.robot_volume_m3, 1) + " ml. Scrape off what stands above.");
-  steps.push_back("Let it cure as its maker states.");
-  if (!mould.plan.air_holes.empty()) steps.push_back("Open the air holes.");
-  std::ostringstream way;
-  way << without_negative_zeros(mould.plan.direction).transpose();
-  steps.push_back(mould.plan.two_part
-                      ? "Take out the bolts, and pull the halves apart along [" + way.str() + "] of the robot's axes."
-                      : "Pull the robot out along [" + way.str() + "] of its own axes.");
-  steps.push_back("Sheaths and cables are not part of this mould: lead them through afterwards.");
+  const auto add = [&](const std::vector<std::string>& more) { steps.insert(steps.end(), more.begin(), more.end()); };
+  if (!mould.plan.lid) add(assembly_steps(mould));
+  add(sheath_steps(mould.plan));
+  add({mix_step(mould.silicone), "Remove air from the mix in a vacuum."});
+  add(mould.plan.lid ? lid_steps(mould) : pour_steps(mould));
   return steps;
 }
 
@@ -165,6 +209,8 @@ void put_in_place(const fs::path& made, const fs::path& folder) {
 std::string mould_json(const Mould& mould) {
   OrderedJson json;
   json["two_part"] = mould.plan.two_part;
+  json["lid"] = mould.plan.lid;
+  if (mould.plan.lid) json["first_pour_m3"] = mould.plan.first_pour_m3;
   json["direction"] = triple(mould.plan.direction);
   json["up"] = triple(mould.plan.frame.col(2));
   if (mould.plan.two_part) json["parting_m"] = mould.plan.parting_m;
@@ -173,6 +219,11 @@ std::string mould_json(const Mould& mould) {
   json["block_volume_m3"] = mould.plan.block_volume_m3;
   json["closure"] = mould.closure;
   json["cavity_distance_m"] = mould.cavity_distance_m;
+  json["equation_distance_m"] = mould.equation_distance_m;
+  for (const SheathPiece& piece : mould.plan.sheaths)
+    json["sheaths"].push_back(
+        {{"cable", piece.cable}, {"length_m", piece.length_m()}, {"in_teeth_m", piece.in_teeth_m}});
+  json["webs_m3"] = mould.plan.webs_m3;
   json["open_top_m2"] = mould.plan.top_area_m2;
   json["air_holes"] = mould.plan.air_holes.size();
   json["bolts"] = mould.plan.bolts;

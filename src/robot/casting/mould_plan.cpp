@@ -6,10 +6,11 @@
 #include <optional>
 #include <set>
 #include <sstream>
-#include <utility>
 
 #include <Eigen/Geometry>
 
+#include "build_solids.h"
+#include "lid_plan.h"
 #include "pockets.h"
 
 namespace soft_robot_lab {
@@ -30,31 +31,6 @@ Vector3d exact_axis(const Vector3d& normal, const std::string& what) {
   text << what << " [" << normal.transpose()
        << "] lies along none of the robot's axes: a block is made along these alone";
   throw NoMould(text.str());
-}
-
-// A box from corner to corner in the mould's axes.
-Solid block(const Eigen::Matrix3d& frame, const Vector3d& low_m, const Vector3d& high_m) {
-  Solid solid;
-  solid.size_m = (frame * (high_m - low_m)).cwiseAbs();
-  solid.center_m = frame * (low_m + high_m) / 2;
-  return solid;
-}
-
-Solid round_bar(const Vector3d& from_m, const Vector3d& to_m, double radius_m, double end_radius_m) {
-  Solid solid;
-  solid.kind = radius_m == end_radius_m ? Solid::Kind::cylinder : Solid::Kind::cone;
-  solid.start_m = from_m;
-  solid.end_m = to_m;
-  solid.radius_m = radius_m;
-  solid.end_radius_m = end_radius_m;
-  return solid;
-}
-
-Solid combined(Solid::Kind kind, std::vector<Solid> parts) {
-  Solid solid;
-  solid.kind = kind;
-  solid.parts = std::move(parts);
-  return solid;
 }
 
 void forget_names(Solid& solid) {
@@ -105,8 +81,18 @@ void add_air_holes(const RayTree& tree, const CastingSettings& settings, MouldPl
   }
 }
 
-MouldPlan plan_one_part(const CastRobot& robot, const Solid& solid, const CastingVerdict& verdict,
-                        const CastingSettings& settings) {
+// Up to the top of the block, so that slots end in its plane; down through its floor's upper side.
+void lay_sheaths(const CastRobotFile& file, const Solid& solid, MouldPlan& plan) {
+  plan.sheaths = pieces_on_shelves(file);
+  MouldHeights heights = heights_along(file.robot.surface, plan.direction);
+  plan.webs_m3 = webs_m3(plan.sheaths, plan.direction, heights, file.settings.sheath.clearance_m);
+  heights.floor_m -= kBeyond_m;
+  plan.cast = cast_on_shelves(solid, plan.sheaths, plan.direction, heights, file.settings.sheath.clearance_m);
+}
+
+MouldPlan plan_one_part(const CastRobotFile& file, const Solid& solid, const CastingVerdict& verdict) {
+  const CastRobot& robot = file.robot;
+  const CastingSettings& settings = file.settings;
   const RayTree tree(robot.surface);
   const Extraction out = verify_extraction(tree, find_tops(robot.surface), verdict.direction);
   MouldPlan plan;
@@ -114,15 +100,17 @@ MouldPlan plan_one_part(const CastRobot& robot, const Solid& solid, const Castin
   plan.top_area_m2 = out.top_area_m2;
   plan.frame = frame_along(exact_axis(out.top_normal, "the open top's normal"));
   take_box(robot.surface, plan);
+  lay_sheaths(file, solid, plan);
   const Vector3d wall = Vector3d::Constant(settings.mould.wall_m);
   const Vector3d low = plan.low_m - wall, high = plan.high_m + Vector3d(wall.x(), wall.y(), 0);
   plan.block_volume_m3 = box_volume(low, high);
   add_air_holes(tree, settings, plan);
-  std::vector<Solid> parts{block(plan.frame, low, high), solid};
+  std::vector<Solid> parts{block(plan.frame, low, high), plan.cast};
   for (const AirHole& hole : plan.air_holes)
-    parts.push_back(
-        round_bar(hole.from_m, hole.to_m, settings.mould.air_hole_radius_m, settings.mould.air_hole_radius_m));
-  plan.pieces = {{"mould", combined(Solid::Kind::difference, parts), plan.frame.transpose(), high - low}};
+    parts.push_back(round_bar(hole.from_m, hole.to_m, settings.mould.air_hole_radius_m));
+  plan.rim_m = plan.high_m.z();
+  plan.pieces = {
+      {"mould", combined(Solid::Kind::difference, parts), plan.frame.transpose(), high - low, plan.low_m, plan.high_m}};
   return plan;
 }
 
@@ -212,8 +200,7 @@ Flanged make_flanges(const MouldSettings& mould, MouldPlan& plan) {
   for (const double x : {made.low.x() - mould.flange_m / 2, made.high.x() + mould.flange_m / 2}) {
     for (const double z : places.bolts_m) {
       const Vector3d at(x, plan.parting_m, z), reach(0, mould.wall_m + kBeyond_m, 0);
-      made.bolts.push_back(
-          round_bar(frame * (at - reach), frame * (at + reach), mould.bolt_radius_m, mould.bolt_radius_m));
+      made.bolts.push_back(round_bar(frame * (at - reach), frame * (at + reach), mould.bolt_radius_m));
     }
     for (const double z : places.keys_m) {
       const Vector3d at(x, plan.parting_m, z), y = Vector3d::UnitY();
@@ -269,7 +256,7 @@ MouldPiece half(const Flanged& made, const MouldPlan& plan, const Solid& robot, 
   to_print.row(1) = plan.frame.col(2).transpose();
   to_print.row(2) = sign * plan.frame.col(1).transpose();
   to_print.row(0) = to_print.row(1).cross(to_print.row(2));
-  return {upper ? "upper_half" : "lower_half", solid, to_print, half_size(made, plan, upper)};
+  return {upper ? "upper_half" : "lower_half", solid, to_print, half_size(made, plan, upper), plan.low_m, plan.high_m};
 }
 
 MouldPlan plan_two_parts(const CastRobot& robot, const Solid& solid, const CastingSettings& settings) {
@@ -277,12 +264,14 @@ MouldPlan plan_two_parts(const CastRobot& robot, const Solid& solid, const Casti
   require_no_pockets(robot, parting.direction, settings);
   MouldPlan plan;
   plan.two_part = true;
+  plan.cast = solid;
   plan.direction = parting.direction;
   plan.top_area_m2 = parting.top.area_m2;
   const Vector3d up = exact_axis(parting.top.normal, "the open top's normal");
   plan.frame << parting.direction.cross(up), parting.direction, up;
   plan.parting_m = parting.offset_m;
   take_box(robot.surface, plan);
+  plan.rim_m = plan.high_m.z();
   const Flanged made = make_flanges(settings.mould, plan);
   plan.bolts = static_cast<int>(made.bolts.size());
   plan.keys = static_cast<int>(made.pegs.size());
@@ -342,16 +331,21 @@ Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops)
                       "cores would be needed");
 }
 
-MouldPlan plan_mould(const CastRobot& robot, const std::string& solid_yaml, const CastingVerdict& verdict,
-                     const CastingSettings& settings) {
-  const Solid solid = robot_solid(solid_yaml);
-  const auto printable = [&](const MouldPlan& plan) { return require_printable(plan, settings.mould), plan; };
-  if (verdict.castable) return printable(plan_one_part(robot, solid, verdict, settings));
+MouldPlan plan_mould(const CastRobotFile& file, const CastingVerdict& verdict) {
+  const Solid solid = robot_solid(file.solid_yaml);
+  const MouldSettings& mould = file.settings.mould;
+  const auto printable = [&](const MouldPlan& plan) { return require_printable(plan, mould), plan; };
+  if (verdict.castable) return printable(plan_one_part(file, solid, verdict));
+  if (!verdict.test("cavities").passed && mould.allow_lid) {
+    const std::string faults = reasons(verdict, {"cavities", "extraction", "stretch", "suction", "aspect"});
+    if (!faults.empty()) throw NoMould(faults);
+    return printable(plan_lid(file, solid));
+  }
   const std::string others = reasons(verdict, {"extraction", "stretch", "suction", "aspect"});
   if (!others.empty() || verdict.test("extraction").passed) throw NoMould(reasons(verdict, {}));
-  if (settings.mould.allow_two_part) return printable(plan_two_parts(robot, solid, settings));
+  if (mould.allow_two_part) return printable(plan_two_parts(file.robot, solid, file.settings));
   throw NoMould(reasons(verdict, {}) +
-                (two_parts_would_do(robot) ? " --allow two_part makes a mould of two halves." : ""));
+                (two_parts_would_do(file.robot) ? " --allow two_part makes a mould of two halves." : ""));
 }
 
 }  // namespace soft_robot_lab

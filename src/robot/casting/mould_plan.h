@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Of which solids a robot's mould consists: one open block, or two halves that part at a plane. See README.md beside
-// this file. Metres, frame: robot_base.
+// Of which solids a robot's mould consists: one open block, two halves that part at a plane, or what lid_plan.h makes.
+// See README.md beside this file. Metres, frame: robot_base.
 #pragma once
 
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "check_casting.h"
+#include "cast_robot.h"
 #include "extraction.h"
+#include "shelves.h"
 #include "soft_robot_lab/robot/design/solid.h"
 
 namespace soft_robot_lab {
@@ -22,8 +23,10 @@ class NoMould : public std::runtime_error {
 struct MouldPiece {
   std::string name;
   Solid solid;
-  Eigen::Matrix3d to_print;  // turns it as it stands on the printer's bed
-  Eigen::Vector3d size_m;    // along the mould's axes
+  Eigen::Matrix3d to_print;                 // turns it as it stands on the printer's bed
+  Eigen::Vector3d size_m;                   // along the mould's axes
+  Eigen::Vector3d form_low_m, form_high_m;  // of what forms silicone, along these axes
+  bool in_block = true;                     // counts in the closure of volumes
 };
 
 struct AirHole {
@@ -31,16 +34,21 @@ struct AirHole {
 };
 
 struct MouldPlan {
-  bool two_part = false;
+  bool two_part = false, lid = false;
   // Axes of the mould as columns: across both others, the way in which the halves part, up while the silicone cures.
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // in which the robot, or the second half, leaves
   Eigen::Vector3d low_m, high_m;                         // of the robot, along these axes
   double parting_m = 0;                                  // of two parts: along the second axis
   double top_area_m2 = 0;                                // open to air
+  double rim_m = 0;                                      // where the silicone is open to air, along the third axis
+  double first_pour_m3 = 0;                              // of a robot with a lid: all but the lid
   std::vector<AirHole> air_holes;
+  std::vector<SheathPiece> sheaths;  // that lie in it
+  double webs_m3 = 0;                // silicone above them in slots through the mould's teeth
+  Solid cast;                        // what silicone and sheaths fill; without names
   int bolts = 0, keys = 0;
-  double block_volume_m3 = 0;  // closed form: all pieces together with the robot
+  double block_volume_m3 = 0;  // closed form: all pieces that count together with the robot
   std::vector<MouldPiece> pieces;
 };
 
@@ -56,10 +64,8 @@ struct Parting {
 };
 Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops);
 
-// `solid_yaml` as CastRobotFile has it, its verdict as check_casting gives it. Throws NoMould, or std::invalid_argument
-// where the body is not made of solids.
-// A piece that the printer has no room for is refused here, before it is meshed.
-MouldPlan plan_mould(const CastRobot& robot, const std::string& solid_yaml, const CastingVerdict& verdict,
-                     const CastingSettings& settings);
+// With the file's verdict, as check_casting gives it. Throws NoMould, or std::invalid_argument where the body is not
+// made of solids. A piece that the printer has no room for is refused here, before it is meshed.
+MouldPlan plan_mould(const CastRobotFile& file, const CastingVerdict& verdict);
 
 }  // namespace soft_robot_lab

@@ -80,8 +80,13 @@ Eigen::ArrayXXd levels_with_a_way_out(const HeightMap& map) {
   return level;
 }
 
-// Diameter of the largest circle in a set of cells, by two sweeps of a chamfer distance (Borgefors 1986).
-double widest_m(const std::vector<std::pair<Eigen::Index, Eigen::Index>>& cells, const HeightMap& map) {
+// The largest circle in a set of cells, by two sweeps of a chamfer distance (Borgefors 1986).
+struct Circle {
+  double diameter_m;
+  Eigen::Vector3d middle_m;
+};
+
+Circle widest(const std::vector<std::pair<Eigen::Index, Eigen::Index>>& cells, const HeightMap& map) {
   Eigen::ArrayXXd distance = Eigen::ArrayXXd::Zero(map.height_m.rows(), map.height_m.cols());
   for (const auto& [i, j] : cells) distance(i, j) = kOpen;
   const auto relax = [&](Eigen::Index i, Eigen::Index j, int sign) {
@@ -96,7 +101,9 @@ double widest_m(const std::vector<std::pair<Eigen::Index, Eigen::Index>>& cells,
     for (Eigen::Index i = 1; i < rows; ++i) relax(i, j, 1);
   for (Eigen::Index j = columns - 1; j > 0; --j)
     for (Eigen::Index i = rows - 1; i > 0; --i) relax(i, j, -1);
-  return (2 * distance.maxCoeff() - 1) * map.cell_m;
+  Eigen::Index row = 0, column = 0;
+  const double most = distance.maxCoeff(&row, &column);
+  return {(2 * most - 1) * map.cell_m, map.position_m(row, column)};
 }
 
 Pocket collect(const HeightMap& map, const Eigen::ArrayXXd& level, double least_depth_m, Eigen::ArrayXXi& seen,
@@ -108,14 +115,16 @@ Pocket collect(const HeightMap& map, const Eigen::ArrayXXd& level, double least_
     const auto [x, y] = cells[next];
     const double depth = map.height_m(x, y) - level(x, y);
     pocket.roof_area_m2 += map.cell_area_m2();
-    if (depth > pocket.depth_m) pocket.depth_m = depth, pocket.at_m = map.position_m(x, y);
+    pocket.depth_m = std::max(pocket.depth_m, depth);
     for_neighbours(map.height_m, x, y, [&](Eigen::Index u, Eigen::Index v) {
       if (seen(u, v) != 0 || map.height_m(u, v) - level(u, v) < least_depth_m) return;
       seen(u, v) = 1;
       cells.emplace_back(u, v);
     });
   }
-  pocket.width_m = widest_m(cells, map);
+  const Circle circle = widest(cells, map);
+  pocket.width_m = circle.diameter_m;
+  pocket.at_m = circle.middle_m;
   return pocket;
 }
 

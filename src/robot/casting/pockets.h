@@ -13,7 +13,7 @@ struct Pocket {
   double roof_area_m2 = 0;                         // across the direction
   double depth_m = 0;                              // of the core: from its top down to where air comes in
   double width_m = 0;                              // of the largest circle in the roof's outline
-  Eigen::Vector3d at_m = Eigen::Vector3d::Zero();  // of the roof
+  Eigen::Vector3d at_m = Eigen::Vector3d::Zero();  // of the roof, in the middle of that circle
 };
 
 struct Pockets {

@@ -32,13 +32,16 @@ void read_limits(const YamlNode& node, CastingSettings& settings) {
 void read_sheath(const YamlNode& node, SheathSettings& sheath) {
   sheath.radius_m = node.number_or("radius_m", sheath.radius_m, AllowedRange::positive());
   sheath.wall_m = node.number_or("wall_m", sheath.wall_m, AllowedRange::not_negative());
+  sheath.shelf = node.boolean_or("shelf", sheath.shelf);
+  sheath.clearance_m = node.number_or("clearance_m", sheath.clearance_m, {0, 0.002});
+  sheath.longest_slot_m = node.number_or("longest_slot_m", sheath.longest_slot_m, {0, 0.1});
 }
 
 void read_allowed(const YamlNode& node, MouldSettings& mould) {
   for (const YamlNode& item : node.optional_sequence("allow")) {
     const std::string name = item.as_text();
-    if (name != "two_part") item.fail("is '" + name + "', must be two_part");
-    mould.allow_two_part = true;
+    if (name != "two_part" && name != "lid") item.fail("is '" + name + "', must be two_part or lid");
+    (name == "lid" ? mould.allow_lid : mould.allow_two_part) = true;
   }
 }
 

@@ -11,13 +11,16 @@
 namespace soft_robot_lab {
 
 struct SheathSettings {
-  double radius_m = 0.001;  // a straw of 2 mm, as the source's
-  double wall_m = 0.0005;   // silicone around it, at least
+  double radius_m = 0.001;        // a straw of 2 mm, as the source's
+  double wall_m = 0.0005;         // silicone around it, at least
+  bool shelf = false;             // it lies in the mould while the silicone cures
+  double clearance_m = 0.0001;    // around it on its shelf
+  double longest_slot_m = 0.005;  // a sheath ends at wider gaps of the robot
 };
 
 // What a mould is made with.
 struct MouldSettings {
-  bool allow_two_part = false;
+  bool allow_two_part = false, allow_lid = false;
   double wall_m = 0.004;          // of the block around the robot, of its floor, and of half a flange
   double min_wall_m = 0.0012;     // of the mould anywhere: three lines of a nozzle of 0.4 mm
   double flange_m = 0.012;        // width, on both sides of a parting plane

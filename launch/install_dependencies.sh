@@ -12,10 +12,10 @@ packages=(
   libroscpp-dev libroslib-dev pluginlib-dev librosbag-dev libdiagnostic-updater-dev libtf2-ros-dev
   libstd-msgs-dev libgeometry-msgs-dev libvisualization-msgs-dev libdiagnostic-msgs-dev libstd-srvs-dev
   libros-rosgraph-msgs-dev libdynamic-reconfigure-config-init-mutex-dev python3-dynamic-reconfigure
-  ros-std-msgs ros-geometry-msgs ros-visualization-msgs ros-diagnostic-msgs ros-actionlib-msgs ros-std-srvs
+  ros-std-msgs ros-geometry-msgs ros-visualization-msgs ros-diagnostic-msgs ros-actionlib-msgs libactionlib-dev python3-actionlib python3-actionlib-msgs python3-rospy python3-numpy ros-std-srvs
   python3-roslaunch python3-rostopic python3-rosservice python3-rosnode python3-rosparam python3-rosbag python3-rosmsg
   python3-std-srvs python3-std-msgs python3-rosgraph-msgs python3-tf2-msgs python3-geometry-msgs python3-visualization-msgs python3-diagnostic-msgs rosout rosbash
-  rviz librviz-dev libinteractive-markers-dev xdotool xvfb xauth imagemagick libgl1-mesa-dri gnuplot-nox
+  rviz librviz-dev libqwt-qt5-dev libinteractive-markers-dev xdotool xvfb xauth imagemagick libgl1-mesa-dri gnuplot-nox
   libeigen3-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libgmsh-dev libceres-dev libpagmo-dev libopenblas-serial-dev libmetis-dev
   libsqlite3-dev libboost-dev libopenmpi-dev openmpi-bin
   libbullet-dev libopencv-dev libpcl-dev libembree-dev

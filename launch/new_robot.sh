@@ -18,10 +18,10 @@ body:
   material: {preset: ecoflex_00_50}
   fixed: [{box: {min_m: [-1, -1, -1.0e-6], max_m: [1, 1, 1]}}]   # what lies in this box is clamped: the top face
 gravity_m_s2: [0, 0, -9.81]
-cables:                          # a cable starts at the top, and its plug at the last point is pulled up
-  - {name: front, points_m: [[0.008, 0, 0], [0.008, 0, -0.09]], plug_radius_m: 0.002, min_contraction: 0.8}
-  - {name: left, points_m: [[-0.004, 0.00693, 0], [-0.004, 0.00693, -0.09]], plug_radius_m: 0.002, min_contraction: 0.8}
-  - {name: right, points_m: [[-0.004, -0.00693, 0], [-0.004, -0.00693, -0.09]], plug_radius_m: 0.002, min_contraction: 0.8}
+cables:                          # a cable starts at the top, and its plug at the end of its path is pulled up
+  - {name: front, path_m: [[0.008, 0, 0], [0.008, 0, -0.09]], plug_radius_m: 0.002, min_contraction: 0.8}
+  - {name: left, path_m: [[-0.004, 0.00693, 0], [-0.004, 0.00693, -0.09]], plug_radius_m: 0.002, min_contraction: 0.8}
+  - {name: right, path_m: [[-0.004, -0.00693, 0], [-0.004, -0.00693, -0.09]], plug_radius_m: 0.002, min_contraction: 0.8}
 markers:                         # points that are measured, and that an optimisation can aim at
   - {name: tip, position_m: [0, 0, -0.1]}
 run:                             # what the program `simulate` does; a session has its own commands

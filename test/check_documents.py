@@ -180,7 +180,7 @@ def check_interface(root):
             if asked_for and not argument.get('doc'):  # what `roslaunch --ros-args` prints
                 faults.append('%s: `%s` has no doc' % (os.path.relpath(path, root), name))
     readme = contents(os.path.join(root, 'msg/README.md'))
-    for path in files(root, '.msg', '.srv'):
+    for path in files(root, '.msg', '.srv', '.action'):
         name = os.path.splitext(os.path.basename(path))[0]
         if '[%s](' % name not in readme:
             faults.append('%s is not named in msg/README.md' % os.path.relpath(path, root))

@@ -51,7 +51,7 @@ RunReport run(Scene& scene) {
   std::optional<ProgressBar> bar;
   const Clock::time_point start = Clock::now();
   return run_scene(scene, [&](double fraction) {
-    if (!bar && Clock::now() - start > std::chrono::seconds(1)) bar.emplace("simulate");
+    if (!bar && fraction < 1.0 && Clock::now() - start > std::chrono::seconds(1)) bar.emplace("simulate");
     if (bar) bar->show(fraction, "runs; Ctrl-C ends it and keeps what is done");
     return interrupted == 0;
   });

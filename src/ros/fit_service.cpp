@@ -83,7 +83,11 @@ FitService::FitService(ros::NodeHandle& node, SceneOptions options, const std::s
       node.subscribe(topics::tracker_markers, 100, &FitService::on_markers, this),
       node.subscribe(topics::simulator_scene, 1, &FitService::on_scene, this),
   };
-  service_ = node.advertiseService(topics::fit_model, &FitService::fit, this);
+  service_ = node.advertiseService<FitModel::Request, FitModel::Response>(topics::fit_model,
+                                                                          [this](auto& request, auto& response) {
+                                                                            answer(request, response);
+                                                                            return true;
+                                                                          });
 }
 
 void FitService::on_command(const ActuatorCommand& command) {
@@ -127,11 +131,16 @@ Recording FitService::heard() const {
   return recording_;
 }
 
-bool FitService::fit(FitModel::Request& request, FitModel::Response& response) {
+void FitService::answer(const FitModel::Request& request, FitModel::Response& response) {
   try {
     const std::unique_lock lock(fitting_, std::try_to_lock);
     if (!lock) throw std::runtime_error("busy with another fit; ask again when it ended");
-    const FitRequest fit = fit_request(request);
+    FitRequest fit = fit_request(request);
+    cancelled_ = false;
+    fit.progress = [this](int iteration, double rms_gap_m) {
+      if (on_progress) on_progress(iteration, rms_gap_m);
+      return !cancelled_;
+    };
     if (!request.file.empty()) require_writable(request.file);
     const UsablePart part = usable_part(request.bag.empty() ? heard() : read_recording(request.bag));
     const Recording& recording = part.recording;
@@ -149,7 +158,6 @@ bool FitService::fit(FitModel::Request& request, FitModel::Response& response) {
     response.message = error.what();
   }
   if (!response.success) ROS_WARN("%s refused: %s", topics::fit_model, log_text(response.message).c_str());
-  return true;
 }
 
 }  // namespace soft_robot_lab

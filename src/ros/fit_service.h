@@ -2,6 +2,8 @@
 // The service controller/fit_model, and the recording of the running session that it fits to.
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -23,16 +25,21 @@ class FitService {
   // may be empty.
   FitService(ros::NodeHandle& node, SceneOptions options, const std::string& scene);
 
+  void answer(const FitModel::Request& request, FitModel::Response& response);
+  void cancel() { cancelled_ = true; }  // the fit that runs: it ends with the best so far
+  // Hears of each iteration, from the fit's thread; to be set before there are requests.
+  std::function<void(int iteration, double rms_gap_m)> on_progress;
+
  private:
   void on_command(const ActuatorCommand& command);
   void on_motors(const MotorState& motors);
   void on_markers(const MarkerObservations& markers);
   void on_scene(const std_msgs::String& path);
-  bool fit(FitModel::Request& request, FitModel::Response& response);
   Recording heard() const;
 
   SceneOptions options_;
   std::mutex fitting_;
+  std::atomic<bool> cancelled_{false};
   mutable std::mutex mutex_;  // guards the recording
   Recording recording_;
   std::vector<ros::Subscriber> subscribers_;

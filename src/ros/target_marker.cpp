@@ -90,12 +90,16 @@ void TargetMarker::on_feedback(const Feedback& feedback) {
   }
 }
 
-// Only where it is, not how it is turned. As old as it may be: frames of a session do not move.
+Eigen::Vector3d TargetMarker::in_robot_base(const geometry_msgs::PoseStamped& pose) const {
+  const Eigen::Vector3d position_m = from_message(pose.pose.position, "pose.position");
+  if (pose.header.frame_id == robot_frame()) return position_m;
+  return isometry(frames_.lookupTransform(robot_frame(), pose.header.frame_id, ros::Time(0)).transform) * position_m;
+}
+
+// Only where it is, not how it is turned.
 void TargetMarker::on_goal(const geometry_msgs::PoseStamped& goal) {
   try {
-    const auto pose = frames_.lookupTransform(robot_frame(), goal.header.frame_id, ros::Time(0));
-    const Eigen::Vector3d target_m =
-        isometry(pose.transform) * from_message(goal.pose.position, topics::controller_goal);
+    const Eigen::Vector3d target_m = in_robot_base(goal);
     std::string marker;
     {
       const std::lock_guard lock(mutex_);

@@ -22,6 +22,10 @@ class TargetMarker {
   // Called from whatever threads serve the node's topics.
   TargetMarker(ros::NodeHandle& node, Moved moved);
 
+  // Where that is [m, robot_base]: frames of a session do not move, so its time does not count. Throws tf2's
+  // exceptions, and std::invalid_argument for a place that is not finite.
+  Eigen::Vector3d in_robot_base(const geometry_msgs::PoseStamped& pose) const;
+
   // Of that marker, there [m, robot_base]; `size_m` is that of its arrows. A hand that holds it keeps it.
   void show(const std::string& marker, const Eigen::Vector3d& target_m, double size_m);
 

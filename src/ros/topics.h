@@ -43,6 +43,7 @@ constexpr char optimise_policy[] = "controller/optimise_policy";
 constexpr char execute_policy[] = "controller/execute_policy";
 constexpr char fit_model[] = "controller/fit_model";
 constexpr char calibrate[] = "tracker/calibrate";
+constexpr char reach[] = "controller/reach";  // an action; of the others above the action has the service's name
 constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
 
 }  // namespace soft_robot_lab::topics

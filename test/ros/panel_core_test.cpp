@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "ros/panel/calls.h"
+#include "ros/panel/history.h"
 #include "ros/panel/lamps.h"
 #include "ros/panel/poses.h"
 
@@ -46,6 +47,56 @@ TEST(Lamps, ShowTheSimulationAndItsSpeed) {
   EXPECT_EQ(lamps.lamps(1.5)[0].level, Level::warn);
   EXPECT_EQ(lamps.lamps(1.5)[0].reason, "steps that did not converge");
   EXPECT_EQ(lamps.lamps(1.5)[1].level, Level::warn);
+}
+
+TEST(Lamps, ShowHowSqueezedTheSiliconeIsAndWhatItTouches) {
+  Lamps lamps;
+  auto heard = diagnosis("simulator: simulation", 0, "runs", "1");
+  heard.status[0].values.resize(3);
+  heard.status[0].values[1].key = "least det F";
+  heard.status[0].values[2].key = "contact force [N]";
+  const auto shown = [&](const std::string& least, const std::string& force) {
+    heard.status[0].values[1].value = least;
+    heard.status[0].values[2].value = force;
+    lamps.add(heard, 0.0);
+    return lamps.lamps(0.5);
+  };
+  ASSERT_EQ(shown("0.9", "0").size(), 4u);
+  EXPECT_EQ(shown("0.9", "0")[2].level, Level::ok);
+  EXPECT_EQ(shown("0.9", "0")[3].value, "none");
+  EXPECT_EQ(shown("0.1", "1.5")[2].level, Level::warn);
+  EXPECT_EQ(shown("-0.01", "1.5")[2].level, Level::error);
+  EXPECT_EQ(shown("0.9", "1.5")[3].value, "1.50 N");
+  EXPECT_EQ(lamps.lamps(Lamps::silence_s + 1.0).size(), 2u);
+}
+
+TEST(History, KeepsTheLastSecondsOfATipThatMoves) {
+  History history;
+  MarkerObservations markers;
+  markers.names = {"middle", "tip"};
+  markers.positions.resize(2);
+  for (int i = 0; i <= 3000; ++i) {
+    markers.header.stamp = ros::Time(100.0 + 0.01 * i);
+    markers.positions[1].x = 0.001 * i;
+    history.add(markers, "tip");
+  }
+  ASSERT_EQ(history.titles(), (std::vector<std::string>{"tip [mm]"}));
+  const History::Points& x = history.curves("tip [mm]").at("x");
+  EXPECT_NEAR(x.back().first - x.front().first, History::kept_s, 0.06);
+  EXPECT_LE(x.size(), 402u);
+  EXPECT_NEAR(x.back().second, 3000.0, 5.1);
+  EXPECT_EQ(history.curves("tip [mm]").at("y").back().second, 0.0);
+  ActuatorState state;
+  state.header.stamp = ros::Time(130.0);
+  state.cables.resize(1);
+  state.cables[0].name = "left";
+  state.cables[0].tension_n = 2.5;
+  history.add(state);
+  EXPECT_EQ(history.curves("tension [N]").at("left").back().second, 2.5);
+  markers.header.stamp = ros::Time(3.0);  // the session begins anew
+  history.add(markers, "tip");
+  EXPECT_EQ(history.curves("tip [mm]").at("x").size(), 1u);
+  EXPECT_TRUE(history.curves("tension [N]").empty());
 }
 
 TEST(Lamps, TurnGreyInSilence) {

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/ExecutePolicy.h>
+#include <soft_robot_lab/OptimisePolicy.h>
 #include <std_msgs/Bool.h>
 #include <std_srvs/Trigger.h>
 #include <visualization_msgs/Marker.h>
@@ -155,6 +156,21 @@ TEST_F(Panel, RecordsUntilRecordIsPressedAgain) {
   ASSERT_TRUE(spin_until([&] { return bags(".active") == 1; }, patience_s));
   ASSERT_TRUE(press_until("alt+d", [&] { return !recording; }));
   EXPECT_TRUE(spin_until([&] { return bags(".bag") == before + 1 && bags(".active") == 0; }, patience_s));
+}
+
+TEST_F(Panel, MovesTheRobotWhileItSearches) {
+  OptimisePolicy::Request endless;
+  endless.method = "cma_es";
+  endless.marker = "tip";
+  endless.target = to_message(Eigen::Vector3d(0.02, 0.0, -0.095));
+  endless.max_iterations = 100000;
+  endless.tolerance_m = 1e-9;
+  auto answer =
+      std::async(std::launch::async, [&] { return ask<OptimisePolicy>(node_, topics::optimise_policy, endless); });
+  EXPECT_TRUE(press_until("alt+1 Next", [&] { return commands_[0] < 0.95; }));
+  EXPECT_EQ(answer.wait_for(std::chrono::seconds(0)), std::future_status::timeout) << "it still searches";
+  ask<std_srvs::Trigger>(node_, topics::cancel_policy);
+  EXPECT_FALSE(answer.get().message.empty());
 }
 
 TEST_F(Panel, StopsAPolicyWhereItIs) {

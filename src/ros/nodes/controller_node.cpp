@@ -17,6 +17,7 @@
 
 #include "run_node.h"
 #include "ros/actuator_plugins.h"
+#include "ros/controller_actions.h"
 #include "ros/policy_execution.h"
 #include "ros/fit_service.h"
 #include "ros/latched_publisher.h"
@@ -46,6 +47,15 @@ ClosedLoopOptions read_loop_options() {
   return options;
 }
 
+template <typename Service, typename Handler>
+ros::ServiceServer serve(ros::NodeHandle& node, const std::string& name, Handler handler) {
+  return node.advertiseService<typename Service::Request, typename Service::Response>(
+      name, [handler](auto& request, auto& response) {
+        handler(request, response);
+        return true;
+      });
+}
+
 class ControllerNode {
  public:
   ControllerNode();
@@ -62,8 +72,9 @@ class ControllerNode {
   void show_ghost();  // of the model as it is
   void remove_ghost(int found_count);
   void show_target(const std::string& marker, const Eigen::Vector3d& target_m);
-  bool optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response);
-  bool execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response);
+  void optimise_policy(const OptimisePolicy::Request& request, OptimisePolicy::Response& response);
+  void execute_policy(const ExecutePolicy::Request& request, ExecutePolicy::Response& response);
+  ControllerHandlers handlers();
   void execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response);
   ExecutionOrder order_of(const ExecutePolicy::Request& request) const;
   ExecutePolicy::Request with_policy(ExecutePolicy::Request request) const;
@@ -98,6 +109,7 @@ class ControllerNode {
   TargetMarker target_{node_, [this](const auto& marker, const auto& target_m, bool released) {
                          live_.ask({marker, target_m, released});
                        }};
+  std::unique_ptr<ControllerActions> actions_;  // last: its threads end first
 };
 
 ControllerNode::ControllerNode() {
@@ -125,10 +137,26 @@ ControllerNode::ControllerNode() {
 
 void ControllerNode::offer_services() {
   services_ = {
-      node_.advertiseService(topics::optimise_policy, &ControllerNode::optimise_policy, this),
-      node_.advertiseService(topics::execute_policy, &ControllerNode::execute_policy, this),
+      serve<OptimisePolicy>(node_, topics::optimise_policy, handlers().optimise),
+      serve<ExecutePolicy>(node_, topics::execute_policy, handlers().execute),
       node_.advertiseService(topics::cancel_policy, &ControllerNode::cancel, this),
   };
+  actions_ = std::make_unique<ControllerActions>(node_, handlers());
+  fit_service_->on_progress = [this](int iteration, double gap_m) { actions_->on_fit_progress(iteration, gap_m); };
+}
+
+ControllerHandlers ControllerNode::handlers() {
+  ControllerHandlers all;
+  all.optimise = [this](const auto& request, auto& response) { optimise_policy(request, response); };
+  all.execute = [this](const auto& request, auto& response) { execute_policy(request, response); };
+  all.fit = [this](const auto& request, auto& response) { fit_service_->answer(request, response); };
+  all.in_robot_base = [this](const auto& pose) { return target_.in_robot_base(pose); };
+  all.cancel = [this] {
+    execution_.cancel();
+    search_.cancel();
+  };
+  all.cancel_fit = [this] { fit_service_->cancel(); };
+  return all;
 }
 
 // Throws what load_scene throws; the old model then stays.
@@ -229,7 +257,7 @@ void ControllerNode::on_actuators(const ActuatorState& actuators) {
     if (std::isfinite(actuators.commands[i])) commands_[actuators.names[i]] = actuators.commands[i];
 }
 
-bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimisePolicy::Response& response) {
+void ControllerNode::optimise_policy(const OptimisePolicy::Request& request, OptimisePolicy::Response& response) {
   try {
     live_.interrupt();
     const std::unique_lock lock(model_mutex_, std::try_to_lock);
@@ -244,7 +272,6 @@ bool ControllerNode::optimise_policy(OptimisePolicy::Request& request, OptimiseP
     response.message = error.what();
   }
   if (!response.success) ROS_WARN("%s refused: %s", topics::optimise_policy, log_text(response.message).c_str());
-  return true;
 }
 
 bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
@@ -254,7 +281,7 @@ bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Resp
   return true;
 }
 
-bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
+void ControllerNode::execute_policy(const ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
   try {
     const int found_count = found_count_;
     execute(with_policy(request), response);
@@ -264,7 +291,6 @@ bool ControllerNode::execute_policy(ExecutePolicy::Request& request, ExecutePoli
     response.message = error.what();
   }
   if (!response.success) ROS_WARN("%s refused: %s", topics::execute_policy, log_text(response.message).c_str());
-  return true;
 }
 
 // An empty policy stands for the one that was found last.

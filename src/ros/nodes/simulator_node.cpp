@@ -24,6 +24,7 @@
 #include "ros/frames.h"
 #include "ros/image_messages.h"
 #include "ros/latched_publisher.h"
+#include "ros/least_determinant.h"
 #include "ros/log_text.h"
 #include "ros/publish_limit.h"
 #include "ros/surface_marker.h"
@@ -369,6 +370,12 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("iterations", last_report_.iterations);
   status.add("residual", last_report_.residual);
   status.add("inverted elements", last_report_.inverted_elements);
+  status.add("least det F",
+             least_determinant(scene_->simulation->body().mesh(), scene_->simulation->state().positions_m));
+  const std::vector<ContactReading> contacts = scene_->simulation->contacts();
+  double contact_n = 0.0;
+  for (const ContactReading& contact : contacts) contact_n += contact.normal_force_n;
+  if (!contacts.empty()) status.add("contact force [N]", contact_n);
   for (const SolveWarning& warning : warnings_)
     status.add(warning.kind + (warning.actuator.empty() ? "" : " " + warning.actuator), warning.text);
   status.add("real-time factor", real_time_factor_.value());

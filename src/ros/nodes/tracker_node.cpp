@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <actionlib/server/simple_action_server.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <message_filters/subscriber.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/Calibrate.h>
+#include <soft_robot_lab/CalibrateAction.h>
 #include <std_msgs/String.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -20,6 +22,7 @@
 #include "ros/image_messages.h"
 #include "ros/log_text.h"
 #include "ros/replay_tracking.h"
+#include "ros/same_fields.h"
 #include "ros/topics.h"
 #include "ros/tracking_input.h"
 #include "settings/quantile.h"
@@ -92,6 +95,7 @@ class TrackerNode {
   void publish_image(const MarkerTracking::Result& result) const;
   void tell_knocked_cameras();
   void broadcast(const std::vector<CameraPose>& poses);
+  void on_calibrate_goal();
   bool calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response);
   void diagnose(DiagnosticStatusWrapper& status);
   void diagnose_camera(const std::string& camera, DiagnosticStatusWrapper& status);
@@ -112,6 +116,7 @@ class TrackerNode {
   std::vector<ros::Subscriber> subscribers_;
   std::map<std::string, std::unique_ptr<Camera>> cameras_;
   ros::ServiceServer calibrate_;
+  actionlib::SimpleActionServer<CalibrateAction> calibrate_action_{node_, topics::calibrate, false};
   tf2_ros::StaticTransformBroadcaster frames_;
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer diagnostics_timer_;
@@ -125,6 +130,8 @@ TrackerNode::TrackerNode(const NodeOptions& options)
   if (!options_.balls.empty()) {
     calibration_ = std::make_unique<CalibrationSession>(read_ball_placement(options_.balls), BallFinderSettings());
     calibrate_ = node_.advertiseService(topics::calibrate, &TrackerNode::calibrate_cameras, this);
+    calibrate_action_.registerGoalCallback([this] { on_calibrate_goal(); });
+    calibrate_action_.start();
   }
   if (!input_.poses_file().empty()) ROS_INFO("the cameras stand as %s says", input_.poses_file().c_str());
   broadcast(input_.poses());
@@ -244,6 +251,18 @@ void TrackerNode::broadcast(const std::vector<CameraPose>& poses) {
   for (const CameraPose& pose : poses)
     messages.push_back(transform_message(world_frame(), optical_frame(pose.name), pose.world_from_camera));
   if (!messages.empty()) frames_.sendTransform(messages);
+}
+
+// On the thread of the topics, as the service: images and calibration take turns.
+void TrackerNode::on_calibrate_goal() {
+  auto request = same_fields<Calibrate::Request>(*calibrate_action_.acceptNewGoal());
+  Calibrate::Response response;
+  calibrate_cameras(request, response);
+  const auto result = same_fields<CalibrateResult>(response);
+  if (result.success)
+    calibrate_action_.setSucceeded(result, result.message);
+  else
+    calibrate_action_.setAborted(result, result.message);
 }
 
 bool TrackerNode::calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response) {

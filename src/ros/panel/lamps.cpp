@@ -75,6 +75,25 @@ Lamp Lamps::lamp_of(const std::string& name, const std::string& task, double now
   return lamp;
 }
 
+// Of the simulation's diagnosis; nothing where that has no such value.
+std::optional<double> Lamps::value_of(const std::string& key, double now_s) const {
+  if (lamp_of("", simulation, now_s).level == Lamp::Level::unknown) return std::nullopt;
+  for (const auto& value : heard_.at(simulation).status.values)
+    if (value.key == key) return std::atof(value.value.c_str());
+  return std::nullopt;
+}
+
+Lamp Lamps::squeezed(double least) {
+  const Lamp::Level level = least <= 0.0 ? Lamp::Level::error : least < 0.2 ? Lamp::Level::warn : Lamp::Level::ok;
+  return {"det F", level, text_of(least, "%.2f"),
+          "least volume of the silicone over that at rest, element by element: below 0 the mesh is turned over"};
+}
+
+Lamp Lamps::contact(double force_n) {
+  return {"Contact", Lamp::Level::ok, force_n > 0.0 ? text_of(force_n, "%.2f N") : "none",
+          "sum of the forces with which the skin is pressed"};
+}
+
 Lamp Lamps::speed(double now_s) const {
   Lamp lamp = lamp_of("Speed", simulation, now_s);
   if (lamp.level == Lamp::Level::unknown) return lamp;
@@ -106,6 +125,8 @@ std::vector<Lamp> Lamps::lamps(double now_s) const {
   std::vector<Lamp> lamps = {lamp_of("Simulation", simulation, now_s), speed(now_s)};
   if (heard_.count(motors) > 0) lamps.push_back(lamp_of("Link", motors, now_s));
   if (gap_at_s_ >= 0.0) lamps.push_back(gap(now_s));
+  if (const auto least = value_of("least det F", now_s)) lamps.push_back(squeezed(*least));
+  if (const auto force_n = value_of("contact force [N]", now_s)) lamps.push_back(contact(*force_n));
   if (heard_.count(session_watch) > 0) lamps.push_back(lamp_of("Session", session_watch, now_s));
   return lamps;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace soft_robot_lab {
 
 struct Lamp {
   enum class Level { unknown, ok, warn, error };
-  std::string name;  // Simulation, Speed, Link, Gap, Session
+  std::string name;  // Simulation, Speed, Link, Gap, det F, Contact, Session
   Level level = Level::unknown;
   std::string value;   // short: "1.00 x"
   std::string reason;  // in full, for the tooltip and the log line
@@ -38,6 +39,9 @@ class Lamps {
     double at_s = 0.0;
   };
   Lamp lamp_of(const std::string& name, const std::string& task, double now_s) const;
+  std::optional<double> value_of(const std::string& key, double now_s) const;
+  static Lamp squeezed(double least);
+  static Lamp contact(double force_n);
   Lamp speed(double now_s) const;
   Lamp gap(double now_s) const;
 

@@ -9,8 +9,10 @@
 #include <ros/this_node.h>
 #include <soft_robot_lab/Calibrate.h>
 #include <soft_robot_lab/ExecutePolicy.h>
+#include <soft_robot_lab/LoadScene.h>
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_msgs/Bool.h>
+#include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <xmlrpcpp/XmlRpc.h>
@@ -60,14 +62,26 @@ PanelLink::PanelLink(const std::string& session) : node_(session) {
   subscribers_ = {
       listen_to<ActuatorRanges>(node_, topics::simulator_ranges, 1, [this](const auto& m) { on_ranges(m); }),
       listen_to<ActuatorState>(node_, topics::simulator_actuators, 1,
-                               [this](const auto& m) { values_.add_state(m, now_s()); }),
-      listen_to<MarkerObservations>(node_, topics::simulator_markers, 1, [this](const auto& m) { markers_ = m; }),
+                               [this](const auto& m) {
+                                 values_.add_state(m, now_s());
+                                 history_.add(m);
+                               }),
+      listen_to<MarkerObservations>(node_, topics::simulator_markers, 1,
+                                    [this](const auto& m) {
+                                      markers_ = m;
+                                      history_.add(m, plotted_);
+                                    }),
+      listen_to<std_msgs::String>(node_, topics::simulator_scene, 1, [this](const auto& m) { on_scene(m.data); }),
       listen_to<Target>(node_, topics::controller_target, 1,
                         [this](const auto& m) {
                           target_ = m;
                           ++targets_;
                         }),
-      listen_to<RealityGap>(node_, topics::reality_gap, 1, [this](const auto& m) { lamps_.add(m, now_s()); }),
+      listen_to<RealityGap>(node_, topics::reality_gap, 1,
+                            [this](const auto& m) {
+                              lamps_.add(m, now_s());
+                              history_.add(m);
+                            }),
       listen_to<std_msgs::Bool>(node_, topics::session_recording, 1,
                                 [this](const auto& m) { recording_ = m.data != 0; }),
       listen_to<MotorState>(node_, topics::motor_state, 1, [this](const auto&) { has_motors_ = true; }),
@@ -87,6 +101,12 @@ void PanelLink::on_ranges(const ActuatorRanges& ranges) {
   } catch (const std::invalid_argument& error) {
     ROS_WARN("%s: %s", topics::simulator_ranges, error.what());
   }
+}
+
+// Another robot, another plot.
+void PanelLink::on_scene(const std::string& scene) {
+  scene_ = scene;
+  history_ = {};
 }
 
 void PanelLink::listen() {
@@ -178,6 +198,13 @@ void PanelLink::reset() {
   } else {
     ask_trigger(quick_lane, "Reset", topics::simulator_reset);
   }
+}
+
+void PanelLink::load(const std::string& scene) {
+  LoadScene::Request request;
+  request.path = scene;
+  calls_.start(slow_lane, "Load",
+               [this, request] { return calls_.ask<LoadScene>(node_, topics::simulator_load, request).message; });
 }
 
 void PanelLink::clear() { ask_trigger(quick_lane, "Clear", topics::motor_clear); }

@@ -19,6 +19,7 @@
 
 #include "actuator_values.h"
 #include "calls.h"
+#include "history.h"
 #include "lamps.h"
 
 namespace soft_robot_lab {
@@ -35,6 +36,9 @@ class PanelLink {
   const std::vector<std::string>& markers() const { return markers_.names; }
   // Of that marker: what was last searched for, else where it is; empty where neither is known.
   std::optional<geometry_msgs::Point> target(const std::string& marker) const;
+  // What is plotted; of the marker that was asked for last.
+  const History& history() const { return history_; }
+  void plot(const std::string& marker) { plotted_ = marker; }
   int targets() const { return targets_; }  // how many were heard of
 
   bool offers(const std::string& service) const;
@@ -44,8 +48,10 @@ class PanelLink {
   void optimise(const std::string& method, const std::string& marker, const geometry_msgs::Point& target);
   void execute();  // what was found last
   void play(const Policy& policy);
-  void stop();   // all: searches, policies, drives
-  void reset();  // the simulation's start; a rig goes to its rest commands
+  void stop();                                         // all: searches, policies, drives
+  const std::string& scene() const { return scene_; }  // path of what runs; empty: not known
+  void load(const std::string& scene);                 // another robot
+  void reset();                                        // the simulation's start; a rig goes to its rest commands
   bool recording() const { return recording_; }
   void record(bool on);
   void zero();
@@ -58,6 +64,7 @@ class PanelLink {
   static constexpr char slow_lane[] = "slow", quick_lane[] = "quick", look_lane[] = "look";
 
   void look_for_services();
+  void on_scene(const std::string& scene);
   void on_ranges(const ActuatorRanges& ranges);
   void ask_trigger(const std::string& lane, const std::string& title, const std::string& service);
 
@@ -66,6 +73,8 @@ class PanelLink {
   MarkerObservations markers_;
   std::optional<Target> target_;
   int targets_ = 0;
+  std::string scene_, plotted_;
+  History history_;
   bool has_motors_ = false, recording_ = false;
   double looked_at_s_ = -1.0;
 

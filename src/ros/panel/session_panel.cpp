@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "session_panel.h"
 
+#include <QAbstractItemView>
+#include <QDir>
+#include <QFileDialog>
+#include <QFileInfo>
 #include <QGridLayout>
 #include <QGroupBox>
 #include <QLineEdit>
 #include <QScrollArea>
 #include <QSignalBlocker>
 #include <pluginlib/class_list_macros.hpp>
+#include <ros/package.h>
 
 #include "ros/topics.h"
+#include "settings/write_file.h"
+#include "soft_robot_lab/control/policy.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -52,10 +59,13 @@ SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
   message_->setMinimumHeight(3 * message_->fontMetrics().lineSpacing());
   message_->setAlignment(Qt::AlignTop | Qt::AlignLeft);
   column->addWidget(lamps_);
+  column->addWidget(make_chooser());
   column->addWidget(make_actuators(), 1);
   column->addWidget(make_target());
   column->addWidget(make_buttons());
   column->addWidget(make_poses());
+  plot_ = new PlotView(this);
+  column->addWidget(plot_);
   column->addWidget(message_);
   connect(&timer_, &QTimer::timeout, this, [this] { refresh(); });
 }
@@ -66,6 +76,18 @@ QPushButton* SessionPanel::button(const QString& text, const QString& hint, cons
   made->setMinimumWidth(0);
   connect(made, &QPushButton::clicked, this, press);
   return made;
+}
+
+// The robots that come with the package, and any file.
+QWidget* SessionPanel::make_chooser() {
+  scene_ = new QComboBox(this);
+  scene_->setToolTip("The robot that is simulated. Another is meshed beside the one that runs");
+  const QDir robots(QString::fromStdString(ros::package::getPath("soft_robot_lab")) + "/config/robots");
+  for (const QString& name : robots.entryList(QDir::Dirs | QDir::NoDotAndDotDot, QDir::Name))
+    if (robots.exists(name + "/robot.yaml")) scene_->addItem(name, robots.absoluteFilePath(name + "/robot.yaml"));
+  scene_->addItem("Another file ...");
+  connect(scene_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) { choose_scene(index); });
+  return scene_;
 }
 
 QWidget* SessionPanel::make_actuators() {
@@ -133,16 +155,19 @@ QWidget* SessionPanel::make_poses() {
   store_ = button("S&tore", "Keeps the values above under that name, in this rviz file", [this] { store_pose(); });
   play_ = button("Pla&y", "Moves the robot to that pose, within a second where its drives are as fast",
                  [this] { play_pose(); });
+  save_ = button("Save ...", "Writes that pose into a policy file, for play_policy_node and simulate",
+                 [this] { save_pose(); });
   forget_ = button("For&get", "Removes that pose", [this] {
     poses_.remove(pose_->currentText().toStdString());
     refresh_poses();
     Q_EMIT configChanged();
   });
   auto* grid = new QGridLayout(box);
-  grid->addWidget(pose_, 0, 0, 1, 3);
+  grid->addWidget(pose_, 0, 0, 1, 4);
   grid->addWidget(store_, 1, 0);
   grid->addWidget(play_, 1, 1);
-  grid->addWidget(forget_, 1, 2);
+  grid->addWidget(save_, 1, 2);
+  grid->addWidget(forget_, 1, 3);
   grid->setContentsMargins(0, 0, 0, 0);
   return box;
 }
@@ -177,7 +202,9 @@ void SessionPanel::refresh() {
   if (!link_) return;
   link_->listen();
   refresh_rows();
+  refresh_scene();
   refresh_target();
+  refresh_plot();
   refresh_buttons();
   refresh_lamps();
   for (const CallOutcome& outcome : link_->take_outcomes()) report(outcome);
@@ -200,6 +227,26 @@ void SessionPanel::refresh_rows() {
     if (!editors_.empty()) message_->setText("Move a slider, or type a number.");
   }
   for (std::size_t i = 0; i < editors_.size(); ++i) editors_[i]->show_row(values.rows()[i]);
+}
+
+// Follows what runs.
+void SessionPanel::refresh_scene() {
+  const QString path = QString::fromStdString(link_->scene());
+  if (path.isEmpty() || path == scene_->currentData().toString() || scene_->view()->isVisible()) return;
+  int index = scene_->findData(path);
+  if (index < 0) {
+    index = scene_->count() - 1;
+    scene_->insertItem(index, QFileInfo(path).fileName(), path);
+  }
+  if (!link_->busy()) scene_->setCurrentIndex(index);
+}
+
+// Ten times a second is enough for an eye.
+void SessionPanel::refresh_plot() {
+  link_->plot(marker_->currentText().toStdString());
+  if (++undrawn_ * refresh_period_ms < 100) return;
+  undrawn_ = 0;
+  plot_->show_history(link_->history());
 }
 
 // Follows what is searched for; a number that is being typed stays.
@@ -231,7 +278,8 @@ void SessionPanel::refresh_buttons() {
   optimise_->setEnabled(free && link_->offers(topics::optimise_policy) && marker_->count() > 0);
   execute_->setEnabled(free && link_->offers(topics::execute_policy));
   play_->setEnabled(free && has_pose && link_->offers(topics::execute_policy));
-  forget_->setEnabled(has_pose);
+  for (QPushButton* one : {forget_, save_}) one->setEnabled(has_pose);
+  scene_->setEnabled(free && link_->offers(topics::simulator_load));
   store_->setEnabled(!editors_.empty());
   reset_->setEnabled(link_->offers(topics::simulator_reset));
   record_->setVisible(link_->offers(topics::session_record));
@@ -295,6 +343,28 @@ void SessionPanel::store_pose() {
   pose_->setCurrentText(QString::fromStdString(name));
   message_->setText("Stored '" + QString::fromStdString(name) + "'; save the rviz file to keep it.");
   Q_EMIT configChanged();
+}
+
+void SessionPanel::choose_scene(int index) {
+  QString path = scene_->itemData(index).toString();
+  if (path.isEmpty()) path = QFileDialog::getOpenFileName(this, "A robot's or scene's file", "", "YAML (*.yaml)");
+  if (path.isEmpty() || path == QString::fromStdString(link_->scene())) return;
+  message_->setStyleSheet("");
+  message_->setText("Meshes " + QFileInfo(path).fileName() + " ...");
+  link_->load(path.toStdString());
+}
+
+void SessionPanel::save_pose() {
+  try {
+    const Policy pose = poses_.policy(pose_->currentText().toStdString(), link_->values().rows(), pose_duration_s);
+    const QString path =
+        QFileDialog::getSaveFileName(this, "Policy file", pose_->currentText() + ".yaml", "YAML (*.yaml)");
+    if (path.isEmpty()) return;
+    write_file(path.toStdString(), policy_yaml({pose.names, {{pose.steps[0].time_s, pose.steps[0].values}}}));
+    message_->setText("Written: " + path);
+  } catch (const std::exception& error) {
+    report_failure(error.what());
+  }
 }
 
 void SessionPanel::play_pose() {

@@ -15,6 +15,7 @@
 
 #include "actuator_editor.h"
 #include "panel_link.h"
+#include "plot_view.h"
 #include "poses.h"
 
 namespace soft_robot_lab {
@@ -29,6 +30,7 @@ class SessionPanel : public rviz::Panel {
   void save(rviz::Config config) const override;
 
  private:
+  QWidget* make_chooser();
   QWidget* make_actuators();
   QWidget* make_target();
   QWidget* make_buttons();
@@ -38,13 +40,17 @@ class SessionPanel : public rviz::Panel {
   void refresh();
   void refresh_lamps();
   void refresh_rows();
+  void refresh_scene();
+  void refresh_plot();
   void refresh_target();
   void refresh_buttons();
   void refresh_poses();
   void report(const CallOutcome& outcome);
   void report_failure(const QString& text);
   void optimise();
+  void choose_scene(int index);
   void store_pose();
+  void save_pose();
   void play_pose();
   void calibrate();
 
@@ -58,11 +64,13 @@ class SessionPanel : public rviz::Panel {
   QLabel *lamps_ = nullptr, *message_ = nullptr, *empty_ = nullptr;
   QVBoxLayout* rows_ = nullptr;
   std::vector<ActuatorEditor*> editors_;
-  QComboBox *marker_ = nullptr, *method_ = nullptr, *pose_ = nullptr;
+  PlotView* plot_ = nullptr;
+  int undrawn_ = 0;  // refreshes since the plot was drawn
+  QComboBox *scene_ = nullptr, *marker_ = nullptr, *method_ = nullptr, *pose_ = nullptr;
   QDoubleSpinBox* target_mm_[3] = {};
   QPushButton *optimise_ = nullptr, *execute_ = nullptr, *stop_ = nullptr, *reset_ = nullptr;
   QPushButton *zero_ = nullptr, *clear_ = nullptr, *calibrate_ = nullptr, *record_ = nullptr;
-  QPushButton *store_ = nullptr, *play_ = nullptr, *forget_ = nullptr;
+  QPushButton *store_ = nullptr, *play_ = nullptr, *save_ = nullptr, *forget_ = nullptr;
 };
 
 }  // namespace soft_robot_lab

@@ -1,0 +1,105 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Actions and the Python module: it moves a simulated bar, lets it reach a point, and records it."""
+import sys
+import threading
+import unittest
+
+import actionlib
+import numpy
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+
+from soft_robot_lab import Session, SessionError
+from soft_robot_lab.msg import OptimisePolicyAction, OptimisePolicyGoal, ReachAction, ReachGoal
+
+
+class Client(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.session = Session()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.session.close()
+
+    def setUp(self):
+        self.session.reset()
+        self.session.play({0.5: {'left': 1.0, 'right': 1.0}})
+        self.rest_m = self.session.markers()['tip']
+
+    def test_moves_and_measures(self):
+        self.session.move(left=0.9)
+        self.assertEqual(self.session.commands, {'left': 0.9, 'right': 1.0})
+        seen = self.session.record(1.0)
+        self.assertGreater(numpy.linalg.norm(seen.markers_m['tip'][-1] - self.rest_m), 5e-3)
+        self.assertGreater(self.session.tensions_n['left'], self.session.tensions_n['right'])
+
+    def test_knows_where_a_policy_ended(self):
+        answer = self.session.play({0.5: {'left': 0.9, 'right': 1.0}})
+        self.assertEqual(self.session.commands['left'], 0.9)
+        end_m = next(p for name, p in zip(answer.markers.names, answer.markers.positions) if name == 'tip')
+        self.assertAlmostEqual(self.session.markers()['tip'][0], end_m.x, delta=5e-4)
+
+    def test_records_arrays_of_one_length(self):
+        seen = self.session.record(0.5)
+        count = len(seen.time_s)
+        self.assertTrue((numpy.diff(seen.time_s) > 0).all())
+        self.assertGreaterEqual(seen.time_s[-1] - seen.time_s[0], 0.5)
+        self.assertEqual({name: places.shape for name, places in seen.markers_m.items()}, {'tip': (count, 3), 'middle': (count, 3)})
+        self.assertEqual({name: values.shape for name, values in seen.commands.items()}, {'left': (count,), 'right': (count,)})
+        numpy.testing.assert_allclose(seen.markers_m['tip'], numpy.tile(self.rest_m, (count, 1)), atol=2e-3)
+
+    def test_optimises_and_plays(self):
+        target_m = (0.02, 0.0, -0.095)
+        found = self.session.optimise('tip', target_m)
+        self.assertLess(found.summary.final_distance_m, found.summary.initial_distance_m)
+        self.session.play(found.policy)
+        gap_m = numpy.linalg.norm(self.session.markers()['tip'] - target_m)
+        self.assertAlmostEqual(gap_m, found.summary.final_distance_m, delta=1e-3)
+
+    def test_reaches_a_place_by_one_action(self):
+        client = actionlib.SimpleActionClient('/controller/reach', ReachAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(60.0)))
+        goal, stages, iterations = ReachGoal(marker='tip'), set(), []
+        goal.target.header.frame_id = 'world'
+        goal.target.pose.position.x, goal.target.pose.position.z = 0.02, -0.095
+        client.send_goal(goal, feedback_cb=lambda heard: (stages.add(heard.stage), iterations.append(heard.progress.iteration)))
+        self.assertTrue(client.wait_for_result(rospy.Duration(100.0)))
+        result = client.get_result()
+        self.assertEqual(client.get_state(), GoalStatus.SUCCEEDED, result.message)
+        self.assertAlmostEqual(result.final_distance_m, result.summary.final_distance_m, delta=1e-3)
+        self.assertEqual(stages, {'searches', 'moves'})
+        self.assertGreater(max(iterations), 0)
+        goal.marker = 'elbow'
+        client.send_goal_and_wait(goal)
+        self.assertEqual(client.get_state(), GoalStatus.ABORTED)
+        self.assertIn('elbow', client.get_result().message)
+
+    def test_ends_an_action_that_is_preempted(self):
+        client = actionlib.SimpleActionClient('/controller/optimise_policy', OptimisePolicyAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(60.0)))
+        heard = threading.Event()
+        goal = OptimisePolicyGoal(method='cma_es', marker='tip', max_iterations=100000, tolerance_m=1e-9)
+        goal.target.x, goal.target.z = 0.02, -0.095
+        client.send_goal(goal, feedback_cb=lambda _: heard.set())
+        self.assertTrue(heard.wait(60.0))
+        client.cancel_goal()
+        self.assertTrue(client.wait_for_result(rospy.Duration(100.0)))
+        self.assertEqual(client.get_state(), GoalStatus.PREEMPTED)
+        self.assertTrue(client.get_result().policy.steps, 'the best so far counts')
+
+    def test_refuses_in_the_sessions_words(self):
+        for wrong, words in ((lambda: self.session.move(elbow=0.9), "no actuator 'elbow'; there are: left, right"),
+                             (lambda: self.session.move(left=7.0), r'left: 7 is not in \['),
+                             (lambda: self.session.optimise('elbow', (0, 0, 0)), 'elbow'),
+                             (lambda: self.session.play({1.0: {'left': 0.9}, 2.0: {'right': 0.9}}), 'each step needs all'),
+                             (lambda: self.session.load('/no/such/file.yaml'), 'no/such/file.yaml'),
+                             (lambda: self.session.markers('tracker'), 'no markers of the tracker')):
+            with self.assertRaisesRegex(SessionError, words):
+                wrong()
+
+
+if __name__ == '__main__':
+    rostest.rosrun('soft_robot_lab', 'python_client', Client, sys.argv)

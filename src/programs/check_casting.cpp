@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// check_casting ROBOT.yaml [--result FILE]: whether a robot can be cast in silicone, and why not.
+// check_casting ROBOT.yaml [--result FILE] [--page FOLDER]: whether a robot can be cast in silicone, and why not.
 #include <iostream>
 #include <string>
 #include <vector>
 
 #include "robot/casting/cast_robot.h"
 #include "robot/casting/check_casting.h"
+#include "robot/casting/verdict_page.h"
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -15,7 +16,7 @@ namespace {
 using namespace soft_robot_lab;
 
 struct Arguments {
-  std::string robot, result;
+  std::string robot, result, page;
   std::vector<std::string> set;
 };
 
@@ -25,6 +26,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->required();
   add_set_option(app, arguments.set);
   app.add_option("--result", arguments.result, "where the verdict goes as JSON")->type_name("FILE");
+  app.add_option("--page", arguments.page, "where a page with pictures of the verdict goes")->type_name("FOLDER");
   app.footer("Exit status: 0 castable, 1 not, 2 bad file or arguments.");
 }
 
@@ -43,6 +45,8 @@ int check(const Arguments& arguments) {
   const CastRobotFile file = load_cast_robot(arguments.robot, options);
   const CastingVerdict verdict = check_casting(file);
   if (!arguments.result.empty()) write_file(arguments.result, verdict_json(verdict));
+  if (!arguments.page.empty())
+    write_verdict(verdict, robot_name(arguments.robot), file.settings.min_thickness_m, arguments.page);
   print(verdict);
   return verdict.castable ? kGood : kNotGood;
 }

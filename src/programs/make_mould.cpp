@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // make_mould ROBOT.yaml --output FOLDER [--allow two_part,lid]: the mould that a robot is cast in, as STL.
-#include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -53,8 +52,7 @@ int make(const Arguments& arguments) {
   const Mould mould = make_mould(file);
   for (const std::string& fault : mould.faults) std::cerr << "make_mould: " << fault << "\n";
   if (!mould.faults.empty()) return kNotGood;
-  const auto robot = std::filesystem::absolute(arguments.robot);
-  write_mould(mould, robot.stem() == "robot" ? robot.parent_path().filename() : robot.stem(), arguments.output);
+  write_mould(mould, robot_name(arguments.robot), arguments.output);
   print(mould, arguments.output);
   return kGood;
 }

@@ -12,6 +12,9 @@
 // or
 //   solid: {...}
 //   surface: {largest_edge_m: 0.002, circle_segments: 48}     writes the boundary alone, see design/surface_file.h
+// or
+//   solid: {...}
+//   step: true                           writes STEP; the output's name ends with .step
 // The same request gives the same file, byte by byte. Exit status: 0 done, 1 internal fault, 2 bad request; the reason
 // is one line on standard error. A line about the mesh goes to standard output.
 #include <algorithm>
@@ -63,9 +66,17 @@ void surface_request(const YamlNode& request, const std::string& output_file) {
   write_surface(solid, sizes, output_file);
 }
 
+void step_request(const YamlNode& request, const std::string& output_file) {
+  const Solid solid = read_solid(request.child("solid"));
+  request.boolean_or("step", true);
+  request.require_all_read();
+  write_step(solid, output_file);
+}
+
 void run(const std::string& request_file, const std::string& output_file) {
   const YamlNode request = YamlNode::load_file(request_file);
   if (request.has("surface")) return surface_request(request, output_file);
+  if (request.has("step")) return step_request(request, output_file);
   write_msh(mesh_request(request), output_file);
   const TetMesh mesh = read_msh(output_file);  // exactly what the simulation will see
   check_mesh(mesh);

@@ -126,4 +126,12 @@ void write_surface(const Solid& solid, const SurfaceSizes& sizes, const std::str
   write_off(triangles_of(faces), 1 / kKernelUnitsPerMetre, path);
 }
 
+void write_step(const Solid& solid, const std::string& path) {
+  if (solid.kind == Solid::Kind::stl_file) throw std::invalid_argument(solid.file + ": an STL body has no STEP");
+  const GmshSession session;
+  gmsh::model::add("step");
+  build_body(solid);
+  gmsh::write(path);
+}
+
 }  // namespace soft_robot_lab

@@ -17,4 +17,7 @@ struct SurfaceSizes {
 // std::string.
 void write_surface(const Solid& solid, const SurfaceSizes& sizes, const std::string& path);
 
+// Writes the solid as STEP in millimetres; the path ends with .step. Throws alike.
+void write_step(const Solid& solid, const std::string& path);
+
 }  // namespace soft_robot_lab

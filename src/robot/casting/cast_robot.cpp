@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cast_robot.h"
 
+#include <filesystem>
 #include <stdexcept>
 
 #include "robot/design/mesh_quality.h"
@@ -70,6 +71,11 @@ CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& optio
   file.robot.sheaths = read_sheaths(settings, file.settings.sheath.radius_m);
   file.robot.mesh_qualities = volume_length_qualities(body.mesh().nodes_m, body.mesh().tets);
   return file;
+}
+
+std::string robot_name(const std::string& path) {
+  const std::filesystem::path file = std::filesystem::absolute(path);
+  return file.stem() == "robot" ? file.parent_path().filename() : file.stem();
 }
 
 Surface surface_of_solid(const Solid& solid, double size_m, const MesherOptions& options) {

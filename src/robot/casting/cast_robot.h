@@ -21,6 +21,9 @@ struct CastRobotFile {
 // it has no solid. Throws as load_scene does.
 CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& options);
 
+// Of a robot's file: its folder's where it is called robot.yaml.
+std::string robot_name(const std::string& path);
+
 // The surface of a solid, fine enough for the rules; `size_m` is the robot's. Throws as surface_file_for.
 Surface surface_of_solid(const Solid& solid, double size_m, const MesherOptions& options);
 

@@ -257,6 +257,7 @@ CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& sett
   const Surface& surface = robot.shelved ? *robot.shelved : robot.surface;
   const RayTree tree(surface);
   CastingVerdict verdict;
+  verdict.judged = surface;
   verdict.direction_given = settings.direction.has_value();
   verdict.direction = way_out(robot.surface, settings);
   const Extraction out = verify_extraction(tree, find_tops(surface), verdict.direction);

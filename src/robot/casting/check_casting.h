@@ -38,6 +38,7 @@ struct CastingVerdict {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   bool direction_given = false;
   std::vector<CastingTest> tests;
+  Surface judged;                   // which the triangles below are of
   std::vector<int> blocked;         // triangles in the way
   std::vector<double> thickness_m;  // of each triangle, by balls
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
@@ -12,6 +9,7 @@
 
 #include "make_mould.h"
 #include "mould_picture.h"
+#include "stl_file.h"
 #include "settings/words.h"
 #include "settings/write_file.h"
 
@@ -22,27 +20,6 @@ namespace fs = std::filesystem;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kDescription = "mould.json";
-
-template <typename Value>
-void append(std::string& bytes, const Value& value) {
-  std::array<char, sizeof(Value)> raw;
-  std::memcpy(raw.data(), &value, sizeof(Value));
-  bytes.append(raw.data(), raw.size());
-}
-
-// Little-endian, as all machines that this package knows.
-std::string binary_stl(const MouldPart& part) {
-  std::string bytes = "soft_robot_lab mould, millimetres";
-  bytes.resize(80, ' ');
-  append(bytes, static_cast<std::uint32_t>(part.surface.triangle_count()));
-  for (int t = 0; t < part.surface.triangle_count(); ++t) {
-    for (int i = 0; i < 3; ++i) append(bytes, static_cast<float>(part.surface.normals(i, t)));
-    for (int corner = 0; corner < 3; ++corner)
-      for (int i = 0; i < 3; ++i) append(bytes, static_cast<float>(1000 * part.surface.corner(t, corner)[i]));
-    append(bytes, std::uint16_t{0});
-  }
-  return bytes;
-}
 
 // Turning parts and directions leaves zeros with a sign, which a reader takes for an error.
 Eigen::Vector3d without_negative_zeros(const Eigen::Vector3d& value) { return value + Eigen::Vector3d::Zero(); }
@@ -257,10 +234,10 @@ void write_mould(const Mould& mould, const std::string& robot_name, const std::s
   if (!mkdtemp(made.data())) throw std::runtime_error(place.string() + ": its folder cannot be written to");
   try {
     for (const MouldPart& part : mould.parts) {
-      write_file(made + "/" + part.name + ".stl", binary_stl(part));
-      write_file(made + "/" + part.name + ".png", picture_png(part.surface, {}));
+      write_file(made + "/" + part.name + ".stl", binary_stl(part.surface, "soft_robot_lab mould, millimetres"));
+      write_file(made + "/" + part.name + ".png", picture_png(part.surface, Paint{}));
     }
-    write_file(made + "/robot.png", picture_png(mould.robot, {0.95, 0.72, 0.55}));
+    write_file(made + "/robot.png", picture_png(mould.robot, Paint{0.95, 0.72, 0.55}));
     write_file(made + "/instructions.html", mould_instructions(mould, robot_name));
     write_file(made + "/" + kDescription, mould_json(mould));
     fs::permissions(made, fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec |

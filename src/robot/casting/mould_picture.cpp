@@ -47,6 +47,7 @@ struct View {
 struct Seen {
   double distance_m = INFINITY;  // infinite: nothing
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  int triangle = -1;
 };
 
 std::vector<Seen> look(const Surface& surface, const View& view) {
@@ -55,7 +56,7 @@ std::vector<Seen> look(const Surface& surface, const View& view) {
   for (int row = 0; row < view.height; ++row)
     for (int column = 0; column < view.width; ++column) {
       const auto hit = tree.first_hit(view.origin_m(row, column), -view.axes.col(2), 0);
-      all.push_back(hit ? Seen{hit->distance_m, surface.normals.col(hit->triangle)} : Seen{});
+      all.push_back(hit ? Seen{hit->distance_m, surface.normals.col(hit->triangle), hit->triangle} : Seen{});
     }
   return all;
 }
@@ -66,8 +67,9 @@ bool edge_between(const Seen& a, const Seen& b, double pixel_m) {
   return a.normal.dot(b.normal) < kSharpCosine || std::abs(a.distance_m - b.distance_m) > 8 * pixel_m;
 }
 
-cv::Vec3b shaded(const Seen& seen, const Paint& paint) {
+cv::Vec3b shaded(const Seen& seen, const std::function<Paint(int)>& paint_of) {
   if (std::isinf(seen.distance_m)) return {255, 255, 255};
+  const Paint paint = paint_of(seen.triangle);
   const Eigen::Vector3d light = Eigen::Vector3d(-0.35, -0.45, 0.82).normalized();
   const double bright = 255 * (0.5 + 0.5 * std::max(0.0, seen.normal.dot(light)));
   return {cv::saturate_cast<uchar>(bright * paint.blue), cv::saturate_cast<uchar>(bright * paint.green),
@@ -77,6 +79,10 @@ cv::Vec3b shaded(const Seen& seen, const Paint& paint) {
 }  // namespace
 
 std::string picture_png(const Surface& surface, const Paint& paint) {
+  return picture_png(surface, [&](int) { return paint; });
+}
+
+std::string picture_png(const Surface& surface, const std::function<Paint(int)>& paint_of) {
   const View view(surface);
   const std::vector<Seen> seen = look(surface, view);
   const auto at = [&](int row, int column) { return seen[static_cast<size_t>(row) * view.width + column]; };
@@ -86,7 +92,7 @@ std::string picture_png(const Surface& surface, const Paint& paint) {
       const bool edge = row > 0 && column > 0 &&
                         (edge_between(at(row, column), at(row - 1, column), view.pixel_m) ||
                          edge_between(at(row, column), at(row, column - 1), view.pixel_m));
-      image.at<cv::Vec3b>(row, column) = edge ? cv::Vec3b{50, 40, 40} : shaded(at(row, column), paint);
+      image.at<cv::Vec3b>(row, column) = edge ? cv::Vec3b{50, 40, 40} : shaded(at(row, column), paint_of);
     }
   std::vector<uchar> bytes;
   if (!cv::imencode(".png", image, bytes)) throw std::runtime_error("a picture cannot be made as PNG");

@@ -38,4 +38,9 @@ std::string surface_file_for(const SurfaceRequest& request, const MesherOptions&
   return run_mesher(text.str(), referenced_files(solid), ".off", options);
 }
 
+std::string step_file_for(const std::string& solid_yaml, const MesherOptions& options) {
+  const Solid solid = read_solid(YamlNode::parse(solid_yaml, "STEP request"));
+  return run_mesher("solid: " + solid_yaml + "\nstep: true\n", referenced_files(solid), ".step", options);
+}
+
 }  // namespace soft_robot_lab

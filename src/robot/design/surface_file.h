@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The boundary of a solid as triangles, without elements inside.
+// The boundary of a solid, without elements inside: as triangles, or as STEP.
 #pragma once
 
 #include <string>
@@ -19,5 +19,8 @@ struct SurfaceRequest {
 // number of the geometry's face and its normal at the centre, 0 where it is flat ("3 a b c FACE NX NY NZ"). An STL body
 // keeps its own triangles. Throws as mesh_file_for does.
 std::string surface_file_for(const SurfaceRequest& request, const MesherOptions& options);
+
+// The path of a STEP file of a solid, in millimetres. An STL body has none. Throws as mesh_file_for does.
+std::string step_file_for(const std::string& solid_yaml, const MesherOptions& options);
 
 }  // namespace soft_robot_lab

@@ -9,7 +9,9 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 
+#include "robot/casting/verdict_page.h"
 #include "robot/scene/scene_files.h"
 #include "run_program.h"
 #include "shapes.h"
@@ -290,6 +292,29 @@ TEST(MakeMould, WritesBubblefingersMouldForTwoPours) {
   ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
   for (const char* part : {"base", "core", "lid_tray"})
     expect_admesh_finds_no_fault(folder, output + "/" + part + ".stl");
+}
+
+TEST(MakeMould, PaintsAVerdict) {
+  const SceneFolder folder;
+  const CastRobotFile file = robot_of(folder, kHammer);
+  const CastingVerdict verdict = check_casting(file);
+  ASSERT_FALSE(verdict.blocked.empty());
+  write_verdict(verdict, "hammer", 0.002, folder.path("page"));
+  const std::string page = contents(folder.path("page/verdict.html"));
+  EXPECT_NE(page.find("hammer cannot be cast"), std::string::npos);
+  EXPECT_NE(page.find("are held by the mould"), std::string::npos);
+  const auto reds = [&](const std::string& picture) {
+    const cv::Mat image = cv::imread(folder.path("page/" + picture));
+    int count = 0;
+    for (int row = 0; row < image.rows; ++row)
+      for (int column = 0; column < image.cols; ++column) {
+        const cv::Vec3b pixel = image.at<cv::Vec3b>(row, column);
+        count += pixel[2] > 2 * pixel[1] && pixel[2] > 2 * pixel[0] ? 1 : 0;
+      }
+    return count;
+  };
+  EXPECT_GT(reds("from_above.png"), 1000) << "skin in the way faces up";
+  EXPECT_EQ(reds("from_below.png"), 0);
 }
 
 TEST(MakeMould, WritesZerosOfDirectionsWithoutASign) {

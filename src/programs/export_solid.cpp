@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// export_solid ROBOT.yaml --output FILE: the body's solid as STL or STEP, in millimetres.
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "robot/casting/stl_file.h"
+#include "robot/design/surface_file.h"
+#include "robot/scene/parameters.h"
+#include "robot/scene/sections.h"
+#include "settings/command_line.h"
+#include "settings/read_file.h"
+#include "soft_robot_lab/robot/design/solid.h"
+
+namespace {
+
+using namespace soft_robot_lab;
+
+constexpr std::uintmax_t kLargestFile_bytes = 1u << 30;
+
+struct Arguments {
+  std::string robot, output;
+  double largest_edge_m = 0.005;
+  std::vector<std::string> set;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("ROBOT", arguments.robot, "the robot's file, whose body.solid goes out")
+      ->type_name("FILE")
+      ->required();
+  app.add_option("--output", arguments.output, "ends with .stl or .step; in millimetres")
+      ->type_name("FILE")
+      ->required();
+  app.add_option("--largest-edge", arguments.largest_edge_m, "of an STL file's triangles, in metres")
+      ->check(CLI::Range(1e-5, 1.0))
+      ->capture_default_str();
+  add_set_option(app, arguments.set);
+  app.footer("Exit status: 0 written, 2 bad file or arguments.");
+}
+
+std::string stl_of(const std::string& solid_yaml, double largest_edge_m) {
+  SurfaceRequest request;
+  request.solid_yaml = solid_yaml;
+  request.largest_edge_m = largest_edge_m;
+  return binary_stl(read_off(surface_file_for(request, {})), "soft_robot_lab solid, millimetres");
+}
+
+int write(const Arguments& arguments) {
+  const std::string ending = std::filesystem::path(arguments.output).extension();
+  if (ending != ".stl" && ending != ".step")
+    throw std::invalid_argument("--output: '" + arguments.output + "' must end with .stl or .step");
+  const YamlNode robot =
+      merge_overrides(load_settings(arguments.robot), parameter_overrides(arguments.robot, arguments.set));
+  const std::string solid = to_yaml(read_solid(robot.child("body").child("solid")));
+  const std::string content = ending == ".stl" ? stl_of(solid, arguments.largest_edge_m)
+                                               : read_regular_file(step_file_for(solid, {}), kLargestFile_bytes);
+  write_file(arguments.output, content);
+  return kGood;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Writes the solid of a robot's body as STL or STEP.", "export_solid");
+  Arguments arguments;
+  declare(app, arguments);
+  return run_program(app, argc, argv, [&] { return write(arguments); });
+}

@@ -2,6 +2,7 @@
 // benchmark_reduced [ROBOT [MODES...]]: trains reduced models of a robot of config/robots, and prints a row for each:
 // error on what it was not trained with, and CPU time beside that of newton on the same motion, in one process. One
 // thread: OPENBLAS_NUM_THREADS=1.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -9,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "mechanics/reduced/audit.h"
 #include "mechanics/reduced/held_out.h"
+#include "mechanics/reduced/reduced_markers.h"
 #include "mechanics/reduced/reduced_simulation.h"
 #include "mechanics/reduced/snapshots.h"
 #include "mechanics/reduced/train.h"
@@ -66,6 +69,46 @@ void print(const char* what, const ReducedError& error) {
               1e3 * error.max_m, error.unsolved, error.states);
 }
 
+// 200 equilibria, each from rest, at commands that nothing else is measured at.
+void print_audits(const std::shared_ptr<const ReducedModel>& model) {
+  constexpr std::size_t kFirst = 7000, kStates = 200;
+  Simulation full(model->full);
+  ReducedSimulation fast(model);
+  Audit audit(*model, model->full);
+  std::vector<double> ratios;
+  int corrected = 0, solved = 0;
+  double cpu_s = 0.0;
+  for (std::size_t i = kFirst; i < kFirst + kStates; ++i) {
+    full.reset();
+    fast.reset();
+    command(commands_in(model->box, i), full);
+    command(commands_in(model->box, i), fast);
+    if (!full.solve_equilibrium().converged || !fast.solve_equilibrium().converged) continue;
+    const double start_s = cpu_time_s();
+    const AuditResult found = audit.at_rest(fast.state());
+    cpu_s += cpu_time_s() - start_s;
+    const auto rms_m = [&](const Eigen::Matrix3Xd& markers_m) {
+      double sum = 0.0;
+      for (Eigen::Index m = 0; m < markers_m.cols(); ++m)
+        sum += (markers_m.col(m) - full.marker_position(static_cast<int>(m))).squaredNorm();
+      return std::sqrt(sum / static_cast<double>(markers_m.cols()));
+    };
+    const double error_m = rms_m(ReducedMarkers(*model).places_m(fast.state().at.q));
+    ratios.push_back(found.estimate_m / error_m);
+    corrected += rms_m(found.markers_m) < error_m ? 1 : 0;
+    solved += found.found ? 1 : 0;
+  }
+  const auto near = std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > 0.5 && r < 2.0; });
+  std::sort(ratios.begin(), ratios.end());
+  const auto at = [&](double share) { return ratios[static_cast<std::size_t>(share * (ratios.size() - 1))]; };
+  std::printf(
+      "audits   %zu states: %d within a factor of 2 (2.5 %% %.2f, median %.2f, 97.5 %% %.2f), %d solved, %d nearer "
+      "after "
+      "correction, %.1f ms each\n",
+      ratios.size(), static_cast<int>(near), at(0.025), at(0.5), at(0.975), solved, corrected,
+      1e3 * cpu_s / static_cast<double>(ratios.size()));
+}
+
 void measure(const Scene& scene, const ReducedTraining& training, const HeldOut& held_out) {
   const double h = scene.simulation->options().time_step_s, start_s = cpu_time_s();
   const std::shared_ptr<const ReducedModel> model = train(scene.simulation->model(), training);
@@ -80,6 +123,7 @@ void measure(const Scene& scene, const ReducedTraining& training, const HeldOut&
   print("reduced", best, h);
   print("equilibria", held_out.equilibria(model));
   print("transient", held_out.transient(model));
+  print_audits(model);
   std::fflush(stdout);
 }
 

@@ -9,9 +9,10 @@
 namespace soft_robot_lab {
 
 struct ReducedRequest {
-  CommandBox box;             // holds every actuator's rest command
-  double tolerance_m = 1e-4;  // > 0, of `largest_rms_m` of the outcome
-  int modes = 0;              // [1, 40]; 0: the fewest that meet the tolerance
+  CommandBox box;               // holds every actuator's rest command
+  double tolerance_m = 1e-4;    // > 0, of `largest_rms_m` of the outcome
+  int modes = 0;                // [1, 40]; 0: the fewest that meet the tolerance
+  double audit_every_s = 10.0;  // > 0, of motion: for whoever moves the model
 };
 
 struct ReducedChoice {
@@ -19,6 +20,8 @@ struct ReducedChoice {
   ReducedError equilibria, transient;  // on what it was not trained with
   double cpu_s = 0.0;                  // of training and judging
 
+  // An estimate beyond it says that the model is not what was judged: twice the largest distance seen then.
+  double trusted_m() const { return 2.0 * (equilibria.max_m > transient.max_m ? equilibria.max_m : transient.max_m); }
   double largest_rms_m() const { return equilibria.rms_m > transient.rms_m ? equilibria.rms_m : transient.rms_m; }
 };
 

@@ -28,6 +28,7 @@ class ReducedCables {
   Eigen::MatrixXd hessian(const Values& values, const Eigen::VectorXd& tensions_n) const;
 
   std::size_t count() const { return cables_.size(); }
+  std::size_t actuator_of(std::size_t cable) const { return cables_[cable].actuator; }
 
  private:
   struct Cable {

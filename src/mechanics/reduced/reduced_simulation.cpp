@@ -120,6 +120,18 @@ bool ReducedSimulation::relax(int most_iterations, ReducedReport& report) {
   return true;
 }
 
+SimulationState full_state(const ReducedModel& model, const ReducedState& state, SimulationState base) {
+  const Eigen::VectorXd velocities = model.basis.modes * state.velocity;
+  base.time_s = state.time_s;
+  base.positions_m = model.positions_m(state.at.q);
+  base.velocities_m_s = Eigen::Map<const Eigen::Matrix3Xd>(velocities.data(), 3, velocities.size() / 3);
+  base.element_multipliers_pa = model.basis.pressures * state.at.pressures;
+  base.constraint_multipliers = state.at.tensions_n;
+  base.drives = state.drives;
+  base.rest_residual.reset();
+  return base;
+}
+
 ReducedReport ReducedSimulation::solve_equilibrium() {
   ReducedReport report;
   for (std::size_t i = 0; i < state_.drives.size(); ++i)

@@ -9,6 +9,7 @@
 
 #include "reduced_model.h"
 #include "reduced_newton.h"
+#include "soft_robot_lab/mechanics/simulation_state.h"
 
 namespace soft_robot_lab {
 
@@ -68,5 +69,8 @@ class ReducedSimulation {
   ReducedNewton newton_;
   double step_tolerance_m_ = 3e-6, rest_tolerance_m_ = 1e-8;
 };
+
+// The full model in a reduced state; what a reduced state does not know stays as in `base`.
+SimulationState full_state(const ReducedModel& model, const ReducedState& state, SimulationState base);
 
 }  // namespace soft_robot_lab

@@ -33,7 +33,7 @@ struct Columns {
     for (const Eigen::Matrix3Xd& at : report.trajectory.markers_m)
       markers_m.insert(markers_m.end(), at.data(), at.data() + at.size());
     converged.push_back(report.solve.converged);
-    reduced.push_back(has_reduced && !report.left_reduced);
+    reduced.push_back(has_reduced && !report.left_reduced && !report.audits.failed);
   }
 };
 

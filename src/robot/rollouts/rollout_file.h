@@ -13,7 +13,8 @@ namespace soft_robot_lab {
 //   time_s                           times
 //   commands, reached                rollouts x times x actuators: as commanded, and where the drive was
 //   markers_m                        rollouts x times x markers x 3, robot_base
-//   converged, reduced               rollouts: whether every step did; whether a reduced model served to the end
+//   converged, reduced               rollouts: whether every step did; whether a reduced model served to the end, and
+//   passed its audits
 // Rollouts that were not started are left out.
 std::string rollouts_npz(const Scene& scene, const std::vector<RunReport>& reports);
 

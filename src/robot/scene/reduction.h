@@ -10,6 +10,7 @@
 
 #include "mechanics/reduced/choose_modes.h"
 #include "sections.h"
+#include "soft_robot_lab/robot/scene/run_scene.h"
 
 namespace soft_robot_lab {
 
@@ -35,9 +36,9 @@ std::optional<ReducedChoice> find_reduction(const std::string& key, const std::s
 void keep_reduction(const std::string& key, const ReducedChoice& choice, const SceneOptions& options);
 
 // `reduced` of result.json.
-nlohmann::ordered_json reduction_json(const SceneReduction& reduction, bool left);
+nlohmann::ordered_json reduction_json(const SceneReduction& reduction, const RunReport& report);
 
 // The same for a reader, in a line.
-std::string summary(const SceneReduction& reduction, bool left);
+std::string summary(const SceneReduction& reduction, const RunReport& report);
 
 }  // namespace soft_robot_lab

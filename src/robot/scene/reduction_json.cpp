@@ -22,7 +22,7 @@ Json commands_json(const ReducedModel& model) {
 
 }  // namespace
 
-Json reduction_json(const SceneReduction& reduction, bool left) {
+Json reduction_json(const SceneReduction& reduction, const RunReport& report) {
   const ReducedChoice& choice = reduction.choice;
   const ReducedModel& model = *choice.model;
   return {{"modes", model.energy.modes()},
@@ -36,17 +36,23 @@ Json reduction_json(const SceneReduction& reduction, bool left) {
             {"failed_solves", model.failed_solves},
             {"cpu_s", choice.cpu_s},
             {"from_cache", reduction.from_cache}}},
-          {"left", left}};
+          {"audits",
+           {{"states", report.audits.states},
+            {"largest_estimate_m", report.audits.largest_estimate_m},
+            {"limit_m", report.audits.limit_m},
+            {"failed", report.audits.failed}}},
+          {"left", report.left_reduced}};
 }
 
-std::string summary(const SceneReduction& reduction, bool left) {
+std::string summary(const SceneReduction& reduction, const RunReport& report) {
   const ReducedChoice& choice = reduction.choice;
   std::ostringstream text;
   text << "reduced model of " << choice.model->energy.modes() << " modes and " << choice.model->energy.points().size()
        << " points, " << 1e3 * choice.largest_rms_m() << " mm rms and "
        << 1e3 * std::max(choice.equilibria.max_m, choice.transient.max_m)
        << " mm at most from newton where it was not trained; " << (reduction.from_cache ? "trained before" : "trained")
-       << " in " << choice.cpu_s << " CPU-s" << (left ? "; newton took over\n" : "\n");
+       << " in " << choice.cpu_s << " CPU-s" << (report.left_reduced ? "; newton took over" : "")
+       << "; audits estimate " << 1e3 * report.audits.largest_estimate_m << " mm at most\n";
   return text.str();
 }
 

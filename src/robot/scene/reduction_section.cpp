@@ -45,6 +45,7 @@ std::optional<ReducedRequest> read_reduced(const YamlNode& settings, const Scene
   refuse_other_questions(settings, scene.run);
   ReducedRequest request;
   request.tolerance_m = solver.number_or("tolerance_m", request.tolerance_m, AllowedRange::positive());
+  request.audit_every_s = solver.number_or("audit_every_s", request.audit_every_s, AllowedRange::positive());
   if (solver.has("modes")) request.modes = solver.integer("modes", 1, 40);
   request.box = read_commands(solver, *scene.simulation);
   return request;

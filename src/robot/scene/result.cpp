@@ -188,7 +188,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   add_contacts(simulation, result);
   result["solver"] = solver_json(simulation, report.solve);
   if (ends_reduced(scene, report)) result["solver"]["residual"] = nullptr;
-  if (scene.reduction) result["reduced"] = reduction_json(*scene.reduction, report.left_reduced);
+  if (scene.reduction) result["reduced"] = reduction_json(*scene.reduction, report);
   if (scene.fidelity) result["fidelity"] = fidelity_json(*scene.fidelity);
   if (report.sensitivity.size() > 0) result["sensitivity"] = sensitivity_json(simulation, report.sensitivity);
   if (scene.run.mode == RunMode::dynamic) result["trajectory"] = trajectory_json(simulation, report.trajectory);
@@ -206,7 +206,7 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
   if (!ends_reduced(scene, report)) text << "residual " << solve.residual << ", ";
   text << solve.wall_s << " s; " << mesh.node_count() << " nodes, " << mesh.tet_count() << " elements\n";
   if (scene.fidelity) text << summary(*scene.fidelity);
-  if (scene.reduction) text << summary(*scene.reduction, report.left_reduced);
+  if (scene.reduction) text << summary(*scene.reduction, report);
   for (Eigen::Index i = 0; i < report.frequencies_hz.size(); ++i) {
     text << "mode " << i + 1 << " at " << report.frequencies_hz[i] << " Hz\n";
   }

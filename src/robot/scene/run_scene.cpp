@@ -146,7 +146,9 @@ void refuse_inverted(SolveReport& solve) {
 
 // The simulation keeps the last state, with what is wrong with that of a reduced model.
 void end(SceneMotion& motion, RunReport& report) {
+  motion.audit_end(report.solve);
   motion.show();
+  report.audits = motion.audits();
   report.left_reduced = motion.left();
   if (!motion.reduced()) return;
   report.solve.inverted_elements = motion.inverted_elements();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_motion.h"
 
+#include <algorithm>
 #include <chrono>
 #include <sstream>
 
@@ -29,12 +30,19 @@ SceneMotion::SceneMotion(Simulation& simulation, std::shared_ptr<const SceneRedu
   if (!reduction_) return;
   fast_.emplace(reduction_->choice.model);
   fast_markers_.emplace(*reduction_->choice.model);
+  audit_.emplace(*reduction_->choice.model, simulation_.model());
+  reset();
 }
 
 void SceneMotion::reset() {
   simulation_.reset();
   warnings_.clear();
-  if (reduction_) fast_.emplace(reduction_->choice.model);  // without what the last one has factorised
+  corrected_.reset();
+  audited_s_ = 0.0;
+  audits_ = {};
+  if (!reduction_) return;
+  fast_.emplace(reduction_->choice.model);  // without what the last one has factorised
+  audits_.limit_m = reduction_->choice.trusted_m();
 }
 
 void SceneMotion::set_command(const std::string& actuator, double command) {
@@ -52,22 +60,55 @@ void SceneMotion::set_command(const std::string& actuator, double command) {
 
 SolveReport SceneMotion::step() {
   const auto done = by_reduced(&ReducedSimulation::step, "a step of the reduced model did not converge");
+  if (done && fast_->state().time_s - audited_s_ >= (1.0 - 1e-9) * reduction_->request.audit_every_s)
+    if (const std::string why = audit(false); !why.empty()) leave(why);
   return finish(done ? *done : simulation_.step());
 }
 
 SolveReport SceneMotion::solve_equilibrium() {
   const auto done = by_reduced(&ReducedSimulation::solve_equilibrium, "the reduced model found no equilibrium");
-  return finish(done ? *done : simulation_.solve_equilibrium());
+  const std::string why = done ? audit(true) : "";
+  if (!why.empty()) leave(why);
+  return finish(done && why.empty() ? *done : simulation_.solve_equilibrium());
 }
 
 std::optional<SolveReport> SceneMotion::by_reduced(ReducedReport (ReducedSimulation::*move)(),
                                                    const std::string& failure) {
   if (!fast_) return std::nullopt;
+  corrected_.reset();
   const Clock::time_point start = Clock::now();
   const ReducedReport done = ((*fast_).*move)();
   if (done.converged) return report_of(done, start);
   leave(failure);
   return std::nullopt;
+}
+
+std::string SceneMotion::audit(bool at_rest) {
+  AuditResult found = at_rest ? audit_->at_rest(fast_->state()) : audit_->in_motion(fast_->state());
+  ++audits_.states;
+  audits_.largest_estimate_m = std::max(audits_.largest_estimate_m, found.estimate_m);
+  const double before_s = audited_s_;
+  audited_s_ = fast_->state().time_s;
+  if (found.found && found.estimate_m <= audits_.limit_m) {
+    if (at_rest) corrected_ = std::move(found);
+    return "";
+  }
+  audits_.failed = true;
+  std::ostringstream why;
+  why << "an audit of the reduced model ";
+  if (found.found) {
+    why << "estimates an error of " << found.estimate_m << " m, beyond " << audits_.limit_m << " m";
+  } else {
+    why << "found no solution nearby";
+  }
+  if (!at_rest) why << "; the one before was at " << before_s << " s";
+  return why.str();
+}
+
+void SceneMotion::audit_end(SolveReport& report) {
+  if (!fast_ || fast_->state().time_s == audited_s_) return;
+  if (const std::string why = audit(false); !why.empty()) warn(why + ", at the end of the run");
+  report = finish(std::move(report));
 }
 
 SolveReport SceneMotion::finish(SolveReport report) {
@@ -78,11 +119,15 @@ SolveReport SceneMotion::finish(SolveReport report) {
 
 void SceneMotion::leave(const std::string& why) {
   show();
+  warn(why + "; from " + std::to_string(time_s()) + " s on newton moves the robot");
+  fast_.reset();
+}
+
+void SceneMotion::warn(const std::string& text) {
   SolveWarning warning;
   warning.kind = "outside_training";
-  warning.text = why + "; from " + std::to_string(time_s()) + " s on newton moves the robot";
+  warning.text = text;
   warnings_.push_back(warning);
-  fast_.reset();
 }
 
 double SceneMotion::time_s() const { return fast_ ? fast_->state().time_s : simulation_.state().time_s; }
@@ -99,17 +144,12 @@ Eigen::Matrix3Xd SceneMotion::markers_m() {
 
 void SceneMotion::show() {
   if (!fast_) return;
-  const ReducedState& from = fast_->state();
-  const ReducedBasis& basis = fast_->model().basis;
-  SimulationState to = simulation_.state();
-  const Eigen::VectorXd velocities = basis.modes * from.velocity;
-  to.time_s = from.time_s;
-  to.positions_m = fast_->positions_m();
-  to.velocities_m_s = Eigen::Map<const Eigen::Matrix3Xd>(velocities.data(), 3, velocities.size() / 3);
-  to.element_multipliers_pa = basis.pressures * from.at.pressures;
-  to.constraint_multipliers = from.at.tensions_n;
-  to.drives = from.drives;
-  to.rest_residual.reset();
+  SimulationState to = full_state(fast_->model(), fast_->state(), simulation_.state());
+  if (corrected_) {
+    to.positions_m = corrected_->positions_m;
+    to.element_multipliers_pa = corrected_->element_multipliers_pa;
+    to.constraint_multipliers = corrected_->constraint_multipliers;
+  }
   simulation_.set_state(to);
 }
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "mechanics/reduced/audit.h"
 #include "mechanics/reduced/reduced_markers.h"
 #include "mechanics/reduced/reduced_simulation.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
@@ -16,7 +17,8 @@
 namespace soft_robot_lab {
 
 // Moves a scene's simulation. With a reduced model that one moves in its place, until it is given a command that it was
-// not trained for, or finds no way: then the simulation goes on from there, with a warning.
+// not trained for, finds no way, or fails an audit: then the simulation goes on from there, with a warning. Audited are
+// equilibria, and motion every audit_every_s; a rest state that passes is shown as the audit corrects it.
 class SceneMotion {
  public:
   explicit SceneMotion(Scene& scene) : SceneMotion(*scene.simulation, scene.reduction) {}
@@ -36,19 +38,28 @@ class SceneMotion {
   const DriveStates& drives() const;
   int inverted_elements() const { return fast_->inverted_elements(); }  // while reduced()
 
+  void audit_end(SolveReport& report);  // of motion since the last audit
+  const RunAudits& audits() const { return audits_; }
+
   void show();  // gives the simulation the present state
   Simulation& simulation() { return simulation_; }
 
  private:
   // Nothing where there is no reduced model, or it failed and was left.
   std::optional<SolveReport> by_reduced(ReducedReport (ReducedSimulation::*move)(), const std::string& failure);
+  std::string audit(bool at_rest);  // empty, or why it failed
   void leave(const std::string& why);
+  void warn(const std::string& text);
   SolveReport finish(SolveReport report);  // with the warnings
 
   Simulation& simulation_;
   std::shared_ptr<const SceneReduction> reduction_;
   std::optional<ReducedSimulation> fast_;
   std::optional<ReducedMarkers> fast_markers_;
+  std::optional<Audit> audit_;
+  std::optional<AuditResult> corrected_;  // the present state, where it is a rest state that was audited
+  double audited_s_ = 0.0;                // the last time
+  RunAudits audits_;
   std::vector<SolveWarning> warnings_;
 };
 

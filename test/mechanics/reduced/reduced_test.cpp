@@ -8,6 +8,7 @@
 
 #include "mechanics/actuators/test_bar.h"
 #include "mechanics/box_mesh.h"
+#include "mechanics/reduced/audit.h"
 #include "mechanics/reduced/held_out.h"
 #include "mechanics/reduced/reduced_simulation.h"
 #include "mechanics/reduced/train.h"
@@ -81,6 +82,28 @@ TEST_F(ReducedBar, ItsModesHoldTransientsCloserThanItsMotionDoes) {
   EXPECT_LT(shapes.rms_m, motion.rms_m);
   RecordProperty("rms_um", std::to_string(1e6 * shapes.rms_m));
   RecordProperty("max_um", std::to_string(1e6 * shapes.max_m));
+}
+
+TEST_F(ReducedBar, AuditsEstimateTheErrorOfItsMarkersWithinAFactorOfTwo) {
+  Audit audit(*model_, model_->full);
+  ReducedSimulation fast(model_);
+  Simulation full(model_->full);
+  int near = 0, better = 0;
+  constexpr int count = 20;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::vector<double> commands = commands_in(model_->box, 7000 + i);
+    command(commands, fast);
+    command(commands, full);
+    ASSERT_TRUE(fast.solve_equilibrium().converged);
+    ASSERT_TRUE(full.solve_equilibrium().converged);
+    const AuditResult found = audit.at_rest(fast.state());
+    const Eigen::Vector3d true_m = full.marker_position(0);
+    const double error_m = (model_->full->markers()[0].position(fast.positions_m()) - true_m).norm();
+    near += found.found && found.estimate_m > 0.5 * error_m && found.estimate_m < 2.0 * error_m ? 1 : 0;
+    better += (found.markers_m.col(0) - true_m).norm() < 0.3 * error_m ? 1 : 0;
+  }
+  EXPECT_GE(near, 19);
+  EXPECT_GE(better, 19);
 }
 
 TEST_F(ReducedBar, ItNeedsFewOfTheQuadraturePoints) {

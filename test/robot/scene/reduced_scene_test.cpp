@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "robot/scene/scene_motion.h"
 #include "scene_files.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
@@ -141,6 +142,69 @@ TEST_F(ReducedScene, GoesOnByNewtonFromACommandThatItWasNotTrainedFor) {
   EXPECT_TRUE(fast.json.contains("reaction"));
 }
 
+TEST_F(ReducedScene, IsAuditedOnItsWayAndAtItsEnd) {
+  const Json reduced = run(kReduced + ", audit_every_s: 0.6", kMotion).json["reduced"];
+  EXPECT_EQ(reduced["audits"]["states"], 4);  // at 0.6, 1.2, 1.8 and 2 s
+  EXPECT_EQ(reduced["audits"]["failed"], false);
+  EXPECT_GT(reduced["audits"]["largest_estimate_m"].get<double>(), 1e-7);
+  EXPECT_LT(reduced["audits"]["largest_estimate_m"].get<double>(), reduced["audits"]["limit_m"].get<double>());
+  EXPECT_EQ(reduced["training"]["from_cache"], true);  // of other scenes with the same model
+}
+
+TEST_F(ReducedScene, ShowsARestStateAsItsAuditCorrectsIt) {
+  const std::string rest = "run: {mode: equilibrium, commands: [{time_s: 0, left: 0.92}]}\n";
+  const Outcome fast = run(kReduced, rest), full = run("method: newton", rest);
+  const auto distance_m = [&](const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) { return (a - b).norm(); };
+  Scene scene = load(kReduced, rest);
+  SceneMotion motion(scene);
+  motion.set_command("left", 0.92);
+  ASSERT_TRUE(motion.solve_equilibrium().converged);
+  const Eigen::Matrix3Xd reduced_m = motion.markers_m();
+  motion.show();
+  const Eigen::Vector3d shown_m = scene.simulation->marker_position(0);
+  Eigen::Vector3d newton_m;
+  for (int axis = 0; axis < 3; ++axis) newton_m[axis] = full.json["markers"]["tip"]["position_m"][axis].get<double>();
+  EXPECT_LT(distance_m(shown_m, newton_m), 0.1 * distance_m(reduced_m.col(0), newton_m));
+}
+
+// What the model was not trained for, whose commands say nothing of it.
+TEST_F(ReducedScene, AuditsFindUntrainedGravityLoadsAndContactAndNewtonAnswers) {
+  const std::string rest = "run: {mode: equilibrium, commands: [{time_s: 0, left: 0.92}]}\n";
+  const Scene trained = load(kReduced, rest);
+  for (const std::string& other :
+       {std::string("gravity_m_s2: [0, -9.81, 2]\n"), std::string("gravity_m_s2: [0, 9.81, 0]\n"),
+        std::string("loads: [{box: {min_m: [0.099, -1, -1], max_m: [1, 1, 1]}, force_n: [0, 0, 0.02]}]\n"),
+        std::string("contact: {obstacles: [{name: floor, plane: {point_m: [0, -0.014, 0], normal: [0, 1, 0]}}]}\n")}) {
+    SCOPED_TRACE(other);
+    Scene scene = load("method: newton", other + rest), same = load("method: newton", other + rest);
+    SceneMotion motion(*scene.simulation, trained.reduction);
+    motion.set_command("left", 0.92);
+    const SolveReport report = motion.solve_equilibrium();
+    EXPECT_TRUE(report.converged);
+    EXPECT_TRUE(motion.left());
+    EXPECT_TRUE(motion.audits().failed);
+    ASSERT_FALSE(report.warnings.empty());
+    EXPECT_EQ(report.warnings[0].kind, "outside_training");
+    EXPECT_NE(report.warnings[0].text.find("audit"), std::string::npos);
+    ASSERT_TRUE(run_scene(same).solve.converged);
+    EXPECT_LT((scene.simulation->marker_position(0) - same.simulation->marker_position(0)).norm(), 1e-5);
+  }
+}
+
+TEST_F(ReducedScene, AFailedAuditInMotionLeavesItToNewton) {
+  const Scene trained = load(kReduced + ", audit_every_s: 0.5", kMotion);
+  Scene scene = load("method: newton", "gravity_m_s2: [0, -9.81, 5]\n" + kMotion);
+  SceneMotion motion(*scene.simulation, trained.reduction);
+  motion.set_command("left", 0.93);
+  for (int i = 0; i < 9; ++i) EXPECT_TRUE(motion.step().warnings.empty());
+  EXPECT_FALSE(motion.left());
+  const SolveReport audited = motion.step();
+  EXPECT_TRUE(motion.left());
+  ASSERT_EQ(audited.warnings.size(), 1u);
+  EXPECT_NE(audited.warnings[0].text.find("from 0.5"), std::string::npos) << audited.warnings[0].text;
+  EXPECT_EQ(motion.step().path.front().stage, SolveStage::newton);
+}
+
 TEST_F(ReducedScene, RefusesWhatItDoesNotKnow) {
   const struct {
     std::string solver, rest, words;
@@ -151,6 +215,7 @@ TEST_F(ReducedScene, RefusesWhatItDoesNotKnow) {
       {"method: reduced, commands: {left: [0.9, 0.95]}", kMotion, "rest command 1"},
       {"method: reduced, commands: {left: [0.9, 1], third: [0.9, 1]}", kMotion, "third"},
       {kReduced + ", modes: 41", kMotion, "modes"},
+      {kReduced + ", audit_every_s: 0", kMotion, "audit_every_s"},
       {kReduced + ", integrator: bdf2", kMotion, "integrator other than implicit_euler"},
       {kReduced, "body: {hysteresis: {stiffness_ratio: 0.1, relaxation_time_s: 1}}\n" + kMotion, "viscosity"},
       {kReduced, "cables: {left: {model: friction, friction_coefficient: 0.1}}\n" + kMotion, "'left'"},
@@ -166,6 +231,23 @@ TEST_F(ReducedScene, RefusesWhatItDoesNotKnow) {
     EXPECT_NE(words.find(one.words), std::string::npos) << one.solver << one.rest << words;
   }
   EXPECT_NE(refusal(kReduced, kMotion, false).find("programs simulate and rollouts"), std::string::npos);
+}
+
+TEST_F(ReducedScene, RefusesAirChambersByTheirName) {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  options.knows_reduced = true;
+  const std::string scene = "include: " SOFT_ROBOT_LAB_SOURCE
+                            "/config/robots/hollow_cuboid/robot.yaml\nbody: {element_size_m: 0.02}\n"
+                            "solver: {method: reduced, commands: {main: [1, 1.6]}}\n";
+  try {
+    load_scene(folder_->write("air.yaml", scene), options);
+    ADD_FAILURE() << "not refused";
+  } catch (const SettingsError& error) {
+    EXPECT_NE(std::string(error.what()).find("actuator 'main': a reduced model knows only cables"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST_F(ReducedScene, RefusesAToleranceThatItDoesNotMeetAndSaysHowFarItIs) {

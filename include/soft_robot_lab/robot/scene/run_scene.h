@@ -18,10 +18,19 @@ struct Trajectory {
   std::vector<Eigen::Matrix2Xd> commands;   // per time: one column per actuator, as commanded and as its drive reached
 };
 
+// Of a reduced model, against the full one (mechanics/reduced/audit.h).
+struct RunAudits {
+  int states = 0;
+  double largest_estimate_m = 0.0;  // rms over the markers
+  double limit_m = 0.0;             // beyond it the reduced model is left
+  bool failed = false;              // one of them; a warning says which
+};
+
 struct RunReport {
   SolveReport solve;            // sums over the run; `converged` where all did, the largest residual, the last message
   Trajectory trajectory;        // dynamic runs
   bool left_reduced = false;    // a reduced model did not serve to the end; a warning says why
+  RunAudits audits;             // of a reduced model
   Eigen::MatrixXd sensitivity;  // 3*markers x actuators, where the run asked for it and converged; otherwise empty
   Eigen::VectorXd frequencies_hz;  // modal runs, ascending; their `solve.residual` is ModalResult::change
 };

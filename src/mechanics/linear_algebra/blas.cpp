@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "blas.h"
 
+#include <cstddef>
 #include <cstdlib>
 #include <mutex>
 
@@ -9,6 +10,8 @@ extern "C" {
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m, const int* n,
             const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
+void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda,
+            double* x, const int* incx);
 void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
             const int* lda, const double* beta, double* c, const int* ldc);
 void dsyr_(const char* uplo, const int* n, const double* alpha, const double* x, const int* incx, double* a,
@@ -27,6 +30,7 @@ namespace {
 
 constexpr double kOne = 1.0, kMinusOne = -1.0;
 constexpr int kNext = 1;
+constexpr int kFewColumns = 4;  // for which dtrsm would spend more on copies of the triangle than on the solution
 
 // The fronts are small: threads of the library's own only wait for one another, and for those of the simulation.
 void use_one_thread() {
@@ -75,6 +79,10 @@ void solve_triangular(Side side, Transposed transposed, int rows, int columns, c
                       int ld_b) {
   const Turn turn;
   const char at = letter(side), how = letter(transposed);
+  if (side == Side::left && columns <= kFewColumns) {
+    for (int j = 0; j < columns; ++j) dtrsv_("L", &how, "N", &rows, l, &ld_l, b + std::ptrdiff_t(j) * ld_b, &kNext);
+    return;
+  }
   dtrsm_(&at, "L", &how, "N", &rows, &columns, &kOne, l, &ld_l, b, &ld_b);
 }
 

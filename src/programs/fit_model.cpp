@@ -30,8 +30,9 @@ void declare(CLI::App& app, Arguments& arguments) {
            for (const std::string& name : names) request.parameters.push_back({name, {}, {}, {}});
          },
          "what to fit, with commas between: youngs_modulus_pa, density_kg_m3, friction_coefficient, compliance_m_n, "
-         "length_offset_m (each with .CABLE for one cable), camera_to_base, damping (by how the robot swings where "
-         "cables let go of it)")
+         "length_offset_m, backlash_m (each with .CABLE for one cable), camera_to_base, damping (by how the robot "
+         "swings "
+         "where cables let go of it), creep (by how it goes on moving where commands are held)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("A,B,...");

@@ -29,6 +29,16 @@ Eigen::Matrix3d covariance_of(const std::vector<Eigen::Vector3d>& all, const Eig
   return sum / static_cast<double>(all.size() * (all.size() - 1));
 }
 
+// Means of those seen, with their covariances.
+std::vector<MeasuredMarker> means_of(const SeenMarkers& seen) {
+  std::vector<MeasuredMarker> markers;
+  for (const auto& [name, positions] : seen) {
+    const Eigen::Vector3d mean = mean_of(positions);
+    markers.push_back({name, mean, covariance_of(positions, mean)});
+  }
+  return markers;
+}
+
 // The end of a hold, as far back as the robot was where it is at the end.
 std::optional<RestPeriod> rest_at_end(const Recording& recording, const CommandsSince& commands, double end_s,
                                       const RestCriterion& criterion) {
@@ -40,10 +50,7 @@ std::optional<RestPeriod> rest_at_end(const Recording& recording, const Commands
     start_s -= criterion.window_s;
   if (end_s - start_s < 1.5 * criterion.window_s) return std::nullopt;
   RestPeriod period{start_s, end_s, {commands.values, {}}};
-  for (const auto& [name, positions] : seen_between(recording, start_s, end_s, criterion)) {
-    const Eigen::Vector3d mean = mean_of(positions);
-    period.pose.markers.push_back({name, mean, covariance_of(positions, mean)});
-  }
+  period.pose.markers = means_of(seen_between(recording, start_s, end_s, criterion));
   return period;
 }
 
@@ -91,6 +98,18 @@ std::vector<Stay> holds(const Recording& recording, const RestCriterion& criteri
   return all;
 }
 
+// Window by window, in the middle of each.
+std::vector<MarkersAt> seen_in(const Recording& recording, const Stay& hold, const RestCriterion& criterion) {
+  std::vector<MarkersAt> all;
+  const double window_s = criterion.window_s, start_s = hold.commands.time_s;
+  for (double from_s = start_s; from_s + window_s <= hold.end_s; from_s += window_s) {
+    MarkersAt at{from_s + 0.5 * window_s - start_s,
+                 means_of(seen_between(recording, from_s, from_s + window_s, criterion))};
+    if (!at.markers.empty()) all.push_back(std::move(at));
+  }
+  return all;
+}
+
 constexpr double kSwing_s = 8.0;  // the drives' last way, and what is left of the swing then
 
 // Those that cameras saw.
@@ -122,6 +141,9 @@ std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestC
     const auto period = rest_at_end(recording, hold.commands, hold.end_s, criterion);
     poses.push_back(period ? period->pose : MeasuredPose{hold.commands.values, {}});
     poses.back().reached = reached_in(recording, hold);
+    poses.back().held_s = hold.end_s - hold.commands.time_s;
+    poses.back().rest_from_s = period ? period->start_s - hold.commands.time_s : 0.0;
+    poses.back().seen = seen_in(recording, hold, criterion);
   }
   return poses;
 }

@@ -134,31 +134,6 @@ double information(ceres::Problem& problem, double* unknown, const std::vector<d
   return own.squaredNorm() / residual_variance(residuals, jacobian.cols());
 }
 
-// The bounds count as weak knowledge, as of the other parameters (fit_statistics.cpp), but of the logarithm.
-FittedValue with_confidence(const FitNumber& number, double value_s, double information) {
-  const double width = std::log(number.max / number.min) / (2.0 * kOf95Percent);
-  const double spread = 1.0 / std::sqrt(information + 1.0 / (width * width));
-  FittedValue fitted;
-  fitted.name = kName;
-  fitted.start = number.start;
-  fitted.value = value_s;
-  fitted.min = number.min;
-  fitted.max = number.max;
-  fitted.deviation = spread * value_s;
-  fitted.low = std::max(number.min, value_s * std::exp(-kOf95Percent * spread));
-  fitted.high = std::min(number.max, value_s * std::exp(kOf95Percent * spread));
-  fitted.identifiable = spread * spread < kUnidentified * width * width;
-  return fitted;
-}
-
-void append(FittedValue value, FitResult& result) {
-  const auto count = static_cast<Eigen::Index>(result.values.size());
-  Eigen::MatrixXd correlations = Eigen::MatrixXd::Identity(count + 1, count + 1);
-  correlations.topLeftCorner(count, count) = result.correlations;
-  result.correlations = correlations;
-  result.values.push_back(std::move(value));
-}
-
 // The residuals of all swings, with what Ceres may change: the damping, of each swing its extent, delay and tempo, and
 // of each track its place.
 class SwingProblem {
@@ -266,10 +241,13 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
   SwingProblem problem(predictor, chosen, result.measured_from_base.linear(), request.model_error_m);
   problem.set_bounds(number);
   take_over(problem.solve(request), result);
-  const FittedValue value = with_confidence(number, predictor.damping_s(), problem.information_of_damping());
-  warn_of(value, number, result);
-  append(value, result);
-  result.overrides = with_damping(options, value.value).overrides;
+  FitNumber named = number;
+  named.name = kName;
+  const double damping_s = predictor.damping_s();
+  add_by_logarithms({named}, Eigen::VectorXd::Constant(1, damping_s),
+                    Eigen::MatrixXd::Constant(1, 1, problem.information_of_damping()), result);
+  warn_of(result.values.back(), number, result);
+  result.overrides = with_damping(options, damping_s).overrides;
   result.swings = static_cast<int>(chosen.swings.size());
   result.swing_rms_m = problem.rms_m();
 }

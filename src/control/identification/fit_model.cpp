@@ -8,6 +8,7 @@
 
 #include <ceres/ceres.h>
 
+#include "fit_creep.h"
 #include "fit_damping.h"
 #include "fit_parameters.h"
 #include "fit_solver.h"
@@ -38,7 +39,8 @@ class Predictor : public ceres::EvaluationCallback {
       now_.poses = model_.predict(
           parameters_.overrides(asked),
           derivatives ? [this](const Simulation& simulation) { return parameters_.model_parameters(simulation); }
-                      : PoseModel::Parameters{});
+                      : PoseModel::Parameters{},
+          parameters_.backlash_m(asked));
       if (derivatives) differentiated_ = now_;
     } catch (const std::runtime_error& error) {  // no equilibrium there; a shorter step may have one
       trouble_ = error.what();
@@ -62,20 +64,7 @@ class Predictor : public ceres::EvaluationCallback {
   // d measured / d unknown.
   Eigen::Matrix3Xd jacobian(std::size_t pose, Eigen::Index marker) const {
     const PosePrediction& here = now_.poses[pose];
-    Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, now_.at.size());
-    const Eigen::Matrix3d turn = parameters_.measured_from_base(now_.at).linear();
-    const Eigen::Matrix<double, 3, 6> camera = parameters_.camera_jacobian(now_.at, here.markers_m.col(marker));
-    Eigen::Index model_column = 0;
-    for (std::size_t i = 0; i < parameters_.numbers().size(); ++i) {
-      const FitNumber& number = parameters_.numbers()[i];
-      const auto column = static_cast<Eigen::Index>(i);
-      if (number.kind == FitNumber::Kind::camera) {
-        all.col(column) = number.size * camera.col(number.axis);
-      } else {
-        all.col(column) = number.size * turn * here.jacobian.block<3, 1>(3 * marker, model_column++);
-      }
-    }
-    return all;
+    return parameters_.measured_jacobian(now_.at, here.markers_m.col(marker), here.jacobian.middleRows<3>(3 * marker));
   }
 
   bool good() const { return !now_.poses.empty(); }
@@ -154,12 +143,12 @@ std::vector<double> pose_gaps_m(const std::vector<MeasuredPose>& poses, const Pr
   return gaps_m;
 }
 
-// What is identified by rest states.
+// What is identified by rest states; `unknowns` are where it starts, and then what it found.
 FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene, const SceneOptions& options,
-                      const std::vector<MeasuredPose>& poses, const FitRequest& request) {
+                      const std::vector<MeasuredPose>& poses, const FitRequest& request,
+                      std::vector<double>& unknowns) {
   PoseModel model(scene, options, poses);
   const int unknown_count = static_cast<int>(parameters.numbers().size());
-  std::vector<double> unknowns(parameters.numbers().size(), 0.0);
   Predictor predictor(parameters, model, unknowns);
 
   ceres::Problem::Options problem_options;
@@ -207,7 +196,27 @@ FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene,
   const Eigen::VectorXd values = predictor.values(unknowns);
   result.measured_from_base = parameters.measured_from_base(values);
   result.overrides = parameters.overrides(values);
+  result.backlash_m = parameters.backlash_m(values);
   add_statistics(parameters, values, dense(jacobian), scaled, result);
+  return result;
+}
+
+// Rest states creep on, and creep is measured on the robot that they fit: one after the other, twice.
+FitResult fit_with_creep(const FitParameters& parameters, const std::string& scene, const SceneOptions& options,
+                         const std::vector<MeasuredPose>& poses, const FitRequest& request) {
+  constexpr int rounds = 2;
+  CreepFit creep(scene, options, poses, parameters.creep());
+  std::vector<double> unknowns(parameters.numbers().size(), 0.0);
+  FitResult result = fit_to_rest(parameters, scene, options, poses, request, unknowns);
+  const FitResult first = result;
+  for (int round = 0; round < rounds; ++round) {
+    creep.run(request, result);
+    result = fit_to_rest(parameters, scene, options, creep.without_creep(result), request, unknowns);
+  }
+  result.before = first.before;
+  for (std::size_t i = 0; i < result.configurations.size(); ++i)
+    result.configurations[i].before_m = first.configurations[i].before_m;
+  creep.finish(result);
   return result;
 }
 
@@ -231,11 +240,16 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
   const double start_cpu_s = cpu_time_s();
   const FitParameters parameters(scene, options, request.parameters);
   FitResult result;
+  require(parameters.creep().empty() || !parameters.numbers().empty(),
+          "parameters: creep is fitted beside others only, such as youngs_modulus_pa");
   if (parameters.numbers().empty()) {
     result.overrides = options.overrides;
     result.before = result.after = model_gap(scene, options, poses);
+  } else if (parameters.creep().empty()) {
+    std::vector<double> unknowns(parameters.numbers().size(), 0.0);
+    result = fit_to_rest(parameters, scene, options, poses, request, unknowns);
   } else {
-    result = fit_to_rest(parameters, scene, options, poses, request);
+    result = fit_with_creep(parameters, scene, options, poses, request);
   }
   if (parameters.damping()) fit_damping(scene, options, swings, *parameters.damping(), request, result);
   require(!result.values.empty(),
@@ -245,8 +259,9 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
 }
 
 ModelGap model_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
-                   const Eigen::Isometry3d& measured_from_base) {
-  const std::vector<PosePrediction> predicted = PoseModel(scene, options, poses).predict(options.overrides);
+                   const Eigen::Isometry3d& measured_from_base, const std::map<std::string, double>& backlash_m) {
+  const std::vector<PosePrediction> predicted =
+      PoseModel(scene, options, poses).predict(options.overrides, {}, backlash_m);
   return gap_of(poses, [&](std::size_t p, Eigen::Index m) -> Eigen::Vector3d {
     return measured_from_base * predicted[p].markers_m.col(m);
   });

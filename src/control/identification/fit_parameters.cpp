@@ -14,8 +14,10 @@ namespace soft_robot_lab {
 namespace {
 
 const char* const kKnown =
-    "youngs_modulus_pa, density_kg_m3, friction_coefficient, compliance_m_n, length_offset_m (each with .CABLE for one "
-    "cable), camera_to_base, damping";
+    "youngs_modulus_pa, density_kg_m3, friction_coefficient, compliance_m_n, length_offset_m, backlash_m (each with "
+    ".CABLE for one cable), camera_to_base, damping, creep";
+
+const char* const kBacklash = "backlash_m";
 
 constexpr double kCableCompliance = 1.0e-5;  // of a scene that says none (actuators/cable.h)
 
@@ -69,7 +71,7 @@ FitParameters::FitParameters(const std::string& scene, const SceneOptions& optio
     : base_overrides_(options.overrides), cables_(scene, options.overrides) {
   const Scene loaded = load_scene(scene, options);
   material_ = loaded.simulation->body().material();
-  damping_s_ = loaded.simulation->body().viscosity().rayleigh_stiffness_s;
+  viscosity_ = loaded.simulation->body().viscosity();
   for (const FitParameter& parameter : asked) {
     const std::size_t dot = parameter.name.find('.');
     FitParameter plain = parameter;
@@ -85,10 +87,12 @@ double FitParameters::present(const std::string& cable, const std::string& key, 
 
 void FitParameters::add(const FitParameter& asked, const std::string& cable) {
   const std::string& key = asked.name;
-  if (key == "friction_coefficient" || key == "compliance_m_n" || key == "length_offset_m") {
+  if (key == "friction_coefficient" || key == "compliance_m_n" || key == "length_offset_m" || key == kBacklash) {
     add_of_cables(asked, cable);
   } else if (cable.empty() && key == "damping") {
     add_damping(asked);
+  } else if (cable.empty() && key == "creep") {
+    add_creep(asked);
   } else if (cable.empty() && key == "youngs_modulus_pa") {
     add_of_material(FitNumber::Kind::modulus, material_.youngs_modulus_pa, 5.0, asked);
   } else if (cable.empty() && key == "density_kg_m3") {
@@ -104,9 +108,21 @@ void FitParameters::add(const FitParameter& asked, const std::string& cable) {
 void FitParameters::add_damping(const FitParameter& asked) {
   if (damping_) throw std::invalid_argument("parameters: damping is asked for twice");
   FitNumber number{asked.name, FitNumber::Kind::damping, asked.name, {}, 0, 0.0, 1e-5, 0.1, 1.0};
-  number.start = damping_s_ > 0.0 ? damping_s_ : 2e-3;
+  number.start = viscosity_.rayleigh_stiffness_s > 0.0 ? viscosity_.rayleigh_stiffness_s : 2e-3;
   number.start = std::max(asked.min.value_or(number.min), std::min(asked.max.value_or(number.max), number.start));
   damping_ = with_bounds(number, asked);
+}
+
+void FitParameters::add_creep(const FitParameter& asked) {
+  if (!creep_.empty()) throw std::invalid_argument("parameters: creep is asked for twice");
+  if (asked.start || asked.min || asked.max)
+    throw std::invalid_argument("parameters: creep is two numbers; it takes no start and no bounds");
+  const bool known = viscosity_.hysteresis_ratio > 0.0;
+  const auto number = [](const std::string& name, double start, double least, double most) {
+    return FitNumber{name, FitNumber::Kind::creep, name, {}, 0, std::clamp(start, least, most), least, most, 1.0};
+  };
+  creep_ = {number("creep.stiffness_ratio", known ? viscosity_.hysteresis_ratio : 0.1, 1e-3, 3.0),
+            number("creep.relaxation_time_s", known ? viscosity_.relaxation_time_s : 2.0, 0.1, 100.0)};
 }
 
 void FitParameters::add_of_material(FitNumber::Kind kind, double present, double factor, const FitParameter& asked) {
@@ -132,14 +148,15 @@ void FitParameters::add_of_cables(const FitParameter& asked, const std::string& 
   if (all.empty()) throw std::invalid_argument("parameters: " + key + ": the scene has no cables");
   if (!cable.empty()) SceneCables(cables_).set(cable, key, "0");  // refuses unknown names
   std::vector<std::vector<std::string>> groups = {all};
-  if (key == "length_offset_m") {
+  const bool one_each = key == "length_offset_m" || key == kBacklash;
+  if (one_each) {
     groups.clear();
     for (const std::string& one : all) groups.push_back({one});
   }
   for (const std::vector<std::string>& group : groups) {
     FitNumber number = number_of_cables(key, group[0]);
     number.cables = group;
-    number.name = key + (group.size() < cables_.names().size() || key == "length_offset_m" ? "." + group[0] : "");
+    number.name = key + (group.size() < cables_.names().size() || one_each ? "." + group[0] : "");
     add_number(number, asked);
   }
 }
@@ -156,11 +173,12 @@ FitNumber FitParameters::number_of_cables(const std::string& key, const std::str
     number.size = 1e-5 + number.start;
     number.max = std::max(2e-3, 10.0 * number.start);
   } else {
-    number.start = present(cable, key, 0.0);
+    number.start = key == kBacklash ? 0.0 : present(cable, key, 0.0);
     number.size = 1e-3;
-    number.min = -0.01;
+    number.min = key == kBacklash ? 0.0 : -0.01;
     number.max = 0.01;
   }
+  if (key == kBacklash) number.kind = FitNumber::Kind::backlash;
   return number;
 }
 
@@ -181,10 +199,14 @@ FitNumber FitParameters::with_bounds(FitNumber number, const FitParameter& asked
   number.max = asked.max.value_or(number.max);
   const bool positive = number.kind == FitNumber::Kind::modulus || number.kind == FitNumber::Kind::density ||
                         number.kind == FitNumber::Kind::damping || number.key == "friction_coefficient";
+  const bool not_negative = number.key == "compliance_m_n" || number.key == kBacklash;
   if (!(std::isfinite(number.min) && std::isfinite(number.max) && number.min < number.max &&
-        (!positive || number.min > 0.0) && (number.key != "compliance_m_n" || number.min >= 0.0)))
+        (!positive || number.min > 0.0) && (!not_negative || number.min >= 0.0)))
     throw std::invalid_argument("parameters: " + number.name + ": bounds " + text_of(number.min) + ", " +
-                                text_of(number.max) + " must rise" + (positive ? " from above 0" : ""));
+                                text_of(number.max) + " must rise" +
+                                (positive       ? " from above 0"
+                                 : not_negative ? " from 0 or more"
+                                                : ""));
   if (!(number.start >= number.min && number.start <= number.max))
     throw std::invalid_argument("parameters: " + number.name + ": start " + text_of(number.start) + " is not in [" +
                                 text_of(number.min) + ", " + text_of(number.max) + "]");
@@ -199,6 +221,7 @@ std::string FitParameters::overrides(const Eigen::VectorXd& values) const {
     const double value = values[static_cast<Eigen::Index>(i)];
     if (number.kind == FitNumber::Kind::modulus) modulus_pa = value;
     if (number.kind == FitNumber::Kind::density) density_kg_m3 = value;
+    if (number.kind != FitNumber::Kind::of_cables) continue;
     for (const std::string& cable : number.cables) {
       cables.set(cable, number.key, text_of(value));
       if (number.key == "friction_coefficient") cables.set(cable, "model", "friction");
@@ -209,6 +232,14 @@ std::string FitParameters::overrides(const Eigen::VectorXd& values) const {
     text = material_yaml(material_, modulus_pa.value_or(material_.youngs_modulus_pa),
                          density_kg_m3.value_or(material_.density_kg_m3));
   return merge(base_overrides_, text + cables.yaml());
+}
+
+std::map<std::string, double> FitParameters::backlash_m(const Eigen::VectorXd& values) const {
+  std::map<std::string, double> backlash_m;
+  for (std::size_t i = 0; i < numbers_.size(); ++i)
+    if (numbers_[i].kind == FitNumber::Kind::backlash)
+      backlash_m[numbers_[i].cables.front()] = values[static_cast<Eigen::Index>(i)];
+  return backlash_m;
 }
 
 Eigen::Matrix<double, 6, 1> FitParameters::camera(const Eigen::VectorXd& values) const {
@@ -241,6 +272,24 @@ Eigen::Matrix<double, 3, 6> FitParameters::camera_jacobian(const Eigen::VectorXd
   Eigen::Matrix<double, 3, 6> jacobian;
   jacobian << Eigen::Matrix3d::Identity(), -cross(measured_from_base(values).linear() * point_m) * left;
   return jacobian;
+}
+
+Eigen::Matrix3Xd FitParameters::measured_jacobian(const Eigen::VectorXd& values, const Eigen::Vector3d& point_m,
+                                                  const Eigen::Matrix3Xd& by_model) const {
+  Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, values.size());
+  const Eigen::Matrix3d turn = measured_from_base(values).linear();
+  const Eigen::Matrix<double, 3, 6> by_camera = camera_jacobian(values, point_m);
+  Eigen::Index model_column = 0;
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    const FitNumber& number = numbers_[i];
+    const auto column = static_cast<Eigen::Index>(i);
+    if (number.kind == FitNumber::Kind::camera) {
+      all.col(column) = number.size * by_camera.col(number.axis);
+    } else {
+      all.col(column) = number.size * turn * by_model.col(model_column++);
+    }
+  }
+  return all;
 }
 
 std::vector<std::size_t> FitParameters::model_columns() const {

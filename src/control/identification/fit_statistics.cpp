@@ -72,6 +72,13 @@ void warn_of_pairs(const std::vector<FitNumber>& numbers, FitResult& result) {
 
 }  // namespace
 
+Eigen::VectorXd bound_widths(const std::vector<FitNumber>& numbers) {
+  Eigen::VectorXd widths(static_cast<Eigen::Index>(numbers.size()));
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    widths[static_cast<Eigen::Index>(i)] = (numbers[i].max - numbers[i].min) / (2.0 * kOf95Percent);
+  return widths;
+}
+
 double residual_variance(const std::vector<double>& residuals, Eigen::Index unknowns) {
   const auto count = static_cast<Eigen::Index>(residuals.size());
   const double squares = Eigen::Map<const Eigen::VectorXd>(residuals.data(), count).squaredNorm();
@@ -92,12 +99,9 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
                     const std::vector<double>& residuals, FitResult& result) {
   const std::vector<FitNumber>& numbers = parameters.numbers();
   const auto count = static_cast<Eigen::Index>(numbers.size());
-  Eigen::VectorXd widths(count), in_sizes(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const FitNumber& number = numbers[static_cast<std::size_t>(i)];
-    widths[i] = (number.max - number.min) / (2.0 * kOf95Percent);
-    in_sizes[i] = widths[i] / number.size;
-  }
+  const Eigen::VectorXd widths = bound_widths(numbers);
+  Eigen::VectorXd in_sizes(count);
+  for (Eigen::Index i = 0; i < count; ++i) in_sizes[i] = widths[i] / numbers[static_cast<std::size_t>(i)].size;
   const double variance = residual_variance(residuals, count);
   const Eigen::MatrixXd scaled = jacobian * in_sizes.asDiagonal();
   const Eigen::MatrixXd information = scaled.transpose() * scaled / variance;
@@ -146,6 +150,32 @@ void add_configurations(const std::vector<MeasuredPose>& poses, const std::vecto
       result.warnings.push_back("configuration " + std::to_string(i + 1) + " (" + commands_text(one.commands) +
                                 ") is missed by " + short_text(1e3 * one.after_m) + " mm, the median of all is " +
                                 short_text(1e3 * usual_m) + " mm: look at what happened there, or leave it out");
+  }
+}
+
+void add_by_logarithms(const std::vector<FitNumber>& numbers, const Eigen::VectorXd& values,
+                       const Eigen::MatrixXd& information, FitResult& result) {
+  const Eigen::Index count = values.size(), before = result.correlations.rows();
+  Eigen::VectorXd widths(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const FitNumber& number = numbers[static_cast<std::size_t>(i)];
+    widths[i] = std::log(number.max / number.min) / (2.0 * kOf95Percent);
+  }
+  const Eigen::MatrixXd known = widths.cwiseAbs2().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd covariance = (information + known).inverse();
+  const Eigen::VectorXd spread = covariance.diagonal().cwiseSqrt();
+  Eigen::MatrixXd correlations = Eigen::MatrixXd::Identity(before + count, before + count);
+  correlations.topLeftCorner(before, before) = result.correlations;
+  correlations.bottomRightCorner(count, count) =
+      spread.cwiseInverse().asDiagonal() * covariance * spread.cwiseInverse().asDiagonal();
+  result.correlations = correlations;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const FitNumber& number = numbers[static_cast<std::size_t>(i)];
+    const double low = values[i] * std::exp(-kOf95Percent * spread[i]);
+    const double high = values[i] * std::exp(kOf95Percent * spread[i]);
+    result.values.push_back({number.name, number.start, values[i], spread[i] * values[i], std::max(number.min, low),
+                             std::min(number.max, high), number.min, number.max,
+                             covariance(i, i) < kUnidentified * widths[i] * widths[i]});
   }
 }
 

@@ -13,6 +13,10 @@ namespace soft_robot_lab {
 constexpr double kOf95Percent = 1.96;  // standard deviations
 constexpr double kUnidentified = 0.5;  // share of the variance that the bounds alone would leave
 
+// Of each number what the bounds alone would leave of it: standard deviation of the normal distribution whose 95 % they
+// hold.
+Eigen::VectorXd bound_widths(const std::vector<FitNumber>& numbers);
+
 // Of residuals in standard deviations, which so many unknowns were fitted to; at least the one expected.
 double residual_variance(const std::vector<double>& residuals, Eigen::Index unknowns);
 
@@ -26,5 +30,10 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
 // Fills configurations, and warns of those that lie far beyond the others. Gaps [m] are one for each pose.
 void add_configurations(const std::vector<MeasuredPose>& poses, const std::vector<double>& before_m,
                         const std::vector<double>& after_m, const FitRequest& request, FitResult& result);
+
+// Appends values that a separate fit found, with the information that it has of their logarithms. The bounds count as
+// weak knowledge of these.
+void add_by_logarithms(const std::vector<FitNumber>& numbers, const Eigen::VectorXd& values,
+                       const Eigen::MatrixXd& information, FitResult& result);
 
 }  // namespace soft_robot_lab

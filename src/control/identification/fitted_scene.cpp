@@ -42,9 +42,11 @@ void write_fitted_scene(const FitResult& result, const std::string& scene, const
   const Eigen::Vector3d& t = result.measured_from_base.translation();
   const Eigen::Quaterniond q(result.measured_from_base.linear());
   out << "# Where the cameras believe robot_base to be: " << t.x() << " " << t.y() << " " << t.z() << " m, quaternion "
-      << q.x() << " " << q.y() << " " << q.z() << " " << q.w() << " (x y z w); a scene does not hold it.\n"
-      << "include: \"" << path_from(file, scene) << "\"\n"
-      << result.overrides;
+      << q.x() << " " << q.y() << " " << q.z() << " " << q.w() << " (x y z w); a scene does not hold it.\n";
+  for (const auto& [cable, backlash_m] : result.backlash_m)
+    out << "# Backlash of " << cable << "'s drive: " << backlash_m
+        << " m; by its step_m it is the motor's backlash_steps, and a scene does not hold it.\n";
+  out << "include: \"" << path_from(file, scene) << "\"\n" << result.overrides;
   write_file(file, out.str());
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a scene says about a list of rest states, one after the other.
+// What a scene says about a list of rest states, one after the other, by drives with play.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct PosePrediction {
   Eigen::MatrixXd jacobian;    // 3*markers x parameters; empty where it was not asked for
 };
 
+// Where the drives stood, of all actuators in their order.
+std::vector<double> commands_of(const Simulation& simulation, const MeasuredPose& pose);
+
 class PoseModel {
  public:
   // Throws std::invalid_argument for names that the scene does not know.
@@ -23,9 +27,11 @@ class PoseModel {
 
   using Parameters = std::function<std::vector<ModelParameter>(const Simulation&)>;
 
-  // With the changes laid over the scene. `parameters` may be empty: no derivatives. Throws std::runtime_error where a
-  // pose has no stable equilibrium.
-  std::vector<PosePrediction> predict(const std::string& overrides, const Parameters& parameters = {});
+  // With the changes laid over the scene. `parameters` may be empty: no derivatives; those of key backlash_m are of one
+  // cable's drive. Throws std::runtime_error where a pose has no stable equilibrium, std::invalid_argument for backlash
+  // of what commands no length.
+  std::vector<PosePrediction> predict(const std::string& overrides, const Parameters& parameters = {},
+                                      const std::map<std::string, double>& backlash_m = {});
 
  private:
   std::string scene_;

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "simulated_now.h"
+
 namespace soft_robot_lab {
 namespace {
-
-constexpr double kArrived = 1e-9;  // of a command
 
 void command(Simulation& simulation, const std::string& name, double value) {
   const CommandLimits limits =
@@ -20,16 +20,9 @@ void command(Simulation& simulation, const std::string& name, double value) {
 bool moved(const Simulation& simulation) {
   for (std::size_t i = 0; i < simulation.actuators().size(); ++i) {
     const DriveState& drive = simulation.state().drives[i];
-    const bool on_its_way = std::abs(drive.actuated_command - drive.command) > kArrived;
-    if (on_its_way && simulation.actuator_state(static_cast<int>(i)).tension_n != 0.0) return true;
+    if (!arrived(drive) && simulation.actuator_state(static_cast<int>(i)).tension_n != 0.0) return true;
   }
   return false;
-}
-
-Eigen::Matrix3Xd places(const Simulation& simulation) {
-  Eigen::Matrix3Xd all(3, static_cast<Eigen::Index>(simulation.markers().size()));
-  for (Eigen::Index m = 0; m < all.cols(); ++m) all.col(m) = simulation.marker_position(static_cast<int>(m));
-  return all;
 }
 
 SimulatedSwing simulate(Simulation& simulation, const MeasuredSwing& swing, double window_s) {

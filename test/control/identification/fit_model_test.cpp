@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "control/identification/pose_model.h"
 #include "fitted_bar.h"
 
 namespace soft_robot_lab {
@@ -64,6 +65,76 @@ TEST(FitModel, FindsStiffnessAndDensityWhereCablesCommandTensions) {
   EXPECT_NEAR(value_of(result, "density_kg_m3").value, 1300, 2);
   request.mass_kg = 0.05;
   EXPECT_THROW(fit_model(kScene, options_with(with_tensions("")), poses, request), std::invalid_argument);
+}
+
+// Back and forth, so that each drive turns within its play, out of it, and through it.
+const std::vector<std::pair<double, double>> kBackAndForth = {
+    {0.96, 1.0}, {0.92, 1.0},  {0.926, 1.0},  {0.94, 0.97},  {0.98, 0.94},  {1.0, 0.90},
+    {1.0, 0.91}, {0.97, 0.93}, {0.95, 0.932}, {0.958, 0.96}, {0.965, 0.99}, {0.99, 0.98}};
+
+// Where drives with play leave the cables, 0.1 m long.
+std::vector<std::pair<double, double>> behind_play(double left_m, double right_m) {
+  std::vector<std::pair<double, double>> ends;
+  double left = 1.0, right = 1.0;
+  for (const auto& [asked_left, asked_right] : kBackAndForth) {
+    left = std::min(asked_left, std::max(asked_left - left_m / 0.1, left));
+    right = std::min(asked_right, std::max(asked_right - right_m / 0.1, right));
+    ends.emplace_back(left, right);
+  }
+  return ends;
+}
+
+std::vector<MeasuredPose> measure_behind_play(const std::string& overrides, double left_m, double right_m,
+                                              double noise_m) {
+  std::vector<MeasuredPose> poses =
+      measure(overrides, behind_play(left_m, right_m), Eigen::Isometry3d::Identity(), noise_m, 1);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    poses[i].commands = {{"left", kBackAndForth[i].first}, {"right", kBackAndForth[i].second}};
+  return poses;
+}
+
+TEST(FitModel, FindsBacklashBesideLengthAndStiffness) {
+  const std::string truth = kLying + "body: {material: {youngs_modulus_pa: 290000}}\ncables: [" +
+                            cable("left", -0.007, "length_offset_m: 0.0003") + ", " +
+                            cable("right", 0.007, "length_offset_m: -0.0002") + "]";
+  const std::string given = kLying + "cables: [" + cable("left", -0.007, "length_offset_m: 0") + ", " +
+                            cable("right", 0.007, "length_offset_m: 0") + "]";
+  FitRequest request;
+  request.model_error_m = 0.0;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}}, {"length_offset_m", {}, {}, {}}, {"backlash_m", {}, {}, {}}};
+  const std::vector<MeasuredPose> poses = measure_behind_play(truth, 4e-4, 7e-4, 2e-5);
+  const FitResult result = fit_model(kScene, options_with(given), poses, request);
+  EXPECT_TRUE(result.converged) << result.message;
+  expect_within(result, "backlash_m.left", 4e-4);
+  expect_within(result, "backlash_m.right", 7e-4);
+  EXPECT_LT(value_of(result, "backlash_m.left").deviation, 0.1 * 4e-4);
+  expect_within(result, "length_offset_m.left", 3e-4);
+  expect_within(result, "youngs_modulus_pa", 290000);
+  const SceneOptions fitted = options_with(result.overrides);
+  EXPECT_LT(model_gap(kScene, fitted, poses, {Eigen::Isometry3d::Identity()}, result.backlash_m).rms_m, 5e-5);
+  EXPECT_GT(model_gap(kScene, fitted, poses).rms_m, 1e-4) << "without the backlash it does not fit";
+}
+
+// With friction what slipped on the way depends on the backlash as well.
+TEST(FitModel, DifferentiatesByBacklashAlongTheWay) {
+  const std::string scene = kLying + "cables: [" + cable("left", -0.007, "model: friction, friction_coefficient: 0.3") +
+                            ", " + cable("right", 0.007, "model: friction, friction_coefficient: 0.3") + "]";
+  const std::vector<MeasuredPose> poses = measure_behind_play(scene, 0.0, 0.0, 0.0);
+  const auto predict = [&](double left_m, bool derivatives) {
+    PoseModel::Parameters parameters;
+    if (derivatives) parameters = [](const Simulation&) { return std::vector<ModelParameter>{{"backlash_m", {0}}}; };
+    return PoseModel(kScene, options_with(""), poses).predict(scene, parameters, {{"left", left_m}, {"right", 6e-4}});
+  };
+  constexpr double h_m = 1e-6;
+  const auto at = predict(4e-4, true), less = predict(4e-4 - h_m, false), more = predict(4e-4 + h_m, false);
+  double largest = 0.0;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    const Eigen::Matrix3Xd difference = (more[p].markers_m - less[p].markers_m) / (2.0 * h_m);
+    const Eigen::Map<const Eigen::VectorXd> expected(difference.data(), difference.size());
+    EXPECT_LT((at[p].jacobian.col(0) - expected).norm(), 0.02) << "pose " << p;
+    largest = std::max(largest, expected.norm());
+  }
+  EXPECT_GT(largest, 0.5);
 }
 
 TEST(FitModel, FindsFrictionFromTheWayThere) {
@@ -187,6 +258,7 @@ TEST(FitModel, RefusesBadRequests) {
   has(refusal({{"compliance_m_n.middle", {}, {}, {}}}, poses), "known: left, right");
   has(refusal({{"youngs_modulus_pa", 1.0, 2.0, 3.0}}, poses), "is not in [2, 3]");
   has(refusal({{"youngs_modulus_pa", {}, -1.0, {}}}, poses), "from above 0");
+  has(refusal({{"backlash_m", {}, -1e-3, {}}}, poses), "from 0 or more");
   has(refusal({{"compliance_m_n", {}, {}, {}}, {"compliance_m_n.left", {}, {}, {}}}, poses), "twice");
   has(refusal({{"camera_to_base", {}, {}, {}}}, poses), "cannot identify 6 parameters");
   has(refusal({{"youngs_modulus_pa", {}, {}, {}}}, {}), "nowhere at rest");

@@ -8,7 +8,11 @@
 //   friction_coefficient  of cables, which then are of model friction; depends on the order of the poses
 //   compliance_m_n        of cables: their own stretch and the plug's sinking in beyond the model's
 //   length_offset_m       one for each cable: what it is longer (slack) or shorter than commanded
+//   backlash_m            one for each cable that commands a length: so much further its drive turns before it pays out
 //   camera_to_base        six: measured = R p + t of a point p of robot_base, t [m] and R's rotation vector [rad]
+//   creep                 two: body.hysteresis.stiffness_ratio and .relaxation_time_s, by how markers go on moving
+//   while a
+//                         command is held. What is left of it then is taken out of the rest states
 //   damping               body.damping.rayleigh_stiffness_s: swings die away by it, and by what the integrator damps in
 //                         the scene's own time step. Left as it is, with a warning, where nothing swings
 #pragma once
@@ -31,16 +35,20 @@ struct MeasuredMarker {
   Eigen::Matrix3d covariance_m2;  // positive semi-definite
 };
 
+struct MarkersAt {
+  double time_s = 0.0;
+  std::vector<MeasuredMarker> markers;
+};
+
 // A rest state; in a list they stand in the order in which the rig went through them, from rest commands.
 struct MeasuredPose {
   std::map<std::string, double> commands;  // by actuator; those not listed rest
   std::vector<MeasuredMarker> markers;
   std::map<std::string, double> reached = {};  // where drives really stood, of which that is known: between whole steps
-};
-
-struct MarkersAt {
-  double time_s = 0.0;
-  std::vector<MeasuredMarker> markers;
+  // For creep, all since the command came: until when it was held, since when `markers` are averaged, and what short
+  // times of it saw. Not known where held_s is 0.
+  double held_s = 0.0, rest_from_s = 0.0;
+  std::vector<MarkersAt> seen = {};
 };
 
 // From rest under `from`, moved by `commands`, then left to itself. All times by one clock.
@@ -98,7 +106,8 @@ struct FitResult {
   double swing_rms_m = 0.0;  // by which the fitted model misses them
   int iterations = 0;
   double cpu_s = 0.0;
-  std::string overrides;  // YAML to be laid over the scene
+  std::string overrides;                     // YAML to be laid over the scene
+  std::map<std::string, double> backlash_m;  // by cable, of those that were fitted; no scene holds it
   Eigen::Isometry3d measured_from_base = Eigen::Isometry3d::Identity();
 };
 
@@ -107,9 +116,10 @@ struct FitResult {
 FitResult fit_model(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
                     const FitRequest& request, const std::vector<MeasuredSwing>& swings = {});
 
-// How far the scene, with options.changes, is from poses.
+// How far the scene, with options.changes, is from poses; drives with backlash go through them in their order.
 ModelGap model_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
-                   const Eigen::Isometry3d& measured_from_base = Eigen::Isometry3d::Identity());
+                   const Eigen::Isometry3d& measured_from_base = Eigen::Isometry3d::Identity(),
+                   const std::map<std::string, double>& backlash_m = {});
 
 // Throws std::invalid_argument where no file can be written: better known before a fit than after it.
 void require_writable(const std::string& file);

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Fitting creep, on a lying bar that creeps while its commands are held.
+#include <gtest/gtest.h>
+
+#include "fitted_bar.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kHeld_s = 6.0, kWindow_s = 0.5, kStep_s = 0.1;
+const std::vector<std::pair<double, double>> kHolds = {{0.9, 1.1}, {1.1, 0.92}, {0.95, 1.1}};
+
+SceneOptions creeping_bar(double stiffness_ratio, double relaxation_time_s) {
+  return options_with(
+      kLying + "solver: {time_step_s: 0.1}\nbody: {hysteresis: {stiffness_ratio: " + std::to_string(stiffness_ratio) +
+      ", relaxation_time_s: " + std::to_string(relaxation_time_s) + "}}\n");
+}
+
+// What cameras see in windows, while each command is held; finer in time than any fit simulates it.
+std::vector<MeasuredPose> watch(const SceneOptions& options, std::size_t holds) {
+  constexpr double noise_m = 1e-5;
+  const Scene scene = load_scene(kScene, options);
+  Simulation& bar = *scene.simulation;
+  EXPECT_TRUE(bar.solve_equilibrium().converged);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0.0, noise_m);
+  const auto seen = [&] {
+    std::vector<MeasuredMarker> markers;
+    for (int m = 0; m < 2; ++m)
+      markers.push_back({bar.markers()[static_cast<std::size_t>(m)].name(),
+                         bar.marker_position(m) + Eigen::Vector3d(normal(random), normal(random), normal(random)),
+                         noise_m * noise_m * Eigen::Matrix3d::Identity()});
+    return markers;
+  };
+  std::vector<MeasuredPose> poses;
+  for (std::size_t i = 0; i < holds; ++i) {
+    const auto& [left, right] = kHolds[i];
+    bar.set_command("left", left);
+    bar.set_command("right", right);
+    MeasuredPose pose{{{"left", left}, {"right", right}}, {}};
+    pose.held_s = kHeld_s;
+    for (int step = 1; step * kStep_s <= kHeld_s + 1e-9; ++step) {
+      bar.step();
+      if (step % 5 == 3) pose.seen.push_back({kStep_s * step, seen()});
+    }
+    pose.markers = pose.seen.back().markers;  // in the middle of the last window, not quite at rest
+    pose.rest_from_s = kHeld_s - kWindow_s;
+    poses.push_back(std::move(pose));
+  }
+  return poses;
+}
+
+FitRequest request() {
+  FitRequest request;
+  request.model_error_m = 2e-5;
+  request.parameters = {{"youngs_modulus_pa", 240000.0, {}, {}}, {"creep", {}, {}, {}}};
+  return request;
+}
+
+TEST(FitCreep, FindsBothNumbersAndTheStiffnessBeside) {
+  const FitResult result = fit_model(kScene, options_with(kLying), watch(creeping_bar(0.25, 2.5), 3), request());
+  EXPECT_TRUE(result.converged) << result.message;
+  EXPECT_NEAR(value_of(result, "creep.stiffness_ratio").value, 0.25, 0.05 * 0.25) << summary(result);
+  EXPECT_NEAR(value_of(result, "creep.relaxation_time_s").value, 2.5, 0.05 * 2.5) << summary(result);
+  EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 264200, 0.005 * 264200) << summary(result);
+  EXPECT_TRUE(value_of(result, "creep.stiffness_ratio").identifiable);
+  EXPECT_NE(result.overrides.find("hysteresis"), std::string::npos) << result.overrides;
+
+  FitRequest without = request();
+  without.parameters.pop_back();
+  const FitResult blind = fit_model(kScene, options_with(kLying), watch(creeping_bar(0.25, 2.5), 3), without);
+  EXPECT_GT(std::abs(value_of(blind, "youngs_modulus_pa").value - 264200), 0.01 * 264200)
+      << "what is left of creep would count as stiffness\n"
+      << summary(blind);
+}
+
+TEST(FitCreep, SaysWhereNothingCreeps) {
+  const std::vector<MeasuredPose> poses = watch(options_with(kLying + "solver: {time_step_s: 0.1}\n"), 1);
+  const FitResult result = fit_model(kScene, options_with(kLying), poses, request());
+  EXPECT_FALSE(value_of(result, "creep.stiffness_ratio").identifiable) << summary(result);
+  EXPECT_TRUE(warns(result, "cannot identify creep")) << summary(result);
+}
+
+TEST(FitCreep, RefusesWhatItCannotKnow) {
+  std::vector<MeasuredPose> poses = watch(creeping_bar(0.25, 2.5), 3);
+  const auto refusal = [&](const FitRequest& asked) {
+    try {
+      fit_model(kScene, options_with(kLying), poses, asked);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing refused");
+  };
+  FitRequest alone = request();
+  alone.parameters.erase(alone.parameters.begin());
+  EXPECT_NE(refusal(alone).find("creep is fitted beside others only"), std::string::npos) << refusal(alone);
+  FitRequest twice = request();
+  twice.parameters.push_back({"creep", {}, {}, {}});
+  EXPECT_NE(refusal(twice).find("creep is asked for twice"), std::string::npos) << refusal(twice);
+  FitRequest bounded = request();
+  bounded.parameters[1].min = 0.1;
+  EXPECT_NE(refusal(bounded).find("takes no start and no bounds"), std::string::npos) << refusal(bounded);
+  poses[1].held_s = 0.0;
+  EXPECT_NE(refusal(request()).find("not known how long"), std::string::npos) << refusal(request());
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // mesh_robot REQUEST.yaml OUTPUT.msh
 //
-// Meshes a solid, or rewrites a mesh file, as MSH 2.2 text with named surfaces. The request holds either
+// Meshes a solid, or rewrites a mesh file, as MSH 2.2 text with named surfaces and regions. The request holds either
 //   solid: {...}                         see design/solid.h
 //   element_size_m: 0.01
 //   quadratic: true
 //   refinements: [{center_m: [x, y, z], radius_m: r, size_m: s}, {surface: NAME, size_m: s}, {edges_of: NAME, size_m:
 //   s}]
+//   regions: [NAME, ...]                 named solids whose elements are groups of their own
 // or
 //   mesh_file: robot.msh                 .msh of any version or .vtk; elements, node order and surface names are kept
 // or
@@ -51,8 +52,10 @@ TetMesh mesh_request(const YamlNode& request) {
   for (const YamlNode& node : request.optional_sequence("refinements")) {
     sizes.refinements.push_back(read_mesh_refinement(node));
   }
+  std::vector<std::string> regions;
+  for (const YamlNode& name : request.optional_sequence("regions")) regions.push_back(name.as_text());
   request.require_all_read();
-  return mesh_solid(solid, sizes);
+  return mesh_solid(solid, sizes, regions);
 }
 
 void surface_request(const YamlNode& request, const std::string& output_file) {

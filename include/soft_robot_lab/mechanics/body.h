@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A silicone body: what never changes while it is simulated.
+// A silicone body, or several: what never changes while they are simulated.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "embedding.h"
 #include "material.h"
@@ -34,23 +36,28 @@ struct Hold {
 class Body {
  public:
   // Checks the mesh (check_mesh) and the material; nothing is fixed, no gravity.
-  Body(TetMesh mesh, const Material& material);
+  Body(const TetMesh& mesh, const Material& material);
+  // The same with a material for each region of the mesh, in its order.
+  Body(TetMesh mesh, std::vector<Material> of_regions);
 
-  // Holds the listed axes of every node whose rest position lies in the box; returns how many nodes.
+  // Holds the listed axes of every node whose rest position lies in the box; returns how many nodes. Here and below
+  // `only_body` of the mesh's bodies is looked at, or all.
   int fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
                 const Eigen::Matrix<bool, 3, 1>& axes);
   // The same of nodes that move so, as obstacles do; at time 0 they are where the mesh has them. Throws
   // std::invalid_argument for a motion out of range, one that turns what is not held along all axes, and nodes that
   // other regions hold too.
   int fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
-                const Eigen::Matrix<bool, 3, 1>& axes, std::vector<ObstaclePose> motion, std::string name);
+                const Eigen::Matrix<bool, 3, 1>& axes, std::vector<ObstaclePose> motion, std::string name,
+                std::optional<int> only_body = std::nullopt);
 
   // Boundary faces whose corners all lie in the box; returns the loaded rest area [m^2].
   double add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
-                      const Eigen::Vector3d& traction_pa);
+                      const Eigen::Vector3d& traction_pa, std::optional<int> only_body = std::nullopt);
   // The same with a total force spread evenly over the area; over the edges of boundary faces that lie in the box where
   // no face does. Throws std::invalid_argument where there is neither.
-  void add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Vector3d& force_n);
+  void add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Vector3d& force_n,
+                 std::optional<int> only_body = std::nullopt);
 
   // At a point of the body. It sinks in the more the finer the mesh is: no continuum carries a point force.
   void add_force(const EmbeddedPoint& at, const Eigen::Vector3d& force_n);
@@ -59,7 +66,7 @@ class Body {
   // std::invalid_argument: mass_kg.
   void hang(const EmbeddedPoint& at, double mass_kg);
 
-  // Throws std::invalid_argument for vertex_averaged on a quadratic mesh.
+  // Throws std::invalid_argument for vertex_averaged on a quadratic mesh, or with several materials.
   void set_linear_volume(LinearVolume volume);
 
   void set_viscosity(const Viscosity& viscosity);  // throws std::invalid_argument: Viscosity::validate
@@ -73,11 +80,15 @@ class Body {
   void set_gravity(const Eigen::Vector3d& gravity_m_s2) { gravity_m_s2_ = gravity_m_s2; }
 
   const TetMesh& mesh() const { return mesh_; }
+  // Of several the softest, which sets the scale of forces and times.
   const Material& material() const { return material_; }
+  const Material& material_of(int element) const { return of_regions_[mesh_.region_of(element)]; }
+  bool one_material() const;  // whether all elements are alike
   const Viscosity& viscosity() const { return viscosity_; }
   LinearVolume linear_volume() const { return linear_volume_; }
   const FixedAxes& fixed() const { return fixed_; }
   int fixed_node_count() const;
+  int body_of_node(int node) const { return body_of_node_[static_cast<std::size_t>(node)]; }
   const std::vector<Hold>& holds() const { return holds_; }
   bool holds_move() const;
   double end_of_hold_motion_s() const;
@@ -94,10 +105,15 @@ class Body {
   double size_m() const;  // diagonal of the rest bounding box
 
  private:
+  bool is_in(int node, const Eigen::AlignedBox3d& box, std::optional<int> only_body) const;
+  Eigen::VectorXd edge_lengths_m(const Eigen::AlignedBox3d& box, std::optional<int> only_body) const;
+
   TetMesh mesh_;
+  std::vector<Material> of_regions_;
   Material material_;
   Viscosity viscosity_;
   LinearVolume linear_volume_ = LinearVolume::element;
+  std::vector<int> body_of_node_;
   FixedAxes fixed_;
   std::vector<Hold> holds_;
   Eigen::VectorXd node_masses_kg_, hung_masses_kg_;

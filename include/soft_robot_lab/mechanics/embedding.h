@@ -2,6 +2,7 @@
 // Points carried by the mesh: where a rest position lies, and how it follows the nodes.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -28,10 +29,10 @@ struct Location {
   double distance_m = 0.0;                              // 0 inside
 };
 
-// Finds rest positions in a mesh. Keeps a reference to the mesh.
+// Finds rest positions in a mesh, or in one of its bodies. Keeps a reference to the mesh.
 class MeshLocator {
  public:
-  explicit MeshLocator(const TetMesh& mesh);
+  explicit MeshLocator(const TetMesh& mesh, std::optional<int> only_body = std::nullopt);
 
   // The element that holds the point, or the nearest point of the body when it lies outside.
   Location locate(const Eigen::Vector3d& point_m) const;
@@ -48,7 +49,8 @@ class MeshLocator {
 
  private:
   const TetMesh& mesh_;
-  Eigen::Matrix3Xd box_min_m_, box_max_m_;  // per element
+  Eigen::Matrix3Xd box_min_m_, box_max_m_;  // per element; empty of other bodies
+  std::vector<Eigen::Index> faces_;
 };
 
 }  // namespace soft_robot_lab

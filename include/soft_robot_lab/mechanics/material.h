@@ -29,4 +29,6 @@ struct Material {
   void validate() const;  // throws std::invalid_argument: field, value, allowed range
 };
 
+bool operator==(const Material& a, const Material& b);
+
 }  // namespace soft_robot_lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tetrahedral mesh of the rest shape, with named boundary surfaces. Lengths in metres, frame: robot_base.
+// A tetrahedral mesh of the rest shape, with named boundary surfaces and regions. Lengths in metres, frame: robot_base.
 #pragma once
 
 #include <string>
@@ -9,6 +9,13 @@
 
 namespace soft_robot_lab {
 
+// Elements that may have a material of their own.
+struct MeshRegion {
+  std::string name;  // may be empty
+  int body = 0;      // index into TetMesh::bodies
+};
+
+// One body, or several that share no node.
 // Node order of a 10-node tetrahedron (Gmsh's): corners 0..3, then mid-edges 01, 12, 02, 03, 23, 13.
 //
 //        3
@@ -22,10 +29,15 @@ struct TetMesh {
   Eigen::MatrixXi faces;                   // 3 or 6 x boundary triangles, outward: corners, then mid-edges 01, 12, 20
   std::vector<int> face_surface;           // per face: index into surface_names, or -1
   std::vector<std::string> surface_names;  // named surfaces, e.g. "cavity"
+  std::vector<int> tet_region;             // per element: index into regions; empty: all in the first
+  std::vector<MeshRegion> regions = {{}};  // at least one
+  std::vector<std::string> bodies = {"body"};  // names, at least one
 
   int node_count() const { return static_cast<int>(nodes_m.cols()); }
   int tet_count() const { return static_cast<int>(tets.cols()); }
   bool quadratic() const { return tets.rows() == 10; }
+  int region_of(int tet) const { return tet_region.empty() ? 0 : tet_region[static_cast<std::size_t>(tet)]; }
+  int body_of(int tet) const { return regions[static_cast<std::size_t>(region_of(tet))].body; }
 };
 
 // Adds mid-edge nodes (on straight edges) to a 4-node mesh; returns a 10-node mesh unchanged.
@@ -38,7 +50,8 @@ TetMesh make_linear(const TetMesh& mesh);
 void complete_boundary(TetMesh& mesh);
 
 // Throws std::invalid_argument with the place: no element, index out of range, an unused node, an element whose
-// Jacobian is not positive everywhere (inverted or degenerate), two parts that do not hang together.
+// Jacobian is not positive everywhere (inverted or degenerate), parts of one body that do not hang together, bodies
+// that do.
 void check_mesh(const TetMesh& mesh);
 
 // Elements whose Jacobian is not positive at one of the places that check_mesh looks at: inverted, flat or folded.
@@ -47,7 +60,15 @@ std::vector<int> folded_elements(const TetMesh& mesh);
 // Signed volume inside the elements [m^3].
 double volume(const TetMesh& mesh);
 
-// Reads Gmsh's MSH 2.2 text format: 4- or 10-node tetrahedra; physical surfaces become named surfaces.
+// Per node: its body, an index into mesh.bodies.
+std::vector<int> bodies_of_nodes(const TetMesh& mesh);
+
+// Adds the other mesh as a further body, which it must be by itself. Its surfaces become NAME/SURFACE. Throws
+// std::invalid_argument for elements of another order and a name that is taken.
+void add_body(const std::string& name, const TetMesh& body, TetMesh& mesh);
+
+// Reads Gmsh's MSH 2.2 text format: 4- or 10-node tetrahedra; physical surfaces and volumes become named surfaces and
+// regions.
 // Other formats and versions go through `mesh_robot`, which rewrites them as this one.
 // Throws std::invalid_argument naming file and line.
 TetMesh read_msh(const std::string& path);

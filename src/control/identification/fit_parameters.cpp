@@ -70,8 +70,11 @@ FitParameters::FitParameters(const std::string& scene, const SceneOptions& optio
                              const std::vector<FitParameter>& asked)
     : base_overrides_(options.overrides), cables_(scene, options.overrides) {
   const Scene loaded = load_scene(scene, options);
-  material_ = loaded.simulation->body().material();
-  viscosity_ = loaded.simulation->body().viscosity();
+  const Body& body = loaded.simulation->body();
+  if (!body.one_material() || body.mesh().bodies.size() > 1)
+    throw std::invalid_argument("a fit knows one body of one material, not several");
+  material_ = body.material();
+  viscosity_ = body.viscosity();
   for (const FitParameter& parameter : asked) {
     const std::size_t dot = parameter.name.find('.');
     FitParameter plain = parameter;

@@ -51,10 +51,13 @@ std::vector<int> nodes_of(const TetMesh& mesh, const std::vector<int>& faces) {
 
 }  // namespace
 
-// A surface given by its solid bears the chamber's name (scene/mesh_section.cpp).
+// A surface given by its solid bears the chamber's name (scene/mesh_section.cpp); one of a further body has that body's
+// name before its own (add_body).
 void Chamber::bind(const YamlNode& settings, const TetMesh& mesh) {
   const YamlNode surface = settings.child("surface");
   surface_ = surface.is_map() ? name() : settings.text("surface");
+  const std::string body = settings.text_or("body", mesh.bodies.front());
+  if (body != mesh.bodies.front()) surface_.insert(0, body + "/");
   const std::vector<int> faces = faces_of(settings, surface_, mesh);
   nodes_ = nodes_of(mesh, faces);
   try {

@@ -59,7 +59,7 @@ inline void add_isotropic_and_cross(Batch isotropic, const Batch* e, Batch* bloc
 }
 
 // Of weight w, so much that w (mu I + s d2J/dF2) gets positive: |eigenvalues of d2J/dF2| <= 2/sqrt(3) |F|.
-inline Batch convex_shift(Batch w, double mu, Batch s, const BatchMatrix& f) {
+inline Batch convex_shift(Batch w, Batch mu, Batch s, const BatchMatrix& f) {
   Batch bound;
   const Batch norm = squared_norm(f);
   for (int lane = 0; lane < kLanes; ++lane) bound[lane] = std::abs(s[lane]) * 1.1547005384 * std::sqrt(norm[lane]);
@@ -72,9 +72,9 @@ inline Batch convex_shift(Batch w, double mu, Batch s, const BatchMatrix& f) {
 //   + [e]x with e = sum_q w (mu (J - 2) + p) F (grad a x grad b),   ([e]x)_ik = epsilon_ikm e_m   (d2J/dF2 contracted)
 template <int Nodes, int Points>
 inline void batch_hessian(const Batch* x, const Batch* gradients, const Batch* weights, const Batch* laplacian,
-                          const NeoHookean& law, double lambda, Batch p, bool convex, Batch* blocks,
+                          const NeoHookean& law, Batch lambda, Batch p, bool convex, Batch* blocks,
                           Batch* volume_gradient) {
-  const double mu = law.mu;
+  const Batch mu = law.mu;
   BatchMatrix f[Points], c[Points];
   Batch second[Points], extra[Points], cg[Points][3 * Nodes];
   Batch volume = splat(0.0);

@@ -13,12 +13,11 @@ namespace {
 struct ElementArrays {
   int batches, count;
   const int *nodes, *slots;
-  const Batch *gradients, *weights, *laplacian;
-  double lambda;
+  const Batch *gradients, *weights, *laplacian, *lambdas;
 };
 
 template <int Nodes, int Points, class Law>
-inline void all_gradients(const ElementArrays& e, const Law& law, const double* positions, const double* multipliers,
+inline void all_gradients(const ElementArrays& e, const Law* laws, const double* positions, const double* multipliers,
                           double* forces, ElementSums* sums) {
   Batch x[3 * Nodes], f[3 * Nodes];
   for (int batch = 0; batch < e.batches; ++batch) {
@@ -29,7 +28,7 @@ inline void all_gradients(const ElementArrays& e, const Law& law, const double* 
     for (int lane = 0; lane < lanes; ++lane) p[lane] = multipliers[batch * kLanes + lane];
     gather(positions, nodes, Nodes, x);
     const BatchSums result = batch_gradient<Nodes, Points>(
-        x, e.gradients + static_cast<std::ptrdiff_t>(batch) * Points * Nodes * 3, weights, law, p, f);
+        x, e.gradients + static_cast<std::ptrdiff_t>(batch) * Points * Nodes * 3, weights, laws[batch], p, f);
     scatter_add(f, nodes, Nodes, forces);
     for (int lane = 0; lane < lanes; ++lane) {
       sums->elastic_energy += result.energy[lane];
@@ -44,7 +43,7 @@ inline void all_gradients(const ElementArrays& e, const Law& law, const double* 
 }
 
 template <int Nodes, int Points, class Law>
-inline void all_hessians(const ElementArrays& e, const Law& law, const double* positions, const double* multipliers,
+inline void all_hessians(const ElementArrays& e, const Law* laws, const double* positions, const double* multipliers,
                          bool convex, double* values, Batch* volume_gradients) {
   constexpr int kPairs = Nodes * (Nodes + 1) / 2;
   Batch x[3 * Nodes], blocks[9 * kPairs];
@@ -57,8 +56,9 @@ inline void all_hessians(const ElementArrays& e, const Law& law, const double* p
     gather(positions, nodes, Nodes, x);
     batch_hessian<Nodes, Points>(x, e.gradients + static_cast<std::ptrdiff_t>(batch) * Points * Nodes * 3,
                                  e.weights + static_cast<std::ptrdiff_t>(batch) * Points,
-                                 e.laplacian + static_cast<std::ptrdiff_t>(batch) * kPairs, law, e.lambda, p, convex,
-                                 blocks, volume_gradients + static_cast<std::ptrdiff_t>(batch) * 3 * Nodes);
+                                 e.laplacian + static_cast<std::ptrdiff_t>(batch) * kPairs, laws[batch],
+                                 e.lambdas[batch], p, convex, blocks,
+                                 volume_gradients + static_cast<std::ptrdiff_t>(batch) * 3 * Nodes);
     for (int pair = 0; pair < kPairs; ++pair) {
       for (int lane = 0; lane < lanes; ++lane) {
         double* target = values + static_cast<std::ptrdiff_t>(9) * slots[pair * kLanes + lane];
@@ -68,37 +68,37 @@ inline void all_hessians(const ElementArrays& e, const Law& law, const double* p
   }
 }
 
-SOFT_ROBOT_LAB_CLONES void quadratic_gradients(const ElementArrays& e, const NeoHookean& law, const double* x,
+SOFT_ROBOT_LAB_CLONES void quadratic_gradients(const ElementArrays& e, const NeoHookean* laws, const double* x,
                                                const double* p, double* forces, ElementSums* sums) {
-  all_gradients<10, 4>(e, law, x, p, forces, sums);
+  all_gradients<10, 4>(e, laws, x, p, forces, sums);
 }
-SOFT_ROBOT_LAB_CLONES void quadratic_hessians(const ElementArrays& e, const NeoHookean& law, const double* x,
+SOFT_ROBOT_LAB_CLONES void quadratic_hessians(const ElementArrays& e, const NeoHookean* laws, const double* x,
                                               const double* p, bool convex, double* values, Batch* volume_gradients) {
-  all_hessians<10, 4>(e, law, x, p, convex, values, volume_gradients);
+  all_hessians<10, 4>(e, laws, x, p, convex, values, volume_gradients);
 }
-SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const NeoHookean& law, const double* x,
+SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const NeoHookean* laws, const double* x,
                                             const double* p, double* forces, ElementSums* sums) {
-  all_gradients<4, 1>(e, law, x, p, forces, sums);
+  all_gradients<4, 1>(e, laws, x, p, forces, sums);
 }
-SOFT_ROBOT_LAB_CLONES void linear_hessians(const ElementArrays& e, const NeoHookean& law, const double* x,
+SOFT_ROBOT_LAB_CLONES void linear_hessians(const ElementArrays& e, const NeoHookean* laws, const double* x,
                                            const double* p, bool convex, double* values, Batch* volume_gradients) {
-  all_hessians<4, 1>(e, law, x, p, convex, values, volume_gradients);
+  all_hessians<4, 1>(e, laws, x, p, convex, values, volume_gradients);
 }
-SOFT_ROBOT_LAB_CLONES void quadratic_gradients(const ElementArrays& e, const Rivlin& law, const double* x,
+SOFT_ROBOT_LAB_CLONES void quadratic_gradients(const ElementArrays& e, const Rivlin* laws, const double* x,
                                                const double* p, double* forces, ElementSums* sums) {
-  all_gradients<10, 4>(e, law, x, p, forces, sums);
+  all_gradients<10, 4>(e, laws, x, p, forces, sums);
 }
-SOFT_ROBOT_LAB_CLONES void quadratic_hessians(const ElementArrays& e, const Rivlin& law, const double* x,
+SOFT_ROBOT_LAB_CLONES void quadratic_hessians(const ElementArrays& e, const Rivlin* laws, const double* x,
                                               const double* p, bool convex, double* values, Batch* volume_gradients) {
-  all_hessians<10, 4>(e, law, x, p, convex, values, volume_gradients);
+  all_hessians<10, 4>(e, laws, x, p, convex, values, volume_gradients);
 }
-SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const Rivlin& law, const double* x, const double* p,
-                                            double* forces, ElementSums* sums) {
-  all_gradients<4, 1>(e, law, x, p, forces, sums);
+SOFT_ROBOT_LAB_CLONES void linear_gradients(const ElementArrays& e, const Rivlin* laws, const double* x,
+                                            const double* p, double* forces, ElementSums* sums) {
+  all_gradients<4, 1>(e, laws, x, p, forces, sums);
 }
-SOFT_ROBOT_LAB_CLONES void linear_hessians(const ElementArrays& e, const Rivlin& law, const double* x, const double* p,
+SOFT_ROBOT_LAB_CLONES void linear_hessians(const ElementArrays& e, const Rivlin* laws, const double* x, const double* p,
                                            bool convex, double* values, Batch* volume_gradients) {
-  all_hessians<4, 1>(e, law, x, p, convex, values, volume_gradients);
+  all_hessians<4, 1>(e, laws, x, p, convex, values, volume_gradients);
 }
 
 std::vector<int> mesh_order(int count) {
@@ -113,20 +113,19 @@ std::vector<int> positions_in(const BlockPattern& matrix, int node_count) {
   return positions;
 }
 
-ElementArrays arrays(const ElementBatches& batches, const std::vector<int>& slots, int count, double lambda) {
+ElementArrays arrays(const ElementBatches& batches, const std::vector<int>& slots, int count, const Batches& lambdas) {
   return {batches.count(),          count,
           batches.nodes.data(),     slots.data(),
           batches.gradients.data(), batches.weights.data(),
-          batches.laplacian.data(), lambda};
+          batches.laplacian.data(), lambdas.data()};
 }
 
 }  // namespace
 
 ElementTables::ElementTables(const Body& body, const BlockPattern& matrix)
     : count(body.mesh().tet_count()),
-      mu(body.material().lame_mu_pa()),
-      law(law_of(body.material())),
-      batches(body.mesh(), mu, mesh_order(count), positions_in(matrix, body.mesh().node_count())) {
+      one_material(body.one_material()),
+      batches(body, mesh_order(count), positions_in(matrix, body.mesh().node_count())) {
   const auto place = [&](int batch, int a, int lane) {
     return matrix.position(batches.nodes[(static_cast<std::size_t>(batch) * batches.node_count + a) * kLanes + lane]);
   };
@@ -142,32 +141,51 @@ ElementTables::ElementTables(const Body& body, const BlockPattern& matrix)
   if (body.linear_volume() == LinearVolume::vertex_averaged) patches.emplace(batches, element_volumes, matrix);
 }
 
-Elements::Elements(std::shared_ptr<const ElementTables> tables, double lambda_pa)
+Elements::Elements(std::shared_ptr<const ElementTables> tables)
     : tables_(std::move(tables)),
       count_(tables_->count),
-      mu_(tables_->mu),
-      law_(tables_->law),
       batches_(tables_->batches),
       slots_(tables_->slots),
       element_volumes_(tables_->element_volumes),
       patches_(tables_->patches),
-      lambda_(lambda_pa),
-      volume_gradients_(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0)) {}
+      lambdas_(batches_.lambda_pa),
+      volume_gradients_(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0)) {
+  const Eigen::Index multipliers = rest_volumes_m3().size();
+  lambda_pa_.resize(multipliers);
+  mu_pa_.resize(multipliers);
+  for (Eigen::Index i = 0; i < multipliers; ++i) {
+    const std::size_t slot = patches_ ? 0 : static_cast<std::size_t>(i);
+    lambda_pa_[i] = batches_.lambda_pa[slot / kLanes][slot % kLanes];
+    mu_pa_[i] = batches_.mu_pa[slot / kLanes][slot % kLanes];
+  }
+  set_lambda_pa(lambda_pa_);
+}
+
+void Elements::set_lambda_pa(const Eigen::VectorXd& lambda_pa) {
+  lambda_pa_ = lambda_pa;
+  for (int element = 0; element < count_; ++element)
+    lambdas_[element / kLanes][element % kLanes] = patches_ ? 0.0 : lambda_pa_[element];
+}
+
+double Elements::sum_of_squares(const Eigen::VectorXd& factors, const Eigen::VectorXd& c) const {
+  if (tables_->one_material) return factors[0] * c.cwiseAbs2().dot(rest_volumes_m3());
+  return factors.cwiseProduct(c.cwiseAbs2()).dot(rest_volumes_m3());
+}
 
 ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers,
                                    Eigen::Matrix3Xd& forces) const {
-  const ElementArrays all = arrays(batches_, slots_, count_, lambda_);
+  const ElementArrays all = arrays(batches_, slots_, count_, lambdas_);
   const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(multipliers) : Eigen::VectorXd();
   const double* p = patches_ ? averaged.data() : multipliers.data();
   ElementSums sums;
   sums.volumetric_strain.resize(count_);
-  const auto add = [&](const auto& law) {
+  const auto add = [&](const auto& laws) {
     if (batches_.node_count == 10)
-      quadratic_gradients(all, law, positions.data(), p, forces.data(), &sums);
+      quadratic_gradients(all, laws.data(), positions.data(), p, forces.data(), &sums);
     else
-      linear_gradients(all, law, positions.data(), p, forces.data(), &sums);
+      linear_gradients(all, laws.data(), positions.data(), p, forces.data(), &sums);
   };
-  std::visit(add, law_);
+  std::visit(add, batches_.laws);
   if (patches_)
     sums.volumetric_strain =
         patches_->on_vertices(sums.volumetric_strain.cwiseProduct(element_volumes_)).cwiseQuotient(rest_volumes_m3());
@@ -176,18 +194,18 @@ ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eige
 
 void Elements::add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
                            BlockMatrix& matrix) {
-  const ElementArrays all = arrays(batches_, slots_, count_, patches_ ? 0.0 : lambda_);
+  const ElementArrays all = arrays(batches_, slots_, count_, lambdas_);
   const Eigen::VectorXd averaged = patches_ ? patches_->on_elements(multipliers) : Eigen::VectorXd();
   const double* p = patches_ ? averaged.data() : multipliers.data();
   double* values = matrix.block(0);
-  const auto add = [&](const auto& law) {
+  const auto add = [&](const auto& laws) {
     if (batches_.node_count == 10)
-      quadratic_hessians(all, law, positions.data(), p, convex, values, volume_gradients_.data());
+      quadratic_hessians(all, laws.data(), positions.data(), p, convex, values, volume_gradients_.data());
     else
-      linear_hessians(all, law, positions.data(), p, convex, values, volume_gradients_.data());
+      linear_hessians(all, laws.data(), positions.data(), p, convex, values, volume_gradients_.data());
   };
-  std::visit(add, law_);
-  if (patches_) patches_->add_hessian(volume_gradients_, lambda_, matrix);
+  std::visit(add, batches_.laws);
+  if (patches_) patches_->add_hessian(volume_gradients_, lambda_pa_[0], matrix);
 }
 
 void Elements::add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matrix3Xd& forces) const {
@@ -195,7 +213,7 @@ void Elements::add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matri
   const Eigen::VectorXd& of_elements = patches_ ? averaged : mismatch;
   for (int element = 0; element < count_; ++element) {
     const int batch = element / kLanes, lane = element % kLanes;
-    const double pressure = lambda_ * of_elements[element];
+    const double pressure = lambda_of(element) * of_elements[element];
     for (int a = 0; a < batches_.node_count; ++a) {
       const std::size_t place = static_cast<std::size_t>(batch) * batches_.node_count + a;
       const int node = batches_.nodes[place * kLanes + lane];
@@ -218,7 +236,7 @@ Eigen::VectorXd Elements::updated_multipliers(const Eigen::VectorXd& volumetric_
     change[element] = sum;
   }
   if (patches_) change = patches_->on_vertices(change);
-  return lambda_ * (volumetric_strain + change.cwiseQuotient(rest_volumes_m3()));
+  return lambda_pa_.cwiseProduct(volumetric_strain + change.cwiseQuotient(rest_volumes_m3()));
 }
 
 }  // namespace soft_robot_lab

@@ -7,7 +7,6 @@
 // their volume with their vertices, which then have the multipliers (volume_patches.h).
 #pragma once
 
-#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -31,12 +30,6 @@ struct ElementSums {
   Eigen::VectorXd volumetric_strain;  // per multiplier: Jbar - 1
 };
 
-// The lambda of all elements. Their multiplier needs some bulk to stand for: at a Poisson's ratio of zero this little,
-// which no one can measure.
-inline double bulk_lambda_pa(const Material& material) {
-  return std::max(material.lame_lambda_pa(), 1e-6 * material.lame_mu_pa());
-}
-
 // What never changes of the elements of a body, and where they are in its matrices.
 struct ElementTables {
   ElementTables(const Body& body, const BlockPattern& matrix);
@@ -44,8 +37,7 @@ struct ElementTables {
   const Eigen::VectorXd& rest_volumes_m3() const { return patches ? patches->volumes_m3() : element_volumes; }
 
   int count;
-  double mu;
-  MaterialLaw law;
+  bool one_material;
   ElementBatches batches;           // in the mesh's order; nodes of each sorted by elimination order
   std::vector<int> slots;           // per batch: pair (a >= b) x lanes, slots of the matrix
   Eigen::VectorXd element_volumes;  // V0 = sum w [m^3]
@@ -54,9 +46,9 @@ struct ElementTables {
 
 class Elements {
  public:
-  explicit Elements(std::shared_ptr<const ElementTables> tables, double lambda_pa);
+  explicit Elements(std::shared_ptr<const ElementTables> tables);
   Elements(const Body& body, const BlockMatrix& matrix)
-      : Elements(std::make_shared<const ElementTables>(body, matrix.pattern()), bulk_lambda_pa(body.material())) {}
+      : Elements(std::make_shared<const ElementTables>(body, matrix.pattern())) {}
 
   // Adds to `forces` the gradient of the elastic energy plus p grad(V0 Jbar), 3 x nodes [N].
   ElementSums add_gradient(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers,
@@ -77,8 +69,11 @@ class Elements {
 
   // c = Jbar - 1 - p / lambda, per multiplier: zero where multiplier and volume agree.
   Eigen::VectorXd mismatch(const Eigen::VectorXd& volumetric_strain, const Eigen::VectorXd& multipliers) const {
-    return volumetric_strain - multipliers / lambda_;
+    return volumetric_strain - multipliers.cwiseQuotient(lambda_pa_);
   }
+
+  // sum of factor c^2 V0 over the multipliers.
+  double sum_of_squares(const Eigen::VectorXd& factors, const Eigen::VectorXd& c) const;
 
   // What each multiplier stands for: an element's rest volume or a vertex's.
   const Eigen::VectorXd& rest_volumes_m3() const { return tables_->rest_volumes_m3(); }
@@ -86,21 +81,22 @@ class Elements {
   int count() const { return count_; }
   const ElementBatches& batches() const { return batches_; }
   const std::vector<int>& slots() const { return slots_; }
-  double lambda_pa() const { return lambda_; }
-  void set_lambda_pa(double lambda_pa) { lambda_ = lambda_pa; }
-  double mu_pa() const { return mu_; }
+  const Eigen::VectorXd& lambda_pa() const { return lambda_pa_; }  // per multiplier
+  void set_lambda_pa(const Eigen::VectorXd& lambda_pa);
+  const Eigen::VectorXd& mu_pa() const { return mu_pa_; }  // per multiplier
 
  private:
+  double lambda_of(int element) const { return lambda_pa_[patches_ ? 0 : element]; }
+
   std::shared_ptr<const ElementTables> tables_;
   const int count_;  // these are the tables'
-  const double mu_;
-  const MaterialLaw& law_;
   const ElementBatches& batches_;
   const std::vector<int>& slots_;
   const Eigen::VectorXd& element_volumes_;
   const std::optional<VolumePatches>& patches_;
-  double lambda_;
-  Batches volume_gradients_;  // per batch: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
+  Eigen::VectorXd lambda_pa_, mu_pa_;  // alike for all vertices where these have the multipliers
+  Batches lambdas_;                    // per batch: what the kernels condense with
+  Batches volume_gradients_;           // per batch: node x 3: d(V0 Jbar)/dx of the last add_hessian [m^2]
 };
 
 }  // namespace soft_robot_lab

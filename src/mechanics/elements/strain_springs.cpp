@@ -13,7 +13,7 @@ constexpr int kFirst[kComponents] = {0, 1, 2, 0, 0, 1}, kSecond[kComponents] = {
 struct SpringArrays {
   int batches;
   const int *element, *nodes, *slots;
-  const Batch *gradients, *weights;
+  const Batch *gradients, *weights, *mu_ratio;
 };
 
 template <int Nodes, int Points>
@@ -24,7 +24,8 @@ inline SpringArrays one_batch(const SpringArrays& all, int batch) {
           all.nodes + place * Nodes * kLanes,
           all.slots + place * (Nodes * (Nodes + 1) / 2) * kLanes,
           all.gradients + place * Points * Nodes * 3,
-          all.weights + place * Points};
+          all.weights + place * Points,
+          all.mu_ratio + place};
 }
 
 inline void strain_of(const BatchMatrix& f, Batch* strain) {
@@ -71,7 +72,7 @@ inline double all_gradients(const SpringArrays& all, const double* positions, do
       const Batch* g = e.gradients + 3 * Nodes * q;
       const BatchMatrix f = deformation_gradient<Nodes>(x, g);
       const BatchMatrix d = stretch_of(f, targets + (static_cast<std::ptrdiff_t>(batch) * Points + q) * kComponents);
-      const Batch weight = kappa * e.weights[q];
+      const Batch weight = kappa * (*e.mu_ratio * e.weights[q]);
       sum += 0.5 * weight * squared_norm(d);
       for (int a = 0; a < Nodes; ++a) {
         const BatchVector along = multiply(d, g + 3 * a);
@@ -99,7 +100,7 @@ inline void all_hessians(const SpringArrays& all, const double* positions, doubl
       const Batch* g = e.gradients + 3 * Nodes * q;
       const BatchMatrix f = deformation_gradient<Nodes>(x, g);
       BatchMatrix d = stretch_of(f, targets + (static_cast<std::ptrdiff_t>(batch) * Points + q) * kComponents);
-      weights[q] = kappa * e.weights[q];
+      weights[q] = kappa * (*e.mu_ratio * e.weights[q]);
       b[q] = times_transposed(f);
       if (convex) {
         const Batch norm = squared_norm(d);
@@ -164,8 +165,8 @@ SOFT_ROBOT_LAB_CLONES void linear_hessians(const SpringArrays& e, const double* 
 }
 
 SpringArrays arrays(const ElementBatches& batches, const std::vector<int>& slots) {
-  return {batches.count(), batches.element.data(),   batches.nodes.data(),
-          slots.data(),    batches.gradients.data(), batches.weights.data()};
+  return {batches.count(),          batches.element.data(), batches.nodes.data(),   slots.data(),
+          batches.gradients.data(), batches.weights.data(), batches.mu_ratio.data()};
 }
 
 }  // namespace

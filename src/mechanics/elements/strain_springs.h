@@ -17,7 +17,7 @@ namespace soft_robot_lab {
 using Strains = Batches;
 
 struct StrainTarget {
-  double stiffness_pa = 0.0;  // kappa
+  double stiffness_pa = 0.0;  // kappa of Body::material; other silicone has it by the ratio of their mu
   Strains target;             // E*
 };
 

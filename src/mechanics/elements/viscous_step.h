@@ -4,7 +4,8 @@
 //   S = b 2 mu / gamma (E - E_from)
 // The Prony branch, integrated exactly where the strain changes evenly over the step (Simo & Hughes 1998, 10.3.2):
 //   Q = exp(-h/tau) Q0 + kappa (E - E0),   kappa = g 2 mu tau/h (1 - exp(-h/tau))
-// which is second order in h and dissipates at any h. Both together are one spring.
+// which is second order in h and dissipates at any h. Both together are one spring. Stresses here and in the state are
+// those of Body::material: other silicone has them by the ratio of their mu.
 #pragma once
 
 #include <memory>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <tuple>
 
 namespace soft_robot_lab {
 namespace {
@@ -65,6 +66,13 @@ void Material::validate() const {
       require_growing(c10_pa(), c2_pa, c3_pa);
       break;
   }
+}
+
+bool operator==(const Material& a, const Material& b) {
+  const auto numbers = [](const Material& m) {
+    return std::make_tuple(m.model, m.youngs_modulus_pa, m.poissons_ratio, m.density_kg_m3, m.c01_pa, m.c2_pa, m.c3_pa);
+  };
+  return numbers(a) == numbers(b);
 }
 
 }  // namespace soft_robot_lab

@@ -10,7 +10,9 @@
 // polynomial, finite and smooth for inverted elements. phi and xi are nowhere negative for J > 0, zero at rest.
 #pragma once
 
+#include <algorithm>
 #include <variant>
+#include <vector>
 
 #include "mechanics/elements/batches.h"
 #include "soft_robot_lab/mechanics/material.h"
@@ -18,19 +20,31 @@
 namespace soft_robot_lab {
 
 struct NeoHookean {
-  double mu;
+  Batch mu;
 };
 
 // mooney_rivlin (c2 = c3 = 0) and yeoh (c01 = 0, c10 = c1); all in Pa.
 struct Rivlin {
-  double c10, c01, c2, c3;
+  Batch c10, c01, c2, c3;
 };
 
-using MaterialLaw = std::variant<NeoHookean, Rivlin>;
+// One law a batch; where the models of a body differ, all are written as Rivlin's.
+template <class Law>
+using LawList = std::vector<Law, BatchAllocator<Law>>;
+using MaterialLaws = std::variant<LawList<NeoHookean>, LawList<Rivlin>>;
 
-inline MaterialLaw law_of(const Material& material) {
-  if (material.model == MaterialModel::neo_hookean) return NeoHookean{material.lame_mu_pa()};
-  return Rivlin{material.c10_pa(), material.c01_pa, material.c2_pa, material.c3_pa};
+inline void set_lane(const Material& material, int lane, NeoHookean& law) { law.mu[lane] = material.lame_mu_pa(); }
+inline void set_lane(const Material& material, int lane, Rivlin& law) {
+  law.c10[lane] = material.c10_pa();
+  law.c01[lane] = material.c01_pa;
+  law.c2[lane] = material.c2_pa;
+  law.c3[lane] = material.c3_pa;
+}
+
+// The lambda of the volumetric term. Its multiplier needs some bulk to stand for: at a Poisson's ratio of zero this
+// little, which no one can measure.
+inline double bulk_lambda_pa(const Material& material) {
+  return std::max(material.lame_lambda_pa(), 1e-6 * material.lame_mu_pa());
 }
 
 // d energy / dF = along_f F + along_cofactor cof F (+ what Rivlin's I2 adds).
@@ -43,7 +57,7 @@ inline Batch shear_energy(const BatchMatrix& f, Batch j) {
 }
 
 inline BatchStress stress_of(const NeoHookean& law, const BatchMatrix& f, const BatchMatrix&, Batch j) {
-  return {law.mu * (0.5 * (squared_norm(f) - 3.0) - (j - 1.0) + 0.5 * (j - 1.0) * (j - 1.0)), splat(law.mu),
+  return {law.mu * (0.5 * (squared_norm(f) - 3.0) - (j - 1.0) + 0.5 * (j - 1.0) * (j - 1.0)), law.mu,
           law.mu * (j - 2.0)};
 }
 

@@ -19,12 +19,12 @@ struct RivlinPoint {
 };
 
 // |eigenvalues of d2J/dF2| <= 2/sqrt(3) |F|, and d2 I2/dF2 >= -4/sqrt(3) |cof F|, as |cof A| <= |A|^2 / sqrt(3).
-inline Batch convex_shift(Batch slope, Batch second, double c01, const BatchMatrix& f, const BatchMatrix& c) {
+inline Batch convex_shift(Batch slope, Batch second, Batch c01, const BatchMatrix& f, const BatchMatrix& c) {
   const Batch f2 = squared_norm(f), c2 = squared_norm(c);
   Batch shift = splat(0.0);
   for (int lane = 0; lane < kLanes; ++lane) {
     const double least = 1.1547005384 * std::abs(second[lane]) * std::sqrt(f2[lane]) +
-                         2.3094010768 * c01 * std::sqrt(c2[lane]) - slope[lane];
+                         2.3094010768 * c01[lane] * std::sqrt(c2[lane]) - slope[lane];
     shift[lane] = least > 0.0 ? least : 0.0;
   }
   return shift;
@@ -58,7 +58,7 @@ inline RivlinPoint rivlin_point(const BatchMatrix& f, const BatchMatrix& c, Batc
 //   + lambda/V0 g_a g_b^T + [e]x   with e and g as for neo-Hookean silicone.
 template <int Nodes, int Points>
 inline void batch_hessian(const Batch* x, const Batch* gradients, const Batch* weights, const Batch* /*laplacian*/,
-                          const Rivlin& law, double lambda, Batch p, bool convex, Batch* blocks,
+                          const Rivlin& law, Batch lambda, Batch p, bool convex, Batch* blocks,
                           Batch* volume_gradient) {
   RivlinPoint points[Points];
   Batch along_f[Points][3 * Nodes], along_c[Points][3 * Nodes], along_phi[Points][3 * Nodes];

@@ -19,10 +19,6 @@
 namespace soft_robot_lab {
 namespace {
 
-bool inside(const Eigen::Vector3d& point, const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
-  return (point.array() >= min.array()).all() && (point.array() <= max.array()).all();
-}
-
 double rest_volume(const TetMesh& mesh, int element) {
   double sum = 0.0;
   for (const Eigen::Vector3d& point : tet_quadrature_points()) {
@@ -56,27 +52,6 @@ Eigen::VectorXd face_areas(const TetMesh& mesh, Eigen::Index face) {
   return areas;
 }
 
-// Integrals of the shape functions over the edges of boundary faces whose ends lie in the box (Simpson's rule), per
-// node.
-Eigen::VectorXd edge_lengths_m(const TetMesh& mesh, const Eigen::Vector3d& box_min_m,
-                               const Eigen::Vector3d& box_max_m) {
-  Eigen::VectorXd lengths_m = Eigen::VectorXd::Zero(mesh.node_count());
-  std::set<std::pair<int, int>> seen;
-  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
-    for (int side = 0; side < 3; ++side) {
-      const int a = mesh.faces(side, face), b = mesh.faces((side + 1) % 3, face);
-      if (!inside(mesh.nodes_m.col(a), box_min_m, box_max_m) || !inside(mesh.nodes_m.col(b), box_min_m, box_max_m))
-        continue;
-      if (!seen.insert({std::min(a, b), std::max(a, b)}).second) continue;
-      const double length_m = (mesh.nodes_m.col(a) - mesh.nodes_m.col(b)).norm();
-      const bool quadratic = mesh.faces.rows() == 6;
-      for (const int end : {a, b}) lengths_m[end] += length_m / (quadratic ? 6.0 : 2.0);
-      if (quadratic) lengths_m[mesh.faces(3 + side, face)] += length_m * 2.0 / 3.0;
-    }
-  }
-  return lengths_m;
-}
-
 void check_hold(const std::vector<ObstaclePose>& motion, const Eigen::Matrix<bool, 3, 1>& axes) {
   if (motion.empty()) return;
   validate_motion(motion);
@@ -97,15 +72,26 @@ bool holder_moves(const std::vector<Hold>& holds, int node) {
 
 }  // namespace
 
-Body::Body(TetMesh mesh, const Material& material) : mesh_(std::move(mesh)), material_(material) {
-  material_.validate();
+Body::Body(const TetMesh& mesh, const Material& material)
+    : Body(mesh, std::vector<Material>(mesh.regions.size(), material)) {}
+
+Body::Body(TetMesh mesh, std::vector<Material> of_regions)
+    : mesh_(std::move(mesh)), of_regions_(std::move(of_regions)) {
+  if (of_regions_.size() != mesh_.regions.size())
+    throw std::invalid_argument("a mesh of " + std::to_string(mesh_.regions.size()) + " regions has " +
+                                std::to_string(of_regions_.size()) + " materials");
+  for (const Material& material : of_regions_) material.validate();
+  material_ = *std::min_element(of_regions_.begin(), of_regions_.end(), [](const Material& a, const Material& b) {
+    return a.youngs_modulus_pa < b.youngs_modulus_pa;
+  });
   check_mesh(mesh_);
   complete_boundary(mesh_);
+  body_of_node_ = bodies_of_nodes(mesh_);
   fixed_ = FixedAxes::Constant(3, mesh_.node_count(), false);
   dead_loads_n_ = Eigen::Matrix3Xd::Zero(3, mesh_.node_count());
   node_masses_kg_ = hung_masses_kg_ = hung_weights_kg_ = Eigen::VectorXd::Zero(mesh_.node_count());
   for (int e = 0; e < mesh_.tet_count(); ++e) {
-    const double mass = material_.density_kg_m3 * rest_volume(mesh_, e);
+    const double mass = material_of(e).density_kg_m3 * rest_volume(mesh_, e);
     for (Eigen::Index a = 0; a < mesh_.tets.rows(); ++a) {
       const double fraction = !mesh_.quadratic() ? 0.25 : a < 4 ? 1.0 / 36.0 : 4.0 / 27.0;
       node_masses_kg_[mesh_.tets(a, e)] += fraction * mass;
@@ -115,17 +101,18 @@ Body::Body(TetMesh mesh, const Material& material) : mesh_(std::move(mesh)), mat
 
 int Body::fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
                     const Eigen::Matrix<bool, 3, 1>& axes) {
-  return fix_nodes(box_min_m, box_max_m, axes, {}, "");
+  return fix_nodes(box_min_m, box_max_m, axes, {}, "", std::nullopt);
 }
 
 int Body::fix_nodes(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
-                    const Eigen::Matrix<bool, 3, 1>& axes, std::vector<ObstaclePose> motion, std::string name) {
+                    const Eigen::Matrix<bool, 3, 1>& axes, std::vector<ObstaclePose> motion, std::string name,
+                    std::optional<int> only_body) {
   check_hold(motion, axes);
   Hold hold{std::move(name), {}, axes, std::move(motion), Eigen::Vector3d::Zero()};
   Eigen::AlignedBox3d box;
   int count = 0;
   for (int node = 0; node < mesh_.node_count(); ++node) {
-    if (!inside(mesh_.nodes_m.col(node), box_min_m, box_max_m)) continue;
+    if (!is_in(node, {box_min_m, box_max_m}, only_body)) continue;
     ++count;
     box.extend(mesh_.nodes_m.col(node));
     const bool taken = fixed_.col(node).any();
@@ -169,13 +156,37 @@ void Body::place_held_nodes(double time_s, Eigen::Matrix3Xd& positions_m) const 
   }
 }
 
+bool Body::is_in(int node, const Eigen::AlignedBox3d& box, std::optional<int> only_body) const {
+  return (!only_body || body_of_node(node) == *only_body) && box.contains(mesh_.nodes_m.col(node));
+}
+
+// Integrals of the shape functions over the edges of boundary faces whose ends lie in the box (Simpson's rule), per
+// node.
+Eigen::VectorXd Body::edge_lengths_m(const Eigen::AlignedBox3d& box, std::optional<int> only_body) const {
+  const TetMesh& mesh = mesh_;
+  Eigen::VectorXd lengths_m = Eigen::VectorXd::Zero(mesh.node_count());
+  std::set<std::pair<int, int>> seen;
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
+    for (int side = 0; side < 3; ++side) {
+      const int a = mesh.faces(side, face), b = mesh.faces((side + 1) % 3, face);
+      if (!is_in(a, box, only_body) || !is_in(b, box, only_body)) continue;
+      if (!seen.insert({std::min(a, b), std::max(a, b)}).second) continue;
+      const double length_m = (mesh.nodes_m.col(a) - mesh.nodes_m.col(b)).norm();
+      const bool quadratic = mesh.faces.rows() == 6;
+      for (const int end : {a, b}) lengths_m[end] += length_m / (quadratic ? 6.0 : 2.0);
+      if (quadratic) lengths_m[mesh.faces(3 + side, face)] += length_m * 2.0 / 3.0;
+    }
+  }
+  return lengths_m;
+}
+
 double Body::add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
-                          const Eigen::Vector3d& traction_pa) {
+                          const Eigen::Vector3d& traction_pa, std::optional<int> only_body) {
   double loaded = 0.0;
   for (Eigen::Index face = 0; face < mesh_.faces.cols(); ++face) {
     bool all_inside = true;
     for (int corner = 0; corner < 3; ++corner)
-      all_inside = all_inside && inside(mesh_.nodes_m.col(mesh_.faces(corner, face)), box_min_m, box_max_m);
+      all_inside = all_inside && is_in(mesh_.faces(corner, face), {box_min_m, box_max_m}, only_body);
     if (!all_inside) continue;
     const Eigen::VectorXd areas = face_areas(mesh_, face);
     for (Eigen::Index a = 0; a < areas.size(); ++a) dead_loads_n_.col(mesh_.faces(a, face)) += areas[a] * traction_pa;
@@ -184,14 +195,14 @@ double Body::add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3
   return loaded;
 }
 
-void Body::add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
-                     const Eigen::Vector3d& force_n) {
-  const double area = add_traction(box_min_m, box_max_m, Eigen::Vector3d::Zero());
+void Body::add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Vector3d& force_n,
+                     std::optional<int> only_body) {
+  const double area = add_traction(box_min_m, box_max_m, Eigen::Vector3d::Zero(), only_body);
   if (area > 0.0) {
-    add_traction(box_min_m, box_max_m, force_n / area);
+    add_traction(box_min_m, box_max_m, force_n / area, only_body);
     return;
   }
-  const Eigen::VectorXd lengths_m = edge_lengths_m(mesh_, box_min_m, box_max_m);
+  const Eigen::VectorXd lengths_m = edge_lengths_m({box_min_m, box_max_m}, only_body);
   if (!(lengths_m.sum() > 0.0))
     throw std::invalid_argument("force_n: no boundary face, and no edge of one, lies inside the load's box");
   dead_loads_n_ += force_n * (lengths_m / lengths_m.sum()).transpose();
@@ -220,7 +231,13 @@ void Body::hang(const EmbeddedPoint& at, double mass_kg) {
 void Body::set_linear_volume(LinearVolume volume) {
   if (volume == LinearVolume::vertex_averaged && mesh_.quadratic())
     throw std::invalid_argument("linear_volume: vertex_averaged is for element: linear, not quadratic");
+  if (volume == LinearVolume::vertex_averaged && !one_material())
+    throw std::invalid_argument("linear_volume: vertex_averaged knows one material, not several; choose element");
   linear_volume_ = volume;
+}
+
+bool Body::one_material() const {
+  return std::all_of(of_regions_.begin(), of_regions_.end(), [&](const Material& other) { return other == material_; });
 }
 
 void Body::set_viscosity(const Viscosity& viscosity) {

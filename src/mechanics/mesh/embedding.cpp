@@ -66,9 +66,15 @@ EmbeddedPoint average(const std::vector<EmbeddedPoint>& points) {
   return result;
 }
 
-MeshLocator::MeshLocator(const TetMesh& mesh)
-    : mesh_(mesh), box_min_m_(3, mesh.tet_count()), box_max_m_(3, mesh.tet_count()) {
+MeshLocator::MeshLocator(const TetMesh& mesh, std::optional<int> only_body)
+    : mesh_(mesh),
+      box_min_m_(Eigen::Matrix3Xd::Constant(3, mesh.tet_count(), std::numeric_limits<double>::infinity())),
+      box_max_m_(-box_min_m_) {
+  const std::vector<int> bodies = bodies_of_nodes(mesh);
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face)
+    if (!only_body || bodies[static_cast<std::size_t>(mesh.faces(0, face))] == *only_body) faces_.push_back(face);
   for (int tet = 0; tet < mesh.tet_count(); ++tet) {
+    if (only_body && mesh.body_of(tet) != *only_body) continue;
     Eigen::Vector3d min = mesh.nodes_m.col(mesh.tets(0, tet)), max = min;
     for (Eigen::Index a = 1; a < mesh.tets.rows(); ++a) {
       min = min.cwiseMin(mesh.nodes_m.col(mesh.tets(a, tet)));
@@ -102,7 +108,7 @@ Location MeshLocator::locate(const Eigen::Vector3d& point_m) const {
   best.nearest_m = point_m;
   if (best_inside >= -kInsideTolerance) return best;
 
-  const SkinPoint skin = nearest_on_skin(mesh_, point_m);
+  const SkinPoint skin = nearest_on_skin(mesh_, faces_, point_m);
   best.nearest_m = skin.position_m;
   best_inside = -std::numeric_limits<double>::infinity();
   best.tet = -1;

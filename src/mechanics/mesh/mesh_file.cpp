@@ -98,9 +98,11 @@ struct FileFace {
 // The file as it stands, with node tags replaced by indices.
 struct FileContent {
   std::vector<std::pair<int, std::string>> surface_names;  // physical tag, name
+  std::map<int, std::string> region_names;                 // the same of volumes
   std::vector<Eigen::Vector3d> nodes_m;
   std::unordered_map<long, int> node_index;  // by tag
   std::vector<std::vector<int>> tets;
+  std::vector<int> tet_physical;
   std::vector<FileFace> faces;
   bool has_format = false;
 };
@@ -121,6 +123,7 @@ void read_names(LineReader& reader, FileContent& content) {
     const int tag = reader.number<int>();
     const std::string name = reader.quoted();
     if (dimension == 2) content.surface_names.emplace_back(tag, name);
+    if (dimension == 3) content.region_names[tag] = name;
   }
 }
 
@@ -172,6 +175,7 @@ void read_element(LineReader& reader, FileContent& content) {
         reader.fail("elements of 4 and of 10 nodes are mixed");
       }
       content.tets.push_back(nodes);
+      content.tet_physical.push_back(physical);
       return;
     }
     default:
@@ -252,6 +256,20 @@ void add_surfaces(const FileContent& content, const LineReader& reader, TetMesh&
   for (size_t i = 0; i < faces.size(); ++i) mesh.faces.col(static_cast<Eigen::Index>(i)) = faces[i];
 }
 
+// Elements of no physical group are a region without a name.
+void add_regions(const FileContent& content, TetMesh& mesh) {
+  mesh.regions.clear();
+  std::map<int, int> region_of;  // by physical tag
+  for (const int tag : content.tet_physical) {
+    const auto [at, is_new] = region_of.emplace(tag, static_cast<int>(mesh.regions.size()));
+    mesh.tet_region.push_back(at->second);
+    if (!is_new) continue;
+    const auto named = content.region_names.find(tag);
+    mesh.regions.push_back({named != content.region_names.end() ? named->second : tag == 0 ? "" : std::to_string(tag)});
+  }
+  if (mesh.regions.size() == 1) mesh.tet_region.clear();
+}
+
 }  // namespace
 
 TetMesh read_msh(const std::string& path) {
@@ -266,6 +284,7 @@ TetMesh read_msh(const std::string& path) {
     mesh.tets.col(static_cast<Eigen::Index>(i)) =
         Eigen::Map<const Eigen::VectorXi>(content.tets[i].data(), mesh.tets.rows());
   }
+  add_regions(content, mesh);
   add_surfaces(content, reader, mesh);
   complete_boundary(mesh);
   return mesh;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -89,6 +90,12 @@ void add_crossings(const Line& line, const Eigen::Matrix3Xd& face_m, std::vector
 }  // namespace
 
 SkinPoint nearest_on_skin(const TetMesh& mesh, const Eigen::Vector3d& point_m) {
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(mesh.faces.cols()));
+  std::iota(all.begin(), all.end(), 0);
+  return nearest_on_skin(mesh, all, point_m);
+}
+
+SkinPoint nearest_on_skin(const TetMesh& mesh, const std::vector<Eigen::Index>& faces, const Eigen::Vector3d& point_m) {
   SkinPoint nearest{point_m, std::numeric_limits<double>::infinity()};
   const auto try_triangle = [&](Eigen::Index face, const std::array<int, 3>& part) {
     const auto corner = [&](int i) -> Eigen::Vector3d { return mesh.nodes_m.col(mesh.faces(part[i], face)); };
@@ -96,7 +103,7 @@ SkinPoint nearest_on_skin(const TetMesh& mesh, const Eigen::Vector3d& point_m) {
     const double distance_m = (candidate - point_m).norm();
     if (distance_m < nearest.distance_m) nearest = {candidate, distance_m};
   };
-  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
+  for (const Eigen::Index face : faces) {
     if (mesh.faces.rows() == 3) {
       try_triangle(face, {0, 1, 2});
     } else {

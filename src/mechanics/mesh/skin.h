@@ -17,6 +17,8 @@ struct SkinPoint {
 
 // A curved face is taken as four flat triangles.
 SkinPoint nearest_on_skin(const TetMesh& mesh, const Eigen::Vector3d& point_m);
+// Of these faces only.
+SkinPoint nearest_on_skin(const TetMesh& mesh, const std::vector<Eigen::Index>& faces, const Eigen::Vector3d& point_m);
 
 struct SkinCrossing {
   double share;            // of the line

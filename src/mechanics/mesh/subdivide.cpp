@@ -74,6 +74,9 @@ class Subdivider {
     for (int tet = 0; tet < coarse_.tet_count(); ++tet) split_tet(tet);
     split_faces();
     fine_.mesh.surface_names = coarse_.surface_names;
+    fine_.mesh.regions = coarse_.regions;
+    fine_.mesh.bodies = coarse_.bodies;
+    for (const int region : coarse_.tet_region) fine_.mesh.tet_region.insert(fine_.mesh.tet_region.end(), 8, region);
     fine_.mesh.nodes_m = fine_.carry(coarse_.nodes_m);
     return std::move(fine_);
   }

@@ -161,13 +161,39 @@ void check_connected(const TetMesh& mesh, const TetSides& sides) {
     if (count > 2) refuse("more than two elements share a face, among them " + element_text(mesh, side[2].tet));
     if (count == 2) parent[static_cast<size_t>(root(side[0].tet))] = root(side[1].tet);
   });
-  std::set<int> parts;
-  for (int tet = 0; tet < mesh.tet_count(); ++tet) parts.insert(root(tet));
-  if (parts.size() == 1) return;
-  int other = 0;
-  while (root(other) == root(0)) ++other;
-  refuse("falls into " + std::to_string(parts.size()) + " parts without a common face: " + element_text(mesh, 0) +
-         " and " + element_text(mesh, other) + " do not hang together");
+  std::map<int, int> first_of;  // per body, an element
+  for (int tet = 0; tet < mesh.tet_count(); ++tet) {
+    const int first = first_of.emplace(mesh.body_of(tet), tet).first->second;
+    if (root(tet) == root(first)) continue;
+    std::set<int> parts;
+    for (int each = 0; each < mesh.tet_count(); ++each)
+      if (mesh.body_of(each) == mesh.body_of(tet)) parts.insert(root(each));
+    refuse("falls into " + std::to_string(parts.size()) + " parts without a common face: " + element_text(mesh, first) +
+           " and " + element_text(mesh, tet) + " do not hang together");
+  }
+  if (first_of.size() != mesh.bodies.size()) refuse("has a body without an element");
+}
+
+void check_bodies_apart(const TetMesh& mesh) {
+  const std::vector<int> bodies = bodies_of_nodes(mesh);
+  for (int tet = 0; tet < mesh.tet_count(); ++tet)
+    for (const int node : mesh.tets.col(tet))
+      if (bodies[static_cast<size_t>(node)] != mesh.body_of(tet))
+        refuse("two bodies share the node at " + point_text(mesh.nodes_m.col(node)));
+}
+
+void check_regions(const TetMesh& mesh) {
+  if (mesh.regions.empty() || mesh.bodies.empty()) refuse("has no region, or no body");
+  for (const MeshRegion& region : mesh.regions)
+    if (region.body < 0 || region.body >= static_cast<int>(mesh.bodies.size()))
+      refuse("region '" + region.name + "' belongs to no body");
+  if (mesh.tet_region.empty()) return;
+  if (static_cast<int>(mesh.tet_region.size()) != mesh.tet_count())
+    refuse("tet_region must have one entry for each element");
+  for (const int region : mesh.tet_region)
+    if (region < 0 || region >= static_cast<int>(mesh.regions.size()))
+      refuse("tet_region " + std::to_string(region) + " is out of range [0, " + std::to_string(mesh.regions.size()) +
+             ")");
 }
 
 // Their faces meet two by two, so that no boundary is left.
@@ -256,6 +282,42 @@ TetMesh make_linear(const TetMesh& mesh) {
   return result;
 }
 
+std::vector<int> bodies_of_nodes(const TetMesh& mesh) {
+  std::vector<int> bodies(static_cast<size_t>(mesh.node_count()), 0);
+  for (int tet = 0; tet < mesh.tet_count(); ++tet)
+    for (const int node : mesh.tets.col(tet)) bodies[static_cast<size_t>(node)] = mesh.body_of(tet);
+  return bodies;
+}
+
+namespace {
+
+template <class Matrix>
+void append_columns(const Matrix& added, Matrix& all) {
+  const Eigen::Index before = all.cols();
+  all.conservativeResize(added.rows(), before + added.cols());
+  all.rightCols(added.cols()) = added;
+}
+
+}  // namespace
+
+void add_body(const std::string& name, const TetMesh& body, TetMesh& mesh) {
+  if (body.quadratic() != mesh.quadratic()) throw std::invalid_argument("bodies have elements of different order");
+  if (std::count(mesh.bodies.begin(), mesh.bodies.end(), name) > 0)
+    throw std::invalid_argument("two bodies are named '" + name + "'");
+  const int first_node = mesh.node_count(), first_region = static_cast<int>(mesh.regions.size()),
+            first_surface = static_cast<int>(mesh.surface_names.size());
+  mesh.tet_region.resize(static_cast<size_t>(mesh.tet_count()), 0);
+  for (int tet = 0; tet < body.tet_count(); ++tet) mesh.tet_region.push_back(first_region + body.region_of(tet));
+  for (const MeshRegion& region : body.regions)
+    mesh.regions.push_back({region.name, static_cast<int>(mesh.bodies.size())});
+  mesh.bodies.push_back(name);
+  for (const int surface : body.face_surface) mesh.face_surface.push_back(surface < 0 ? -1 : first_surface + surface);
+  for (const std::string& surface : body.surface_names) mesh.surface_names.push_back(name + "/" + surface);
+  append_columns(body.nodes_m, mesh.nodes_m);
+  append_columns<Eigen::MatrixXi>(body.tets.array() + first_node, mesh.tets);
+  append_columns<Eigen::MatrixXi>(body.faces.array() + first_node, mesh.faces);
+}
+
 void complete_boundary(TetMesh& mesh) {
   std::set<FaceKey> listed;
   for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
@@ -279,7 +341,9 @@ void complete_boundary(TetMesh& mesh) {
 void check_mesh(const TetMesh& mesh) {
   check_sizes(mesh);
   check_indices(mesh);
+  check_regions(mesh);
   check_nodes(mesh);
+  check_bodies_apart(mesh);
   check_elements(mesh);
   const TetSides sides(mesh);
   check_connected(mesh, sides);

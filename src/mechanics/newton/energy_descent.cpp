@@ -46,7 +46,7 @@ double energy_between(const DrivenConstraint& constraint, const SharedDrives& dr
 class SofterBulk {
  public:
   explicit SofterBulk(Elements& elements) : elements_(elements), lambda_pa_(elements.lambda_pa()) {
-    elements_.set_lambda_pa(std::min(lambda_pa_, constants::kSoftBulk * elements.mu_pa()));
+    elements_.set_lambda_pa(lambda_pa_.cwiseMin(constants::kSoftBulk * elements.mu_pa()));
   }
   ~SofterBulk() { elements_.set_lambda_pa(lambda_pa_); }
   SofterBulk(const SofterBulk&) = delete;
@@ -54,7 +54,7 @@ class SofterBulk {
 
  private:
   Elements& elements_;
-  double lambda_pa_;
+  const Eigen::VectorXd lambda_pa_;
 };
 
 class SofterContact {
@@ -83,7 +83,7 @@ ElementSums NewtonSolver::sums_at(const Eigen::Matrix3Xd& positions_m) const {
 }
 
 double NewtonSolver::volumetric_energy_j(const ElementSums& sums) const {
-  return 0.5 * elements_.lambda_pa() * sums.volumetric_strain.cwiseAbs2().dot(elements_.rest_volumes_m3());
+  return 0.5 * elements_.sum_of_squares(elements_.lambda_pa(), sums.volumetric_strain);
 }
 
 int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const { return sums_at(positions_m).inverted; }
@@ -122,7 +122,7 @@ bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& st
   Eigen::Map<Eigen::VectorXd> values(matrix_.block(0), size);
   matrix_.set_zero();
   if (convexity > 0.0) {
-    const Eigen::VectorXd cancelling = (elements_.mu_pa() * (1.0 - volumetric_strain.array())).matrix();
+    const Eigen::VectorXd cancelling = (elements_.mu_pa().array() * (1.0 - volumetric_strain.array())).matrix();
     elements_.add_hessian(state.positions_m, cancelling, true, matrix_);
     if (task.strain_target) springs_.add_hessian(state.positions_m, *task.strain_target, true, matrix_);
   }
@@ -172,7 +172,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
   const SofterBulk softer(elements_);
   const SofterContact softer_contact(soft_contact_);
   const ContactState contact = state.contact;
-  const double no_slope = constants::kNoSlope * elements_.mu_pa() * elements_.rest_volumes_m3().sum();
+  const double no_slope = constants::kNoSlope * body_.material().lame_mu_pa() * elements_.rest_volumes_m3().sum();
   const int count = constraint_count();
   Eigen::VectorXd ties;  // least compliances; known after the first factor, before which constraints have no say
   double convexity = 1.0;
@@ -180,7 +180,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
     const EnergyAt here = energy_at(task, state.positions_m, state.drives, contact);
     state.contact = here.contact;
     touches_ = here.touches;
-    state.element_multipliers_pa = elements_.lambda_pa() * here.elements.volumetric_strain;
+    state.element_multipliers_pa = elements_.lambda_pa().cwiseProduct(here.elements.volumetric_strain);
     Eigen::VectorXd compliances = ties;
     std::vector<int> open;
     if (ties.size() == 0) state.constraint_multipliers.setZero();

@@ -10,9 +10,8 @@ void NewtonSolver::prepare_merit(const NewtonState& state, const Evaluation& her
                                  Step& step) const {
   // Slope of the merit function; -slope = dx' A dx without its volumetric part, plus the penalties' decrease.
   const Eigen::VectorXd c = elements_.mismatch(here.elements.volumetric_strain, step.element_multipliers_pa);
-  const double squared = c.cwiseAbs2().dot(elements_.rest_volumes_m3());
   step.slope = as_vector(gradient_n).dot(as_vector(step.motion_m)) +
-               (elements_.lambda_pa() - constants::kPenaltyOverMu * elements_.mu_pa()) * squared;
+               elements_.sum_of_squares(elements_.lambda_pa() - constants::kPenaltyOverMu * elements_.mu_pa(), c);
   step.slope +=
       (step.constraint_multipliers - state.constraint_multipliers).dot(border_.transpose() * as_vector(step.motion_m));
   step.laws = after_flows(here.laws, here.friction_contacts, step.slips_m);
@@ -29,7 +28,7 @@ double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
   const Eigen::VectorXd& p = step.element_multipliers_pa;
   const Eigen::VectorXd c = elements_.mismatch(at.elements.volumetric_strain, p);
   double sum = at.smooth_energy;
-  sum += (p.cwiseProduct(c) + 0.5 * constants::kPenaltyOverMu * elements_.mu_pa() * c.cwiseAbs2())
+  sum += (p.cwiseProduct(c) + (0.5 * constants::kPenaltyOverMu * elements_.mu_pa()).cwiseProduct(c.cwiseAbs2()))
              .dot(elements_.rest_volumes_m3());
   for (int i = 0; i < constraint_count(); ++i) {
     const double y = step.constraint_multipliers[i];

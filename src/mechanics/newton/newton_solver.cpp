@@ -29,7 +29,7 @@ NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
       contact_(tables_->contact),
       matrix_(tables_->matrix),
       factor_(tables_->factor),
-      elements_(tables_->elements, bulk_lambda_pa(body_.material())),
+      elements_(tables_->elements),
       springs_(elements_.batches(), elements_.slots()) {}
 
 void NewtonSolver::release(Eigen::Matrix3Xd& forces) const {

@@ -56,7 +56,7 @@ void ReducedSimulation::set_command(const std::string& actuator, double command)
 }
 
 int ReducedSimulation::inverted_elements() const {
-  const Elements elements(model_->full->tables().newton->elements, bulk_lambda_pa(model_->full->body().material()));
+  const Elements elements(model_->full->tables().newton->elements);
   const Eigen::Matrix3Xd shape_m = positions_m();
   Eigen::Matrix3Xd forces_n = Eigen::Matrix3Xd::Zero(3, shape_m.cols());
   return elements.add_gradient(shape_m, Eigen::VectorXd::Zero(elements.multiplier_count()), forces_n).inverted;

@@ -12,14 +12,18 @@ constexpr double kSmallestPivot = 0.1;  // of I + h^2 M^-1/2 K M^-1/2, which is 
 // Plain pointers, so that every copy of the code stays self-contained.
 struct BatchArrays {
   const int *element, *nodes;
-  const Batch *gradients, *weights, *laplacian;
+  const Batch *gradients, *weights, *laplacian, *lambda_pa;
 };
 
 template <int Nodes, int Points>
 inline BatchArrays arrays_of(const BatchArrays& all, int batch) {
   const auto place = static_cast<std::ptrdiff_t>(batch);
-  return {all.element + place * kLanes, all.nodes + place * Nodes * kLanes, all.gradients + place * Points * Nodes * 3,
-          all.weights + place * Points, all.laplacian + place * Nodes * (Nodes + 1) / 2};
+  return {all.element + place * kLanes,
+          all.nodes + place * Nodes * kLanes,
+          all.gradients + place * Points * Nodes * 3,
+          all.weights + place * Points,
+          all.laplacian + place * Nodes * (Nodes + 1) / 2,
+          all.lambda_pa + place};
 }
 
 // Unused lanes stay put: their element is in another lane or batch too.
@@ -50,13 +54,15 @@ inline void scale_hessian(const Batch* blocks, const Batch* s, double h, Batch* 
 }
 
 template <int Nodes, int Points, class Law>
-inline void move_batches(const BatchArrays& all, const Law& law, int first, int last, const ElementStep& step) {
+inline void move_batches(const BatchArrays& all, const Law* laws, int first, int last, const ElementStep& step) {
   constexpr int kSize = 3 * Nodes;
   Batch x[kSize], s[kSize], gradient[kSize], volume_gradient[kSize], motion[kSize];
   Batch blocks[9 * Nodes * (Nodes + 1) / 2], matrix[triangle_size(kSize)];
   const double h = step.time_step_s;
   for (int batch = first; batch < last; ++batch) {
     const BatchArrays e = arrays_of<Nodes, Points>(all, batch);
+    const Law& law = laws[batch];
+    const Batch lambda_pa = *e.lambda_pa;
     Batch* multipliers = step.multipliers + static_cast<std::ptrdiff_t>(batch) * kSize;
     gather(step.positions_m, e.nodes, Nodes, x);
     gather(step.root_inverse_masses, e.nodes, Nodes, s);
@@ -65,9 +71,9 @@ inline void move_batches(const BatchArrays& all, const Law& law, int first, int 
       if (e.element[lane] >= 0) p[lane] = step.volume_multipliers_pa[e.element[lane]];
 
     const BatchSums sums = batch_gradient<Nodes, Points>(x, e.gradients, e.weights, law, splat(0.0), gradient);
-    const Batch pressure = step.lambda_pa * (sums.mean_determinant - 1.0);
+    const Batch pressure = lambda_pa * (sums.mean_determinant - 1.0);
     for (const bool convex : {false, true}) {
-      batch_hessian<Nodes, Points>(x, e.gradients, e.weights, e.laplacian, law, step.lambda_pa, p, convex, blocks,
+      batch_hessian<Nodes, Points>(x, e.gradients, e.weights, e.laplacian, law, lambda_pa, p, convex, blocks,
                                    volume_gradient);
       scale_hessian<Nodes>(blocks, s, h, matrix);
       const Batch pivot = factorise_ldlt<kSize>(matrix);
@@ -90,86 +96,85 @@ inline void move_batches(const BatchArrays& all, const Law& law, int first, int 
     for (int lane = 0; lane < kLanes; ++lane)
       if (e.element[lane] >= 0)
         step.volume_multipliers_pa[e.element[lane]] =
-            pressure[lane] + step.lambda_pa * volumetric_strain[lane] / volume[lane];
+            pressure[lane] + lambda_pa[lane] * volumetric_strain[lane] / volume[lane];
   }
 }
 
 template <int Nodes, int Points, class Law>
-inline void measure_batches(const BatchArrays& all, const Law& law, int count, double lambda, const double* positions,
+inline void measure_batches(const BatchArrays& all, const Law* laws, int count, const double* positions,
                             Batch* energies) {
   Batch x[3 * Nodes], unused[3 * Nodes];
   for (int batch = 0; batch < count; ++batch) {
     const BatchArrays e = arrays_of<Nodes, Points>(all, batch);
     gather(positions, e.nodes, Nodes, x);
-    const BatchSums sums = batch_gradient<Nodes, Points>(x, e.gradients, e.weights, law, splat(0.0), unused);
+    const BatchSums sums = batch_gradient<Nodes, Points>(x, e.gradients, e.weights, laws[batch], splat(0.0), unused);
     Batch volume = splat(0.0);
     for (int q = 0; q < Points; ++q) volume += e.weights[q];
     const Batch volumetric_strain = sums.mean_determinant - 1.0;
-    energies[batch] = sums.energy + 0.5 * lambda * volume * volumetric_strain * volumetric_strain;
+    energies[batch] = sums.energy + 0.5 * *e.lambda_pa * volume * volumetric_strain * volumetric_strain;
   }
 }
 
-SOFT_ROBOT_LAB_CLONES void move_quadratic(const BatchArrays& all, const NeoHookean& law, int first, int last,
+SOFT_ROBOT_LAB_CLONES void move_quadratic(const BatchArrays& all, const NeoHookean* laws, int first, int last,
                                           const ElementStep& step) {
-  move_batches<10, 4>(all, law, first, last, step);
+  move_batches<10, 4>(all, laws, first, last, step);
 }
-SOFT_ROBOT_LAB_CLONES void measure_quadratic(const BatchArrays& all, const NeoHookean& law, int count, double lambda,
+SOFT_ROBOT_LAB_CLONES void measure_quadratic(const BatchArrays& all, const NeoHookean* laws, int count,
                                              const double* positions, Batch* energies) {
-  measure_batches<10, 4>(all, law, count, lambda, positions, energies);
+  measure_batches<10, 4>(all, laws, count, positions, energies);
 }
-SOFT_ROBOT_LAB_CLONES void move_linear(const BatchArrays& all, const NeoHookean& law, int first, int last,
+SOFT_ROBOT_LAB_CLONES void move_linear(const BatchArrays& all, const NeoHookean* laws, int first, int last,
                                        const ElementStep& step) {
-  move_batches<4, 1>(all, law, first, last, step);
+  move_batches<4, 1>(all, laws, first, last, step);
 }
-SOFT_ROBOT_LAB_CLONES void measure_linear(const BatchArrays& all, const NeoHookean& law, int count, double lambda,
+SOFT_ROBOT_LAB_CLONES void measure_linear(const BatchArrays& all, const NeoHookean* laws, int count,
                                           const double* positions, Batch* energies) {
-  measure_batches<4, 1>(all, law, count, lambda, positions, energies);
+  measure_batches<4, 1>(all, laws, count, positions, energies);
 }
-SOFT_ROBOT_LAB_CLONES void move_quadratic(const BatchArrays& all, const Rivlin& law, int first, int last,
+SOFT_ROBOT_LAB_CLONES void move_quadratic(const BatchArrays& all, const Rivlin* laws, int first, int last,
                                           const ElementStep& step) {
-  move_batches<10, 4>(all, law, first, last, step);
+  move_batches<10, 4>(all, laws, first, last, step);
 }
-SOFT_ROBOT_LAB_CLONES void measure_quadratic(const BatchArrays& all, const Rivlin& law, int count, double lambda,
+SOFT_ROBOT_LAB_CLONES void measure_quadratic(const BatchArrays& all, const Rivlin* laws, int count,
                                              const double* positions, Batch* energies) {
-  measure_batches<10, 4>(all, law, count, lambda, positions, energies);
+  measure_batches<10, 4>(all, laws, count, positions, energies);
 }
-SOFT_ROBOT_LAB_CLONES void move_linear(const BatchArrays& all, const Rivlin& law, int first, int last,
+SOFT_ROBOT_LAB_CLONES void move_linear(const BatchArrays& all, const Rivlin* laws, int first, int last,
                                        const ElementStep& step) {
-  move_batches<4, 1>(all, law, first, last, step);
+  move_batches<4, 1>(all, laws, first, last, step);
 }
-SOFT_ROBOT_LAB_CLONES void measure_linear(const BatchArrays& all, const Rivlin& law, int count, double lambda,
+SOFT_ROBOT_LAB_CLONES void measure_linear(const BatchArrays& all, const Rivlin* laws, int count,
                                           const double* positions, Batch* energies) {
-  measure_batches<4, 1>(all, law, count, lambda, positions, energies);
+  measure_batches<4, 1>(all, laws, count, positions, energies);
 }
 
 BatchArrays arrays(const ElementBatches& batches) {
-  return {batches.element.data(), batches.nodes.data(), batches.gradients.data(), batches.weights.data(),
-          batches.laplacian.data()};
+  return {batches.element.data(), batches.nodes.data(),     batches.gradients.data(),
+          batches.weights.data(), batches.laplacian.data(), batches.lambda_pa.data()};
 }
 
 }  // namespace
 
 void move_elements(const ElementBatches& batches, int first, int last, const ElementStep& step) {
   const BatchArrays all = arrays(batches);
-  const auto move = [&](const auto& law) {
+  const auto move = [&](const auto& laws) {
     if (batches.node_count == 10)
-      move_quadratic(all, law, first, last, step);
+      move_quadratic(all, laws.data(), first, last, step);
     else
-      move_linear(all, law, first, last, step);
+      move_linear(all, laws.data(), first, last, step);
   };
-  std::visit(move, step.law);
+  std::visit(move, batches.laws);
 }
 
-void measure_energy(const ElementBatches& batches, const MaterialLaw& law, double lambda_pa, const double* positions_m,
-                    Batch* energies) {
+void measure_energy(const ElementBatches& batches, const double* positions_m, Batch* energies) {
   const BatchArrays all = arrays(batches);
-  const auto measure = [&](const auto& chosen) {
+  const auto measure = [&](const auto& laws) {
     if (batches.node_count == 10)
-      measure_quadratic(all, chosen, batches.count(), lambda_pa, positions_m, energies);
+      measure_quadratic(all, laws.data(), batches.count(), positions_m, energies);
     else
-      measure_linear(all, chosen, batches.count(), lambda_pa, positions_m, energies);
+      measure_linear(all, laws.data(), batches.count(), positions_m, energies);
   };
-  std::visit(measure, law);
+  std::visit(measure, batches.laws);
 }
 
 }  // namespace soft_robot_lab

@@ -3,13 +3,11 @@
 #pragma once
 
 #include "mechanics/elements/element_batches.h"
-#include "mechanics/material/material_law.h"
 
 namespace soft_robot_lab {
 
 struct ElementStep {
-  MaterialLaw law;
-  double lambda_pa, time_step_s;
+  double time_step_s;
   const double* root_inverse_masses;  // 3 * node + axis: 1/sqrt(mass) [kg^-1/2], zero where held
   double* positions_m;                // 3 * node + axis
   Batch* multipliers;                 // batch x 3 P: minus the nodes' forces, times h^2 / sqrt(mass) [m kg^1/2]
@@ -20,7 +18,6 @@ struct ElementStep {
 void move_elements(const ElementBatches& batches, int first, int last, const ElementStep& step);
 
 // Stored energy of each element, in lanes [J].
-void measure_energy(const ElementBatches& batches, const MaterialLaw& law, double lambda_pa, const double* positions_m,
-                    Batch* energies);
+void measure_energy(const ElementBatches& batches, const double* positions_m, Batch* energies);
 
 }  // namespace soft_robot_lab

@@ -65,7 +65,7 @@ inline BatchMatrix what_turning_adds(const BatchMatrix& f, const BatchMatrix& d)
 struct ElementArrays {
   int batches;
   const int* nodes;
-  const Batch *gradients, *weights;
+  const Batch *gradients, *weights, *mu_ratio;
 };
 
 template <int Nodes, int Points>
@@ -81,7 +81,7 @@ inline void all_additions(const ElementArrays& e, const double* positions, const
       const Batch* g = e.gradients + point * Nodes * 3;
       BatchMatrix added = what_turning_adds(deformation_gradient<Nodes>(x, g), deformation_gradient<Nodes>(d, g));
       for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) added.m[i][k] *= e.weights[point];
+        for (int k = 0; k < 3; ++k) added.m[i][k] *= e.weights[point] * e.mu_ratio[batch];
       for (int a = 0; a < Nodes; ++a) {
         const BatchVector fraction = multiply(added, g + 3 * a);
         for (int i = 0; i < 3; ++i) sum[3 * a + i] += fraction.v[i];
@@ -140,7 +140,7 @@ std::shared_ptr<const StepWarp::Poisson> StepWarp::poisson(const Eigen::Matrix<b
 
 Eigen::Matrix3Xd StepWarp::follow(const Eigen::Matrix3Xd& positions_m, const Eigen::Matrix3Xd& step_m) const {
   const ElementArrays arrays{batches_.count(), batches_.nodes.data(), batches_.gradients.data(),
-                             batches_.weights.data()};
+                             batches_.weights.data(), batches_.mu_ratio.data()};
   Eigen::Matrix3Xd added = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
   const auto sum = batches_.node_count == 10 ? quadratic_additions : linear_additions;
   sum(arrays, positions_m.data(), step_m.data(), added.data());

@@ -4,7 +4,7 @@
 // and a small strain of every quadrature point, grad d F^-1 = [w]x + e, and the nodes go where deformation gradients
 // come nearest to those that rotation and strain lead to (rotation-strain coordinates: Huang, Tong, Zhou, Bao, Desbrun
 // 2011, IEEE TVCG 17(7)):
-//   min_x' sum_q w |grad x' - T F|^2,   T = s exp([w]x) (I + e),   det T = 1 + tr e, the volume that the step meant
+//   min_x' sum_q w mu |grad x' - T F|^2,   T = s exp([w]x) (I + e),   det T = 1 + tr e, the volume that the step meant
 // To first order that is x + d, so what is known of the step where it begins still holds.
 #pragma once
 

@@ -32,17 +32,12 @@ ElementBatches coloured_batches(const Body& body, Colouring colouring, std::vect
   std::vector<int> rank(body.mesh().node_count());
   std::iota(rank.begin(), rank.end(), 0);
   start = std::move(colouring.start);
-  return {body.mesh(), body.material().lame_mu_pa(), std::move(colouring.lanes), rank};
+  return {body, std::move(colouring.lanes), rank};
 }
 
-ElementStep element_step(const Body& body, double h, const Eigen::Matrix3Xd& root_inverse_masses, NewtonState& state,
+ElementStep element_step(double h, const Eigen::Matrix3Xd& root_inverse_masses, NewtonState& state,
                          Batches& multipliers) {
-  return {law_of(body.material()),
-          bulk_lambda_pa(body.material()),
-          h,
-          root_inverse_masses.data(),
-          state.positions_m.data(),
-          multipliers.data(),
+  return {h, root_inverse_masses.data(), state.positions_m.data(), multipliers.data(),
           state.element_multipliers_pa.data()};
 }
 
@@ -148,7 +143,7 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
 }
 
 void XpbdSolver::sweep_elements(double h, NewtonState& state) {
-  const ElementStep step = element_step(body_, h, root_inverse_masses_, state, multipliers_);
+  const ElementStep step = element_step(h, root_inverse_masses_, state, multipliers_);
   for_colours([&](int first, int last) { move_elements(batches_, first, last, step); });
 }
 
@@ -176,8 +171,7 @@ double XpbdSolver::kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const 
 }
 
 double XpbdSolver::stored_energy(const Eigen::Matrix3Xd& positions_m) {
-  measure_energy(batches_, law_of(body_.material()), bulk_lambda_pa(body_.material()), positions_m.data(),
-                 energies_.data());
+  measure_energy(batches_, positions_m.data(), energies_.data());
   double sum = 0.0;
   for (const Batch& batch : energies_)
     for (int lane = 0; lane < kLanes; ++lane) sum += batch[lane];

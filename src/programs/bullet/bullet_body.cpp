@@ -145,6 +145,12 @@ std::unique_ptr<btSoftBody> make_body(const Body& body, const std::vector<int>& 
   return soft;
 }
 
+const Material& only_material(const Body& body) {
+  if (!body.one_material() || body.mesh().bodies.size() > 1)
+    throw std::invalid_argument("the peer knows one body of one material, not several");
+  return body.material();
+}
+
 }  // namespace
 
 struct BulletBody::Parts {
@@ -155,7 +161,7 @@ struct BulletBody::Parts {
         world(&dispatcher, &broadphase, &constraint_solver, &configuration, &solver),
         place(places_of(scene.body())),
         forces(scene, place),
-        elasticity(make_elasticity(scene.body().material(), chosen)) {
+        elasticity(make_elasticity(only_material(scene.body()), chosen)) {
     constraint_solver.setDeformableSolver(&solver);
     world.setGravity({0, 0, 0});
     world.setImplicit(chosen.implicit);

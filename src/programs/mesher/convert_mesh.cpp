@@ -2,6 +2,7 @@
 #include "convert_mesh.h"
 
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 
 #include <gmsh.h>
@@ -12,18 +13,36 @@
 namespace soft_robot_lab {
 namespace {
 
-std::vector<NamedSurface> physical_surfaces() {
+std::vector<NamedEntities> physical_groups(int of_dimension) {
   gmsh::vectorpair groups;
-  gmsh::model::getPhysicalGroups(groups, 2);
-  std::vector<NamedSurface> surfaces;
+  gmsh::model::getPhysicalGroups(groups, of_dimension);
+  std::vector<NamedEntities> named;
   for (const auto& [dimension, tag] : groups) {
-    NamedSurface surface;
-    gmsh::model::getPhysicalName(dimension, tag, surface.name);
-    if (surface.name.empty()) surface.name = std::to_string(tag);
-    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, surface.entities);
-    surfaces.push_back(std::move(surface));
+    NamedEntities group;
+    gmsh::model::getPhysicalName(dimension, tag, group.name);
+    if (group.name.empty()) group.name = std::to_string(tag);
+    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, group.entities);
+    named.push_back(std::move(group));
   }
-  return surfaces;
+  return named;
+}
+
+// Volumes of no group are a region without a name.
+std::vector<NamedEntities> regions() {
+  std::vector<NamedEntities> groups = physical_groups(3);
+  std::map<int, std::string> group_of;
+  for (const NamedEntities& group : groups)
+    for (const int entity : group.entities)
+      if (const auto [first, is_new] = group_of.emplace(entity, group.name); !is_new)
+        throw std::invalid_argument("elements lie in two volume groups: '" + first->second + "' and '" + group.name +
+                                    "'");
+  gmsh::vectorpair volumes;
+  gmsh::model::getEntities(volumes, 3);
+  NamedEntities rest;
+  for (const auto& [dimension, entity] : volumes)
+    if (group_of.count(entity) == 0) rest.entities.push_back(entity);
+  if (!groups.empty() && !rest.entities.empty()) groups.push_back(std::move(rest));
+  return groups;
 }
 
 }  // namespace
@@ -36,7 +55,7 @@ TetMesh convert_mesh(const std::string& file) {
   if (kind == ".vtk") return read_vtk(file);
   const GmshSession session;
   gmsh::open(file);
-  return extract_mesh(physical_surfaces(), 1.0);
+  return extract_mesh(physical_groups(2), regions(), 1.0);
 }
 
 }  // namespace soft_robot_lab

@@ -81,6 +81,31 @@ Eigen::MatrixXi cells(const Elements& elements, const std::map<std::size_t, int>
   return result;
 }
 
+constexpr int kAllEntities = -1;
+
+// Of all volumes, region by region.
+Elements tetrahedra(const std::vector<NamedEntities>& volumes, TetMesh& mesh) {
+  const std::map<int, int> types{{4, 4}, {11, 10}};
+  if (!volumes.empty()) mesh.regions.clear();
+  if (volumes.size() == 1) mesh.regions.push_back({volumes[0].name});
+  if (volumes.size() < 2) return elements_of(3, kAllEntities, types);
+  Elements all;
+  for (const NamedEntities& volume : volumes) {
+    for (const int entity : volume.entities) {
+      const Elements part = elements_of(3, entity, types);
+      if (part.nodes.empty()) continue;
+      if (all.nodes_each != 0 && all.nodes_each != part.nodes_each)
+        throw std::invalid_argument("elements of region '" + volume.name + "' are of another order than others");
+      all.nodes_each = part.nodes_each;
+      all.nodes.insert(all.nodes.end(), part.nodes.begin(), part.nodes.end());
+      mesh.tet_region.resize(all.nodes.size() / static_cast<size_t>(all.nodes_each),
+                             static_cast<int>(mesh.regions.size()));
+    }
+    mesh.regions.push_back({volume.name});
+  }
+  return all;
+}
+
 }  // namespace
 
 GmshSession::GmshSession() {
@@ -93,15 +118,16 @@ GmshSession::GmshSession() {
 
 GmshSession::~GmshSession() { gmsh::finalize(); }
 
-TetMesh extract_mesh(const std::vector<NamedSurface>& surfaces, double unit_m) {
-  const Elements tets = elements_of(3, -1, {{4, 4}, {11, 10}});
+TetMesh extract_mesh(const std::vector<NamedEntities>& surfaces, const std::vector<NamedEntities>& volumes,
+                     double unit_m) {
+  TetMesh mesh;
+  const Elements tets = tetrahedra(volumes, mesh);
   if (tets.nodes.empty()) throw std::invalid_argument("the mesh holds no tetrahedra");
   const std::map<std::size_t, int> index = number_nodes(tets.nodes);
-  TetMesh mesh;
   mesh.nodes_m = node_positions(index, unit_m);
   mesh.tets = cells(tets, index);
   mesh.faces.resize(mesh.quadratic() ? 6 : 3, 0);
-  for (const NamedSurface& surface : surfaces) {
+  for (const NamedEntities& surface : surfaces) {
     for (const int entity : surface.entities) {
       const Elements triangles = elements_of(2, entity, {{2, 3}, {9, 6}});
       if (triangles.nodes.empty()) continue;

@@ -17,14 +17,16 @@ class GmshSession {
   GmshSession(const GmshSession&) = delete;
 };
 
-// Surface entities of the model that share a name.
-struct NamedSurface {
+// Surfaces, or volumes, of the model that share a name.
+struct NamedEntities {
   std::string name;
   std::vector<int> entities;
 };
 
 // The tetrahedra of the current model and the triangles of the named surfaces. Nodes stand in the order of their tags,
-// those of no element are left out. `unit_m` is the length of the model's unit.
-TetMesh extract_mesh(const std::vector<NamedSurface>& surfaces, double unit_m);
+// those of no element are left out. The volumes become regions; none: the mesh is one. `unit_m` is the length of the
+// model's unit.
+TetMesh extract_mesh(const std::vector<NamedEntities>& surfaces, const std::vector<NamedEntities>& volumes,
+                     double unit_m);
 
 }  // namespace soft_robot_lab

@@ -37,9 +37,9 @@ int add_ball(const MeshRefinement& refinement, double units_per_metre, double el
   return ball;
 }
 
-const std::vector<int>& entities_of(const std::string& name, const std::vector<NamedSurface>& surfaces) {
+const std::vector<int>& entities_of(const std::string& name, const std::vector<NamedEntities>& surfaces) {
   std::string known;
-  for (const NamedSurface& surface : surfaces) {
+  for (const NamedEntities& surface : surfaces) {
     if (surface.name == name) return surface.entities;
     known += (known.empty() ? "" : ", ") + surface.name;
   }
@@ -97,7 +97,7 @@ void check_count(double volume_m3, const MeshSizes& sizes) {
   throw std::invalid_argument(message.str());
 }
 
-void set_sizes(const MeshSizes& sizes, double units_per_metre, const std::vector<NamedSurface>& surfaces) {
+void set_sizes(const MeshSizes& sizes, double units_per_metre, const std::vector<NamedEntities>& surfaces) {
   gmsh::option::setNumber("Mesh.MeshSizeMax", sizes.element_size_m * units_per_metre);
   gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
   // Elements around a full circle: curved ones keep its area to 0.1 %, straight ones to 5 %.

@@ -21,6 +21,6 @@ void check_count(double volume_m3, const MeshSizes& sizes);
 
 // Gives Gmsh the sizes for the current model. Refinements that name surfaces need their entities; throws
 // std::invalid_argument where there is no such surface.
-void set_sizes(const MeshSizes& sizes, double units_per_metre, const std::vector<NamedSurface>& surfaces);
+void set_sizes(const MeshSizes& sizes, double units_per_metre, const std::vector<NamedEntities>& surfaces);
 
 }  // namespace soft_robot_lab

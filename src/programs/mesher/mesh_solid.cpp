@@ -54,7 +54,7 @@ void cut_few_triangles() {
 }
 
 // The triangles of the file are cut into patches, each meshed anew through its parametrisation. One unit is a metre.
-std::vector<NamedSurface> build_stl(const Solid& solid, const MeshSizes& sizes) {
+std::vector<NamedEntities> build_stl(const Solid& solid, const MeshSizes& sizes) {
   gmsh::merge(solid.file);
   cut_few_triangles();
   gmsh::model::mesh::classifySurfaces(kStlCorner, true, true, M_PI);
@@ -62,51 +62,56 @@ std::vector<NamedSurface> build_stl(const Solid& solid, const MeshSizes& sizes) 
   gmsh::vectorpair surfaces;
   gmsh::model::getEntities(surfaces, 2);
   if (surfaces.empty()) throw std::invalid_argument(solid.file + ": holds no triangles");
-  NamedSurface all{solid.name, {}};
+  NamedEntities all{solid.name, {}};
   for (const auto& surface : surfaces) all.entities.push_back(surface.second);
   gmsh::model::geo::addVolume({gmsh::model::geo::addSurfaceLoop(all.entities)});
   gmsh::model::geo::synchronize();
-  const std::vector<NamedSurface> named(solid.name.empty() ? 0 : 1, all);
+  const std::vector<NamedEntities> named(solid.name.empty() ? 0 : 1, all);
   set_sizes(sizes, 1.0, named);
   return named;
 }
 
 TetMesh mesh_stl(const Solid& solid, const MeshSizes& sizes) {
-  const std::vector<NamedSurface> surfaces = build_stl(solid, sizes);
+  const std::vector<NamedEntities> surfaces = build_stl(solid, sizes);
   double box[6];
   gmsh::model::getBoundingBox(-1, -1, box[0], box[1], box[2], box[3], box[4], box[5]);
   check_count((box[3] - box[0]) * (box[4] - box[1]) * (box[5] - box[2]) / 4, sizes);
   generate(sizes.quadratic);
-  return extract_mesh(surfaces, 1.0);
+  return extract_mesh(surfaces, {}, 1.0);
 }
 
 // Surfaces get their names from their triangles: where sizes depend on names, they are meshed before, at any size.
-std::vector<NamedSurface> name_before_meshing(int body, const Solid& solid, const MeshSizes& sizes) {
+std::vector<NamedEntities> name_before_meshing(const gmsh::vectorpair& volumes, const Solid& solid,
+                                               const MeshSizes& sizes) {
   if (!sizes.name_surfaces()) return {};
   gmsh::model::mesh::generate(2);
-  std::vector<NamedSurface> surfaces = name_surfaces(body, solid);
+  std::vector<NamedEntities> surfaces = name_surfaces(volumes, solid);
   gmsh::model::mesh::clear();
   return surfaces;
 }
 
-TetMesh mesh_kernel_solid(const Solid& solid, const MeshSizes& sizes) {
+TetMesh mesh_kernel_solid(const Solid& solid, const MeshSizes& sizes, const std::vector<std::string>& names) {
   const int body = build_body(solid);
   double volume = 0;
   gmsh::model::occ::getMass(3, body, volume);
   check_count(volume / std::pow(kKernelUnitsPerMetre, 3), sizes);
-  set_sizes(sizes, kKernelUnitsPerMetre, name_before_meshing(body, solid, sizes));
+  const std::vector<NamedEntities> regions = cut_body(body, solid, names);
+  gmsh::vectorpair volumes;
+  gmsh::model::getEntities(volumes, 3);
+  set_sizes(sizes, kKernelUnitsPerMetre, name_before_meshing(volumes, solid, sizes));
   generate(false);
-  const std::vector<NamedSurface> surfaces = name_surfaces(body, solid);
+  const std::vector<NamedEntities> surfaces = name_surfaces(volumes, solid);
   if (sizes.quadratic) gmsh::model::mesh::setOrder(2);
-  return extract_mesh(surfaces, 1 / kKernelUnitsPerMetre);
+  return extract_mesh(surfaces, regions, 1 / kKernelUnitsPerMetre);
 }
 
 }  // namespace
 
-TetMesh mesh_solid(const Solid& solid, const MeshSizes& sizes) {
+TetMesh mesh_solid(const Solid& solid, const MeshSizes& sizes, const std::vector<std::string>& regions) {
   const GmshSession session;
   gmsh::model::add("body");
-  TetMesh mesh = solid.kind == Solid::Kind::stl_file ? mesh_stl(solid, sizes) : mesh_kernel_solid(solid, sizes);
+  TetMesh mesh =
+      solid.kind == Solid::Kind::stl_file ? mesh_stl(solid, sizes) : mesh_kernel_solid(solid, sizes, regions);
   if (mesh.quadratic()) untangle(mesh);
   return mesh;
 }

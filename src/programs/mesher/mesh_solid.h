@@ -8,6 +8,6 @@
 namespace soft_robot_lab {
 
 // Throws std::invalid_argument or, from Gmsh, std::string.
-TetMesh mesh_solid(const Solid& solid, const MeshSizes& sizes);
+TetMesh mesh_solid(const Solid& solid, const MeshSizes& sizes, const std::vector<std::string>& regions);
 
 }  // namespace soft_robot_lab

@@ -169,6 +169,60 @@ bool has_name(const Solid& solid) {
 
 }  // namespace
 
+namespace {
+
+// What of the named solids lies in the body, and whose each piece is.
+struct Pieces {
+  Volumes volumes;
+  std::vector<size_t> owners;  // among the names, in the order of named_solids
+};
+
+Pieces pieces_in(int body, const std::vector<Solid>& solids) {
+  Pieces pieces;
+  for (size_t i = 0; i < solids.size(); ++i) {
+    Volumes found;
+    std::vector<Volumes> origins;
+    occ::intersect({{3, body}}, build(solids[i]), found, origins, -1, false, true);
+    for (const auto& volume : found) {
+      if (volume.first != 3) continue;
+      pieces.volumes.push_back(volume);
+      pieces.owners.push_back(i);
+    }
+  }
+  return pieces;
+}
+
+std::vector<Solid> chosen(const Solid& solid, const std::vector<std::string>& names) {
+  std::vector<Solid> result;
+  for (const Solid& named : named_solids(solid))
+    if (std::find(names.begin(), names.end(), named.name) != names.end()) result.push_back(named);
+  return result;
+}
+
+}  // namespace
+
+std::vector<NamedEntities> cut_body(int body, const Solid& solid, const std::vector<std::string>& names) {
+  if (names.empty()) return {};
+  const std::vector<Solid> solids = chosen(solid, names);
+  const Pieces pieces = pieces_in(body, solids);
+  if (pieces.volumes.empty()) return {};
+  Volumes cut;
+  std::vector<Volumes> origins;  // of the body, then of each piece: what it was cut into
+  occ::fragment({{3, body}}, pieces.volumes, cut, origins);
+  occ::synchronize();
+  std::vector<NamedEntities> regions(solids.size() + 1);
+  for (size_t i = 0; i < solids.size(); ++i) regions[i + 1].name = solids[i].name;
+  for (const auto& part : cut) {
+    size_t owner = solids.size();
+    for (size_t i = 0; i < pieces.volumes.size(); ++i)
+      if (std::count(origins[i + 1].begin(), origins[i + 1].end(), part) > 0) owner = std::min(owner, pieces.owners[i]);
+    regions[owner == solids.size() ? 0 : owner + 1].entities.push_back(part.second);
+  }
+  regions.erase(std::remove_if(regions.begin(), regions.end(), [](const auto& r) { return r.entities.empty(); }),
+                regions.end());
+  return regions;
+}
+
 gmsh::vectorpair build_solid(const Solid& solid) {
   gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
   const Volumes volumes = build(solid);

@@ -2,10 +2,12 @@
 // Solids as geometry of Gmsh's Open CASCADE kernel.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <gmsh.h>
 
+#include "gmsh_model.h"
 #include "soft_robot_lab/robot/design/solid.h"
 
 namespace soft_robot_lab {
@@ -19,5 +21,9 @@ gmsh::vectorpair build_solid(const Solid& solid);
 
 // The same as one volume. Throws std::invalid_argument when the solid is empty or falls into parts.
 int build_body(const Solid& solid);
+
+// Cuts the body along the solids of these names. Returns what lies in each, and first, without a name, the rest: what a
+// solid that counts more (named_solids) has taken, others do not have. Empty where there are no names.
+std::vector<NamedEntities> cut_body(int body, const Solid& solid, const std::vector<std::string>& names);
 
 }  // namespace soft_robot_lab

@@ -14,33 +14,6 @@ namespace {
 constexpr double kOnSurface = 1e-5;  // kernel units: 1e-8 m
 constexpr size_t kSamples = 25;      // per surface
 
-struct NamedSolid {
-  Solid solid;  // where it stands in the body
-  int depth;
-};
-
-void collect(const Solid& solid, int depth, std::vector<NamedSolid>& named) {
-  if (!solid.name.empty()) named.push_back({solid, depth});
-  const size_t first = named.size();
-  for (const Solid& part : solid.parts) collect(part, depth + 1, named);
-  if (!solid.moves()) return;
-  for (size_t i = first; i < named.size(); ++i) {
-    Solid moved = solid;
-    moved.name = named[i].solid.name;
-    moved.parts = {named[i].solid};
-    named[i].solid = moved;
-  }
-}
-
-// The strongest name first.
-std::vector<NamedSolid> named_solids(const Solid& solid) {
-  std::vector<NamedSolid> named;
-  collect(solid, 0, named);
-  std::reverse(named.begin(), named.end());
-  std::stable_sort(named.begin(), named.end(), [](const auto& a, const auto& b) { return a.depth > b.depth; });
-  return named;
-}
-
 // Points of a surface: centres of its triangles, put onto the exact surface.
 std::vector<Eigen::Vector3d> sample_points(int surface) {
   std::vector<std::size_t> tags, nodes;
@@ -86,34 +59,35 @@ std::vector<bool> find_on_boundary(const std::vector<std::vector<Eigen::Vector3d
   return on_boundary;
 }
 
-void add(std::vector<NamedSurface>& surfaces, const std::string& name, int entity) {
+void add(std::vector<NamedEntities>& surfaces, const std::string& name, int entity) {
   auto same = std::find_if(surfaces.begin(), surfaces.end(), [&](const auto& s) { return s.name == name; });
-  if (same == surfaces.end()) same = surfaces.insert(surfaces.end(), NamedSurface{name, {}});
+  if (same == surfaces.end()) same = surfaces.insert(surfaces.end(), NamedEntities{name, {}});
   same->entities.push_back(entity);
 }
 
 }  // namespace
 
-std::vector<NamedSurface> name_surfaces(int body, const Solid& solid) {
-  const std::vector<NamedSolid> names = named_solids(solid);
+std::vector<NamedEntities> name_surfaces(const gmsh::vectorpair& volumes, const Solid& solid) {
+  const std::vector<Solid> names = named_solids(solid);
   if (names.empty()) return {};
   gmsh::vectorpair entities;
-  gmsh::model::getBoundary({{3, body}}, entities, false, false, false);
+  const bool without_faces_between = volumes.size() > 1;
+  gmsh::model::getBoundary(volumes, entities, without_faces_between, false, false);
   std::vector<std::vector<Eigen::Vector3d>> points;
   for (const auto& entity : entities) points.push_back(sample_points(entity.second));
 
   std::string model;
   gmsh::model::getCurrent(model);
-  std::vector<NamedSurface> surfaces;
+  std::vector<NamedEntities> surfaces;
   std::vector<bool> is_named(entities.size(), false);
-  for (const NamedSolid& named : names) {
+  for (const Solid& named : names) {
     gmsh::model::add("named solid");
-    const std::vector<bool> on_boundary = find_on_boundary(points, named.solid);
+    const std::vector<bool> on_boundary = find_on_boundary(points, named);
     gmsh::model::remove();
     for (size_t i = 0; i < entities.size(); ++i) {
       if (!on_boundary[i] || is_named[i]) continue;
       is_named[i] = true;
-      add(surfaces, named.solid.name, entities[i].second);
+      add(surfaces, named.name, entities[i].second);
     }
   }
   gmsh::model::setCurrent(model);

@@ -3,6 +3,8 @@
 
 #include <charconv>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "settings/write_file.h"
 
@@ -12,17 +14,28 @@ namespace {
 constexpr int kBodyTag = 1;
 int surface_tag(int surface) { return surface + 2; }
 
+// Elements of a region without a name, where others have one, belong to no group.
+int region_tag(const TetMesh& mesh, int region) {
+  if (mesh.regions.size() > 1 && mesh.regions[static_cast<size_t>(region)].name.empty()) return 0;
+  return region == 0 ? kBodyTag : surface_tag(static_cast<int>(mesh.surface_names.size())) + region - 1;
+}
+
 std::string shortest(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
 void write_names(const TetMesh& mesh, std::ostream& out) {
-  out << "$PhysicalNames\n" << mesh.surface_names.size() + 1 << "\n";
+  std::vector<std::pair<int, std::string>> regions;
+  for (size_t i = 0; i < mesh.regions.size(); ++i)
+    if (const int tag = region_tag(mesh, static_cast<int>(i)); tag != 0)
+      regions.emplace_back(tag, mesh.regions[i].name);
+  out << "$PhysicalNames\n" << mesh.surface_names.size() + regions.size() << "\n";
   for (size_t i = 0; i < mesh.surface_names.size(); ++i) {
     out << "2 " << surface_tag(static_cast<int>(i)) << " \"" << mesh.surface_names[i] << "\"\n";
   }
-  out << "3 " << kBodyTag << " \"body\"\n$EndPhysicalNames\n";
+  for (const auto& [tag, name] : regions) out << "3 " << tag << " \"" << (name.empty() ? "body" : name) << "\"\n";
+  out << "$EndPhysicalNames\n";
 }
 
 void write_nodes(const TetMesh& mesh, std::ostream& out) {
@@ -47,7 +60,8 @@ void write_elements(const TetMesh& mesh, std::ostream& out) {
   for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
     write(quadratic ? 9 : 2, surface_tag(mesh.face_surface[static_cast<size_t>(face)]), mesh.faces.col(face));
   }
-  for (int tet = 0; tet < mesh.tet_count(); ++tet) write(quadratic ? 11 : 4, kBodyTag, mesh.tets.col(tet));
+  for (int tet = 0; tet < mesh.tet_count(); ++tet)
+    write(quadratic ? 11 : 4, region_tag(mesh, mesh.region_of(tet)), mesh.tets.col(tet));
   out << "$EndElements\n";
 }
 

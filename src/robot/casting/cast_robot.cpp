@@ -61,6 +61,8 @@ CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& optio
   file.settings = read_casting_settings(settings);
   file.mesher = mesher_options(options);
   const YamlNode section = settings.child("body");
+  if (!body.one_material() || body.mesh().bodies.size() > 1)
+    section.fail("casting knows one body of one material, not several");
   if (section.has("solid")) file.solid_yaml = to_yaml(read_solid(section.child("solid")));
   file.robot.surface = in_section(section, [&] {
     return file.solid_yaml.empty() ? surface_of_mesh(body.mesh())

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Part of every cache key: raise it when mesh_robot makes something else of the same request.
-constexpr const char* kMesherVersion = "soft_robot_lab mesh 4";
+constexpr const char* kMesherVersion = "soft_robot_lab mesh 5";
 constexpr const char* kEnding = ".msh";
 
 void check_size(const std::string& key, double value) {
@@ -73,6 +73,9 @@ std::string request_text(const MeshRequest& request) {
     text << "- {center_m: [" << r.center_m.x() << ", " << r.center_m.y() << ", " << r.center_m.z()
          << "], radius_m: " << r.radius_m << ", size_m: " << r.size_m << "}\n";
   }
+  for (std::size_t i = 0; i < request.regions.size(); ++i)
+    text << (i == 0 ? "regions: [" : ", ") << single_quoted(request.regions[i])
+         << (i + 1 == request.regions.size() ? "]\n" : "");
   return text.str();
 }
 

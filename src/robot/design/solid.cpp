@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <utility>
 
 namespace soft_robot_lab {
 namespace {
@@ -252,6 +253,25 @@ std::string shape_text(const Solid& solid) {
   return quoted(solid.file);
 }
 
+struct NamedSolid {
+  Solid solid;  // where it stands in the body
+  int depth;
+};
+
+void collect_named(const Solid& solid, int depth, std::vector<NamedSolid>& named) {
+  if (!solid.name.empty()) named.push_back({solid, depth});
+  const size_t first = named.size();
+  for (const Solid& part : solid.parts) collect_named(part, depth + 1, named);
+  if (!solid.moves()) return;
+  for (size_t i = first; i < named.size(); ++i) {
+    Solid moved = solid;
+    moved.name = named[i].solid.name;
+    moved.material = named[i].solid.material;
+    moved.parts = {named[i].solid};
+    named[i].solid = moved;
+  }
+}
+
 }  // namespace
 
 Solid read_solid(const YamlNode& node) {
@@ -263,6 +283,8 @@ Solid read_solid(const YamlNode& node) {
   solid.kind = read_kind(node);
   const YamlNode shape = node.child(kind_names()[static_cast<size_t>(solid.kind)]);
   solid.name = read_name(node, shape);
+  solid.material = node.optional_child("material");
+  if (solid.material && solid.name.empty()) solid.material->fail("belongs to a solid without a name; give it one");
   if (solid.kind == Kind::step_file || solid.kind == Kind::stl_file) {
     solid.file = read_file(shape);
   } else {
@@ -274,6 +296,23 @@ Solid read_solid(const YamlNode& node) {
 std::string to_yaml(const Solid& solid) {
   const std::string name = solid.name.empty() ? "" : ", name: " + quoted(solid.name);
   return "{" + kind_names()[static_cast<size_t>(solid.kind)] + ": " + shape_text(solid) + name + "}";
+}
+
+std::vector<Solid> named_solids(const Solid& solid) {
+  std::vector<NamedSolid> named;
+  collect_named(solid, 0, named);
+  std::reverse(named.begin(), named.end());
+  std::stable_sort(named.begin(), named.end(), [](const auto& a, const auto& b) { return a.depth > b.depth; });
+  std::vector<Solid> result;
+  for (NamedSolid& each : named) result.push_back(std::move(each.solid));
+  return result;
+}
+
+std::vector<Solid> solids_with_material(const Solid& solid) {
+  std::vector<Solid> result;
+  for (Solid& named : named_solids(solid))
+    if (named.material) result.push_back(std::move(named));
+  return result;
 }
 
 }  // namespace soft_robot_lab

@@ -23,7 +23,12 @@ std::vector<std::unique_ptr<Actuator>> read_actuators(const YamlNode& scene, con
                                                       const MeshLocator& locator, const ActuatorFactory& factory) {
   std::vector<std::unique_ptr<Actuator>> actuators;
   const auto add = [&](std::unique_ptr<Actuator> actuator, const YamlNode& node) {
-    in_section(node, [&] { actuator->initialise(node, body, locator); });
+    if (const std::optional<int> owner = read_owner(node, body.mesh())) {
+      const MeshLocator in_owner(body.mesh(), owner);
+      in_section(node, [&] { actuator->initialise(node, body, in_owner); });
+    } else {
+      in_section(node, [&] { actuator->initialise(node, body, locator); });
+    }
     actuators.push_back(std::move(actuator));
   };
   for (const YamlNode& node : scene.optional_sequence("cables")) {
@@ -43,12 +48,14 @@ std::vector<Marker> read_markers(const YamlNode& scene, const Body& body, const 
   const double longest_m = longest_stalk_m(body);
   for (const YamlNode& node : scene.optional_sequence("markers")) {
     const Eigen::Vector3d position_m = node.vector3("position_m");
-    const double stalk_m = locator.locate(position_m).distance_m;
+    const std::optional<int> owner = read_owner(node, body.mesh());
+    const MeshLocator in_owner = owner ? MeshLocator(body.mesh(), owner) : locator;
+    const double stalk_m = in_owner.locate(position_m).distance_m;
     if (!(stalk_m <= longest_m))
       node.child("position_m")
           .fail("lies " + std::to_string(stalk_m) + " m off the body, out of range [0, " + std::to_string(longest_m) +
                 "]: ten times the body's size");
-    markers.push_back(in_section(node, [&] { return Marker(read_name(node), position_m, body.mesh(), locator); }));
+    markers.push_back(in_section(node, [&] { return Marker(read_name(node), position_m, body.mesh(), in_owner); }));
   }
   return markers;
 }

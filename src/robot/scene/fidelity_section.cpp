@@ -26,6 +26,8 @@ std::optional<FidelityRequest> read_fidelity(const YamlNode& scene) {
   FidelityRequest request;
   request.tolerance_m = node->number("tolerance_m", AllowedRange::positive());
   request.max_nodes = node->integer_or("max_nodes", request.max_nodes, 100, 20000);
+  if (scene.has("bodies"))
+    scene.child("bodies").fail("fidelity chooses the mesh of one body; leave out one of the two");
   refuse_chosen(scene, *node, "solver", {"method", "integrator", "time_step_s", "substeps", "iterations"});
   refuse_chosen(scene, *node, "body", {"element", "element_size_m"});
   return request;

@@ -2,10 +2,13 @@
 #include <algorithm>
 
 #include "sections.h"
+#include "settings/read_name.h"
 #include "soft_robot_lab/robot/design/solid.h"
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr const char* kFirstBody = "body";  // name of what stands in `body`
 
 // A cable's end anchor sinks in over its plug's radius; elements there must be no larger to see it.
 std::vector<MeshRefinement> plug_refinements(const YamlNode& scene) {
@@ -29,40 +32,46 @@ void collect_subtracted(Solid& solid, std::vector<Solid*>& subtracted) {
 }
 
 // A chamber's `surface: {solid: ...}` repeats a solid that the body's takes away; that solid gets the chamber's name.
-void name_chamber_solids(const YamlNode& scene, Solid& body) {
+void name_chamber_solids(const YamlNode& scene, const std::string& body_name, Solid& body) {
   std::vector<Solid*> subtracted;
   collect_subtracted(body, subtracted);
   for (const YamlNode& chamber : scene.optional_sequence("chambers")) {
     const std::optional<YamlNode> surface = chamber.optional_child("surface");
-    if (!surface || !surface->is_map()) continue;
+    if (!surface || !surface->is_map() || chamber.text_or("body", kFirstBody) != body_name) continue;
     const std::string wanted = to_yaml(read_solid(surface->child("solid")));
     const auto found = std::find_if(subtracted.begin(), subtracted.end(),
                                     [&](const Solid* solid) { return to_yaml(*solid) == wanted; });
     if (found == subtracted.end())
-      surface->fail("is none of the " + std::to_string(subtracted.size()) +
-                    " solids that a difference of body.solid takes away");
+      surface->fail("is none of the " + std::to_string(subtracted.size()) + " solids that a difference of " +
+                    body_name + ".solid takes away");
     (*found)->name = chamber.text("name");
   }
 }
 
-bool quadratic(const YamlNode& body) {
-  return body.choice_or("element", "quadratic", {"linear", "quadratic"}) == "quadratic";
+// Of all bodies.
+bool quadratic(const YamlNode& scene) {
+  return scene.child("body").choice_or("element", "quadratic", {"linear", "quadratic"}) == "quadratic";
+}
+
+void refuse_chamber_solids(const YamlNode& scene, const std::string& body_name) {
+  for (const YamlNode& chamber : scene.optional_sequence("chambers"))
+    if (chamber.text_or("body", kFirstBody) == body_name && chamber.has("surface") && chamber.child("surface").is_map())
+      chamber.child("surface").fail("must be the name of a surface in the mesh file");
 }
 
 // Either a solid to be meshed at some size, or a mesh as it is.
-MeshRequest read_request(const YamlNode& scene, const YamlNode& body) {
+MeshRequest read_request(const YamlNode& scene, const std::string& body_name, const YamlNode& body) {
   MeshRequest request;
-  request.quadratic = quadratic(body);
+  request.quadratic = quadratic(scene);
   if (body.has("solid") == body.has("mesh")) body.fail("must have one of solid, mesh");
   if (body.has("mesh")) {
     request.mesh_file = beside(body.child("mesh"), body.text("mesh"));
-    for (const YamlNode& chamber : scene.optional_sequence("chambers"))
-      if (chamber.has("surface") && chamber.child("surface").is_map())
-        chamber.child("surface").fail("must be the name of a surface in the mesh file");
+    refuse_chamber_solids(scene, body_name);
     return request;
   }
   Solid solid = read_solid(body.child("solid"));
-  name_chamber_solids(scene, solid);
+  name_chamber_solids(scene, body_name, solid);
+  for (const Solid& region : solids_with_material(solid)) request.regions.push_back(region.name);
   request.solid_yaml = to_yaml(solid);
   request.element_size_m = body.number_or("element_size_m", request.element_size_m, AllowedRange::positive());
   if (body.boolean_or("refine_plugs", false)) request.refinements = plug_refinements(scene);
@@ -72,23 +81,37 @@ MeshRequest read_request(const YamlNode& scene, const YamlNode& body) {
   return request;
 }
 
+std::string mesh_file_of(const MeshRequest& request, const YamlNode& body, const MesherOptions& mesher) {
+  return in_section(body, [&] { return mesh_file_for(request, mesher); });
+}
+
 }  // namespace
 
 std::string mesh_file(const YamlNode& scene, const MesherOptions& mesher) {
   const YamlNode body = scene.child("body");
-  const MeshRequest request = read_request(scene, body);
-  return in_section(body, [&] { return mesh_file_for(request, mesher); });
+  return mesh_file_of(read_request(scene, kFirstBody, body), body, mesher);
 }
 
 TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options) {
-  const std::string file = mesh_file(scene, mesher_options(options));
-  const YamlNode body = scene.child("body");
-  return in_section(body, [&] {
-    const TetMesh shape = read_msh(file);
-    TetMesh mesh = quadratic(body) ? make_quadratic(shape) : make_linear(shape);
-    if (options.change_mesh) options.change_mesh(mesh);
-    return mesh;
-  });
+  const MesherOptions mesher = mesher_options(options);
+  const auto shape_of = [&](const std::string& name, const YamlNode& body) {
+    const std::string file = mesh_file_of(read_request(scene, name, body), body, mesher);
+    const TetMesh shape = in_section(body, [&] { return read_msh(file); });
+    return quadratic(scene) ? make_quadratic(shape) : make_linear(shape);
+  };
+  TetMesh mesh = shape_of(kFirstBody, scene.child("body"));
+  for (const YamlNode& body : scene.optional_sequence("bodies")) {
+    const std::string name = read_name(body);
+    in_section(body, [&] { add_body(name, shape_of(name, body), mesh); });
+  }
+  if (options.change_mesh) options.change_mesh(mesh);
+  return mesh;
+}
+
+std::optional<int> read_owner(const YamlNode& item, const TetMesh& mesh) {
+  if (!item.has("body")) return std::nullopt;
+  const std::string name = item.choice("body", mesh.bodies);
+  return static_cast<int>(std::find(mesh.bodies.begin(), mesh.bodies.end(), name) - mesh.bodies.begin());
 }
 
 std::vector<YamlNode> cable_path(const YamlNode& cable) {

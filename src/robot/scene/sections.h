@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -28,8 +29,8 @@ inline MesherOptions mesher_options(const SceneOptions& options) {
   return {options.mesher, options.cache_folder, options.meshing_limit_s};
 }
 std::string mesh_file(const YamlNode& scene, const MesherOptions& mesher);  // its path in the cache
-TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options);      // `body`: its shape
-Body read_body(const YamlNode& scene, TetMesh mesh);                        // `body`, `loads`, gravity
+TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options);      // `body`, `bodies`: their shapes
+Body read_body(const YamlNode& scene, TetMesh mesh);                        // `body`, `bodies`, `loads`, gravity
 Material read_material(const YamlNode& node);                               // `body.material`, or a file of presets
 std::vector<std::unique_ptr<Actuator>> read_actuators(
     const YamlNode& scene, const Body& body, const MeshLocator& locator,
@@ -42,6 +43,9 @@ RunSettings read_run(const YamlNode& scene, const Simulation& simulation);  // `
 
 // A file named in the scene: relative names start at the folder of the file that states them.
 std::string beside(const YamlNode& node, const std::string& file);
+
+// `body` in an item of a list: which body of the mesh it belongs to; none where it may be any.
+std::optional<int> read_owner(const YamlNode& item, const TetMesh& mesh);
 
 Eigen::Vector3d as_vector3(const YamlNode& node);  // an item [x, y, z] of a list
 

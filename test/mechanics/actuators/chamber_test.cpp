@@ -231,8 +231,7 @@ double total_energy_j(const Simulation& simulation, double beta) {
   const SimulationState& state = simulation.state();
   Eigen::Matrix3Xd unused = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   const ElementSums sums = elements.add_gradient(state.positions_m, Eigen::VectorXd::Zero(elements.count()), unused);
-  const double volumetric =
-      0.5 * elements.lambda_pa() * sums.volumetric_strain.cwiseAbs2().dot(elements.rest_volumes_m3());
+  const double volumetric = 0.5 * elements.sum_of_squares(elements.lambda_pa(), sums.volumetric_strain);
   const double kinetic = 0.5 * state.velocities_m_s.colwise().squaredNorm().dot(body.node_masses_kg());
   const ActuatorReading air = simulation.actuator_state(0);
   const double gas = kP0 * (*air.volume_m3 - *air.initial_volume_m3) -

@@ -31,6 +31,7 @@ struct MeshRequest {
   double element_size_m = 0.01;  // > 0
   bool quadratic = true;         // 10-node elements that follow curved surfaces
   std::vector<MeshRefinement> refinements;
+  std::vector<std::string> regions;  // named solids whose elements are kept apart, with faces where they meet others
 };
 
 struct MesherOptions {

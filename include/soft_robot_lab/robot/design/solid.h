@@ -2,6 +2,7 @@
 // Constructive solid geometry of a robot: the scene file's `solid`, read and checked without a geometry kernel.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct Solid {
   // Names the surface where this solid bounds the body; may be empty. Where several named solids share a surface, the
   // one nested deepest names it, and of those the one written last.
   std::string name;
+  // Of the part of the body that lies in this solid, which has a name then; the rules are those of surfaces.
+  std::optional<YamlNode> material;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // box
   Eigen::Vector3d center_m =
       Eigen::Vector3d::Zero();                        // box, sphere; what rotate, scale, mirror and array keep in place
@@ -58,7 +61,12 @@ struct Solid {
 // Throws SettingsError.
 Solid read_solid(const YamlNode& node);
 
-// The same solid as canonical text, numbers with 17 digits: read_solid gives it back bit by bit.
+// The same solid as canonical text without materials, numbers with 17 digits: read_solid gives it back bit by bit.
 std::string to_yaml(const Solid& solid);
+
+// The solids here and below that have a name, or a material too, where they stand in the body. What counts more stands
+// first: what is nested deeper, and of solids nested alike what is written later.
+std::vector<Solid> named_solids(const Solid& solid);
+std::vector<Solid> solids_with_material(const Solid& solid);
 
 }  // namespace soft_robot_lab

@@ -28,7 +28,7 @@ ALLOWED = {
     "hardware/emulator": "hardware/motor settings",
     "hardware/testbench": "hardware/motor settings",
     "hardware/plant": "hardware/motor perception/render robot/scene mechanics settings",
-    "control": "mechanics settings",
+    "control": "mechanics mechanics/reduced settings",
     "control/identification": "control robot/scene mechanics settings",
     "session": "control mechanics settings",
     "session/report": "geometry perception/render robot/design mechanics settings",

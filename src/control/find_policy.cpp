@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/control/find_policy.h"
 
+#include <optional>
 #include <sstream>
 
 #include "pose_problem.h"
+#include "reduced_search.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -25,17 +27,12 @@ void go_to_answer(Simulation& simulation, const SimulationState& before, const P
   summary.stop_reason = text.str();
 }
 
-OptimisationSummary find_step(Simulation& simulation, const PolicyTask& task, size_t index,
-                              const OptimiserOptions& options, const PoseProgress& progress, bool& cancelled) {
-  const Pose& pose = task.poses[index];
+OptimisationSummary find_step(Simulation& simulation, const Pose& pose, ReachProblem problem,
+                              const OptimiserOptions& options, const ProgressCallback& progress) {
   const SimulationState before = simulation.state();
-  ReachProblem problem = pose_problem(simulation, task, pose);
   ForwardModel model(simulation, markers_of(pose), problem.names);
   model.answer_for(problem);
-  OptimisationSummary summary = optimise(problem, options, [&](const OptimisationProgress& now) {
-    cancelled = progress && !progress(index, problem.names, now);
-    return !cancelled;
-  });
+  OptimisationSummary summary = optimise(problem, options, progress);
   if (!summary.usable) return summary;
   try {
     go_to_answer(simulation, before, pose, problem.names, summary);
@@ -56,7 +53,7 @@ void add_step(const Simulation& simulation, double time_s, CommandPolicy& policy
 }  // namespace
 
 PolicyAnswer find_policy(Simulation& simulation, const PolicyTask& task, const OptimiserOptions& options,
-                         const PoseProgress& progress) {
+                         const PoseProgress& progress, const ReducedChoice* reduced) {
   options.validate();
   require_task(simulation, task);
   pose_problem(simulation, task, task.poses.front());  // refuses what the bounds make impossible
@@ -65,8 +62,19 @@ PolicyAnswer find_policy(Simulation& simulation, const PolicyTask& task, const O
   PolicyAnswer answer;
   double time_s = 0.0;
   bool cancelled = false;
+  std::optional<ReducedSearch> fast;
+  if (reduced) fast.emplace(simulation, *reduced);
   for (size_t i = 0; i < task.poses.size() && !cancelled; ++i) {
-    answer.summaries.push_back(find_step(simulation, task, i, options, progress, cancelled));
+    const ReachProblem problem = pose_problem(simulation, task, task.poses[i]);
+    const auto show = [&](const OptimisationProgress& now) {
+      cancelled = progress && !progress(i, problem.names, now);
+      return !cancelled;
+    };
+    OptimisationSummary found;
+    if (fast) found = fast->find(task.poses[i], problem, options, show);
+    if (fast) answer.full_because.push_back(found.usable ? "" : found.stop_reason);
+    if (!found.usable) found = find_step(simulation, task.poses[i], problem, options, show);
+    answer.summaries.push_back(std::move(found));
     if (!answer.summaries.back().usable) break;
     time_s += task.poses[i].duration_s;
     add_step(simulation, time_s, answer.policy);

@@ -12,9 +12,10 @@
 #include <nlohmann/json.hpp>
 
 #include "robot/scene/parameters.h"
+#include "robot/scene/reduction.h"
 #include "settings/command_line.h"
 #include "settings/words.h"
-#include "progress_bar.h"
+#include "load_with_bar.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/robot/scene/scene.h"
@@ -171,7 +172,7 @@ int optimise_robot(const Arguments& arguments) {
   SceneOptions scene_options;
   scene_options.actuator_factory = make_actuator;
   scene_options.overrides = parameter_overrides(arguments.robot, arguments.set);
-  const Scene scene = load_scene(arguments.robot, scene_options);
+  const Scene scene = load_with_bar("optimise", arguments.robot, scene_options);
   if (!arguments.replay.empty()) return replay_policy(arguments, *scene.simulation);
   const PolicyTask task = complete(arguments, *scene.simulation);
   std::signal(SIGINT, interrupt);
@@ -180,7 +181,8 @@ int optimise_robot(const Arguments& arguments) {
     ProgressBar bar("optimise");
     double first_m = 0.0;
     answer = find_policy(
-        *scene.simulation, task, arguments.options, [&](size_t pose, const auto&, const OptimisationProgress& now) {
+        *scene.simulation, task, arguments.options,
+        [&](size_t pose, const auto&, const OptimisationProgress& now) {
           first_m = now.iteration == 1 ? now.distance_m : first_m;
           const double come = first_m > 0.0 ? 1.0 - now.distance_m / first_m : 1.0;
           std::ostringstream text;
@@ -188,12 +190,18 @@ int optimise_robot(const Arguments& arguments) {
           text << "pose " << pose + 1 << ", iteration " << now.iteration << ", " << 1e3 * now.distance_m << " mm";
           bar.show(come, text.str());
           return interrupted == 0;
-        });
+        },
+        scene.reduction ? &scene.reduction->choice : nullptr);
   }
   nlohmann::ordered_json result;
   for (size_t i = 0; i < answer.summaries.size(); ++i) {
     print(answer.summaries[i], task.poses[i]);
     result["poses"].push_back(json_of(answer.summaries[i], task.poses[i]));
+    if (answer.full_because.empty()) continue;
+    result["poses"].back()["searched_on"] = answer.full_because[i].empty() ? "reduced" : "newton";
+    if (answer.full_because[i].empty()) continue;
+    result["poses"].back()["not_on_reduced"] = answer.full_because[i];
+    std::cerr << "optimise: warning: newton searched, as " << answer.full_because[i] << "\n";
   }
   result["policy"]["names"] = answer.policy.names;
   for (const TimedCommandValues& step : answer.policy.steps)

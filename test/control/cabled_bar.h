@@ -24,9 +24,11 @@ inline std::unique_ptr<Actuator> cable(const std::string& name, double y_m, cons
   return actuator;
 }
 
-inline Simulation bar(SolverOptions options = {}, double youngs_modulus_pa = 264200.0) {
+inline Simulation bar(SolverOptions options = {}, double youngs_modulus_pa = 264200.0,
+                      const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d::Zero()) {
   Body body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {5, 2, 1}), Material{youngs_modulus_pa, 0.499, 1070.0});
   body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  body.set_gravity(gravity_m_s2);
   const MeshLocator locator(body.mesh());
   std::vector<std::unique_ptr<Actuator>> actuators;
   actuators.push_back(cable("left", -0.007, body, locator));

@@ -12,6 +12,8 @@
 
 namespace soft_robot_lab {
 
+struct ReducedChoice;
+
 struct MarkerGoal {
   std::string marker;
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  // robot_base
@@ -43,6 +45,8 @@ struct PolicyAnswer {
   bool success = false;                        // every pose has a usable summary
   CommandPolicy policy;                        // a step for each pose that has one
   std::vector<OptimisationSummary> summaries;  // one per pose, up to one that failed or was cancelled
+  // Where a reduced model was handed in, per summary: empty, or why the full model searched in its place.
+  std::vector<std::string> full_because;
 };
 
 // `pose` counts from 0.
@@ -50,8 +54,10 @@ using PoseProgress =
     std::function<bool(size_t pose, const std::vector<std::string>& actuators, const OptimisationProgress& progress)>;
 
 // Starts at the simulation's present rest state and commands, and leaves it at the policy's end. Throws
-// std::invalid_argument naming field, value and allowed range, before anything moves.
+// std::invalid_argument naming field, value and allowed range, before anything moves. With a reduced model of the
+// simulation's every method searches on that one, and the answer is the full model's rest state at its end; where it
+// does not serve, the full model searches.
 PolicyAnswer find_policy(Simulation& simulation, const PolicyTask& task, const OptimiserOptions& options,
-                         const PoseProgress& progress = {});
+                         const PoseProgress& progress = {}, const ReducedChoice* reduced = nullptr);
 
 }  // namespace soft_robot_lab

@@ -35,7 +35,7 @@ void refuse_unknown_reduced(const YamlNode& scene, const SceneOptions& options) 
   if (!asks_for_reduced(scene)) return;
   const YamlNode method = scene.child("solver").child("method");
   if (!options.knows_reduced)
-    method.fail("reduced is for the programs simulate and rollouts; must be newton or xpbd here");
+    method.fail("reduced is for the programs simulate, rollouts and optimise; must be newton or xpbd here");
   if (scene.has("fidelity")) method.fail("reduced is not chosen by fidelity; leave out one of the two");
 }
 

@@ -230,7 +230,7 @@ TEST_F(ReducedScene, RefusesWhatItDoesNotKnow) {
     const std::string words = refusal(one.solver, one.rest);
     EXPECT_NE(words.find(one.words), std::string::npos) << one.solver << one.rest << words;
   }
-  EXPECT_NE(refusal(kReduced, kMotion, false).find("programs simulate and rollouts"), std::string::npos);
+  EXPECT_NE(refusal(kReduced, kMotion, false).find("programs simulate, rollouts and optimise"), std::string::npos);
 }
 
 TEST_F(ReducedScene, RefusesAirChambersByTheirName) {

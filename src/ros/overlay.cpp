@@ -165,9 +165,23 @@ void draw_tension_scale(const geometry_msgs::Point& middle, double full_tension_
   }
 }
 
+// Names that would lie over one another for who stands in front of the robot stand in lines.
+geometry_msgs::Point above_others(geometry_msgs::Point place, const OverlayOptions& options,
+                                  const std::vector<geometry_msgs::Point>& written) {
+  const double width_m = 8.0 * options.text_height_m, line_m = 1.3 * options.text_height_m;
+  const auto covered = [&] {
+    return std::any_of(written.begin(), written.end(), [&](const geometry_msgs::Point& other) {
+      return std::abs(other.x - place.x) < width_m && std::abs(other.z - place.z) < 0.99 * line_m;
+    });
+  };
+  while (covered()) place.z += line_m;
+  return place;
+}
+
 void draw_cables(const ActuatorState& actuators, double full_tension_n, const OverlayOptions& options,
                  Drawing& drawing) {
   std::optional<geometry_msgs::Point> top;
+  std::vector<geometry_msgs::Point> written;
   for (const CableState& cable : actuators.cables) {
     if (cable.path.size() < 2) continue;
     drawing.line("cables", cable.name, cable.path, options.cable_width_m,
@@ -176,6 +190,8 @@ void draw_cables(const ActuatorState& actuators, double full_tension_n, const Ov
     if (!top || place.z > top->z) top = place;
     place.x += (place.x < 0.0 ? -4.0 : 4.0) * options.text_height_m;
     place.z += 2.0 * options.text_height_m;
+    place = above_others(place, options, written);
+    written.push_back(place);
     drawing.text("cable_tensions", cable.name, place, cable.name + text_of(cable.tension_n, " %.1f N"));
   }
   if (!top) return;

@@ -74,6 +74,21 @@ TEST(Overlay, ColoursCablesByTension) {
   EXPECT_GT(slack_line.color.b, slack_line.color.r);
 }
 
+TEST(Overlay, WritesCablesBesideOneAnotherInLines) {
+  OverlayInputs three = inputs();
+  three.actuators.cables.resize(1);
+  for (const char* name : {"right", "back"}) {
+    three.actuators.cables.push_back(three.actuators.cables[0]);
+    three.actuators.cables.back().name = name;
+    three.actuators.cables.back().path[0].y += 0.01;
+  }
+  const auto names = shapes_in(three, "cable_tensions");
+  ASSERT_EQ(names.size(), 3u);
+  const double line_m = OverlayOptions().text_height_m;
+  EXPECT_GT(names[1].pose.position.z - names[0].pose.position.z, line_m);
+  EXPECT_GT(names[2].pose.position.z - names[1].pose.position.z, line_m);
+}
+
 TEST(Overlay, FitsTheScaleOfTensionsToWhatTheRobotShows) {
   OverlayInputs loose = inputs();
   loose.actuators.cables[0].tension_n = 0.3;

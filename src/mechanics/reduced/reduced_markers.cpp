@@ -8,13 +8,19 @@
 namespace soft_robot_lab {
 namespace {
 
-std::vector<int> nodes_below(const std::vector<Marker>& markers, const TetMesh& mesh) {
-  const MeshLocator locator(mesh);
-  std::vector<int> nodes;
+void add_roots(const std::vector<Marker>& markers, const MeshLocator& locator, std::vector<int>& nodes) {
   for (const Marker& marker : markers) {
     const EmbeddedPoint root = locator.embed(marker.rest_position_m());
     nodes.insert(nodes.end(), root.nodes.begin(), root.nodes.end());
   }
+}
+
+// Of several bodies a marker may belong to any, wherever it is; nodes too many do no harm.
+std::vector<int> nodes_below(const std::vector<Marker>& markers, const TetMesh& mesh) {
+  std::vector<int> nodes;
+  add_roots(markers, MeshLocator(mesh), nodes);
+  const auto bodies = static_cast<int>(mesh.bodies.size());
+  for (int body = 0; bodies > 1 && body < bodies; ++body) add_roots(markers, MeshLocator(mesh, body), nodes);
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;

@@ -43,6 +43,8 @@ SECTIONS = {
     'Task': {'config': ['robots/*/tasks'], 'loose': ['ros/nodes/reach_target_node.cpp', 'study/reach_targets.cpp']},
     'Policy': {'config': [], 'strict': ['control/policy.cpp']},
     'Study': {'config': ['studies'], 'strict': ['study/sweeps/study_file.cpp']},
+    'Randomisation': {'config': ['robots/*/random.yaml'], 'strict': ['study/robust/randomisation_file.cpp']},
+    'Search': {'config': ['searches'], 'strict': ['study/search/search_file.cpp']},
     'Experiments': {'config': ['experiments'], 'loose': ['study', 'control/configuration_table.cpp', 'programs/bullet_peer.cpp']},
 }
 # These read what no user writes: requests of our own programs, tables, what another program measured.

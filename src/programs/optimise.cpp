@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -19,6 +20,10 @@
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/robot/scene/scene.h"
+#ifdef SOFT_ROBOT_LAB_ROBUST
+#include "study/robust/robust_policy.h"
+#include "study/robust/robust_report.h"
+#endif
 
 namespace {
 
@@ -28,7 +33,8 @@ volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
-  std::string robot, result, policy, replay;
+  std::string robot, result, policy, replay, robust, output;
+  std::optional<double> quantile;
   std::vector<std::string> set;
   PolicyTask task;
   OptimiserOptions options;
@@ -89,6 +95,13 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--iterations", options.max_iterations, "of the method, at most")->type_name("N");
   app.add_option("--seed", options.seed, "of methods with random numbers")->type_name("N")->capture_default_str();
+  app.add_option("--robust", arguments.robust, "do well on the robots that this file draws, or replay on them")
+      ->type_name("FILE");
+  app.add_option("--quantile", arguments.quantile,
+                 "of their distances, which is to be small; otherwise their mean square (--robust)")
+      ->type_name("Q");
+  app.add_option("--output", arguments.output, "the folder of robots.csv and report.html (--robust)")
+      ->type_name("FOLDER");
   add_set_option(app, arguments.set);
   app.add_option("--result", arguments.result, "where the answer goes as JSON")->type_name("FILE");
   app.add_option("--policy", arguments.policy, "where the policy goes as YAML")->type_name("FILE");
@@ -167,15 +180,56 @@ PolicyTask complete(const Arguments& arguments, const Simulation& simulation) {
   return task;
 }
 
+#ifdef SOFT_ROBOT_LAB_ROBUST
+CommandPolicy policy_for(const Arguments& arguments, std::vector<RandomRobot>& robots, const PolicyTask& task) {
+  if (!arguments.replay.empty()) {
+    const CommandPolicy policy = load_policy(arguments.replay);
+    validate(policy, limits_of(*robots.front().simulation));
+    return policy;
+  }
+  RobustOptions options;
+  options.quantile = arguments.quantile;
+  options.optimiser = arguments.options;
+  ProgressBar bar("optimise");
+  const PolicyAnswer answer = find_robust_policy(robots, task, options, [&](const OptimisationProgress& now) {
+    bar.show(0.5, "iteration " + std::to_string(now.iteration));
+    return interrupted == 0;
+  });
+  if (!answer.success) throw std::runtime_error(answer.summaries.front().stop_reason);
+  return answer.policy;
+}
+
+int optimise_on_random_robots(const Arguments& arguments, const SceneOptions& options, const PolicyTask& task) {
+  const Randomisation randomisation = read_randomisation(arguments.robust, arguments.robot);
+  std::vector<RandomRobot> robots = draw_robots(randomisation, options);
+  const CommandPolicy policy = policy_for(arguments, robots, task);
+  const std::vector<double> distances = distances_m(robots, policy, task.poses.back());
+  std::cout << robust_summary(distances);
+  if (!arguments.output.empty()) write_robust_report(randomisation, robots, distances, arguments.output);
+  if (!arguments.policy.empty()) write_file(arguments.policy, policy_yaml(policy));
+  if (!arguments.result.empty())
+    write_file(arguments.result, nlohmann::ordered_json({{"distances_m", distances}}).dump(2) + "\n");
+  return kGood;
+}
+#else
+int optimise_on_random_robots(const Arguments&, const SceneOptions&, const PolicyTask&) {
+  throw std::invalid_argument("--robust: this build has no studies (SOFT_ROBOT_LAB_STUDY)");
+}
+#endif
+
 int optimise_robot(const Arguments& arguments) {
   arguments.options.validate();
   SceneOptions scene_options;
   scene_options.actuator_factory = make_actuator;
   scene_options.overrides = parameter_overrides(arguments.robot, arguments.set);
   const Scene scene = load_with_bar("optimise", arguments.robot, scene_options);
+  if (arguments.robust.empty() && (arguments.quantile || !arguments.output.empty()))
+    throw std::invalid_argument("--quantile and --output belong to --robust");
+  std::signal(SIGINT, interrupt);
+  if (!arguments.robust.empty())
+    return optimise_on_random_robots(arguments, scene_options, complete(arguments, *scene.simulation));
   if (!arguments.replay.empty()) return replay_policy(arguments, *scene.simulation);
   const PolicyTask task = complete(arguments, *scene.simulation);
-  std::signal(SIGINT, interrupt);
   PolicyAnswer answer;
   {
     ProgressBar bar("optimise");

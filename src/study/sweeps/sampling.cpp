@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <boost/math/special_functions/erf.hpp>
 #include <boost/random/sobol.hpp>
 
 namespace soft_robot_lab {
@@ -39,10 +40,21 @@ double on_range(const StudyParameter& parameter, double fraction) {
   return std::clamp(value, parameter.min, parameter.max);
 }
 
-double at(const StudyParameter& parameter, double fraction) {
-  if (parameter.values.empty()) return on_range(parameter, fraction);
-  const std::size_t count = parameter.values.size();
-  return parameter.values[std::min(static_cast<std::size_t>(fraction * static_cast<double>(count)), count - 1)];
+double probability(double standard) { return 0.5 * std::erfc(-standard * std::sqrt(0.5)); }
+
+double standard_normal(double fraction) { return -std::sqrt(2.0) * boost::math::erfc_inv(2.0 * fraction); }
+
+// Where it is cut off, what is left is stretched over the whole fraction.
+double on_distribution(const StudyParameter& parameter, double fraction) {
+  const bool logarithm = parameter.distribution == Distribution::log_normal;
+  const auto law = [&](double value) { return logarithm ? std::log(value) : value; };
+  const double middle = law(parameter.centre);
+  const double least = probability((law(parameter.min) - middle) / parameter.deviation);
+  const double most = probability((law(parameter.max) - middle) / parameter.deviation);
+  constexpr double end = 1.0e-12;  // the ends of an endless distribution are no numbers
+  const double at = std::clamp(least + fraction * (most - least), end, 1.0 - end);
+  const double value = middle + parameter.deviation * standard_normal(at);
+  return std::clamp(logarithm ? std::exp(value) : value, parameter.min, parameter.max);
 }
 
 std::vector<double> steps_of(const StudyParameter& parameter) {
@@ -79,7 +91,7 @@ Points latin_hypercube(const StudySettings& study) {
     std::iota(slices.begin(), slices.end(), std::size_t{0});
     for (std::size_t i = count; i > 1; --i) std::swap(slices[i - 1], slices[random.below(i)]);
     for (std::size_t i = 0; i < count; ++i)
-      points[i].push_back(at(parameter, (static_cast<double>(slices[i]) + random.uniform()) / study.samples));
+      points[i].push_back(value_at(parameter, (static_cast<double>(slices[i]) + random.uniform()) / study.samples));
   }
   return points;
 }
@@ -106,7 +118,8 @@ class SobolSequence {
 
 std::vector<double> at(const StudySettings& study, const std::vector<double>& fractions) {
   std::vector<double> point;
-  for (std::size_t i = 0; i < study.parameters.size(); ++i) point.push_back(at(study.parameters[i], fractions[i]));
+  for (std::size_t i = 0; i < study.parameters.size(); ++i)
+    point.push_back(value_at(study.parameters[i], fractions[i]));
   return point;
 }
 
@@ -139,6 +152,13 @@ Points sobol_indices_points(const StudySettings& study) {
 }
 
 }  // namespace
+
+double value_at(const StudyParameter& parameter, double fraction) {
+  if (parameter.distribution != Distribution::even) return on_distribution(parameter, fraction);
+  if (parameter.values.empty()) return on_range(parameter, fraction);
+  const std::size_t count = parameter.values.size();
+  return parameter.values[std::min(static_cast<std::size_t>(fraction * static_cast<double>(count)), count - 1)];
+}
 
 std::vector<std::vector<double>> sample(const StudySettings& study) {
   switch (study.method) {

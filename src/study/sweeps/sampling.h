@@ -14,4 +14,7 @@ namespace soft_robot_lab {
 // needs. Throws std::invalid_argument for more than kMostTasks.
 std::vector<std::vector<double>> sample(const StudySettings& study);
 
+// A parameter's value at a fraction in [0, 1] of its range, its list or its distribution.
+double value_at(const StudyParameter& parameter, double fraction);
+
 }  // namespace soft_robot_lab

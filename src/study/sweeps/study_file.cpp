@@ -58,22 +58,50 @@ void read_spread(const YamlNode& node, SamplingMethod method, StudyParameter& pa
     node.fail("scale logarithmic needs a range above 0, not from " + format_number(parameter.min));
 }
 
+void read_distribution(const YamlNode& node, const std::string& kind, SamplingMethod method,
+                       StudyParameter& parameter) {
+  if (method == SamplingMethod::grid)
+    node.fail("has a distribution, which a grid has no use for; choose another method");
+  const YamlNode law = node.child(kind);
+  const bool normal = kind == "normal";
+  parameter.distribution = normal ? Distribution::normal : Distribution::log_normal;
+  parameter.centre = normal ? law.number("mean") : law.number("median", AllowedRange::positive());
+  parameter.deviation = law.number("deviation", AllowedRange::positive());
+  parameter.min = normal ? -std::numeric_limits<double>::infinity() : 0.0;
+  parameter.max = std::numeric_limits<double>::infinity();
+  if (!node.has("range")) return;
+  read_range(node, parameter);
+  if (!(parameter.centre > parameter.min && parameter.centre < parameter.max))
+    node.child("range").fail("must hold the distribution's middle " + format_number(parameter.centre));
+}
+
+// What the scene has to take.
+std::vector<double> typical_values(const StudyParameter& parameter) {
+  if (!parameter.values.empty()) return parameter.values;
+  if (parameter.distribution != Distribution::even) return {parameter.centre};
+  return {parameter.min, parameter.max};
+}
+
 StudyParameter read_study_parameter(const YamlNode& owner, const std::string& name, SamplingMethod method,
-                                    const YamlNode& scene) {
+                                    const YamlNode* scene) {
   const YamlNode node = owner.child(name);
   StudyParameter parameter;
   parameter.name = name;
-  if (!node.is_map()) node.fail("must be {values: [...]} or {range: [least, largest]}");
+  if (!node.is_map())
+    node.fail("must be {values: [...]}, {range: [least, largest]}, {normal: ...} or {log_normal: ...}");
+  if (node.has("normal") + node.has("log_normal") + node.has("values") > 1)
+    node.fail("has two of values, normal and log_normal; must have one");
   if (node.has("values") && node.has("range")) node.fail("has both values and range; must have one");
   if (node.has("values")) {
     read_values(node, parameter);
+  } else if (node.has("normal") || node.has("log_normal")) {
+    read_distribution(node, node.has("normal") ? "normal" : "log_normal", method, parameter);
   } else {
-    node.has("range") ? read_range(node, parameter) : read_declared_range(node, scene, parameter);
+    node.has("range") || !scene ? read_range(node, parameter) : read_declared_range(node, *scene, parameter);
     read_spread(node, method, parameter);
   }
-  const std::vector<double> ends = {parameter.min, parameter.max};
-  for (const double value : parameter.values.empty() ? ends : parameter.values)
-    check_at(node, [&] { parameter_overrides(scene, {{name, value}}); });
+  for (const double value : scene ? typical_values(parameter) : std::vector<double>{})
+    check_at(node, [&] { parameter_overrides(*scene, {{name, value}}); });
   return parameter;
 }
 
@@ -81,13 +109,6 @@ SamplingMethod read_method(const YamlNode& file) {
   static const std::vector<std::string> names = {"grid", "latin_hypercube", "sobol", "sobol_indices"};
   const std::string name = file.choice_or("method", names[0], names);
   return static_cast<SamplingMethod>(std::find(names.begin(), names.end(), name) - names.begin());
-}
-
-std::string read_scene_path(const YamlNode& file) {
-  const YamlNode node = file.child("scene");
-  const fs::path path = fs::absolute(fs::path(file.source()).parent_path() / node.as_text()).lexically_normal();
-  if (!fs::is_regular_file(path)) node.fail("there is no file " + path.string());
-  return path.string();
 }
 
 std::vector<std::string> read_words(const YamlNode& file, const std::string& key) {
@@ -105,11 +126,28 @@ void refuse_own_arguments(const YamlNode& file) {
 
 }  // namespace
 
+std::string read_scene_path(const YamlNode& file, const std::string& key) {
+  const YamlNode node = file.child(key);
+  const fs::path path = fs::absolute(fs::path(file.source()).parent_path() / node.as_text()).lexically_normal();
+  if (!fs::is_regular_file(path)) node.fail("there is no file " + path.string());
+  return path.string();
+}
+
+std::vector<StudyParameter> read_study_parameters(const YamlNode& file, SamplingMethod method, const YamlNode& scene,
+                                                  const std::function<bool(const std::string&)>& of_no_file) {
+  const YamlNode node = file.child("parameters");
+  std::vector<StudyParameter> parameters;
+  for (const std::string& name : node.keys())
+    parameters.push_back(read_study_parameter(node, name, method, of_no_file && of_no_file(name) ? nullptr : &scene));
+  if (parameters.empty()) node.fail("must name at least one parameter");
+  return parameters;
+}
+
 StudySettings read_study(const std::string& path) {
   const YamlNode file = YamlNode::load_file(path);
   StudySettings study;
   study.program = file.choice("program", {"simulate", "optimise", "check_casting"});
-  study.scene = read_scene_path(file);
+  study.scene = read_scene_path(file, "scene");
   const YamlNode scene = load_settings(study.scene);
   study.arguments = read_words(file, "arguments");
   refuse_own_arguments(file);
@@ -120,10 +158,7 @@ StudySettings read_study(const std::string& path) {
   study.seed = file.integer_or("seed", 1, 1, 1000000);
   study.time_limit_s = file.number_or("time_limit_s", 600.0, {0.0, 1.0e6, true, false});
   study.show = read_words(file, "show");
-  const YamlNode parameters = file.child("parameters");
-  for (const std::string& name : parameters.keys())
-    study.parameters.push_back(read_study_parameter(parameters, name, study.method, scene));
-  if (study.parameters.empty()) parameters.fail("must name at least one parameter");
+  study.parameters = read_study_parameters(file, study.method, scene);
   file.require_all_read();
   return study;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "study/sweeps/sampling.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -52,6 +54,43 @@ TEST(Sampling, LogarithmicStepsHaveEqualRatios) {
   EXPECT_EQ(points[0][0], 1.0);
   EXPECT_NEAR(points[1][0], 10.0, 1e-12);
   EXPECT_EQ(points[2][0], 100.0);
+}
+
+StudyParameter distribution(Distribution kind, double centre, double deviation, double min, double max) {
+  StudyParameter parameter = range(min, max);
+  parameter.distribution = kind;
+  parameter.centre = centre;
+  parameter.deviation = deviation;
+  return parameter;
+}
+
+TEST(Sampling, DistributionsHaveTheirMiddleAndDeviation) {
+  const double endless = std::numeric_limits<double>::infinity();
+  const auto points = sample(study(SamplingMethod::latin_hypercube, 4000,
+                                   {distribution(Distribution::normal, 5.0, 2.0, -endless, endless),
+                                    distribution(Distribution::log_normal, 3.0, 0.5, 0.0, endless)}));
+  double mean = 0.0, square = 0.0, log_mean = 0.0, log_square = 0.0;
+  for (const auto& point : points) {
+    mean += point[0] / 4000;
+    square += std::pow(point[0] - 5.0, 2) / 4000;
+    log_mean += std::log(point[1]) / 4000;
+    log_square += std::pow(std::log(point[1] / 3.0), 2) / 4000;
+  }
+  EXPECT_NEAR(mean, 5.0, 0.01);
+  EXPECT_NEAR(std::sqrt(square), 2.0, 0.02);
+  EXPECT_NEAR(log_mean, std::log(3.0), 0.003);
+  EXPECT_NEAR(std::sqrt(log_square), 0.5, 0.005);
+}
+
+// Half a normal distribution: its median lies where the whole one has three quarters.
+TEST(Sampling, ACutDistributionKeepsItsShape) {
+  const auto points =
+      sample(study(SamplingMethod::latin_hypercube, 1001, {distribution(Distribution::normal, 0.0, 1.0, 0.0, 6.0)}));
+  std::vector<double> found;
+  for (const auto& point : points) found.push_back(point[0]);
+  std::sort(found.begin(), found.end());
+  EXPECT_GE(found.front(), 0.0);
+  EXPECT_NEAR(found[500], 0.67449, 0.003);
 }
 
 TEST(Sampling, GridRefusesMoreThanAMillionPoints) {

@@ -2,6 +2,8 @@
 // Rigid things that a body touches. Lengths in metres, frame: robot_base.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -60,20 +62,53 @@ struct Obstacle {
   std::vector<ObstaclePose> motion;
   double friction = 0.0;  // Coulomb's coefficient, of the body on it; [0, inf)
 
+  // Above 0 the obstacle is free: from where the shape says, at time 0, gravity and contact move it. Then it has no
+  // motion, and is no plane.
+  double mass_kg = 0.0;
+  std::optional<Eigen::Matrix3d> inertia_kg_m2 = std::nullopt;  // about its centre; none: that of a solid evenly filled
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(),
+                  angular_velocity_rad_s = Eigen::Vector3d::Zero();  // at time 0
+  // Coulomb's coefficient of a free obstacle on others, by their names; of those that are not listed, 0.
+  std::map<std::string, double> friction_on = {};
+
+  bool is_free() const { return mass_kg > 0.0; }
   void validate() const;  // throws std::invalid_argument: field, value, allowed range
 };
 
 inline constexpr const char* kSkin = "skin";  // a body's own, where it touches itself; no obstacle's name
 
-// What a body and an obstacle, or its own skin, do to one another. Areas are of the present shape.
+// What a body and an obstacle, or its own skin, do to one another; or two obstacles, which touch at points without an
+// area. Areas are of the present shape.
 struct ContactReading {
   std::string surface;                                    // the obstacle's name, or kSkin
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();      // of the obstacle on the body; skin pushes both ways: zero
+  std::string on = kSkin;                                 // or the name of a free obstacle that it touches
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();      // of the surface on that; skin pushes both ways: zero
   double normal_force_n = 0.0;                            // sum of the pressures' forces
   double area_m2 = 0.0;                                   // with pressure
   double sticking_area_m2 = 0.0, slipping_area_m2 = 0.0;  // of it, where there is friction
   double largest_penetration_m = 0.0;
+  // Of pressure, and the mean normal, out of the surface; zero where there is none, and of skin on skin.
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
   double largest_pressure_pa = 0.0;  // force per rest area
+};
+
+// Where free obstacles are, one column each, in their order among all.
+struct FreePoses {
+  Eigen::Matrix3Xd centers_m;
+  Eigen::Matrix4Xd turns;  // from how the shape is stated: quaternions x, y, z, w
+
+  bool operator==(const FreePoses& other) const {
+    return centers_m.cols() == other.centers_m.cols() && centers_m == other.centers_m && turns == other.turns;
+  }
+};
+
+struct FreeVelocities {
+  Eigen::Matrix3Xd linear_m_s, angular_rad_s;
+
+  bool operator==(const FreeVelocities& other) const {
+    return linear_m_s.cols() == other.linear_m_s.cols() && linear_m_s == other.linear_m_s &&
+           angular_rad_s == other.angular_rad_s;
+  }
 };
 
 // What contact adds to the state of a simulation. Plain numbers; all empty without contact.
@@ -84,10 +119,20 @@ struct ContactState {
   // where it was when it did not touch.
   Eigen::Matrix3Xd anchors_m;
 
+  FreePoses free;
+  // Per place where a free obstacle may touch another one (RigidContact): force along the normal, and how far
+  // friction's tie stood off when the step before ended, at these poses and at this time.
+  Eigen::VectorXd rigid_forces_n;
+  Eigen::Matrix3Xd rigid_ties_m;
+  FreePoses free_before;
+  double before_s = 0.0;
+
   bool operator==(const ContactState& other) const {
     return time_s == other.time_s && pressures_pa.size() == other.pressures_pa.size() &&
            anchors_m.cols() == other.anchors_m.cols() && pressures_pa == other.pressures_pa &&
-           anchors_m == other.anchors_m;
+           anchors_m == other.anchors_m && free == other.free && free_before == other.free_before &&
+           before_s == other.before_s && rigid_forces_n.size() == other.rigid_forces_n.size() &&
+           rigid_forces_n == other.rigid_forces_n && rigid_ties_m == other.rigid_ties_m;
   }
 };
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "energy_ledger.h"
 #include "model.h"
@@ -81,7 +82,9 @@ class Simulation {
 
   Eigen::Vector3d marker_position(int marker) const;
   ActuatorReading actuator_state(int actuator) const;
-  std::vector<ContactReading> contacts() const;  // one for each obstacle, also where it does not touch
+  // One for each obstacle, also where it does not touch; then one for each that a free obstacle touches or may touch.
+  std::vector<ContactReading> contacts() const;
+  std::vector<Eigen::Isometry3d> obstacle_poses() const;  // from each shape as stated to where it stands
 
  private:
   void take_along_linearisation();

@@ -22,6 +22,7 @@ struct SimulationState {
   Eigen::VectorXd element_multipliers_pa;  // one volume multiplier per element, or per vertex
   Eigen::VectorXd constraint_multipliers;  // in the order of the actuators' constraints
   ContactState contact;
+  FreeVelocities free_velocities;  // of free obstacles
   // xpbd: each element's, in an order of the solver's own; empty with `newton`, and in a state that is set:
   // those of the shape at rest.
   Eigen::VectorXd element_forces_n;
@@ -41,6 +42,8 @@ struct SimulationState {
   Eigen::Matrix3Xd previous_velocities_m_s;
   Eigen::VectorXd previous_element_multipliers_pa;
   Eigen::VectorXd previous_constraint_multipliers;
+  FreePoses previous_free;
+  FreeVelocities previous_free_velocities;
 
   // Where the matrix was made whose factor serves further steps. It decides no more than how near to its tolerance a
   // solve ends: with it a restored state goes on to the last bit as if it had never stopped, without it (null) to

@@ -18,7 +18,9 @@ ContactTerm::ContactTerm(const Body& body)
       touches_itself_(body.touches_itself()),
       points_(empty() ? ContactPoints() : ContactPoints(body)),
       skin_(touches_itself_ ? SkinPairs(body, points_) : SkinPairs()),
-      youngs_modulus_pa_(body.material().youngs_modulus_pa) {
+      youngs_modulus_pa_(body.material().youngs_modulus_pa),
+      free_(obstacles_, body.gravity_m_s2()),
+      rigid_(obstacles_, free_, youngs_modulus_pa_) {
   int anchors = 0;
   for (const Obstacle& obstacle : obstacles_) {
     const bool rubs = obstacle.friction > 0.0;
@@ -60,6 +62,10 @@ ContactState ContactTerm::untouched(const Eigen::Matrix3Xd& positions_m, double 
   state.pressures_pa = Eigen::VectorXd::Zero(pair_count());
   const auto rubbing = std::count_if(first_anchor_.begin(), first_anchor_.end(), [](int first) { return first >= 0; });
   state.anchors_m = Eigen::Matrix3Xd::Zero(3, rubbing * points_.count());
+  state.free = state.free_before = free_.at_start();
+  state.before_s = time_s;
+  state.rigid_forces_n = Eigen::VectorXd::Zero(rigid_.pair_count());
+  state.rigid_ties_m = Eigen::Matrix3Xd::Zero(3, rigid_.pair_count());
   commit(positions_m, state);
   return state;
 }
@@ -80,13 +86,24 @@ ContactSums ContactTerm::sums(const Eigen::Matrix3Xd& positions_m, const Contact
     const double off_m = law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa);
     sums.mismatch = std::max(sums.mismatch, std::abs(off_m) / points_.face_size_m(point_of(touch.pair)));
   }
+  if (free_.count() == 0) return sums;
+  sums.free = state.free;
+  sums.rigid = rigid_.touches(state);
+  sums.mismatch = std::max(sums.mismatch, rigid_.mismatch(sums.rigid));
   return sums;
+}
+
+Eigen::Isometry3d ContactTerm::pose_of(int obstacle, const ContactState& state) const {
+  const int free = free_.index_of(obstacle);
+  return free >= 0 ? free_.pose(free, state.free)
+                   : pose_at(obstacles_[static_cast<std::size_t>(obstacle)], state.time_s);
 }
 
 // A gap grows no faster than its point moves, so a face that is far away is passed by at one look.
 void ContactTerm::find_touches(int obstacle, const ContactState& state, ContactSums& sums) const {
   const Obstacle& one = obstacles_[static_cast<std::size_t>(obstacle)];
-  const Eigen::Isometry3d pose = pose_at(one, state.time_s);
+  const Eigen::Isometry3d pose = pose_of(obstacle, state);
+  const int free = free_.index_of(obstacle);
   for (int face = 0; face < points_.face_count(); ++face) {
     const int first = kPointsPerFace * face, first_pair = obstacle * points_.count() + first;
     const auto places_m = sums.points_m.middleCols<kPointsPerFace>(first);
@@ -102,6 +119,8 @@ void ContactTerm::find_touches(int obstacle, const ContactState& state, ContactS
       const bool closed = law(pair).closed(gap.gap_m, pressure_pa);
       if (!closed && pressure_pa == 0.0) continue;
       ContactTouch touch{pair, closed, gap.gap_m, pressure_pa, gap.normal, gap.hessian, {}};
+      touch.free = free;
+      if (free >= 0) touch.arm_m = places_m.col(k) - state.free.centers_m.col(free);
       if (one.friction > 0.0) add_friction(pose, obstacle, state, sums, touch);
       sums.touches.push_back(std::move(touch));
     }
@@ -155,10 +174,19 @@ void ContactTerm::add_at(const ContactTouch& touch, const Eigen::Vector3d& force
     forces_n.col(skin_.node(touch.met.face, a)) -= touch.met.shape[a] * force_n;
 }
 
-Eigen::Vector3d ContactTerm::relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const {
+void ContactTerm::add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces) {
+  forces.col(2 * touch.free) -= force_n;
+  forces.col(2 * touch.free + 1) -= touch.arm_m.cross(force_n);
+}
+
+Eigen::Vector3d ContactTerm::relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                                               const FreeColumns& free_motion) const {
   Eigen::Vector3d relative_m = points_.at(point_of(touch.pair), motion_m);
   for (int a = 0; touch.on_skin() && a < points_.nodes_per_face(); ++a)
     relative_m -= touch.met.shape[a] * motion_m.col(skin_.node(touch.met.face, a));
+  if (touch.free >= 0)
+    relative_m -=
+        free_motion.col(2 * touch.free) + Eigen::Vector3d(free_motion.col(2 * touch.free + 1)).cross(touch.arm_m);
   return relative_m;
 }
 
@@ -166,11 +194,50 @@ FacePair ContactTerm::faces_of(const ContactTouch& touch) const {
   return {ContactPoints::face_of(point_of(touch.pair)), touch.met.face};
 }
 
+Eigen::Vector3d ContactTerm::force_n(const ContactTouch& touch) const {
+  Eigen::Vector3d force_pa = -touch.pressure_pa * touch.normal;
+  if (touch.rubs()) force_pa += touch.friction.traction_pa(touch.away_m);
+  return weight_m2(touch.pair) * force_pa;
+}
+
 void ContactTerm::add_forces(const ContactSums& at, Eigen::Matrix3Xd& residual_n) const {
-  for (const ContactTouch& touch : at.touches) {
-    Eigen::Vector3d force_pa = -touch.pressure_pa * touch.normal;
-    if (touch.rubs()) force_pa += touch.friction.traction_pa(touch.away_m);
-    add_at(touch, weight_m2(touch.pair) * force_pa, residual_n);
+  for (const ContactTouch& touch : at.touches) add_at(touch, force_n(touch), residual_n);
+}
+
+FreeColumns ContactTerm::free_forces_n(const ContactSums& at) const {
+  FreeColumns forces = FreeColumns::Zero(3, 2 * free_.count());
+  for (const ContactTouch& touch : at.touches)
+    if (touch.free >= 0) add_back(touch, force_n(touch), forces);
+  rigid_.add_forces(at.rigid, forces);
+  return forces;
+}
+
+// dn = H d(x - y) + turn x n, and the arm turns with the point: derivatives of w l n on the nodes, of -w l n and of
+// -w l arm x n on the obstacle.
+void ContactTerm::add_free_hessian(const std::vector<ContactTouch>& touches, bool convex, Eigen::MatrixXd& border,
+                                   Eigen::MatrixXd& own) const {
+  const auto cross = [](const Eigen::Vector3d& v) {
+    return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
+  };
+  for (const ContactTouch& touch : touches) {
+    if (!touch.closed || touch.free < 0) continue;
+    const double weight_m2 = this->weight_m2(touch.pair), push_n = convex ? 0.0 : weight_m2 * touch.pressure_pa;
+    Eigen::Matrix3d block = weight_m2 / law(touch.pair).compliance_m_pa * touch.normal * touch.normal.transpose();
+    block -= push_n * touch.bend;
+    if (touch.rubs()) block += weight_m2 * touch.friction.stiffness_pa_m(touch.away_m, touch.normal);
+    const Eigen::Matrix3d arm = cross(touch.arm_m), normal = cross(touch.normal);
+    Eigen::Matrix<double, 3, 6> way;  // of the obstacle at the point
+    way << Eigen::Matrix3d::Identity(), -arm;
+    Eigen::Matrix<double, 3, 6> coupling = -block * way;
+    coupling.rightCols<3>() += push_n * normal;
+    Eigen::Matrix<double, 6, 6> of_one = way.transpose() * block * way;
+    of_one.topRightCorner<3, 3>() -= push_n * normal;
+    of_one.bottomLeftCorner<3, 3>() += push_n * normal;
+    of_one.bottomRightCorner<3, 3>() -= 0.5 * push_n * (arm * normal + normal * arm);
+    const int point = point_of(touch.pair), face = ContactPoints::face_of(point), first = 6 * touch.free;
+    own.block<6, 6>(first, first) += of_one;
+    for (int a = 0; a < points_.nodes_per_face(); ++a)
+      border.block<3, 6>(3 * points_.node(face, a), first) += points_.shape(point)[a] * coupling;
   }
 }
 
@@ -225,8 +292,9 @@ bool ContactTerm::same_set(const std::vector<ContactTouch>& a, const std::vector
 }
 
 // Closed points push by the pressure that their gap stands for, all others by none.
-void ContactTerm::add_mismatch_forces(const std::vector<ContactTouch>& linearised, const ContactSums& here,
-                                      Eigen::Matrix3Xd& forces_n) const {
+std::vector<Eigen::Vector3d> ContactTerm::mismatch_forces_n(const std::vector<ContactTouch>& linearised,
+                                                            const ContactSums& here) const {
+  std::vector<Eigen::Vector3d> forces_n;
   auto made = linearised.begin();
   for (const ContactTouch& touch : here.touches) {
     Eigen::Vector3d force_pa = touch.pressure_pa * touch.normal;
@@ -236,19 +304,36 @@ void ContactTerm::add_mismatch_forces(const std::vector<ContactTouch>& linearise
       const bool known = made != linearised.end() && made->pair == touch.pair;
       force_pa = off_m / law(touch.pair).compliance_m_pa * (known ? made->normal : touch.normal);
     }
-    add_at(touch, weight_m2(touch.pair) * force_pa, forces_n);
+    forces_n.emplace_back(weight_m2(touch.pair) * force_pa);
   }
+  return forces_n;
+}
+
+void ContactTerm::add_mismatch_forces(const std::vector<ContactTouch>& linearised, const ContactSums& here,
+                                      Eigen::Matrix3Xd& forces_n) const {
+  const std::vector<Eigen::Vector3d> of_touches = mismatch_forces_n(linearised, here);
+  for (std::size_t i = 0; i < of_touches.size(); ++i) add_at(here.touches[i], of_touches[i], forces_n);
+}
+
+FreeColumns ContactTerm::free_mismatch_forces_n(const std::vector<ContactTouch>& linearised,
+                                                const ContactSums& here) const {
+  FreeColumns forces = FreeColumns::Zero(3, 2 * free_.count());
+  const std::vector<Eigen::Vector3d> of_touches = mismatch_forces_n(linearised, here);
+  for (std::size_t i = 0; i < of_touches.size(); ++i)
+    if (here.touches[i].free >= 0) add_back(here.touches[i], of_touches[i], forces);
+  return forces;
 }
 
 Eigen::VectorXd ContactTerm::next_pressures_pa(const std::vector<ContactTouch>& linearised, const ContactSums& here,
-                                               const Eigen::Matrix3Xd& motion_m) const {
+                                               const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const {
   Eigen::VectorXd next = Eigen::VectorXd::Zero(pair_count());
   auto made = linearised.begin();
   for (const ContactTouch& touch : here.touches) {
     if (!touch.closed) continue;
     while (made != linearised.end() && made->pair < touch.pair) ++made;
     const Eigen::Vector3d& normal = made != linearised.end() && made->pair == touch.pair ? made->normal : touch.normal;
-    next[touch.pair] = law(touch.pair).pressure_pa(touch.gap_m + normal.dot(relative_motion_m(touch, motion_m)));
+    next[touch.pair] =
+        law(touch.pair).pressure_pa(touch.gap_m + normal.dot(relative_motion_m(touch, motion_m, free_motion)));
   }
   return next;
 }
@@ -268,7 +353,10 @@ double ContactTerm::merit_j(const ContactSums& at, const ContactSums& start,
     sum += weight_m2(touch.pair) * law(touch.pair).merit_j_m2(touch.gap_m, next_pressures_pa[touch.pair]);
   for (const ContactTouch& touch : start.touches) {
     if (!touch.rubs()) continue;
-    const Eigen::Vector3d away_m = at.points_m.col(point_of(touch.pair)) - touch.anchor_m;
+    Eigen::Vector3d anchor_m = touch.anchor_m;
+    if (touch.free >= 0)
+      anchor_m = free_.pose(touch.free, at.free) * (free_.pose(touch.free, start.free).inverse() * anchor_m);
+    const Eigen::Vector3d away_m = at.points_m.col(point_of(touch.pair)) - anchor_m;
     const Eigen::Vector3d along_m = away_m - touch.normal * touch.normal.dot(away_m);
     sum += weight_m2(touch.pair) * touch.friction.potential_j_m2(along_m);
   }
@@ -276,11 +364,12 @@ double ContactTerm::merit_j(const ContactSums& at, const ContactSums& start,
 }
 
 double ContactTerm::slope_change_j(const ContactSums& start, const Eigen::VectorXd& next_pressures_pa,
-                                   const Eigen::Matrix3Xd& motion_m) const {
+                                   const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const {
   double sum = 0.0;
   for (const ContactTouch& touch : start.touches) {
     const double push_pa = law(touch.pair).merit_pa(touch.gap_m, next_pressures_pa[touch.pair]);
-    sum += weight_m2(touch.pair) * (touch.pressure_pa - push_pa) * touch.normal.dot(relative_motion_m(touch, motion_m));
+    sum += weight_m2(touch.pair) * (touch.pressure_pa - push_pa) *
+           touch.normal.dot(relative_motion_m(touch, motion_m, free_motion));
   }
   return sum;
 }
@@ -305,10 +394,11 @@ double ContactTerm::soft_energy(const Eigen::Matrix3Xd& positions_m, const Eigen
 }
 
 void ContactTerm::commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const {
+  if (free_.count() > 0) rigid_.commit(state);
   if (state.anchors_m.cols() == 0) return;
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     if (first_anchor_[i] < 0) continue;
-    const Eigen::Isometry3d back = pose_at(obstacles_[i], state.time_s).inverse();
+    const Eigen::Isometry3d back = pose_of(static_cast<int>(i), state).inverse();
     ContactSums sums;
     sums.points_m = all_points(positions_m);
     find_touches(static_cast<int>(i), state, sums);
@@ -322,7 +412,7 @@ void ContactTerm::commit(const Eigen::Matrix3Xd& positions_m, ContactState& stat
 }
 
 double ContactTerm::rubbed_j(const ContactSums& at) const {
-  double sum = 0.0;
+  double sum = rigid_.rubbed_j(at.rigid);
   for (const ContactTouch& touch : at.touches) {
     if (!touch.rubs() || touch.pressure_pa == 0.0) continue;
     const Eigen::Vector3d traction_pa = touch.friction.traction_pa(touch.away_m);
@@ -349,9 +439,14 @@ std::vector<ContactReading> ContactTerm::readings(const Eigen::Matrix3Xd& positi
     }
     if (!touch.on_skin()) reading.force_n += weight_m2(touch.pair) * push_pa;
     reading.normal_force_n += weight_m2(touch.pair) * touch.pressure_pa;
+    reading.center_m += weight_m2(touch.pair) * touch.pressure_pa * points_.at(point_of(touch.pair), positions_m);
+    if (!touch.on_skin()) reading.normal += weight_m2(touch.pair) * touch.pressure_pa * touch.normal;
     reading.area_m2 += area_m2;
     reading.largest_pressure_pa = std::max(reading.largest_pressure_pa, touch.pressure_pa);
   }
+  for (ContactReading& reading : all) finish(reading);
+  if (free_.count() == 0) return all;
+  for (ContactReading& reading : rigid_.readings(state)) all.push_back(std::move(reading));
   return all;
 }
 

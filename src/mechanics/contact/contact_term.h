@@ -11,6 +11,9 @@
 // t_a, their duals t^a and the curvature k (Wriggers 2006, 6.4, at g = 0)
 //   d2g = - (n . dy,a) t^a . (dx - dy) - its transpose - k (dx - dy) (dx - dy)
 // Both faces are in the matrix then, so its pattern grows (ContactMatrix).
+//
+// A free obstacle is pushed back by what touches it. Its motion stands beside that of the nodes, in FreeColumns, and
+// the couplings of the two are columns of a border (FreeBorder).
 #pragma once
 
 #include <vector>
@@ -19,8 +22,10 @@
 #include <Eigen/Geometry>
 
 #include "contact_points.h"
+#include "free_obstacles.h"
 #include "friction_law.h"
 #include "normal_law.h"
+#include "rigid_contact.h"
 #include "skin_pairs.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/constraint.h"
@@ -36,7 +41,9 @@ struct ContactTouch {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   // Of an obstacle, the second derivative of the gap; of skin, its curvature.
   Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();
-  SkinPlace met;  // of skin
+  SkinPlace met;                                    // of skin
+  int free = -1;                                    // the obstacle among the free; -1: it is not
+  Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();  // from that one's centre
   // Of friction; without any the limit is negative.
   FrictionLaw friction{0.0, -1.0};
   Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();  // where the obstacle now has it
@@ -51,6 +58,8 @@ struct ContactSums {
   std::vector<ContactTouch> touches;  // all with pressure or penetration, and the closed ones
   Eigen::Matrix3Xd points_m;          // where all contact points are
   double mismatch = 0.0;              // the largest, over the size of its face
+  FreePoses free;
+  RigidTouches rigid;
 };
 
 class ContactTerm {
@@ -64,17 +73,24 @@ class ContactTerm {
   const ContactPoints& points() const { return points_; }
   const SkinPairs& skin() const { return skin_; }
   FacePair faces_of(const ContactTouch& touch) const;  // of one on skin
+  const FreeObstacles& free() const { return free_; }
+  const RigidContact& rigid() const { return rigid_; }
+  Eigen::Isometry3d pose_of(int obstacle, const ContactState& state) const;  // from its shape as stated
 
   // Of a body at these positions that did not touch anything before.
   ContactState untouched(const Eigen::Matrix3Xd& positions_m, double time_s) const;
 
   ContactSums sums(const Eigen::Matrix3Xd& positions_m, const ContactState& state) const;
   void add_forces(const ContactSums& at, Eigen::Matrix3Xd& residual_n) const;
+  FreeColumns free_forces_n(const ContactSums& at) const;  // the same on free obstacles
 
   // Of obstacles. `convex` leaves out what may make the matrix indefinite; `soft` is for soft_energy.
   void add_hessian(const std::vector<ContactTouch>& touches, bool convex, bool soft, CliqueSink& matrix) const;
   // Of one that is closed on skin, over the nodes of both faces.
   Eigen::MatrixXd skin_hessian(const ContactTouch& touch, bool convex, bool soft) const;
+  // Of free obstacles: with the nodes, 3*node + axis x columns, and among themselves.
+  void add_free_hessian(const std::vector<ContactTouch>& touches, bool convex, Eigen::MatrixXd& border,
+                        Eigen::MatrixXd& own) const;
 
   // Whether the matrix of these touches may serve others: the same are closed, on the same faces. What sticks and what
   // slips may differ.
@@ -83,8 +99,9 @@ class ContactTerm {
   // What condensation adds to the residual; `linearised`: the touches the matrix was made of.
   void add_mismatch_forces(const std::vector<ContactTouch>& linearised, const ContactSums& here,
                            Eigen::Matrix3Xd& forces_n) const;
+  FreeColumns free_mismatch_forces_n(const std::vector<ContactTouch>& linearised, const ContactSums& here) const;
   Eigen::VectorXd next_pressures_pa(const std::vector<ContactTouch>& linearised, const ContactSums& here,
-                                    const Eigen::Matrix3Xd& motion_m) const;
+                                    const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const;
   // Per pair: NormalLaw::mismatch_m over the size of the face.
   Eigen::VectorXd mismatches(const ContactSums& at) const;
 
@@ -93,7 +110,7 @@ class ContactTerm {
   // residual.
   double merit_j(const ContactSums& at, const ContactSums& start, const Eigen::VectorXd& next_pressures_pa) const;
   double slope_change_j(const ContactSums& start, const Eigen::VectorXd& next_pressures_pa,
-                        const Eigen::Matrix3Xd& motion_m) const;
+                        const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const;
 
   // With the soft compliance the pressures follow from the positions: sets them, and returns the energy. Friction keeps
   // the limits of `limits_pa`, pressures per pair.
@@ -120,10 +137,16 @@ class ContactTerm {
   void find_skin_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state, ContactSums& sums) const;
   void add_friction(const Eigen::Isometry3d& pose, int obstacle, const ContactState& state, const ContactSums& sums,
                     ContactTouch& touch) const;
+  // What condensation pushes with, where the matrix was made of these.
+  std::vector<Eigen::Vector3d> mismatch_forces_n(const std::vector<ContactTouch>& linearised,
+                                                 const ContactSums& here) const;
+  Eigen::Vector3d force_n(const ContactTouch& touch) const;  // as in the residual
   // On the point, and back on the skin that it meets.
   void add_at(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
   // How a point moves against what it touches.
-  Eigen::Vector3d relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const;
+  Eigen::Vector3d relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                                    const FreeColumns& free_motion) const;
+  static void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces);
 
   std::vector<Obstacle> obstacles_;
   bool touches_itself_;
@@ -131,6 +154,8 @@ class ContactTerm {
   ContactPoints points_;
   mutable SkinPairs skin_;
   double youngs_modulus_pa_;
+  FreeObstacles free_;
+  RigidContact rigid_;
 };
 
 }  // namespace soft_robot_lab

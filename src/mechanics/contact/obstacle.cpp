@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <Eigen/Cholesky>
+
 namespace soft_robot_lab {
 namespace {
 
@@ -64,6 +66,26 @@ void check(const RoundedBox& box) {
   require_rounding(box.rounding_m, 0.5 * box.size_m.minCoeff());
 }
 
+void check_free(const Obstacle& one) {
+  if (!(one.mass_kg >= 0.0) || !std::isfinite(one.mass_kg)) refuse("mass_kg", one.mass_kg, "(0, inf)");
+  require_finite("velocity_m_s", one.velocity_m_s);
+  require_finite("angular_velocity_rad_s", one.angular_velocity_rad_s);
+  for (const auto& [name, coefficient] : one.friction_on)
+    if (!(coefficient >= 0.0) || !std::isfinite(coefficient)) refuse("friction on " + name, coefficient, "[0, inf)");
+  if (!one.is_free()) {
+    if (one.inertia_kg_m2 || !one.velocity_m_s.isZero(0.0) || !one.angular_velocity_rad_s.isZero(0.0))
+      throw std::invalid_argument("inertia and velocity are for free obstacles: give mass_kg too");
+    return;
+  }
+  if (!one.motion.empty()) throw std::invalid_argument("motion: a free obstacle, with mass_kg, moves by itself");
+  if (std::holds_alternative<Plane>(one.shape)) throw std::invalid_argument("mass_kg: a plane cannot be free");
+  if (!one.inertia_kg_m2) return;
+  const Eigen::Matrix3d& inertia = *one.inertia_kg_m2;
+  const bool positive = inertia.allFinite() && inertia == inertia.transpose() &&
+                        Eigen::LLT<Eigen::Matrix3d>(inertia).info() == Eigen::Success;
+  if (!positive) throw std::invalid_argument("inertia_kg_m2: must be symmetric and positive");
+}
+
 }  // namespace
 
 void validate_motion(const std::vector<ObstaclePose>& motion) {
@@ -82,6 +104,7 @@ void Obstacle::validate() const {
   std::visit([](const auto& one) { check(one); }, shape);
   validate_motion(motion);
   if (!(friction >= 0.0) || !std::isfinite(friction)) refuse("friction", friction, "[0, inf)");
+  check_free(*this);
 }
 
 }  // namespace soft_robot_lab

@@ -6,6 +6,7 @@
 
 #include "contact_points.h"
 #include "gap.h"
+#include "rigid_contact.h"
 #include "mechanics/mesh/point_text.h"
 #include "soft_robot_lab/mechanics/embedding.h"
 
@@ -56,6 +57,8 @@ void refuse_overlap(const Body& body, const std::vector<Obstacle>& obstacles) {
     refuse_skin_inside(body, points, obstacle);
     refuse_swallowed(body, obstacle);
   }
+  const FreeObstacles free(obstacles, Eigen::Vector3d::Zero());
+  RigidContact(obstacles, free, body.material().youngs_modulus_pa).refuse_overlap();
 }
 
 }  // namespace soft_robot_lab

@@ -8,7 +8,7 @@
 namespace soft_robot_lab {
 
 // Throws std::invalid_argument where one of the obstacles, at the start of its motion, is inside the body: name, depth
-// and place. Rounding of the mesh is let through.
+// and place; or where a free one is inside another. Rounding of the mesh is let through.
 void refuse_overlap(const Body& body, const std::vector<Obstacle>& obstacles);
 
 }  // namespace soft_robot_lab

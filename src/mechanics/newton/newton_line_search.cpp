@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The merit function of Newton's steps, and how far along one it falls.
+#include <algorithm>
 #include <cmath>
 
 #include "newton_solver.h"
@@ -19,7 +20,10 @@ void NewtonSolver::prepare_merit(const NewtonState& state, const Evaluation& her
     step.slope -= step.penalties[i] * std::pow(violation(step.laws[i], step.constraint_multipliers[i]), 2);
     step.laws[i].offset -= here.values[i];
   }
-  step.slope += contact_.slope_change_j(here.contact, step.contact_pressures_pa, step.motion_m);
+  step.slope += contact_.slope_change_j(here.contact, step.contact_pressures_pa, step.motion_m, step.free_motion);
+  if (free_border_.empty()) return;
+  step.slope += here.free_residual.cwiseProduct(step.free_motion).sum() +
+                contact_.rigid().slope_change_j(here.contact.rigid, step.rigid_forces_n, step.free_motion);
 }
 
 double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
@@ -37,21 +41,43 @@ double NewtonSolver::merit(const Evaluation& at, const Step& step) const {
     sum += y * at.values[i] + 0.5 * step.penalties[i] * std::pow(violation(law, y), 2);
   }
   sum += contact_.merit_j(at.contact, step.contact_start, step.contact_pressures_pa);
+  if (!free_border_.empty())
+    sum += contact_.rigid().merit_j(at.contact.rigid, step.contact_start.rigid, step.rigid_forces_n);
   return sum;
+}
+
+ContactState NewtonSolver::after(const NewtonState& state, const Step& step, double length) const {
+  ContactState contact = state.contact;
+  contact.pressures_pa += length * (step.contact_pressures_pa - contact.pressures_pa);
+  if (free_border_.empty()) return contact;
+  contact.rigid_forces_n += length * (step.rigid_forces_n - contact.rigid_forces_n);
+  contact.free = moved(contact.free, length * step.free_motion);
+  return contact;
+}
+
+// A free obstacle that nothing holds yet would fly anywhere.
+double NewtonSolver::first_length(const Step& step) const {
+  double length = 1.0;
+  for (Eigen::Index i = 0; i < step.free_motion.cols() / 2; ++i) {
+    const double way_m = step.free_motion.col(2 * i).norm(), turn_rad = step.free_motion.col(2 * i + 1).norm();
+    length = std::min({length, contact_.free().size_m(static_cast<int>(i)) / std::max(way_m, 1e-300),
+                       1.0 / std::max(turn_rad, 1e-300)});
+  }
+  return length;
 }
 
 // Goes along the step as far as the merit function falls; false where it does not.
 bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                                double& length) const {
   const double start = merit(here, step);
-  length = 1.0;
+  length = first_length(step);
   for (int halving = 0; halving <= constants::kLineSearchHalvings; ++halving, length *= 0.5) {
     NewtonState trial = state;
     trial.positions_m = tables_->warp().follow(state.positions_m, length * step.motion_m);
     trial.element_multipliers_pa += length * (step.element_multipliers_pa - state.element_multipliers_pa);
     trial.constraint_multipliers += length * (step.constraint_multipliers - state.constraint_multipliers);
     trial.slips_m += length * (step.slips_m - state.slips_m);
-    trial.contact.pressures_pa += length * (step.contact_pressures_pa - state.contact.pressures_pa);
+    trial.contact = after(state, step, length);
     Evaluation there = evaluate(task, trial);
     if (!there.finite) continue;
     const double allowed = start + 1e-4 * length * step.slope + 1e-12 * std::abs(start);

@@ -13,7 +13,11 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
   if (strain_target) springs_.add_hessian(state.positions_m, *strain_target, convex, matrix_);
-  if (!soft_contact_) touches_ = contact_.sums(state.positions_m, state.contact).touches;
+  if (!soft_contact_) {
+    ContactSums sums = contact_.sums(state.positions_m, state.contact);
+    touches_ = std::move(sums.touches);
+    rigid_touches_ = std::move(sums.rigid);
+  }
   if (!add_rest_and_factorise(state, inertia_per_s2, convex)) return false;
   if (!convex)
     linearisation_ = std::make_shared<Linearisation>(
@@ -39,8 +43,27 @@ bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inert
   contact_.add_hessian(touches_, convex, soft_contact_, faces);
   if (!factorise(state.positions_m, convex)) return false;
   border_ = border(state);
+  border_free_obstacles(state, convex);
   border_solved_ = solve(border_);
   return true;
+}
+
+// While descending they stay in place.
+void NewtonSolver::border_free_obstacles(const NewtonState& state, bool convex) {
+  free_border_ = FreeBorder();
+  const FreeObstacles& free = contact_.free();
+  if (free.count() == 0 || soft_contact_) return;
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(state.positions_m.size(), 6 * free.count());
+  Eigen::MatrixXd own = Eigen::MatrixXd::Zero(6 * free.count(), 6 * free.count());
+  contact_.add_free_hessian(touches_, convex, columns, own);
+  contact_.rigid().add_hessian(rigid_touches_, convex, own);
+  if (state.free_inertia) add_free_inertia(free, *state.free_inertia, own);
+  columns = (Eigen::Map<const Eigen::Array<bool, Eigen::Dynamic, 1>>(body_.fixed().data(), columns.rows())
+                 .replicate(1, columns.cols()))
+                .select(0.0, columns);
+  Eigen::MatrixXd solved = solve(columns);
+  free_border_ =
+      FreeBorder(std::move(columns), std::move(solved), std::move(own), free, body_.material().youngs_modulus_pa);
 }
 
 bool NewtonSolver::factorise(const Eigen::Matrix3Xd& positions_m, bool convex) {
@@ -85,7 +108,7 @@ bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2
          linearisation_->strain_target == strain_target && linearisation_->at.positions_m == state.positions_m &&
          linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
          linearisation_->at.constraint_multipliers == state.constraint_multipliers &&
-         linearisation_->at.contact == state.contact;
+         linearisation_->at.contact == state.contact && linearisation_->at.free_inertia == state.free_inertia;
 }
 
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
@@ -99,7 +122,9 @@ Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) con
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(3 * matrix_.node_count(), right_hand_sides.cols());
   x.topRows(right_hand_sides.rows()) = right_hand_sides;
   factor().solve(x);
-  return x.topRows(right_hand_sides.rows());
+  Eigen::MatrixXd solved = x.topRows(right_hand_sides.rows());
+  free_border_.complete(right_hand_sides, solved);
+  return solved;
 }
 
 }  // namespace soft_robot_lab

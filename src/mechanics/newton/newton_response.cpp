@@ -41,11 +41,14 @@ Eigen::MatrixXd NewtonSolver::solve_exactly(const Eigen::MatrixXd& right_hand_si
   Eigen::MatrixXd solved = solve(right_hand_sides);
   if (layout_.point_count == 0) return solved;
   double left_before = right_hand_sides.norm();
+  Eigen::MatrixXd loads = right_hand_sides;
   for (int i = 0; i < constants::kRefinements; ++i) {
-    const Eigen::MatrixXd left = right_hand_sides - exact_forces_n(solved);
+    Eigen::MatrixXd left = right_hand_sides - exact_forces_n(solved);
+    if (!free_border_.empty()) left -= free_border_.nodal_forces(loads);
     if (!(left.norm() < left_before)) break;
     left_before = left.norm();
     solved += solve(left);
+    loads += left;
   }
   return solved;
 }
@@ -126,13 +129,14 @@ double NewtonSolver::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const
 NewtonForces NewtonSolver::forces(const NewtonState& state,
                                   const std::shared_ptr<const StrainTarget>& strain_target) const {
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
-  NewtonForces all{none, none, none, 0.0, 0.0, {}, {}};
+  NewtonForces all{none, none, none, 0.0, 0.0, {}, {}, {}};
   const ElementSums sums = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, all.elastic_n);
   all.elastic_j = sums.elastic_energy + volumetric_energy_j(sums);
   if (strain_target) springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
   const ContactSums touching = contact_.sums(state.positions_m, state.contact);
   contact_.add_forces(touching, all.contact_n);
   all.rubbed_j = contact_.rubbed_j(touching);
+  all.free_n = contact_.free_forces_n(touching);
   for (int i = 0; i < constraint_count(); ++i) {
     all.values.push_back(constraints_[i].value(state.positions_m, state.drives));
     all.pulls_n.push_back(none);

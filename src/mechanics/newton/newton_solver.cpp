@@ -89,14 +89,33 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   result.contact = contact_.sums(state.positions_m, state.contact);
   contact_.add_forces(result.contact, result.residual_n);
   release(result.residual_n);
+  if (contact_.free().count() > 0) add_free_obstacles(state, result);
   const double volume_residual =
       elements_.mismatch(result.elements.volumetric_strain, state.element_multipliers_pa).cwiseAbs().maxCoeff();
+  double residual_n = result.residual_n.norm();
+  if (contact_.free().count() > 0) {
+    largest = std::max(largest, contact_.free().weight_n());
+    residual_n = std::hypot(residual_n, free_norm_n(contact_.free(), result.free_residual));
+  }
   result.force_scale_n = largest;
   result.relative_residual =
-      std::max({result.residual_n.norm() / largest, constraint_residual, volume_residual, result.contact.mismatch});
+      std::max({residual_n / largest, constraint_residual, volume_residual, result.contact.mismatch});
   result.finite =
       std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy) && result.residual_n.allFinite();
   return result;
+}
+
+void NewtonSolver::add_free_obstacles(const NewtonState& state, Evaluation& result) const {
+  result.free_residual = contact_.free_forces_n(result.contact);
+  result.smooth_energy +=
+      add_free_gradient(contact_.free(), state.contact.free, state.free_inertia.get(), result.free_residual);
+}
+
+FreeColumns NewtonSolver::free_load(const Evaluation& here) const {
+  FreeColumns load = -here.free_residual - contact_.free_mismatch_forces_n(touches_, here.contact);
+  FreeColumns rigid = FreeColumns::Zero(3, load.cols());
+  contact_.rigid().add_mismatch_forces(rigid_touches_, here.contact.rigid, rigid);
+  return load - rigid;
 }
 
 // Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled
@@ -138,7 +157,13 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   gradient += here.residual_n;
 
   // The residual holds the forces of the old multipliers already, so the border answers only for their change.
-  Eigen::VectorXd motion = solve(-condensed_residual(here, gradient));
+  Eigen::VectorXd load = -condensed_residual(here, gradient);
+  Eigen::VectorXd motion = solve(load);
+  FreeColumns free_load(3, 0);
+  if (!free_border_.empty()) {
+    free_load = this->free_load(here);
+    motion += free_border_.nodal_motion(free_load);
+  }
   step.constraint_multipliers.resize(count);
   step.penalties.resize(count);
   step.slips_m.resize(friction_contact_count());
@@ -160,12 +185,16 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
     if (friction_contact_count() > 0) step.slips_m = std::move(solved.slips_m);
     if (!stable_under(problem, step.constraint_multipliers)) return false;
     motion -= border_solved_ * (step.constraint_multipliers - state.constraint_multipliers);
+    if (!free_border_.empty()) load -= border_ * (step.constraint_multipliers - state.constraint_multipliers);
   }
+  step.free_motion = free_border_.motion(free_load, load);
   if (count == 0 && factor().negative_pivots() > 0) return false;
   if (!motion.allFinite()) return false;
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
   step.element_multipliers_pa = elements_.updated_multipliers(here.elements.volumetric_strain, step.motion_m);
-  step.contact_pressures_pa = contact_.next_pressures_pa(touches_, here.contact, step.motion_m);
+  step.contact_pressures_pa = contact_.next_pressures_pa(touches_, here.contact, step.motion_m, step.free_motion);
+  if (!free_border_.empty())
+    step.rigid_forces_n = contact_.rigid().next_forces_n(rigid_touches_, here.contact.rigid, step.free_motion);
   step.contact_start = here.contact;
 
   prepare_merit(state, here, gradient, step);
@@ -176,15 +205,17 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
 // vector; the residuals as the convergence test takes them.
 NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
                               AndersonMixing& mixing) const {
-  ContactState contact = state.contact;
+  ContactState contact = after(state, step, 1.0);
   contact.pressures_pa = step.contact_pressures_pa;
-  if (friction_contact_count() > 0)  // what sticks and what slips changes at once; no model of it is linear
+  if (friction_contact_count() > 0 ||
+      contact_.free().count() > 0)  // what sticks and what slips changes at once; no model of it is linear
     return {state.positions_m + step.motion_m,
             step.element_multipliers_pa,
             step.constraint_multipliers,
             step.slips_m,
             state.drives,
-            std::move(contact)};
+            std::move(contact),
+            state.free_inertia};
   const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
                      constraints = state.constraint_multipliers.size(), touching = contact.pressures_pa.size();
   Eigen::VectorXd at(nodes + elements + constraints + touching), change(at.size()), residual(at.size());
@@ -217,7 +248,8 @@ bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Ev
                                   AndersonMixing& mixing) const {
   if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
       (linearisation_->strain_target == nullptr) != (task.strain_target == nullptr) ||
-      !ContactTerm::same_set(touches_, here.contact.touches))
+      !ContactTerm::same_set(touches_, here.contact.touches) ||
+      !RigidContact::same_set(rigid_touches_, here.contact.rigid))
     return false;
   Step step;
   if (!find_step(state, here, step)) return false;
@@ -292,9 +324,9 @@ double NewtonSolver::rest_residual(const NewtonState& state) const {
 }
 
 bool NewtonSolver::stable_at_rest(const NewtonState& state) {
-  if (constraint_count() > 0) return sensitivities(state).size() > 0;
+  if (constraint_count() > 0) return sensitivities(state).size() > 0 && free_border_.stable();
   return (linearised_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false)) &&
-         factor().negative_pivots() == 0;
+         factor().negative_pivots() == 0 && free_border_.stable();
 }
 
 double NewtonSolver::worst_violation(const NewtonState& state) const {

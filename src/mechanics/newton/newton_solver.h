@@ -23,6 +23,7 @@
 #include "mechanics/simulation/driven_constraint.h"
 #include "mechanics/elements/elements.h"
 #include "contact_matrix.h"
+#include "free_border.h"
 #include "multiplier_problem.h"
 #include "newton_tables.h"
 #include "soft_robot_lab/mechanics/body.h"
@@ -43,7 +44,8 @@ struct NewtonState {
   Eigen::VectorXd constraint_multipliers;  // y
   Eigen::VectorXd slips_m = {};            // q, one per contact, since the step began
   SharedDrives drives = nullptr;           // needed where there are constraints
-  ContactState contact = {};               // its pressures are unknowns, the rest stays
+  ContactState contact = {};               // its pressures, forces and poses are unknowns, the rest stays
+  std::shared_ptr<const FreeInertia> free_inertia = nullptr;  // of free obstacles; null at rest
 };
 
 // Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never
@@ -103,6 +105,7 @@ struct NewtonForces {
   double rubbed_j = 0.0;                  // that contact's friction takes where its anchors now follow
   std::vector<double> values;             // per constraint: C,
   std::vector<Eigen::Matrix3Xd> pulls_n;  // and y dC/dx
+  FreeColumns free_n;                     // of contact on free obstacles
 };
 
 // The workspace of one thread: matrix, factor and scratch, with the factor's tag, `linearisation`.
@@ -164,6 +167,7 @@ class NewtonSolver {
   struct Evaluation {
     ElementSums elements;
     Eigen::Matrix3Xd residual_n;      // of the unheld degrees of freedom
+    FreeColumns free_residual;        // of free obstacles
     std::vector<double> values;       // C
     std::vector<ConstraintLaw> laws;  // before anything slipped
     std::vector<FrictionContactBound> friction_contacts;
@@ -176,7 +180,8 @@ class NewtonSolver {
   struct Step {
     Eigen::Matrix3Xd motion_m;
     Eigen::VectorXd element_multipliers_pa, constraint_multipliers, slips_m;
-    Eigen::VectorXd contact_pressures_pa;
+    Eigen::VectorXd contact_pressures_pa, rigid_forces_n;
+    FreeColumns free_motion;
     ContactSums contact_start;        // where the step starts
     Eigen::VectorXd penalties;        // per constraint, for the merit function
     std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0, after the slips
@@ -193,6 +198,7 @@ class NewtonSolver {
   };
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
+  void add_free_obstacles(const NewtonState& state, Evaluation& result) const;
   bool linearise(const NewtonState& state, double inertia_per_s2,
                  const std::shared_ptr<const StrainTarget>& strain_target, bool convex);
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2,
@@ -206,6 +212,10 @@ class NewtonSolver {
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
   ConstraintLaw law_at(const NewtonState& state, int constraint) const;
   std::vector<FrictionContactBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
+  void border_free_obstacles(const NewtonState& state, bool convex);
+  FreeColumns free_load(const Evaluation& here) const;  // condensed
+  ContactState after(const NewtonState& state, const Step& step, double length) const;
+  double first_length(const Step& step) const;
   Eigen::VectorXd condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
@@ -255,6 +265,8 @@ class NewtonSolver {
   std::shared_ptr<const Linearisation> linearisation_;  // null where it was convex or failed
   Eigen::MatrixXd border_, border_solved_;              // B and A^-1 B, over 3*node + axis
   std::vector<ContactTouch> touches_;                   // of which the matrix was made
+  RigidTouches rigid_touches_;                          // the same
+  FreeBorder free_border_;
 };
 
 }  // namespace soft_robot_lab

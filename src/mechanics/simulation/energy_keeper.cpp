@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "free_stepping.h"
 #include "simulation_parts.h"
 
 namespace soft_robot_lab {
@@ -15,46 +16,59 @@ double work_j(const Eigen::Matrix3Xd& forces_n, const Eigen::Matrix3Xd& way_m) {
 
 }  // namespace
 
-EnergyKeeper::EnergyKeeper(const SimulationParts& parts)
-    : positions_m_(parts.state.positions_m), velocities_m_s_(parts.state.velocities_m_s) {
+EnergyKeeper::EnergyKeeper(const SimulationParts& parts) {
   for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
     const ActuatorReading reading =
         parts.actuators[i]->observe(parts.state.positions_m, parts.multipliers_of(i), parts.state.drives[i]);
     gas_.insert(gas_.end(), parts.actuators[i]->constraints().size(), reading.gauge_pressure_pa.has_value());
   }
-  take_stock(parts, positions_m_, velocities_m_s_, parts.workspace.newton.elastic_energy_j(positions_m_));
+  const SimulationState& now = parts.state;
+  take_stock(parts, {now.positions_m, now.velocities_m_s, now.contact.free, now.free_velocities},
+             parts.workspace.newton.elastic_energy_j(now.positions_m));
   start_j_ = stored_j();
 }
 
-void EnergyKeeper::take_stock(const SimulationParts& parts, const Eigen::Matrix3Xd& positions_m,
-                              const Eigen::Matrix3Xd& velocities_m_s, double elastic_j) {
+void EnergyKeeper::take_stock(const SimulationParts& parts, Motion at, double elastic_j) {
   const Body& body = parts.body;
-  const Eigen::Matrix3Xd moved_m = positions_m - body.mesh().nodes_m;
-  ledger_.kinetic_j = 0.5 * body.node_masses_kg().dot(velocities_m_s.colwise().squaredNorm().transpose());
+  const FreeObstacles& free = parts.workspace.newton.contact().free();
+  known_ = std::move(at);
+  const Eigen::Matrix3Xd moved_m = known_.positions_m - body.mesh().nodes_m;
+  ledger_.kinetic_j = 0.5 * body.node_masses_kg().dot(known_.velocities_m_s.colwise().squaredNorm().transpose());
   ledger_.elastic_j = elastic_j;
   ledger_.loads_j = -work_j(body.dead_loads_n(), moved_m);
   ledger_.gravity_j = -work_j(parts.workspace.newton.loads_n(), moved_m) - ledger_.loads_j;
+  if (free.count() == 0) return;
+  ledger_.kinetic_j += free_kinetic_j(free, known_.free, known_.free_velocities);
+  FreeColumns weights = FreeColumns::Zero(3, 2 * free.count());
+  ledger_.gravity_j += add_free_gradient(free, known_.free, nullptr, weights);
 }
 
 void EnergyKeeper::notice_rescue(const SimulationParts& parts, const SimulationState& before) {
-  if (before.positions_m == positions_m_ && before.velocities_m_s == velocities_m_s_) return;
+  if (before.positions_m == known_.positions_m && before.velocities_m_s == known_.velocities_m_s &&
+      before.contact.free == known_.free && before.free_velocities == known_.free_velocities)
+    return;
   const double known_j = stored_j();
-  take_stock(parts, before.positions_m, before.velocities_m_s,
-             before.positions_m == positions_m_ ? ledger_.elastic_j
-                                                : parts.workspace.newton.elastic_energy_j(before.positions_m));
+  const double elastic_j = before.positions_m == known_.positions_m
+                               ? ledger_.elastic_j
+                               : parts.workspace.newton.elastic_energy_j(before.positions_m);
+  take_stock(parts, {before.positions_m, before.velocities_m_s, before.contact.free, before.free_velocities},
+             elastic_j);
   ledger_.rescues_j += stored_j() - known_j;
   reactions_n_.resize(3, 0);
 }
 
 void EnergyKeeper::add_step(const SimulationParts& parts, const SimulationState& before, const StepForces& end,
-                            const NewtonState& state, const Eigen::Matrix3Xd& velocities_m_s) {
+                            const NewtonState& state, const SimulationState& after) {
   notice_rescue(parts, before);
   const EnergyLedger old = ledger_;
-  take_stock(parts, state.positions_m, velocities_m_s, end.forces.elastic_j);
+  take_stock(parts, {state.positions_m, after.velocities_m_s, state.contact.free, after.free_velocities},
+             end.forces.elastic_j);
+  const FreeColumns free_way = soft_robot_lab::free_way(before.contact.free, state.contact.free);
   const Eigen::Matrix3Xd way_m = state.positions_m - before.positions_m;
   ledger_.material_j += work_j(end.forces.viscous_n + end.drag_n, way_m);
   double rule_j = work_j(end.inertia_n, way_m) - (ledger_.kinetic_j - old.kinetic_j) +
-                  work_j(end.forces.elastic_n, way_m) - (ledger_.elastic_j - old.elastic_j);
+                  work_j(end.forces.elastic_n, way_m) - (ledger_.elastic_j - old.elastic_j) +
+                  work_j(end.free_inertia_n, free_way);
   Eigen::Matrix3Xd residual_n = end.inertia_n + end.drag_n + end.forces.elastic_n + end.forces.viscous_n +
                                 end.forces.contact_n - parts.workspace.newton.loads_n();
   for (std::size_t i = 0; i < end.forces.values.size(); ++i) {
@@ -69,7 +83,8 @@ void EnergyKeeper::add_step(const SimulationParts& parts, const SimulationState&
   const double capstans_j = parts.workspace.newton.slipped_j(state);
   ledger_.actuators_j += capstans_j;
   ledger_.friction_j += capstans_j + end.forces.rubbed_j;
-  ledger_.obstacles_j += end.forces.rubbed_j - work_j(end.forces.contact_n, way_m);
+  ledger_.obstacles_j +=
+      end.forces.rubbed_j - work_j(end.forces.contact_n, way_m) - work_j(end.forces.free_n, free_way);
   const Eigen::Matrix3Xd reactions_n = parts.body.fixed().array().select(residual_n.array(), 0.0).matrix();
   const double held_j = work_j(reactions_n, way_m);
   const double holds_j = reactions_n_.cols() > 0 ? 0.5 * (held_j + work_j(reactions_n_, way_m)) : held_j;
@@ -83,8 +98,6 @@ void EnergyKeeper::add_step(const SimulationParts& parts, const SimulationState&
         &EnergyLedger::actuators_j, &EnergyLedger::gas_j, &EnergyLedger::holds_j, &EnergyLedger::obstacles_j,
         &EnergyLedger::material_j, &EnergyLedger::friction_j})
     ledger_.turned_over_j += 0.5 * std::abs(ledger_.*kind - old.*kind);
-  positions_m_ = state.positions_m;
-  velocities_m_s_ = velocities_m_s;
   reactions_n_ = reactions_n;
 }
 

@@ -20,28 +20,33 @@ struct SimulationParts;
 struct StepForces {
   NewtonForces forces;
   Eigen::Matrix3Xd inertia_n, drag_n;
+  FreeColumns free_inertia_n;  // of free obstacles
 };
 
 class EnergyKeeper {
  public:
   explicit EnergyKeeper(const SimulationParts& parts);
 
-  // `state`: after the step, with the slips that led there.
+  // `state`: after the step, with the slips that led there; of `after` the velocities.
   void add_step(const SimulationParts& parts, const SimulationState& before, const StepForces& end,
-                const NewtonState& state, const Eigen::Matrix3Xd& velocities_m_s);
+                const NewtonState& state, const SimulationState& after);
 
   const EnergyLedger& ledger() const { return ledger_; }
 
  private:
   double stored_j() const { return ledger_.kinetic_j + ledger_.elastic_j + ledger_.gravity_j + ledger_.loads_j; }
-  void take_stock(const SimulationParts& parts, const Eigen::Matrix3Xd& positions_m,
-                  const Eigen::Matrix3Xd& velocities_m_s, double elastic_j);
+  struct Motion {
+    Eigen::Matrix3Xd positions_m, velocities_m_s;
+    FreePoses free;
+    FreeVelocities free_velocities;
+  };
+  void take_stock(const SimulationParts& parts, Motion at, double elastic_j);
   void notice_rescue(const SimulationParts& parts, const SimulationState& before);
 
   EnergyLedger ledger_;
   double start_j_ = 0.0;
   std::vector<char> gas_;  // per constraint
-  Eigen::Matrix3Xd positions_m_, velocities_m_s_;
+  Motion known_;
   Eigen::Matrix3Xd reactions_n_;  // where the last step ended; empty before the first
 };
 

@@ -78,23 +78,31 @@ void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options,
   tell_unfinished(done, report);
 }
 
-// A body that may move as a whole has many equilibria, or none.
-void note_free_motion(SimulationParts& parts, SolveReport& report) {
-  const ContactSums touching = parts.workspace.newton.contact().sums(parts.state.positions_m, parts.state.contact);
-  const std::string free = free_motion(parts.body, parts.state.positions_m, touching);
+void note_free_motion(const std::string& of, const std::string& free, SolveReport& report) {
   if (free.empty()) return;
   SolveWarning warning;
   warning.kind = "free_motion";
-  warning.text = "nothing keeps the body from " + free;
+  warning.text = "nothing keeps " + of + " from " + free;
   if (!report.converged) report.message += (report.message.empty() ? "" : "; ") + warning.text;
   add_warning(warning, report.warnings);
+}
+
+// A body that may move as a whole has many equilibria, or none; so has a free obstacle.
+void note_free_motions(SimulationParts& parts, SolveReport& report) {
+  const ContactTerm& contact = parts.workspace.newton.contact();
+  const ContactSums touching = contact.sums(parts.state.positions_m, parts.state.contact);
+  note_free_motion("the body", free_motion(parts.body, parts.state.positions_m, touching), report);
+  for (int i = 0; i < contact.free().count(); ++i)
+    note_free_motion(
+        "obstacle '" + parts.body.obstacles()[static_cast<std::size_t>(contact.free().obstacle(i))].name + "'",
+        free_motion(contact, i, touching), report);
 }
 
 }  // namespace
 
 void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   seek_equilibrium(parts, options, report);
-  note_free_motion(parts, report);
+  note_free_motions(parts, report);
 }
 
 }  // namespace soft_robot_lab

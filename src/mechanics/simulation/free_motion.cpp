@@ -41,24 +41,16 @@ std::string names(const Eigen::MatrixXd& columns) {
   return text.str();
 }
 
-}  // namespace
+void resist(const Eigen::Vector3d& arm, const Eigen::Vector3d& normal, bool rubs, Gram& gram) {
+  resist(arm, normal, gram);
+  if (!rubs) return;
+  const Eigen::Vector3d across = normal.unitOrthogonal();
+  resist(arm, across, gram);
+  resist(arm, normal.cross(across), gram);
+}
 
-std::string free_motion(const Body& body, const Eigen::Matrix3Xd& positions_m, const ContactSums& touching) {
-  const Eigen::Vector3d middle_m = positions_m.rowwise().mean();
-  const auto arm = [&](const Eigen::Vector3d& at_m) { return Eigen::Vector3d((at_m - middle_m) / body.size_m()); };
-  Gram gram = Gram::Zero();
-  for (Eigen::Index node = 0; node < positions_m.cols(); ++node)
-    for (int axis = 0; axis < 3; ++axis)
-      if (body.fixed()(axis, node)) resist(arm(positions_m.col(node)), Eigen::Vector3d::Unit(axis), gram);
-  for (const ContactTouch& touch : touching.touches) {
-    if (touch.pressure_pa == 0.0 || touch.on_skin()) continue;
-    const Eigen::Vector3d place = arm(touching.points_m.col(touch.pair % touching.points_m.cols()));
-    resist(place, touch.normal, gram);
-    const Eigen::Vector3d u = touch.normal.unitOrthogonal();
-    if (!touch.rubs() || touch.friction.limit_pa == 0.0) continue;
-    resist(place, u, gram);
-    resist(place, touch.normal.cross(u), gram);
-  }
+// "moving along y and turning about x"
+std::string unresisted(const Gram& gram) {
   const Eigen::SelfAdjointEigenSolver<Gram> eigen(gram);
   const double most = eigen.eigenvalues()[5];
   const Eigen::Index count = (eigen.eigenvalues().array() <= kNothing * most).count();
@@ -73,6 +65,37 @@ std::string free_motion(const Body& body, const Eigen::Matrix3Xd& positions_m, c
     text += (text.empty() ? "turning about " : " and turning about ") +
             names((free * turns.matrixV().leftCols(turning)).bottomRows(3));
   return text;
+}
+
+}  // namespace
+
+std::string free_motion(const ContactTerm& contact, int free, const ContactSums& touching) {
+  Gram gram = Gram::Zero();
+  const double size_m = contact.free().size_m(free);
+  for (const ContactTouch& touch : touching.touches)
+    if (touch.free == free && touch.pressure_pa > 0.0)
+      resist(touch.arm_m / size_m, touch.normal, touch.rubs() && touch.friction.limit_pa > 0.0, gram);
+  for (std::size_t i = 0; i < touching.rigid.size(); ++i) {
+    const RigidTouch& touch = touching.rigid[i];
+    if (contact.rigid().free_of(static_cast<Eigen::Index>(i)) == free && touch.force_n > 0.0)
+      resist(touch.arm_m / size_m, touch.normal, touch.rubs() && touch.friction.limit_pa > 0.0, gram);
+  }
+  return unresisted(gram);
+}
+
+std::string free_motion(const Body& body, const Eigen::Matrix3Xd& positions_m, const ContactSums& touching) {
+  const Eigen::Vector3d middle_m = positions_m.rowwise().mean();
+  const auto arm = [&](const Eigen::Vector3d& at_m) { return Eigen::Vector3d((at_m - middle_m) / body.size_m()); };
+  Gram gram = Gram::Zero();
+  for (Eigen::Index node = 0; node < positions_m.cols(); ++node)
+    for (int axis = 0; axis < 3; ++axis)
+      if (body.fixed()(axis, node)) resist(arm(positions_m.col(node)), Eigen::Vector3d::Unit(axis), gram);
+  for (const ContactTouch& touch : touching.touches) {
+    if (touch.pressure_pa == 0.0 || touch.on_skin() || touch.free >= 0) continue;
+    const Eigen::Vector3d place = arm(touching.points_m.col(touch.pair % touching.points_m.cols()));
+    resist(place, touch.normal, touch.rubs() && touch.friction.limit_pa > 0.0, gram);
+  }
+  return unresisted(gram);
 }
 
 }  // namespace soft_robot_lab

@@ -13,4 +13,7 @@ namespace soft_robot_lab {
 // empty where there is none. Axes of turning go anywhere along their direction.
 std::string free_motion(const Body& body, const Eigen::Matrix3Xd& positions_m, const ContactSums& touching);
 
+// The same of a free obstacle; skin and other obstacles count as held.
+std::string free_motion(const ContactTerm& contact, int free, const ContactSums& touching);
+
 }  // namespace soft_robot_lab

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rest.h"
+#include "free_stepping.h"
 #include "mechanics/solver_constants.h"
 
 #include <algorithm>
@@ -56,8 +57,9 @@ void require_rest(const SimulationParts& parts) {
 bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
   SimulationState& state = parts.state;
   if (!state.rest_residual) return false;
-  bool still = commands_reached(parts) && !parts.body.holds_move_between(state.time_s, state.time_s + h) &&
-               !parts.workspace.newton.contact().moves_between(state.time_s, state.time_s + h);
+  bool still = commands_reached(parts) &&
+               !parts.body.holds_move_between(state.contact.time_s, state.contact.time_s + h) &&
+               !parts.workspace.newton.contact().moves_between(state.contact.time_s, state.contact.time_s + h);
   if (still) {
     still = parts.workspace.newton.worst_violation(parts.unknowns_at_step(h)) <= parts.options.tolerance;
   }
@@ -66,7 +68,7 @@ bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
     return false;
   }
   state.time_s += h;
-  state.contact.time_s = state.time_s;
+  state.contact.time_s += h;
   ++report.steps;
   report.converged = true;
   report.residual = *state.rest_residual;
@@ -75,7 +77,8 @@ bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
 
 void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport& report) {
   SimulationState& state = parts.state;
-  const double motion_m = h * state.velocities_m_s.colwise().norm().maxCoeff();
+  const double motion_m = h * std::max(state.velocities_m_s.colwise().norm().maxCoeff(),
+                                       free_speed_m_s(parts.workspace.newton.contact().free(), state.free_velocities));
   if (!report.converged || report.inverted_elements > 0 || motion_m > constants::kNearlyStill * parts.body.size_m())
     return;
   if (!commands_reached(parts)) return;
@@ -91,6 +94,8 @@ void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport
   if (residual > parts.options.tolerance || !parts.workspace.newton.stable_at_rest(still)) return;
   state.rest_residual = residual;
   state.velocities_m_s.setZero();
+  state.free_velocities.linear_m_s.setZero();
+  state.free_velocities.angular_rad_s.setZero();
   state.hold_inertia_n.resize(3, 0);
   parts.forget_previous_step();
 }

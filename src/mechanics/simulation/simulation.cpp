@@ -192,6 +192,13 @@ std::vector<ContactReading> Simulation::contacts() const {
   return parts_->workspace.newton.contact().readings(parts_->state.positions_m, parts_->state.contact);
 }
 
+std::vector<Eigen::Isometry3d> Simulation::obstacle_poses() const {
+  std::vector<Eigen::Isometry3d> poses;
+  for (std::size_t i = 0; i < body().obstacles().size(); ++i)
+    poses.push_back(parts_->workspace.newton.contact().pose_of(static_cast<int>(i), parts_->state.contact));
+  return poses;
+}
+
 ActuatorReading Simulation::actuator_state(int actuator) const {
   const Actuator& chosen = *parts_->actuators.at(actuator);
   const DriveState& drive = parts_->state.drives.at(actuator);

@@ -20,6 +20,7 @@ void SimulationParts::reset() {
   state.element_multipliers_pa = Eigen::VectorXd::Zero(workspace.newton.element_multiplier_count());
   state.constraint_multipliers = Eigen::VectorXd::Zero(workspace.newton.constraint_count());
   state.contact = workspace.newton.contact().untouched(state.positions_m, 0.0);
+  state.free_velocities = workspace.newton.contact().free().velocities_at_start();
   state.element_forces_n = Eigen::VectorXd::Zero(workspace.xpbd ? workspace.xpbd->force_count() : 0);
   state.drives.clear();
   for (const auto& actuator : actuators) state.drives.push_back(actuator->rest_state());
@@ -66,6 +67,8 @@ void SimulationParts::forget_previous_step() {
   state.previous_velocities_m_s.resize(3, 0);
   state.previous_element_multipliers_pa.resize(0);
   state.previous_constraint_multipliers.resize(0);
+  state.previous_free = {};
+  state.previous_free_velocities = {};
 }
 
 void SimulationParts::forget_motion() {
@@ -74,6 +77,8 @@ void SimulationParts::forget_motion() {
   forget_previous_step();
   state.hold_inertia_n.resize(3, 0);
   state.velocities_m_s = Eigen::Matrix3Xd::Zero(3, body.mesh().node_count());
+  state.free_velocities.linear_m_s.setZero();
+  state.free_velocities.angular_rad_s.setZero();
   state.branch_stress_pa =
       Eigen::VectorXd::Zero(body.viscosity().hysteresis_ratio > 0.0 ? workspace.newton.strain_count() : 0);
 }
@@ -124,7 +129,9 @@ NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown
 
 NewtonReport SimulationParts::solve_from_below(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
   if (workspace.newton.friction_contact_count() > 0) return {};
+  const std::shared_ptr<const FreeInertia> free_inertia = unknown.free_inertia;
   unknown = unknowns();
+  unknown.free_inertia = free_inertia;
   const NewtonReport descent = workspace.newton.descend(task, unknown);
   report.iterations += descent.iterations;
   report.factorisations += descent.factorisations;

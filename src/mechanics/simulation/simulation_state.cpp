@@ -18,11 +18,21 @@ bool same_bits(const std::optional<double>& a, const std::optional<double>& b) {
   return a.has_value() == b.has_value() && (!a || same_bits(*a, *b));
 }
 
+bool same_bits(const FreeVelocities& a, const FreeVelocities& b) {
+  return same_bits(a.linear_m_s, b.linear_m_s) && same_bits(a.angular_rad_s, b.angular_rad_s);
+}
+
+bool same_bits(const FreePoses& a, const FreePoses& b) {
+  return same_bits(a.centers_m, b.centers_m) && same_bits(a.turns, b.turns);
+}
+
 bool same_previous_step(const SimulationState& a, const SimulationState& b) {
   return same_bits(a.previous_step_s, b.previous_step_s) && same_bits(a.previous_positions_m, b.previous_positions_m) &&
          same_bits(a.previous_velocities_m_s, b.previous_velocities_m_s) &&
          same_bits(a.previous_element_multipliers_pa, b.previous_element_multipliers_pa) &&
-         same_bits(a.previous_constraint_multipliers, b.previous_constraint_multipliers);
+         same_bits(a.previous_constraint_multipliers, b.previous_constraint_multipliers) &&
+         same_bits(a.previous_free, b.previous_free) &&
+         same_bits(a.previous_free_velocities, b.previous_free_velocities);
 }
 
 }  // namespace
@@ -58,8 +68,8 @@ bool operator==(const SimulationState& a, const SimulationState& b) {
          same_bits(a.constraint_multipliers, b.constraint_multipliers) &&
          same_bits(a.element_forces_n, b.element_forces_n) && same_bits(a.branch_stress_pa, b.branch_stress_pa) &&
          same_bits(a.hold_inertia_n, b.hold_inertia_n) && a.drives == b.drives && a.contact == b.contact &&
-         same_bits(a.rest_residual, b.rest_residual) && a.inverted_steps == b.inverted_steps &&
-         same_previous_step(a, b);
+         same_bits(a.free_velocities, b.free_velocities) && same_bits(a.rest_residual, b.rest_residual) &&
+         a.inverted_steps == b.inverted_steps && same_previous_step(a, b);
 }
 
 }  // namespace soft_robot_lab

@@ -8,6 +8,41 @@
 #include "require.h"
 
 namespace soft_robot_lab {
+namespace {
+
+bool same_sizes(const FreeVelocities& a, Eigen::Index columns) {
+  return a.linear_m_s.cols() == columns && a.angular_rad_s.cols() == columns;
+}
+
+bool same_sizes(const FreePoses& a, Eigen::Index columns) {
+  return a.centers_m.cols() == columns && a.turns.cols() == columns;
+}
+
+bool finite(const FreeVelocities& a) { return a.linear_m_s.allFinite() && a.angular_rad_s.allFinite(); }
+
+// A turn is a quaternion of length 1.
+bool sound(const FreePoses& a) {
+  return a.centers_m.allFinite() && a.turns.allFinite() &&
+         (a.turns.cols() == 0 || (a.turns.colwise().norm().array() - 1.0).abs().maxCoeff() < 1e-6);
+}
+
+bool free_sizes(const SimulationState& state, const SimulationState& now, bool history) {
+  const Eigen::Index count = now.contact.free.centers_m.cols();
+  return same_sizes(state.contact.free, count) && same_sizes(state.contact.free_before, count) &&
+         same_sizes(state.free_velocities, count) && same_sizes(state.previous_free, history ? count : 0) &&
+         same_sizes(state.previous_free_velocities, history ? count : 0) &&
+         state.contact.rigid_forces_n.size() == now.contact.rigid_forces_n.size() &&
+         state.contact.rigid_ties_m.cols() == now.contact.rigid_ties_m.cols();
+}
+
+bool free_finite(const SimulationState& state) {
+  return sound(state.contact.free) && sound(state.contact.free_before) && sound(state.previous_free) &&
+         finite(state.free_velocities) && finite(state.previous_free_velocities) &&
+         state.contact.rigid_forces_n.allFinite() && state.contact.rigid_ties_m.allFinite() &&
+         std::isfinite(state.contact.before_s);
+}
+
+}  // namespace
 
 void check_state(const SimulationState& state, const SimulationState& now) {
   const bool sizes =
@@ -27,10 +62,13 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       state.previous_velocities_m_s.cols() == (history ? now.positions_m.cols() : 0) &&
       state.previous_element_multipliers_pa.size() == (history ? now.element_multipliers_pa.size() : 0) &&
       state.previous_constraint_multipliers.size() == (history ? now.constraint_multipliers.size() : 0);
-  if (!sizes || !previous_sizes) throw std::invalid_argument("state: its sizes are not those of this simulation");
+  if (!sizes || !previous_sizes || !free_sizes(state, now, history))
+    throw std::invalid_argument("state: its sizes are not those of this simulation");
   require(state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0, "state.previous_step_s", state.previous_step_s,
           "[0, 1]");
   require(state.inverted_steps >= 0, "state.inverted_steps", state.inverted_steps, "zero or more");
+  if (!free_finite(state))
+    throw std::invalid_argument("state: of free obstacles not finite, or a turn not of length 1");
   if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
       !state.previous_element_multipliers_pa.allFinite() || !state.previous_constraint_multipliers.allFinite() ||
       !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "backward_difference.h"
+#include "free_stepping.h"
 #include "prediction.h"
 #include "rest.h"
 #include "solve_ending.h"
@@ -44,22 +45,23 @@ struct Part {
 
 // Where a step ends; asked for only where a ledger is kept or a hold moves.
 StepForces forces_at_end(const SimulationParts& parts, const BackwardDifference& difference, const ViscousStep& viscous,
-                         const NewtonState& solved, const Eigen::Matrix3Xd& velocities_m_s) {
+                         const FreeStep& free, const NewtonState& solved, const Eigen::Matrix3Xd& velocities_m_s) {
   const auto masses = parts.body.node_masses_kg().asDiagonal();
   return {parts.workspace.newton.forces(solved, viscous.strain_target()),
           (velocities_m_s - difference.velocities_from_m_s) / difference.gamma_s * masses,
-          parts.body.viscosity().rayleigh_mass_per_s * velocities_m_s * masses};
+          parts.body.viscosity().rayleigh_mass_per_s * velocities_m_s * masses, free.inertia_n(solved.contact.free)};
 }
 
 // Makes the solution of a step of length h the state, with all that the next step knows of this one.
 void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, const ViscousStep& viscous,
-                 NewtonState solved, SimulationState before) {
+                 const FreeStep& free, NewtonState solved, SimulationState before) {
   SimulationState& state = parts.state;
   state.branch_stress_pa = viscous.branch_stress_pa(parts.workspace.newton, solved.positions_m);
   state.velocities_m_s = (solved.positions_m - difference.positions_from_m) / difference.gamma_s;
+  state.free_velocities = free.velocities(solved.contact.free);
   if (parts.energy || parts.body.holds_move()) {
-    const StepForces end = forces_at_end(parts, difference, viscous, solved, state.velocities_m_s);
-    if (parts.energy) parts.energy->add_step(parts, before, end, solved, state.velocities_m_s);
+    const StepForces end = forces_at_end(parts, difference, viscous, free, solved, state.velocities_m_s);
+    if (parts.energy) parts.energy->add_step(parts, before, end, solved, state);
     if (parts.body.holds_move())
       state.hold_inertia_n = parts.body.fixed().select(end.forces.viscous_n + end.inertia_n + end.drag_n, 0.0);
   }
@@ -70,10 +72,13 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
   state.previous_velocities_m_s = std::move(before.velocities_m_s);
   state.previous_element_multipliers_pa = std::move(before.element_multipliers_pa);
   state.previous_constraint_multipliers = std::move(before.constraint_multipliers);
+  state.previous_free = std::move(before.contact.free);
+  state.previous_free_velocities = std::move(before.free_velocities);
 }
 
 bool opened_or_closed(const ContactState& before, const ContactState& after) {
-  return ((before.pressures_pa.array() > 0.0) != (after.pressures_pa.array() > 0.0)).any();
+  return ((before.pressures_pa.array() > 0.0) != (after.pressures_pa.array() > 0.0)).any() ||
+         ((before.rigid_forces_n.array() > 0.0) != (after.rigid_forces_n.array() > 0.0)).any();
 }
 
 bool try_step(SimulationParts& parts, double h, Integrator integrator, bool last_resort, SolveReport& report) {
@@ -98,6 +103,9 @@ bool try_step(SimulationParts& parts, double h, Integrator integrator, bool last
   unknown.slips_m = Eigen::VectorXd::Zero(parts.workspace.newton.friction_contact_count());
   unknown.drives = std::make_shared<const DriveStates>(parts.state.drives);
   unknown.contact = before.contact;
+  const FreeStep free(parts.workspace.newton.contact().free(), before, difference);
+  unknown.contact.free = free.predicted();
+  unknown.free_inertia = free.inertia();
   const bool solved =
       parts.solve(task, unknown, report).converged || parts.solve_from_below(task, unknown, report).converged;
   if (!solved && !last_resort) return false;
@@ -105,7 +113,7 @@ bool try_step(SimulationParts& parts, double h, Integrator integrator, bool last
   // Over an impact bdf2 would go on as before it, and may gain energy.
   if (difference.weight_before > 0.0 && opened_or_closed(before.contact, unknown.contact))
     return try_step(parts, h, Integrator::implicit_euler, last_resort, report);
-  accept_step(parts, h, difference, viscous, std::move(unknown), std::move(before));
+  accept_step(parts, h, difference, viscous, free, std::move(unknown), std::move(before));
   return true;
 }
 
@@ -114,11 +122,14 @@ bool try_step(SimulationParts& parts, double h, Integrator integrator, bool last
 void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
   if (part.depth > 0) parts.begin_step(part.fraction() * h);
   path.move(parts, part.to);
-  parts.state.contact.time_s = parts.state.time_s + part.fraction() * h;
+  // The obstacles' time: ahead of the body's where an equilibrium was found at the end of their motion.
+  const double obstacles_s = parts.state.contact.time_s;
+  parts.state.contact.time_s = obstacles_s + part.fraction() * h;
   const bool last_resort = part.depth == constants::kDeepestHalving ||
                            report.iterations > constants::kStepBudget * parts.options.max_iterations;
   if (try_step(parts, part.fraction() * h, parts.options.integrator, last_resort, report)) return;
   enter(SolveStage::halving, 1, report.path);
+  parts.state.contact.time_s = obstacles_s;
   advance(parts, h, path, part.first_half(), report);
   const bool first = report.converged;
   advance(parts, h, path, part.second_half(), report);

@@ -40,16 +40,49 @@ ObstacleShape read_shape(const YamlNode& item) {
   return read_rounded_box(node);
 }
 
-// The obstacle of a pair [skin, NAME], in any order.
-std::string other_than_skin(const YamlNode& item) {
+// A pair [skin, NAME] or [NAME, NAME], with skin first.
+std::vector<std::string> read_pair(const YamlNode& item) {
   std::vector<std::string> between;
   for (const YamlNode& name : item.sequence("between")) between.push_back(name.as_text());
-  const auto skin = std::find(between.begin(), between.end(), kSkin);
-  if (between.size() != 2 || skin == between.end())
-    item.child("between").fail("must be two names, of which one is skin: [skin, floor]");
-  between.erase(skin);
-  if (between[0] == kSkin) item.child("between").fail("of skin on skin there is no friction yet; leave the pair out");
-  return between[0];
+  if (between.size() != 2 || (between[0] == between[1] && between[0] != kSkin))
+    item.child("between").fail("must be two names, of skin or obstacles: [skin, floor]");
+  if (between[1] == kSkin) std::swap(between[0], between[1]);
+  if (between[1] == kSkin) item.child("between").fail("of skin on skin there is no friction yet; leave the pair out");
+  return between;
+}
+
+Obstacle& find_obstacle(const YamlNode& item, const std::string& name, std::vector<Obstacle>& obstacles) {
+  const auto named =
+      std::find_if(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) { return obstacle.name == name; });
+  if (named != obstacles.end()) return *named;
+  std::vector<std::string> known{kSkin};
+  for (const Obstacle& obstacle : obstacles) known.push_back(obstacle.name);
+  item.child("between").fail("unknown surface '" + name + "'; known: " + join(known));
+}
+
+void read_friction_of_pair(const YamlNode& item, std::vector<Obstacle>& obstacles) {
+  const std::vector<std::string> between = read_pair(item);
+  const double coefficient = item.number("coefficient", AllowedRange::not_negative());
+  Obstacle& second = find_obstacle(item, between[1], obstacles);
+  if (between[0] == kSkin) {
+    second.friction = coefficient;
+    return;
+  }
+  Obstacle& first = find_obstacle(item, between[0], obstacles);
+  if (!first.is_free() && !second.is_free())
+    item.child("between").fail("neither '" + first.name + "' nor '" + second.name +
+                               "' is free, so they do not touch; must have one with mass_kg");
+  first.friction_on[second.name] = coefficient;
+}
+
+// Of every pair.
+void set_friction(double coefficient, std::vector<Obstacle>& obstacles) {
+  for (Obstacle& obstacle : obstacles) {
+    obstacle.friction = coefficient;
+    if (!obstacle.is_free()) continue;
+    for (const Obstacle& other : obstacles)
+      if (&other != &obstacle) obstacle.friction_on[other.name] = coefficient;
+  }
 }
 
 // One coefficient for all pairs, or a list of pairs.
@@ -61,21 +94,25 @@ void read_friction(const YamlNode& contact, bool self, std::vector<Obstacle>& ob
       node->fail(
           "is of every pair, but skin on skin knows none yet; list pairs instead: {between: [skin, NAME], "
           "coefficient: 0.3}");
-    const double all = node->as_number(AllowedRange::not_negative());
-    for (Obstacle& obstacle : obstacles) obstacle.friction = all;
+    set_friction(node->as_number(AllowedRange::not_negative()), obstacles);
     return;
   }
-  for (const YamlNode& item : node->items()) {
-    const std::string name = other_than_skin(item);
-    const auto named = std::find_if(obstacles.begin(), obstacles.end(),
-                                    [&](const Obstacle& obstacle) { return obstacle.name == name; });
-    if (named == obstacles.end()) {
-      std::vector<std::string> known{kSkin};
-      for (const Obstacle& obstacle : obstacles) known.push_back(obstacle.name);
-      item.child("between").fail("unknown surface '" + name + "'; known: " + join(known));
-    }
-    named->friction = item.number("coefficient", AllowedRange::not_negative());
+  for (const YamlNode& item : node->items()) read_friction_of_pair(item, obstacles);
+}
+
+Obstacle read_obstacle(const YamlNode& item) {
+  Obstacle obstacle{read_name(item), read_shape(item), read_motion(item), 0.0};
+  if (!item.has("mass_kg")) {
+    for (const char* key : {"inertia_kg_m2", "velocity_m_s", "angular_velocity_rad_s"})
+      if (item.has(key)) item.child(key).fail("is for free obstacles; give mass_kg too");
+    return obstacle;
   }
+  if (item.has("motion")) item.child("motion").fail("is for obstacles that it moves; one with mass_kg is free");
+  obstacle.mass_kg = item.number("mass_kg", AllowedRange::positive());
+  if (item.has("inertia_kg_m2")) obstacle.inertia_kg_m2 = item.vector3("inertia_kg_m2").asDiagonal();
+  obstacle.velocity_m_s = item.vector3_or("velocity_m_s", Eigen::Vector3d::Zero());
+  obstacle.angular_velocity_rad_s = item.vector3_or("angular_velocity_rad_s", Eigen::Vector3d::Zero());
+  return obstacle;
 }
 
 }  // namespace
@@ -95,7 +132,7 @@ void read_contact(const YamlNode& scene, Body& body) {
   if (contact->boolean_or("self", false)) body.let_touch_itself();
   std::vector<Obstacle> obstacles;
   const std::vector<YamlNode> items = contact->optional_sequence("obstacles");
-  for (const YamlNode& item : items) obstacles.push_back({read_name(item), read_shape(item), read_motion(item), 0.0});
+  for (const YamlNode& item : items) obstacles.push_back(read_obstacle(item));
   read_friction(*contact, body.touches_itself(), obstacles);
   for (std::size_t i = 0; i < items.size(); ++i)
     obstacles[i].friction = items[i].number_or("friction", obstacles[i].friction, AllowedRange::not_negative());

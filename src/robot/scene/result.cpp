@@ -65,8 +65,8 @@ void add_contacts(const Simulation& simulation, Json& result) {
   if (simulation.body().obstacles().empty() && !simulation.body().touches_itself()) return;
   Json all = Json::array();
   for (const ContactReading& reading : simulation.contacts()) {
-    if (reading.area_m2 == 0.0) continue;
-    all.push_back({{"between", {"skin", reading.surface}},
+    if (reading.normal_force_n == 0.0) continue;
+    all.push_back({{"between", {reading.on, reading.surface}},
                    {"force_n", list(reading.force_n)},
                    {"normal_force_n", reading.normal_force_n},
                    {"area_m2", reading.area_m2},
@@ -75,6 +75,27 @@ void add_contacts(const Simulation& simulation, Json& result) {
                    {"slipping_area_m2", reading.slipping_area_m2}});
   }
   result["contacts"] = std::move(all);
+}
+
+// How free obstacles stand: where their centre is, and their turn as axis times angle.
+Json pose_json(const Eigen::Vector3d& center_m, const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return {{"center_m", list(center_m)}, {"rotation_rad", list(turn.angle() * turn.axis())}};
+}
+
+void add_free_obstacles(const Simulation& simulation, Json& result) {
+  const std::vector<Eigen::Isometry3d> poses = simulation.obstacle_poses();
+  Json all = Json::object();
+  Eigen::Index free = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Obstacle& obstacle = simulation.body().obstacles()[i];
+    if (!obstacle.is_free()) continue;
+    const SimulationState& state = simulation.state();
+    Json& json = all[obstacle.name] = pose_json(state.contact.free.centers_m.col(free), poses[i].linear());
+    json["velocity_m_s"] = list(state.free_velocities.linear_m_s.col(free));
+    json["angular_velocity_rad_s"] = list(state.free_velocities.angular_rad_s.col(free++));
+  }
+  if (!all.empty()) result["obstacles"] = std::move(all);
 }
 
 Json warnings_json(const std::vector<SolveWarning>& warnings) {
@@ -159,7 +180,17 @@ Json trajectory_json(const Simulation& simulation, const Trajectory& trajectory)
     Json& path = markers[simulation.markers()[m].name()] = Json::array();
     for (const Eigen::Matrix3Xd& at : trajectory.markers_m) path.push_back(list(at.col(static_cast<Eigen::Index>(m))));
   }
-  return {{"time_s", trajectory.time_s}, {"markers", markers}};
+  Json json = {{"time_s", trajectory.time_s}, {"markers", markers}};
+  Eigen::Index free = 0;
+  for (const Obstacle& obstacle : simulation.body().obstacles()) {
+    if (!obstacle.is_free()) continue;
+    Json& path = json["obstacles"][obstacle.name] = Json::array();
+    for (const FreePoses& at : trajectory.free)
+      path.push_back(
+          pose_json(at.centers_m.col(free), Eigen::Quaterniond(Eigen::Vector4d(at.turns.col(free))).matrix()));
+    ++free;
+  }
+  return json;
 }
 
 std::string millimetres(const Eigen::Vector3d& v) {
@@ -186,6 +217,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
   }
   if (simulation.energy_ledger()) result["energy"] = energy_json(*simulation.energy_ledger());
   add_contacts(simulation, result);
+  add_free_obstacles(simulation, result);
   result["solver"] = solver_json(simulation, report.solve);
   if (ends_reduced(scene, report)) result["solver"]["residual"] = nullptr;
   if (scene.reduction) result["reduced"] = reduction_json(*scene.reduction, report);
@@ -217,10 +249,13 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
     text << "marker " << marker.name() << " at " << millimetres(position_m) << ", moved "
          << millimetres(position_m - marker.rest_position_m()) << "\n";
   }
-  for (const ContactReading& contact : simulation.contacts())
-    if (contact.area_m2 > 0.0)
-      text << "touches " << contact.surface << " with " << contact.normal_force_n << " N on " << 1e6 * contact.area_m2
-           << " mm2\n";
+  for (const ContactReading& contact : simulation.contacts()) {
+    if (contact.normal_force_n == 0.0) continue;
+    if (contact.on != kSkin) text << contact.on << " ";
+    text << "touches " << contact.surface << " with " << contact.normal_force_n << " N";
+    if (contact.area_m2 > 0.0) text << " on " << 1e6 * contact.area_m2 << " mm2";
+    text << "\n";
+  }
   for (size_t i = 0; i < simulation.actuators().size(); ++i) {
     const ActuatorReading state = simulation.actuator_state(static_cast<int>(i));
     text << "actuator " << state.name << " at command " << state.actuated_command;

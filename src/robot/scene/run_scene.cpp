@@ -84,6 +84,7 @@ void record(SceneMotion& motion, Trajectory& trajectory) {
   Eigen::Matrix2Xd& commands = trajectory.commands.emplace_back(2, static_cast<Eigen::Index>(drives.size()));
   for (std::size_t i = 0; i < drives.size(); ++i)
     commands.col(static_cast<Eigen::Index>(i)) << drives[i].command, drives[i].actuated_command;
+  trajectory.free.push_back(motion.simulation().state().contact.free);
 }
 
 SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double step_s, const RunProgress& progress,

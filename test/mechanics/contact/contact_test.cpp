@@ -219,6 +219,23 @@ TEST(Contact, AnObstacleInsideTheBodyIsRefusedWithDepthAndPlace) {
       message({"floor", Plane{{0, 0.003, 0}, {0, 1, 0}}, {{0.0, {0, -0.01, 0}, kZero}, {1.0, kZero, kZero}}, 0.0}), "");
 }
 
+// An equilibrium is that of the motion's end, and there the obstacle stays.
+TEST(Contact, AnObstacleDoesNotJumpBackAfterAnEquilibrium) {
+  Body body(box_mesh({-0.02, -0.02, -0.01}, {0.02, 0, 0.01}, {4, 2, 2}), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1, -0.02 + 1e-9, 1}, {true, true, true});
+  body.set_obstacles(
+      {{"plate", Plane{{0, 0, 0}, {0, -1, 0}}, {{0.0, kZero, kZero}, {1.0, {0, -0.001, 0}, kZero}}, 0.0}});
+  Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const double pressed_n = simulation.contacts()[0].normal_force_n;
+  ASSERT_GT(pressed_n, 1.0);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(simulation.step().converged);
+    EXPECT_NEAR(simulation.contacts()[0].normal_force_n, pressed_n, 1e-3 * pressed_n);
+  }
+  EXPECT_NEAR(simulation.obstacle_poses()[0].translation().y(), -0.001, 1e-12);
+}
+
 TEST(Contact, ASceneWithFarObstaclesMovesAsOneWithoutAny) {
   const auto run = [](bool with) {
     Body body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {5, 1, 1}), kSilicone);

@@ -109,6 +109,25 @@ TEST(RunScene, ABodyThatLiesOnTheFloorNeedNotBeHeld) {
   EXPECT_NEAR(scene.simulation->contacts()[0].force_n.y(), weight_n, 1e-3 * weight_n);
 }
 
+TEST(RunScene, WritesWhereFreeObstaclesAre) {
+  const Outcome outcome =
+      run("contact:\n  friction: 0.5\n  obstacles:\n"
+          "  - {name: ball, mass_kg: 0.1, velocity_m_s: [0, 1, 0], sphere: {center_m: [0, 1, 0], radius_m: 0.01}}\n"
+          "  - {name: coin, mass_kg: 0.01, cylinder: {start_m: [1, 0, 0], end_m: [1, 0.002, 0], radius_m: 0.01}}\n"
+          "  - {name: floor, plane: {point_m: [0, 0, -5], normal: [0, 0, 1]}}\n"
+          "gravity_m_s2: [0, 0, 0]\nsolver: {time_step_s: 0.01}\n"
+          "run: {mode: dynamic, duration_s: 0.1}\n");
+  ASSERT_TRUE(outcome.report.solve.converged) << outcome.report.solve.message;
+  EXPECT_EQ(keys(outcome.json["obstacles"]), (Names{"ball", "coin"}));
+  EXPECT_EQ(keys(outcome.json["obstacles"]["ball"]),
+            (Names{"center_m", "rotation_rad", "velocity_m_s", "angular_velocity_rad_s"}));
+  EXPECT_NEAR(outcome.json["obstacles"]["ball"]["center_m"][1].get<double>(), 1.1, 1e-9);
+  EXPECT_NEAR(outcome.json["obstacles"]["ball"]["velocity_m_s"][1].get<double>(), 1.0, 1e-9);
+  const Json& path = outcome.json["trajectory"]["obstacles"]["ball"];
+  ASSERT_EQ(path.size(), 11u);
+  EXPECT_NEAR(path[5]["center_m"][1].get<double>(), 1.05, 1e-9);
+}
+
 TEST(RunScene, PullsTheCableItCommands) {
   const Outcome outcome = run("gravity_m_s2: [0, 0, 0]\nrun: {commands: [{left: 0.95, right: 1.2}]}\n");
   const Json& left = outcome.json["cables"]["left"];

@@ -240,6 +240,32 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"contact: {friction: [{between: [skin, wall], coefficient: 1}]}", "unknown surface 'wall'; known: skin"},
       {"contact: {obstacles: [{name: floor, plane: {point_m: [0, 0, 0], normal: [0, 0, 1]}}]}",
        "contact: obstacle 'floor' is"},
+      {"contact: {friction: [{between: [skin, skin, skin], coefficient: 1}]}",
+       "must be two names, of skin or obstacles"},
+      {"contact: {obstacles: [{name: a, sphere: {center_m: [0, 0, 1], radius_m: 0.1}, motion: [{time_s: 1}, {time_s: "
+       "1}]}]}",
+       "motion[1].time_s: 1 is out of range of times that rise from pose to pose: nothing jumps"},
+  });
+}
+
+TEST(Scene, RefusesFreeObstaclesWithPlaceAndReason) {
+  const std::string ball = "{name: ball, sphere: {center_m: [0, 0, 1], radius_m: 0.1}";
+  const std::string floor = "{name: floor, plane: {point_m: [0, 0, -1], normal: [0, 0, 1]}}";
+  expect_refused({
+      {"contact: {obstacles: [" + ball + ", mass_kg: 0}]}", "obstacles[0].mass_kg: 0 is out of range (0, inf)"},
+      {"contact: {obstacles: [" + ball + ", mass_kg: 1, motion: [{time_s: 0}]}]}",
+       "motion: is for obstacles that it moves"},
+      {"contact: {obstacles: [" + ball + ", velocity_m_s: [1, 0, 0]}]}", "is for free obstacles; give mass_kg too"},
+      {"contact: {obstacles: [" + ball + ", mass_kg: 1, inertia_kg_m2: [1, 1, -1]}]}", "inertia_kg_m2: must be"},
+      {"contact: {obstacles: [{name: floor, mass_kg: 1, plane: {point_m: [0, 0, -1], normal: [0, 0, 1]}}]}",
+       "mass_kg: a plane cannot be free"},
+      {"contact: {friction: [{between: [ball, floor], coefficient: 1}], obstacles: [" + ball + "}, " + floor + "]}",
+       "neither 'ball' nor 'floor' is free"},
+      {"contact: {friction: [{between: [ball, wall], coefficient: 1}], obstacles: [" + ball + ", mass_kg: 1}]}",
+       "unknown surface 'wall'; known: skin, ball"},
+      {"contact: {obstacles: [" + ball +
+           ", mass_kg: 1}, {name: wall, plane: {point_m: [0, 0, 1], normal: [0, 0, 1]}}]}",
+       "obstacle 'wall' is"},
   });
 }
 

@@ -16,6 +16,7 @@ struct Trajectory {
   std::vector<double> time_s;
   std::vector<Eigen::Matrix3Xd> markers_m;  // per time: one column per marker, robot_base
   std::vector<Eigen::Matrix2Xd> commands;   // per time: one column per actuator, as commanded and as its drive reached
+  std::vector<FreePoses> free;              // per time: of free obstacles
 };
 
 // Of a reduced model, against the full one (mechanics/reduced/audit.h).

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Free obstacles in Newton's method: six unknowns q each, as a border of the nodes' matrix A.
+//
+//   [ A   B ] [dx]   [ r ]     B: contact's couplings, D: contact, inertia
+//   [ B'  D ] [dq] = [ f ]     dq = (D - B' A^-1 B)^-1 (f - B' A^-1 r)
+//
+// In an equilibrium nothing may hold an obstacle along some direction. There the Schur complement is given so much
+// stiffness that its weight moves it by half its size.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mechanics/contact/free_obstacles.h"
+
+namespace soft_robot_lab {
+
+// What inertia refers to within one time step:  mass (c - predicted) per_s2, and the same of turns, with the inertia
+// where the step is expected to end.
+struct FreeInertia {
+  double per_s2 = 0.0;
+  FreePoses start;
+  Eigen::Matrix3Xd predicted_m, predicted_rad;  // centres; turns since the start
+  std::vector<Eigen::Matrix3d> kg_m2;
+};
+
+// Energy of inertia and gravity; adds its gradient.
+double add_free_gradient(const FreeObstacles& free, const FreePoses& at, const FreeInertia* inertia,
+                         FreeColumns& gradient);
+
+void add_free_inertia(const FreeObstacles& free, const FreeInertia& inertia, Eigen::MatrixXd& own);
+
+// A force per column, and torques over the obstacle's size.
+double free_norm_n(const FreeObstacles& free, const FreeColumns& forces);
+
+class FreeBorder {
+ public:
+  FreeBorder() = default;  // of no obstacles, or of such that stay in place
+
+  // `solved`: A^-1 B.
+  FreeBorder(Eigen::MatrixXd border, Eigen::MatrixXd solved, Eigen::MatrixXd own, const FreeObstacles& free,
+             double youngs_modulus_pa);
+
+  bool empty() const { return solved_.size() == 0; }
+  bool stable() const { return stable_; }  // but for directions along which nothing happens
+
+  // dq under loads f and r.
+  FreeColumns motion(const FreeColumns& free_load, const Eigen::VectorXd& nodal_load) const;
+  // From A^-1 r to dx where f = 0; what f adds to dx.
+  void complete(const Eigen::MatrixXd& nodal_loads, Eigen::MatrixXd& motions) const;
+  Eigen::VectorXd nodal_motion(const FreeColumns& free_load) const;
+  // B dq of loads r.
+  Eigen::MatrixXd nodal_forces(const Eigen::MatrixXd& nodal_loads) const;
+
+ private:
+  Eigen::MatrixXd border_, solved_, inverse_;
+  bool stable_ = true;
+};
+
+}  // namespace soft_robot_lab

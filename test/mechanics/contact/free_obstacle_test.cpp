@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Free rigid obstacles, against closed forms.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "contact_bodies.h"
+#include "mechanics/contact/rigid_contact.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kGravity = 9.81;
+constexpr double kRadius = 0.01, kMass = 0.02;
+
+SolverOptions steps_of(double time_step_s, Integrator integrator = Integrator::implicit_euler) {
+  SolverOptions options;
+  options.time_step_s = time_step_s;
+  options.integrator = integrator;
+  return options;
+}
+
+void run(Simulation& simulation, double duration_s) {
+  const auto steps = std::lround(duration_s / simulation.options().time_step_s);
+  for (long i = 0; i < steps; ++i) {
+    const SolveReport report = simulation.step();
+    ASSERT_TRUE(report.converged) << report.message << " at " << simulation.state().time_s << " s";
+  }
+}
+
+// 40 x 10 x 40 mm on a rigid ground, top at y = 0.
+Body pad(const Eigen::Vector3i& cells = {4, 1, 4}) {
+  Body body(box_mesh({-0.02, -0.01, -0.02}, {0.02, 0, 0.02}, cells), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1, -0.01 + 1e-6, 1}, {true, true, true});
+  body.set_gravity({0, -kGravity, 0});
+  return body;
+}
+
+Obstacle ball(const Vector3d& center_m, double friction = 0.0) {
+  Obstacle one{"ball", Sphere{center_m, kRadius}, {}, friction};
+  one.mass_kg = kMass;
+  return one;
+}
+
+Simulation with(Body body, std::vector<Obstacle> obstacles, const SolverOptions& options) {
+  body.set_obstacles(std::move(obstacles));
+  return Simulation(std::move(body), {}, {}, options);
+}
+
+Vector3d center_m(const Simulation& simulation, int free = 0) {
+  return simulation.state().contact.free.centers_m.col(free);
+}
+Vector3d velocity_m_s(const Simulation& simulation, int free = 0) {
+  return simulation.state().free_velocities.linear_m_s.col(free);
+}
+Vector3d spin_rad_s(const Simulation& simulation, int free = 0) {
+  return simulation.state().free_velocities.angular_rad_s.col(free);
+}
+
+TEST(FreeObstacle, FallsAsABodyInAVacuum) {
+  for (const Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2}) {
+    Obstacle thrown = ball({0, 0.5, 0});
+    thrown.velocity_m_s = {0.3, 0, 0};
+    thrown.angular_velocity_rad_s = {0, 5, 0};
+    Simulation simulation = with(pad(), {thrown}, steps_of(0.002, integrator));
+    simulation.keep_energy_ledger();
+    run(simulation, 0.2);
+    // Implicit Euler falls by g h t / 2 further than it should.
+    const double further_m = integrator == Integrator::implicit_euler ? 0.5 * kGravity * 0.002 * 0.2 : 0.0;
+    EXPECT_NEAR(center_m(simulation).y(), 0.5 - 0.5 * kGravity * 0.04 - further_m, 5e-5);
+    EXPECT_NEAR(velocity_m_s(simulation).y(), -kGravity * 0.2, 1e-6);
+    EXPECT_NEAR(center_m(simulation).x(), 0.06, 1e-9);
+    EXPECT_NEAR(spin_rad_s(simulation).y(), 5.0, 1e-9);
+    const Eigen::Quaterniond turn(Eigen::Vector4d(simulation.state().contact.free.turns.col(0)));
+    EXPECT_NEAR(Eigen::AngleAxisd(turn).angle(), 1.0, 1e-9);
+    const EnergyLedger& ledger = *simulation.energy_ledger();
+    EXPECT_NEAR(ledger.closure_error_j, 0.0, 1e-2 * ledger.turned_over_j);
+  }
+}
+
+// Torque-free motion about the middle axis: the Dzhanibekov effect. Angular momentum stays; energy nearly does.
+TEST(FreeObstacle, ATumblingBoxKeepsItsAngularMomentum) {
+  Obstacle box{"box", RoundedBox{{0, 0.5, 0}, {0.01, 0.02, 0.04}, 0.001}, {}, 0.0};
+  box.mass_kg = kMass;
+  box.angular_velocity_rad_s = {0.1, 20, 0.1};
+  Body body = pad();
+  body.set_gravity(Vector3d::Zero());
+  Simulation simulation = with(std::move(body), {box}, steps_of(0.002, Integrator::bdf2));
+  const Eigen::Matrix3d inertia = solid_inertia_kg_m2(box.shape, kMass);
+  const Vector3d momentum = inertia * box.angular_velocity_rad_s;
+  run(simulation, 1.0);
+  const Eigen::Matrix3d turned =
+      Eigen::Quaterniond(Eigen::Vector4d(simulation.state().contact.free.turns.col(0))).toRotationMatrix();
+  const Vector3d now = turned * inertia * turned.transpose() * spin_rad_s(simulation);
+  EXPECT_LT((now - momentum).norm(), 1e-6 * momentum.norm());
+  const double energy = 0.5 * spin_rad_s(simulation).dot(now);
+  EXPECT_NEAR(energy, 0.5 * box.angular_velocity_rad_s.dot(momentum), 0.02 * energy);
+}
+
+TEST(FreeObstacle, ABallAtRestOnASoftPadPressesByItsWeight) {
+  for (const double friction : {0.0, 0.5}) {
+    Simulation simulation = with(pad(), {ball({0.001, kRadius, 0.002}, friction)}, {});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    EXPECT_LT((simulation.contacts()[0].force_n - Vector3d(0, -kMass * kGravity, 0)).norm(), 1e-5);
+    EXPECT_LT(center_m(simulation).y(), kRadius);
+    EXPECT_GT(center_m(simulation).y(), kRadius - 1e-3);
+  }
+}
+
+TEST(FreeObstacle, AnEquilibriumNamesTheMotionThatNothingHolds) {
+  Simulation simulation = with(pad(), {ball({0, kRadius, 0})}, {});
+  const SolveReport report = simulation.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.warnings[0].text, "nothing keeps obstacle 'ball' from turning about x, y, z");
+
+  Simulation beside = with(pad(), {ball({0.1, kRadius, 0})}, {});
+  const SolveReport falls = beside.solve_equilibrium();
+  EXPECT_FALSE(falls.converged);
+  EXPECT_NE(falls.message.find("nothing keeps obstacle 'ball' from moving along x, y, z"), std::string::npos)
+      << falls.message;
+}
+
+TEST(FreeObstacle, ADroppedBallComesToRestWithItsWeight) {
+  Body body = pad();
+  body.set_viscosity({2.0, 2e-3, 0.0, 1.0});
+  Simulation simulation = with(std::move(body), {ball({0, kRadius + 0.002, 0}, 0.5)}, steps_of(0.005));
+  simulation.keep_energy_ledger();
+  run(simulation, 1.5);
+  EXPECT_TRUE(simulation.state().rest_residual.has_value());
+  EXPECT_LT((simulation.contacts()[0].force_n - Vector3d(0, -kMass * kGravity, 0)).norm(), 1e-5);
+  const EnergyLedger& ledger = *simulation.energy_ledger();
+  EXPECT_NEAR(ledger.closure_error_j, 0.0, 0.01 * ledger.turned_over_j);
+}
+
+TEST(FreeObstacle, ACollisionWithoutGravityKeepsMomentum) {
+  for (const Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2}) {
+    Body body = loose_block();
+    Obstacle thrown = ball({0.004, 0.02 + kRadius + 0.001, 0.002}, 0.5);
+    thrown.velocity_m_s = {0.1, -0.5, 0};
+    SolverOptions options = steps_of(0.001, integrator);
+    options.dynamic_tolerance = 1e-6;
+    Simulation simulation = with(std::move(body), {thrown}, options);
+    const auto momentum = [&] {
+      return Vector3d(kMass * velocity_m_s(simulation) +
+                      simulation.state().velocities_m_s * simulation.body().node_masses_kg());
+    };
+    const auto angular_momentum = [&] {
+      Vector3d sum = kMass * center_m(simulation).cross(velocity_m_s(simulation)) +
+                     0.4 * kMass * kRadius * kRadius * spin_rad_s(simulation);
+      for (Eigen::Index node = 0; node < simulation.state().positions_m.cols(); ++node)
+        sum += simulation.body().node_masses_kg()[node] *
+               Vector3d(simulation.state().positions_m.col(node))
+                   .cross(Vector3d(simulation.state().velocities_m_s.col(node)));
+      return sum;
+    };
+    const Vector3d before = momentum(), turning_before = angular_momentum();
+    bool touched = false;
+    for (int i = 0; i < 60; ++i) {
+      ASSERT_TRUE(simulation.step().converged);
+      touched = touched || simulation.contacts()[0].normal_force_n > 0.0;
+    }
+    EXPECT_TRUE(touched);
+    EXPECT_GT(velocity_m_s(simulation).y(), -0.4);
+    EXPECT_LT((momentum() - before).norm(), 1e-5 * before.norm());
+    EXPECT_LT((angular_momentum() - turning_before).norm(), 2e-2 * turning_before.norm());
+  }
+}
+
+// On a rigid floor, beside the pad.
+std::vector<Obstacle> on_floor(Obstacle one, double friction) {
+  one.friction_on["floor"] = friction;
+  return {{"floor", Plane{{0, -0.02, 0}, {0, 1, 0}}, {}, 0.0}, one};
+}
+
+TEST(FreeObstacle, ASlidingBlockStopsAfterItsStoppingDistance) {
+  const double mu = 0.4, speed_m_s = 0.6;
+  Obstacle block{"block", RoundedBox{{0.1, -0.01, 0}, {0.02, 0.02, 0.02}, 0.001}, {}, 0.0};
+  block.mass_kg = kMass;
+  Simulation simulation = with(pad(), on_floor(block, mu), steps_of(0.001, Integrator::bdf2));
+  run(simulation, 0.05);
+  SimulationState state = simulation.state();
+  state.free_velocities.linear_m_s(0, 0) += speed_m_s;
+  state.rest_residual.reset();
+  simulation.set_state(state);
+  const double start_m = center_m(simulation).x();
+  run(simulation, 0.3);
+  const double expected_m = speed_m_s * speed_m_s / (2.0 * mu * kGravity);
+  EXPECT_NEAR(center_m(simulation).x() - start_m, expected_m, 0.02 * expected_m);
+  const double stopped_m = center_m(simulation).x();
+  run(simulation, 1.0);
+  EXPECT_NEAR(center_m(simulation).x(), stopped_m, 1e-7);
+  EXPECT_NEAR(simulation.contacts().back().force_n.y(), kMass * kGravity, 1e-5);
+}
+
+// A ball pushed without spin slides until it rolls at 5/7 of its speed.
+TEST(FreeObstacle, ASlidingBallRollsAtFiveSeventhsOfItsSpeed) {
+  Obstacle pushed = ball({0.1, -0.02 + kRadius, 0});
+  pushed.velocity_m_s = {0.5, 0, 0};
+  Simulation simulation = with(pad(), on_floor(pushed, 0.5), steps_of(0.001, Integrator::bdf2));
+  run(simulation, 0.2);
+  EXPECT_NEAR(velocity_m_s(simulation).x(), 5.0 / 7.0 * 0.5, 0.005);
+  EXPECT_NEAR(spin_rad_s(simulation).z(), -velocity_m_s(simulation).x() / kRadius, 0.5);
+}
+
+TEST(FreeObstacle, ABallRollsOnSoftGroundWithoutSlip) {
+  Obstacle rolling = ball({-0.012, kRadius - 2e-5, 0}, 1.0);
+  rolling.velocity_m_s = {0.1, 0, 0};
+  rolling.angular_velocity_rad_s = {0, 0, -0.1 / kRadius};
+  Simulation simulation = with(pad({8, 2, 8}), {rolling}, steps_of(0.002));
+  const double start_m = center_m(simulation).x();
+  run(simulation, 0.1);
+  const double way_m = center_m(simulation).x() - start_m;
+  EXPECT_GT(way_m, 0.004);
+  EXPECT_LT(way_m, 0.0105);
+  EXPECT_NEAR(-spin_rad_s(simulation).z() * kRadius, velocity_m_s(simulation).x(), 0.15 * velocity_m_s(simulation).x());
+}
+
+TEST(FreeObstacle, ASavedStateGoesOnToTheLastBit) {
+  Simulation simulation = with(pad(), {ball({0, kRadius + 0.001, 0}, 0.5)}, steps_of(0.002, Integrator::bdf2));
+  run(simulation, 0.03);
+  const SimulationState saved = simulation.state();
+  run(simulation, 0.02);
+  const SimulationState end = simulation.state();
+  simulation.set_state(saved);
+  run(simulation, 0.02);
+  EXPECT_TRUE(simulation.state() == end);
+  Simulation other(simulation.model());
+  other.set_state(saved);
+  run(other, 0.02);
+  EXPECT_TRUE(other.state() == end);
+}
+
+std::string refusal(std::vector<Obstacle> obstacles) {
+  Body body = pad();
+  try {
+    body.set_obstacles(std::move(obstacles));
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FreeObstacle, RefusesWhatCannotBeFree) {
+  Obstacle moved = ball({0, 0.1, 0});
+  moved.motion = {{0.0, kZero, kZero}};
+  EXPECT_NE(refusal({moved}).find("motion: a free obstacle"), std::string::npos);
+  Obstacle plane{"floor", Plane{{0, -0.02, 0}, {0, 1, 0}}, {}, 0.0};
+  plane.mass_kg = 1.0;
+  EXPECT_NE(refusal({plane}).find("a plane cannot be free"), std::string::npos);
+  Obstacle light = ball({0, 0.1, 0});
+  light.mass_kg = -1.0;
+  EXPECT_NE(refusal({light}).find("mass_kg: -1"), std::string::npos);
+  Obstacle flat = ball({0, 0.1, 0});
+  flat.inertia_kg_m2 = Eigen::Matrix3d::Zero();
+  EXPECT_NE(refusal({flat}).find("inertia_kg_m2"), std::string::npos);
+  Obstacle fixed = ball({0, 0.1, 0});
+  fixed.mass_kg = 0.0;
+  fixed.velocity_m_s = {1, 0, 0};
+  EXPECT_NE(refusal({fixed}).find("give mass_kg too"), std::string::npos);
+  const std::string inside = refusal(on_floor(ball({0.1, -0.02, 0}), 0.0));
+  EXPECT_NE(inside.find("is 0.01 m inside obstacle 'floor'"), std::string::npos) << inside;
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "execution.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 
@@ -10,6 +12,20 @@ namespace {
 
 std::vector<double> values_of(const Eigen::VectorXd& commands) {
   return std::vector<double>(commands.data(), commands.data() + commands.size());
+}
+
+bool holds(const std::string& name, double value, const std::vector<std::string>& names,
+           const std::vector<double>& values) {
+  const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  return at < values.size() && std::abs(values[at] - value) <= 1e-9 * std::max(1.0, std::abs(value));
+}
+
+// Whether each of `asked` stands with its value among `names`; never where nothing was asked.
+bool holds_all(const std::vector<std::string>& asked, const std::vector<double>& asked_values,
+               const std::vector<std::string>& names, const std::vector<double>& values) {
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    if (!holds(asked[i], asked_values[i], names, values)) return false;
+  return !asked.empty();
 }
 
 }  // namespace
@@ -125,6 +141,7 @@ void Execution::add_simulated(double stamp_s, const std::vector<Eigen::Vector3d>
     play();
   } else if (!run_->rested) {
     repeat();
+    if (drives_report_ && !run_->heard) run_->rest = RestDetector();
     run_->rested = run_->rest.update(run_->now_s, positions_m) && !motors_.moving();
     if (run_->rested) measured_rest_.start(run_->now_s);
   }
@@ -147,6 +164,13 @@ void Execution::add_motors(MotorReport report) {
   changed_.notify_all();
 }
 
+void Execution::add_drives(const std::vector<std::string>& names, const std::vector<double>& commands) {
+  const std::lock_guard lock(mutex_);
+  drives_report_ = true;
+  if (!run_ || run_->heard) return;
+  run_->heard = holds_all(run_->report.names, run_->report.values, names, commands);
+}
+
 // Motors refuse commands that follow one another too fast.
 void Execution::play() {
   constexpr double least_period_s = 0.01;  // of the machine's time
@@ -162,6 +186,7 @@ void Execution::repeat() {
 }
 
 void Execution::send(const std::vector<std::string>& names, const std::vector<double>& values) {
+  run_->heard = run_->heard && names == run_->report.names && values == run_->report.values;
   run_->report.names = names;
   run_->report.values = values;
   run_->commanded_at_s = host_.machine_time_s();

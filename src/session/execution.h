@@ -62,6 +62,9 @@ class Execution {
   void add_simulated(double stamp_s, const std::vector<Eigen::Vector3d>& positions_m);
   void add_measured(const MarkerFrame& frame);
   void add_motors(MotorReport report);
+  // The commands that simulated drives heard last, one a name. Where they report, rest is awaited from there on: a
+  // simulation that runs ahead of the machine's messages would rest before it hears anything.
+  void add_drives(const std::vector<std::string>& names, const std::vector<double>& commands);
 
  private:
   struct Run {
@@ -78,6 +81,7 @@ class Execution {
     double commanded_at_s = -std::numeric_limits<double>::infinity();  // when the last command was sent, machine time,
     double commanded_s = 0.0;                                          // and in session time
     bool sent = false;                                                 // the policy's last command
+    bool heard = false;                                                // the last command, by simulated drives
     bool rested = false;
     bool cancelled = false;
     std::string fault;
@@ -103,6 +107,7 @@ class Execution {
   std::condition_variable changed_;
   std::optional<Run> run_;
   MotorWatch motors_;
+  bool drives_report_ = false;
   MeasuredRest measured_rest_;
 };
 

@@ -52,6 +52,33 @@ TEST_F(Executed, PlaysByTheStampsOfMarkersAndAnswersAtRest) {
   EXPECT_EQ(report.values, Values{0.8});
 }
 
+TEST_F(Executed, AwaitsRestFromWhereTheDrivesHeardTheLastCommand) {
+  execution_.add_drives({"right", "left"}, {1.0, 1.0});
+  start({to(0.8), {1.0}});
+  send_markers(50.0, 54.0);  // at rest, far ahead of what the drives have heard
+  EXPECT_NE(report_.wait_for(std::chrono::milliseconds(300)), std::future_status::ready);
+  execution_.add_drives({"right", "left"}, {1.0, 0.8});
+  send_markers(54.0, 55.05, 54.5);
+  const ExecutionReport report = report_.get();
+  EXPECT_TRUE(report.success) << report.message;
+  EXPECT_NEAR(report.duration_s, 5.0, 0.06);
+}
+
+// Motors get the last command again and again, which changes nothing of what the drives have heard.
+TEST_F(Executed, RestsWhereMotorsGetTheLastCommandAgain) {
+  execution_.add_motors(motors());
+  start({to(0.8), {1.0}});
+  for (int i = 0; i < 110; ++i) {  // no faster than motors are commanded
+    machine_s_ = 100.0 + 0.01 * i;
+    execution_.add_simulated(50.0 + 0.01 * i, {{0.0, 0.0, 0.0}});
+  }
+  execution_.add_drives({"left"}, {0.8});
+  send_markers(51.1, 51.8);
+  EXPECT_EQ(report_.wait_for(std::chrono::seconds(5)), std::future_status::ready);
+  execution_.cancel();
+  EXPECT_TRUE(report_.get().success);
+}
+
 TEST_F(Executed, AnswersAtTheLastCommandWhereRestIsNotAwaited) {
   start({to(0.8), {1.0}, false});
   send_markers(50.0, 51.1, 60.0);

@@ -252,6 +252,7 @@ void ControllerNode::on_scene(const std_msgs::String& path) {
 }
 
 void ControllerNode::on_actuators(const ActuatorState& actuators) {
+  execution_.add_drives(actuators);
   const std::lock_guard lock(mutex_);
   for (size_t i = 0; i < std::min(actuators.names.size(), actuators.commands.size()); ++i)
     if (std::isfinite(actuators.commands[i])) commands_[actuators.names[i]] = actuators.commands[i];

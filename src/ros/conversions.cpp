@@ -60,6 +60,14 @@ geometry_msgs::Point to_message(const Eigen::Vector3d& position_m) {
   return point;
 }
 
+geometry_msgs::Vector3 vector_message(const Eigen::Vector3d& vector) {
+  geometry_msgs::Vector3 message;
+  message.x = vector.x();
+  message.y = vector.y();
+  message.z = vector.z();
+  return message;
+}
+
 Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field) {
   Eigen::Vector3d position_m(position.x, position.y, position.z);
   constexpr double farthest_m = 1e6;  // squares and sums of these are finite
@@ -105,6 +113,28 @@ ActuatorRanges actuator_ranges(const Simulation& simulation, const ros::Time& st
     message.rests.push_back(limits.rest);
     message.mins.push_back(limits.min);
     message.maxs.push_back(limits.max);
+  }
+  return message;
+}
+
+Contacts contacts(const Simulation& simulation, const ros::Time& stamp) {
+  Contacts message;
+  message.header.stamp = stamp;
+  message.header.frame_id = robot_frame();
+  for (const ContactReading& reading : simulation.contacts()) {
+    if (reading.normal_force_n == 0.0) continue;
+    Contact contact;
+    contact.first = reading.on;
+    contact.second = reading.surface;
+    contact.force = vector_message(reading.force_n);
+    contact.normal_force_n = reading.normal_force_n;
+    contact.center = to_message(reading.center_m);
+    contact.normal = vector_message(reading.normal);
+    contact.area_m2 = reading.area_m2;
+    contact.sticking_area_m2 = reading.sticking_area_m2;
+    contact.slipping_area_m2 = reading.slipping_area_m2;
+    contact.largest_penetration_m = reading.largest_penetration_m;
+    message.contacts.push_back(std::move(contact));
   }
   return message;
 }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <geometry_msgs/Point.h>
+#include <geometry_msgs/Vector3.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/time.h>
 #include <sensor_msgs/JointState.h>
@@ -17,6 +18,7 @@
 namespace soft_robot_lab {
 
 geometry_msgs::Point to_message(const Eigen::Vector3d& position_m);
+geometry_msgs::Vector3 vector_message(const Eigen::Vector3d& vector);
 
 // Throws std::invalid_argument naming the field where a coordinate is not finite, or far beyond any robot.
 Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field);
@@ -34,6 +36,8 @@ sensor_msgs::JointState joint_states(const ActuatorState& actuators);
 
 // What holds the body where it is clamped, all holds together, about the origin of robot_base [N, Nm].
 geometry_msgs::WrenchStamped reaction_of(const Simulation& simulation, const ros::Time& stamp);
+
+Contacts contacts(const Simulation& simulation, const ros::Time& stamp);
 
 // By the name of the surface it acts on.
 std::map<std::string, double> gauge_pressures_pa(const Simulation& simulation);

@@ -6,6 +6,7 @@
 #include <soft_robot_lab/ActuatorLimits.h>
 #include <soft_robot_lab/ActuatorRanges.h>
 #include <soft_robot_lab/ActuatorState.h>
+#include <soft_robot_lab/Contacts.h>
 #include <soft_robot_lab/MarkerObservations.h>
 #include <soft_robot_lab/MotorState.h>
 #include <soft_robot_lab/Policy.h>

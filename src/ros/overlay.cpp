@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "conversions.h"
 #include "frames.h"
 
@@ -30,6 +32,9 @@ const std_msgs::ColorRGBA simulated_colour = colour(0.10f, 0.25f, 0.80f);
 const std_msgs::ColorRGBA measured_colour = colour(0.85f, 0.10f, 0.75f);
 const std_msgs::ColorRGBA target_colour = colour(0.95f, 0.55f, 0.05f, 0.85f);
 const std_msgs::ColorRGBA error_colour = colour(0.85f, 0.10f, 0.10f);
+const std_msgs::ColorRGBA contact_colour = colour(0.80f, 0.20f, 0.05f);
+const std_msgs::ColorRGBA sticking_colour = colour(0.10f, 0.55f, 0.20f, 0.7f);
+const std_msgs::ColorRGBA slipping_colour = colour(0.85f, 0.35f, 0.05f, 0.7f);
 const std_msgs::ColorRGBA text_colour = colour(0.10f, 0.10f, 0.10f);
 
 std::string text_of(double value, const char* format) {
@@ -57,6 +62,27 @@ class Drawing {
     shape.points = points;
     shape.colors = along;
     shape.scale.x = width_m;
+  }
+
+  void arrow(const std::string& ns, const std::string& name, const Eigen::Vector3d& from_m,
+             const Eigen::Vector3d& way_m, double width_m, const std_msgs::ColorRGBA& rgba) {
+    Shape& shape = add(ns, name, Shape::ARROW, rgba);
+    shape.points = {to_message(from_m), to_message(from_m + way_m)};
+    shape.scale.x = width_m;
+    shape.scale.y = 2.0 * width_m;
+  }
+
+  void disc(const std::string& ns, const std::string& name, const Eigen::Vector3d& center_m,
+            const Eigen::Vector3d& normal, double area_m2, const std_msgs::ColorRGBA& rgba) {
+    Shape& shape = add(ns, name, Shape::CYLINDER, rgba);
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+    shape.pose.position = to_message(center_m);
+    shape.pose.orientation.x = turn.x();
+    shape.pose.orientation.y = turn.y();
+    shape.pose.orientation.z = turn.z();
+    shape.pose.orientation.w = turn.w();
+    shape.scale.x = shape.scale.y = 2.0 * std::sqrt(area_m2 / M_PI);
+    shape.scale.z = 0.1 * options_.text_height_m;
   }
 
   void text(const std::string& ns, const std::string& name, const geometry_msgs::Point& place,
@@ -208,6 +234,35 @@ void draw_chambers(const ActuatorState& actuators, Drawing& drawing) {
   }
 }
 
+Eigen::Vector3d from_message(const geometry_msgs::Vector3& vector, const char* field) {
+  geometry_msgs::Point point;
+  point.x = vector.x;
+  point.y = vector.y;
+  point.z = vector.z;
+  return soft_robot_lab::from_message(point, field);
+}
+
+// An arrow for the force on the first surface, and a disc as large as the area under pressure: green where most of it
+// sticks, or nothing rubs.
+void draw_contacts(const Contacts& contacts, const OverlayOptions& options, Drawing& drawing) {
+  constexpr double kLongest_m = 0.06;
+  for (const Contact& contact : contacts.contacts) {
+    const std::string name = contact.first + " " + contact.second;
+    const Eigen::Vector3d center_m = soft_robot_lab::from_message(contact.center, "center");
+    const Eigen::Vector3d normal = from_message(contact.normal, "normal");
+    Eigen::Vector3d way_m = options.arrow_m_n * from_message(contact.force, "force");
+    if (way_m.norm() > kLongest_m) way_m *= kLongest_m / way_m.norm();
+    if (!way_m.isZero(1e-4))
+      drawing.arrow("contacts", name, center_m, way_m, 1.2 * options.cable_width_m, contact_colour);
+    if (contact.area_m2 > 0.0 && !normal.isZero())
+      drawing.disc("contact_areas", name, center_m, normal, contact.area_m2,
+                   contact.slipping_area_m2 > contact.sticking_area_m2 ? slipping_colour : sticking_colour);
+    geometry_msgs::Point place = contact.center;
+    place.z += 1.5 * options.text_height_m;
+    drawing.text("contact_forces", name, place, text_of(contact.normal_force_n, "%.2f N"));
+  }
+}
+
 void draw_target(const Target& target, const OverlayOptions& options, Drawing& drawing) {
   drawing.sphere("target", target.marker, target.position, options.target_radius_m, target_colour);
 }
@@ -260,6 +315,17 @@ void require_whole(const ActuatorState& actuators) {
   }
 }
 
+void require_whole(const Contacts& contacts) {
+  for (const Contact& contact : contacts.contacts) {
+    soft_robot_lab::from_message(contact.center, "center");
+    from_message(contact.normal, "normal");
+    from_message(contact.force, "force");
+    require_number(contact.normal_force_n, "normal_force_n");
+    for (const double area_m2 : {contact.area_m2, contact.sticking_area_m2, contact.slipping_area_m2})
+      if (!(area_m2 >= 0.0 && area_m2 <= 1e6)) throw std::invalid_argument("area_m2: must be in [0, 1e6]");
+  }
+}
+
 void require_whole(const RealityGap& gap) {
   const size_t count = gap.names.size();
   for (const size_t size : {gap.measured.size(), gap.gaps.size(), gap.distances_m.size(), gap.seen.size()})
@@ -282,6 +348,7 @@ visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const
   for (const MarkerObservations* markers : {&inputs.simulated, &inputs.measured}) require_whole(*markers);
   require_whole(inputs.actuators);
   if (inputs.gap) require_whole(*inputs.gap);
+  require_whole(inputs.contacts);
   Drawing drawing(options_, stamp, shown_, next_);
   draw_markers(inputs.simulated, "simulated", simulated_colour, {}, options_, drawing);
   draw_markers(inputs.measured, "measured", measured_colour, inputs.simulated.names, options_, drawing);
@@ -291,6 +358,7 @@ visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const
     if (cable.tension_n > full_tension_n) full_tension_n = round_up(cable.tension_n);
   draw_cables(inputs.actuators, full_tension_n, options_, drawing);
   draw_chambers(inputs.actuators, drawing);
+  draw_contacts(inputs.contacts, options_, drawing);
   if (inputs.target) {
     from_message(inputs.target->position, "target");
     draw_target(*inputs.target, options_, drawing);

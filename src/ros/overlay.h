@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What rviz draws over the body: markers, simulated and measured, and the gap between them, target, cables by tension,
-// chambers' pressures, and the remaining error.
+// chambers' pressures, contacts' forces and areas, and the remaining error.
 #pragma once
 
 #include <map>
@@ -21,6 +21,7 @@ struct OverlayInputs {
   ActuatorState actuators;
   std::optional<Target> target;
   std::optional<RealityGap> gap;
+  Contacts contacts;
 };
 
 // Of what is shown: by namespace and name.
@@ -31,6 +32,7 @@ struct OverlayOptions {
   double target_radius_m = 0.004;
   double cable_width_m = 0.0012;
   double text_height_m = 0.004;
+  double arrow_m_n = 0.03;      // length of a contact's arrow, per force
   double full_tension_n = 1.0;  // the least end of the scale of tensions, which grows with what is seen
 };
 

@@ -246,6 +246,18 @@ RealityGap gap() {
   return gap;
 }
 
+Contacts contacts() {
+  Contacts contacts;
+  contacts.contacts.resize(1);
+  Contact& contact = contacts.contacts[0];
+  contact.first = "skin";
+  contact.second = "floor";
+  contact.force.z = contact.normal_force_n = 0.5;
+  contact.normal.z = 1.0;
+  contact.area_m2 = contact.sticking_area_m2 = 1e-4;
+  return contacts;
+}
+
 void draw(const OverlayInputs& inputs) {
   for (const auto& shape : Overlay().draw(inputs, ros::Time(10.0)).markers) {
     require_finite(shape.pose.position, "a drawn place");
@@ -254,7 +266,7 @@ void draw(const OverlayInputs& inputs) {
   }
 }
 
-OverlayInputs inputs() { return {two_markers(10.0), two_markers(10.0), actuators(), target(), gap()}; }
+OverlayInputs inputs() { return {two_markers(10.0), two_markers(10.0), actuators(), target(), gap(), contacts()}; }
 
 MotorState motors(double time_s) {
   MotorState state;
@@ -405,6 +417,12 @@ std::vector<Feed> feeds() {
                      all.target = bad;
                      draw(all);
                    }),
+      feed<Contacts>("contacts to the overlay", contacts(),
+                     [](const auto& bad) {
+                       OverlayInputs all = inputs();
+                       all.contacts = bad;
+                       draw(all);
+                     }),
       feed<RealityGap>("a gap to the overlay", gap(),
                        [](const auto& bad) {
                          OverlayInputs all = inputs();

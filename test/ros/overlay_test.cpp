@@ -89,6 +89,30 @@ TEST(Overlay, WritesCablesBesideOneAnotherInLines) {
   EXPECT_GT(names[2].pose.position.z - names[1].pose.position.z, line_m);
 }
 
+TEST(Overlay, DrawsContactsAsArrowsAndAreas) {
+  OverlayInputs touching = inputs();
+  Contact floor;
+  floor.first = "skin";
+  floor.second = "floor";
+  floor.center = point(0.01, 0.0, -0.1);
+  floor.normal.x = 1.0;
+  floor.force.x = floor.normal_force_n = 0.5;
+  floor.area_m2 = M_PI * 1e-4;
+  floor.slipping_area_m2 = floor.area_m2;
+  touching.contacts.contacts = {floor};
+  const Shape arrow = shapes_in(touching, "contacts").at(0);
+  EXPECT_NEAR(arrow.points.at(0).x, 0.01, 1e-12);
+  EXPECT_NEAR(arrow.points.at(1).x, 0.01 + 0.5 * OverlayOptions().arrow_m_n, 1e-12);
+  const Shape slips = shapes_in(touching, "contact_areas").at(0);
+  EXPECT_NEAR(slips.scale.x, 0.02, 1e-12);
+  EXPECT_NEAR(slips.pose.orientation.y, std::sqrt(0.5), 1e-12);
+  EXPECT_EQ(shapes_in(touching, "contact_forces").at(0).text, "0.50 N");
+  touching.contacts.contacts[0].slipping_area_m2 = 0.0;
+  EXPECT_GT(shapes_in(touching, "contact_areas").at(0).color.g, slips.color.g);
+  touching.contacts.contacts[0].area_m2 = -1.0;
+  EXPECT_THROW(Overlay().draw(touching, ros::Time(1.0)), std::invalid_argument);
+}
+
 TEST(Overlay, FitsTheScaleOfTensionsToWhatTheRobotShows) {
   OverlayInputs loose = inputs();
   loose.actuators.cables[0].tension_n = 0.3;

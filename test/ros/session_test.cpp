@@ -380,6 +380,39 @@ TEST_F(Session, ShowsASkinThatDoesNotMoveToWhoeverComes) {
   for (int i = 0; i < 3; ++i) EXPECT_GT(hear<visualization_msgs::Marker>(topics::simulator_surface)->points.size(), 0u);
 }
 
+TEST_F(Session, PublishesAndDrawsWhatTouches) {
+  LoadScene::Request request;
+  request.path = scenes + "resting_bar.yaml";
+  const auto response = ask<LoadScene>(topics::simulator_load, request);
+  ASSERT_TRUE(response.success) << response.message;
+  Contacts touching;
+  ASSERT_TRUE(spin_until([&] {
+    touching = *hear<Contacts>(topics::simulator_contacts);
+    return !touching.contacts.empty();
+  }));
+  EXPECT_EQ(touching.header.frame_id, "robot_base");
+  const Contact& floor = touching.contacts[0];
+  EXPECT_EQ(floor.first, "skin");
+  EXPECT_EQ(floor.second, "floor");
+  EXPECT_NEAR(floor.force.z, floor.normal_force_n, 1e-3 * floor.normal_force_n);
+  EXPECT_GT(floor.normal_force_n, 0.01);
+  EXPECT_NEAR(floor.area_m2, 4e-4, 1e-4);
+  EXPECT_NEAR(floor.sticking_area_m2 + floor.slipping_area_m2, floor.area_m2, 1e-9);
+  EXPECT_NEAR(floor.center.z, -0.1, 1e-3);
+  EXPECT_NEAR(floor.normal.z, 1.0, 1e-6);
+  EXPECT_GE(floor.largest_penetration_m, 0.0);
+  const auto drawn = [&](const std::string& topic, const std::string& ns) {
+    const auto array = hear<visualization_msgs::MarkerArray>(topic);
+    return std::any_of(array->markers.begin(), array->markers.end(), [&](const auto& shape) { return shape.ns == ns; });
+  };
+  for (const char* ns : {"contacts", "contact_areas", "contact_forces"})
+    EXPECT_TRUE(spin_until([&] { return drawn(topics::overlay, ns); })) << ns;
+  EXPECT_TRUE(drawn(topics::simulator_obstacles, "floor"));
+  request.path = scenes + "cable_bar.yaml";
+  EXPECT_TRUE(ask<LoadScene>(topics::simulator_load, request).success);
+  EXPECT_FALSE(drawn(topics::simulator_obstacles, "floor"));
+}
+
 TEST_F(Session, CountsACommandForAnActuatorThatDoesNotExist) {
   ActuatorCommand command;
   command.names = {"tail"};

@@ -40,6 +40,7 @@ class OverlayNode {
         node.subscribe(topics::tracker_markers, 1000, &OverlayNode::on_measured, this),
         node.subscribe(topics::simulator_actuators, 1, &OverlayNode::on_actuators, this),
         node.subscribe(topics::controller_target, 1, &OverlayNode::on_target, this),
+        node.subscribe(topics::simulator_contacts, 1, &OverlayNode::on_contacts, this),
     };
     const std::string camera = ros::NodeHandle("~").param<std::string>("camera", "");
     if (camera.empty()) return;
@@ -81,6 +82,7 @@ class OverlayNode {
     gap_publisher_.publish(gap);
   }
   void on_actuators(const ActuatorState& actuators) { inputs_.actuators = actuators; }
+  void on_contacts(const Contacts& contacts) { inputs_.contacts = contacts; }
   void on_target(const Target& target) { inputs_.target = target; }
   void on_info(const CameraInfo& info) { info_ = info; }
   void on_surface(const visualization_msgs::Marker& surface) { surface_ = surface; }

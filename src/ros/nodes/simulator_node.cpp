@@ -26,6 +26,7 @@
 #include "ros/latched_publisher.h"
 #include "ros/least_determinant.h"
 #include "ros/log_text.h"
+#include "ros/obstacle_markers.h"
 #include "ros/publish_limit.h"
 #include "ros/surface_marker.h"
 #include "ros/topics.h"
@@ -141,6 +142,7 @@ class SimulatorNode {
   void start(std::unique_ptr<RunningScene> scene);
   double step();  // returns the scene's time step [s]
   void publish();
+  void publish_contact(const Simulation& simulation, const ros::Time& stamp);
   void show_surface_again();  // though it may not move
   void serve_until(SteadyClock::time_point deadline);
   void on_command(const ActuatorCommand& command);
@@ -155,8 +157,9 @@ class SimulatorNode {
 
   std::mutex mutex_;  // guards what follows between stepping and loading
   std::unique_ptr<RunningScene> scene_;
-  double session_s_ = 0.0;        // goes back with the machine's clock only, unlike the scene's own time at a reset
-  double surface_period_ = -1.0;  // number of the period of session time in which the skin was last published
+  double session_s_ = 0.0;          // goes back with the machine's clock only, unlike the scene's own time at a reset
+  double obstacles_period_ = -1.0;  // likewise
+  double surface_period_ = -1.0;    // number of the period of session time in which the skin was last published
   SolveReport last_report_;
   int unconverged_steps_ = 0;           // since the last diagnosis
   std::vector<SolveWarning> warnings_;  // likewise
@@ -166,7 +169,8 @@ class SimulatorNode {
   PublishLimit publish_limit_{options_.max_publish_rate_hz};
 
   ros::NodeHandle node_;
-  ros::Publisher clock_, markers_, actuators_, joints_, reaction_, surface_;
+  ros::Publisher clock_, markers_, actuators_, joints_, reaction_, surface_, contacts_, obstacles_;
+  std::vector<Eigen::Isometry3d> obstacles_shown_;
   LatchedPublisher<std_msgs::String> scene_path_{topics::simulator_scene};
   LatchedPublisher<ActuatorRanges> ranges_{topics::simulator_ranges};
   ros::Subscriber commands_;
@@ -186,12 +190,15 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
   actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
   joints_ = node_.advertise<sensor_msgs::JointState>(topics::simulator_joint_states, 10);
   reaction_ = node_.advertise<geometry_msgs::WrenchStamped>(topics::simulator_reaction, 10);
+  contacts_ = node_.advertise<Contacts>(topics::simulator_contacts, 10);
   publish_frames();
   auto first = prepare(options_.scene);
   if (const std::string failure = settle(*first); !failure.empty()) ROS_WARN("%s", log_text(failure).c_str());
   start(std::move(first));
   surface_ = advertise_latched<visualization_msgs::Marker>(topics::simulator_surface,
                                                            [this](const auto&) { show_surface_again(); });
+  obstacles_ = advertise_latched<visualization_msgs::MarkerArray>(topics::simulator_obstacles,
+                                                                  [this](const auto&) { show_surface_again(); });
 
   commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
   reset_ = node_.advertiseService(topics::simulator_reset, &SimulatorNode::reset, this);
@@ -245,14 +252,18 @@ void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
   std_msgs::String path;
   path.data = scene->path;
   ActuatorRanges ranges;
+  visualization_msgs::MarkerArray obstacles;
   {
     const std::lock_guard lock(mutex_);
     ranges = actuator_ranges(*scene->simulation, session_time());
     scene_ = std::move(scene);
-    surface_period_ = -1.0;
+    surface_period_ = obstacles_period_ = -1.0;
+    obstacles_shown_.clear();
+    obstacles = obstacle_markers(*scene_->simulation, session_time());
   }
   scene_path_.publish(path);
   ranges_.publish(ranges);
+  if (obstacles_) obstacles_.publish(obstacles);
 }
 
 void SimulatorNode::run() {
@@ -310,11 +321,27 @@ void SimulatorNode::publish() {
     surface_.publish(scene_->surface.message(simulation.state().positions_m, stamp, gauge_pressures_pa(simulation)));
     surface_period_ = period;
   }
+  publish_contact(simulation, stamp);
+}
+
+// Obstacles as often as the skin.
+void SimulatorNode::publish_contact(const Simulation& simulation, const ros::Time& stamp) {
+  if (simulation.body().obstacles().empty() && !simulation.body().touches_itself()) return;
+  contacts_.publish(contacts(simulation, stamp));
+  const double period = std::floor(session_s_ * options_.surface_rate_hz + 1.0e-6);
+  if (period == obstacles_period_) return;
+  obstacles_period_ = period;
+  const std::vector<Eigen::Isometry3d> poses = simulation.obstacle_poses();
+  const auto same = [](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) { return a.matrix() == b.matrix(); };
+  if (std::equal(poses.begin(), poses.end(), obstacles_shown_.begin(), obstacles_shown_.end(), same)) return;
+  obstacles_.publish(obstacle_markers(simulation, stamp));
+  obstacles_shown_ = poses;
 }
 
 void SimulatorNode::show_surface_again() {
   const std::lock_guard lock(mutex_);
   scene_->surface.forget();
+  obstacles_shown_.clear();
 }
 
 void SimulatorNode::on_command(const ActuatorCommand& command) {

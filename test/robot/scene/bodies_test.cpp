@@ -181,7 +181,9 @@ TEST(Bodies, ItemsOfASceneBelongToTheOneThatTheyName) {
                                "markers: [{name: m, position_m: [0.05, 0.005, 0], body: second}]\n");
   const Body& body = scene.simulation->body();
   for (int node = 0; node < body.mesh().node_count(); ++node)
-    if (!body.dead_loads_n().col(node).isZero(0.0)) EXPECT_EQ(body.body_of_node(node), 1);
+    if (!body.dead_loads_n().col(node).isZero(0.0)) {
+      EXPECT_EQ(body.body_of_node(node), 1);
+    }
   EXPECT_NEAR(body.dead_loads_n().row(0).sum(), 1.0, 1e-12);
   EXPECT_LT((scene.simulation->marker_position(0) - Eigen::Vector3d(0.05, 0.005, 0)).norm(), 1e-12);
 }

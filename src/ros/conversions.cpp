@@ -80,6 +80,14 @@ Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::st
   return position_m;
 }
 
+Eigen::Vector3d from_message(const geometry_msgs::Vector3& vector, const std::string& field) {
+  geometry_msgs::Point point;
+  point.x = vector.x;
+  point.y = vector.y;
+  point.z = vector.z;
+  return from_message(point, field);
+}
+
 void require_whole(const MarkerObservations& markers) {
   const size_t count = markers.names.size();
   if (markers.positions.size() != count || markers.sources.size() != count)

@@ -22,6 +22,7 @@ geometry_msgs::Vector3 vector_message(const Eigen::Vector3d& vector);
 
 // Throws std::invalid_argument naming the field where a coordinate is not finite, or far beyond any robot.
 Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field);
+Eigen::Vector3d from_message(const geometry_msgs::Vector3& vector, const std::string& field);
 
 // Throws std::invalid_argument: names, positions and sources that are not as many, or positions as above.
 void require_whole(const MarkerObservations& markers);

@@ -234,21 +234,13 @@ void draw_chambers(const ActuatorState& actuators, Drawing& drawing) {
   }
 }
 
-Eigen::Vector3d from_message(const geometry_msgs::Vector3& vector, const char* field) {
-  geometry_msgs::Point point;
-  point.x = vector.x;
-  point.y = vector.y;
-  point.z = vector.z;
-  return soft_robot_lab::from_message(point, field);
-}
-
 // An arrow for the force on the first surface, and a disc as large as the area under pressure: green where most of it
 // sticks, or nothing rubs.
 void draw_contacts(const Contacts& contacts, const OverlayOptions& options, Drawing& drawing) {
   constexpr double kLongest_m = 0.06;
   for (const Contact& contact : contacts.contacts) {
     const std::string name = contact.first + " " + contact.second;
-    const Eigen::Vector3d center_m = soft_robot_lab::from_message(contact.center, "center");
+    const Eigen::Vector3d center_m = from_message(contact.center, "center");
     const Eigen::Vector3d normal = from_message(contact.normal, "normal");
     Eigen::Vector3d way_m = options.arrow_m_n * from_message(contact.force, "force");
     if (way_m.norm() > kLongest_m) way_m *= kLongest_m / way_m.norm();
@@ -317,7 +309,7 @@ void require_whole(const ActuatorState& actuators) {
 
 void require_whole(const Contacts& contacts) {
   for (const Contact& contact : contacts.contacts) {
-    soft_robot_lab::from_message(contact.center, "center");
+    from_message(contact.center, "center");
     from_message(contact.normal, "normal");
     from_message(contact.force, "force");
     require_number(contact.normal_force_n, "normal_force_n");

@@ -70,6 +70,7 @@ TEST_F(Executed, RestsWhereMotorsGetTheLastCommandAgain) {
   start({to(0.8), {1.0}});
   for (int i = 0; i < 110; ++i) {  // no faster than motors are commanded
     machine_s_ = 100.0 + 0.01 * i;
+    execution_.add_motors(motors());
     execution_.add_simulated(50.0 + 0.01 * i, {{0.0, 0.0, 0.0}});
   }
   execution_.add_drives({"left"}, {0.8});

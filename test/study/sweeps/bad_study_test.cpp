@@ -71,7 +71,9 @@ TEST(BadStudy, SecondOneOnAJournalEndsWithAMessageAndTheFirstGoesOn) {
   const pid_t first = start({SOFT_ROBOT_LAB_STUDY_PROGRAM, file, "--workers", "1", "--output", folder.path("found")});
   const std::string journal = folder.path("found/journal.sqlite");
   for (int i = 0; i < 6000 && outcomes_in(journal) < 1; ++i) usleep(5000);
+  kill(first, SIGSTOP);  // or it may end before the second one starts
   const Outcome second = run_study(folder, short_study("2"), "found", "");
+  kill(first, SIGCONT);
   EXPECT_EQ(second.exit_status, 2);
   EXPECT_NE(second.err.find("another study writes to its journal"), std::string::npos) << second.err;
   int status = -1;

@@ -2,6 +2,7 @@
 #include "policy_execution.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <ros/console.h>
@@ -65,6 +66,13 @@ void PolicyExecution::add_measured(const MarkerObservations& markers) {
   if (!are_whole(markers)) return;
   keep(markers, measured_);
   execution_.add_measured(seen_frame(markers));
+}
+
+void PolicyExecution::add_drives(const ActuatorState& state) {
+  const bool whole =
+      state.names.size() == state.commands.size() &&
+      std::all_of(state.commands.begin(), state.commands.end(), [](double c) { return std::isfinite(c); });
+  if (whole) execution_.add_drives(state.names, state.commands);
 }
 
 void PolicyExecution::keep(const MarkerObservations& markers, MarkerObservations& heard) {

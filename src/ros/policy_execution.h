@@ -30,7 +30,7 @@ class PolicyExecution {
   void add_simulated(const MarkerObservations& markers);
   void add_measured(const MarkerObservations& markers);
   void add_motors(const MotorState& state) { execution_.add_motors(motor_report(state)); }
-  void add_drives(const ActuatorState& state) { execution_.add_drives(state.names, state.commands); }
+  void add_drives(const ActuatorState& state);
 
  private:
   MarkerObservations last(const MarkerObservations& heard) const;

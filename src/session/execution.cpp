@@ -59,6 +59,8 @@ std::string Execution::problem() const {
   constexpr double silence_s = 10.0;  // of the machine's time without simulated markers
   if (!run_->fault.empty()) return run_->fault + "; the commands are held";
   if (run_->cancelled) return "cancelled";
+  if (run_->elapsed_s() > run_->order.time_limit_s && run_->sent && drives_report_ && !run_->heard)
+    return "the simulator has not heard the last command within " + std::to_string(run_->order.time_limit_s) + " s";
   if (run_->elapsed_s() > run_->order.time_limit_s)
     return "not at rest within " + std::to_string(run_->order.time_limit_s) + " s";
   if (host_.ends()) return "cancelled: the session ends";

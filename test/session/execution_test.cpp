@@ -64,6 +64,15 @@ TEST_F(Executed, AwaitsRestFromWhereTheDrivesHeardTheLastCommand) {
   EXPECT_NEAR(report.duration_s, 5.0, 0.06);
 }
 
+TEST_F(Executed, ReportsWhereTheDrivesNeverHearTheLastCommand) {
+  execution_.add_drives({"left"}, {1.0});
+  start({to(0.8), {1.0}, true, 3.0});
+  send_markers(50.0, 53.2);
+  const ExecutionReport report = report_.get();
+  EXPECT_FALSE(report.success);
+  EXPECT_NE(report.message.find("has not heard the last command within 3"), std::string::npos) << report.message;
+}
+
 // Motors get the last command again and again, which changes nothing of what the drives have heard.
 TEST_F(Executed, RestsWhereMotorsGetTheLastCommandAgain) {
   execution_.add_motors(motors());

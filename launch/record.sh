@@ -14,7 +14,9 @@ topics=(actuators/command simulator/markers simulator/actuators simulator/surfac
 topics=("${topics[@]/#/$session}" /tf /tf_static /diagnostics /rosout)
 [[ $images != true ]] || topics+=("${session}tracker/steps" --regex "$session[^/]+/(color|aligned_depth_to_color)/(image_raw|camera_info)")
 for argument in "$@"; do # ROS would end the one that runs
-  [[ $argument == __name:=* ]] && timeout 10 rosnode ping -c 1 "$session${argument#__name:=}" 2>/dev/null | grep -q "xmlrpc reply" || continue
+  [[ $argument == __name:=* ]] || continue
+  reply=$(timeout 10 rosnode ping -c 1 "$session${argument#__name:=}" 2>/dev/null || true)
+  [[ $reply == *"xmlrpc reply"* ]] || continue
   echo "record.sh: a recorder of this name runs already; end that session first, or start this one in a namespace" >&2
   exit 1
 done

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
+#include <set>
 #include <optional>
 
 #include "marker_frames.h"
@@ -98,11 +100,22 @@ std::vector<Stay> holds(const Recording& recording, const RestCriterion& criteri
   return all;
 }
 
+// Numbers of the windows in which markers were tracked: between two stamps there may be years.
+std::set<double> windows_in(const Recording& recording, const Stay& hold, double window_s) {
+  std::set<double> windows;
+  for (const MarkerObservations& message : recording.measured) {
+    const double window = std::floor((message.header.stamp.toSec() - hold.commands.time_s) / window_s);
+    if (window >= 0.0 && hold.commands.time_s + (window + 1.0) * window_s <= hold.end_s) windows.insert(window);
+  }
+  return windows;
+}
+
 // Window by window, in the middle of each.
 std::vector<MarkersAt> seen_in(const Recording& recording, const Stay& hold, const RestCriterion& criterion) {
   std::vector<MarkersAt> all;
   const double window_s = criterion.window_s, start_s = hold.commands.time_s;
-  for (double from_s = start_s; from_s + window_s <= hold.end_s; from_s += window_s) {
+  for (const double window : windows_in(recording, hold, window_s)) {
+    const double from_s = start_s + window * window_s;
     MarkersAt at{from_s + 0.5 * window_s - start_s,
                  means_of(seen_between(recording, from_s, from_s + window_s, criterion))};
     if (!at.markers.empty()) all.push_back(std::move(at));

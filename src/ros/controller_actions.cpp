@@ -39,6 +39,18 @@ class Running {
   bool& flag_;
 };
 
+// Ends a goal with what the handler of the service of the same fields answers; `flag` is set meanwhile.
+template <typename Service, typename Result, typename Server, typename Goal, typename Handler>
+void answer(Server& server, const Goal& goal, const Handler& handler, std::mutex& mutex, bool& flag) {
+  const auto request = same_fields<typename Service::Request>(goal);
+  typename Service::Response response;
+  {
+    const Running running(mutex, flag);
+    handler(request, response);
+  }
+  finish(server, same_fields<Result>(response));
+}
+
 // Where the marker rests: as an execution found it.
 double final_distance_m(const ExecutePolicy::Response& moved, const std::string& marker,
                         const Eigen::Vector3d& target_m, bool closed_loop) {
@@ -79,33 +91,15 @@ ControllerActions::~ControllerActions() {
 }
 
 void ControllerActions::optimise(const OptimisePolicyGoalConstPtr& goal) {
-  const auto request = same_fields<OptimisePolicy::Request>(*goal);
-  OptimisePolicy::Response response;
-  {
-    const Running running(mutex_, optimises_);
-    handlers_.optimise(request, response);
-  }
-  finish(optimise_, same_fields<OptimisePolicyResult>(response));
+  answer<OptimisePolicy, OptimisePolicyResult>(optimise_, *goal, handlers_.optimise, mutex_, optimises_);
 }
 
 void ControllerActions::execute(const ExecutePolicyGoalConstPtr& goal) {
-  const auto request = same_fields<ExecutePolicy::Request>(*goal);
-  ExecutePolicy::Response response;
-  {
-    const Running running(mutex_, executes_);
-    handlers_.execute(request, response);
-  }
-  finish(execute_, same_fields<ExecutePolicyResult>(response));
+  answer<ExecutePolicy, ExecutePolicyResult>(execute_, *goal, handlers_.execute, mutex_, executes_);
 }
 
 void ControllerActions::fit(const FitModelGoalConstPtr& goal) {
-  const auto request = same_fields<FitModel::Request>(*goal);
-  FitModel::Response response;
-  {
-    const Running running(mutex_, fits_);
-    handlers_.fit(request, response);
-  }
-  finish(fit_, same_fields<FitModelResult>(response));
+  answer<FitModel, FitModelResult>(fit_, *goal, handlers_.fit, mutex_, fits_);
 }
 
 void ControllerActions::reach(const ReachGoalConstPtr& goal) {

@@ -42,14 +42,6 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-geometry_msgs::Vector3 vector(const Eigen::Vector3d& vector) {
-  geometry_msgs::Vector3 message;
-  message.x = vector.x();
-  message.y = vector.y();
-  message.z = vector.z();
-  return message;
-}
-
 }  // namespace
 
 geometry_msgs::Point to_message(const Eigen::Vector3d& position_m) {
@@ -179,8 +171,8 @@ geometry_msgs::WrenchStamped reaction_of(const Simulation& simulation, const ros
   geometry_msgs::WrenchStamped message;
   message.header.stamp = stamp;
   message.header.frame_id = robot_frame();
-  message.wrench.force = vector(reaction.force_n);
-  message.wrench.torque = vector(reaction.moment_nm);
+  message.wrench.force = vector_message(reaction.force_n);
+  message.wrench.torque = vector_message(reaction.moment_nm);
   return message;
 }
 

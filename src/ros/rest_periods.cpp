@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <optional>
+#include <set>
 
 #include "marker_frames.h"
 #include "session/same_place.h"

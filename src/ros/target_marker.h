@@ -10,7 +10,9 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <interactive_markers/interactive_marker_server.h>
 #include <ros/ros.h>
-#include <tf2_ros/transform_listener.h>
+#include <tf2_ros/buffer.h>
+
+#include "frame_listener.h"
 
 namespace soft_robot_lab {
 
@@ -41,7 +43,7 @@ class TargetMarker {
   bool held_ = false;
 
   tf2_ros::Buffer frames_;
-  tf2_ros::TransformListener listener_{frames_};
+  FrameListener listener_{frames_};
   interactive_markers::InteractiveMarkerServer server_;
   ros::Subscriber goals_;
 };

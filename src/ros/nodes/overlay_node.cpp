@@ -3,12 +3,13 @@
 #include <string>
 
 #include <ros/ros.h>
+#include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_broadcaster.h>
-#include <tf2_ros/transform_listener.h>
 
 #include "run_node.h"
 #include "ros/camera_overlay.h"
 #include "ros/conversions.h"
+#include "ros/frame_listener.h"
 #include "ros/frames.h"
 #include "ros/gap_meter.h"
 #include "ros/image_messages.h"
@@ -134,7 +135,7 @@ class OverlayNode {
   tf2_ros::TransformBroadcaster marker_frames_;
   ros::Publisher publisher_, gap_publisher_, image_publisher_;
   tf2_ros::Buffer frames_;
-  tf2_ros::TransformListener listener_{frames_};
+  FrameListener listener_{frames_};
   std::vector<ros::Subscriber> subscribers_;
 };
 

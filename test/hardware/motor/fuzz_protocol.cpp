@@ -25,7 +25,7 @@ bool equal(const wire::Frame& a, const wire::Frame& b) {
 }
 
 // Sound frames come out as they went in, and none from nothing.
-void decode(const Bytes& bytes) {
+void decode_all(const Bytes& bytes) {
   wire::FrameDecoder decoder;
   std::size_t frames = 0;
   for (const std::uint8_t byte : bytes) {
@@ -119,8 +119,8 @@ void drive(const Bytes& script) {
 
 void fuzz_protocol(const std::uint8_t* data, std::size_t size) {
   const Bytes bytes(data, data + size);
-  decode(bytes);
-  decode(frame_up(bytes));
+  decode_all(bytes);
+  decode_all(frame_up(bytes));
   drive(bytes);
   drive(frame_up(bytes));
 }

@@ -13,7 +13,7 @@
 namespace soft_robot_lab {
 namespace {
 
-Eigen::Isometry3d some_motion() {
+Eigen::Isometry3d motion_of_a_camera() {
   return Eigen::Translation3d(0.1, -0.4, 0.6) * Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized());
 }
 
@@ -22,7 +22,7 @@ std::vector<PointPair> exact_pairs(std::mt19937& random, int count) {
   std::vector<PointPair> pairs(static_cast<std::size_t>(count));
   for (PointPair& pair : pairs) {
     pair.second_m = Eigen::Vector3d(0, 0, 0.6) + Eigen::Vector3d::NullaryExpr([&] { return coordinate(random); });
-    pair.first_m = some_motion() * pair.second_m;
+    pair.first_m = motion_of_a_camera() * pair.second_m;
   }
   return pairs;
 }
@@ -45,7 +45,7 @@ TEST(RigidFit, RecoversAnExactMotion) {
   std::mt19937 random(1);
   for (int count : {3, 5, 9}) {
     const RigidFit fit = fit_rigid(exact_pairs(random, count));
-    EXPECT_TRUE(fit.first_from_second.isApprox(some_motion(), 1e-12));
+    EXPECT_TRUE(fit.first_from_second.isApprox(motion_of_a_camera(), 1e-12));
     EXPECT_LT(fit.residual_m, 1e-12);
   }
 }
@@ -56,9 +56,9 @@ TEST(RigidFit, TrustsDepthLessThanDirection) {
   for (int trial = 0; trial < 50; ++trial) {
     std::vector<PointPair> pairs = exact_pairs(random, 5);
     add_depth_noise(pairs, random);
-    weighted += std::pow(turn_between(fit_rigid(pairs).first_from_second, some_motion()), 2);
+    weighted += std::pow(turn_between(fit_rigid(pairs).first_from_second, motion_of_a_camera()), 2);
     for (PointPair& pair : pairs) pair.second_covariance_m2.setZero();
-    unweighted += std::pow(turn_between(fit_rigid(pairs).first_from_second, some_motion()), 2);
+    unweighted += std::pow(turn_between(fit_rigid(pairs).first_from_second, motion_of_a_camera()), 2);
   }
   EXPECT_LT(weighted, 0.25 * unweighted);
 }
@@ -73,7 +73,7 @@ TEST(RigidFit, KnowsHowWrongItIs) {
     for (const PointPair& pair : pairs) middle_m += pair.first_m / static_cast<double>(pairs.size());
     add_depth_noise(pairs, random);
     const RigidFit fit = fit_rigid(pairs);
-    const Eigen::Isometry3d miss = fit.first_from_second * some_motion().inverse();
+    const Eigen::Isometry3d miss = fit.first_from_second * motion_of_a_camera().inverse();
     const Eigen::AngleAxisd turn(miss.linear());
     Eigen::Matrix<double, 6, 1> error;
     error << turn.angle() * turn.axis(), miss * middle_m - middle_m;
@@ -96,9 +96,9 @@ TEST(RigidFit, DoesPointsInAPlane) {
   std::vector<PointPair> pairs = exact_pairs(random, 4);
   for (PointPair& pair : pairs) {
     pair.second_m.z() = 0.6;
-    pair.first_m = some_motion() * pair.second_m;
+    pair.first_m = motion_of_a_camera() * pair.second_m;
   }
-  EXPECT_TRUE(fit_rigid(pairs).first_from_second.isApprox(some_motion(), 1e-9));
+  EXPECT_TRUE(fit_rigid(pairs).first_from_second.isApprox(motion_of_a_camera(), 1e-9));
 }
 
 TEST(RigidFit, RefusesWhatTellsNoMotion) {
@@ -106,7 +106,7 @@ TEST(RigidFit, RefusesWhatTellsNoMotion) {
   std::vector<PointPair> line = exact_pairs(random, 5), few = exact_pairs(random, 2), absurd = exact_pairs(random, 5);
   for (std::size_t i = 0; i < line.size(); ++i) {
     line[i].second_m = Eigen::Vector3d(0.05 * static_cast<double>(i), 0.001 * static_cast<double>(i % 2), 0.6);
-    line[i].first_m = some_motion() * line[i].second_m;
+    line[i].first_m = motion_of_a_camera() * line[i].second_m;
   }
   absurd[2].first_m.x() = std::numeric_limits<double>::quiet_NaN();
   for (const auto& pairs : {line, few, absurd}) EXPECT_THROW(fit_rigid(pairs), std::invalid_argument);

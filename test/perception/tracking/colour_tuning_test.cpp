@@ -64,7 +64,7 @@ TEST(ColourTuning, RefusesGreyAndNothing) {
   EXPECT_THROW(range_of(sample(two_stickers(), {-50, 5}, 3)), std::invalid_argument);
 }
 
-constexpr char settings[] = R"(# Stickers of the lab.
+constexpr char settings_text[] = R"(# Stickers of the lab.
 detector:
   method: colour
   colours:   # tuned in May
@@ -79,7 +79,7 @@ marker_radius_m: 0.0035
 TEST(ColourTuning, WritesColoursAndKeepsEveryOtherLine) {
   HsvRange green;
   green.hue_min_deg = 90, green.hue_max_deg = 150, green.saturation_min = 0.3;
-  const std::string text = with_colours(settings, {{"green", {green, {10, 20, 0.5, 1, 0.25, 0.75}}}});
+  const std::string text = with_colours(settings_text, {{"green", {green, {10, 20, 0.5, 1, 0.25, 0.75}}}});
   EXPECT_EQ(text, R"(# Stickers of the lab.
 detector:
   method: colour
@@ -111,8 +111,8 @@ TEST(ColourTuning, RefusesWhatItCannotReplaceOrRead) {
   EXPECT_THROW(with_colours("marker_radius_m: 0.003\n", {{"blue", {blue}}}), std::invalid_argument);
   HsvRange absurd = blue;
   absurd.value_min = 1;
-  EXPECT_THROW(with_colours(settings, {{"blue", {absurd}}}), SettingsError);
-  EXPECT_THROW(with_colours(settings, {}), SettingsError);
+  EXPECT_THROW(with_colours(settings_text, {{"blue", {absurd}}}), SettingsError);
+  EXPECT_THROW(with_colours(settings_text, {}), SettingsError);
 }
 
 }  // namespace

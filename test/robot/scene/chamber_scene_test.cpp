@@ -14,7 +14,7 @@
 namespace soft_robot_lab {
 namespace {
 
-SceneOptions options() {
+SceneOptions chamber_options() {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
@@ -47,7 +47,7 @@ const char* const kTwo = R"(  - {name: closed, surface: cavity}
 TEST(ChamberScene, BindsBySurfaceNameOrBySolid) {
   const SceneFolder folder;
   const std::string run = "run: {sensitivity: true, commands: [{closed: 1.5, open: 0.5}]}\n";
-  Scene scene = load_scene(folder.write("block.yaml", block(kTwo, run)), options());
+  Scene scene = load_scene(folder.write("block.yaml", block(kTwo, run)), chamber_options());
   const RunReport report = run_scene(scene);
   ASSERT_TRUE(report.solve.converged) << report.solve.message;
   EXPECT_EQ(report.sensitivity.cols(), 2);
@@ -63,11 +63,11 @@ TEST(ChamberScene, BindsBySurfaceNameOrBySolid) {
 }
 
 TEST(ChamberScene, RefusesWhatItCannotFind) {
-  struct BadScene {
+  struct BadChamber {
     std::string text, words;
   };
   const std::string box = "box: {size_m: [0.02, 0.01, 0.02], center_m: [0.02, 0, 0]}";
-  const std::vector<BadScene> table = {
+  const std::vector<BadChamber> table = {
       {block("  - {name: a, surface: hole}\n"),
        "chambers[0].surface: the mesh has no surface 'hole'; known: cavity, skin"},
       {block("  - {name: a, surface: {solid: {" + box + "}}}\n"),
@@ -78,10 +78,10 @@ TEST(ChamberScene, RefusesWhatItCannotFind) {
       {block(kTwo, "run: {commands: [{open: 6}]}\n"), "open: 6 is out of range [0, 5]"},
   };
   const SceneFolder folder;
-  for (const BadScene& bad : table) {
+  for (const BadChamber& bad : table) {
     SCOPED_TRACE(bad.words);
     try {
-      load_scene(folder.write("bad.yaml", bad.text), options());
+      load_scene(folder.write("bad.yaml", bad.text), chamber_options());
       ADD_FAILURE() << "accepted";
     } catch (const SettingsError& error) {
       EXPECT_NE(std::string(error.what()).find(bad.words), std::string::npos) << error.what();

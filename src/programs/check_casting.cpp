@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// check_casting ROBOT.yaml [--result FILE] [--page FOLDER]: whether a robot can be cast in silicone, and why not.
+// check_casting ROBOT.yaml [--surface-alone] [--result FILE] [--page FOLDER]: whether a robot can be cast in silicone,
+// and why not.
 #include <iostream>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ using namespace soft_robot_lab;
 struct Arguments {
   std::string robot, result, page;
   std::vector<std::string> set;
+  bool surface_alone = false;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -25,6 +27,8 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("FILE")
       ->required();
   add_set_option(app, arguments.set);
+  app.add_flag("--surface-alone", arguments.surface_alone,
+               "make no mesh for simulations: for large surfaces; leaves mesh_quality out");
   app.add_option("--result", arguments.result, "where the verdict goes as JSON")->type_name("FILE");
   app.add_option("--page", arguments.page, "where a page with pictures of the verdict goes")->type_name("FOLDER");
   app.footer("Exit status: 0 castable, 1 not, 2 bad file or arguments.");
@@ -42,7 +46,7 @@ int check(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
-  const CastRobotFile file = load_cast_robot(arguments.robot, options);
+  const CastRobotFile file = (arguments.surface_alone ? load_cast_surface : load_cast_robot)(arguments.robot, options);
   const CastingVerdict verdict = check_casting(file);
   if (!arguments.result.empty()) write_file(arguments.result, verdict_json(verdict));
   if (!arguments.page.empty())

@@ -12,7 +12,8 @@
 //   mesh_file: robot.msh                 .msh of any version or .vtk; elements, node order and surface names are kept
 // or
 //   solid: {...}
-//   surface: {largest_edge_m: 0.002, circle_segments: 48}     writes the boundary alone, see design/surface_file.h
+//   surface: {largest_edge_m: 0.002, circle_segments: 48}     writes the boundary alone, see design/surface_file.h;
+//                                        or edges_across, of the box's diagonal, in place of the largest edge
 // or
 //   solid: {...}
 //   step: true                           writes STEP; the output's name ends with .step
@@ -62,7 +63,10 @@ void surface_request(const YamlNode& request, const std::string& output_file) {
   const Solid solid = read_solid(request.child("solid"));
   const YamlNode node = request.child("surface");
   SurfaceSizes sizes;
-  sizes.largest_edge_m = node.number("largest_edge_m", AllowedRange::positive());
+  if (node.has("edges_across"))
+    sizes.edges_across = node.number("edges_across", AllowedRange::positive());
+  else
+    sizes.largest_edge_m = node.number("largest_edge_m", AllowedRange::positive());
   sizes.circle_segments = node.integer("circle_segments", 6, 360);
   sizes.smallest_edge_m = node.number_or("smallest_edge_m", 0, AllowedRange::not_negative());
   request.require_all_read();

@@ -8,6 +8,7 @@
 
 #include "gmsh_model.h"
 #include "solid_geometry.h"
+#include "stl_body.h"
 #include "surface_names.h"
 #include "mechanics/mesh/shape_functions.h"
 
@@ -55,18 +56,18 @@ void cut_few_triangles() {
 
 // The triangles of the file are cut into patches, each meshed anew through its parametrisation. One unit is a metre.
 std::vector<NamedEntities> build_stl(const Solid& solid, const MeshSizes& sizes) {
-  gmsh::merge(solid.file);
+  merge_stl(solid);
   cut_few_triangles();
   gmsh::model::mesh::classifySurfaces(kStlCorner, true, true, M_PI);
   gmsh::model::mesh::createGeometry();
   gmsh::vectorpair surfaces;
   gmsh::model::getEntities(surfaces, 2);
-  if (surfaces.empty()) throw std::invalid_argument(solid.file + ": holds no triangles");
-  NamedEntities all{solid.name, {}};
+  if (surfaces.empty()) throw std::invalid_argument(stl_file(solid) + ": holds no triangles");
+  NamedEntities all{stl_name(solid), {}};
   for (const auto& surface : surfaces) all.entities.push_back(surface.second);
   gmsh::model::geo::addVolume({gmsh::model::geo::addSurfaceLoop(all.entities)});
   gmsh::model::geo::synchronize();
-  const std::vector<NamedEntities> named(solid.name.empty() ? 0 : 1, all);
+  const std::vector<NamedEntities> named(all.name.empty() ? 0 : 1, all);
   set_sizes(sizes, 1.0, named);
   return named;
 }
@@ -110,8 +111,7 @@ TetMesh mesh_kernel_solid(const Solid& solid, const MeshSizes& sizes, const std:
 TetMesh mesh_solid(const Solid& solid, const MeshSizes& sizes, const std::vector<std::string>& regions) {
   const GmshSession session;
   gmsh::model::add("body");
-  TetMesh mesh =
-      solid.kind == Solid::Kind::stl_file ? mesh_stl(solid, sizes) : mesh_kernel_solid(solid, sizes, regions);
+  TetMesh mesh = is_stl_body(solid) ? mesh_stl(solid, sizes) : mesh_kernel_solid(solid, sizes, regions);
   if (mesh.quadratic()) untangle(mesh);
   return mesh;
 }

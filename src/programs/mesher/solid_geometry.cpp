@@ -18,6 +18,12 @@ double scaled(double value_m) { return kKernelUnitsPerMetre * value_m; }
 
 Volumes build(const Solid& solid);
 
+Volumes only_volumes(const Volumes& all) {
+  Volumes volumes;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(volumes), [](const auto& e) { return e.first == 3; });
+  return volumes;
+}
+
 Volumes build_box(const Solid& solid) {
   const Eigen::Vector3d corner = scaled(solid.center_m - solid.size_m / 2), size = scaled(solid.size_m);
   return {{3, occ::addBox(corner.x(), corner.y(), corner.z(), size.x(), size.y(), size.z())}};
@@ -43,10 +49,9 @@ Volumes build_extrude(const Solid& solid) {
   }
   for (size_t i = 0; i < points.size(); ++i) lines.push_back(occ::addLine(points[i], points[(i + 1) % points.size()]));
   const int base = occ::addPlaneSurface({occ::addCurveLoop(lines)});
-  Volumes all, volumes;
+  Volumes all;
   occ::extrude({{2, base}}, 0, 0, scaled(solid.z_m[1]) - z, all);
-  std::copy_if(all.begin(), all.end(), std::back_inserter(volumes), [](const auto& e) { return e.first == 3; });
-  return volumes;
+  return only_volumes(all);
 }
 
 Volumes fuse(const Volumes& volumes) {
@@ -58,9 +63,9 @@ Volumes fuse(const Volumes& volumes) {
 }
 
 Volumes build_step(const Solid& solid) {
-  Volumes all, volumes;
+  Volumes all;
   occ::importShapes(solid.file, all, true, "step");
-  std::copy_if(all.begin(), all.end(), std::back_inserter(volumes), [](const auto& e) { return e.first == 3; });
+  const Volumes volumes = only_volumes(all);
   if (volumes.empty()) throw std::invalid_argument(solid.file + ": holds no solid, surfaces or curves at most");
   return fuse(volumes);
 }
@@ -74,8 +79,25 @@ Volumes build_union(const Solid& solid) {
   return fuse(all);
 }
 
+// Takes all away at once: the kernel sorts what lies apart by boxes, where one cut after the other would copy all that
+// is left each time.
+Volumes build_many_cuts(const Solid& solid) {
+  Volumes parts, result;
+  std::vector<Volumes> origins;
+  for (size_t i = 1; i < solid.parts.size(); ++i) {
+    const Volumes part = build(solid.parts[i]);
+    parts.insert(parts.end(), part.begin(), part.end());
+  }
+  const Volumes whole = build(solid.parts[0]);
+  if (whole.empty() || parts.empty()) return whole;
+  occ::cut(whole, parts, result, origins);
+  return only_volumes(result);
+}
+
 // Difference and intersection, one part after the other.
 Volumes build_combination(const Solid& solid, bool cut) {
+  constexpr size_t kMany = 32;  // few are quick either way
+  if (cut && solid.parts.size() > kMany) return build_many_cuts(solid);
   Volumes rest = build(solid.parts[0]);
   for (size_t i = 1; i < solid.parts.size(); ++i) {
     const Volumes part = build(solid.parts[i]);
@@ -90,8 +112,7 @@ Volumes build_combination(const Solid& solid, bool cut) {
     } else {
       occ::intersect(rest, part, result, origins);
     }
-    rest.clear();
-    std::copy_if(result.begin(), result.end(), std::back_inserter(rest), [](const auto& e) { return e.first == 3; });
+    rest = only_volumes(result);
   }
   return rest;
 }

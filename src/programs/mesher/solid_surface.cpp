@@ -12,6 +12,7 @@
 
 #include "gmsh_model.h"
 #include "solid_geometry.h"
+#include "stl_body.h"
 #include "settings/write_file.h"
 
 namespace soft_robot_lab {
@@ -82,8 +83,15 @@ void write_off(const std::vector<Triangle>& all, double unit_m, const std::strin
   write_file(path, out.str());
 }
 
+double largest_edge(const SurfaceSizes& sizes, double units_per_metre) {
+  if (sizes.edges_across == 0) return sizes.largest_edge_m * units_per_metre;
+  std::array<double, 6> box;
+  gmsh::model::getBoundingBox(-1, -1, box[0], box[1], box[2], box[3], box[4], box[5]);
+  return std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]) / sizes.edges_across;
+}
+
 void set_sizes(const SurfaceSizes& sizes, double units_per_metre) {
-  const double largest = sizes.largest_edge_m * units_per_metre;
+  const double largest = largest_edge(sizes, units_per_metre);
   gmsh::option::setNumber("Mesh.MeshSizeMax", largest);
   const double smallest = sizes.smallest_edge_m * units_per_metre;
   gmsh::option::setNumber("Mesh.MeshSizeMin", smallest > 0 ? smallest : largest * kSmallestShare);
@@ -109,25 +117,25 @@ void check_count(const gmsh::vectorpair& faces, double largest) {
 void write_surface(const Solid& solid, const SurfaceSizes& sizes, const std::string& path) {
   const GmshSession session;
   gmsh::model::add("surface");
-  if (solid.kind == Solid::Kind::stl_file) {
-    gmsh::merge(solid.file);
+  if (is_stl_body(solid)) {
+    merge_stl(solid);
     gmsh::vectorpair faces;
     gmsh::model::getEntities(faces, 2);
     const std::vector<Triangle> all = triangles_of(faces);
-    if (all.empty()) throw std::invalid_argument(solid.file + ": holds no triangles");
+    if (all.empty()) throw std::invalid_argument(stl_file(solid) + ": holds no triangles");
     return write_off(all, 1.0, path);
   }
   const int body = build_body(solid);
   gmsh::vectorpair faces;
   gmsh::model::getBoundary({{3, body}}, faces, false, false, false);
-  check_count(faces, sizes.largest_edge_m * kKernelUnitsPerMetre);
+  check_count(faces, largest_edge(sizes, kKernelUnitsPerMetre));
   set_sizes(sizes, kKernelUnitsPerMetre);
   gmsh::model::mesh::generate(2);
   write_off(triangles_of(faces), 1 / kKernelUnitsPerMetre, path);
 }
 
 void write_step(const Solid& solid, const std::string& path) {
-  if (solid.kind == Solid::Kind::stl_file) throw std::invalid_argument(solid.file + ": an STL body has no STEP");
+  if (is_stl_body(solid)) throw std::invalid_argument(stl_file(solid) + ": an STL body has no STEP");
   const GmshSession session;
   gmsh::model::add("step");
   build_body(solid);

@@ -9,6 +9,7 @@ namespace soft_robot_lab {
 
 struct SurfaceSizes {
   double largest_edge_m = 0.01;
+  double edges_across = 0;  // above 0: the largest edge is this share of the diagonal of the solid's box
   int circle_segments = 48;
   double smallest_edge_m = 0;  // 0: a share of the largest
 };

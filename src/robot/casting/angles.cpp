@@ -45,17 +45,19 @@ Around gather(const Surface& surface, int triangle, const Eigen::Vector3d& middl
 
 // Largest angle between the normals of two of them that face each other (+1) or turn away from each other (-1).
 double largest_turn(const Surface& surface, const Around& around, int sign) {
-  double most = 0;
+  double longest = 0;  // squared chord between both normals, which grows with their angle
+  Eigen::Vector3d a = Eigen::Vector3d::UnitZ(), b = a;
   for (size_t i = 0; i < around.triangles.size(); ++i) {
     const Eigen::Vector3d n = surface.normals.col(around.triangles[i]);
     for (size_t j = 0; j < i; ++j) {
       const Eigen::Vector3d other = surface.normals.col(around.triangles[j]),
                             way = around.points_m[j] - around.points_m[i];
-      if (sign * way.dot(n) <= 0 || sign * way.dot(other) >= 0) continue;
-      most = std::max(most, angle_between(n, other));
+      const double chord = (n - other).squaredNorm();
+      if (chord <= longest || sign * way.dot(n) <= 0 || sign * way.dot(other) >= 0) continue;
+      longest = chord, a = n, b = other;
     }
   }
-  return most;
+  return angle_between(a, b);
 }
 
 void keep(SharpEdge& worst, double turn, const Eigen::Vector3d& at, double length_m, double limit_deg) {

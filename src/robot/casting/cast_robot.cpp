@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cast_robot.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
 #include "robot/design/mesh_quality.h"
 #include "robot/design/surface_file.h"
 #include "robot/scene/sections.h"
+#include "settings/words.h"
 #include "soft_robot_lab/robot/design/solid.h"
 
 namespace soft_robot_lab {
@@ -21,15 +23,11 @@ Surface surface_of_mesh(TetMesh mesh) {
   return make_surface(mesh.nodes_m, mesh.faces.topRows(3));
 }
 
-Surface surface_of_body(const std::string& solid_yaml, double size_m, const MesherOptions& options) {
+Surface surface_of_body(const std::string& solid_yaml, const MesherOptions& options) {
   SurfaceRequest request;
   request.solid_yaml = solid_yaml;
-  request.largest_edge_m = size_m / kEdgesAcross;
+  request.edges_across = kEdgesAcross;
   return read_off(surface_file_for(request, options));
-}
-
-double size_m(const TetMesh& mesh) {
-  return (mesh.nodes_m.rowwise().maxCoeff() - mesh.nodes_m.rowwise().minCoeff()).norm();
 }
 
 // Not worth a Boolean where they are refused anyway.
@@ -51,27 +49,62 @@ std::vector<SheathPath> read_sheaths(const YamlNode& robot, double default_radiu
   return paths;
 }
 
+void refuse_several(const YamlNode& section) { section.fail("casting knows one body of one material, not several"); }
+
+void take_material(const Material& material, CastRobot& robot) {
+  robot.youngs_modulus_pa = material.youngs_modulus_pa;
+  robot.density_kg_m3 = material.density_kg_m3;
+}
+
+// All but the surface and what comes from the mesh for simulations.
+CastRobotFile read_blocks(const YamlNode& settings, const SceneOptions& options) {
+  CastRobotFile file;
+  file.settings = read_casting_settings(settings);
+  file.mesher = mesher_options(options);
+  const YamlNode body = settings.child("body");
+  if (body.has("solid")) file.solid_yaml = to_yaml(read_solid(body.child("solid")));
+  file.robot.sheaths = read_sheaths(settings, file.settings.sheath.radius_m);
+  return file;
+}
+
+// Blocks of a scene that casting does not look into.
+void refuse_unknown_blocks(const YamlNode& settings) {
+  const std::vector<std::string> known{"actuators", "bodies",  "body",       "cables",       "casting",
+                                       "chambers",  "contact", "fidelity",   "gravity_m_s2", "include",
+                                       "loads",     "markers", "parameters", "run",          "solver"};
+  for (const std::string& key : settings.keys())
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      settings.child(key).fail("is no block of a robot's file; known: " + join(known));
+}
+
 }  // namespace
 
 CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& options) {
   const Scene scene = load_scene(path, options);
   const Body& body = scene.simulation->body();
   const YamlNode settings = merge_overrides(YamlNode::load_file(path), options.overrides);
-  CastRobotFile file;
-  file.settings = read_casting_settings(settings);
-  file.mesher = mesher_options(options);
   const YamlNode section = settings.child("body");
-  if (!body.one_material() || body.mesh().bodies.size() > 1)
-    section.fail("casting knows one body of one material, not several");
-  if (section.has("solid")) file.solid_yaml = to_yaml(read_solid(section.child("solid")));
+  if (!body.one_material() || body.mesh().bodies.size() > 1) refuse_several(section);
+  CastRobotFile file = read_blocks(settings, options);
   file.robot.surface = in_section(section, [&] {
-    return file.solid_yaml.empty() ? surface_of_mesh(body.mesh())
-                                   : surface_of_body(file.solid_yaml, size_m(body.mesh()), mesher_options(options));
+    return file.solid_yaml.empty() ? surface_of_mesh(body.mesh()) : surface_of_body(file.solid_yaml, file.mesher);
   });
-  file.robot.youngs_modulus_pa = body.material().youngs_modulus_pa;
-  file.robot.density_kg_m3 = body.material().density_kg_m3;
-  file.robot.sheaths = read_sheaths(settings, file.settings.sheath.radius_m);
+  take_material(body.material(), file.robot);
   file.robot.mesh_qualities = volume_length_qualities(body.mesh().nodes_m, body.mesh().tets);
+  return file;
+}
+
+CastRobotFile load_cast_surface(const std::string& path, const SceneOptions& options) {
+  const YamlNode settings = merge_overrides(YamlNode::load_file(path), options.overrides);
+  const YamlNode section = settings.child("body");
+  refuse_unknown_blocks(settings);
+  if (!section.has("solid")) section.fail("has no solid, whose surface could be judged alone");
+  CastRobotFile file = read_blocks(settings, options);
+  if (settings.has("bodies") || !solids_with_material(read_solid(section.child("solid"))).empty())
+    refuse_several(section);
+  if (section.has("material")) take_material(read_material(section.child("material")), file.robot);
+  if (settings.has("casting")) settings.child("casting").require_all_read();
+  file.robot.surface = in_section(section, [&] { return surface_of_body(file.solid_yaml, file.mesher); });
   return file;
 }
 

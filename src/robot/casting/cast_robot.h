@@ -21,6 +21,10 @@ struct CastRobotFile {
 // it has no solid. Throws as load_scene does.
 CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& options);
 
+// The same without a mesh for simulations, which takes long where a surface is fine: the body's solid, its material,
+// the cables' paths and `casting`. Keys of other blocks are not looked at, but their names are. Throws SettingsError.
+CastRobotFile load_cast_surface(const std::string& path, const SceneOptions& options);
+
 // Of a robot's file: its folder's where it is called robot.yaml.
 std::string robot_name(const std::string& path);
 

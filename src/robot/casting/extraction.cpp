@@ -52,7 +52,7 @@ void measure_trap(const RayTree& tree, const HullPlane* top, int triangle, doubl
   const Surface& surface = tree.surface();
   const Eigen::Vector3d d = result.direction;
   const double cosine = surface.true_normals.col(triangle).dot(d);
-  sample_triangle(surface, triangle, kSampleEdge * surface.size_m(), [&](const Eigen::Vector3d& p, double area) {
+  sample_triangle(surface, triangle, kSampleEdge * tree.size_m(), [&](const Eigen::Vector3d& p, double area) {
     const auto hit = tree.first_hit(p, d, tree.skip_m());
     const double to_top = top ? (top->offset_m - top->normal.dot(p)) / top->normal.dot(d) : highest_m - d.dot(p);
     const double depth = std::max(0.0, hit ? std::min(hit->distance_m, to_top) : to_top);
@@ -151,15 +151,14 @@ double area_in_the_way_m2(const Surface& surface, const std::vector<HullPlane>& 
 }  // namespace
 
 std::vector<HullPlane> find_tops(const Surface& surface) {
-  const double tolerance_m = 1e-7 * surface.size_m();
-  const double least_m2 = 0.5 * surface.volume_m3() / surface.size_m();
+  const double size = surface.size_m(), tolerance_m = 1e-7 * size, least_m2 = 0.5 * surface.volume_m3() / size;
   std::map<std::array<long, 4>, HullPlane> planes;
   for (int t = 0; t < surface.triangle_count(); ++t) {
     if (!counts(surface, t)) continue;
     const Eigen::Vector3d n = surface.normals.col(t);
     const double offset = surface.corner(t, 0).dot(n);
     HullPlane& plane = planes[{std::lround(n.x() * 1e5), std::lround(n.y() * 1e5), std::lround(n.z() * 1e5),
-                               std::lround(offset / (1e-5 * surface.size_m()))}];
+                               std::lround(offset / (1e-5 * size))}];
     if (plane.triangles.empty()) plane.normal = n, plane.offset_m = offset;
     plane.area_m2 += surface.areas_m2[t];
     plane.triangles.push_back(t);
@@ -235,7 +234,7 @@ TwoPart verify_two_parts(const RayTree& tree, const Eigen::Vector3d& direction) 
     const double cosine = surface.true_normals.col(t).dot(direction);
     if (!counts(surface, t) || std::abs(cosine) <= kTolerance) continue;
     const Eigen::Vector3d away = cosine > 0 ? direction : Eigen::Vector3d(-direction);
-    sample_triangle(surface, t, kSampleEdge * surface.size_m(), [&](const Eigen::Vector3d& p, double area) {
+    sample_triangle(surface, t, kSampleEdge * tree.size_m(), [&](const Eigen::Vector3d& p, double area) {
       const auto hit = tree.first_hit(p, away, tree.skip_m());
       if (!hit) return;
       result.blocked_area_m2 += area;

@@ -22,6 +22,10 @@ struct HeightMap {
   Eigen::ArrayXXd height_m;  // of the robot's lowest skin; with an open border
 
   double cell_area_m2() const { return cell_m * cell_m; }
+  // Skin of the robot that lies higher than one can get out level from. A hole through the robot is none.
+  bool is_roof(Eigen::Index i, Eigen::Index j, const Eigen::ArrayXXd& level, double least_depth_m) const {
+    return height_m(i, j) < kOpen && height_m(i, j) - level(i, j) >= least_depth_m;
+  }
   Eigen::Vector3d position_m(Eigen::Index i, Eigen::Index j) const {
     const Eigen::Vector3d local(low_m.x() + (static_cast<double>(i) - 0.5) * cell_m,
                                 low_m.y() + (static_cast<double>(j) - 0.5) * cell_m, height_m(i, j));
@@ -117,7 +121,7 @@ Pocket collect(const HeightMap& map, const Eigen::ArrayXXd& level, double least_
     pocket.roof_area_m2 += map.cell_area_m2();
     pocket.depth_m = std::max(pocket.depth_m, depth);
     for_neighbours(map.height_m, x, y, [&](Eigen::Index u, Eigen::Index v) {
-      if (seen(u, v) != 0 || map.height_m(u, v) - level(u, v) < least_depth_m) return;
+      if (seen(u, v) != 0 || !map.is_roof(u, v, level, least_depth_m)) return;
       seen(u, v) = 1;
       cells.emplace_back(u, v);
     });
@@ -139,7 +143,7 @@ Pockets find_pockets(const RayTree& tree, const Eigen::Vector3d& direction, doub
   for (Eigen::Index i = 0; i < level.rows(); ++i) {
     for (Eigen::Index j = 0; j < level.cols(); ++j) {
       if (map.height_m(i, j) < kOpen) result.footprint_m2 += map.cell_area_m2();
-      if (map.height_m(i, j) >= kOpen || seen(i, j) != 0 || map.height_m(i, j) - level(i, j) < least_depth_m) continue;
+      if (seen(i, j) != 0 || !map.is_roof(i, j, level, least_depth_m)) continue;
       result.pockets.push_back(collect(map, level, least_depth_m, seen, i, j));
       roofs_m2 += result.pockets.back().roof_area_m2;
     }

@@ -7,7 +7,8 @@ namespace soft_robot_lab {
 
 RayTree::RayTree(const Surface& surface)
     : surface_(surface),
-      skip_m_(2e-6 * surface.size_m()),
+      size_m_(surface.size_m()),
+      skip_m_(2e-6 * size_m_),
       tree_(surface.vertices_m, surface.triangles, MeshTree::Use::still) {}
 
 std::optional<RayHit> RayTree::first_hit(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,

@@ -27,11 +27,12 @@ class RayTree {
   void near(const Eigen::Vector3d& point_m, double radius_m, const std::function<void(int)>& visit) const;
 
   const Surface& surface() const { return surface_; }
+  double size_m() const { return size_m_; }  // the surface's, which takes all its vertices to find
   double skip_m() const { return skip_m_; }  // what a ray leaves out to miss the triangle that it starts on
 
  private:
   const Surface& surface_;
-  double skip_m_;
+  double size_m_, skip_m_;
   MeshTree tree_;
 };
 

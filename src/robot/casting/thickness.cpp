@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -109,42 +110,34 @@ class Patches {
   std::set<std::pair<int, int>> meet_;
 };
 
-// Whether paths on the skin inside a ball join triangles, one start after the other.
+// The skin that paths inside a ball lead to, one start after the other.
 class Flood {
  public:
   explicit Flood(const Surface& surface) : surface_(surface), seen_(static_cast<size_t>(surface.triangle_count()), 0) {}
 
-  void start(int triangle, const Eigen::Vector3d& around_m, double radius_m) {
-    around_m_ = around_m;
-    radius_m_ = radius_m;
+  void from(int triangle, const Eigen::Vector3d& around_m, double radius_m) {
     ++round_;
     open_ = {triangle};
     seen_[static_cast<size_t>(triangle)] = round_;
-  }
-
-  // Goes only as far as it must.
-  bool reaches(int triangle) {
-    while (seen_[static_cast<size_t>(triangle)] != round_ && !open_.empty()) {
+    while (!open_.empty()) {
       const int t = open_.back();
       open_.pop_back();
       for (int e = 0; e < 3; ++e) {
         const int next = surface_.neighbours(e, t);
-        if (seen_[static_cast<size_t>(next)] == round_ || edge_distance_m(surface_, t, e, around_m_) >= radius_m_)
-          continue;
+        if (reached(next) || edge_distance_m(surface_, t, e, around_m) >= radius_m) continue;
         seen_[static_cast<size_t>(next)] = round_;
         open_.push_back(next);
       }
     }
-    return seen_[static_cast<size_t>(triangle)] == round_;
   }
+
+  bool reached(int triangle) const { return seen_[static_cast<size_t>(triangle)] == round_; }
 
  private:
   const Surface& surface_;
   std::vector<int> seen_;
   std::vector<int> open_;
   int round_ = 0;
-  Eigen::Vector3d around_m_ = Eigen::Vector3d::Zero();
-  double radius_m_ = 0;
 };
 
 bool runs_inside(const RayTree& tree, const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
@@ -155,20 +148,22 @@ bool runs_inside(const RayTree& tree, const Eigen::Vector3d& p, const Eigen::Vec
 
 struct Opposite {
   int triangle;
+  double distance_m;
   Eigen::Vector3d at_m;
 };
 
-std::vector<Opposite> opposite_skin(const RayTree& tree, const Eigen::Vector3d& p, const Eigen::Vector3d& normal,
-                                    double limit_m) {
+// Skin within the limit that faces away from p, seen from inside, and that no path on the skin leads to.
+std::vector<Opposite> opposite_skin(const RayTree& tree, const Flood& joined, const Eigen::Vector3d& p,
+                                    const Eigen::Vector3d& normal, double limit_m) {
   const Surface& surface = tree.surface();
+  const double small = tree.skip_m(), largest = limit_m * (1 - 1e-6);
   std::vector<Opposite> found;
   tree.near(p, limit_m, [&](int t) {
-    if (surface.areas_m2[t] <= 0) return;
+    // Of any point of its plane alike, so that most are left out before the nearest is looked for.
+    if (joined.reached(t) || (surface.corner(t, 0) - p).dot(surface.normals.col(t)) <= small) return;
     const Eigen::Vector3d q = nearest_point(surface, t, p), way = q - p;
-    const double small = tree.skip_m();
-    if (way.norm() >= limit_m * (1 - 1e-6) || way.dot(normal) >= -small || way.dot(surface.normals.col(t)) <= small)
-      return;
-    found.push_back({t, q});
+    const double distance = way.norm();
+    if (distance < largest && way.dot(normal) < -small) found.push_back({t, distance, q});
   });
   return found;
 }
@@ -180,18 +175,15 @@ class Cone {
       : tree_(tree), limit_m_(limit_m), patches_(tree.surface()), flood_(tree.surface()) {}
 
   void measure(int triangle, const Eigen::Vector3d& p, double area, ThinPlace& place) {
-    const Surface& surface = tree_.surface();
-    std::vector<Opposite> found = opposite_skin(tree_, p, surface.normals.col(triangle), limit_m_);
-    const auto nearer = [&](const Opposite& a, const Opposite& b) {
-      return (a.at_m - p).squaredNorm() < (b.at_m - p).squaredNorm();
+    flood_.from(triangle, p, limit_m_);
+    std::vector<Opposite> found = opposite_skin(tree_, flood_, p, tree_.surface().normals.col(triangle), limit_m_);
+    const auto nearer = [](const Opposite& a, const Opposite& b) {
+      return std::tie(a.distance_m, a.triangle) < std::tie(b.distance_m, b.triangle);
     };
     std::sort(found.begin(), found.end(), nearer);
-    flood_.start(triangle, p, limit_m_);
-    for (const Opposite& other : found) {
-      if (is_corner(triangle, other.triangle) || flood_.reaches(other.triangle) || !runs_inside(tree_, p, other.at_m))
-        continue;
-      return keep(place, (other.at_m - p).norm(), p, other.at_m, area, limit_m_);
-    }
+    for (const Opposite& other : found)
+      if (!is_corner(triangle, other.triangle) && runs_inside(tree_, p, other.at_m))
+        return keep(place, other.distance_m, p, other.at_m, area, limit_m_);
   }
 
  private:

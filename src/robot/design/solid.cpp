@@ -147,11 +147,7 @@ Eigen::Vector3d vector3_or_zero(const YamlNode& node, const std::string& key) {
   return node.has(key) ? node.vector3(key) : Eigen::Vector3d::Zero().eval();
 }
 
-Solid read_moved(const YamlNode& node) {
-  Solid inner = read_solid(node.child("solid"));
-  if (inner.kind == Kind::stl_file) node.child("solid").fail("an STL file must be the whole solid");
-  return inner;
-}
+Solid read_moved(const YamlNode& node) { return read_solid(node.child("solid")); }
 
 void read_rotate(const YamlNode& node, Solid& solid) {
   solid.parts = {read_moved(node)};

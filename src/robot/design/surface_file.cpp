@@ -15,6 +15,8 @@ void check(const SurfaceRequest& request) {
   if (!std::isfinite(request.largest_edge_m) || request.largest_edge_m <= 0)
     throw std::invalid_argument("largest_edge_m: " + std::to_string(request.largest_edge_m) +
                                 " is out of range (0, inf)");
+  if (!(request.edges_across >= 0 && request.edges_across <= 1000))
+    throw std::invalid_argument("edges_across: " + std::to_string(request.edges_across) + " is out of range [0, 1000]");
   if (!(request.smallest_edge_m >= 0 && request.smallest_edge_m <= request.largest_edge_m))
     throw std::invalid_argument("smallest_edge_m: " + std::to_string(request.smallest_edge_m) +
                                 " is out of range [0, largest_edge_m]");
@@ -30,8 +32,12 @@ std::string surface_file_for(const SurfaceRequest& request, const MesherOptions&
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text.precision(17);
-  text << "solid: " << request.solid_yaml << "\nsurface: {largest_edge_m: " << request.largest_edge_m
-       << ", circle_segments: " << request.circle_segments;
+  text << "solid: " << request.solid_yaml << "\nsurface: {";
+  if (request.edges_across > 0)
+    text << "edges_across: " << request.edges_across;
+  else
+    text << "largest_edge_m: " << request.largest_edge_m;
+  text << ", circle_segments: " << request.circle_segments;
   if (request.smallest_edge_m > 0) text << ", smallest_edge_m: " << request.smallest_edge_m;
   text << "}\n";
   const Solid solid = read_solid(YamlNode::parse(request.solid_yaml, "surface request"));

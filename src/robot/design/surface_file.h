@@ -11,6 +11,7 @@ namespace soft_robot_lab {
 struct SurfaceRequest {
   std::string solid_yaml;        // as MeshRequest's
   double largest_edge_m = 0.01;  // > 0
+  double edges_across = 0;       // [0, 1000]; above 0 the largest edge is this share of the diagonal of the solid's box
   int circle_segments = 48;      // [6, 360]: edges around a full circle
   double smallest_edge_m = 0;    // >= 0, where circles ask for less; 0: a 200th of the largest
 };

@@ -71,6 +71,16 @@ TEST(CheckCasting, FindsNoPocketWhereABoreGoesThrough) {
   EXPECT_TRUE(find_pockets(RayTree(surface), kUp, 0.0005).pockets.empty());
 }
 
+TEST(CheckCasting, CountsNoHoleThroughTheRobotAsPartOfAPocket) {
+  // A bore of 12 mm that narrows to 4 mm at half the height: a shoulder of 10 mm depth around a hole.
+  const Surface surface =
+      revolved({{0.006, 0}, {0.01, 0}, {0.01, 0.02}, {0.002, 0.02}, {0.002, 0.01}, {0.006, 0.01}}, 64).surface();
+  const Pockets found = find_pockets(RayTree(surface), kUp, 0.0005);
+  ASSERT_EQ(found.pockets.size(), 1u);
+  EXPECT_NEAR(found.pockets[0].depth_m, 0.01, 1e-6);
+  EXPECT_NEAR(found.pockets[0].roof_area_m2, kPi * (36e-6 - 4e-6), 0.02 * kPi * 32e-6);
+}
+
 TEST(CheckCasting, MeasuresTheCoreOfAPocket) {
   const Surface surface = cup(0.01, 0.005, 0.05, 0.004, 64).surface();
   const Pockets found = find_pockets(RayTree(surface), kUp, 0.0005);

@@ -23,13 +23,17 @@ Outcome export_to(const SceneFolder& folder, const std::string& file, const std:
                      folder.write("robot.yaml", kBody) + " --output " + folder.path(file) + more);
 }
 
-Surface read_again(const SceneFolder& folder, const std::string& kind, const std::string& file) {
+Surface surface_of(const std::string& solid) {
   SurfaceRequest request;
-  request.solid_yaml = "{" + kind + ": " + folder.path(file) + "}";
+  request.solid_yaml = solid;
   request.circle_segments = 96;
   MesherOptions options;
   options.program = SOFT_ROBOT_LAB_MESHER;
   return read_off(surface_file_for(request, options));
+}
+
+Surface read_again(const SceneFolder& folder, const std::string& kind, const std::string& file) {
+  return surface_of("{" + kind + ": " + folder.path(file) + "}");
 }
 
 TEST(ExportSolid, WritesStepInMillimetres) {
@@ -45,6 +49,36 @@ TEST(ExportSolid, WritesClosedStlInMillimetres) {
   ASSERT_EQ(export_to(folder, "out.stl", " --largest-edge 0.01").exit_status, 0) << contents(folder.path("err"));
   const Surface surface = read_again(folder, "stl", "out.stl");
   EXPECT_NEAR(surface.volume_m3() / (1e9 * kVolume_m3), 1, 2e-3) << "STL bodies are read in metres";
+}
+
+// As others publish them: in millimetres, and in a frame of their own.
+TEST(ExportSolid, TurnsMovesAndScalesAnStlBody) {
+  const SceneFolder folder;
+  ASSERT_EQ(export_to(folder, "out.stl", " --largest-edge 0.01").exit_status, 0) << contents(folder.path("err"));
+  const Surface surface = surface_of(
+      "{translate: {by_m: [0, 0, 0.1], solid: {scale: {factor: 0.001, solid: {rotate: {axis: [1, 0, 0], angle_deg: "
+      "-90, solid: {mirror: {normal: [0, 0, 2], center_m: [0, 0, 15], solid: {stl: " +
+      folder.path("out.stl") + "}}}}}}}}}");
+  EXPECT_NEAR(surface.volume_m3() / kVolume_m3, 1, 2e-3);
+  EXPECT_NEAR((surface.vertices_m.rowwise().maxCoeff() - Eigen::Vector3d(0.02, 0.045, 0.11)).norm(), 0, 1e-8);
+  EXPECT_NEAR((surface.vertices_m.rowwise().minCoeff() - Eigen::Vector3d(-0.02, 0.015, 0.09)).norm(), 0, 1e-8);
+}
+
+TEST(ExportSolid, RefusesAnArrayOfAnStlBody) {
+  const SceneFolder folder;
+  ASSERT_EQ(export_to(folder, "out.stl").exit_status, 0) << contents(folder.path("err"));
+  EXPECT_THROW(surface_of("{array: {count: 2, by_m: [1, 0, 0], solid: {stl: " + folder.path("out.stl") + "}}}"),
+               std::invalid_argument);
+}
+
+// Cut one after the other, each takes as long as all before it.
+TEST(ExportSolid, CutsManySolidsAwayAtOnce) {
+  std::string solid = "{difference: [{box: {size_m: [0.07, 0.07, 0.01], center_m: [0, 0, 0.005]}}";
+  for (int i = 0; i < 36; ++i) {
+    const std::string at = std::to_string(0.01 * (i % 6) - 0.025) + ", " + std::to_string(0.01 * (i / 6) - 0.025);
+    solid += ", {box: {size_m: [0.004, 0.004, 0.008], center_m: [" + at + ", 0.01]}}";
+  }
+  EXPECT_NEAR(surface_of(solid + "]}").volume_m3(), 0.07 * 0.07 * 0.01 - 36 * 0.004 * 0.004 * 0.004, 1e-13);
 }
 
 TEST(ExportSolid, RefusesOtherEndingsAndBadRobots) {

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Robots judged by their surface, without a mesh for simulations.
+#include <gtest/gtest.h>
+
+#include "robot/casting/cast_robot.h"
+#include "robot/scene/scene_files.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const std::string kBlock =
+    "body:\n"
+    "  solid: {difference: [{box: {size_m: [0.04, 0.03, 0.02], center_m: [0, 0, 0.01]}},"
+    " {cylinder: {start_m: [0, 0, -0.01], end_m: [0, 0, 0.03], radius_m: 0.006}}]}\n"
+    "  material: {youngs_modulus_pa: 100000, poissons_ratio: 0.49, density_kg_m3: 1100}\n"
+    "  fixed: [{box: {min_m: [-1, -1, -1], max_m: [1, 1, 0.001]}}]\n";
+const std::string kSize = "  element_size_m: ";
+
+SceneOptions options() {
+  SceneOptions options;
+  options.actuator_factory = make_actuator;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  return options;
+}
+
+std::string refusal(const std::string& text) {
+  const SceneFolder folder;
+  try {
+    load_cast_surface(folder.write("robot.yaml", text), options());
+    return "";
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+}
+
+TEST(CastSurface, GivesTheVerdictOfAMeshedRobot) {
+  const SceneFolder folder;
+  const CastingVerdict whole =
+      check_casting(load_cast_robot(folder.write("robot.yaml", kBlock + kSize + "0.02\n"), options()));
+  const std::string fine = folder.write("fine.yaml", kBlock + kSize + "1.0e-6\n");
+  EXPECT_THROW(load_cast_robot(fine, options()), SettingsError) << "far too many elements";
+  const CastRobotFile file = load_cast_surface(fine, options());
+  EXPECT_EQ(file.robot.youngs_modulus_pa, 100000);
+  EXPECT_EQ(file.robot.density_kg_m3, 1100);
+  const CastingVerdict alone = check_casting(file);
+  EXPECT_EQ(alone.castable, whole.castable);
+  ASSERT_EQ(alone.tests.size(), whole.tests.size());
+  for (size_t i = 0; i + 1 < alone.tests.size(); ++i) EXPECT_EQ(alone.tests[i].numbers, whole.tests[i].numbers);
+  EXPECT_EQ(alone.tests.back().name, "mesh_quality");
+  EXPECT_FALSE(std::isfinite(alone.tests.back().numbers[0].second));
+}
+
+TEST(CastSurface, RefusesWhatItDoesNotKnow) {
+  EXPECT_NE(refusal(kBlock + "castings: {}\n").find("castings: is no block"), std::string::npos);
+  EXPECT_NE(refusal(kBlock + "casting: {wal_m: 0.004}\n").find("wal_m"), std::string::npos);
+  EXPECT_NE(refusal("body: {mesh: robot.msh}\n").find("has no solid"), std::string::npos);
+  EXPECT_NE(refusal(kBlock + "bodies: [{name: other}]\n").find("one body"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

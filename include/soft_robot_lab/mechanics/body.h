@@ -32,6 +32,12 @@ struct Hold {
   Eigen::Vector3d center_m;          // of the rest positions' box
 };
 
+// Two bodies of a mesh, or one and itself, whose skin meets.
+struct TouchingBodies {
+  int first = 0, second = 0;  // indices into TetMesh::bodies
+  double friction = 0.0;      // Coulomb's coefficient
+};
+
 // Dead loads are per undeformed area or volume and keep their direction. Frame: robot_base; SI units.
 class Body {
  public:
@@ -75,7 +81,10 @@ class Body {
   // motion out of range, two of one name, and one that is inside the body, with depth and place.
   void set_obstacles(std::vector<Obstacle> obstacles);
 
-  void let_touch_itself() { touches_itself_ = true; }  // its skin does not pass through itself, without friction
+  // Whose skin does not pass through whose. Throws std::invalid_argument: no such body, friction out of [0, inf), a
+  // pair given twice, and two bodies of which one is inside the other, with depth and place.
+  void let_skin_touch(std::vector<TouchingBodies> pairs);
+  void let_touch_itself(double friction = 0.0);  // the same of all bodies, each with itself and with all others
 
   void set_gravity(const Eigen::Vector3d& gravity_m_s2) { gravity_m_s2_ = gravity_m_s2; }
 
@@ -96,7 +105,8 @@ class Body {
   // Puts the nodes of holds that move to where these are at a time.
   void place_held_nodes(double time_s, Eigen::Matrix3Xd& positions_m) const;
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
-  bool touches_itself() const { return touches_itself_; }
+  bool touches_itself() const { return !touching_bodies_.empty(); }
+  const std::vector<TouchingBodies>& touching_bodies() const { return touching_bodies_; }
   const Eigen::VectorXd& node_masses_kg() const { return node_masses_kg_; }  // with what hangs on the body
   const Eigen::VectorXd& hung_masses_kg() const { return hung_masses_kg_; }  // of them
   const Eigen::Vector3d& gravity_m_s2() const { return gravity_m_s2_; }
@@ -120,7 +130,7 @@ class Body {
   Eigen::VectorXd hung_weights_kg_;  // as the point's weights share it; may be negative
   Eigen::Matrix3Xd dead_loads_n_;
   std::vector<Obstacle> obstacles_;
-  bool touches_itself_ = false;
+  std::vector<TouchingBodies> touching_bodies_;
   Eigen::Vector3d gravity_m_s2_ = Eigen::Vector3d::Zero();
 };
 

@@ -77,17 +77,17 @@ struct Obstacle {
 
 inline constexpr const char* kSkin = "skin";  // a body's own, where it touches itself; no obstacle's name
 
-// What a body and an obstacle, or its own skin, do to one another; or two obstacles, which touch at points without an
-// area. Areas are of the present shape.
+// What the skin and an obstacle do to one another, or skin and skin; or two obstacles, which touch at points without an
+// area. Areas are of the present shape. Of several bodies skin that meets skin has their names, first that of `on`.
 struct ContactReading {
-  std::string surface;                                    // the obstacle's name, or kSkin
+  std::string surface;                                    // the obstacle's name, kSkin, or that of a body
   std::string on = kSkin;                                 // or the name of a free obstacle that it touches
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();      // of the surface on that; skin pushes both ways: zero
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();      // of the surface on that; zero of a body's skin on itself
   double normal_force_n = 0.0;                            // sum of the pressures' forces
   double area_m2 = 0.0;                                   // with pressure
   double sticking_area_m2 = 0.0, slipping_area_m2 = 0.0;  // of it, where there is friction
   double largest_penetration_m = 0.0;
-  // Of pressure, and the mean normal, out of the surface; zero where there is none, and of skin on skin.
+  // Of pressure, and the mean normal, out of the surface; zero where there is none, and of a body on itself.
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
   double largest_pressure_pa = 0.0;  // force per rest area
 };
@@ -114,9 +114,10 @@ struct FreeVelocities {
 // What contact adds to the state of a simulation. Plain numbers; all empty without contact.
 struct ContactState {
   double time_s = 0.0;           // of the obstacles' motion
-  Eigen::VectorXd pressures_pa;  // per obstacle, and last the body's own skin; per contact point
+  Eigen::VectorXd pressures_pa;  // per obstacle, and last of skin on skin; per contact point
   // Per obstacle with friction, per contact point, in the frame of the obstacle's shape: where the skin sticks, or
-  // where it was when it did not touch.
+  // where it was when it did not touch. With friction of skin on skin, also per point of it: the coordinates on the
+  // mesh's face that it meets, and as the third number which face that is; -1: it meets none.
   Eigen::Matrix3Xd anchors_m;
 
   FreePoses free;

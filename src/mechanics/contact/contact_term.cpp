@@ -7,17 +7,10 @@
 #include "gap.h"
 
 namespace soft_robot_lab {
-namespace {
-
-constexpr double kAtLimit = 1.0 + 1e-6;  // an anchor that was dragged along is just at the limit
-
-}  // namespace
 
 ContactTerm::ContactTerm(const Body& body)
     : obstacles_(body.obstacles()),
-      touches_itself_(body.touches_itself()),
-      points_(empty() ? ContactPoints() : ContactPoints(body)),
-      skin_(touches_itself_ ? SkinPairs(body, points_) : SkinPairs()),
+      points_(obstacles_.empty() ? ContactPoints() : ContactPoints(body)),
       youngs_modulus_pa_(body.material().youngs_modulus_pa),
       free_(obstacles_, body.gravity_m_s2()),
       rigid_(obstacles_, free_, youngs_modulus_pa_) {
@@ -27,6 +20,17 @@ ContactTerm::ContactTerm(const Body& body)
     first_anchor_.push_back(rubs ? anchors : -1);
     if (rubs) anchors += points_.count();
   }
+  if (body.touches_itself()) skin_ = SkinContact(body, obstacle_pairs(), anchors);
+  for (const Obstacle& obstacle : obstacles_) nothing_.emplace_back().surface = obstacle.name;
+  const auto name = [&](int of) { return body.mesh().bodies[static_cast<std::size_t>(of)]; };
+  for (const TouchingBodies& pair : body.touching_bodies()) {
+    ContactReading& reading = nothing_.emplace_back();
+    reading.surface = kSkin;
+    if (body.mesh().bodies.size() == 1) continue;
+    reading.on = name(pair.first);
+    reading.surface = name(pair.second);
+  }
+  anchor_count_ = anchors + (skin_.rubs() ? skin_.points().count() : 0);
 }
 
 double ContactTerm::end_of_motion_s() const {
@@ -44,7 +48,7 @@ bool ContactTerm::moves_between(double from_s, double to_s) const {
 
 std::vector<Clique> ContactTerm::cliques() const {
   std::vector<Clique> faces;
-  for (int face = 0; face < points_.face_count() && !empty(); ++face) {
+  for (int face = 0; face < points_.face_count(); ++face) {
     const auto nodes = points_.faces().col(face);
     faces.emplace_back(nodes.begin(), nodes.end());
   }
@@ -52,7 +56,7 @@ std::vector<Clique> ContactTerm::cliques() const {
 }
 
 NormalLaw ContactTerm::law(int pair) const {
-  return NormalLaw::of_skin(points_.face_size_m(point_of(pair)), youngs_modulus_pa_);
+  return NormalLaw::of_skin(points_of(pair).face_size_m(point_of(pair)), youngs_modulus_pa_);
 }
 
 ContactState ContactTerm::untouched(const Eigen::Matrix3Xd& positions_m, double time_s) const {
@@ -60,8 +64,7 @@ ContactState ContactTerm::untouched(const Eigen::Matrix3Xd& positions_m, double 
   if (empty()) return state;
   state.time_s = time_s;
   state.pressures_pa = Eigen::VectorXd::Zero(pair_count());
-  const auto rubbing = std::count_if(first_anchor_.begin(), first_anchor_.end(), [](int first) { return first >= 0; });
-  state.anchors_m = Eigen::Matrix3Xd::Zero(3, rubbing * points_.count());
+  state.anchors_m = Eigen::Matrix3Xd::Zero(3, anchor_count_);
   state.free = state.free_before = free_.at_start();
   state.before_s = time_s;
   state.rigid_forces_n = Eigen::VectorXd::Zero(rigid_.pair_count());
@@ -81,10 +84,11 @@ ContactSums ContactTerm::sums(const Eigen::Matrix3Xd& positions_m, const Contact
   if (empty()) return sums;
   sums.points_m = all_points(positions_m);
   for (std::size_t i = 0; i < obstacles_.size(); ++i) find_touches(static_cast<int>(i), state, sums);
-  if (touches_itself_) find_skin_touches(positions_m, state, sums);
+  if (skin_.pair_count() > 0) skin_.find_touches(positions_m, state, sums.touches);
+  if (skin_.rubs()) sums.positions_m = positions_m;
   for (const ContactTouch& touch : sums.touches) {
     const double off_m = law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa);
-    sums.mismatch = std::max(sums.mismatch, std::abs(off_m) / points_.face_size_m(point_of(touch.pair)));
+    sums.mismatch = std::max(sums.mismatch, std::abs(off_m) / face_size_m(touch));
   }
   if (free_.count() == 0) return sums;
   sums.free = state.free;
@@ -127,32 +131,16 @@ void ContactTerm::find_touches(int obstacle, const ContactState& state, ContactS
   }
 }
 
-// A point that has lost the skin it pressed against is a face's size away from it: open.
-void ContactTerm::find_skin_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
-                                    ContactSums& sums) const {
-  skin_.prepare(positions_m);
-  const int first_pair = static_cast<int>(obstacles_.size()) * points_.count();
-  for (int point = 0; point < points_.count(); ++point) {
-    const int pair = first_pair + point, face = ContactPoints::face_of(point);
-    const double pressure_pa = state.pressures_pa[pair];
-    if (pressure_pa == 0.0 && !skin_.any_near(face)) continue;
-    const std::optional<SkinGap> met =
-        skin_.meet(face, sums.points_m.col(point), points_.outward_m2(point, positions_m), positions_m);
-    const double gap_m = met ? met->gap_m : points_.face_size_m(point);
-    const bool closed = met && law(pair).closed(gap_m, pressure_pa);
-    if (!closed && pressure_pa == 0.0) continue;
-    ContactTouch touch;
-    touch.pair = pair;
-    touch.closed = closed;
-    touch.gap_m = gap_m;
-    touch.pressure_pa = pressure_pa;
-    if (met) {
-      touch.normal = met->normal;
-      touch.bend = met->curvature_per_m;
-      touch.met = met->at;
-    }
-    sums.touches.push_back(std::move(touch));
-  }
+Eigen::Vector3d ContactTerm::away_m(const ContactTouch& touch, const ContactSums& start, const ContactSums& now) const {
+  Eigen::Vector3d away_m = touch.away_m;
+  if (touch.on_skin())
+    away_m += skin_.relative_m(touch, now.positions_m) - skin_.relative_m(touch, start.positions_m);
+  else if (touch.free >= 0)
+    away_m = now.points_m.col(point_of(touch.pair)) -
+             free_.pose(touch.free, now.free) * (free_.pose(touch.free, start.free).inverse() * touch.anchor_m);
+  else
+    away_m = now.points_m.col(point_of(touch.pair)) - touch.anchor_m;
+  return away_m - touch.normal * touch.normal.dot(away_m);
 }
 
 void ContactTerm::add_friction(const Eigen::Isometry3d& pose, int obstacle, const ContactState& state,
@@ -161,17 +149,15 @@ void ContactTerm::add_friction(const Eigen::Isometry3d& pose, int obstacle, cons
   touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point), youngs_modulus_pa_),
                     obstacle_of(touch.pair).friction * touch.pressure_pa};
   touch.anchor_m = pose * state.anchors_m.col(first_anchor_[static_cast<std::size_t>(obstacle)] + point);
-  const Eigen::Vector3d away_m = sums.points_m.col(point) - touch.anchor_m;
-  touch.away_m = away_m - touch.normal * touch.normal.dot(away_m);
+  touch.set_away_m(sums.points_m.col(point) - touch.anchor_m);
 }
 
 void ContactTerm::add_at(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const {
-  const int point = point_of(touch.pair), face = ContactPoints::face_of(point);
-  const auto shape = points_.shape(point);
-  for (int a = 0; a < points_.nodes_per_face(); ++a) forces_n.col(points_.node(face, a)) += shape[a] * force_n;
-  if (!touch.on_skin()) return;
-  for (int a = 0; a < points_.nodes_per_face(); ++a)
-    forces_n.col(skin_.node(touch.met.face, a)) -= touch.met.shape[a] * force_n;
+  const ContactPoints& points = points_of(touch.pair);
+  const int point = point_of(touch.pair), face = points.face_of(point);
+  const auto shape = points.shape(point);
+  for (int a = 0; a < points.nodes_per_face(); ++a) forces_n.col(points.node(face, a)) += shape[a] * force_n;
+  if (touch.on_skin()) skin_.add_back(touch, force_n, forces_n);
 }
 
 void ContactTerm::add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces) {
@@ -181,17 +167,12 @@ void ContactTerm::add_back(const ContactTouch& touch, const Eigen::Vector3d& for
 
 Eigen::Vector3d ContactTerm::relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
                                                const FreeColumns& free_motion) const {
-  Eigen::Vector3d relative_m = points_.at(point_of(touch.pair), motion_m);
-  for (int a = 0; touch.on_skin() && a < points_.nodes_per_face(); ++a)
-    relative_m -= touch.met.shape[a] * motion_m.col(skin_.node(touch.met.face, a));
+  if (touch.on_skin()) return skin_.relative_m(touch, motion_m);
+  Eigen::Vector3d relative_m = points_of(touch.pair).at(point_of(touch.pair), motion_m);
   if (touch.free >= 0)
     relative_m -=
         free_motion.col(2 * touch.free) + Eigen::Vector3d(free_motion.col(2 * touch.free + 1)).cross(touch.arm_m);
   return relative_m;
-}
-
-FacePair ContactTerm::faces_of(const ContactTouch& touch) const {
-  return {ContactPoints::face_of(point_of(touch.pair)), touch.met.face};
 }
 
 Eigen::Vector3d ContactTerm::force_n(const ContactTouch& touch) const {
@@ -234,7 +215,7 @@ void ContactTerm::add_free_hessian(const std::vector<ContactTouch>& touches, boo
     of_one.topRightCorner<3, 3>() -= push_n * normal;
     of_one.bottomLeftCorner<3, 3>() += push_n * normal;
     of_one.bottomRightCorner<3, 3>() -= 0.5 * push_n * (arm * normal + normal * arm);
-    const int point = point_of(touch.pair), face = ContactPoints::face_of(point), first = 6 * touch.free;
+    const int point = point_of(touch.pair), face = points_.face_of(point), first = 6 * touch.free;
     own.block<6, 6>(first, first) += of_one;
     for (int a = 0; a < points_.nodes_per_face(); ++a)
       border.block<3, 6>(3 * points_.node(face, a), first) += points_.shape(point)[a] * coupling;
@@ -252,32 +233,8 @@ void ContactTerm::add_hessian(const std::vector<ContactTouch>& touches, bool con
     if (!convex) block -= touch.pressure_pa * touch.bend;
     if (touch.rubs()) block += touch.friction.stiffness_pa_m(touch.away_m, touch.normal);
     const auto shape = points_.shape(point_of(touch.pair));
-    matrix.add_outer(ContactPoints::face_of(point_of(touch.pair)), {shape.data(), shape.data() + nodes},
-                     weight_m2(touch.pair) * block);
+    matrix.add_outer(face_of(touch.pair), {shape.data(), shape.data() + nodes}, weight_m2(touch.pair) * block);
   }
-}
-
-Eigen::MatrixXd ContactTerm::skin_hessian(const ContactTouch& touch, bool convex, bool soft) const {
-  const int nodes = points_.nodes_per_face(), point = point_of(touch.pair);
-  const NormalLaw normal = law(touch.pair);
-  const double weight_m2 = points_.weight_m2(point);
-  Eigen::VectorXd shape(2 * nodes);
-  shape << points_.shape(point), -touch.met.shape.head(nodes);
-  // Rows of the gap's derivatives: of itself, of the coordinates where it is met, of the normal's turning.
-  Eigen::MatrixXd gap(1, 6 * nodes), local(2, 6 * nodes), turn = Eigen::MatrixXd::Zero(2, 6 * nodes);
-  for (int a = 0; a < 2 * nodes; ++a) {
-    gap.middleCols<3>(3 * a) = shape[a] * touch.normal.transpose();
-    local.middleCols<3>(3 * a) = shape[a] * touch.met.dual_per_m.transpose();
-    if (a >= nodes) turn.middleCols<3>(3 * a) = touch.met.slopes.row(a - nodes).transpose() * touch.normal.transpose();
-  }
-  Eigen::MatrixXd sum = gap.transpose() * gap * (weight_m2 / (soft ? normal.soft_m_pa : normal.compliance_m_pa));
-  if (convex) return sum;
-  const double push_n = weight_m2 * touch.pressure_pa;
-  const Eigen::MatrixXd turned = turn.transpose() * local;
-  sum += push_n * (turned + turned.transpose());
-  for (int a = 0; a < 2 * nodes; ++a)
-    for (int b = 0; b < 2 * nodes; ++b) sum.block<3, 3>(3 * a, 3 * b) += push_n * shape[a] * shape[b] * touch.bend;
-  return sum;
 }
 
 bool ContactTerm::same_set(const std::vector<ContactTouch>& a, const std::vector<ContactTouch>& b) {
@@ -341,8 +298,7 @@ Eigen::VectorXd ContactTerm::next_pressures_pa(const std::vector<ContactTouch>& 
 Eigen::VectorXd ContactTerm::mismatches(const ContactSums& at) const {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(pair_count());
   for (const ContactTouch& touch : at.touches)
-    all[touch.pair] =
-        law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa) / points_.face_size_m(point_of(touch.pair));
+    all[touch.pair] = law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa) / face_size_m(touch);
   return all;
 }
 
@@ -352,13 +308,7 @@ double ContactTerm::merit_j(const ContactSums& at, const ContactSums& start,
   for (const ContactTouch& touch : at.touches)
     sum += weight_m2(touch.pair) * law(touch.pair).merit_j_m2(touch.gap_m, next_pressures_pa[touch.pair]);
   for (const ContactTouch& touch : start.touches) {
-    if (!touch.rubs()) continue;
-    Eigen::Vector3d anchor_m = touch.anchor_m;
-    if (touch.free >= 0)
-      anchor_m = free_.pose(touch.free, at.free) * (free_.pose(touch.free, start.free).inverse() * anchor_m);
-    const Eigen::Vector3d away_m = at.points_m.col(point_of(touch.pair)) - anchor_m;
-    const Eigen::Vector3d along_m = away_m - touch.normal * touch.normal.dot(away_m);
-    sum += weight_m2(touch.pair) * touch.friction.potential_j_m2(along_m);
+    if (touch.rubs()) sum += weight_m2(touch.pair) * touch.friction.potential_j_m2(away_m(touch, start, at));
   }
   return sum;
 }
@@ -387,7 +337,8 @@ double ContactTerm::soft_energy(const Eigen::Matrix3Xd& positions_m, const Eigen
     state.pressures_pa[touch.pair] = touch.pressure_pa;
     sum += 0.5 * weight_m2(touch.pair) * soft_m_pa * touch.pressure_pa * touch.pressure_pa;
     if (!touch.rubs()) continue;
-    touch.friction.limit_pa = obstacle_of(touch.pair).friction * limits_pa[touch.pair];
+    touch.friction.limit_pa =
+        (touch.on_skin() ? skin_.friction(touch) : obstacle_of(touch.pair).friction) * limits_pa[touch.pair];
     sum += weight_m2(touch.pair) * touch.friction.potential_j_m2(touch.away_m);
   }
   return sum;
@@ -396,6 +347,7 @@ double ContactTerm::soft_energy(const Eigen::Matrix3Xd& positions_m, const Eigen
 void ContactTerm::commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const {
   if (free_.count() > 0) rigid_.commit(state);
   if (state.anchors_m.cols() == 0) return;
+  skin_.commit(positions_m, state);
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     if (first_anchor_[i] < 0) continue;
     const Eigen::Isometry3d back = pose_of(static_cast<int>(i), state).inverse();
@@ -421,26 +373,30 @@ double ContactTerm::rubbed_j(const ContactSums& at) const {
   return sum;
 }
 
+ContactReading& ContactTerm::reading_of(const ContactTouch& touch, std::vector<ContactReading>& all) const {
+  if (!of_skin(touch.pair)) return all[static_cast<std::size_t>(touch.pair / points_.count())];
+  return all[obstacles_.size() + static_cast<std::size_t>(skin_.pair_of(touch))];
+}
+
+// Skin on skin has two sides, and each its points.
 std::vector<ContactReading> ContactTerm::readings(const Eigen::Matrix3Xd& positions_m,
                                                   const ContactState& state) const {
-  std::vector<ContactReading> all(static_cast<std::size_t>(surface_count()));
-  for (std::size_t i = 0; i < obstacles_.size(); ++i) all[i].surface = obstacles_[i].name;
-  if (touches_itself_) all.back().surface = kSkin;
+  std::vector<ContactReading> all = nothing_;
   for (const ContactTouch& touch : sums(positions_m, state).touches) {
-    ContactReading& reading = all[static_cast<std::size_t>(touch.pair / points_.count())];
+    if (of_skin(touch.pair) && !touch.on_skin()) continue;  // it lost the skin that it pressed against
+    ContactReading& reading = reading_of(touch, all);
     reading.largest_penetration_m = std::max(reading.largest_penetration_m, -touch.gap_m);
     if (touch.pressure_pa == 0.0) continue;
-    Eigen::Vector3d push_pa = touch.pressure_pa * touch.normal;
-    // Skin on skin has two sides, and each its points.
-    const double area_m2 = (touch.on_skin() ? 0.5 : 1.0) * points_.present_area_m2(point_of(touch.pair), positions_m);
-    if (touch.rubs()) {
-      push_pa -= touch.friction.traction_pa(touch.away_m);
-      (touch.friction.slips(kAtLimit * touch.away_m) ? reading.slipping_area_m2 : reading.sticking_area_m2) += area_m2;
-    }
-    if (!touch.on_skin()) reading.force_n += weight_m2(touch.pair) * push_pa;
-    reading.normal_force_n += weight_m2(touch.pair) * touch.pressure_pa;
-    reading.center_m += weight_m2(touch.pair) * touch.pressure_pa * points_.at(point_of(touch.pair), positions_m);
-    if (!touch.on_skin()) reading.normal += weight_m2(touch.pair) * touch.pressure_pa * touch.normal;
+    const ContactPoints& points = points_of(touch.pair);
+    const int point = point_of(touch.pair), side = touch.on_skin() ? skin_.side_of(touch) : 1;
+    const double area_m2 = (touch.on_skin() ? 0.5 : 1.0) * points.present_area_m2(point, positions_m);
+    if (touch.rubs())
+      (touch.friction.at_limit(touch.away_m) ? reading.slipping_area_m2 : reading.sticking_area_m2) += area_m2;
+    const double push_n = weight_m2(touch.pair) * touch.pressure_pa;
+    reading.force_n -= side * force_n(touch);
+    reading.normal += side * push_n * touch.normal;
+    reading.normal_force_n += push_n;
+    reading.center_m += push_n * points.at(point, positions_m);
     reading.area_m2 += area_m2;
     reading.largest_pressure_pa = std::max(reading.largest_pressure_pa, touch.pressure_pa);
   }

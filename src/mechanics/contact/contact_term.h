@@ -6,11 +6,8 @@
 // Pressures are unknowns of their own, condensed point by point as the elements' volumes are: with g the gap, n its
 // gradient, a the compliance, w the weight and N the shape functions of a closed point
 //   residual  - w l n N     matrix  w / a (n n') N N' - w l (grad grad g) N N'     l+ = max(0, -(g + n.dx) / a)
-// All nodes of a face are in one element, so the pattern of the matrix stays. A point of the skin that meets other skin
-// pushes the closest place y of that face back; n is the face's normal there, g = n . (x - y), and with the tangents
-// t_a, their duals t^a and the curvature k (Wriggers 2006, 6.4, at g = 0)
-//   d2g = - (n . dy,a) t^a . (dx - dy) - its transpose - k (dx - dy) (dx - dy)
-// Both faces are in the matrix then, so its pattern grows (ContactMatrix).
+// All nodes of a face are in one element, so the pattern of the matrix stays. Where skin meets skin (SkinContact) both
+// faces are in the matrix, so its pattern grows (ContactMatrix).
 //
 // A free obstacle is pushed back by what touches it. Its motion stands beside that of the nodes, in FreeColumns, and
 // the couplings of the two are columns of a border (FreeBorder).
@@ -22,41 +19,22 @@
 #include <Eigen/Geometry>
 
 #include "contact_points.h"
+#include "contact_touch.h"
 #include "free_obstacles.h"
-#include "friction_law.h"
 #include "normal_law.h"
 #include "rigid_contact.h"
-#include "skin_pairs.h"
+#include "skin_contact.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/constraint.h"
 #include "soft_robot_lab/mechanics/obstacle.h"
 
 namespace soft_robot_lab {
 
-// A contact point at a surface that it presses against, or nearly: an obstacle, or after all obstacles the skin.
-struct ContactTouch {
-  int pair = 0;         // surface * points + point
-  bool closed = false;  // NormalLaw::closed
-  double gap_m = 0.0, pressure_pa = 0.0;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  // Of an obstacle, the second derivative of the gap; of skin, its curvature.
-  Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();
-  SkinPlace met;                                    // of skin
-  int free = -1;                                    // the obstacle among the free; -1: it is not
-  Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();  // from that one's centre
-  // Of friction; without any the limit is negative.
-  FrictionLaw friction{0.0, -1.0};
-  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();  // where the obstacle now has it
-  Eigen::Vector3d away_m = Eigen::Vector3d::Zero();    // from there, along the surface
-
-  bool rubs() const { return friction.limit_pa >= 0.0; }
-  bool on_skin() const { return met.face >= 0; }
-};
-
 // Contact at some positions and pressures.
 struct ContactSums {
   std::vector<ContactTouch> touches;  // all with pressure or penetration, and the closed ones
-  Eigen::Matrix3Xd points_m;          // where all contact points are
+  Eigen::Matrix3Xd points_m;          // where all contact points of obstacles are
+  Eigen::Matrix3Xd positions_m;       // of the nodes, where skin rubs on skin; else empty
   double mismatch = 0.0;              // the largest, over the size of its face
   FreePoses free;
   RigidTouches rigid;
@@ -66,13 +44,15 @@ class ContactTerm {
  public:
   explicit ContactTerm(const Body& body);
 
-  bool empty() const { return surface_count() == 0; }
-  double end_of_motion_s() const;                        // of all obstacles
-  bool moves_between(double from_s, double to_s) const;  // whether any does
-  std::vector<Clique> cliques() const;                   // for add_hessian: the faces
-  const ContactPoints& points() const { return points_; }
-  const SkinPairs& skin() const { return skin_; }
-  FacePair faces_of(const ContactTouch& touch) const;  // of one on skin
+  bool empty() const { return obstacles_.empty() && skin_.pair_count() == 0; }
+  double end_of_motion_s() const;                          // of all obstacles
+  bool moves_between(double from_s, double to_s) const;    // whether any does
+  std::vector<Clique> cliques() const;                     // for add_hessian: the faces
+  const ContactPoints& points() const { return points_; }  // of obstacles
+  const SkinContact& skin() const { return skin_; }
+  double face_size_m(const ContactTouch& touch) const {
+    return points_of(touch.pair).face_size_m(point_of(touch.pair));
+  }
   const FreeObstacles& free() const { return free_; }
   const RigidContact& rigid() const { return rigid_; }
   Eigen::Isometry3d pose_of(int obstacle, const ContactState& state) const;  // from its shape as stated
@@ -84,10 +64,9 @@ class ContactTerm {
   void add_forces(const ContactSums& at, Eigen::Matrix3Xd& residual_n) const;
   FreeColumns free_forces_n(const ContactSums& at) const;  // the same on free obstacles
 
-  // Of obstacles. `convex` leaves out what may make the matrix indefinite; `soft` is for soft_energy.
+  // Of obstacles; of skin SkinContact has it. `convex` leaves out what may make the matrix indefinite; `soft` is for
+  // soft_energy.
   void add_hessian(const std::vector<ContactTouch>& touches, bool convex, bool soft, CliqueSink& matrix) const;
-  // Of one that is closed on skin, over the nodes of both faces.
-  Eigen::MatrixXd skin_hessian(const ContactTouch& touch, bool convex, bool soft) const;
   // Of free obstacles: with the nodes, 3*node + axis x columns, and among themselves.
   void add_free_hessian(const std::vector<ContactTouch>& touches, bool convex, Eigen::MatrixXd& border,
                         Eigen::MatrixXd& own) const;
@@ -126,15 +105,20 @@ class ContactTerm {
   std::vector<ContactReading> readings(const Eigen::Matrix3Xd& positions_m, const ContactState& state) const;
 
  private:
-  int surface_count() const { return static_cast<int>(obstacles_.size()) + (touches_itself_ ? 1 : 0); }
-  Eigen::Index pair_count() const { return static_cast<Eigen::Index>(surface_count()) * points_.count(); }
+  ContactReading& reading_of(const ContactTouch& touch, std::vector<ContactReading>& all) const;
+  int obstacle_pairs() const { return static_cast<int>(obstacles_.size()) * points_.count(); }
+  Eigen::Index pair_count() const { return obstacle_pairs() + skin_.points().count(); }
   NormalLaw law(int pair) const;
-  double weight_m2(int pair) const { return points_.weight_m2(point_of(pair)); }
-  int point_of(int pair) const { return pair % points_.count(); }
+  bool of_skin(int pair) const { return pair >= obstacle_pairs(); }
+  const ContactPoints& points_of(int pair) const { return of_skin(pair) ? skin_.points() : points_; }
+  int point_of(int pair) const { return of_skin(pair) ? pair - obstacle_pairs() : pair % points_.count(); }
+  int face_of(int pair) const { return points_of(pair).face_of(point_of(pair)); }
+  double weight_m2(int pair) const { return points_of(pair).weight_m2(point_of(pair)); }
   const Obstacle& obstacle_of(int pair) const { return obstacles_[static_cast<std::size_t>(pair / points_.count())]; }
   Eigen::Matrix3Xd all_points(const Eigen::Matrix3Xd& positions_m) const;
   void find_touches(int obstacle, const ContactState& state, ContactSums& sums) const;
-  void find_skin_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state, ContactSums& sums) const;
+  // Along the surface, from its anchor to where a touch of `start` now is.
+  Eigen::Vector3d away_m(const ContactTouch& touch, const ContactSums& start, const ContactSums& now) const;
   void add_friction(const Eigen::Isometry3d& pose, int obstacle, const ContactState& state, const ContactSums& sums,
                     ContactTouch& touch) const;
   // What condensation pushes with, where the matrix was made of these.
@@ -149,10 +133,11 @@ class ContactTerm {
   static void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces);
 
   std::vector<Obstacle> obstacles_;
-  bool touches_itself_;
-  std::vector<int> first_anchor_;  // per obstacle; -1 without friction
-  ContactPoints points_;
-  mutable SkinPairs skin_;
+  std::vector<ContactReading> nothing_;  // readings of what does not touch: all obstacles, then pairs of bodies
+  std::vector<int> first_anchor_;        // per obstacle; -1 without friction
+  int anchor_count_ = 0;
+  ContactPoints points_;  // against obstacles
+  SkinContact skin_;
   double youngs_modulus_pa_;
   FreeObstacles free_;
   RigidContact rigid_;

@@ -8,12 +8,14 @@
 #include "gap.h"
 #include "rigid_contact.h"
 #include "mechanics/mesh/point_text.h"
+#include "mechanics/mesh/skin.h"
 #include "soft_robot_lab/mechanics/embedding.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kRounding = 0.01;  // of a face's size
+constexpr double kRounding = 0.01;          // of a face's size
+constexpr double kRoundingOfBodies = 1e-4;  // of the size of all
 
 // The skin, at its contact points and nodes.
 void refuse_skin_inside(const Body& body, const ContactPoints& points, const Obstacle& obstacle) {
@@ -30,7 +32,7 @@ void refuse_skin_inside(const Body& body, const ContactPoints& points, const Obs
   for (int point = 0; point < points.count(); ++point) {
     look(points.at(point, nodes_m), points.face_size_m(point));
     for (int a = 0; a < points.nodes_per_face(); ++a)
-      look(nodes_m.col(points.node(ContactPoints::face_of(point), a)), points.face_size_m(point));
+      look(nodes_m.col(points.node(points.face_of(point), a)), points.face_size_m(point));
   }
   if (deepest_m == 0.0) return;
   std::ostringstream text;
@@ -48,7 +50,45 @@ void refuse_swallowed(const Body& body, const Obstacle& obstacle) {
                               ", is inside the body at the start; must be outside");
 }
 
+// The deepest node of one body in another one.
+struct Depth {
+  double depth_m = 0.0;
+  Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
+};
+
+Depth deepest(const Body& body, int of, int in) {
+  const TetMesh& mesh = body.mesh();
+  std::vector<Eigen::Index> skin;
+  Eigen::AlignedBox3d around;
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
+    if (body.body_of_node(mesh.faces(0, face)) != in) continue;
+    skin.push_back(face);
+    for (const int node : mesh.faces.col(face)) around.extend(mesh.nodes_m.col(node));
+  }
+  const MeshLocator locator(mesh, in);
+  Depth deepest;
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    const Eigen::Vector3d at_m = mesh.nodes_m.col(node);
+    if (body.body_of_node(node) != of || !around.contains(at_m) || locator.locate(at_m).distance_m > 0.0) continue;
+    const double depth_m = nearest_on_skin(mesh, skin, at_m).distance_m;
+    if (depth_m > deepest.depth_m) deepest = {depth_m, at_m};
+  }
+  return deepest;
+}
+
 }  // namespace
+
+void refuse_overlap(const Body& body, int first, int second) {
+  const Depth one = deepest(body, first, second), other = deepest(body, second, first);
+  const bool of_first = one.depth_m > other.depth_m;
+  const Depth& worst = of_first ? one : other;
+  if (worst.depth_m <= kRoundingOfBodies * body.size_m()) return;
+  const auto name = [&](int index) { return "'" + body.mesh().bodies[static_cast<std::size_t>(index)] + "'"; };
+  std::ostringstream text;
+  text << "body " << name(of_first ? first : second) << " is " << worst.depth_m << " m inside body "
+       << name(of_first ? second : first) << " at the start, at " << point_text(worst.at_m) << "; must be outside";
+  throw std::invalid_argument(text.str());
+}
 
 void refuse_overlap(const Body& body, const std::vector<Obstacle>& obstacles) {
   if (obstacles.empty()) return;

@@ -11,4 +11,7 @@ namespace soft_robot_lab {
 // and place; or where a free one is inside another. Rounding of the mesh is let through.
 void refuse_overlap(const Body& body, const std::vector<Obstacle>& obstacles);
 
+// The same of two bodies of its mesh.
+void refuse_overlap(const Body& body, int first, int second);
+
 }  // namespace soft_robot_lab

@@ -15,7 +15,9 @@ namespace {
 
 constexpr double kDeepest = 0.5;    // of a face's size: deeper is the other side of a wall
 constexpr double kBehind = 4.0;     // of the largest face's size: walls are looked for so near
+constexpr double kInFront = 1e-9;   // of the same: a face that has no corner so far in front of another lies behind it
 constexpr double kMargin = 0.02;    // of the body's size: what near faces are looked for within
+constexpr double kAlong = 0.6;      // cosine: faces bend less than to turn such normals against one another
 constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
 constexpr double kLikely = 0.1;     // of a face's size
 constexpr int kMostIterations = 12;
@@ -87,11 +89,30 @@ std::vector<std::pair<int, int>> overlapping(const Eigen::MatrixXi& faces, const
   return std::move(found.pairs);
 }
 
+// Of each face of the mesh.
+std::vector<int> bodies_of_faces(const Body& body) {
+  std::vector<int> all;
+  for (const int node : body.mesh().faces.row(0)) all.push_back(body.body_of_node(node));
+  return all;
+}
+
 }  // namespace
 
+TouchingPairs::TouchingPairs(const Body& body)
+    : of_bodies_(Eigen::MatrixXi::Constant(body.mesh().bodies.size(), body.mesh().bodies.size(), -1)) {
+  int index = 0;
+  for (const TouchingBodies& pair : body.touching_bodies())
+    of_bodies_(pair.first, pair.second) = of_bodies_(pair.second, pair.first) = index++;
+}
+
 SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
-    : faces_(body.mesh().faces), same_(points.mesh_faces()), margin_m_(kMargin * body.size_m()) {
+    : faces_(body.mesh().faces),
+      same_(points.mesh_faces()),
+      body_(bodies_of_faces(body)),
+      touching_(body),
+      margin_m_(kMargin * body.size_m()) {
   const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
+  rest_m_ = nodes_m;
   const auto count = static_cast<int>(faces_.cols());
   rest_middles_m_.resize(3, count);
   rest_normals_.resize(3, count);
@@ -107,26 +128,65 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
 
 bool SkinPairs::counts(int face, int other) const {
   const int same = same_[static_cast<std::size_t>(face)];
+  if (pair_of(face, other) < 0) return false;
+  if (body_[static_cast<std::size_t>(same)] != body_[static_cast<std::size_t>(other)]) return true;
   const auto mine = faces_.col(same), theirs = faces_.col(other);
   for (Eigen::Index a = 0; a < mine.size(); ++a)
     if (std::find(theirs.begin(), theirs.end(), mine[a]) != theirs.end()) return false;
   const Eigen::Vector3d between_m = rest_middles_m_.col(same) - rest_middles_m_.col(other);
-  const bool behind = between_m.dot(rest_normals_.col(other)) < -1e-9 * largest_size_m_;
-  return !(behind && between_m.norm() < kBehind * largest_size_m_);
+  if (between_m.norm() > kBehind * largest_size_m_) return true;
+  double foremost_m = -largest_size_m_;
+  for (int corner = 0; corner < 3; ++corner)
+    foremost_m =
+        std::max(foremost_m, (rest_m_.col(mine[corner]) - rest_middles_m_.col(other)).dot(rest_normals_.col(other)));
+  return foremost_m > kInFront * largest_size_m_;
 }
 
 void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   const auto count = static_cast<int>(faces_.cols());
-  low_m_.resize(3, count);
-  high_m_.resize(3, count);
+  for (Eigen::Matrix3Xd* corners_m : {&low_m_, &high_m_, &deep_low_m_, &deep_high_m_}) corners_m->resize(3, count);
+  normals_.resize(3, count);
+  lowest_m_.resize(count);
+  top_m_.resize(count);
   for (int face = 0; face < count; ++face) {
     const FaceNodes around = control_points(nodes_of(faces_, face, positions_m));
+    normals_.col(face) = corner_normal(faces_, face, positions_m).normalized();
+    const Eigen::RowVectorXd heights_m = normals_.col(face).transpose() * around;
+    lowest_m_[face] = heights_m.minCoeff();
+    top_m_[face] = heights_m.maxCoeff();
     low_m_.col(face) = around.rowwise().minCoeff();
     high_m_.col(face) = around.rowwise().maxCoeff();
+    const Eigen::Vector3d behind_m = -kDeepest * sizes_m_[face] * normals_.col(face);
+    deep_low_m_.col(face) = (low_m_.col(face) + behind_m.cwiseMin(0.0)).array() - kOverEdge * sizes_m_[face];
+    deep_high_m_.col(face) = (high_m_.col(face) + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
   }
   const bool near_enough = near_at_m_.cols() == positions_m.cols() &&
                            (positions_m - near_at_m_).colwise().squaredNorm().maxCoeff() < 0.25 * margin_m_ * margin_m_;
   if (!near_enough) find_near(positions_m);
+  overlaps_.resize(near_.size());
+  for (std::size_t face = 0; face < near_.size(); ++face) {
+    const auto low_m = low_m_.col(same_[face]), high_m = high_m_.col(same_[face]);
+    overlaps_[face].clear();
+    for (const int other : near_[face])
+      if ((deep_low_m_.col(other).array() <= high_m.array()).all() &&
+          (deep_high_m_.col(other).array() >= low_m.array()).all())
+        overlaps_[face].push_back(other);
+  }
+}
+
+bool SkinPairs::may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
+  if (normals_.col(other).dot(outward) > kAlong * outward.norm()) return false;
+  const double height_m = normals_.col(other).dot(point_m), deepest_m = kDeepest * sizes_m_[other];
+  return height_m > lowest_m_[other] - deepest_m && height_m < top_m_[other] + deepest_m;
+}
+
+bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
+  const std::vector<int>& all = overlaps_[static_cast<std::size_t>(face)];
+  return std::any_of(all.begin(), all.end(), [&](int other) {
+    return (deep_low_m_.col(other).array() <= point_m.array()).all() &&
+           (deep_high_m_.col(other).array() >= point_m.array()).all() && may_meet(other, point_m, outward) &&
+           normals_.col(other).dot(point_m) < top_m_[other] + kOverEdge * sizes_m_[other];
+  });
 }
 
 void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
@@ -167,6 +227,8 @@ std::optional<SkinGap> SkinPairs::gap_to(int other, const Eigen::Vector3d& point
   if (std::abs(gap.gap_m) > kDeepest * sizes_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other])
     return std::nullopt;
   gap.at.face = other;
+  gap.at.r = local.x();
+  gap.at.s = local.y();
   gap.at.shape.head(nodes.cols()) = shape.values;
   gap.at.slopes.topRows(nodes.cols()) = shape.slopes.transpose();
   gap.at.dual_per_m = tangents * Eigen::Matrix2d(tangents.transpose() * tangents).inverse();
@@ -183,30 +245,28 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
     const double reach_m = best ? std::abs(best->gap_m) : kDeepest * sizes_m_[other];
     if ((point_m - low_m_.col(other)).minCoeff() < -reach_m || (high_m_.col(other) - point_m).minCoeff() < -reach_m)
       continue;
+    if (!may_meet(other, point_m, outward)) continue;
     const std::optional<SkinGap> gap = gap_to(other, point_m, outward, positions_m);
     if (gap && (!best || std::abs(gap->gap_m) < std::abs(best->gap_m))) best = gap;
   }
   return best;
 }
 
-std::vector<FacePair> SkinPairs::likely(const Eigen::Matrix3Xd& positions_m) const {
-  Eigen::Matrix3Xd middles_m(3, faces_.cols());
-  Eigen::VectorXd radii_m(faces_.cols());
-  for (int face = 0; face < faces_.cols(); ++face) {
-    const FaceNodes nodes = nodes_of(faces_, face, positions_m);
-    middles_m.col(face) = nodes.rowwise().mean();
-    radii_m[face] = (nodes.colwise() - middles_m.col(face)).colwise().norm().maxCoeff();
-  }
+std::vector<FacePair> SkinPairs::likely() const {
   std::vector<FacePair> pairs;
   for (std::size_t face = 0; face < near_.size(); ++face) {
-    const int same = same_[face];
+    const auto low_m = low_m_.col(same_[face]), high_m = high_m_.col(same_[face]);
     for (const int other : near_[face]) {
-      const double reach_m = radii_m[same] + radii_m[other] + kLikely * sizes_m_[other];
-      if ((middles_m.col(same) - middles_m.col(other)).norm() < reach_m)
+      const double reach_m = kLikely * std::min(sizes_m_[other], sizes_m_[same_[face]]);
+      if ((low_m - high_m_.col(other)).maxCoeff() < reach_m && (low_m_.col(other) - high_m).maxCoeff() < reach_m)
         pairs.emplace_back(static_cast<int>(face), other);
     }
   }
   return pairs;
+}
+
+Eigen::Vector3d SkinPairs::at(int face, double r, double s, const Eigen::Matrix3Xd& positions_m) const {
+  return nodes_of(faces_, face, positions_m) * face_shape(faces_.rows(), r, s).values;
 }
 
 std::vector<int> SkinPairs::nodes(const FacePair& pair) const {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where points of a body's skin meet other skin of the same body, in its present shape. Bullet's tree of boxes finds
-// the faces that are near; the closest place on a face and the gap to it are ours, in double precision.
+// Where points of the skin meet other skin, of the same body or another, in the present shape. Bullet's tree of boxes
+// finds the faces that are near; the closest place on a face and the gap to it are ours, in double precision.
 //
-// No pairs are faces that share a node, and faces that lie behind one another at rest, nearer than a few faces: the two
-// sides of a thin wall.
+// No pairs are faces that share a node, and faces that lie wholly behind one another at rest, nearer than a few faces:
+// the two sides of a thin wall. Those of two bodies are where these touch at all.
 #pragma once
 
 #include <optional>
@@ -23,6 +23,7 @@ struct SkinPlace {
   using Table = Eigen::Matrix<double, rows, columns, Eigen::DontAlign>;
 
   int face = -1;                                 // of the mesh; -1: none
+  double r = 0.0, s = 0.0;                       // coordinates on it
   Table<6, 1> shape = Table<6, 1>::Zero();       // functions of the face's nodes; the last are zero for 3 nodes
   Table<6, 2> slopes = Table<6, 2>::Zero();      // their derivatives along the face's two coordinates
   Table<3, 2> dual_per_m = Table<3, 2>::Zero();  // dual tangents: d coordinate / d position
@@ -38,41 +39,76 @@ struct SkinGap {
 // A point's face, in the order of ContactPoints, and the mesh's face that it may meet.
 using FacePair = std::pair<int, int>;
 
+// Which pair of Body::touching_bodies two bodies are.
+class TouchingPairs {
+ public:
+  TouchingPairs() = default;  // none
+  explicit TouchingPairs(const Body& body);
+  int operator()(int body, int other) const { return of_bodies_(body, other); }  // -1: they do not touch
+
+ private:
+  Eigen::MatrixXi of_bodies_;
+};
+
 class SkinPairs {
  public:
   SkinPairs() = default;  // none
   SkinPairs(const Body& body, const ContactPoints& points);
 
-  // Must come before any_near and meet, at the same positions. What it finds serves until a node has moved far; so an
+  // Must come before the next three, at the same positions. What it finds serves until a node has moved far; so an
   // object serves one thread.
   void prepare(const Eigen::Matrix3Xd& positions_m);
 
+  // The body of a mesh's face; and of a point's face and a mesh's the pair of bodies, -1: these do not touch.
+  int body_of(int face) const { return body_[static_cast<std::size_t>(face)]; }
+  int pair_of(int face, int other) const {
+    return touching_(body_of(same_[static_cast<std::size_t>(face)]), body_of(other));
+  }
+
   bool any_near(int face) const { return !near_[static_cast<std::size_t>(face)].empty(); }
+  // Whether anything of this face may be inside the body, by boxes; and whether this point of it may be.
+  bool may_be_inside(int face) const { return !overlaps_[static_cast<std::size_t>(face)].empty(); }
+  bool may_be_inside(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
   // The closest skin that a point of this face meets at this place, or none within the depth that counts.
   std::optional<SkinGap> meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                               const Eigen::Matrix3Xd& positions_m) const;
 
-  // Pairs that nearly touch, sorted: those that a step may bring together. Of those near where prepare() was called.
-  std::vector<FacePair> likely(const Eigen::Matrix3Xd& positions_m) const;
+  // Pairs that nearly touch where prepare() was called last, sorted: those that a step may bring together.
+  std::vector<FacePair> likely() const;
+
+  double size_m(int face) const { return sizes_m_[face]; }  // of the mesh's face
+  double smallest_size_m() const { return sizes_m_.minCoeff(); }
+  // Where a place of a face is.
+  Eigen::Vector3d at(int face, double r, double s, const Eigen::Matrix3Xd& positions_m) const;
 
   int node(int face, int corner) const { return faces_(corner, face); }  // of the mesh's face
   std::vector<int> nodes(const FacePair& pair) const;                    // of both faces
 
  private:
   bool counts(int face, int other) const;
+  // False where one look shows that a point with this normal does not meet the face.
+  bool may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
   std::optional<SkinGap> gap_to(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                 const Eigen::Matrix3Xd& positions_m) const;
   void find_near(const Eigen::Matrix3Xd& positions_m);
 
-  Eigen::MatrixXi faces_;  // nodes x faces, of the whole mesh
+  Eigen::MatrixXi faces_;    // nodes x faces, of the whole mesh
+  Eigen::Matrix3Xd rest_m_;  // nodes
   Eigen::Matrix3Xd rest_middles_m_, rest_normals_;
   Eigen::VectorXd sizes_m_;
   std::vector<int> same_;  // of each face of the points, the mesh's
+  std::vector<int> body_;  // of each of the mesh's
+  TouchingPairs touching_;
   double largest_size_m_ = 0.0, margin_m_ = 0.0;
 
   Eigen::Matrix3Xd near_at_m_;  // where near_ was found
   std::vector<std::vector<int>> near_;
-  Eigen::Matrix3Xd low_m_, high_m_;  // corners of a box around each face, at the present positions
+  // At the present positions: corners of a box around each face, and around it with what lies behind it to the depth
+  // that counts; and per face of the points those of near_ whose second box its own overlaps.
+  Eigen::Matrix3Xd low_m_, high_m_, deep_low_m_, deep_high_m_;
+  std::vector<std::vector<int>> overlaps_;
+  Eigen::Matrix3Xd normals_;          // of the faces' corners,
+  Eigen::VectorXd lowest_m_, top_m_;  // and how far along these the faces reach
 };
 
 }  // namespace soft_robot_lab

@@ -245,6 +245,33 @@ void Body::set_viscosity(const Viscosity& viscosity) {
   viscosity_ = viscosity;
 }
 
+void Body::let_skin_touch(std::vector<TouchingBodies> pairs) {
+  std::set<std::pair<int, int>> known;
+  const auto count = static_cast<int>(mesh_.bodies.size());
+  for (const TouchingBodies& pair : pairs) {
+    std::ostringstream text;
+    const auto [lower, upper] = std::minmax(pair.first, pair.second);
+    if (lower < 0 || upper >= count)
+      text << "contact of bodies " << pair.first << " and " << pair.second << ": there are " << count;
+    else if (!(pair.friction >= 0.0) || !std::isfinite(pair.friction))
+      text << "friction of skin on skin: " << pair.friction << " is out of range [0, inf)";
+    else if (!known.emplace(lower, upper).second)
+      text << "contact of '" << mesh_.bodies[static_cast<std::size_t>(pair.first)] << "' and '"
+           << mesh_.bodies[static_cast<std::size_t>(pair.second)] << "' is given twice";
+    if (!text.str().empty()) throw std::invalid_argument(text.str());
+    if (lower != upper) refuse_overlap(*this, lower, upper);
+  }
+  touching_bodies_ = std::move(pairs);
+}
+
+void Body::let_touch_itself(double friction) {
+  std::vector<TouchingBodies> all;
+  const auto count = static_cast<int>(mesh_.bodies.size());
+  for (int first = 0; first < count; ++first)
+    for (int second = first; second < count; ++second) all.push_back({first, second, friction});
+  let_skin_touch(std::move(all));
+}
+
 void Body::set_obstacles(std::vector<Obstacle> obstacles) {
   std::set<std::string> names;
   for (const Obstacle& obstacle : obstacles) {

@@ -70,7 +70,7 @@ double NewtonSolver::first_length(const Step& step) const {
 bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                                double& length) const {
   const double start = merit(here, step);
-  length = first_length(step);
+  length = std::min(first_length(step), contact_.skin().first_length(state.positions_m, step.motion_m));
   for (int halving = 0; halving <= constants::kLineSearchHalvings; ++halving, length *= 0.5) {
     NewtonState trial = state;
     trial.positions_m = tables_->warp().follow(state.positions_m, length * step.motion_m);

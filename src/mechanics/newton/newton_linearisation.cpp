@@ -41,7 +41,7 @@ bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inert
     ties.add_outer(point, layout_.tie_coefficients[point], tie * Eigen::Matrix3d::Identity());
   CliqueAdder faces(matrix_, tables_->faces);
   contact_.add_hessian(touches_, convex, soft_contact_, faces);
-  if (!factorise(state.positions_m, convex)) return false;
+  if (!factorise(convex)) return false;
   border_ = border(state);
   border_free_obstacles(state, convex);
   border_solved_ = solve(border_);
@@ -66,38 +66,38 @@ void NewtonSolver::border_free_obstacles(const NewtonState& state, bool convex) 
       FreeBorder(std::move(columns), std::move(solved), std::move(own), free, body_.material().youngs_modulus_pa);
 }
 
-bool NewtonSolver::factorise(const Eigen::Matrix3Xd& positions_m, bool convex) {
+bool NewtonSolver::factorise(bool convex) {
   std::vector<FacePair> closed;
   for (const ContactTouch& touch : touches_)
-    if (touch.closed && touch.on_skin()) closed.push_back(contact_.faces_of(touch));
+    if (touch.closed && touch.on_skin()) closed.push_back(contact_.skin().faces_of(touch));
   if (closed.empty()) {
     with_skin_.reset();
     matrix_.hold(body_.fixed());
     return factor_.factorise(matrix_);
   }
-  include_in_pattern(positions_m, std::move(closed));
+  include_in_pattern(std::move(closed));
   if (!with_skin_ || with_skin_->pattern != contact_pattern_)
     with_skin_ = std::make_unique<ContactMatrix>(contact_pattern_);
   contact_pattern_->copy(matrix_, with_skin_->matrix);
   CliqueAdder pairs(with_skin_->matrix, contact_pattern_->places());
   for (const ContactTouch& touch : touches_)
     if (touch.closed && touch.on_skin())
-      pairs.add_dense(contact_pattern_->index_of(contact_.faces_of(touch)),
-                      contact_.skin_hessian(touch, convex, soft_contact_));
+      pairs.add_dense(contact_pattern_->index_of(contact_.skin().faces_of(touch)),
+                      contact_.skin().hessian(touch, convex, soft_contact_));
   with_skin_->matrix.hold(body_.fixed());
   return with_skin_->factor.factorise(with_skin_->matrix);
 }
 
 // A new pattern takes in what will soon touch too, so that it lasts.
-void NewtonSolver::include_in_pattern(const Eigen::Matrix3Xd& positions_m, std::vector<FacePair> closed) {
+void NewtonSolver::include_in_pattern(std::vector<FacePair> closed) {
   const auto known = [&](const FacePair& pair) { return contact_pattern_->index_of(pair) >= 0; };
   if (contact_pattern_ && std::all_of(closed.begin(), closed.end(), known)) return;
-  const std::vector<FacePair> likely = contact_.skin().likely(positions_m);
+  const std::vector<FacePair> likely = contact_.skin().pairs().likely();
   closed.insert(closed.end(), likely.begin(), likely.end());
   std::sort(closed.begin(), closed.end());
   closed.erase(std::unique(closed.begin(), closed.end()), closed.end());
   std::vector<std::vector<int>> cliques;
-  for (const FacePair& pair : closed) cliques.push_back(contact_.skin().nodes(pair));
+  for (const FacePair& pair : closed) cliques.push_back(contact_.skin().pairs().nodes(pair));
   contact_pattern_ =
       std::make_shared<const ContactPattern>(matrix_.pattern(), *tables_->factor, std::move(closed), cliques);
 }

@@ -202,9 +202,9 @@ class NewtonSolver {
   bool linearise(const NewtonState& state, double inertia_per_s2,
                  const std::shared_ptr<const StrainTarget>& strain_target, bool convex);
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2,
-                              bool convex);                          // what is not of the elements
-  bool factorise(const Eigen::Matrix3Xd& positions_m, bool convex);  // with skin on skin
-  void include_in_pattern(const Eigen::Matrix3Xd& positions_m, std::vector<FacePair> closed);
+                              bool convex);  // what is not of the elements
+  bool factorise(bool convex);               // with skin on skin
+  void include_in_pattern(std::vector<FacePair> closed);
   const BlockCholesky& factor() const { return with_skin_ ? with_skin_->factor : factor_; }
   const BlockMatrix& whole_matrix() const { return with_skin_ ? with_skin_->matrix : matrix_; }
   bool linearised_at(const NewtonState& state, double inertia_per_s2,

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "descent.h"
+#include "free_motion.h"
 #include "mechanics/solver_constants.h"
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <sstream>
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr double kSlidAway = 0.05;  // of the body's size: a way after which sliding is no settling
 
 NewtonTask rest_task(const SimulationParts& parts) {
   NewtonTask task;
@@ -26,7 +31,38 @@ NewtonReport fall_for(double h, SimulationParts& parts, NewtonState& unknown, So
   return newton.converged ? newton : parts.solve_from_below(task, unknown, report);
 }
 
+ContactSums touching(const SimulationParts& parts) {
+  return parts.workspace.newton.contact().sums(parts.state.positions_m, parts.state.contact);
+}
+
+// On what the body slides, and where to, if friction has given way wherever it held the body; else empty.
+std::string sliding(const SimulationParts& parts, const Eigen::Vector3d& way_m) {
+  ContactSums at = touching(parts);
+  std::set<std::string> on;
+  for (ContactTouch& touch : at.touches) {
+    if (!touch.rubs() || touch.pressure_pa == 0.0 || touch.on_skin()) continue;
+    if (!touch.friction.at_limit(touch.away_m)) continue;
+    touch.friction.limit_pa = 0.0;
+    const int obstacle = touch.pair / parts.workspace.newton.contact().points().count();
+    on.insert(parts.body.obstacles()[static_cast<std::size_t>(obstacle)].name);
+  }
+  if (on.empty() || free_motion(parts.body, parts.state.positions_m, at).empty()) return "";
+  std::ostringstream text;
+  text << "the body slides on";
+  for (const std::string& name : on) text << (name == *on.begin() ? " '" : ", '") << name << "'";
+  text << ": friction does not hold it; it goes along (";
+  for (int axis = 0; axis < 3; ++axis)
+    text << (axis > 0 ? ", " : "") << 0.01 * std::lround(100.0 * way_m[axis] / way_m.norm());
+  text << ")";
+  return text.str();
+}
+
 }  // namespace
+
+bool held_by_friction_alone(const SimulationParts& parts) {
+  if (parts.state.contact.anchors_m.cols() == 0) return false;
+  return !free_motion(parts.body, parts.state.positions_m, ContactSums()).empty();
+}
 
 bool within_budget(const SimulationParts& parts, const SolveReport& report) {
   return report.iterations < constants::kEquilibriumBudget * parts.options.max_iterations;
@@ -54,6 +90,7 @@ bool descend(SimulationParts& parts, SolveReport& report) {
   const double wave_s = parts.body.size_m() * std::sqrt(material.density_kg_m3 / material.youngs_modulus_pa);
   const int limit = report.iterations + constants::kTransientBudget * parts.options.max_iterations;
   double h = 3.0 * wave_s;
+  const Eigen::Vector3d start_m = parts.state.positions_m.rowwise().mean();
   while (report.iterations < limit && h > 1e-3 * wave_s) {
     enter(SolveStage::pseudo_transient, 1, report.path);
     NewtonState unknown = parts.unknowns();
@@ -63,6 +100,11 @@ bool descend(SimulationParts& parts, SolveReport& report) {
       continue;
     }
     parts.accept(std::move(unknown));
+    const Eigen::Vector3d way_m = parts.state.positions_m.rowwise().mean() - start_m;
+    if (way_m.norm() > kSlidAway * parts.body.size_m()) {
+      report.message = sliding(parts, way_m);
+      if (!report.message.empty()) return false;
+    }
     if (h > 1e3 * wave_s && relax(parts, report)) return true;
     h *= newton.iterations <= 5 ? 3.0 : 1.5;
   }

@@ -29,9 +29,17 @@ struct Start {
       : commands(parts.state.actuated_commands()), obstacles_s(parts.state.contact.time_s) {}
   void move(SimulationParts& parts, double fraction) const {
     parts.place_actuators(commands, parts.state.commands(), fraction);
-    const double end_s =
-        std::max(parts.workspace.newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s());
+    const double end_s = this->end_s(parts);
     parts.state.contact.time_s = fraction == 1.0 ? end_s : obstacles_s + fraction * (end_s - obstacles_s);
+  }
+  // Whether there is a way to go in stages; to loads alone there is none.
+  bool moves_anything(const SimulationParts& parts) const {
+    return commands != parts.state.commands() || obstacles_s != end_s(parts);
+  }
+
+ private:
+  static double end_s(const SimulationParts& parts) {
+    return std::max(parts.workspace.newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s());
   }
 };
 
@@ -47,7 +55,7 @@ double follow_commands(SimulationParts& parts, const Start& from, const Equilibr
         parts.state.actuated_commands() != from.commands && 0.5 * stage * constants::kSmallestStage >= 1.0;
     const bool found = relax(parts, report, {options.tolerance, options.only_through_stable || cuttable});
     if (found) done = fraction;
-    if (options.only_through_stable) break;
+    if (options.only_through_stable || (!found && !from.moves_anything(parts))) break;
     stage *= found ? 2.0 : 0.5;
     if (!found && stage * constants::kSmallestStage >= 1.0) enter(SolveStage::halving, 1, report.path);
   }
@@ -74,6 +82,11 @@ void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options,
   const double done = follow_commands(parts, from, options, report);
   if (done == 1.0) return;
   from.move(parts, 1.0);
+  if (!options.only_through_stable && held_by_friction_alone(parts)) {
+    if (descend(parts, report)) return;
+    tell_unfinished(done, report);
+    return;
+  }
   if (!options.only_through_stable && (relax_from_below(parts, report) || descend(parts, report))) return;
   tell_unfinished(done, report);
 }

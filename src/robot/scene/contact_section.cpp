@@ -40,35 +40,83 @@ ObstacleShape read_shape(const YamlNode& item) {
   return read_rounded_box(node);
 }
 
-// A pair [skin, NAME] or [NAME, NAME], with skin first.
-std::vector<std::string> read_pair(const YamlNode& item) {
-  std::vector<std::string> between;
-  for (const YamlNode& name : item.sequence("between")) between.push_back(name.as_text());
-  if (between.size() != 2 || (between[0] == between[1] && between[0] != kSkin))
-    item.child("between").fail("must be two names, of skin or obstacles: [skin, floor]");
-  if (between[1] == kSkin) std::swap(between[0], between[1]);
-  if (between[1] == kSkin) item.child("between").fail("of skin on skin there is no friction yet; leave the pair out");
-  return between;
+// All that touches, by name.
+struct Surfaces {
+  std::vector<std::string> bodies;  // of the mesh
+  std::vector<TouchingBodies> touching;
+  std::vector<Obstacle> obstacles;
+
+  int body(const std::string& name) const {  // -1: none
+    const auto named = std::find(bodies.begin(), bodies.end(), name);
+    return named == bodies.end() ? -1 : static_cast<int>(named - bodies.begin());
+  }
+};
+
+std::vector<std::string> read_names(const YamlNode& list) {
+  std::vector<std::string> names;
+  for (const YamlNode& name : list.items()) names.push_back(name.as_text());
+  if (names.size() != 2) list.fail("must be two names: [skin, floor]");
+  return names;
 }
 
-Obstacle& find_obstacle(const YamlNode& item, const std::string& name, std::vector<Obstacle>& obstacles) {
-  const auto named =
-      std::find_if(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) { return obstacle.name == name; });
-  if (named != obstacles.end()) return *named;
+// Which skin touches which.
+std::vector<TouchingBodies> read_touching(const YamlNode& contact, const Surfaces& surfaces) {
+  std::vector<TouchingBodies> touching;
+  if (contact.boolean_or("self", false)) {
+    if (contact.has("bodies"))
+      contact.child("bodies").fail("contact.self lets all bodies touch; leave out one of both");
+    const auto count = static_cast<int>(surfaces.bodies.size());
+    for (int first = 0; first < count; ++first)
+      for (int second = first; second < count; ++second) touching.push_back({first, second, 0.0});
+  }
+  for (const YamlNode& item : contact.optional_sequence("bodies")) {
+    const std::vector<std::string> names = read_names(item);
+    for (const std::string& name : names)
+      if (surfaces.body(name) < 0) item.fail("unknown body '" + name + "'; known: " + join(surfaces.bodies));
+    touching.push_back({surfaces.body(names[0]), surfaces.body(names[1]), 0.0});
+  }
+  return touching;
+}
+
+Obstacle& find_obstacle(const YamlNode& item, const std::string& name, Surfaces& surfaces) {
+  const auto named = std::find_if(surfaces.obstacles.begin(), surfaces.obstacles.end(),
+                                  [&](const Obstacle& obstacle) { return obstacle.name == name; });
+  if (named != surfaces.obstacles.end()) return *named;
+  if (surfaces.body(name) >= 0)
+    item.child("between").fail("the skin of all bodies rubs alike on an obstacle; must be [skin, NAME]");
   std::vector<std::string> known{kSkin};
-  for (const Obstacle& obstacle : obstacles) known.push_back(obstacle.name);
+  for (const Obstacle& obstacle : surfaces.obstacles) known.push_back(obstacle.name);
   item.child("between").fail("unknown surface '" + name + "'; known: " + join(known));
 }
 
-void read_friction_of_pair(const YamlNode& item, std::vector<Obstacle>& obstacles) {
-  const std::vector<std::string> between = read_pair(item);
+// Of skin on skin: of all, or of two bodies. False where the pair is another.
+bool read_friction_of_skin(const YamlNode& item, const std::vector<std::string>& between, double coefficient,
+                           Surfaces& surfaces) {
+  const bool all = between[0] == kSkin && between[1] == kSkin;
+  const int first = surfaces.body(between[0]), second = surfaces.body(between[1]);
+  if (!all && (first < 0 || second < 0)) return false;
+  bool found = false;
+  for (TouchingBodies& pair : surfaces.touching) {
+    if (!all && std::minmax(pair.first, pair.second) != std::minmax(first, second)) continue;
+    pair.friction = coefficient;
+    found = true;
+  }
+  if (!found) item.child("between").fail("their skin does not touch; contact.self or contact.bodies lets it");
+  return true;
+}
+
+void read_friction_of_pair(const YamlNode& item, Surfaces& surfaces) {
+  std::vector<std::string> between = read_names(item.child("between"));
   const double coefficient = item.number("coefficient", AllowedRange::not_negative());
-  Obstacle& second = find_obstacle(item, between[1], obstacles);
+  if (read_friction_of_skin(item, between, coefficient, surfaces)) return;
+  if (between[0] == between[1]) item.child("between").fail("must be two names, of skin or obstacles: [skin, floor]");
+  if (between[1] == kSkin) std::swap(between[0], between[1]);
+  Obstacle& second = find_obstacle(item, between[1], surfaces);
   if (between[0] == kSkin) {
     second.friction = coefficient;
     return;
   }
-  Obstacle& first = find_obstacle(item, between[0], obstacles);
+  Obstacle& first = find_obstacle(item, between[0], surfaces);
   if (!first.is_free() && !second.is_free())
     item.child("between").fail("neither '" + first.name + "' nor '" + second.name +
                                "' is free, so they do not touch; must have one with mass_kg");
@@ -76,28 +124,25 @@ void read_friction_of_pair(const YamlNode& item, std::vector<Obstacle>& obstacle
 }
 
 // Of every pair.
-void set_friction(double coefficient, std::vector<Obstacle>& obstacles) {
-  for (Obstacle& obstacle : obstacles) {
+void set_friction(double coefficient, Surfaces& surfaces) {
+  for (TouchingBodies& pair : surfaces.touching) pair.friction = coefficient;
+  for (Obstacle& obstacle : surfaces.obstacles) {
     obstacle.friction = coefficient;
     if (!obstacle.is_free()) continue;
-    for (const Obstacle& other : obstacles)
+    for (const Obstacle& other : surfaces.obstacles)
       if (&other != &obstacle) obstacle.friction_on[other.name] = coefficient;
   }
 }
 
 // One coefficient for all pairs, or a list of pairs.
-void read_friction(const YamlNode& contact, bool self, std::vector<Obstacle>& obstacles) {
+void read_friction(const YamlNode& contact, Surfaces& surfaces) {
   const std::optional<YamlNode> node = contact.optional_child("friction");
   if (!node) return;
   if (node->is_scalar()) {
-    if (self)
-      node->fail(
-          "is of every pair, but skin on skin knows none yet; list pairs instead: {between: [skin, NAME], "
-          "coefficient: 0.3}");
-    set_friction(node->as_number(AllowedRange::not_negative()), obstacles);
+    set_friction(node->as_number(AllowedRange::not_negative()), surfaces);
     return;
   }
-  for (const YamlNode& item : node->items()) read_friction_of_pair(item, obstacles);
+  for (const YamlNode& item : node->items()) read_friction_of_pair(item, surfaces);
 }
 
 Obstacle read_obstacle(const YamlNode& item) {
@@ -129,14 +174,20 @@ std::vector<ObstaclePose> read_motion(const YamlNode& item) {
 void read_contact(const YamlNode& scene, Body& body) {
   const std::optional<YamlNode> contact = scene.optional_child("contact");
   if (!contact) return;
-  if (contact->boolean_or("self", false)) body.let_touch_itself();
-  std::vector<Obstacle> obstacles;
+  Surfaces surfaces;
+  surfaces.bodies = body.mesh().bodies;
+  surfaces.touching = read_touching(*contact, surfaces);
   const std::vector<YamlNode> items = contact->optional_sequence("obstacles");
-  for (const YamlNode& item : items) obstacles.push_back(read_obstacle(item));
-  read_friction(*contact, body.touches_itself(), obstacles);
-  for (std::size_t i = 0; i < items.size(); ++i)
-    obstacles[i].friction = items[i].number_or("friction", obstacles[i].friction, AllowedRange::not_negative());
-  in_section(*contact, [&] { body.set_obstacles(std::move(obstacles)); });
+  for (const YamlNode& item : items) surfaces.obstacles.push_back(read_obstacle(item));
+  read_friction(*contact, surfaces);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    double& friction = surfaces.obstacles[i].friction;
+    friction = items[i].number_or("friction", friction, AllowedRange::not_negative());
+  }
+  in_section(*contact, [&] {
+    body.let_skin_touch(std::move(surfaces.touching));
+    body.set_obstacles(std::move(surfaces.obstacles));
+  });
 }
 
 }  // namespace soft_robot_lab

@@ -116,6 +116,27 @@ TEST(Contact, ABarSagsOntoAPostAsInTheReference) {
   }
 }
 
+// R11. Elements of 2.5 mm.
+TEST(Contact, AFingerIsBentOverACylinderAsInTheReference) {
+  for (const double pressure_pa : {300.0, 1200.0}) {
+    const ReferenceRow row = reference_at("r11_finger_on_cylinder_planestrain", "pressure_Pa", pressure_pa);
+    Body body(box_mesh({0, -0.005, 0}, {0.08, 0.005, 0.01}, {32, 4, 2}), kSilicone);
+    body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, true, true});
+    hold_slab(body);
+    body.add_traction({-1, 0.005 - 1e-9, -1}, {1, 1, 1}, {0, -pressure_pa, 0});
+    body.set_obstacles({{"roll", Cylinder{{0.04, -0.027, -1}, {0.04, -0.027, 1}, 0.02, 0.001}, {}, 0.0}});
+    std::vector<Marker> markers;
+    markers.emplace_back("tip", Vector3d(0.08, 0, 0.005), body.mesh(), MeshLocator(body.mesh()));
+    Simulation simulation(std::move(body), {}, std::move(markers), SolverOptions{});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    const Vector3d force_n = simulation.contacts()[0].force_n;
+    EXPECT_NEAR(simulation.marker_position(0).y(), row.number("tip_uy_m"), -0.02 * row.number("tip_uy_m"));
+    EXPECT_NEAR(force_n.y(), row.number("contact_Fy_N"), 0.02 * row.number("contact_Fy_N")) << pressure_pa;
+    EXPECT_NEAR(force_n.x(), row.number("contact_Fx_N"), 0.02 * row.number("contact_Fy_N")) << pressure_pa;
+  }
+}
+
 // Hertz's force 4/3 E / (1 - nu^2) sqrt(R) d^1.5 for a ball on a half space, and what a layer of height h adds that is
 // bonded to its bed (Dimitriadis et al. 2002, to second order).
 double hertz_n(double radius_m, double depth_m, double height_m) {

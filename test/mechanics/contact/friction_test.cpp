@@ -128,6 +128,21 @@ TEST(Friction, APressedBlockShearsAsInTheReference) {
   }
 }
 
+// Beyond the limit there is no rest: pulled with more than mu N, it slides on the floor and not on the wall behind.
+TEST(Friction, AnEquilibriumBeyondTheLimitOfFrictionSaysWhatSlides) {
+  Body body = loose_block({2, 1, 2});
+  body.set_gravity(kGravity * Vector3d(0.55, -1, 0));
+  body.set_obstacles(
+      {{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, {}, 0.5}, {"wall", Plane{{-0.02, 0, 0}, {1, 0, 0}}, {}, 0.5}});
+  Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+  const SolveReport report = simulation.solve_equilibrium();
+  EXPECT_FALSE(report.converged);
+  EXPECT_NE(report.message.find("the body slides on 'floor': friction does not hold it; it goes along (1, 0, 0)"),
+            std::string::npos)
+      << report.message;
+  EXPECT_LT(report.iterations, 200);
+}
+
 // A table that turns under a block takes it along.
 TEST(Friction, ATurningTableTakesTheBlockAlong) {
   SolverOptions options = steps_of(0.01);

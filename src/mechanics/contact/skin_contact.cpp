@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "skin_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace soft_robot_lab {
+namespace {
+
+// Of a step along which skin may be carried into skin, in faces' sizes.
+constexpr double kShortWay = 0.2, kPartOfWay = 1.0, kMostParts = 8.0, kTooDeep = 0.2;
+constexpr double kDeeper = 1.1;       // times where the step starts
+constexpr double kFarFromLaw = 1e-3;  // of a face's size: pressures that mean little, nor how they turn with the skin
+
+}  // namespace
+
+SkinContact::SkinContact(const Body& body, int first_pair, int first_anchor)
+    : points_(body, PointSpread::dense),
+      pairs_(body, points_),
+      touching_(body.touching_bodies()),
+      rubs_(std::any_of(touching_.begin(), touching_.end(), [](const auto& pair) { return pair.friction > 0.0; })),
+      youngs_modulus_pa_(body.material().youngs_modulus_pa),
+      first_pair_(first_pair),
+      first_anchor_(first_anchor) {}
+
+void SkinContact::find_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                               std::vector<ContactTouch>& touches) const {
+  pairs_.prepare(positions_m);
+  for (int face = 0; face < points_.face_count(); ++face) {
+    const int first = points_.first_point(face), end = points_.first_point(face + 1);
+    const bool pressed = !state.pressures_pa.segment(first_pair_ + first, end - first).isZero(0.0);
+    if (!pressed && !pairs_.may_be_inside(face)) continue;
+    for (int point = first; point < end; ++point) add_touch(point, positions_m, state, touches);
+  }
+}
+
+// A point that has lost the skin it pressed against is a face's size away from it: open.
+void SkinContact::add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                            std::vector<ContactTouch>& touches) const {
+  ContactTouch touch;
+  touch.pair = first_pair_ + point;
+  touch.pressure_pa = state.pressures_pa[touch.pair];
+  const int face = points_.face_of(point);
+  const Eigen::Vector3d at_m = points_.at(point, positions_m);
+  const Eigen::Vector3d outward_m2 = points_.outward_m2(point, positions_m);
+  if (touch.pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m, outward_m2)) return;
+  const std::optional<SkinGap> met = pairs_.meet(face, at_m, outward_m2, positions_m);
+  touch.gap_m = met ? met->gap_m : points_.face_size_m(point);
+  touch.closed = met && law(point).closed(touch.gap_m, touch.pressure_pa);
+  if (!touch.closed && touch.pressure_pa == 0.0) return;
+  if (met) {
+    touch.normal = met->normal;
+    touch.bend = met->curvature_per_m;
+    touch.met = met->at;
+    if (rubs_ && friction(touch) > 0.0) add_friction(at_m, positions_m, state, touch);
+  }
+  touches.push_back(std::move(touch));
+}
+
+void SkinContact::add_friction(const Eigen::Vector3d& at_m, const Eigen::Matrix3Xd& positions_m,
+                               const ContactState& state, ContactTouch& touch) const {
+  const Eigen::Vector3d anchor = state.anchors_m.col(first_anchor_ + point_of(touch));
+  if (anchor.z() < 0.0) return;
+  touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point_of(touch)), youngs_modulus_pa_),
+                    friction(touch) * touch.pressure_pa};
+  touch.anchor_m = pairs_.at(static_cast<int>(anchor.z()), anchor.x(), anchor.y(), positions_m);
+  touch.set_away_m(at_m - touch.anchor_m);
+}
+
+int SkinContact::side_of(const ContactTouch& touch) const {
+  const TouchingBodies& pair = touching_[static_cast<std::size_t>(pair_of(touch))];
+  if (pair.first == pair.second) return 0;
+  return pairs_.body_of(touch.met.face) == pair.second ? 1 : -1;
+}
+
+bool SkinContact::far_from_law(const ContactTouch& touch) const {
+  const int point = point_of(touch);
+  return std::abs(law(point).mismatch_m(touch.gap_m, touch.pressure_pa)) > kFarFromLaw * points_.face_size_m(point);
+}
+
+Eigen::MatrixXd SkinContact::hessian(const ContactTouch& touch, bool convex, bool soft) const {
+  const int nodes = points_.nodes_per_face(), point = point_of(touch);
+  const NormalLaw normal = law(point);
+  const double weight_m2 = points_.weight_m2(point);
+  Eigen::VectorXd shape(2 * nodes);
+  shape << points_.shape(point), -touch.met.shape.head(nodes);
+  // Rows of the gap's derivatives: of itself, of the coordinates where it is met, of the normal's turning.
+  Eigen::MatrixXd gap(1, 6 * nodes), local(2, 6 * nodes), turn = Eigen::MatrixXd::Zero(2, 6 * nodes);
+  for (int a = 0; a < 2 * nodes; ++a) {
+    gap.middleCols<3>(3 * a) = shape[a] * touch.normal.transpose();
+    local.middleCols<3>(3 * a) = shape[a] * touch.met.dual_per_m.transpose();
+    if (a >= nodes) turn.middleCols<3>(3 * a) = touch.met.slopes.row(a - nodes).transpose() * touch.normal.transpose();
+  }
+  Eigen::MatrixXd sum = gap.transpose() * gap * (weight_m2 / (soft ? normal.soft_m_pa : normal.compliance_m_pa));
+  // What joins the motions of the two places.
+  Eigen::Matrix3d tie = Eigen::Matrix3d::Zero();
+  if (touch.rubs()) tie += weight_m2 * touch.friction.stiffness_pa_m(touch.away_m, touch.normal);
+  if (!convex && !far_from_law(touch)) {
+    const double push_n = weight_m2 * touch.pressure_pa;
+    const Eigen::MatrixXd turned = turn.transpose() * local;
+    sum += push_n * (turned + turned.transpose());
+    tie += push_n * touch.bend;
+  }
+  for (int a = 0; a < 2 * nodes; ++a)
+    for (int b = 0; b < 2 * nodes; ++b) sum.block<3, 3>(3 * a, 3 * b) += shape[a] * shape[b] * tie;
+  return sum;
+}
+
+Eigen::Vector3d SkinContact::relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const {
+  Eigen::Vector3d relative_m = points_.at(point_of(touch), columns);
+  for (int a = 0; a < points_.nodes_per_face(); ++a)
+    relative_m -= touch.met.shape[a] * columns.col(pairs_.node(touch.met.face, a));
+  return relative_m;
+}
+
+void SkinContact::add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n,
+                           Eigen::Matrix3Xd& forces_n) const {
+  for (int a = 0; a < points_.nodes_per_face(); ++a)
+    forces_n.col(pairs_.node(touch.met.face, a)) -= touch.met.shape[a] * force_n;
+}
+
+double SkinContact::deepest(const Eigen::Matrix3Xd& positions_m) const {
+  pairs_.prepare(positions_m);
+  double deepest = 0.0;
+  for (int face = 0; face < points_.face_count(); ++face) {
+    if (!pairs_.may_be_inside(face)) continue;
+    for (int point = points_.first_point(face); point < points_.first_point(face + 1); ++point) {
+      const Eigen::Vector3d at_m = points_.at(point, positions_m);
+      const Eigen::Vector3d outward_m2 = points_.outward_m2(point, positions_m);
+      if (!pairs_.may_be_inside(face, at_m, outward_m2)) continue;
+      const std::optional<SkinGap> met = pairs_.meet(face, at_m, outward_m2, positions_m);
+      if (met) deepest = std::max(deepest, -met->gap_m / pairs_.size_m(met->at.face));
+    }
+  }
+  return deepest;
+}
+
+double SkinContact::first_length(const Eigen::Matrix3Xd& positions_m, const Eigen::Matrix3Xd& motion_m) const {
+  if (points_.count() == 0) return 1.0;
+  const double way = motion_m.colwise().norm().maxCoeff() / pairs_.smallest_size_m();
+  if (way < kShortWay) return 1.0;
+  const int parts = static_cast<int>(std::clamp(std::ceil(way / kPartOfWay), 1.0, kMostParts));
+  const double too_deep = std::max(kTooDeep, kDeeper * deepest(positions_m));
+  for (int part = 1; part <= parts; ++part)
+    if (deepest(positions_m + motion_m * part / parts) > too_deep) return std::max(part - 1.0, 0.5) / parts;
+  return 1.0;
+}
+
+// Where a point sticks its anchor stays to the last bit: what sticks does not creep.
+void SkinContact::commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const {
+  if (!rubs_) return;
+  std::vector<ContactTouch> touches;
+  find_touches(positions_m, state, touches);
+  std::vector<const ContactTouch*> pressed(static_cast<std::size_t>(points_.count()), nullptr);
+  for (const ContactTouch& touch : touches)
+    if (touch.pressure_pa > 0.0 && touch.rubs()) pressed[static_cast<std::size_t>(point_of(touch))] = &touch;
+  for (int point = 0; point < points_.count(); ++point) {
+    const ContactTouch* touch = pressed[static_cast<std::size_t>(point)];
+    if (touch && !touch->friction.slips(touch->away_m)) continue;
+    state.anchors_m.col(first_anchor_ + point) = new_anchor(point, touch, positions_m);
+  }
+}
+
+Eigen::Vector3d SkinContact::new_anchor(int point, const ContactTouch* slipped,
+                                        const Eigen::Matrix3Xd& positions_m) const {
+  const Eigen::Vector3d none(0.0, 0.0, -1.0);
+  const int face = points_.face_of(point);
+  if (!pairs_.any_near(face)) return none;
+  Eigen::Vector3d at_m = points_.at(point, positions_m);
+  if (slipped) at_m -= slipped->friction.compliance_m_pa * slipped->friction.traction_pa(slipped->away_m);
+  const std::optional<SkinGap> met = pairs_.meet(face, at_m, points_.outward_m2(point, positions_m), positions_m);
+  return met ? Eigen::Vector3d(met->at.r, met->at.s, met->at.face) : none;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Skin that meets other skin, of the same body or another, as a part of ContactTerm. A point of the skin pushes the
+// closest place y of the face that it meets; n is the face's normal there, g = n . (x - y), and with the tangents t_a,
+// their duals t^a and the curvature k (Wriggers 2006, 6.4, at g = 0)
+//   d2g = - (n . dy,a) t^a . (dx - dy) - its transpose - k (dx - dy) (dx - dy)
+// Both sides push, each by its own points.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "contact_points.h"
+#include "contact_touch.h"
+#include "normal_law.h"
+#include "skin_pairs.h"
+#include "soft_robot_lab/mechanics/body.h"
+#include "soft_robot_lab/mechanics/obstacle.h"
+
+namespace soft_robot_lab {
+
+class SkinContact {
+ public:
+  SkinContact() = default;  // none
+  // Its points have the pairs from `first_pair` on, its anchors the columns of
+  // ContactState::anchors_m from `first_anchor` on.
+  SkinContact(const Body& body, int first_pair, int first_anchor);
+
+  const ContactPoints& points() const { return points_; }
+  const SkinPairs& pairs() const { return pairs_; }
+  bool rubs() const { return rubs_; }  // whether any two bodies do
+  int pair_count() const { return static_cast<int>(touching_.size()); }
+  int pair_of(const ContactTouch& touch) const {  // index into Body::touching_bodies, of one that meets skin
+    return pairs_.pair_of(points_.face_of(point_of(touch)), touch.met.face);
+  }
+  double friction(const ContactTouch& touch) const {
+    return touching_[static_cast<std::size_t>(pair_of(touch))].friction;
+  }
+  // 1 where the point that is pushed is of the pair's first body, -1 of the second, 0 where both are one.
+  int side_of(const ContactTouch& touch) const;
+  NormalLaw law(int point) const { return NormalLaw::of_skin(points_.face_size_m(point), youngs_modulus_pa_); }
+  FacePair faces_of(const ContactTouch& touch) const { return {points_.face_of(point_of(touch)), touch.met.face}; }
+
+  void find_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                    std::vector<ContactTouch>& touches) const;
+
+  // Of one that is closed, over the nodes of both faces. Where pressure and gap do not fit at all, as after a step that
+  // led too deep, what turns with the skin is left out: such pressures would make the matrix indefinite.
+  Eigen::MatrixXd hessian(const ContactTouch& touch, bool convex, bool soft) const;
+
+  // Of the point and the place that it meets, by what the nodes' columns say of both.
+  Eigen::Vector3d relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const;
+  void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
+
+  // How much of this step may be taken at first: where skin is carried so deep into skin that it might not be seen any
+  // more, or come out on the other side, only a part of it.
+  double first_length(const Eigen::Matrix3Xd& positions_m, const Eigen::Matrix3Xd& motion_m) const;
+
+  // Lets anchors follow what slipped, and what does not touch.
+  void commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const;
+
+ private:
+  int point_of(const ContactTouch& touch) const { return touch.pair - first_pair_; }
+  void add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                 std::vector<ContactTouch>& touches) const;
+  // Of a point that has an anchor on some skin.
+  void add_friction(const Eigen::Vector3d& at_m, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                    ContactTouch& touch) const;
+  Eigen::Vector3d new_anchor(int point, const ContactTouch* slipped, const Eigen::Matrix3Xd& positions_m) const;
+  double deepest(const Eigen::Matrix3Xd& positions_m) const;  // over the size of the face that it is in
+  bool far_from_law(const ContactTouch& touch) const;
+
+  ContactPoints points_;
+  mutable SkinPairs pairs_;
+  std::vector<TouchingBodies> touching_;
+  bool rubs_ = false;
+  double youngs_modulus_pa_ = 1.0;
+  int first_pair_ = 0, first_anchor_ = 0;
+};
+
+}  // namespace soft_robot_lab

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "settings/command_line.h"
-#include "ros/session_report.h"
+#include "ros/report/session_report.h"
 
 namespace {
 

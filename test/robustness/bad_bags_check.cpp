@@ -17,7 +17,7 @@
 #include "bad_bytes.h"
 #include "guarded.h"
 #include "ros/recording.h"
-#include "ros/session_report.h"
+#include "ros/report/session_report.h"
 
 namespace soft_robot_lab {
 

@@ -8,15 +8,18 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 #include <sys/resource.h>
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
+#include <visualization_msgs/Marker.h>
 
 #include "ros/fit_service.h"
 #include "ros/frames.h"
 #include "ros/image_messages.h"
-#include "ros/session_report.h"
+#include "ros/report/session_report.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -418,6 +421,76 @@ TEST_F(Session, IsToldOnOnePage) {
   for (const std::string words : {"Gap by configuration", "left 0.9", "data:image/png;base64,", "youngs_modulus_pa",
                                   "soft_robot_lab</td>", "no images with lens"})
     EXPECT_NE(page.str().find(words), std::string::npos) << words;
+}
+
+// A skin of one triangle, which moves to the right as time goes on.
+void add_skin(const std::string& path) {
+  rosbag::Bag bag(path, rosbag::bagmode::Append);
+  visualization_msgs::Marker skin;
+  skin.type = visualization_msgs::Marker::TRIANGLE_LIST;
+  skin.points.resize(3);
+  skin.colors.resize(3);
+  for (auto& colour : skin.colors) colour.g = colour.a = 1.0f;
+  skin.points[1].z = skin.points[2].z = -0.05;
+  for (double time_s = 10.0; time_s < 19.0; time_s += 0.1) {
+    for (std::size_t i = 0; i < 3; ++i) skin.points[i].x = 0.01 * (time_s - 10.0) + (i == 2 ? 0.03 : 0.0);
+    skin.header.stamp = ros::Time(time_s);
+    bag.write("/simulator/surface", skin.header.stamp, skin);
+  }
+}
+
+// Where green is, in the middle.
+double green_at(const cv::Mat& frame) {
+  cv::Mat mask;
+  cv::inRange(frame, cv::Scalar(0, 60, 0), cv::Scalar(60, 255, 60), mask);
+  const cv::Moments moments = cv::moments(mask, true);
+  return moments.m00 > 100.0 ? moments.m10 / moments.m00 : -1.0;
+}
+
+TEST_F(Session, IsFilmed) {
+  const std::string bag = write_bag(true);
+  add_skin(bag);
+  const SessionReport report = write_session_report(bag, (folder_ / "report").string());
+  cv::VideoCapture film((folder_ / "report" / "session.mp4").string());
+  std::vector<double> places_px;
+  for (cv::Mat frame; film.read(frame);) places_px.push_back(green_at(frame));
+  ASSERT_NEAR(static_cast<double>(places_px.size()), 9.0 * 15.0, 2.0);
+  EXPECT_GT(places_px.front(), 0.0);
+  EXPECT_GT(places_px.back(), places_px.front() + 100.0);
+  std::ifstream file(report.page);
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_NE(page.find("data:video/mp4;base64,"), std::string::npos);
+}
+
+TEST_F(Session, BeginsWithWhatHappened) {
+  const std::string page = page_about("");
+  const std::size_t head = page.find(" a robot was recorded for 8.967 s while its commands changed ");
+  ASSERT_NE(head, std::string::npos);
+  EXPECT_LT(head, page.find("<table>"));
+  for (const std::string words : {" UTC, a robot", "At rest, in 2 configurations, tracked and simulated markers were 3",
+                                  "No event of the motors disturbed it."})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+}
+
+TEST_F(Session, ShowsWhatDisturbedIt) {
+  const std::string bag = write_bag(true);
+  MotorState motors;
+  motors.names = {"left"};
+  motors.position_steps = motors.target_steps = motors.pull_m = motors.values = {0.0};
+  motors.moving = {0};
+  motors.fault = {""};
+  {
+    rosbag::Bag opened(bag, rosbag::bagmode::Append);
+    for (const double time_s : {17.5, 18.0}) {  // after commands were given
+      motors.header.stamp = ros::Time(time_s);
+      motors.known = {static_cast<std::uint8_t>(time_s < 18.0)};
+      opened.write("/motor/state", motors.header.stamp, motors);
+    }
+  }
+  std::ifstream file(write_session_report(bag, (folder_ / "report").string()).page);
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_NE(page.find("1 event of the motors disturbed it, the first at 8 s: left does not know where it is"),
+            std::string::npos);
 }
 
 TEST(FitRequest, RefusesListsOfOtherLengths) {

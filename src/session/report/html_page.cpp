@@ -35,7 +35,16 @@ std::string base64(const std::string& bytes) {
 
 std::string media_type(const std::string& file) {
   const std::string ending = file.substr(std::min(file.size(), file.rfind('.') + 1));
+  if (ending == "mp4") return "video/mp4";
   return ending == "svg" ? "image/svg+xml" : ending == "jpg" ? "image/jpeg" : "image/" + ending;
+}
+
+// The file itself, as an address.
+std::string data_address(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  if (!file || bytes.empty()) throw std::runtime_error(path + ": cannot be read, or is empty");
+  return "data:" + media_type(path) + ";base64," + base64(bytes);
 }
 
 }  // namespace
@@ -83,14 +92,15 @@ void HtmlPage::table(const Table& table) {
 void HtmlPage::pictures(const std::vector<std::string>& files) {
   const std::string width = files.size() > 1 ? " width=\"" + std::to_string(98 / files.size()) + "%\"" : "";
   body_ << "<p>";
-  for (const std::string& path : files) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string bytes((std::istreambuf_iterator<char>(file)), {});
-    if (!file || bytes.empty()) throw std::runtime_error(path + ": cannot be read, or is empty");
-    body_ << "<img" << width << " alt=\"" << html_escaped(path.substr(path.rfind('/') + 1))
-          << "\" src=\"data:" << media_type(path) << ";base64," << base64(bytes) << "\">\n";
-  }
+  for (const std::string& path : files)
+    body_ << "<img" << width << " alt=\"" << html_escaped(path.substr(path.rfind('/') + 1)) << "\" src=\""
+          << data_address(path) << "\">\n";
   body_ << "</p>\n";
+}
+
+void HtmlPage::film(const std::string& file, const std::string& still) {
+  body_ << "<p><video controls loop muted width=\"640\" poster=\"" << data_address(still) << "\" src=\""
+        << data_address(file) << "\"></video></p>\n";
 }
 
 void HtmlPage::text(const std::string& lines) { body_ << "<pre>" << html_escaped(lines) << "</pre>\n"; }

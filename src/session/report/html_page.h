@@ -22,6 +22,8 @@ class HtmlPage {
   void table(const Table& table);
   // Side by side; .svg, .png or .jpg. Throws std::runtime_error where one cannot be read.
   void pictures(const std::vector<std::string>& files);
+  // An MP4, and the picture that is shown until it is played. Throws as `pictures` does.
+  void film(const std::string& file, const std::string& still);
   void text(const std::string& lines);  // as it stands
 
   std::string html() const;

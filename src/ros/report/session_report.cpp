@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -13,12 +15,14 @@
 #include <Eigen/Core>
 #include <opencv2/core/version.hpp>
 #include <ros/common.h>
+#include <sys/stat.h>
 
+#include "session_film.h"
+#include "session_pictures.h"
+#include "session_plots.h"
+#include "ros/recording.h"
 #include "session/report/html_page.h"
 #include "session/report/plot.h"
-#include "conversions.h"
-#include "recording.h"
-#include "session_pictures.h"
 #include "soft_robot_lab/robot/scene/scene_file.h"
 #include "soft_robot_lab/settings/config_folder.h"
 #include "settings/write_file.h"
@@ -26,32 +30,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr size_t kDrawnPoints = 1000, kDrawnMarks = 150;  // of a curve: more cannot be distinguished
-constexpr size_t kPictured = 40;                          // configurations at rest, at most
-const char* const kAxes = "xyz";
-
-template <typename Item>
-std::vector<Item> thinned(const std::vector<Item>& all, size_t count) {
-  const size_t every = (all.size() + count - 1) / count;
-  std::vector<Item> some;
-  for (size_t i = 0; i < all.size(); i += every) some.push_back(all[i]);
-  return some;
-}
-
-// Means over spans of time, so that noise does not hide the curve.
-void smooth(Series& series) {
-  const size_t every = series.x.size() / kDrawnMarks + 1;
-  std::vector<double> x, y;
-  for (size_t i = 0; i < series.x.size(); i += every) {
-    const size_t end = std::min(series.x.size(), i + every);
-    double sum_x = 0.0, sum_y = 0.0;
-    for (size_t k = i; k < end; ++k) sum_x += series.x[k], sum_y += series.y[k];
-    x.push_back(sum_x / static_cast<double>(end - i));
-    y.push_back(sum_y / static_cast<double>(end - i));
-  }
-  series.x = std::move(x);
-  series.y = std::move(y);
-}
+constexpr size_t kPictured = 40;  // configurations at rest, at most
 
 std::string number(double value, int digits = 3) {
   std::ostringstream text;
@@ -65,97 +44,6 @@ std::string words_of(const std::map<std::string, double>& commands) {
   for (const auto& [name, value] : commands) words += (words.empty() ? "" : ", ") + name + " " + number(value, 4);
   return words.empty() ? "none yet" : words;
 }
-
-Plot policy_plot(const Recording& recording) {
-  Plot plot{"policy", "Commands", {}, {}, {}};
-  plot.x.label = "time [s]";
-  plot.y.label = "command";
-  std::map<std::string, Series> by_name;
-  for (const CommandsSince& since : recording.commands) {
-    for (const auto& [name, value] : since.values) {
-      Series& series = by_name.try_emplace(name, Series{name, {}, {}, SeriesStyle::lines}).first->second;
-      const double time_s = since.time_s - recording.start_s;
-      if (!series.y.empty()) {  // it stays until it is changed
-        series.x.push_back(time_s);
-        series.y.push_back(series.y.back());
-      }
-      series.x.push_back(time_s);
-      series.y.push_back(value);
-    }
-  }
-  for (auto& [name, series] : by_name) {
-    series.x.push_back(recording.end_s - recording.start_s);
-    series.y.push_back(series.y.back());
-    plot.series.push_back(std::move(series));
-  }
-  return plot;
-}
-
-void add_track(const std::vector<MarkerObservations>& all, double start_s, size_t axis, bool seen_only,
-               const std::string& suffix, SeriesStyle style, Plot& plot) {
-  std::map<std::string, Series> by_name;
-  for (const MarkerObservations& at : thinned(all, seen_only ? kDrawnMarks : kDrawnPoints)) {
-    for (size_t i = 0; i < at.names.size(); ++i) {
-      if (seen_only && at.sources.at(i) != MarkerObservations::SEEN) continue;
-      Series& series = by_name.try_emplace(at.names[i], Series{at.names[i] + suffix, {}, {}, style}).first->second;
-      series.x.push_back(at.header.stamp.toSec() - start_s);
-      series.y.push_back(1e3 * from_message(at.positions.at(i), "positions")[static_cast<Eigen::Index>(axis)]);
-    }
-  }
-  int colour = 0;
-  for (auto& [name, series] : by_name) {
-    series.colour = colour++ % 8;
-    plot.series.push_back(std::move(series));
-  }
-}
-
-Plot trajectory_plot(const Recording& recording, size_t axis) {
-  const std::string name(1, kAxes[axis]);
-  Plot plot{"markers_" + name, "Markers along " + name + ": measured (points), simulated (lines)", {}, {}, {}};
-  plot.x.label = "time [s]";
-  plot.y.label = name + " [mm]";
-  add_track(recording.simulated, recording.start_s, axis, false, "", SeriesStyle::lines, plot);
-  Plot measured = plot;
-  measured.series.clear();
-  add_track(recording.measured, recording.start_s, axis, true, "", SeriesStyle::points, measured);
-  for (Series& series : measured.series) {
-    if (!recording.simulated.empty()) series.label.clear();
-    plot.series.push_back(std::move(series));
-  }
-  return plot;
-}
-
-Plot gap_plot(const std::vector<RealityGap>& gaps, double start_s) {
-  Plot plot{"gap", "Gap between measured and simulated markers", {}, {}, {}};
-  plot.x.label = "time [s]";
-  plot.y.label = "distance [mm]";
-  plot.y.min = 0.0;
-  Series rms{"rms", {}, {}, SeriesStyle::lines};
-  std::map<std::string, Series> by_name;
-  for (const RealityGap& gap : gaps) {
-    const double time_s = gap.header.stamp.toSec() - start_s;
-    rms.x.push_back(time_s);
-    rms.y.push_back(1e3 * gap.rms_m);
-    for (size_t i = 0; i < gap.names.size(); ++i) {
-      if (gap.seen[i] == 0) continue;
-      Series& series =
-          by_name.try_emplace(gap.names[i], Series{gap.names[i], {}, {}, SeriesStyle::dashes}).first->second;
-      series.x.push_back(time_s);
-      series.y.push_back(1e3 * gap.distances_m[i]);
-    }
-  }
-  plot.series.push_back(std::move(rms));
-  for (auto& [name, series] : by_name) plot.series.push_back(std::move(series));
-  for (Series& series : plot.series) smooth(series);
-  return plot;
-}
-
-// The gap over a rest period: of each marker seen in it, and of all.
-struct RestGap {
-  std::map<std::string, double> rms_m;
-  double all_m = 0.0;
-  bool known = false;
-};
 
 RestGap gap_over(const RestPeriod& period, const std::vector<RealityGap>& gaps) {
   std::map<std::string, std::pair<double, int>> sums;
@@ -198,21 +86,6 @@ Table rest_table(const std::vector<RestPeriod>& periods, const std::vector<RestG
     table.rows.push_back(std::move(row));
   }
   return table;
-}
-
-Plot rest_plot(const std::vector<RestGap>& gaps) {
-  Plot plot{"gap_at_rest", "Gap at rest, by configuration (numbers as in the table)", {}, {}, {}};
-  plot.x.label = "configuration";
-  plot.y.label = "rms gap [mm]";
-  plot.y.min = 0.0;
-  Series series{"", {}, {}, SeriesStyle::bars};
-  for (size_t i = 0; i < gaps.size(); ++i) {
-    if (!gaps[i].known) continue;
-    series.x.push_back(double(i + 1));
-    series.y.push_back(1e3 * gaps[i].all_m);
-  }
-  plot.series = {series};
-  return plot;
 }
 
 double rms_of(const std::vector<RestGap>& gaps) {
@@ -313,6 +186,68 @@ void add_pictures(const std::string& bag, const Recording& recording, const std:
   }
 }
 
+// The machine's day where stamps are of a clock, the file's where they are a simulation's.
+std::string day_of(const std::string& bag, const Recording& recording) {
+  constexpr double earliest_s = 1e9;  // 2001
+  std::time_t time = static_cast<std::time_t>(recording.start_s);
+  if (recording.start_s < earliest_s) {
+    struct stat file {};
+    if (stat(bag.c_str(), &file) != 0) return "an unknown day";
+    time = file.st_mtime;
+  }
+  std::tm parts{};
+  char text[64];
+  if (gmtime_r(&time, &parts) == nullptr || std::strftime(text, sizeof text, "%e %B %Y, %H:%M UTC", &parts) == 0)
+    return "an unknown day";
+  return text[0] == ' ' ? text + 1 : text;
+}
+
+std::string count_of(size_t count, const std::string& one) {
+  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
+}
+
+std::string how_far(const Recording& recording, const std::vector<RestPeriod>& periods,
+                    const std::vector<RestGap>& gaps) {
+  if (recording.gaps.empty()) return "Tracked and simulated markers were never seen at one time: the gap is not known.";
+  const auto worst =
+      std::max_element(gaps.begin(), gaps.end(), [](const auto& a, const auto& b) { return a.all_m < b.all_m; });
+  if (worst == gaps.end() || !worst->known)
+    return "It never rested under commands that did not change, so the gap at rest is not known.";
+  const auto number_of_worst = static_cast<size_t>(worst - gaps.begin());
+  return "At rest, in " + count_of(periods.size(), "configuration") + ", tracked and simulated markers were " +
+         number(1e3 * rms_of(gaps)) + " mm apart (rms), and most in number " + std::to_string(number_of_worst + 1) +
+         " (" + words_of(periods[number_of_worst].pose.commands) + "): " + number(1e3 * worst->all_m) + " mm.";
+}
+
+std::string what_disturbed(const Recording& recording) {
+  if (recording.events.empty()) return "No event of the motors disturbed it.";
+  const RecordedEvent& first = recording.events.front();
+  return count_of(recording.events.size(), "event") + " of the motors disturbed it, the first at " +
+         number(first.time_s - recording.start_s, 4) + " s: " + first.text + ".";
+}
+
+// Three sentences and a picture: what a reader needs who reads no further.
+void add_head(const std::string& bag, const Recording& recording, const std::vector<RestPeriod>& periods,
+              const std::vector<RestGap>& gaps, const std::string& folder, HtmlPage& page) {
+  page.paragraph("On " + day_of(bag, recording) + ", a robot was recorded for " +
+                 number(recording.end_s - recording.start_s, 4) + " s while its commands changed " +
+                 (recording.commands.size() == 1 ? "once" : std::to_string(recording.commands.size()) + " times") +
+                 ". " + how_far(recording, periods, gaps) + " " + what_disturbed(recording));
+  const std::optional<SessionFilm> film = film_session(bag, recording, folder);
+  if (!film)
+    return page.paragraph("There is no film: the recording has no skin of the robot, or no film can be written here.");
+  page.film(film->file, film->middle);
+  if (film->speed > 1.0) page.paragraph("The film is " + number(film->speed) + " times as fast as the session was.");
+}
+
+Table event_table(const Recording& recording) {
+  Table table;
+  table.columns = {{"time [s]", 4}, {"event"}};
+  for (const RecordedEvent& event : recording.events)
+    table.rows.push_back({event.time_s - recording.start_s, event.text});
+  return table;
+}
+
 }  // namespace
 
 SessionReport write_session_report(const std::string& bag, const std::string& folder, const std::string& scene) {
@@ -325,11 +260,13 @@ SessionReport write_session_report(const std::string& bag, const std::string& fo
   SessionReport report{folder + "/report.html", static_cast<int>(periods.size()), rms_of(gaps)};
 
   HtmlPage page("Session " + std::filesystem::path(bag).filename().string());
+  add_head(bag, recording, periods, gaps, folder, page);
+  if (!recording.events.empty()) page.table(event_table(recording));
   page.table(facts(bag, recording, scene_file, report.rest_rms_m, periods.size()));
   page.heading("Gap over time");
   if (recording.gaps.empty())
     page.paragraph("No simulated markers at the times of tracked ones: the gap is not known.");
-  add_plot(gap_plot(recording.gaps, recording.start_s), folder, page);
+  add_plot(gap_plot(recording), folder, page);
   page.heading("Gap by configuration");
   if (periods.empty()) page.paragraph("The robot was never at rest under commands that did not change.");
   if (!periods.empty()) page.table(rest_table(periods, gaps, recording.start_s));

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "recording.h"
+#include "ros/recording.h"
 
 namespace soft_robot_lab {
 

@@ -166,9 +166,9 @@ std::string words_at(const std::vector<CommandsSince>& all, double time_s) {
   return words;
 }
 
-class Film {
+class FilmWriter {
  public:
-  Film(const Recording& recording, const Eye& eye, const std::string& folder)
+  FilmWriter(const Recording& recording, const Eye& eye, const std::string& folder)
       : recording_(recording), eye_(eye), film_{folder + "/session.mp4", 1.0, folder + "/session_film.png"} {
     const double duration_s = recording.end_s - recording.start_s;
     film_.speed = std::max(1.0, duration_s / longest_s);
@@ -240,7 +240,7 @@ std::optional<SessionFilm> film_session(const std::string& bag, const Recording&
   const Eigen::AlignedBox3d box_m = box_of(bag);
   if (box_m.isEmpty() || !(box_m.diagonal().norm() > 0.0) || !(recording.end_s > recording.start_s))
     return std::nullopt;
-  Film film(recording, Eye(box_m), folder);
+  FilmWriter film(recording, Eye(box_m), folder);
   if (!film.opened()) return std::nullopt;
   visit_surfaces(bag, [&](const SkinMessage& surface) { film.show(surface); });
   return film.finish();

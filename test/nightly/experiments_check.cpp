@@ -91,6 +91,15 @@ void check_tentacle(const Json& result) {
   EXPECT_GT(result["mean_distance_m"].get<double>(), 0.003);  // its frame alone is farther off
 }
 
+void check_demoulding(const Json& result) {
+  const Json& runs = result["runs"];
+  ASSERT_EQ(runs.size(), 3u);
+  const double with_air_n = runs[0]["peak_force_n"], blind_n = runs[1]["peak_force_n"];
+  EXPECT_GT(blind_n, 5.0 * with_air_n);
+  EXPECT_GT(runs[1]["at_m"][2].get<double>(), -0.008) << "near the top facet";
+  for (const Json& run : runs) EXPECT_EQ(run["tears"], false) << run["name"];
+}
+
 void check_configurations(const Json& result, std::size_t count) {
   ASSERT_EQ(result["configurations"].size(), count);
   for (std::size_t i = 0; i < count; ++i)
@@ -108,6 +117,7 @@ void check_numbers(const std::string& name, const Json& result) {
   if (name == "7.3.2") check_pid(result);
   if (name == "7.3.3") check_ball(result);
   if (name == "tentacle") check_tentacle(result);
+  if (name == "demoulding") check_demoulding(result);
 }
 
 struct Row {

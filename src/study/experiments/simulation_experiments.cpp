@@ -2,6 +2,7 @@
 #include "cable_experiments.h"
 #include "cantilever_experiment.h"
 #include "chamber_experiments.h"
+#include "demoulding_experiment.h"
 #include "design_experiment.h"
 #include "fit_experiment.h"
 #include "policy_experiments.h"
@@ -54,6 +55,9 @@ std::vector<Experiment> simulation_experiments() {
       {"7.3.2", "PID as published on the same ten targets, descent beside it", run_pid_experiment},
       {"fit", "Spinebot's model fitted to its table of contractions, and tried on poses it has not seen",
        run_fit_experiment},
+      {"demoulding",
+       "castable Bubblebot and Hammerbot pulled out of their moulds: force, stretch, with and without air holes",
+       run_demoulding_experiment},
       {"design_spinebot", "castable designs of Spinebot that reach farther, and the mould of the best one",
        run_design_spinebot_experiment},
       {"tentacle", "a measured tentacle: distances at published materials, and fitted on every other pose",

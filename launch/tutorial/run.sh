@@ -5,14 +5,7 @@
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 launch=$here/..
-. "$launch/environment.sh"
-folder=$(mktemp -d)
-session=
-clean_up() {
-  [[ -z $session ]] || { kill -INT "$session" && wait "$session" || true; }
-  rm -rf "$folder"
-}
-trap clean_up EXIT
+. "$launch/own_session.sh"
 cd "$folder"
 
 # Each block as a file: 01_bash, 02_long_finger.yaml, ...
@@ -29,11 +22,10 @@ done
 picture() { # NAME COMMAND: of NAME.yaml, once it is commanded
   roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$folder/$1.yaml" rviz:=false >"$folder/log" 2>&1 &
   session=$!
-  until rostopic list 2>/dev/null | grep -q /simulator/markers; do sleep 0.5; done
+  wait_for has_markers
   for ((i = 0; i < 5; ++i)); do rostopic pub -1 /actuators/command soft_robot_lab/ActuatorCommand "$2" >/dev/null; done
   "$launch/take_picture.sh" "$here/../../config/doc/tutorial_$1.png"
-  kill -INT "$session" && wait "$session" || true
-  session=
+  end_session
 }
 picture finger '{names: [front], values: [0.85]}'
 picture air '{names: [air], values: [1.5]}'

@@ -4,16 +4,11 @@
 # FOLDER, with a job and the study itself killed on the way. Its table must be that of a serial run.
 # Slurm comes from the machine, or is unpacked from Debian's packages into FOLDER/packages; nothing is installed.
 set -euo pipefail
-study=$1 source=$2 folder=$3
-rm -rf "$folder/run"
-mkdir -p "$folder/packages" "$folder/run"
-run=$(cd "$folder/run" && pwd)
-packages=$(cd "$folder/packages" && pwd)
+. "$(dirname "$0")/study_of_200.sh"
 
 if ! { command -v slurmctld && command -v slurmd && command -v munged; } >/dev/null; then
   if [[ ! -e $packages/usr/sbin/slurmctld ]]; then
-    (cd "$packages" && apt-get download -qq munge slurm-client slurm-wlm-basic-plugins slurmctld slurmd libmunge2 libhwloc15)
-    for package in "$packages"/*.deb; do dpkg -x "$package" "$packages"; done
+    unpack munge slurm-client slurm-wlm-basic-plugins slurmctld slurmd libmunge2 libhwloc15
     for daemon in slurmd slurmstepd slurmctld; do ln -s "$daemon-wlm" "$packages/usr/sbin/$daemon"; done
   fi
   library=$packages/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)
@@ -79,20 +74,6 @@ for ((i = 0; i < 300; ++i)); do
 done
 sinfo
 
-cat >"$run/short.yaml" <<SCENE
-include: $source/config/scenes/cantilever.yaml
-body: {element: linear}
-SCENE
-cat >"$run/study.yaml" <<STUDY
-program: simulate
-scene: short.yaml
-method: sobol
-samples: 200
-parameters:
-  body.material.youngs_modulus_pa: {range: [1.0e+5, 1.0e+6]}
-  body.solid.box.size_m[1]: {values: [0.018, 0.02, 0.022]}
-STUDY
-"$study" "$run/study.yaml" --output "$run/serial" --workers 1 >/dev/null 2>&1
 outcomes() {
   python3 -c 'import sqlite3, sys; print(*sqlite3.connect(sys.argv[1]).execute("SELECT count(*) FROM outcomes").fetchone())' \
     "$run/array/journal.sqlite" 2>/dev/null || echo 0
@@ -108,6 +89,6 @@ job=$(pgrep -f -- "--array-job $run/array/slurm" | head -1) || true
 kill -9 "$master"
 squeue
 "$study" "$run/study.yaml" --output "$run/array" --slurm 4 2>&1 | tee "$run/second.log" | grep -v '%:'
-cmp "$run/serial/results.csv" "$run/array/results.csv"
+require_serial_table "$run/array"
 (($(outcomes) == 200))
 echo "200 tasks by arrays of Slurm $(sinfo --version): the table of a serial run; killed a job (${job:-none}) and the study"

@@ -4,18 +4,13 @@
 # with keys of its own, with workers killed on the way. Its table must be that of a serial run.
 # sshd comes from the machine, or is unpacked from Debian's package into FOLDER/packages; nothing is installed.
 set -euo pipefail
-study=$1 source=$2 folder=$3
-rm -rf "$folder/run"
-mkdir -p "$folder/packages" "$folder/run"
-run=$(cd "$folder/run" && pwd)
-packages=$(cd "$folder/packages" && pwd)
+. "$(dirname "$0")/study_of_200.sh"
 
 sshd=$(command -v sshd || echo /usr/sbin/sshd)
 if [[ ! -x $sshd ]]; then
   sshd=$packages/usr/sbin/sshd
   if [[ ! -x $sshd ]]; then
-    (cd "$packages" && apt-get download -qq openssh-server libwrap0)
-    for package in "$packages"/*.deb; do dpkg -x "$package" "$packages"; done
+    unpack openssh-server libwrap0
   fi
   LD_LIBRARY_PATH=$packages/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH):${LD_LIBRARY_PATH-}
   export LD_LIBRARY_PATH
@@ -58,18 +53,6 @@ for _ in $(seq 50); do
 done
 $ssh 127.0.0.1 true
 
-cat >"$run/short.yaml" <<SCENE
-include: $source/config/scenes/cantilever.yaml
-body: {element: linear}
-SCENE
-cat >"$run/study.yaml" <<STUDY
-program: simulate
-scene: short.yaml
-method: latin_hypercube
-samples: 200
-parameters:
-  body.material.youngs_modulus_pa: {range: [1.0e+5, 4.0e+5]}
-STUDY
 printf '127.0.0.1 1\nlocalhost 1\n' >"$run/hosts"
 "$study" "$run/study.yaml" --output "$run/by_ssh" --hosts "$run/hosts" --ssh "$ssh" >"$run/by_ssh.log" 2>&1 &
 master=$!
@@ -87,7 +70,6 @@ for _ in 1 2 3; do
   [[ -z $victim ]] || { kill -9 "$victim" && killed=$((killed + 1)); }
 done
 wait "$master" || { cat "$run/by_ssh.log" "$run/sshd.log"; exit 1; }
-"$study" "$run/study.yaml" --output "$run/serial" --workers 1 >/dev/null 2>&1
-cmp "$run/by_ssh/results.csv" "$run/serial/results.csv"
+require_serial_table "$run/by_ssh"
 echo "by ssh as serially: $(($(wc -l <"$run/serial/results.csv") - 1)) tasks; killed $killed workers"
 ((killed > 0))

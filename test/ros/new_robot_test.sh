@@ -4,14 +4,7 @@
 set -euo pipefail
 launch=$(cd "$(dirname "$0")/../../launch" && pwd)
 simulate=$1
-. "$launch/environment.sh"
-folder=$(mktemp -d)
-session=
-clean_up() {
-  [[ -z $session ]] || { kill -INT "$session" && wait "$session" || true; }
-  rm -rf "$folder"
-}
-trap clean_up EXIT
+. "$launch/own_session.sh"
 fail() { echo "new_robot: $*" >&2; exit 1; }
 cd "$folder"
 
@@ -28,9 +21,5 @@ grep -q "moved \[2[0-9]\." said || fail "the tip does not move by 20 to 30 mm: $
 grep -q "cannot be read" said || fail "view.sh does not name the reason"
 roslaunch -p "$master_port" soft_robot_lab view.launch scene:="$folder/finger.yaml" rviz:=false >log 2>&1 &
 session=$!
-for ((i = 0; i < 120; ++i)); do
-  rostopic list 2>/dev/null | grep -q /simulator/markers && break
-  kill -0 "$session" 2>/dev/null || fail "view.launch ended: $(tail log)"
-  sleep 1
-done
+wait_for has_markers || fail "view.launch ended: $(tail log)"
 timeout 60 rostopic echo -n 1 /simulator/actuator_ranges | grep -q front || fail "no sliders for the cables"

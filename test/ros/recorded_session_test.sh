@@ -3,24 +3,14 @@
 # A recorded session of Spinebot: it reaches for the ball, ends at SIGINT, and its bag is whole and holds every topic.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-. "$here/../../launch/environment.sh"
-bags=$(mktemp -d)
-session=
-cleanup() {
-  [[ -z $session ]] || kill -INT "$session" 2>/dev/null || true
-  wait || true
-  rm -rf "$bags"
-}
-trap cleanup EXIT
+. "$here/../../launch/own_session.sh"
+bags=$folder
 
 set -m
 roslaunch -p "$master_port" soft_robot_lab session.launch robot:=spinebot rviz:=false record:=true bag_folder:="$bags" &
 session=$!
 set +m
-until rostopic list >/dev/null 2>&1; do
-  kill -0 "$session"
-  sleep 0.2
-done
+wait_for rostopic list >/dev/null 2>&1
 rosrun soft_robot_lab reach_target_node "$here/../../config/robots/spinebot/tasks/ball.yaml"
 
 kill -INT "$session"

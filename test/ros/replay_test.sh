@@ -6,15 +6,8 @@
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 data=$here/../data
-. "$here/../../launch/environment.sh"
-bags=$(mktemp -d)
-session=
-cleanup() {
-  [[ -z $session ]] || kill -INT "$session" 2>/dev/null || true
-  wait || true
-  rm -rf "$bags"
-}
-trap cleanup EXIT
+. "$here/../../launch/own_session.sh"
+bags=$folder
 
 robot=(cameras:=rendered) truth=/simulator/markers
 if [[ ${1:-} == emulated ]]; then
@@ -29,10 +22,7 @@ roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$data/scenes/c
   record:=true record_images:=true bag_folder:="$bags" &
 session=$!
 set +m
-until timeout 5 rostopic echo -n 1 /tracker/markers >/dev/null 2>&1; do
-  kill -0 "$session"
-  sleep 0.2
-done
+wait_for timeout 5 rostopic echo -n 1 /tracker/markers >/dev/null 2>&1
 rosrun soft_robot_lab run_table_node "$data/bar_table.yaml"
 kill -INT "$session"
 wait "$session" || { echo "roslaunch ended with status $?"; exit 1; }

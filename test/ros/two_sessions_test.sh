@@ -4,24 +4,17 @@
 # their own, and their lamps are green. A session that would take the place of one that runs is refused, and that one goes on.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-. "$here/../../launch/environment.sh"
-folder=$(mktemp -d)
-session=
-clean_up() {
-  [[ -z $session ]] || { kill -INT "$session" && wait "$session" || true; }
-  rm -rf "$folder"
-}
-trap clean_up EXIT
+. "$here/../../launch/own_session.sh"
 fail() { echo "two sessions: $*" >&2; tail "$folder/log" >&2; exit 1; }
 hear() { timeout 60 rostopic echo -n 1 "$@"; }
 roslaunch -p "$master_port" "$here/two_sessions.launch" folder:="$folder/bags" >"$folder/log" 2>&1 &
 session=$!
-for ((i = 0; i < 180; ++i)); do
+have_controllers() {
+  local services
   services=$(rosservice list 2>/dev/null || true)
-  [[ $services == */left/controller/optimise_policy* && $services == */right/controller/optimise_policy* ]] && break
-  kill -0 "$session" 2>/dev/null || fail "the sessions ended"
-  sleep 1
-done
+  [[ $services == */left/controller/optimise_policy* && $services == */right/controller/optimise_policy* ]]
+}
+wait_for have_controllers || fail "the sessions ended"
 [[ $(hear /left/simulator/scene) == *cable_bar.yaml* ]] || fail "the left robot is not its own"
 [[ $(hear /right/simulator/scene) == *cable_bar_soft.yaml* ]] || fail "the right robot is not its own"
 

@@ -42,6 +42,15 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
+Eigen::Vector3d checked(const Eigen::Vector3d& vector, const std::string& field, const std::string& unit) {
+  constexpr double largest = 1e6;  // squares and sums of these are finite
+  if (vector.allFinite() && vector.cwiseAbs().maxCoeff() <= largest) return vector;
+  std::ostringstream message;
+  message << field << ": [" << vector.x() << ", " << vector.y() << ", " << vector.z()
+          << "] must be three finite numbers" << unit << ", within " << largest;
+  throw std::invalid_argument(message.str());
+}
+
 }  // namespace
 
 geometry_msgs::Point to_message(const Eigen::Vector3d& position_m) {
@@ -61,23 +70,11 @@ geometry_msgs::Vector3 vector_message(const Eigen::Vector3d& vector) {
 }
 
 Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field) {
-  Eigen::Vector3d position_m(position.x, position.y, position.z);
-  constexpr double farthest_m = 1e6;  // squares and sums of these are finite
-  if (!position_m.allFinite() || position_m.cwiseAbs().maxCoeff() > farthest_m) {
-    std::ostringstream message;
-    message << field << ": [" << position.x << ", " << position.y << ", " << position.z
-            << "] must be three finite numbers [m], within " << farthest_m;
-    throw std::invalid_argument(message.str());
-  }
-  return position_m;
+  return checked({position.x, position.y, position.z}, field, " [m]");
 }
 
 Eigen::Vector3d from_message(const geometry_msgs::Vector3& vector, const std::string& field) {
-  geometry_msgs::Point point;
-  point.x = vector.x;
-  point.y = vector.y;
-  point.z = vector.z;
-  return from_message(point, field);
+  return checked({vector.x, vector.y, vector.z}, field, "");
 }
 
 void require_whole(const MarkerObservations& markers) {

@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robot/scene/scene_motion.h"
-#include "scene_files.h"
-#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "cabled_bar.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
@@ -27,26 +26,13 @@ const std::string kMotion =
     "run: {mode: dynamic, duration_s: 2, commands: [{time_s: 0, left: 0.93}, {time_s: 1, left: 0.96}]}\n";
 const std::string kReduced = "method: reduced, tolerance_m: 2.0e-4, commands: {left: [0.9, 1]}";
 
-// One folder, so that a model is trained once.
 class ReducedScene : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = new SceneFolder;
-    folder_->write("coarse.yaml", R"(include: bar.yaml
-body: {element_size_m: 0.03}
-cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], sheath_radius_m: 0.001, plug_radius_m: 0.003}]
-)");
-  }
+  static void SetUpTestSuite() { folder_ = new CabledBar; }
   static void TearDownTestSuite() { delete folder_; }
 
   static Scene load(const std::string& solver, const std::string& rest, bool knows_reduced = true) {
-    SceneOptions options;
-    options.mesher = SOFT_ROBOT_LAB_MESHER;
-    options.cache_folder = folder_->path("cache");
-    options.actuator_factory = make_actuator;
-    options.knows_reduced = knows_reduced;
-    const std::string text = "include: coarse.yaml\nsolver: {time_step_s: 0.05, " + solver + "}\n" + rest;
-    return load_scene(folder_->write("scene.yaml", text), options);
+    return folder_->load("solver: {time_step_s: 0.05, " + solver + "}\n" + rest, knows_reduced);
   }
 
   static Outcome run(const std::string& solver, const std::string& rest) {
@@ -66,9 +52,9 @@ cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], sheath_radiu
     return "";
   }
 
-  static SceneFolder* folder_;
+  static CabledBar* folder_;
 };
-SceneFolder* ReducedScene::folder_ = nullptr;
+CabledBar* ReducedScene::folder_ = nullptr;
 
 double largest_distance_m(const Trajectory& a, const Trajectory& b) {
   double largest_m = 0.0;

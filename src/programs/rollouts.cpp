@@ -88,7 +88,7 @@ std::vector<RolloutCommands> commands_for(const Arguments& arguments, const Scen
 std::vector<RunReport> run(const Arguments& arguments, const Scene& scene, const RolloutPlan& plan) {
   ProgressBar bar("rollouts");
   int twentieth = -1;
-  return Batch(scene).run(plan, arguments.threads, [&](std::size_t ended) {
+  return RolloutBatch(scene).run(plan, arguments.threads, [&](std::size_t ended) {
     const double fraction = static_cast<double>(ended) / static_cast<double>(plan.rollouts.size());
     if (const int next = static_cast<int>(20.0 * fraction); next != twentieth) {
       twentieth = next;

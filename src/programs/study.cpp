@@ -74,7 +74,7 @@ std::vector<WorkerCommand> workers_for(const Arguments& arguments, const std::st
   return local_workers(program, arguments.workers);
 }
 
-std::string time_left(const RunProgress& now) {
+std::string time_left(const StudyProgress& now) {
   const std::size_t here = now.done - now.before;
   if (here == 0) return "";
   const double left_s = now.elapsed_s / static_cast<double>(here) * static_cast<double>(now.tasks - now.done);
@@ -85,7 +85,7 @@ std::string time_left(const RunProgress& now) {
 // A line of a log for each percent, not for each task.
 class Progress {
  public:
-  bool show(const RunProgress& now) {
+  bool show(const StudyProgress& now) {
     const double fraction = now.tasks > 0 ? static_cast<double>(now.done) / static_cast<double>(now.tasks) : 1.0;
     const int percent = static_cast<int>(100.0 * fraction);
     if (percent == percent_ && now.elapsed_s < shown_s_ + 1.0) return interrupted == 0;
@@ -106,10 +106,10 @@ class Progress {
   double shown_s_ = 0.0;
 };
 
-RunProgress run(const Arguments& arguments, const StudySettings& study, const std::vector<StudyTask>& tasks,
-                Journal& journal, const std::string& version) {
+StudyProgress run(const Arguments& arguments, const StudySettings& study, const std::vector<StudyTask>& tasks,
+                  Journal& journal, const std::string& version) {
   Progress progress;
-  const auto report = [&](const RunProgress& now) { return progress.show(now); };
+  const auto report = [&](const StudyProgress& now) { return progress.show(now); };
   const auto warn = [](const std::string& what) { std::cerr << "study: warning: " << what << "\n"; };
   if (arguments.slurm > 0)
     return run_tasks_by_slurm(study, tasks, journal,

@@ -32,7 +32,7 @@ ExecutionHost host_of_node(PolicyExecution::Send send) {
 
 }  // namespace
 
-MotorReport motor_report(const MotorState& state) {
+MotorWatchReport motor_report(const MotorState& state) {
   const bool moving = std::any_of(state.moving.begin(), state.moving.end(), [](auto moves) { return moves != 0; });
   return {state.linked != 0, state.emergency_stop != 0, moving, state.names, state.fault};
 }

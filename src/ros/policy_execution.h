@@ -12,7 +12,7 @@
 
 namespace soft_robot_lab {
 
-MotorReport motor_report(const MotorState& state);
+MotorWatchReport motor_report(const MotorState& state);
 
 class PolicyExecution {
  public:

@@ -158,7 +158,7 @@ void Execution::add_measured(const MarkerFrame& frame) {
   changed_.notify_all();
 }
 
-void Execution::add_motors(MotorReport report) {
+void Execution::add_motors(MotorWatchReport report) {
   const std::lock_guard lock(mutex_);
   motors_.add(std::move(report), host_.machine_time_s());
   if (!run_) return;

@@ -61,7 +61,7 @@ class Execution {
 
   void add_simulated(double stamp_s, const std::vector<Eigen::Vector3d>& positions_m);
   void add_measured(const MarkerFrame& frame);
-  void add_motors(MotorReport report);
+  void add_motors(MotorWatchReport report);
   // The commands that simulated drives heard last, one a name. Where they report, rest is awaited from there on: a
   // simulation that runs ahead of the machine's messages would rest before it hears anything.
   void add_drives(const std::vector<std::string>& names, const std::vector<double>& commands);

@@ -5,7 +5,7 @@
 
 namespace soft_robot_lab {
 
-void MotorWatch::add(MotorReport report, double now_s) {
+void MotorWatch::add(MotorWatchReport report, double now_s) {
   report_ = std::move(report);
   heard_s_ = now_s;
 }

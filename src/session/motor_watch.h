@@ -8,7 +8,7 @@
 
 namespace soft_robot_lab {
 
-struct MotorReport {
+struct MotorWatchReport {
   bool linked = false;
   bool emergency_stop = false;
   bool moving = false;              // any of them
@@ -19,7 +19,7 @@ struct MotorReport {
 // Times are those of a clock that nobody sets [s].
 class MotorWatch {
  public:
-  void add(MotorReport report, double now_s);
+  void add(MotorWatchReport report, double now_s);
 
   // Why one of the actuators may not move, and what to do about it. Empty where all may, and where no motors ever
   // reported of themselves, as in a simulated session.
@@ -28,7 +28,7 @@ class MotorWatch {
   bool moving() const { return report_ && report_->moving; }
 
  private:
-  std::optional<MotorReport> report_;
+  std::optional<MotorWatchReport> report_;
   double heard_s_ = 0.0;
 };
 

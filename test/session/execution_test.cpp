@@ -29,7 +29,7 @@ class Executed : public testing::Test {
       execution_.add_simulated(stamp_s, {{std::min(stamp_s, moving_until_s), 0.0, 0.0}});
   }
 
-  static MotorReport motors(const std::string& fault = "") { return {true, false, false, {"left"}, {fault}}; }
+  static MotorWatchReport motors(const std::string& fault = "") { return {true, false, false, {"left"}, {fault}}; }
 
   std::atomic<double> machine_s_ = 100.0;
   std::vector<double> sent_;

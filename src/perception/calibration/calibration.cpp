@@ -186,12 +186,12 @@ CameraCalibration calibrate_by_camera(const BallView& view, const BallView& othe
   return calibration;
 }
 
-CameraCalibration calibrate_by_markers(const std::string& camera, const std::vector<SeenMarker>& markers,
+CameraCalibration calibrate_by_markers(const std::string& camera, const std::vector<CalibrationMarker>& markers,
                                        double tolerance_m) {
   require_enough(markers.size(), camera + " sees", min_markers, "markers");
   std::vector<PointPair> pairs;
   std::vector<std::string> seen;
-  for (const SeenMarker& marker : markers) {
+  for (const CalibrationMarker& marker : markers) {
     pairs.push_back({marker.expected_m, marker.in_camera_m, Eigen::Matrix3d::Zero(), marker.covariance_m2});
     seen.push_back(marker.name);
   }

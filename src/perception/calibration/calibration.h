@@ -61,7 +61,7 @@ CameraCalibration calibrate_by_balls(const BallView& view, const BallPlacement& 
 CameraCalibration calibrate_by_camera(const BallView& view, const BallView& other, const CameraPose& other_pose,
                                       double tolerance_m);
 
-struct SeenMarker {
+struct CalibrationMarker {
   std::string name;
   Eigen::Vector3d in_camera_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
@@ -69,7 +69,7 @@ struct SeenMarker {
 };
 
 // By at least four of the robot's markers, each within `tolerance_m` of where it is expected.
-CameraCalibration calibrate_by_markers(const std::string& camera, const std::vector<SeenMarker>& markers,
+CameraCalibration calibrate_by_markers(const std::string& camera, const std::vector<CalibrationMarker>& markers,
                                        double tolerance_m);
 
 }  // namespace soft_robot_lab

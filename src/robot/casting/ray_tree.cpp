@@ -11,15 +11,15 @@ RayTree::RayTree(const Surface& surface)
       skip_m_(2e-6 * size_m_),
       tree_(surface.vertices_m, surface.triangles, MeshTree::Use::still) {}
 
-std::optional<RayHit> RayTree::first_hit(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
-                                         double near_m) const {
+std::optional<SurfaceHit> RayTree::first_hit(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+                                             double near_m) const {
   const MeshHit hit = tree_.cast(origin_m.cast<float>(), direction.cast<float>(), static_cast<float>(near_m));
   if (hit.triangle < 0) return std::nullopt;
   const Eigen::Vector3d normal = surface_.normals.col(hit.triangle);
   const double slope = normal.dot(direction);
   const double exact = normal.dot(surface_.corner(hit.triangle, 0) - origin_m) / slope;
   const bool usable = std::abs(slope) > 1e-3;
-  return RayHit{hit.triangle, usable ? exact : static_cast<double>(hit.depth)};
+  return SurfaceHit{hit.triangle, usable ? exact : static_cast<double>(hit.depth)};
 }
 
 void RayTree::near(const Eigen::Vector3d& point_m, double radius_m, const std::function<void(int)>& visit) const {

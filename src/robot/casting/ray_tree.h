@@ -10,7 +10,7 @@
 
 namespace soft_robot_lab {
 
-struct RayHit {
+struct SurfaceHit {
   int triangle = -1;
   double distance_m = 0;  // along the unit direction
 };
@@ -20,8 +20,8 @@ class RayTree {
   explicit RayTree(const Surface& surface);  // keeps a reference
 
   // The first triangle after `near_m`; nothing where there is none. The direction has unit length.
-  std::optional<RayHit> first_hit(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
-                                  double near_m) const;
+  std::optional<SurfaceHit> first_hit(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+                                      double near_m) const;
 
   // Calls `visit` for triangles whose boxes come within the radius, and perhaps for others.
   void near(const Eigen::Vector3d& point_m, double radius_m, const std::function<void(int)>& visit) const;

@@ -30,7 +30,7 @@ void require_commands(const RolloutCommands& commands, const Model& model) {
 // The rollouts of a plan, each taken by the thread that is free first.
 class Rollouts {
  public:
-  Rollouts(const RolloutPlan& plan, const Batch::Progress& progress) : plan_(plan), progress_(progress) {
+  Rollouts(const RolloutPlan& plan, const RolloutBatch::Progress& progress) : plan_(plan), progress_(progress) {
     reports_.resize(plan.rollouts.size());
   }
 
@@ -76,7 +76,7 @@ class Rollouts {
   }
 
   const RolloutPlan& plan_;
-  const Batch::Progress& progress_;
+  const RolloutBatch::Progress& progress_;
   std::vector<RunReport> reports_;
   std::mutex mutex_;
   std::size_t started_ = 0, ended_ = 0;
@@ -85,9 +85,9 @@ class Rollouts {
 
 }  // namespace
 
-Batch::Batch(const Scene& scene) : model_(scene.simulation->model()), reduction_(scene.reduction) {}
+RolloutBatch::RolloutBatch(const Scene& scene) : model_(scene.simulation->model()), reduction_(scene.reduction) {}
 
-void Batch::require_valid(const RolloutPlan& plan, int threads) const {
+void RolloutBatch::require_valid(const RolloutPlan& plan, int threads) const {
   require(threads >= 1 && threads <= kMostThreads, "threads", threads, "[1, 1000]");
   const double longest_s = kMostSteps * model_->options().time_step_s;
   require(plan.duration_s > 0.0 && plan.duration_s <= longest_s, "duration_s", plan.duration_s,
@@ -96,7 +96,7 @@ void Batch::require_valid(const RolloutPlan& plan, int threads) const {
   for (const RolloutCommands& commands : plan.rollouts) require_commands(commands, *model_);
 }
 
-std::vector<RunReport> Batch::run(const RolloutPlan& plan, int threads, const Progress& progress) const {
+std::vector<RunReport> RolloutBatch::run(const RolloutPlan& plan, int threads, const Progress& progress) const {
   require_valid(plan, threads);
   Rollouts rollouts(plan, progress);
   const int needed = static_cast<int>(std::min(static_cast<std::size_t>(threads), plan.rollouts.size()));

@@ -99,7 +99,7 @@ std::optional<std::vector<TaskOutcome>> DesignEvaluator::run(const DesignStep& s
   const bool last = step.study.program == "assess";
   run_tasks(step.study, tasks, journal_,
             {local_workers(step.study.program, workers_), step.version,
-             [&](const RunProgress& now) { return report_(done + (last ? now.done : 0)); }, warn_});
+             [&](const StudyProgress& now) { return report_(done + (last ? now.done : 0)); }, warn_});
   std::vector<TaskOutcome> outcomes;
   for (const StudyTask& task : tasks) {
     std::optional<TaskOutcome> outcome = journal_.find(task.hash);

@@ -88,7 +88,7 @@ class SlurmRunner {
     job_name_ = "study_" + name.hex().substr(0, 12);
   }
 
-  RunProgress run() {
+  StudyProgress run() {
     collect();
     bool go_on = ledger_.report() && (ledger_.all_done() || wait_for_jobs());  // of a study that was stopped
     while (go_on && !ledger_.all_done()) {
@@ -216,8 +216,8 @@ class SlurmRunner {
 
 }  // namespace
 
-RunProgress run_tasks_by_slurm(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
-                               const SlurmOptions& options) {
+StudyProgress run_tasks_by_slurm(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
+                                 const SlurmOptions& options) {
   return SlurmRunner(study, tasks, journal, options).run();
 }
 

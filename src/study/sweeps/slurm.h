@@ -22,8 +22,8 @@ struct SlurmOptions {
 
 // Tasks without an answer go into another array; one whose job ended five times has failed. Throws std::runtime_error
 // where sbatch or squeue fail, no job begins, or a job's files differ from the study's.
-RunProgress run_tasks_by_slurm(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
-                               const SlurmOptions& options);
+StudyProgress run_tasks_by_slurm(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
+                                 const SlurmOptions& options);
 
 // One job of an array: slot SLURM_ARRAY_TASK_ID of the tasks in FOLDER/tasks, answers to FOLDER/SLOT.answers. Begun
 // again, it goes on where it was.

@@ -18,7 +18,7 @@
 
 namespace soft_robot_lab {
 
-struct RunProgress {
+struct StudyProgress {
   std::size_t tasks = 0, done = 0;  // different ones; those of earlier runs are done
   std::size_t before = 0;           // done in earlier runs
   std::size_t failed = 0, not_good = 0;
@@ -26,7 +26,7 @@ struct RunProgress {
 };
 
 // After each outcome and each second; false: stop.
-using ReportProgress = std::function<bool(const RunProgress&)>;
+using ReportProgress = std::function<bool(const StudyProgress&)>;
 using Warn = std::function<void(const std::string&)>;
 
 // A worker's answer with a result, or without one where the task failed; nothing where it must run again.
@@ -36,7 +36,7 @@ class TaskLedger {
  public:
   TaskLedger(const std::vector<StudyTask>& tasks, Journal& journal, ReportProgress report);
 
-  const RunProgress& progress() const { return progress_; }
+  const StudyProgress& progress() const { return progress_; }
   bool all_done() const { return progress_.done == progress_.tasks; }
   bool report();  // false: stop
 
@@ -52,7 +52,7 @@ class TaskLedger {
   Journal& journal_;
   ReportProgress report_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  RunProgress progress_;
+  StudyProgress progress_;
   std::map<std::string, int> attempts_;
 };
 

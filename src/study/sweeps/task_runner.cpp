@@ -38,7 +38,7 @@ class TaskRunner {
              const RunOptions& options)
       : study_(study), options_(options), ledger_(tasks, journal, options.report) {}
 
-  RunProgress run() {
+  StudyProgress run() {
     for (const WorkerCommand& command : options_.workers) crews_.push_back({&command, nullptr});
     if (!ledger_.open.empty())
       for (Crew& crew : crews_) start(crew);
@@ -147,8 +147,8 @@ class TaskRunner {
 
 }  // namespace
 
-RunProgress run_tasks(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
-                      const RunOptions& options) {
+StudyProgress run_tasks(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
+                        const RunOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);  // a worker that is gone shows at its end of the pipe
   return TaskRunner(study, tasks, journal, options).run();
 }

@@ -21,7 +21,7 @@ struct RunOptions {
 // A task whose worker or program was killed runs again, and fails at the fifth time. A worker that ended is started
 // again; one that does not come up three times is left out. Throws std::runtime_error where none is left, or a worker
 // refuses: another version, another scene.
-RunProgress run_tasks(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
-                      const RunOptions& options);
+StudyProgress run_tasks(const StudySettings& study, const std::vector<StudyTask>& tasks, Journal& journal,
+                        const RunOptions& options);
 
 }  // namespace soft_robot_lab

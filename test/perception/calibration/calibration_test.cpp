@@ -194,11 +194,11 @@ TEST(Calibration, RefusesBallsThatAreNotWhereTheyShouldBe) {
   expect_refused([&] { calibrate_by_balls(view, placement); }, "do not fit");
 }
 
-std::vector<SeenMarker> markers_seen_from(const CameraPose& pose) {
-  std::vector<SeenMarker> markers;
+std::vector<CalibrationMarker> markers_seen_from(const CameraPose& pose) {
+  std::vector<CalibrationMarker> markers;
   for (const Eigen::Vector3d& expected_m :
        {Eigen::Vector3d(0.02, -0.02, -0.02), {-0.02, -0.02, -0.03}, {0, -0.03, -0.06}, {0.02, 0.01, -0.1}}) {
-    SeenMarker marker;
+    CalibrationMarker marker;
     marker.name = "marker_" + std::to_string(markers.size());
     marker.expected_m = expected_m;
     marker.in_camera_m = pose.world_from_camera.inverse() * expected_m;
@@ -210,7 +210,7 @@ std::vector<SeenMarker> markers_seen_from(const CameraPose& pose) {
 
 TEST(Calibration, FindsACameraByTheRobotsMarkers) {
   const CameraPose pose = some_pose("left", -0.2);
-  std::vector<SeenMarker> markers = markers_seen_from(pose);
+  std::vector<CalibrationMarker> markers = markers_seen_from(pose);
   const CameraCalibration calibration = calibrate_by_markers("left", markers, 0.002);
   EXPECT_TRUE(calibration.pose.world_from_camera.isApprox(pose.world_from_camera, 1e-9));
   EXPECT_EQ(calibration.seen.back(), "marker_3");

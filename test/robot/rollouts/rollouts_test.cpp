@@ -10,8 +10,8 @@
 #include "robot/rollouts/npz.h"
 #include "robot/rollouts/rollout_commands.h"
 #include "robot/rollouts/rollout_file.h"
+#include "robot/scene/cabled_bar.h"
 #include "run_program.h"
-#include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/rollouts/batch.h"
 
 namespace soft_robot_lab {
@@ -21,26 +21,12 @@ const std::string kNewton = "solver: {time_step_s: 0.05}\n";
 const std::string kReduced =
     "solver: {time_step_s: 0.05, method: reduced, tolerance_m: 3.0e-4, commands: {left: [0.9, 1]}}\n";
 
-// One folder, so that a model is trained once.
 class RolloutsOfABar : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = new SceneFolder;
-    folder_->write("coarse.yaml", R"(include: bar.yaml
-body: {element_size_m: 0.03}
-cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], sheath_radius_m: 0.001, plug_radius_m: 0.003}]
-)");
-  }
+  static void SetUpTestSuite() { folder_ = new CabledBar; }
   static void TearDownTestSuite() { delete folder_; }
 
-  static Scene load(const std::string& solver) {
-    SceneOptions options;
-    options.mesher = SOFT_ROBOT_LAB_MESHER;
-    options.cache_folder = folder_->path("cache");
-    options.actuator_factory = make_actuator;
-    options.knows_reduced = true;
-    return load_scene(folder_->write("scene.yaml", "include: coarse.yaml\n" + solver), options);
-  }
+  static Scene load(const std::string& solver) { return folder_->load(solver); }
 
   static RolloutPlan random_plan(const Scene& scene, int rollouts) {
     const CommandBox box{{0.9}, {1.0}};
@@ -49,9 +35,9 @@ cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], sheath_radiu
 
   static Outcome run(const std::string& arguments) { return run_program(SOFT_ROBOT_LAB_ROLLOUTS, *folder_, arguments); }
 
-  static SceneFolder* folder_;
+  static CabledBar* folder_;
 };
-SceneFolder* RolloutsOfABar::folder_ = nullptr;
+CabledBar* RolloutsOfABar::folder_ = nullptr;
 
 void expect_equal(const std::vector<RunReport>& one, const std::vector<RunReport>& other) {
   ASSERT_EQ(one.size(), other.size());
@@ -68,7 +54,7 @@ TEST_F(RolloutsOfABar, AreTheSameToTheLastBitInSeveralThreads) {
     SCOPED_TRACE(solver);
     const Scene scene = load(solver);
     const RolloutPlan plan = random_plan(scene, 7);
-    const Batch batch(scene);
+    const RolloutBatch batch(scene);
     const std::vector<RunReport> alone = batch.run(plan, 1), together = batch.run(plan, 3);
     expect_equal(alone, together);
     EXPECT_NE(alone[0].trajectory.markers_m.back(), alone[1].trajectory.markers_m.back());
@@ -81,9 +67,9 @@ TEST_F(RolloutsOfABar, DoNotHangOnThoseBefore) {
     SCOPED_TRACE(solver);
     const Scene scene = load(solver);
     RolloutPlan plan = random_plan(scene, 3);
-    const std::vector<RunReport> all = Batch(scene).run(plan, 1);
+    const std::vector<RunReport> all = RolloutBatch(scene).run(plan, 1);
     plan.rollouts = {plan.rollouts[2]};
-    expect_equal(Batch(scene).run(plan, 1), {all[2]});
+    expect_equal(RolloutBatch(scene).run(plan, 1), {all[2]});
   }
 }
 
@@ -93,14 +79,14 @@ TEST_F(RolloutsOfABar, OfAReducedModelAreThoseOfARunOfTheScene) {
   Scene one =
       load(kReduced +
            "run: {mode: dynamic, duration_s: 1, commands: [{time_s: 0, left: 0.92}, {time_s: 0.5, left: 0.97}]}\n");
-  expect_equal(Batch(scene).run(plan, 2), {run_scene(one)});
+  expect_equal(RolloutBatch(scene).run(plan, 2), {run_scene(one)});
 }
 
 TEST_F(RolloutsOfABar, GoOnByNewtonBeyondWhatWasTrainedAndSaySo) {
   const Scene scene = load(kReduced);
   RolloutPlan plan{0.5, 0.0, {{{0.0, {{"left", 0.95}}}}, {{0.0, {{"left", 0.95}}}, {0.25, {{"left", 0.8}}}}}};
   plan.rollouts.push_back(plan.rollouts[0]);
-  const std::vector<RunReport> reports = Batch(scene).run(plan, 1);
+  const std::vector<RunReport> reports = RolloutBatch(scene).run(plan, 1);
   EXPECT_FALSE(reports[0].left_reduced);
   EXPECT_TRUE(reports[1].left_reduced);
   ASSERT_FALSE(reports[1].solve.warnings.empty());
@@ -112,7 +98,7 @@ TEST_F(RolloutsOfABar, GoOnByNewtonBeyondWhatWasTrainedAndSaySo) {
 TEST_F(RolloutsOfABar, StopWhereTheCallerWantsNoMore) {
   const Scene scene = load(kNewton);
   const std::vector<RunReport> reports =
-      Batch(scene).run(random_plan(scene, 5), 1, [](std::size_t ended) { return ended < 2; });
+      RolloutBatch(scene).run(random_plan(scene, 5), 1, [](std::size_t ended) { return ended < 2; });
   EXPECT_FALSE(reports[1].trajectory.time_s.empty());
   EXPECT_TRUE(reports[2].trajectory.time_s.empty());
 }
@@ -121,7 +107,7 @@ TEST_F(RolloutsOfABar, RefuseBadPlansBeforeAnythingMoves) {
   const Scene scene = load(kNewton);
   const auto refusal = [&](RolloutPlan plan, int threads) -> std::string {
     try {
-      Batch(scene).run(plan, threads);
+      RolloutBatch(scene).run(plan, threads);
     } catch (const std::invalid_argument& error) {
       return error.what();
     }

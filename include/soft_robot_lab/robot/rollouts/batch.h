@@ -23,9 +23,9 @@ struct RolloutPlan {
 
 // One model, which all threads share; a state and a workspace for each thread. A scene with a reduced model runs on
 // that one, as run_scene does: on what it does not know newton goes on, with a warning in the report.
-class Batch {
+class RolloutBatch {
  public:
-  explicit Batch(const Scene& scene);
+  explicit RolloutBatch(const Scene& scene);
 
   // How many rollouts have ended; false starts no more. Called by one thread at a time.
   using Progress = std::function<bool(std::size_t ended)>;

@@ -68,7 +68,7 @@ BulletSettings read_settings(const std::string& text) {
 int run(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
-  options.overrides = arguments.overrides;
+  if (!arguments.overrides.empty()) options.overrides = Overrides(YamlNode::parse(arguments.overrides, "--overrides"));
   options.mesher = arguments.mesher;
   Scene scene = load_scene(arguments.scene, options);
   if (!scene.run.commands.empty()) {

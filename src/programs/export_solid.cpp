@@ -39,9 +39,9 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.footer("Exit status: 0 written, 2 bad file or arguments.");
 }
 
-std::string stl_of(const std::string& solid_yaml, double largest_edge_m) {
+std::string stl_of(const Solid& solid, double largest_edge_m) {
   SurfaceRequest request;
-  request.solid_yaml = solid_yaml;
+  request.solid = solid;
   request.largest_edge_m = largest_edge_m;
   return binary_stl(read_off(surface_file_for(request, {})), "soft_robot_lab solid, millimetres");
 }
@@ -51,8 +51,8 @@ int write(const Arguments& arguments) {
   if (ending != ".stl" && ending != ".step")
     throw std::invalid_argument("--output: '" + arguments.output + "' must end with .stl or .step");
   const YamlNode robot =
-      merge_overrides(load_settings(arguments.robot), parameter_overrides(arguments.robot, arguments.set));
-  const std::string solid = to_yaml(read_solid(robot.child("body").child("solid")));
+      with_overrides(load_settings(arguments.robot), parameter_overrides(arguments.robot, arguments.set));
+  const Solid solid = read_solid(robot.child("body").child("solid"));
   const std::string content = ending == ".stl" ? stl_of(solid, arguments.largest_edge_m)
                                                : read_regular_file(step_file_for(solid, {}), kLargestFile_bytes);
   write_file(arguments.output, content);

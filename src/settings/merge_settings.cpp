@@ -8,15 +8,11 @@
 #include "words.h"
 
 namespace soft_robot_lab {
-namespace {
 
-// "[3]" is the place 3.
 std::optional<std::size_t> place_in_list(const std::string& key) {
   if (key.size() < 3 || key.front() != '[' || key.back() != ']') return std::nullopt;
   return parse_number<std::size_t>(key.substr(1, key.size() - 2));
 }
-
-}  // namespace
 
 // A deep copy, with the marks of what was read already.
 YamlNode YamlNode::Data::copy(const YamlNode& node) {

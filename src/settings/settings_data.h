@@ -2,7 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "soft_robot_lab/settings/yaml_node.h"
@@ -29,7 +33,8 @@ struct YamlNode::Data {
   int line = 1;  // counted from 1
   std::string path;
   std::string scalar;
-  bool quoted = false;  // "5" in quotes is text, not a number
+  std::optional<double> number;  // that a program made; `scalar` shows it
+  bool quoted = false;           // "5" in quotes is text, not a number
   std::vector<YamlNode> items;
   std::vector<Member> members;
   std::vector<std::string> asked;  // keys that a reader looked for, in that order
@@ -40,12 +45,23 @@ struct YamlNode::Data {
   static YamlNode change_named(const YamlNode& list, const YamlNode& overrides);
   static YamlNode change_placed(const YamlNode& list, const YamlNode& overrides);
 
+  // Nodes that a program makes (overrides.cpp) have no source until they are laid over a file's.
+  static YamlNode make(Data data) { return YamlNode(std::make_shared<Data>(std::move(data))); }
+  static Data of(Kind kind);
+  static YamlNode no_keys() { return make(of(Kind::map)); }
+  static YamlNode unread(const YamlNode& node);  // a copy; the node counts as read
+  static YamlNode with(const YamlNode& node, const std::vector<std::string>& path, std::size_t step,
+                       const YamlNode& value);
+  static YamlNode placed(const YamlNode& node, const std::string& source, const std::string& path);
+
   Member* find(const std::string& key) {
     if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);
     const auto found = std::find_if(members.begin(), members.end(), [&](const Member& m) { return m.key == key; });
     return found == members.end() ? nullptr : &*found;
   }
 };
+
+std::optional<std::size_t> place_in_list(const std::string& key);  // "[3]" is 3
 
 [[noreturn]] void fail_at(const std::string& source, int line, const std::string& path, const std::string& message);
 

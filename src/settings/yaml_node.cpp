@@ -110,7 +110,9 @@ Eigen::Vector3d YamlNode::vector3_or(const std::string& key, const Eigen::Vector
 
 double YamlNode::as_number(const AllowedRange& range) const {
   const std::string text = as_text();
-  const std::optional<double> value = data_->quoted ? std::nullopt : parse_number<double>(text);
+  const std::optional<double> value = data_->number   ? data_->number
+                                      : data_->quoted ? std::nullopt
+                                                      : parse_number<double>(text);
   if (!value || !std::isfinite(*value)) fail("'" + text + "' is not a finite number");
   if (!range.contains(*value)) fail(text + " is out of range " + range.to_string());
   return *value;

@@ -24,8 +24,8 @@ struct ExperimentContext {
   void report(double fraction, const std::string& what) const {
     if (progress) progress(fraction, what);
   }
-  // To load a scene with our actuators, `changes` laid over it.
-  SceneOptions scene_options(const std::string& overrides = "") const;
+  // To load a scene with our actuators, the overrides laid over it.
+  SceneOptions scene_options(const Overrides& overrides = {}) const;
   // The experiment's settings: config/experiments/NAME.yaml.
   std::string settings_file(const std::string& name) const { return config_folder + "/experiments/" + name + ".yaml"; }
 };

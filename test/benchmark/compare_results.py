@@ -21,6 +21,7 @@ import argparse
 import glob
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -124,7 +125,7 @@ def run(program, scene, seconds):
         result.get("solver", {}).pop("wall_s", None)
     except ValueError:
         result = {"stdout": done.stdout}
-    return {"exit": done.returncode, "stderr": done.stderr.replace(scene, "SCENE"), "result": result}
+    return {"exit": done.returncode, "stderr": re.sub(r"simulate: \d+ %.*\n", "", done.stderr).replace(scene, "SCENE"), "result": result}
 
 
 def differences(a, b, place=""):

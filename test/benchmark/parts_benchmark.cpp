@@ -10,6 +10,7 @@
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
 #include "smallest.h"
+#include "settings/overrides_from.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -26,7 +27,8 @@ void run(benchmark::State& state, const std::string& file, const std::string& ov
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.cache_folder = SOFT_ROBOT_LAB_CACHE;
   options.actuator_factory = make_actuator;
-  options.overrides = (overrides.find("markers") == std::string::npos ? "markers: []\n" : "") + overrides;
+  options.overrides =
+      overrides_from((overrides.find("markers") == std::string::npos ? "markers: []\n" : "") + overrides);
   Scene scene = load_scene(file, options);
   RunReport report = run_scene(scene);  // warm up
   for (auto _ : state) {

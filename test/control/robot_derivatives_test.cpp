@@ -10,6 +10,7 @@
 #include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/control/forward_model.h"
 #include "soft_robot_lab/robot/scene/scene.h"
+#include "settings/overrides_from.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -36,7 +37,7 @@ TEST_P(RobotDerivatives, AreThoseOfTheEquilibria) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.overrides = "solver: {tolerance: 1.0e-9}" + it.overrides;
+  options.overrides = overrides_from("solver: {tolerance: 1.0e-9}" + it.overrides);
   const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + it.robot + "/robot.yaml", options);
   std::vector<std::string> names;
   for (const auto& actuator : scene.simulation->actuators()) names.push_back(actuator->name());
@@ -74,7 +75,7 @@ TEST(Bubblebot, IsBroughtToAPlaceByTheGasInItsThreeChambers) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.overrides = kBubblebotByGas;
+  options.overrides = overrides_from(kBubblebotByGas);
   const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/bubblebot/robot.yaml", options);
   Simulation& simulation = *scene.simulation;
   ASSERT_TRUE(simulation.solve_equilibrium().converged);

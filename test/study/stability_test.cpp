@@ -105,7 +105,7 @@ TEST(Stability, ShowsWhatIsInTheWrongPlace) {
   StabilityBench bench = make_bench();
   const StabilityBody body = small_bodies().front();
   StabilityMethod linear;
-  linear.body_overrides = "body: {element: linear}";
+  linear.body_overrides.set({"body", "element"}, "linear");
   linear.equilibrium = true;
   const HardCase incompressible = hard_cases(true).front();
   const StabilityCell cell = bench.run(body, linear, incompressible);

@@ -14,7 +14,7 @@ const std::string kConfig = SOFT_ROBOT_LAB_SOURCE "/config/";
 const std::string kRobot = kConfig + "robots/tentacle/robot.yaml";
 const std::string kData = kConfig + "reference/tentacle/single_tendon_1.json";
 
-SceneOptions options_with(const std::string& overrides) {
+SceneOptions options_with(const Overrides& overrides) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;

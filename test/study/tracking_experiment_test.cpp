@@ -19,7 +19,7 @@ TrackingScore track_spinebot(const SensorModel& sensor, const DepthSettings& dep
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.overrides = "solver: {time_step_s: 0.0166667}";
+  options.overrides.set({"solver", "time_step_s"}, 0.0166667);
   const Scene scene = load_scene(kConfig + "robots/spinebot/robot.yaml", options);
   Simulation& simulation = *scene.simulation;
   const auto moments = move_through(simulation, {{0.8, 1.1}, {1, 1}}, 4 / kRate_hz + 1e-9, kRate_hz);

@@ -87,6 +87,8 @@ class YamlNode {
   explicit YamlNode(std::shared_ptr<Data> data);
   std::shared_ptr<Data> data_;
   friend YamlNode merge_settings(const YamlNode& base, const YamlNode& overlay);
+  friend class OverrideValue;  // overrides.h
+  friend class Overrides;
 };
 
 // The base with the overlay's keys over it: maps merge key by key, everything else replaces. So does a map that names a

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "drive_play.h"
-#include "fit_parameters.h"
 #include "pose_model.h"
 #include "simulated_now.h"
 
@@ -44,7 +43,7 @@ class TwoPaces {
 
  private:
   static Scene load(const std::string& scene, SceneOptions options, double step_s) {
-    options.overrides = merge(options.overrides, "solver: {time_step_s: " + text_of(step_s) + "}\n");
+    options.overrides.set({"solver", "time_step_s"}, step_s);
     return load_scene(scene, options);
   }
 

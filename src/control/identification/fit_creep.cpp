@@ -18,9 +18,9 @@ constexpr double kSettled_s = 1.0;       // after the drives stood: what swings 
 constexpr double kLogarithmStep = 0.02;  // of a logarithm
 constexpr int kMostIterations = 10;
 
-std::string with_creep(const std::string& overrides, const Eigen::VectorXd& values) {
-  return merge(overrides, "body: {hysteresis: {stiffness_ratio: " + text_of(values[0]) +
-                              ", relaxation_time_s: " + text_of(values[1]) + "}}\n");
+Overrides with_creep(Overrides overrides, const Eigen::VectorXd& values) {
+  return overrides.set({"body", "hysteresis", "stiffness_ratio"}, values[0])
+      .set({"body", "hysteresis", "relaxation_time_s"}, values[1]);
 }
 
 const MeasuredMarker* find_marker(const MarkersAt& seen, const std::string& name) {

@@ -22,7 +22,7 @@ constexpr double kMostExtent = 3.0, kMostTempo = 1.2;       // or its inverse
 constexpr double kDelaySize_s = 0.01, kPlaceSize_m = 1e-3;  // what counts as a change of about one
 
 SceneOptions with_damping(SceneOptions options, double damping_s) {
-  options.overrides = merge(options.overrides, "body: {damping: {rayleigh_stiffness_s: " + text_of(damping_s) + "}}\n");
+  options.overrides.set({"body", "damping", "rayleigh_stiffness_s"}, damping_s);
   return options;
 }
 

@@ -8,8 +8,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "soft_robot_lab/settings/yaml_node.h"
-
 namespace soft_robot_lab {
 namespace {
 
@@ -21,21 +19,23 @@ const char* const kBacklash = "backlash_m";
 
 constexpr double kCableCompliance = 1.0e-5;  // of a scene that says none (actuators/cable.h)
 
-std::string material_yaml(const Material& material, double youngs_modulus_pa, double density_kg_m3) {
+Overrides changed(const Material& material, double youngs_modulus_pa, double density_kg_m3) {
   const double grown = youngs_modulus_pa / material.youngs_modulus_pa;
-  const std::string rest =
-      ", poissons_ratio: " + text_of(material.poissons_ratio) + ", density_kg_m3: " + text_of(density_kg_m3) + "}}\n";
+  Overrides keys;
   switch (material.model) {
     case MaterialModel::mooney_rivlin:
-      return "body: {material: {model: mooney_rivlin, c10_pa: " + text_of(grown * material.c10_pa()) +
-             ", c01_pa: " + text_of(grown * material.c01_pa) + rest;
+      keys.set({"model"}, "mooney_rivlin").set({"c10_pa"}, grown * material.c10_pa());
+      keys.set({"c01_pa"}, grown * material.c01_pa);
+      break;
     case MaterialModel::yeoh:
-      return "body: {material: {model: yeoh, c1_pa: " + text_of(grown * material.c10_pa()) +
-             ", c2_pa: " + text_of(grown * material.c2_pa) + ", c3_pa: " + text_of(grown * material.c3_pa) + rest;
+      keys.set({"model"}, "yeoh").set({"c1_pa"}, grown * material.c10_pa());
+      keys.set({"c2_pa"}, grown * material.c2_pa).set({"c3_pa"}, grown * material.c3_pa);
+      break;
     case MaterialModel::neo_hookean:
+      keys.set({"model"}, "neo_hookean").set({"youngs_modulus_pa"}, youngs_modulus_pa);
       break;
   }
-  return "body: {material: {model: neo_hookean, youngs_modulus_pa: " + text_of(youngs_modulus_pa) + rest;
+  return keys.set({"poissons_ratio"}, material.poissons_ratio).set({"density_kg_m3"}, density_kg_m3);
 }
 
 Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
@@ -51,18 +51,9 @@ std::string text_of(double value) {
   return text.str();
 }
 
-std::string merge(const std::string& base, const std::string& top) {
-  if (base.empty() || top.empty()) return base + top;
-  const YamlNode merged = merge_settings(YamlNode::parse(base, "overrides"), YamlNode::parse(top, "fit"));
-  std::string text;
-  for (const std::string& key : merged.keys()) text += key + ": " + merged.child(key).dump() + "\n";
-  return text;
-}
-
 SceneOptions weighed(const std::string& scene, SceneOptions options, double mass_kg) {
   const double volume_m3 = volume(load_scene(scene, options).simulation->body().mesh());
-  const std::string density_kg_m3 = text_of(mass_kg / volume_m3);
-  options.overrides = merge(options.overrides, "body: {material: {density_kg_m3: " + density_kg_m3 + "}}\n");
+  options.overrides.set({"body", "material", "density_kg_m3"}, mass_kg / volume_m3);
   return options;
 }
 
@@ -84,8 +75,8 @@ FitParameters::FitParameters(const std::string& scene, const SceneOptions& optio
 }
 
 double FitParameters::present(const std::string& cable, const std::string& key, double otherwise) const {
-  const std::optional<std::string> value = cables_.value(cable, key);
-  return value ? YamlNode::parse(*value, cable + "." + key).as_number() : otherwise;
+  const std::optional<YamlNode> value = cables_.value(cable, key);
+  return value ? value->as_number() : otherwise;
 }
 
 void FitParameters::add(const FitParameter& asked, const std::string& cable) {
@@ -149,7 +140,7 @@ void FitParameters::add_of_cables(const FitParameter& asked, const std::string& 
   const std::string& key = asked.name;
   const std::vector<std::string> all = cable.empty() ? cables_.names() : std::vector<std::string>{cable};
   if (all.empty()) throw std::invalid_argument("parameters: " + key + ": the scene has no cables");
-  if (!cable.empty()) SceneCables(cables_).set(cable, key, "0");  // refuses unknown names
+  if (!cable.empty()) cables_.require_known(cable);
   std::vector<std::vector<std::string>> groups = {all};
   const bool one_each = key == "length_offset_m" || key == kBacklash;
   if (one_each) {
@@ -216,8 +207,8 @@ FitNumber FitParameters::with_bounds(FitNumber number, const FitParameter& asked
   return number;
 }
 
-std::string FitParameters::overrides(const Eigen::VectorXd& values) const {
-  SceneCables cables = cables_;
+Overrides FitParameters::overrides(const Eigen::VectorXd& values) const {
+  Overrides overrides = base_overrides_;
   std::optional<double> modulus_pa, density_kg_m3;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     const FitNumber& number = numbers_[i];
@@ -226,15 +217,14 @@ std::string FitParameters::overrides(const Eigen::VectorXd& values) const {
     if (number.kind == FitNumber::Kind::density) density_kg_m3 = value;
     if (number.kind != FitNumber::Kind::of_cables) continue;
     for (const std::string& cable : number.cables) {
-      cables.set(cable, number.key, text_of(value));
-      if (number.key == "friction_coefficient") cables.set(cable, "model", "friction");
+      overrides.set({"cables", cable, number.key}, value);
+      if (number.key == "friction_coefficient") overrides.set({"cables", cable, "model"}, "friction");
     }
   }
-  std::string text;
   if (modulus_pa || density_kg_m3)
-    text = material_yaml(material_, modulus_pa.value_or(material_.youngs_modulus_pa),
-                         density_kg_m3.value_or(material_.density_kg_m3));
-  return merge(base_overrides_, text + cables.yaml());
+    overrides.set({"body", "material"}, changed(material_, modulus_pa.value_or(material_.youngs_modulus_pa),
+                                                density_kg_m3.value_or(material_.density_kg_m3)));
+  return overrides;
 }
 
 std::map<std::string, double> FitParameters::backlash_m(const Eigen::VectorXd& values) const {

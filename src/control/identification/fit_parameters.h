@@ -25,9 +25,6 @@ struct FitNumber {
   double size = 1.0;  // what counts as a change of about one
 };
 
-// YAML text over YAML text, as a file over one that it includes.
-std::string merge(const std::string& base, const std::string& top);
-
 // Twelve digits, in the "C" locale.
 std::string text_of(double value);
 
@@ -44,7 +41,7 @@ class FitParameters {
   const std::optional<FitNumber>& damping() const { return damping_; }
   const std::vector<FitNumber>& creep() const { return creep_; }  // stiffness ratio and relaxation time, or none
 
-  std::string overrides(const Eigen::VectorXd& values) const;  // with those of the scene's options
+  Overrides overrides(const Eigen::VectorXd& values) const;  // with those of the scene's options
   Eigen::Isometry3d measured_from_base(const Eigen::VectorXd& values) const;
   std::map<std::string, double> backlash_m(const Eigen::VectorXd& values) const;  // by cable
   // d measured marker / d number, each in its `size`, at a point of robot_base; `by_model` are the columns of the
@@ -70,7 +67,7 @@ class FitParameters {
   double present(const std::string& cable, const std::string& key, double otherwise) const;
   Eigen::Matrix<double, 6, 1> camera(const Eigen::VectorXd& values) const;
 
-  std::string base_overrides_;
+  Overrides base_overrides_;
   Material material_;
   SceneCables cables_;
   std::vector<FitNumber> numbers_;

@@ -46,7 +46,7 @@ void write_fitted_scene(const FitResult& result, const std::string& scene, const
   for (const auto& [cable, backlash_m] : result.backlash_m)
     out << "# Backlash of " << cable << "'s drive: " << backlash_m
         << " m; by its step_m it is the motor's backlash_steps, and a scene does not hold it.\n";
-  out << "include: \"" << path_from(file, scene) << "\"\n" << result.overrides;
+  out << "include: \"" << path_from(file, scene) << "\"\n" << result.overrides.text();
   write_file(file, out.str());
 }
 

@@ -52,7 +52,7 @@ PoseModel::PoseModel(std::string scene, SceneOptions options, const std::vector<
   }
 }
 
-std::vector<PosePrediction> PoseModel::predict(const std::string& overrides, const Parameters& parameters,
+std::vector<PosePrediction> PoseModel::predict(const Overrides& overrides, const Parameters& parameters,
                                                const std::map<std::string, double>& backlash_m) {
   SceneOptions options = options_;
   options.overrides = overrides;

@@ -30,7 +30,7 @@ class PoseModel {
   // With the changes laid over the scene. `parameters` may be empty: no derivatives; those of key backlash_m are of one
   // cable's drive. Throws std::runtime_error where a pose has no stable equilibrium, std::invalid_argument for backlash
   // of what commands no length.
-  std::vector<PosePrediction> predict(const std::string& overrides, const Parameters& parameters = {},
+  std::vector<PosePrediction> predict(const Overrides& overrides, const Parameters& parameters = {},
                                       const std::map<std::string, double>& backlash_m = {});
 
  private:

@@ -23,9 +23,9 @@ Surface surface_of_mesh(TetMesh mesh) {
   return make_surface(mesh.nodes_m, mesh.faces.topRows(3));
 }
 
-Surface surface_of_body(const std::string& solid_yaml, const MesherOptions& options) {
+Surface surface_of_body(const Solid& solid, const MesherOptions& options) {
   SurfaceRequest request;
-  request.solid_yaml = solid_yaml;
+  request.solid = solid;
   request.edges_across = kEdgesAcross;
   return read_off(surface_file_for(request, options));
 }
@@ -62,7 +62,7 @@ CastRobotFile read_blocks(const YamlNode& settings, const SceneOptions& options)
   file.settings = read_casting_settings(settings);
   file.mesher = mesher_options(options);
   const YamlNode body = settings.child("body");
-  if (body.has("solid")) file.solid_yaml = to_yaml(read_solid(body.child("solid")));
+  if (body.has("solid")) file.solid = read_solid(body.child("solid"));
   file.robot.sheaths = read_sheaths(settings, file.settings.sheath.radius_m);
   return file;
 }
@@ -82,29 +82,27 @@ void refuse_unknown_blocks(const YamlNode& settings) {
 CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& options) {
   const Scene scene = load_scene(path, options);
   const Body& body = scene.simulation->body();
-  const YamlNode settings = merge_overrides(YamlNode::load_file(path), options.overrides);
+  const YamlNode settings = with_overrides(YamlNode::load_file(path), options.overrides);
   const YamlNode section = settings.child("body");
   if (!body.one_material() || body.mesh().bodies.size() > 1) refuse_several(section);
   CastRobotFile file = read_blocks(settings, options);
-  file.robot.surface = in_section(section, [&] {
-    return file.solid_yaml.empty() ? surface_of_mesh(body.mesh()) : surface_of_body(file.solid_yaml, file.mesher);
-  });
+  file.robot.surface = in_section(
+      section, [&] { return file.solid ? surface_of_body(*file.solid, file.mesher) : surface_of_mesh(body.mesh()); });
   take_material(body.material(), file.robot);
   file.robot.mesh_qualities = volume_length_qualities(body.mesh().nodes_m, body.mesh().tets);
   return file;
 }
 
 CastRobotFile load_cast_surface(const std::string& path, const SceneOptions& options) {
-  const YamlNode settings = merge_overrides(YamlNode::load_file(path), options.overrides);
+  const YamlNode settings = with_overrides(YamlNode::load_file(path), options.overrides);
   const YamlNode section = settings.child("body");
   refuse_unknown_blocks(settings);
   if (!section.has("solid")) section.fail("has no solid, whose surface could be judged alone");
   CastRobotFile file = read_blocks(settings, options);
-  if (settings.has("bodies") || !solids_with_material(read_solid(section.child("solid"))).empty())
-    refuse_several(section);
+  if (settings.has("bodies") || !solids_with_material(*file.solid).empty()) refuse_several(section);
   if (section.has("material")) take_material(read_material(section.child("material")), file.robot);
   if (settings.has("casting")) settings.child("casting").require_all_read();
-  file.robot.surface = in_section(section, [&] { return surface_of_body(file.solid_yaml, file.mesher); });
+  file.robot.surface = in_section(section, [&] { return surface_of_body(*file.solid, file.mesher); });
   return file;
 }
 
@@ -115,7 +113,7 @@ std::string robot_name(const std::string& path) {
 
 Surface surface_of_solid(const Solid& solid, double size_m, const MesherOptions& options) {
   SurfaceRequest request;
-  request.solid_yaml = to_yaml(solid);
+  request.solid = solid;
   request.largest_edge_m = size_m / kEdgesAcross;
   request.circle_segments = kRuleSegments;
   return read_off(surface_file_for(request, options));
@@ -136,13 +134,12 @@ MouldHeights heights_along(const Surface& surface, const Eigen::Vector3d& direct
 CastingVerdict check_casting(const CastRobotFile& file) {
   const std::vector<SheathPiece> pieces = pieces_on_shelves(file);
   if (pieces.empty()) return check_casting(file.robot, file.settings);
-  if (file.solid_yaml.empty()) throw std::invalid_argument("casting.sheath.shelf: a body.mesh has no shelves");
+  if (!file.solid) throw std::invalid_argument("casting.sheath.shelf: a body.mesh has no shelves");
   CastRobot robot = file.robot;
   const Eigen::Vector3d direction = way_out(robot.surface, file.settings);
   MouldHeights heights = heights_along(robot.surface, direction);
   heights.floor_m -= kBelow_m;
-  const Solid solid = less_swept_sheaths(read_solid(YamlNode::parse(file.solid_yaml, "body.solid")), pieces, direction,
-                                         heights, file.settings.sheath.clearance_m);
+  const Solid solid = less_swept_sheaths(*file.solid, pieces, direction, heights, file.settings.sheath.clearance_m);
   robot.shelved = surface_of_solid(solid, robot.surface.size_m(), file.mesher);
   return check_casting(robot, file.settings);
 }

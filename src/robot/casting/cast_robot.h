@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "check_casting.h"
@@ -13,8 +14,8 @@ namespace soft_robot_lab {
 struct CastRobotFile {
   CastRobot robot;
   CastingSettings settings;
-  std::string solid_yaml;  // empty: its body is a mesh
-  MesherOptions mesher;    // that made the surface
+  std::optional<Solid> solid;  // none: its body is a mesh
+  MesherOptions mesher;        // that made the surface
 };
 
 // Reads a robot's file as a scene, with its strict keys, and the surface of its body: its solid's, or its mesh's where

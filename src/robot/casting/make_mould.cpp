@@ -19,7 +19,7 @@ constexpr double kSmallestEdge_m = 4e-4;  // a bore of 0.5 mm radius is off by 0
 
 Surface mesh_piece(const Solid& solid, double largest_edge_m, const MesherOptions& options) {
   SurfaceRequest request;
-  request.solid_yaml = to_yaml(solid);
+  request.solid = solid;
   request.largest_edge_m = largest_edge_m;
   request.circle_segments = kCircleSegments;
   request.smallest_edge_m = std::min(kSmallestEdge_m, largest_edge_m);

@@ -42,9 +42,9 @@ bool holds_stl(const Solid& solid) {
   return solid.kind == Solid::Kind::stl_file || std::any_of(solid.parts.begin(), solid.parts.end(), holds_stl);
 }
 
-Solid robot_solid(const std::string& solid_yaml) {
-  if (solid_yaml.empty()) throw std::invalid_argument("body.mesh: a mould needs body.solid");
-  Solid solid = read_solid(YamlNode::parse(solid_yaml, "body.solid"));
+Solid robot_solid(const CastRobotFile& file) {
+  if (!file.solid) throw std::invalid_argument("body.mesh: a mould needs body.solid");
+  Solid solid = *file.solid;
   if (holds_stl(solid)) throw std::invalid_argument("body.solid.stl: a mould needs shapes or STEP");
   forget_names(solid);
   return solid;
@@ -332,7 +332,7 @@ Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops)
 }
 
 MouldPlan plan_mould(const CastRobotFile& file, const CastingVerdict& verdict) {
-  const Solid solid = robot_solid(file.solid_yaml);
+  const Solid solid = robot_solid(file);
   const MouldSettings& mould = file.settings.mould;
   const auto printable = [&](const MouldPlan& plan) { return require_printable(plan, mould), plan; };
   if (verdict.castable) return printable(plan_one_part(file, solid, verdict));

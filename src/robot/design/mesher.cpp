@@ -34,7 +34,7 @@ void check_size(const std::string& key, double value) {
 }
 
 void check_request(const MeshRequest& request) {
-  if (request.solid_yaml.empty() == request.mesh_file.empty()) {
+  if (request.solid.has_value() != request.mesh_file.empty()) {
     throw std::invalid_argument("a mesh request needs either a solid or a mesh file");
   }
   check_size("element_size_m", request.element_size_m);
@@ -61,7 +61,7 @@ std::string request_text(const MeshRequest& request) {
     text << "mesh_file: " << single_quoted(fs::absolute(request.mesh_file)) << "\n";
     return text.str();
   }
-  text << "solid: " << request.solid_yaml << "\nelement_size_m: " << request.element_size_m
+  text << "solid: " << to_yaml(*request.solid) << "\nelement_size_m: " << request.element_size_m
        << "\nquadratic: " << (request.quadratic ? "true" : "false")
        << "\nrefinements:" << (request.refinements.empty() ? " []" : "") << "\n";
   for (const MeshRefinement& r : request.refinements) {
@@ -82,11 +82,6 @@ std::string request_text(const MeshRequest& request) {
 void collect_files(const Solid& solid, std::vector<std::string>& files) {
   if (!solid.file.empty()) files.push_back(solid.file);
   for (const Solid& part : solid.parts) collect_files(part, files);
-}
-
-std::vector<std::string> referenced_files(const MeshRequest& request, const std::string& text) {
-  if (!request.mesh_file.empty()) return {request.mesh_file};
-  return referenced_files(read_solid(YamlNode::parse(text, "mesh request").child("solid")));
 }
 
 std::string cache_key(const std::string& text, const std::vector<std::string>& files) {
@@ -178,8 +173,9 @@ std::string run_mesher(const std::string& text, const std::vector<std::string>& 
 
 std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options) {
   check_request(request);
-  const std::string text = request_text(request);
-  return run_mesher(text, referenced_files(request, text), kEnding, options);
+  const std::vector<std::string> files =
+      request.solid ? referenced_files(*request.solid) : std::vector<std::string>{request.mesh_file};
+  return run_mesher(request_text(request), files, kEnding, options);
 }
 
 }  // namespace soft_robot_lab

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <tuple>
 #include <utility>
 
 namespace soft_robot_lab {
@@ -287,6 +288,15 @@ Solid read_solid(const YamlNode& node) {
     readers[static_cast<size_t>(solid.kind)](shape, solid);
   }
   return solid;
+}
+
+bool same_solid(const Solid& a, const Solid& b) {
+  const auto shape = [](const Solid& one) {
+    return std::tie(one.kind, one.name, one.size_m, one.center_m, one.start_m, one.end_m, one.radius_m,
+                    one.end_radius_m, one.polygon_m, one.z_m, one.axis, one.angle_deg, one.by_m, one.factor, one.count,
+                    one.file);
+  };
+  return shape(a) == shape(b) && std::equal(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end(), same_solid);
 }
 
 std::string to_yaml(const Solid& solid) {

@@ -32,7 +32,7 @@ std::string surface_file_for(const SurfaceRequest& request, const MesherOptions&
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text.precision(17);
-  text << "solid: " << request.solid_yaml << "\nsurface: {";
+  text << "solid: " << to_yaml(request.solid) << "\nsurface: {";
   if (request.edges_across > 0)
     text << "edges_across: " << request.edges_across;
   else
@@ -40,13 +40,11 @@ std::string surface_file_for(const SurfaceRequest& request, const MesherOptions&
   text << ", circle_segments: " << request.circle_segments;
   if (request.smallest_edge_m > 0) text << ", smallest_edge_m: " << request.smallest_edge_m;
   text << "}\n";
-  const Solid solid = read_solid(YamlNode::parse(request.solid_yaml, "surface request"));
-  return run_mesher(text.str(), referenced_files(solid), ".off", options);
+  return run_mesher(text.str(), referenced_files(request.solid), ".off", options);
 }
 
-std::string step_file_for(const std::string& solid_yaml, const MesherOptions& options) {
-  const Solid solid = read_solid(YamlNode::parse(solid_yaml, "STEP request"));
-  return run_mesher("solid: " + solid_yaml + "\nstep: true\n", referenced_files(solid), ".step", options);
+std::string step_file_for(const Solid& solid, const MesherOptions& options) {
+  return run_mesher("solid: " + to_yaml(solid) + "\nstep: true\n", referenced_files(solid), ".step", options);
 }
 
 }  // namespace soft_robot_lab

@@ -9,7 +9,7 @@
 namespace soft_robot_lab {
 
 struct SurfaceRequest {
-  std::string solid_yaml;        // as MeshRequest's
+  Solid solid;
   double largest_edge_m = 0.01;  // > 0
   double edges_across = 0;       // [0, 1000]; above 0 the largest edge is this share of the diagonal of the solid's box
   int circle_segments = 48;      // [6, 360]: edges around a full circle
@@ -22,6 +22,6 @@ struct SurfaceRequest {
 std::string surface_file_for(const SurfaceRequest& request, const MesherOptions& options);
 
 // The path of a STEP file of a solid, in millimetres. An STL body has none. Throws as mesh_file_for does.
-std::string step_file_for(const std::string& solid_yaml, const MesherOptions& options);
+std::string step_file_for(const Solid& solid, const MesherOptions& options);
 
 }  // namespace soft_robot_lab

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <sstream>
 
 #include <Eigen/Geometry>
 
@@ -15,9 +14,7 @@ namespace soft_robot_lab {
 namespace {
 
 // Part of every key of the cache: raise it when another choice or estimate would be made of the same scene.
-constexpr const char* kVersion = "soft_robot_lab fidelity 1";
-// Whatever solver a scene names: all of them find the same rest states and motions, this one soonest.
-constexpr const char* kMethod = "solver: {method: newton}";
+constexpr const char* kVersion = "soft_robot_lab fidelity 2";
 constexpr double kOutlineSize_m = 10.0;  // larger than any robot: a mesh as coarse as the solid allows
 constexpr double kExpectedOrder = 1.5;   // of the mesh error, to guess the next size; a wrong guess costs a rung
 constexpr double kLeastShrinking = 0.8;  // of the size, from rung to rung
@@ -25,15 +22,18 @@ constexpr double kMostShrinking = 0.5;
 constexpr double kWorthTrying = 1.15;  // more nodes than the rung before: small features may rule the mesh
 constexpr double kShareOfTime = 0.5;   // of the tolerance, in a dynamic run
 
-std::string body_choice(double size_m) {
-  std::ostringstream text;
-  text << "body: {element: quadratic, element_size_m: " << size_m << "}";
-  return text.str();
+// Whatever solver a scene names: all of them find the same rest states and motions, this one soonest.
+Overrides newton() { return Overrides().set({"solver", "method"}, "newton"); }
+
+YamlNode outline_of(const YamlNode& settings) {
+  return overrides_of(FidelityChoice{kOutlineSize_m, {}}).over(settings);
 }
 
+// The number that three digits say: a quotient of whole numbers.
 double three_digits(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
-  return std::round(value / unit) * unit;
+  const double digits = 2.0 - std::floor(std::log10(value));
+  return digits >= 0.0 ? std::round(value * std::pow(10.0, digits)) / std::pow(10.0, digits)
+                       : std::round(value / std::pow(10.0, -digits)) * std::pow(10.0, -digits);
 }
 
 // About two thicknesses: 4 volume / surface is the side of a long bar.
@@ -50,7 +50,7 @@ double coarsest_size_m(const TetMesh& outline) {
 }
 
 struct Rung {
-  std::string choice;
+  FidelityChoice choice;
   TetMesh mesh;
   MeshError error;
 };
@@ -61,14 +61,15 @@ class Ladder {
  public:
   Ladder(const YamlNode& settings, const FidelityRequest& request, const SceneOptions& options)
       : settings_(settings), request_(request), options_(options), given_(settings.child("body").has("mesh")) {
-    if (!given_) size_m_ = coarsest_size_m(read_mesh(merge(settings, body_choice(kOutlineSize_m)), options));
+    if (!given_) size_m_ = coarsest_size_m(read_mesh(outline_of(settings), options));
   }
 
   // The next finer rung, judged; none beyond the limit on nodes.
   std::optional<Rung> next() {
     while (!done_) {
-      Rung rung{given_ ? "body: {element: quadratic}" : body_choice(size_m_), {}, {}};
-      const YamlNode scene = merge(settings_, rung.choice);
+      Rung rung;
+      if (!given_) rung.choice.element_size_m = size_m_;
+      const YamlNode scene = overrides_of(rung.choice).over(settings_);
       rung.mesh = read_mesh(scene, options_);
       shrink(kLeastShrinking);
       done_ = given_ || rung.mesh.node_count() > request_.max_nodes;
@@ -125,7 +126,8 @@ class Ladder {
 
 void take(const Rung& rung, const TimeError& time, FidelityReport& report) {
   report.nodes = rung.mesh.node_count();
-  report.choice = rung.choice + "\nsolver: {method: newton" + (time.choice.empty() ? "" : ", " + time.choice) + "}\n";
+  report.choice = rung.choice;
+  report.choice->in_time = time.choice;
   report.trouble = rung.error.expected_m ? time.trouble : rung.error.trouble;
   if (!report.trouble.empty()) return;
   report.mesh_error_m = *rung.error.expected_m * time.amplification;
@@ -154,7 +156,7 @@ FidelityReport choose(const YamlNode& settings, const FidelityRequest& request, 
     // The error of a time step hardly depends on the mesh, so that the coarsest will do.
     if (known && !time)
       time = !dynamic ? TimeError{}
-                      : choose_time_step(merge(settings, rung->choice), rung->mesh, options,
+                      : choose_time_step(overrides_of(rung->choice).over(settings), rung->mesh, options,
                                          kShareOfTime * request.tolerance_m);
     const TimeError in_time = time.value_or(TimeError{});
     const double error_m = known ? *rung->error.expected_m * in_time.amplification + in_time.error_m : 0.0;
@@ -175,15 +177,15 @@ FidelityReport judge(const YamlNode& settings, bool dynamic, const SceneOptions&
   const TetMesh mesh = read_mesh(settings, options);
   const MeshError error = estimate_mesh_error(settings, mesh, options);
   const bool moves = dynamic && error.expected_m;
-  take({"", mesh, error}, moves ? estimate_time_error(settings, mesh, options) : TimeError{}, report);
-  report.choice.clear();
+  take({{}, mesh, error}, moves ? estimate_time_error(settings, mesh, options) : TimeError{}, report);
+  report.choice.reset();
   return report;
 }
 
 std::string content_key(const YamlNode& settings, const std::string& mesh_file) {
   ContentHash hash;
   hash.add(kVersion);
-  hash.add(merge(settings, "{}").dump());                          // of a copy: dumping counts as reading
+  hash.add(Overrides().over(settings).dump());                     // of a copy: dumping counts as reading
   hash.add(std::filesystem::path(mesh_file).filename().string());  // a hash of the files that the solid names
   return hash.hex();
 }
@@ -199,21 +201,30 @@ bool asks_for_motion(const YamlNode& settings, const YamlNode& place) {
 
 }  // namespace
 
-YamlNode merge(const YamlNode& settings, const std::string& overrides) {
-  return merge_settings(settings, YamlNode::parse(overrides, "chosen by fidelity"));
+Overrides overrides_of(const TimeStepChoice& choice) {
+  return Overrides()
+      .set({"solver", "integrator"}, choice.integrator == Integrator::bdf2 ? "bdf2" : "implicit_euler")
+      .set({"solver", "time_step_s"}, choice.time_step_s);
+}
+
+Overrides overrides_of(const FidelityChoice& choice) {
+  Overrides overrides = newton().set({"body", "element"}, "quadratic");
+  if (choice.element_size_m) overrides.set({"body", "element_size_m"}, *choice.element_size_m);
+  if (choice.in_time) overrides.lay(overrides_of(*choice.in_time));
+  return overrides;
 }
 
 std::optional<FidelityReport> settle_fidelity(const YamlNode& settings, const SceneOptions& options) {
   const std::optional<FidelityRequest> request = read_fidelity(settings);
   if (!request && !options.estimate_error) return std::nullopt;
   const bool dynamic = asks_for_motion(settings, request ? settings.child("fidelity") : settings);
-  const YamlNode outline = request ? merge(settings, body_choice(kOutlineSize_m)) : settings;
+  const YamlNode outline = request ? outline_of(settings) : settings;
   const std::string key = content_key(settings, mesh_file(outline, mesher_options(options)));
   const bool kept = !options.change_mesh;  // which the key does not know
   if (std::optional<FidelityReport> known; kept && (known = find_fidelity(key, options))) return known;
 
   const double start_s = cpu_time_s();
-  const YamlNode judged = merge(settings, kMethod);
+  const YamlNode judged = newton().over(settings);
   FidelityReport report = request ? choose(judged, *request, dynamic, options) : judge(judged, dynamic, options);
   report.left_out = left_out(settings, dynamic);
   report.cpu_s = cpu_time_s() - start_s;

@@ -61,8 +61,8 @@ MeshError estimate_mesh_error(const YamlNode& settings, const TetMesh& mesh, con
 struct TimeError {
   double error_m = 0.0;        // of the time step
   double amplification = 1.0;  // >= 1: how much more a mesh error shows in motion than at rest
-  std::string choice;          // "integrator: bdf2, time_step_s: 0.0083"; empty where nothing was chosen
-  std::string trouble;         // empty, or why there is no estimate
+  std::optional<TimeStepChoice> choice;
+  std::string trouble;  // empty, or why there is no estimate
 };
 
 // Of a dynamic run's first seconds (kStretch_s in time_error.cpp), on this mesh: step h against h / 2.
@@ -81,6 +81,7 @@ std::vector<std::string> left_out(const YamlNode& settings, bool dynamic);
 // Chooses and judges, or only judges; none where neither is asked for. Throws SettingsError.
 std::optional<FidelityReport> settle_fidelity(const YamlNode& settings, const SceneOptions& options);
 
-YamlNode merge(const YamlNode& settings, const std::string& overrides);
+Overrides overrides_of(const FidelityChoice& choice);
+Overrides overrides_of(const TimeStepChoice& choice);
 
 }  // namespace soft_robot_lab

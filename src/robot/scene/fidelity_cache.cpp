@@ -30,10 +30,8 @@ std::optional<FidelityReport> find_fidelity(const std::string& key, const SceneO
 void keep_fidelity(const std::string& key, const FidelityReport& report, const SceneOptions& options) {
   const ContentCache cache = cache_of(options);
   const WorkFolder work(cache.folder());
-  nlohmann::ordered_json json = fidelity_json(report);
-  json["cpu_s"] = report.cpu_s;
   const std::string part = work.file("fidelity.json");
-  write_file(part, json.dump(2) + "\n");
+  write_file(part, kept_json(report).dump(2) + "\n");
   cache.keep(part, key, kEnding);
 }
 

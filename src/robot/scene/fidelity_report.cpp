@@ -14,10 +14,35 @@ std::string millimetres(double metres) {
   return text.str();
 }
 
+const char* name_of(Integrator integrator) { return integrator == Integrator::bdf2 ? "bdf2" : "implicit_euler"; }
+
+// As it would stand in a scene.
+std::string text_of(const FidelityChoice& choice) {
+  std::ostringstream text;
+  text << "body: {element: quadratic";
+  if (choice.element_size_m) text << ", element_size_m: " << *choice.element_size_m;
+  text << "}\nsolver: {method: newton";
+  text.precision(17);
+  if (choice.in_time)
+    text << ", integrator: " << name_of(choice.in_time->integrator) << ", time_step_s: " << choice.in_time->time_step_s;
+  text << "}\n";
+  return text.str();
+}
+
 std::string listed(const std::vector<std::string>& items) {
   std::string text;
   for (const std::string& item : items) text += (text.empty() ? "" : "; ") + item;
   return text;
+}
+
+FidelityChoice choice_from_json(const nlohmann::ordered_json& json) {
+  FidelityChoice choice;
+  if (json.contains("element_size_m")) choice.element_size_m = json.at("element_size_m").get<double>();
+  if (json.contains("integrator"))
+    choice.in_time = {
+        json.at("integrator") == name_of(Integrator::bdf2) ? Integrator::bdf2 : Integrator::implicit_euler,
+        json.at("time_step_s").get<double>()};
+  return choice;
 }
 
 }  // namespace
@@ -27,7 +52,7 @@ std::vector<std::string> left_out(const YamlNode& settings, bool dynamic) {
   const auto unless = [&](bool used, const char* part) {
     if (!used) parts.emplace_back(part);
   };
-  const YamlNode scene = merge(settings, "{}");  // a copy: looking is not reading
+  const YamlNode scene = Overrides().over(settings);  // a copy: looking is not reading
   const std::optional<YamlNode> contact = scene.optional_child("contact");
   const bool touches =
       contact && (contact->boolean_or("self", false) || !contact->optional_sequence("obstacles").empty());
@@ -55,7 +80,7 @@ std::string summary(const FidelityReport& report) {
   std::ostringstream text;
   text << "expected error of the markers: " << expected_error_text(report) << "; " << report.nodes << " nodes, judged "
        << (report.from_cache ? "before" : "now") << " in " << report.cpu_s << " s\n";
-  if (!report.choice.empty()) text << "chosen:\n" << report.choice << "because: " << listed(report.reasons) << "\n";
+  if (report.choice) text << "chosen:\n" << text_of(*report.choice) << "because: " << listed(report.reasons) << "\n";
   text << "left out: " << listed(report.left_out) << "\n";
   return text.str();
 }
@@ -65,7 +90,7 @@ nlohmann::ordered_json fidelity_json(const FidelityReport& report) {
   if (report.tolerance_m > 0.0) {
     json["tolerance_m"] = report.tolerance_m;
     json["met"] = report.met;
-    json["choice"] = report.choice;
+    json["choice"] = report.choice ? text_of(*report.choice) : "";
     json["reasons"] = report.reasons;
   }
   json["nodes"] = report.nodes;
@@ -81,12 +106,26 @@ nlohmann::ordered_json fidelity_json(const FidelityReport& report) {
   return json;
 }
 
+nlohmann::ordered_json kept_json(const FidelityReport& report) {
+  nlohmann::ordered_json json = fidelity_json(report);
+  json["cpu_s"] = report.cpu_s;
+  if (!report.choice) return json;
+  nlohmann::ordered_json& chosen = json["chosen"];
+  chosen = nlohmann::ordered_json::object();
+  if (report.choice->element_size_m) chosen["element_size_m"] = *report.choice->element_size_m;
+  if (const auto& in_time = report.choice->in_time) {
+    chosen["integrator"] = name_of(in_time->integrator);
+    chosen["time_step_s"] = in_time->time_step_s;
+  }
+  return json;
+}
+
 FidelityReport fidelity_from_json(const nlohmann::ordered_json& json) {
   FidelityReport report;
   if (json.contains("tolerance_m")) {
     json.at("tolerance_m").get_to(report.tolerance_m);
     json.at("met").get_to(report.met);
-    json.at("choice").get_to(report.choice);
+    report.choice = choice_from_json(json.at("chosen"));
     json.at("reasons").get_to(report.reasons);
   }
   json.at("nodes").get_to(report.nodes);

@@ -14,7 +14,11 @@ constexpr int kMostJudged = 4;       // of a scene's rest states, those that mov
 constexpr double kUsualShare = 0.2;  // of pull, or of more gas, in a robot that no run commands
 // Newton iterations a stage on the finer mesh, which begins near its rest state: where it needs more, the coarse mesh
 // says little about it, and a finer one costs less than insisting.
-constexpr const char* kFineEffort = "solver: {max_iterations: 8}";
+constexpr int kFineIterations = 8;
+
+YamlNode with_little_effort(const YamlNode& settings) {
+  return Overrides().set({"solver", "max_iterations"}, kFineIterations).over(settings);
+}
 
 void command(Simulation& simulation, const std::vector<double>& commands) {
   for (size_t i = 0; i < commands.size(); ++i) simulation.set_command(simulation.actuators()[i]->name(), commands[i]);
@@ -116,7 +120,7 @@ MeshError estimate_mesh_error(const YamlNode& settings, const TetMesh& mesh, con
   if (states.empty()) return error;
 
   const Subdivision subdivision = subdivide(whole);
-  const Scene fine = build_scene(merge(settings, kFineEffort), subdivision.mesh, options);
+  const Scene fine = build_scene(with_little_effort(settings), subdivision.mesh, options);
   Simulation& simulation = *fine.simulation;
   const SimulationState start = simulation.state();
   double difference = 0.0;

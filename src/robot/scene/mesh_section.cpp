@@ -38,9 +38,9 @@ void name_chamber_solids(const YamlNode& scene, const std::string& body_name, So
   for (const YamlNode& chamber : scene.optional_sequence("chambers")) {
     const std::optional<YamlNode> surface = chamber.optional_child("surface");
     if (!surface || !surface->is_map() || chamber.text_or("body", kFirstBody) != body_name) continue;
-    const std::string wanted = to_yaml(read_solid(surface->child("solid")));
+    const Solid wanted = read_solid(surface->child("solid"));
     const auto found = std::find_if(subtracted.begin(), subtracted.end(),
-                                    [&](const Solid* solid) { return to_yaml(*solid) == wanted; });
+                                    [&](const Solid* solid) { return same_solid(*solid, wanted); });
     if (found == subtracted.end())
       surface->fail("is none of the " + std::to_string(subtracted.size()) + " solids that a difference of " +
                     body_name + ".solid takes away");
@@ -72,7 +72,7 @@ MeshRequest read_request(const YamlNode& scene, const std::string& body_name, co
   Solid solid = read_solid(body.child("solid"));
   name_chamber_solids(scene, body_name, solid);
   for (const Solid& region : solids_with_material(solid)) request.regions.push_back(region.name);
-  request.solid_yaml = to_yaml(solid);
+  request.solid = std::move(solid);
   request.element_size_m = body.number_or("element_size_m", request.element_size_m, AllowedRange::positive());
   if (body.boolean_or("refine_plugs", false)) request.refinements = plug_refinements(scene);
   for (const YamlNode& node : body.optional_sequence("refinements")) {

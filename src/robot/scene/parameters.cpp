@@ -7,16 +7,12 @@
 #include <set>
 #include <stdexcept>
 
-#include <nlohmann/json.hpp>
-
 #include "sections.h"
 #include "settings/read_name.h"
 #include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // "cables.left.points_m[3][0]" is cables, left, points_m, [3], [0].
 std::vector<std::string> steps_of(const std::string& path) {
@@ -41,11 +37,22 @@ std::string name_of(const YamlNode& item) {
   return item.is_map() && item.has("name") ? item.text("name") : std::string();
 }
 
-// A number, and the steps to it, in lists by place.
+// A number, and the steps to it.
 struct Place {
   YamlNode node;
   std::vector<std::string> steps;
 };
+
+// By their names where each has one of its own, otherwise by their places.
+std::vector<std::string> steps_to(const std::vector<YamlNode>& items) {
+  std::vector<std::string> names, places;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    places.push_back("[" + std::to_string(i) + "]");
+    names.push_back(name_of(items[i]));
+  }
+  const std::set<std::string> different(names.begin(), names.end());
+  return different.size() == items.size() && different.count("") == 0 ? names : places;
+}
 
 // Goes one step on, where there is one.
 bool go(Place& place, const std::string& step) {
@@ -57,11 +64,11 @@ bool go(Place& place, const std::string& step) {
     return true;
   }
   const std::vector<YamlNode> items = place.node.items();
+  const std::vector<std::string> steps = steps_to(items);
   for (std::size_t i = 0; i < items.size(); ++i) {
-    const std::string here = "[" + std::to_string(i) + "]";
-    if (step != here && name_of(items[i]) != step) continue;
+    if (step != "[" + std::to_string(i) + "]" && name_of(items[i]) != step) continue;
     place.node = items[i];
-    place.steps.push_back(here);
+    place.steps.push_back(steps[i]);
     return true;
   }
   return false;
@@ -135,24 +142,19 @@ std::vector<NamedParameter> read_parameters(const YamlNode& scene) {
   return parameters;
 }
 
-std::string parameter_overrides(const YamlNode& scene, const ParameterValues& values) {
-  if (values.empty()) return "";
+Overrides parameter_overrides(const YamlNode& scene, const ParameterValues& values) {
+  Overrides overrides;
+  if (values.empty()) return overrides;
   const std::vector<NamedParameter> known = read_parameters(scene);
   std::set<std::vector<std::string>> set;
-  Json tree = Json::object();
   for (const auto& [name, value] : values)
     for (const auto& [path, number] : spread(known, name, value)) {
       const std::vector<std::string> steps = place_of(scene, path).steps;
       if (!set.insert(steps).second)
         throw std::invalid_argument("parameter '" + name + "': '" + path + "' is set twice");
-      Json* node = &tree;
-      for (const std::string& step : steps) node = &(*node)[step];
-      if (number == std::floor(number) && std::abs(number) < 1.0e9)
-        *node = static_cast<long>(number);  // counts are read as whole numbers
-      else
-        *node = number;
+      overrides.set(steps, number);
     }
-  return tree.dump();
+  return overrides;
 }
 
 ParameterValues parse_parameters(const std::vector<std::string>& words) {
@@ -166,8 +168,8 @@ ParameterValues parse_parameters(const std::vector<std::string>& words) {
   return values;
 }
 
-std::string parameter_overrides(const std::string& scene_file, const std::vector<std::string>& words) {
-  return words.empty() ? "" : parameter_overrides(load_settings(scene_file), parse_parameters(words));
+Overrides parameter_overrides(const std::string& scene_file, const std::vector<std::string>& words) {
+  return words.empty() ? Overrides() : parameter_overrides(load_settings(scene_file), parse_parameters(words));
 }
 
 }  // namespace soft_robot_lab

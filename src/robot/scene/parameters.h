@@ -32,14 +32,14 @@ std::vector<NamedParameter> read_parameters(const YamlNode& scene);
 // The number at a path. Throws std::invalid_argument: the path, where it ends, and what there is instead.
 double number_at(const YamlNode& scene, const std::string& path);
 
-// YAML text for SceneOptions::overrides. `scene` has its includes. Throws std::invalid_argument: an unknown path, a
-// value beyond the range of a named parameter or not finite, a number that is set twice.
-std::string parameter_overrides(const YamlNode& scene, const ParameterValues& values);
+// `scene` has its includes. Throws std::invalid_argument: an unknown path, a value beyond the range of a named
+// parameter or not finite, a number that is set twice.
+Overrides parameter_overrides(const YamlNode& scene, const ParameterValues& values);
 
 // "PATH=VALUE". Throws std::invalid_argument.
 ParameterValues parse_parameters(const std::vector<std::string>& words);
 
 // The same for a program with the option --set; empty where there are none.
-std::string parameter_overrides(const std::string& scene_file, const std::vector<std::string>& words);
+Overrides parameter_overrides(const std::string& scene_file, const std::vector<std::string>& words);
 
 }  // namespace soft_robot_lab

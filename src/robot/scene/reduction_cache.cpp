@@ -64,7 +64,7 @@ ReducedChoice choice_from(const Kept& json, const std::shared_ptr<const Model>& 
 std::string reduction_key(const YamlNode& settings, const Body& body) {
   ContentHash hash;
   hash.add(kVersion);
-  const YamlNode copy = merge(settings, "{solver: {audit_every_s: 1}}");  // dumping counts as reading
+  const YamlNode copy = Overrides().set({"solver", "audit_every_s"}, 1).over(settings);  // dumping counts as reading
   const std::set<std::string> others{"run", "markers", "parameters", "casting"};
   for (const std::string& section : copy.keys()) {
     if (others.count(section) > 0) continue;

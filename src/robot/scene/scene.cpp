@@ -8,10 +8,9 @@
 
 namespace soft_robot_lab {
 
-YamlNode merge_overrides(const YamlNode& scene, const std::string& overrides) {
+YamlNode with_overrides(const YamlNode& scene, const Overrides& overrides) {
   const YamlNode settings = with_includes(scene);
-  if (overrides.empty()) return settings;
-  return merge_settings(settings, YamlNode::parse(overrides, scene.source() + " (with changes)"));
+  return overrides.empty() ? settings : overrides.over(settings);
 }
 
 Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& options) {
@@ -35,12 +34,12 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
 }
 
 Scene load_scene(const YamlNode& node, const SceneOptions& options) {
-  const YamlNode stated = merge_overrides(node, options.overrides);
+  const YamlNode stated = with_overrides(node, options.overrides);
   read_parameters(stated);
   refuse_unknown_reduced(stated, options);
   std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
-  const bool chosen = fidelity && !fidelity->choice.empty();
-  const YamlNode settings = chosen ? merge(stated, fidelity->choice) : stated;
+  const bool chosen = fidelity && fidelity->choice;
+  const YamlNode settings = chosen ? overrides_of(*fidelity->choice).over(stated) : stated;
   Scene scene = build_scene(settings, read_mesh(settings, options), options);
   read_casting_settings(settings);
   const std::optional<ReducedRequest> request = read_reduced(settings, scene);

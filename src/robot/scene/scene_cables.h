@@ -1,33 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The cables that a scene file lists, and YAML that gives them other numbers.
+// The cables that a scene file lists.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "soft_robot_lab/settings/overrides.h"
 
 namespace soft_robot_lab {
 
 class SceneCables {
  public:
-  // `changes`: as SceneOptions::changes. Throws SettingsError.
-  SceneCables(const std::string& scene_path, const std::string& overrides);
+  // Throws SettingsError.
+  SceneCables(const std::string& scene_path, const Overrides& overrides);
 
   const std::vector<std::string>& names() const { return names_; }
-  std::optional<std::string> value(const std::string& cable, const std::string& key) const;  // as YAML
+  // Nothing where the scene does not say it.
+  std::optional<YamlNode> value(const std::string& cable, const std::string& key) const;
   // Throws std::invalid_argument listing the names.
-  void set(const std::string& cable, const std::string& key, const std::string& value);
-  // To be laid over the file: all that differs from it, also by the changes; empty where nothing does.
-  std::string yaml() const;
+  void require_known(const std::string& cable) const;
 
  private:
-  using Entries = std::map<std::string, std::map<std::string, std::string>>;  // by cable and key
-
-  static Entries read(const std::string& scene_path, const std::string& overrides, std::vector<std::string>& names);
-
   std::vector<std::string> names_;
-  Entries in_file_, now_;
+  std::vector<YamlNode> cables_;  // in the order of the names
 };
 
 }  // namespace soft_robot_lab

@@ -19,8 +19,7 @@ namespace soft_robot_lab {
 // The settings with the files they include merged below them.
 YamlNode with_includes(const YamlNode& settings);
 
-// The same of a scene, with YAML text laid over it, unless that is empty.
-YamlNode merge_overrides(const YamlNode& scene, const std::string& overrides);
+YamlNode with_overrides(const YamlNode& scene, const Overrides& overrides);  // and with what it includes
 
 // The scene on this mesh, whatever mesh its file asks for.
 Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& options);

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "fidelity.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
@@ -18,13 +17,6 @@ constexpr int kHalvings = 4;                 // to the shortest
 // Error over difference where the step is halved: 1 / (1 - 2^-order).
 double richardson(Integrator integrator) { return integrator == Integrator::bdf2 ? 4.0 / 3.0 : 2.0; }
 
-std::string step_text(Integrator integrator, double step_s) {
-  std::ostringstream text;
-  text.precision(17);
-  text << "integrator: " << (integrator == Integrator::bdf2 ? "bdf2" : "implicit_euler") << ", time_step_s: " << step_s;
-  return text.str();
-}
-
 // The first seconds of a scene's run, as often as asked for.
 class Stretch {
  public:
@@ -32,7 +24,7 @@ class Stretch {
 
   // Markers every `record_every_s`. Leaves the first trouble in `trouble`.
   Trajectory run(const TetMesh& mesh, Integrator integrator, double step_s, double record_every_s) {
-    Scene scene = build_scene(merge(settings_, "solver: {" + step_text(integrator, step_s) + "}"), mesh, options_);
+    Scene scene = build_scene(overrides_of(TimeStepChoice{integrator, step_s}).over(settings_), mesh, options_);
     scene.run.duration_s = std::min(scene.run.duration_s, kStretch_s);
     scene.run.record_every_s = record_every_s;
     RunReport report = run_scene(scene);
@@ -104,7 +96,7 @@ TimeError choose_time_step(const YamlNode& settings, const TetMesh& mesh, const 
       if (error.error_m <= tolerance_m) break;
     }
   }
-  error.choice = step_text(integrator, h);
+  error.choice = {integrator, h};
   error.amplification = amplification(stretch, step, settings, mesh, options, integrator, h);
   error.trouble = stretch.trouble();
   return error;

@@ -45,12 +45,13 @@ ConvergenceSeries smooth(bool quadratic, double poissons_ratio, bool quick) {
 ConvergenceSeries cantilever(const ExperimentContext& context, const SpeedProblem& problem, std::size_t nu,
                              bool quadratic, bool quick) {
   ConvergenceSeries series{"cantilever", label_of(quadratic, std::stod(problem.poissons_ratios[nu])), {}, {}, {}};
-  std::ostringstream overrides;
-  overrides << "body: {element: " << (quadratic ? "quadratic" : "linear") << ", element_size_m: " << kCoarsest_m
-            << ", material: {poissons_ratio: " << problem.poissons_ratios[nu] << "}}";
+  const Overrides overrides = Overrides()
+                                  .set({"body", "element"}, quadratic ? "quadratic" : "linear")
+                                  .set({"body", "element_size_m"}, kCoarsest_m)
+                                  .set({"body", "material", "poissons_ratio"}, std::stod(problem.poissons_ratios[nu]));
   const Eigen::Vector3d& reference_m = problem.references_m[nu];
   for (int cuts = 0; cuts <= kCuts - (quadratic ? 1 : 0) - (quick ? 1 : 0); ++cuts) {
-    SceneOptions options = context.scene_options(overrides.str());
+    SceneOptions options = context.scene_options(overrides);
     options.change_mesh = [cuts](TetMesh& mesh) {
       for (int i = 0; i < cuts; ++i) mesh = subdivide(mesh).mesh;
     };
@@ -67,10 +68,12 @@ ConvergenceSeries cantilever(const ExperimentContext& context, const SpeedProble
 // Heights of the tip after each of the longest steps of a fall from the straight shape.
 std::vector<double> fall(const ExperimentContext& context, const SpeedProblem& problem, const std::string& integrator,
                          int steps_in_longest, bool& converged) {
-  std::ostringstream overrides;
-  overrides << "body: {element_size_m: " << kCoarsest_m << "}\nsolver: {integrator: " << integrator
-            << ", dynamic_tolerance: 1.0e-7, time_step_s: " << kLongestStep_s / steps_in_longest << "}";
-  const Scene scene = load_scene(problem.scene, context.scene_options(overrides.str()));
+  const Overrides overrides = Overrides()
+                                  .set({"body", "element_size_m"}, kCoarsest_m)
+                                  .set({"solver", "integrator"}, integrator)
+                                  .set({"solver", "dynamic_tolerance"}, 1.0e-7)
+                                  .set({"solver", "time_step_s"}, kLongestStep_s / steps_in_longest);
+  const Scene scene = load_scene(problem.scene, context.scene_options(overrides));
   Simulation& simulation = *scene.simulation;
   std::vector<double> heights_m;
   for (int i = 1; i <= steps_in_longest * static_cast<int>(std::lround(kSwing_s / kLongestStep_s)); ++i) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "settings/reference_table.h"
 #include "soft_robot_lab/robot/scene/scene.h"
@@ -57,10 +56,12 @@ Curve read_curve(const ExperimentContext& context, double until_s) {
 
 Curve run(const ExperimentContext& context, const ReleaseProblem& release, const std::string& integrator,
           ReleaseRun& result) {
-  std::ostringstream overrides;
-  overrides << "body: {element_size_m: " << release.element_size_m << ", material: {poissons_ratio: " << kPoissonsRatio
-            << "}}\nsolver: {integrator: " << integrator << ", time_step_s: " << result.step_s << "}\n";
-  const Scene scene = load_scene(release.scene, context.scene_options(overrides.str()));
+  const Overrides overrides = Overrides()
+                                  .set({"body", "element_size_m"}, release.element_size_m)
+                                  .set({"body", "material", "poissons_ratio"}, kPoissonsRatio)
+                                  .set({"solver", "integrator"}, integrator)
+                                  .set({"solver", "time_step_s"}, result.step_s);
+  const Scene scene = load_scene(release.scene, context.scene_options(overrides));
   Simulation& simulation = *scene.simulation;
   const double rest_m = simulation.markers().at(0).rest_position_m().y();
   Curve curve{{0.0}, {0.0}};

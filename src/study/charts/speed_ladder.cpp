@@ -19,11 +19,6 @@ std::vector<double> numbers(const YamlNode& node, const std::string& key) {
   return values;
 }
 
-std::string dump_or_empty(const YamlNode& node, const std::string& key) {
-  const std::optional<YamlNode> child = node.optional_child(key);
-  return child ? child->dump() : "{}";
-}
-
 // One table in which a problem's displacements may be found.
 struct Source {
   std::vector<ReferenceRow> rows;  // those that `where` lets through
@@ -89,7 +84,8 @@ SpeedRung read_rung(const YamlNode& node, bool bullet) {
   SpeedRung rung;
   rung.name = node.text("name");
   rung.bullet = bullet;
-  rung.overrides = dump_or_empty(node, bullet ? "settings" : "overrides");
+  if (const auto overrides = node.optional_child(bullet ? "settings" : "overrides"))
+    rung.overrides = Overrides(*overrides);
   rung.sizes = numbers(node, "sizes");
   rung.quick = node.boolean_or("quick", true);
   for (const YamlNode& problem : node.optional_sequence("problems")) rung.problems.push_back(problem.as_text());

@@ -26,7 +26,7 @@ struct SpeedProblem {
 
 struct SpeedRung {
   std::string name;
-  std::string overrides;  // YAML, laid over the scene; Bullet's own settings where `bullet`
+  Overrides overrides;  // laid over the scene; Bullet's own settings where `bullet`
   bool bullet = false;
   bool settled = true;
   bool equilibrium = true;

@@ -31,20 +31,22 @@ constexpr double kWorthTelling = 0.99;
 // too.
 constexpr double kSameEquilibrium = 0.03;
 
-std::string overrides_of(const SpeedProblem& problem, const std::string& nu, const std::string& more, double size,
-                         const MeasuringTools& tools) {
-  std::ostringstream text;
-  text << "body: {element_size_m: " << size * problem.size_m << ", material: {poissons_ratio: " << nu << "}}\n"
-       << "solver: {time_step_s: " << tools.time_step_s << "}\nmarkers:\n";
-  for (Eigen::Index i = 0; i < problem.points_m.cols(); ++i) {
-    const Eigen::Vector3d point_m = problem.points_m.col(i);
-    text << "  - {name: point_" << i << ", position_m: [" << point_m.x() << ", " << point_m.y() << ", " << point_m.z()
-         << "]}\n";
-  }
-  return merge_settings(YamlNode::parse(text.str(), "size"), YamlNode::parse(more, "ladder")).dump();
+Overrides overrides_of(const SpeedProblem& problem, const std::string& nu, const Overrides& more, double size,
+                       const MeasuringTools& tools) {
+  std::vector<OverrideValue> markers;
+  for (Eigen::Index i = 0; i < problem.points_m.cols(); ++i)
+    markers.emplace_back(Overrides()
+                             .set({"name"}, "point_" + std::to_string(i))
+                             .set({"position_m"}, Eigen::Vector3d(problem.points_m.col(i))));
+  return Overrides()
+      .set({"body", "element_size_m"}, size * problem.size_m)
+      .set({"body", "material", "poissons_ratio"}, std::stod(nu))
+      .set({"solver", "time_step_s"}, tools.time_step_s)
+      .set({"markers"}, markers)
+      .lay(more);
 }
 
-Scene load(const SpeedProblem& problem, const std::string& overrides, const MeasuringTools& tools) {
+Scene load(const SpeedProblem& problem, const Overrides& overrides, const MeasuringTools& tools) {
   SceneOptions options;
   options.mesher = tools.mesher;
   options.actuator_factory = make_actuator;
@@ -115,7 +117,7 @@ void find_equilibrium(Simulation& simulation, const Truth& truth, SpeedRun& run)
   truth.judge(moved_m(simulation), run);
 }
 
-void run_ours(const SpeedProblem& problem, const Truth& truth, const std::string& overrides, bool settled,
+void run_ours(const SpeedProblem& problem, const Truth& truth, const Overrides& overrides, bool settled,
               const MeasuringTools& tools, SpeedRun& run) {
   const Scene scene = load(problem, overrides, tools);
   run.nodes = scene.simulation->body().mesh().node_count();
@@ -133,12 +135,12 @@ std::filesystem::path temporary_file(const std::string& ending) {
 }
 
 // A program of its own: it may crash, and it may take for ever.
-void run_bullet(const SpeedProblem& problem, const Truth& truth, const std::string& overrides,
-                const std::string& settings, const MeasuringTools& tools, SpeedRun& run) {
+void run_bullet(const SpeedProblem& problem, const Truth& truth, const Overrides& overrides, const Overrides& settings,
+                const MeasuringTools& tools, SpeedRun& run) {
   const auto result = temporary_file(".json"), errors = temporary_file(".errors");
   std::vector<std::string> command = {tools.bullet,  problem.scene,
-                                      "--overrides", overrides,
-                                      "--settings",  settings,
+                                      "--overrides", overrides.text(),
+                                      "--settings",  settings.empty() ? "{}" : settings.text(),
                                       "--result",    result.string(),
                                       "--duration",  std::to_string(problem.duration_s),
                                       "--judged",    std::to_string(tools.judged_s),
@@ -183,8 +185,8 @@ SpeedRun measure(const SpeedProblem& problem, std::size_t poissons_ratio, const 
     run.bullet = rung.bullet;
     run.size_m = size * problem.size_m;
     if (rung.bullet) {
-      run_bullet(problem, truth, overrides_of(problem, nu, "{body: {element: linear}}", size, tools), rung.overrides,
-                 tools, run);
+      const Overrides linear = Overrides().set({"body", "element"}, "linear");
+      run_bullet(problem, truth, overrides_of(problem, nu, linear, size, tools), rung.overrides, tools, run);
     } else {
       run_ours(problem, truth, overrides_of(problem, nu, rung.overrides, size, tools), settled, tools, run);
     }

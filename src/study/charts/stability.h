@@ -26,23 +26,23 @@ inline bool is_good(Outcome outcome) { return outcome == Outcome::survived || ou
 
 struct StabilityBody {
   std::string name;
-  std::string scene;      // file below config/
-  std::string overrides;  // YAML over it
-  bool chamber = false;   // driven by a chamber's beta; else by cables
+  std::string scene;     // file below config/
+  Overrides overrides;   // over it
+  bool chamber = false;  // driven by a chamber's beta; else by cables
 };
 
 struct StabilityMethod {
   std::string name;
-  std::string body_overrides;     // YAML over the scene: another element
-  std::string solver_overrides;   // the same, without which the default solver works on the same elements
-  bool equilibrium = false;       // rest state at once; else in time
-  bool ours = false;              // the default solver, which must not fail
-  std::string cable_changes{};    // over each cable
-  std::string chamber_changes{};  // over each chamber
-  double duration_s = 2.0;        // in time: in which a body must have recovered
-  double cpu_limit_s = 60.0;      // of a cell
+  Overrides body_overrides;     // over the scene: another element
+  Overrides solver_overrides;   // the same, without which the default solver works on the same elements
+  bool equilibrium = false;     // rest state at once; else in time
+  bool ours = false;            // the default solver, which must not fail
+  Overrides cable_changes{};    // over each cable
+  Overrides chamber_changes{};  // over each chamber
+  double duration_s = 2.0;      // in time: in which a body must have recovered
+  double cpu_limit_s = 60.0;    // of a cell
 
-  const std::string& drive_changes(const StabilityBody& body) const {
+  const Overrides& drive_changes(const StabilityBody& body) const {
     return body.chamber ? chamber_changes : cable_changes;
   }
   // Another coupling of cables is for bodies with cables.
@@ -57,9 +57,9 @@ struct HardCase {
   std::string name;
   std::vector<double> contractions;
   std::vector<double> betas;
-  std::string overrides;      // YAML over the scene
-  std::string drive_changes;  // over each cable or chamber
-  bool unique = true;         // false: there are several rest states; any stable one without inverted elements counts
+  Overrides overrides;      // over the scene
+  Overrides drive_changes;  // over each cable or chamber
+  bool unique = true;       // false: there are several rest states; any stable one without inverted elements counts
   std::function<void(TetMesh&)> change_mesh = nullptr;
   std::function<void(const Body&, Eigen::Matrix3Xd&)> start_from = nullptr;  // moves the nodes before the start
 

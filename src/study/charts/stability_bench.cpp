@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include "stability.h"
@@ -45,27 +44,12 @@ void give_commands(Simulation& simulation, const std::vector<double>& commands, 
   }
 }
 
-std::string merged(const std::vector<std::string>& all) {
-  YamlNode sum = YamlNode::parse("{}", "overrides");
-  for (const std::string& overrides : all)
-    if (!overrides.empty()) sum = merge_settings(sum, YamlNode::parse(overrides, "overrides"));
-  return sum.dump();
-}
-
-// The scene's cables or chambers, each with the changes: a list in a scene replaces another, it does not merge, nor
-// does a drive whose `model` changes.
-std::string changed_drives(const std::string& file, const std::string& kind,
-                           const std::vector<std::string>& overrides) {
-  const YamlNode change = YamlNode::parse(merged(overrides), "overrides");
-  std::string text = kind + ":\n";
-  for (const YamlNode& drive : YamlNode::load_file(file).sequence(kind)) {
-    text += "  - {";
-    for (const std::string& key : drive.keys())
-      if (!change.has(key)) text += key + ": " + drive.child(key).dump() + ", ";
-    for (const std::string& key : change.keys()) text += key + ": " + change.child(key).dump() + ", ";
-    text += "}\n";
-  }
-  return text;
+// Each of the scene's cables or chambers with the changes.
+Overrides changed_drives(const std::string& file, const std::string& kind, Overrides changes) {
+  Overrides overrides;
+  for (const YamlNode& drive : YamlNode::load_file(file).sequence(kind))
+    overrides.set({kind, drive.text("name")}, changes);
+  return overrides;
 }
 
 // Where the body comes to rest by the default solver. Empty, or why it does not.
@@ -100,9 +84,10 @@ StabilityBench::StabilityBench(SceneOptions options, std::string config_folder)
 Scene StabilityBench::load(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) const {
   const std::string file = config_folder_ + "/" + body.scene;
   SceneOptions options = options_;
-  options.overrides = merged({changed_drives(file, body.chamber ? "chambers" : "cables",
-                                             {method.drive_changes(body), hard_case.drive_changes}),
-                              body.overrides, hard_case.overrides, method.body_overrides, method.solver_overrides});
+  options.overrides = changed_drives(file, body.chamber ? "chambers" : "cables",
+                                     Overrides(method.drive_changes(body)).lay(hard_case.drive_changes));
+  for (const Overrides& more : {body.overrides, hard_case.overrides, method.body_overrides, method.solver_overrides})
+    options.overrides.lay(more);
   options.change_mesh = hard_case.change_mesh;
   return load_scene(file, options);
 }

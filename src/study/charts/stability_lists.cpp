@@ -20,39 +20,39 @@ HardCase moderate(const std::string& name) {
 
 HardCase with_poissons_ratio(const std::string& ratio) {
   HardCase hard_case = moderate("Poisson's ratio " + ratio);
-  hard_case.overrides = "body: {material: {poissons_ratio: " + ratio + "}}";
+  hard_case.overrides.set({"body", "material", "poissons_ratio"}, std::stod(ratio));
   return hard_case;
 }
 
 HardCase with_time_step(const std::string& step) {
   HardCase hard_case = moderate("time step " + step + " s");
-  hard_case.overrides = "solver: {time_step_s: " + step + "}";
+  hard_case.overrides.set({"solver", "time_step_s"}, std::stod(step));
   return hard_case;
 }
 
 HardCase with_compliance(const std::string& compliance) {
   HardCase hard_case = moderate("compliance " + compliance + " m/N");
   hard_case.betas.clear();
-  hard_case.drive_changes = "compliance_m_n: " + compliance;
+  hard_case.drive_changes.set({"compliance_m_n"}, std::stod(compliance));
   return hard_case;
 }
 
 // So far that bodies buckle, one way or another.
-HardCase pulled_at_once(const std::string& name, const std::vector<double>& contractions,
-                        const std::string& compliance) {
+HardCase pulled_at_once(const std::string& name, const std::vector<double>& contractions, double compliance_m_n) {
   HardCase hard_case;
   hard_case.name = name;
   hard_case.contractions = contractions;
-  hard_case.drive_changes = "{pull_speed_m_s: 0, min_contraction: 0.5, compliance_m_n: " + compliance + "}";
+  hard_case.drive_changes.set({"pull_speed_m_s"}, 0).set({"min_contraction"}, 0.5);
+  hard_case.drive_changes.set({"compliance_m_n"}, compliance_m_n);
   hard_case.unique = false;
   return hard_case;
 }
 
-HardCase filled_at_once(const std::string& name, const std::string& element_size_m) {
+HardCase filled_at_once(const std::string& name, double element_size_m) {
   HardCase hard_case;
   hard_case.name = name;
   hard_case.betas = {5.0};
-  hard_case.overrides = "body: {element_size_m: " + element_size_m + "}";
+  hard_case.overrides.set({"body", "element_size_m"}, element_size_m);
   hard_case.unique = false;
   return hard_case;
 }
@@ -76,27 +76,30 @@ HardCase from(const std::string& name, const Start& start, bool driven) {
 }  // namespace
 
 std::vector<StabilityBody> stability_bodies(bool quick) {
-  const std::string coarse = quick ? "body: {element_size_m: 0.03}" : "";
+  Overrides coarse;
+  if (quick) coarse.set({"body", "element_size_m"}, 0.03);
   return {{"cantilever", "scenes/cantilever_cables.yaml", coarse},
-          {"Hammerbot", "robots/hammerbot/robot.yaml", ""},  // pulled to its half, elements of 30 mm turn over
-          {"Spinebot", "robots/spinebot/robot.yaml", ""},
+          {"Hammerbot", "robots/hammerbot/robot.yaml", {}},  // pulled to its half, elements of 30 mm turn over
+          {"Spinebot", "robots/spinebot/robot.yaml", {}},
           {"cuboid", "scenes/hollow_cuboid.yaml", coarse, true}};
 }
 
 std::vector<StabilityMethod> stability_methods(bool quick) {
-  const std::string linear = "body: {element: linear}", bdf2 = "solver: {integrator: bdf2}",
-                    substeps = "solver: {method: xpbd, substeps: 50}";
-  const std::vector<StabilityMethod> ours = {{"newton, equilibrium", "", "", true, true},
-                                             {"newton, in time", "", "", false, true},
-                                             {"newton, in time, bdf2", "", bdf2, false, true}};
+  const Overrides linear = Overrides().set({"body", "element"}, "linear");
+  const Overrides bdf2 = Overrides().set({"solver", "integrator"}, "bdf2");
+  const Overrides substeps = Overrides().set({"solver", "method"}, "xpbd").set({"solver", "substeps"}, 50);
+  const Overrides explicit_cables = Overrides().set({"model"}, "explicit");
+  const std::vector<StabilityMethod> ours = {{"newton, equilibrium", {}, {}, true, true},
+                                             {"newton, in time", {}, {}, false, true},
+                                             {"newton, in time, bdf2", {}, bdf2, false, true}};
   if (quick) return ours;
   return {ours[0],
           ours[1],
           ours[2],
-          {"newton, linear elements", linear, "", false, false, "", "", 2.0, 20.0},
-          {"xpbd", "", substeps, false, false, "", "", kSlowDuration_s, 15.0},
-          {"xpbd, linear", linear, substeps, false, false, "", "", kSlowDuration_s, 10.0},
-          {"explicit coupling", "", "", false, false, "", "model: explicit", kSlowDuration_s, 6.0}};
+          {"newton, linear elements", linear, {}, false, false, {}, {}, 2.0, 20.0},
+          {"xpbd", {}, substeps, false, false, {}, {}, kSlowDuration_s, 15.0},
+          {"xpbd, linear", linear, substeps, false, false, {}, {}, kSlowDuration_s, 10.0},
+          {"explicit coupling", {}, {}, false, false, {}, explicit_cables, kSlowDuration_s, 6.0}};
 }
 
 std::vector<HardCase> hard_cases(bool quick) {
@@ -108,11 +111,11 @@ std::vector<HardCase> hard_cases(bool quick) {
     cases.push_back(with_time_step(step));
   for (const char* compliance : quick ? Names{"0"} : Names{"1.0e-2", "1.0e-3", "1.0e-4", "0"})
     cases.push_back(with_compliance(compliance));
-  cases.push_back(pulled_at_once("contraction 1 to 0.5 at once", {0.5}, "1.0e-5"));
-  if (!quick) cases.push_back(pulled_at_once("the same, rigid cable", {0.5}, "0"));
-  cases.push_back(pulled_at_once("the same, both cables", {0.5, 0.5}, "1.0e-5"));
-  cases.push_back(filled_at_once("beta 1 to 5 at once, coarse", "0.03"));
-  if (!quick) cases.push_back(filled_at_once("beta 1 to 5 at once, fine", "0.0075"));
+  cases.push_back(pulled_at_once("contraction 1 to 0.5 at once", {0.5}, 1.0e-5));
+  if (!quick) cases.push_back(pulled_at_once("the same, rigid cable", {0.5}, 0.0));
+  cases.push_back(pulled_at_once("the same, both cables", {0.5, 0.5}, 1.0e-5));
+  cases.push_back(filled_at_once("beta 1 to 5 at once, coarse", 0.03));
+  if (!quick) cases.push_back(filled_at_once("beta 1 to 5 at once, fine", 0.0075));
   for (const char* height : quick ? Names{"1.0e-3"} : Names{"1.0e-2", "1.0e-4"}) cases.push_back(with_slivers(height));
   cases.push_back(from("scrambled nodes, driven", scramble, true));
   if (!quick) {

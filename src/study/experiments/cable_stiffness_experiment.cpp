@@ -11,7 +11,9 @@ namespace soft_robot_lab {
 namespace {
 
 struct StiffnessSettings {
-  std::string robot, cable_keys, gravity;
+  std::string robot;
+  Overrides cable;  // keys of each
+  Eigen::Vector3d gravity_m_s2;
   double contraction = 1.0, time_step_s = 0.0, short_step_s = 0.0, duration_s = 0.0, last_s = 0.0;
   double settled_swing_m = 0.0;            // in the last part: a cable that swings no further has settled
   double largest_error_m = 0.0;            // shorter than commanded, or longer than at rest: a run is given up
@@ -57,8 +59,8 @@ StiffnessSettings read_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("4.3.2"));
   StiffnessSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
-  settings.cable_keys = node.text("cable");
-  settings.gravity = node.child("gravity_m_s2").dump();
+  settings.cable = Overrides(node.child("overrides"));
+  settings.gravity_m_s2 = node.vector3("gravity_m_s2");
   settings.contraction = node.number("contraction", AllowedRange::positive());
   settings.time_step_s = node.number("time_step_s", AllowedRange::positive());
   settings.short_step_s = node.number("short_step_s", AllowedRange::positive());
@@ -78,25 +80,25 @@ double time_step_s(const StiffnessSettings& settings, CableKind model) {
 }
 
 // The robot's own cable, but for its model.
-std::string cable_yaml(const StiffnessSettings& settings, const Simulation& robot, CableKind model,
-                       double stiffness_n_m) {
-  std::ostringstream text;
-  text.precision(12);
-  const ActuatorReading cable = robot.actuator_state(0);
-  text << "gravity_m_s2: " << settings.gravity << "\nsolver: {time_step_s: " << time_step_s(settings, model)
-       << (is_explicit(model) ? ", max_iterations: 8" : "")  // a step that diverges is no use repeated
-       << "}\ncables: [{name: " << cable.name << ", points_m: [";
-  for (const Eigen::Vector3d& point : cable.path_m)
-    text << (&point == &cable.path_m.front() ? "" : ", ") << "[" << point.x() << ", " << point.y() << ", " << point.z()
-         << "]";
-  text << "], " << settings.cable_keys;
+Overrides cable_of(const StiffnessSettings& settings, const ActuatorReading& robots, CableKind model,
+                   double stiffness_n_m) {
+  Overrides cable = settings.cable;
+  cable.set({"name"}, robots.name).set({"points_m"}, robots.path_m);
   if (model == CableKind::sliding)
-    text << ", compliance_m_n: " << (stiffness_n_m > 0.0 ? 1.0 / stiffness_n_m : 0.0);
-  else
-    text << ", model: springs, stiffness_n_m: " << stiffness_n_m << ", damping_n_s_m: " << settings.damping_n_s_m
-         << ", integration: " << (is_explicit(model) ? "explicit" : "implicit");
-  text << "}]\n";
-  return text.str();
+    return cable.set({"compliance_m_n"}, stiffness_n_m > 0.0 ? 1.0 / stiffness_n_m : 0.0);
+  return cable.set({"model"}, "springs")
+      .set({"stiffness_n_m"}, stiffness_n_m)
+      .set({"damping_n_s_m"}, settings.damping_n_s_m)
+      .set({"integration"}, is_explicit(model) ? "explicit" : "implicit");
+}
+
+Overrides overrides_of(const StiffnessSettings& settings, const Simulation& robot, CableKind model,
+                       double stiffness_n_m) {
+  const Overrides cable = cable_of(settings, robot.actuator_state(0), model, stiffness_n_m);
+  Overrides overrides;
+  overrides.set({"gravity_m_s2"}, settings.gravity_m_s2).set({"solver", "time_step_s"}, time_step_s(settings, model));
+  if (is_explicit(model)) overrides.set({"solver", "max_iterations"}, 8);  // a step that diverges is no use repeated
+  return overrides.set({"cables"}, std::vector<OverrideValue>{cable});
 }
 
 std::string label(const StiffnessRun& run) {
@@ -119,8 +121,8 @@ void measure(const StiffnessSettings& settings, StiffnessRun& run) {
 StiffnessRun pull(const ExperimentContext& context, const StiffnessSettings& settings, CableKind model,
                   double stiffness_n_m) {
   const Scene robot = load_scene(settings.robot, context.scene_options());
-  const Scene scene =
-      load_scene(settings.robot, context.scene_options(cable_yaml(settings, *robot.simulation, model, stiffness_n_m)));
+  const Scene scene = load_scene(
+      settings.robot, context.scene_options(overrides_of(settings, *robot.simulation, model, stiffness_n_m)));
   Simulation& simulation = *scene.simulation;
   StiffnessRun run;
   run.model = model;

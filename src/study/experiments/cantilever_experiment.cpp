@@ -36,10 +36,11 @@ struct Sag {
 
 Sag find_sag(const ExperimentContext& context, const Settings& settings, const std::string& element,
              const std::string& poissons_ratio) {
-  std::ostringstream overrides;
-  overrides << "body: {element: " << element << ", element_size_m: " << settings.element_size_m
-            << ", material: {poissons_ratio: " << poissons_ratio << "}}\n";
-  Scene scene = load_scene(settings.scene, context.scene_options(overrides.str()));
+  const Overrides overrides = Overrides()
+                                  .set({"body", "element"}, element)
+                                  .set({"body", "element_size_m"}, settings.element_size_m)
+                                  .set({"body", "material", "poissons_ratio"}, std::stod(poissons_ratio));
+  Scene scene = load_scene(settings.scene, context.scene_options(overrides));
   const RunReport report = run_scene(scene);
   const Simulation& simulation = *scene.simulation;
   const double sag_m = (simulation.markers().at(0).rest_position_m() - simulation.marker_position(0)).y();

@@ -151,7 +151,7 @@ ChamberSettings read_chamber_settings(const ExperimentContext& context, const st
   const YamlNode node = YamlNode::load_file(context.settings_file(name));
   ChamberSettings settings;
   settings.chamber = node.text_or("chamber", "");
-  if (const auto set_up = node.optional_child("set_up")) settings.overrides = set_up->dump();
+  if (const auto set_up = node.optional_child("set_up")) settings.overrides = Overrides(*set_up);
   const YamlNode meshes = node.child("meshes"), betas = node.child("betas");
   for (const std::string& mesh : meshes.keys())
     settings.meshes.push_back({mesh, context.config_folder + "/" + meshes.text(mesh),

@@ -45,8 +45,8 @@ struct PumpSettings {
 };
 
 struct ChamberSettings {
-  std::string chamber;    // empty: the robot's first actuator
-  std::string overrides;  // laid over the scenes
+  std::string chamber;  // empty: the robot's first actuator
+  Overrides overrides;  // laid over the scenes
   std::vector<ChamberMesh> meshes;
   std::optional<PumpSettings> pump;
 };

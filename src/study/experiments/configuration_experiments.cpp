@@ -17,7 +17,8 @@ namespace {
 const char* const kTip = "tip";
 
 struct Settings {
-  std::string robot, gravity;
+  std::string robot;
+  Eigen::Vector3d gravity_m_s2;
   double step_m = 0.0;  // of the rig's motor
   double spring_stiffness_n_m = 0.0, spring_damping_n_s_m = 0.0;
   std::vector<Configuration> configurations;
@@ -56,7 +57,7 @@ Settings read_settings(const ExperimentContext& context, const std::string& name
   const YamlNode node = YamlNode::load_file(context.settings_file(name));
   Settings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
-  settings.gravity = node.child("gravity_m_s2").dump();
+  settings.gravity_m_s2 = node.vector3("gravity_m_s2");
   settings.step_m = node.number("step_m", AllowedRange::positive());
   settings.spring_stiffness_n_m = node.number("spring_stiffness_n_m", AllowedRange::positive());
   settings.spring_damping_n_s_m = node.number("spring_damping_n_s_m", AllowedRange::not_negative());
@@ -74,19 +75,19 @@ Settings read_settings(const ExperimentContext& context, const std::string& name
 }
 
 // The robot's cables as the source has them: a spring from point to point, solved implicitly.
-std::string spring_cables_yaml(const Settings& settings) {
-  const SceneCables cables(settings.robot, "");
-  std::ostringstream text;
-  text << "cables:\n";
+Overrides spring_cables(const Settings& settings) {
+  const SceneCables cables(settings.robot, {});
+  std::vector<OverrideValue> springs;
   for (const std::string& name : cables.names()) {
-    text << "  - {name: " << name << ", model: springs, stiffness_n_m: " << settings.spring_stiffness_n_m
-         << ", damping_n_s_m: " << settings.spring_damping_n_s_m;
+    Overrides spring;
+    spring.set({"name"}, name).set({"model"}, "springs").set({"stiffness_n_m"}, settings.spring_stiffness_n_m);
+    spring.set({"damping_n_s_m"}, settings.spring_damping_n_s_m);
     for (const std::string key :
          {"points_m", "path_m", "sheath_radius_m", "plug_radius_m", "min_contraction", "pull_speed_m_s"})
-      if (const auto value = cables.value(name, key)) text << ", " << key << ": " << *value;
-    text << "}\n";
+      if (const auto value = cables.value(name, key)) spring.set({key}, *value);
+    springs.emplace_back(spring);
   }
-  return text.str();
+  return Overrides().set({"cables"}, springs);
 }
 
 void command(Simulation& simulation, const Configuration& configuration) {
@@ -129,12 +130,12 @@ std::string trouble(const SolveReport& solve) {
   return solve.inverted_elements > 0 ? "inverted elements" : "";
 }
 
-Scene load_robot(const ExperimentContext& context, const Settings& settings, const std::string& overrides) {
-  return load_scene(settings.robot, context.scene_options("gravity_m_s2: " + settings.gravity + "\n" + overrides));
+Scene load_robot(const ExperimentContext& context, const Settings& settings, Overrides overrides) {
+  return load_scene(settings.robot, context.scene_options(overrides.set({"gravity_m_s2"}, settings.gravity_m_s2)));
 }
 
 std::vector<Visit> visit_all(const ExperimentContext& context, const Settings& settings, const std::string& cable,
-                             const std::string& overrides, ExperimentResult& result) {
+                             const Overrides& overrides, ExperimentResult& result) {
   const Scene scene = load_robot(context, settings, overrides);
   Simulation& simulation = *scene.simulation;
   std::vector<Visit> visits;
@@ -170,7 +171,7 @@ struct Return {
   double left_behind_m = 0.0, from_first_m = 0.0;
 };
 
-Return compare_returns(const ExperimentContext& context, const Settings& settings, const std::string& overrides,
+Return compare_returns(const ExperimentContext& context, const Settings& settings, const Overrides& overrides,
                        const std::vector<Visit>& visits) {
   const Scene scene = load_robot(context, settings, overrides);
   Return worst;
@@ -275,11 +276,11 @@ ExperimentResult run_configurations(const ExperimentContext& context, const std:
   result.title = robot + " through the source's table of contractions";
   std::ostringstream springs_name;
   springs_name << "springs, " << settings.spring_stiffness_n_m << " N/m";
-  const std::string spring_cables = spring_cables_yaml(settings);
-  const std::vector<Visit> sliding = visit_all(context, settings, "sliding", "", result);
-  const std::vector<Visit> springs = visit_all(context, settings, springs_name.str(), spring_cables, result);
-  const Return sliding_return = compare_returns(context, settings, "", sliding);
-  const Return springs_return = compare_returns(context, settings, spring_cables, springs);
+  const Overrides with_springs = spring_cables(settings);
+  const std::vector<Visit> sliding = visit_all(context, settings, "sliding", {}, result);
+  const std::vector<Visit> springs = visit_all(context, settings, springs_name.str(), with_springs, result);
+  const Return sliding_return = compare_returns(context, settings, {}, sliding);
+  const Return springs_return = compare_returns(context, settings, with_springs, springs);
   result.table.columns = columns(sliding);
   for (const auto* visits : {&sliding, &springs}) {
     for (const Visit& visit : *visits) add_row(settings, visit, visits->front(), result);

@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "control/identification/fit_parameters.h"
 #include "control/identification/pose_model.h"
 
 namespace soft_robot_lab {
@@ -60,9 +59,11 @@ MeasuredTentacle tentacle_of(const Json& json) {
 
 }  // namespace
 
-std::string TentacleMaterial::overrides() const {
-  return "body: {material: {youngs_modulus_pa: " + text_of(youngs_modulus_pa) +
-         ", poissons_ratio: " + text_of(poissons_ratio) + ", density_kg_m3: " + text_of(density_kg_m3) + "}}\n";
+Overrides TentacleMaterial::overrides() const {
+  return Overrides()
+      .set({"body", "material", "youngs_modulus_pa"}, youngs_modulus_pa)
+      .set({"body", "material", "poissons_ratio"}, poissons_ratio)
+      .set({"body", "material", "density_kg_m3"}, density_kg_m3);
 }
 
 MeasuredTentacle read_measured_tentacle(const std::string& file) {

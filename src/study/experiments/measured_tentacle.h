@@ -13,7 +13,7 @@ namespace soft_robot_lab {
 
 struct TentacleMaterial {
   double youngs_modulus_pa, poissons_ratio, density_kg_m3;
-  std::string overrides() const;  // YAML to be laid over the robot
+  Overrides overrides() const;  // to be laid over the robot
 };
 
 struct TentaclePose {

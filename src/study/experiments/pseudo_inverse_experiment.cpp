@@ -59,21 +59,20 @@ std::vector<End> ends(const CouplingSettings& settings, const TetMesh& mesh) {
           {"plug", settings.end_near_m, settings.plug_radius_m}};
 }
 
-std::string triple(const Eigen::Vector3d& v) {
-  std::ostringstream text;
-  text.precision(15);
-  text << "[" << v.x() << ", " << v.y() << ", " << v.z() << "]";
-  return text.str();
-}
+Overrides with_element(const std::string& element) { return Overrides().set({"body", "element"}, element); }
 
-std::string overrides(const CouplingSettings& settings, const std::string& element, const End& end,
-                      const std::string& coupling) {
-  std::ostringstream text;
-  text << "body: {element: " << element << "}\ncables: [{name: cable, points_m: [" << triple(settings.start_m) << ", "
-       << triple(end.position_m) << "], sheath_radius_m: 0, plug_radius_m: " << end.plug_radius_m
-       << ", model: springs, stiffness_n_m: " << settings.stiffness_n_m
-       << ", integration: explicit, coupling: " << coupling << "}]\n";
-  return text.str();
+Overrides overrides(const CouplingSettings& settings, const std::string& element, const End& end,
+                    const std::string& coupling) {
+  const Overrides cable = Overrides()
+                              .set({"name"}, "cable")
+                              .set({"points_m"}, std::vector<Eigen::Vector3d>{settings.start_m, end.position_m})
+                              .set({"sheath_radius_m"}, 0)
+                              .set({"plug_radius_m"}, end.plug_radius_m)
+                              .set({"model"}, "springs")
+                              .set({"stiffness_n_m"}, settings.stiffness_n_m)
+                              .set({"integration"}, "explicit")
+                              .set({"coupling"}, coupling);
+  return with_element(element).set({"cables"}, std::vector<OverrideValue>{cable});
 }
 
 // Of the cable on the nodes that are free to move, in the step that was just made.
@@ -156,7 +155,7 @@ ExperimentResult run_pseudo_inverse_experiment(const ExperimentContext& context)
                           {"tip goes, pseudo-inverse [mm]", 3}};
   std::vector<CouplingRun> runs;
   for (const std::string element : {"linear", "quadratic"}) {
-    const Scene scene = load_scene(settings.robot, context.scene_options("body: {element: " + element + "}\n"));
+    const Scene scene = load_scene(settings.robot, context.scene_options(with_element(element)));
     for (const End& end : ends(settings, scene.simulation->body().mesh())) {
       context.report(double(runs.size()) / 10.0, element + ", " + end.name);
       CouplingRun run;

@@ -119,9 +119,8 @@ OrderRun observe(const Simulation& simulation, const OrderRobot& robot, const Or
 }
 
 Scene load(const ExperimentContext& context, const OrderSettings& settings, const OrderRobot& robot, double tilt) {
-  std::ostringstream gravity;
-  gravity << "gravity_m_s2: [0, " << settings.gravity_m_s2 * tilt << ", " << -settings.gravity_m_s2 << "]\n";
-  return load_scene(robot.scene, context.scene_options(gravity.str()));
+  const Eigen::Vector3d gravity_m_s2(0.0, settings.gravity_m_s2 * tilt, -settings.gravity_m_s2);
+  return load_scene(robot.scene, context.scene_options(Overrides().set({"gravity_m_s2"}, gravity_m_s2)));
 }
 
 // Pulled while tilted, then put level again: the rest state that it keeps.

@@ -15,13 +15,14 @@ namespace soft_robot_lab {
 namespace {
 
 struct RestBody {
-  std::string name, scene, overrides;
+  std::string name, scene;
+  Overrides overrides;
   std::vector<std::pair<std::string, double>> commands;
 };
 
 struct RestMethod {
   std::string name;
-  std::string solver;  // YAML
+  Overrides solver;
   std::vector<double> steps_s;
   std::vector<double> substeps;  // one for each step, or none
 };
@@ -47,16 +48,15 @@ Settings read_settings(const ExperimentContext& context) {
   settings.still_for_s = node.number("still_for_s", AllowedRange::positive());
   settings.longest_s = node.number("longest_s", AllowedRange::positive());
   for (const YamlNode& item : node.sequence("bodies")) {
-    const auto overrides = item.optional_child("overrides");
-    RestBody body{
-        item.text("name"), context.config_folder + "/" + item.text("scene"), overrides ? overrides->dump() : "{}", {}};
+    RestBody body{item.text("name"), context.config_folder + "/" + item.text("scene"), {}, {}};
+    if (const auto overrides = item.optional_child("overrides")) body.overrides = Overrides(*overrides);
     const YamlNode commands = item.child("commands");
     for (const std::string& name : commands.keys())
       body.commands.emplace_back(name, commands.number(name, AllowedRange::positive()));
     settings.bodies.push_back(body);
   }
   for (const YamlNode& item : node.sequence("methods")) {
-    RestMethod method{item.text("name"), item.child("solver").dump(), numbers(item, "steps_s"),
+    RestMethod method{item.text("name"), Overrides(item.child("solver")), numbers(item, "steps_s"),
                       numbers(item, "substeps")};
     if (method.steps_s.empty()) item.fail("steps_s is empty");
     if (!method.substeps.empty() && method.substeps.size() != method.steps_s.size())
@@ -77,14 +77,11 @@ double largest_distance(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
   return (a - b).colwise().norm().maxCoeff();
 }
 
-Scene load(const ExperimentContext& context, const Settings& settings, const RestBody& body,
-           const std::string& solver) {
-  std::ostringstream damping;
-  damping << "body: {damping: {rayleigh_mass_per_s: " << settings.rayleigh_mass_per_s << "}}";
-  YamlNode overrides = YamlNode::parse(body.overrides, "overrides");
-  overrides = merge_settings(overrides, YamlNode::parse(damping.str(), "damping"));
-  overrides = merge_settings(overrides, YamlNode::parse("solver: " + solver, "method"));
-  return load_scene(body.scene, context.scene_options(overrides.dump()));
+Scene load(const ExperimentContext& context, const Settings& settings, const RestBody& body, const Overrides& solver) {
+  Overrides overrides = body.overrides;
+  overrides.set({"body", "damping", "rayleigh_mass_per_s"}, settings.rayleigh_mass_per_s);
+  overrides.lay(Overrides().set({"solver"}, solver));
+  return load_scene(body.scene, context.scene_options(overrides));
 }
 
 // This share of the way from the actuators' rest to the commands.
@@ -144,12 +141,11 @@ Settled settle(const Settings& settings, Simulation& simulation) {
   return settled;
 }
 
-std::string solver_of(const RestMethod& method, std::size_t i) {
-  std::ostringstream step;
-  step << "{time_step_s: " << method.steps_s[i];
-  if (!method.substeps.empty()) step << ", substeps: " << method.substeps[i];
-  step << "}";
-  return merge_settings(YamlNode::parse(method.solver, "method"), YamlNode::parse(step.str(), "step")).dump();
+Overrides solver_of(const RestMethod& method, std::size_t i) {
+  Overrides solver = method.solver;
+  solver.set({"time_step_s"}, method.steps_s[i]);
+  if (!method.substeps.empty()) solver.set({"substeps"}, method.substeps[i]);
+  return solver;
 }
 
 }  // namespace
@@ -168,7 +164,7 @@ ExperimentResult run_rest_states_experiment(const ExperimentContext& context) {
                           {"remark"}};
   double worst_m = 0.0, done = 0.0;
   for (const RestBody& body : settings.bodies) {
-    const Scene still = load(context, settings, body, "{}");
+    const Scene still = load(context, settings, body, {});
     const Eigen::Matrix3Xd start_m = markers_of(*still.simulation);
     const SimulationState near = equilibrium(body, settings.start_share, *still.simulation);
     equilibrium(body, 1.0, *still.simulation);

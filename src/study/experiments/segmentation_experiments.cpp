@@ -17,7 +17,7 @@ struct SegmentationExperiment {
   std::string robot;
   CameraSetup rig;
   DetectorSettings detector;
-  std::string overrides;  // of the robot: its markers
+  Overrides overrides;  // of the robot: its markers
   std::vector<CablePull> configurations;
 };
 
@@ -44,7 +44,7 @@ SegmentationExperiment read_experiment(const ExperimentContext& context, const s
   experiment.rig.marker_overrides.clear();
   experiment.detector = load_tracker(file("tracker")).detector;
   experiment.configurations = read_configurations(node);
-  experiment.overrides = "markers: " + node.child("markers").dump();
+  experiment.overrides.set({"markers"}, node.child("markers"));
   node.require_all_read();
   return experiment;
 }

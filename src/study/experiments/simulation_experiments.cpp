@@ -14,7 +14,7 @@
 
 namespace soft_robot_lab {
 
-SceneOptions ExperimentContext::scene_options(const std::string& overrides) const {
+SceneOptions ExperimentContext::scene_options(const Overrides& overrides) const {
   SceneOptions options;
   options.mesher = mesher;
   options.actuator_factory = make_actuator;

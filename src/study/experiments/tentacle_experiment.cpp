@@ -188,7 +188,7 @@ ExperimentResult run_tentacle_experiment(const ExperimentContext& context) {
     if (fitted_on(p)) fitted.push_back(all.back());
   }
   std::vector<AtMaterial> ours;
-  const auto compare = [&](const std::string& name, const std::string& overrides) {
+  const auto compare = [&](const std::string& name, const Overrides& overrides) {
     ours.push_back({name, tentacle_gap(settings.robot, context.scene_options(overrides), all)});
   };
   context.report(0.0, "at the published materials");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "tracking_score.h"
 #include "vision_experiments.h"
@@ -100,9 +99,8 @@ Plot error_plot(const ExperimentResult& result, const std::vector<TrackedMarker>
 
 ExperimentResult run_tracking_experiment(const ExperimentContext& context) {
   const TrackingExperiment experiment = read_experiment(context);
-  std::ostringstream step;
-  step << "solver: {time_step_s: " << 0.5 / experiment.rate_hz << "}";
-  const Scene scene = load_scene(experiment.robot, context.scene_options(step.str()));
+  const Overrides step = Overrides().set({"solver", "time_step_s"}, 0.5 / experiment.rate_hz);
+  const Scene scene = load_scene(experiment.robot, context.scene_options(step));
   Simulation& simulation = *scene.simulation;
   context.report(0, "moving");
   const std::vector<Moment> moments = move_through(simulation, experiment.pulls, experiment.hold_s, experiment.rate_hz);

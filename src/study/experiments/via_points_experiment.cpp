@@ -47,18 +47,15 @@ ViaSettings read_settings(const ExperimentContext& context) {
 }
 
 // The scene's cable with so many via points evenly between its ends; with those that it sets itself where `count` < 0.
-std::string cable_yaml(const Simulation& simulation, int count) {
+Overrides with_via_points(const Simulation& simulation, int count) {
   const ActuatorReading cable = simulation.actuator_state(0);
   const Eigen::Vector3d from = cable.path_m.front(), to = cable.path_m.back();
-  std::ostringstream text;
-  text.precision(12);
-  text << "cables: {" << cable.name << ": {via_points: " << (count < 0 ? "per_element" : "given") << ", points_m: [";
-  for (int i = 0; i <= std::max(count, 0) + 1; ++i) {
-    const Eigen::Vector3d at = from + (to - from) * i / (std::max(count, 0) + 1);
-    text << (i ? ", [" : "[") << at.x() << ", " << at.y() << ", " << at.z() << "]";
-  }
-  text << "]}}\n";
-  return text.str();
+  std::vector<Eigen::Vector3d> points_m;
+  for (int i = 0; i <= std::max(count, 0) + 1; ++i)
+    points_m.emplace_back(from + (to - from) * i / (std::max(count, 0) + 1));
+  return Overrides()
+      .set({"cables", cable.name, "via_points"}, count < 0 ? "per_element" : "given")
+      .set({"cables", cable.name, "points_m"}, points_m);
 }
 
 // Of the silicone along the cable's rest line, as it lies now.
@@ -77,7 +74,7 @@ double true_length_m(const Simulation& simulation, const Eigen::Vector3d& from, 
 
 ViaRun pull(const ExperimentContext& context, const ViaSettings& settings, double contraction, int count) {
   const Scene plain = load_scene(settings.scene, context.scene_options());
-  const Scene scene = load_scene(settings.scene, context.scene_options(cable_yaml(*plain.simulation, count)));
+  const Scene scene = load_scene(settings.scene, context.scene_options(with_via_points(*plain.simulation, count)));
   Simulation& simulation = *scene.simulation;
   const std::vector<Eigen::Vector3d> rest_path = simulation.actuator_state(0).path_m;
   simulation.set_command(simulation.actuator_state(0).name, contraction);

@@ -42,7 +42,7 @@ RandomRobot make_robot(const Randomisation& random, const SceneOptions& asked, c
   for (std::size_t i = 0; i < random.study.parameters.size(); ++i)
     numbers.emplace_back(random.study.parameters[i].name, values[i]);
   SceneOptions options = asked;
-  options.overrides = merge(options.overrides, parameter_overrides(load_settings(random.study.scene), numbers));
+  options.overrides.lay(parameter_overrides(load_settings(random.study.scene), numbers));
   Scene scene = load_scene(random.study.scene, options);
   if (const SolveReport rest = scene.simulation->solve_equilibrium(); !rest.converged)
     throw std::runtime_error("a random robot does not rest: " + rest.message);

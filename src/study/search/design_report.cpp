@@ -37,13 +37,8 @@ ParameterValues parameters_of(const SearchSettings& search, const Design& design
   return values;
 }
 
-// Key by key, so that it may follow other keys of a file.
-std::string overrides_of(const SearchSettings& search, const Design& design) {
-  const YamlNode all =
-      YamlNode::parse(parameter_overrides(load_settings(search.robot), parameters_of(search, design)), "design");
-  std::string text;
-  for (const std::string& key : all.keys()) text += key + ": " + all.child(key).dump() + "\n";
-  return text;
+Overrides overrides_of(const SearchSettings& search, const Design& design) {
+  return parameter_overrides(load_settings(search.robot), parameters_of(search, design));
 }
 
 std::string quoted(const std::string& text) {
@@ -153,7 +148,7 @@ void write_designs(const SearchSettings& search, const std::vector<Design>& desi
   for (const std::size_t place : front)
     write_file(folder + "/" + name_of(place) + ".yaml", "# Found by a search.\ninclude: \"" +
                                                             fs::path(search.robot).lexically_relative(from).string() +
-                                                            "\"\n" + overrides_of(search, designs[place]));
+                                                            "\"\n" + overrides_of(search, designs[place]).text());
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ TEST(FitModel, FindsTheDampingOfSwings) {
   EXPECT_LT(value_of(result, "damping.rayleigh_stiffness_s").deviation, 0.06 * 0.004);
   EXPECT_EQ(result.swings, 1);
   EXPECT_LT(result.swing_rms_m, 2.5e-4) << summary(result);
-  EXPECT_NE(result.overrides.find("rayleigh_stiffness_s"), std::string::npos) << result.overrides;
+  EXPECT_TRUE(result.overrides.has({"body", "damping", "rayleigh_stiffness_s"})) << result.overrides.text();
 }
 
 // Of a robot on a finer mesh with another stiffness, let go of more than once.
@@ -113,7 +113,7 @@ TEST(FitModel, TakesNoDampingFromWhatDoesNotSwing) {
   const FitResult result = fit_model(kScene, options_with(kLying), poses, request, {creep, held});
   EXPECT_TRUE(warns(result, "damping: the data cannot identify it")) << summary(result);
   EXPECT_EQ(result.values.size(), 1u);
-  EXPECT_EQ(result.overrides.find("damping"), std::string::npos) << result.overrides;
+  EXPECT_FALSE(result.overrides.has({"body", "damping"})) << result.overrides.text();
 }
 
 }  // namespace

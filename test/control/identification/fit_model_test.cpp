@@ -110,7 +110,8 @@ TEST(FitModel, FindsBacklashBesideLengthAndStiffness) {
   EXPECT_LT(value_of(result, "backlash_m.left").deviation, 0.1 * 4e-4);
   expect_within(result, "length_offset_m.left", 3e-4);
   expect_within(result, "youngs_modulus_pa", 290000);
-  const SceneOptions fitted = options_with(result.overrides);
+  SceneOptions fitted = options_with("");
+  fitted.overrides = result.overrides;
   EXPECT_LT(model_gap(kScene, fitted, poses, {Eigen::Isometry3d::Identity()}, result.backlash_m).rms_m, 5e-5);
   EXPECT_GT(model_gap(kScene, fitted, poses).rms_m, 1e-4) << "without the backlash it does not fit";
 }
@@ -123,7 +124,8 @@ TEST(FitModel, DifferentiatesByBacklashAlongTheWay) {
   const auto predict = [&](double left_m, bool derivatives) {
     PoseModel::Parameters parameters;
     if (derivatives) parameters = [](const Simulation&) { return std::vector<ModelParameter>{{"backlash_m", {0}}}; };
-    return PoseModel(kScene, options_with(""), poses).predict(scene, parameters, {{"left", left_m}, {"right", 6e-4}});
+    return PoseModel(kScene, options_with(""), poses)
+        .predict(overrides_from(scene), parameters, {{"left", left_m}, {"right", 6e-4}});
   };
   constexpr double h_m = 1e-6;
   const auto at = predict(4e-4, true), less = predict(4e-4 - h_m, false), more = predict(4e-4 + h_m, false);
@@ -203,7 +205,7 @@ TEST(FitModel, TellsStiffnessAgainstTheWeightThatWasWeighed) {
   request.mass_kg = mass_kg;
   const FitResult result = fit_model(kScene, options_with(kLying), poses, request);
   EXPECT_NEAR(value_of(result, "youngs_modulus_pa").value, 303830, 3000) << summary(result);
-  EXPECT_NE(result.overrides.find("1177"), std::string::npos) << result.overrides;
+  EXPECT_NE(result.overrides.text().find("1177"), std::string::npos) << result.overrides.text();
   for (const double wrong : {0.0, -1.0, std::nan("")}) {
     request.mass_kg = wrong;
     EXPECT_THROW(fit_model(kScene, options_with(kLying), poses, request), std::invalid_argument);

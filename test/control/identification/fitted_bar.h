@@ -13,6 +13,7 @@
 
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/control/identification/fit_model.h"
+#include "settings/overrides_from.h"
 
 namespace soft_robot_lab {
 
@@ -24,7 +25,7 @@ inline SceneOptions options_with(const std::string& overrides) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.overrides = overrides;
+  options.overrides = overrides_from(overrides);
   return options;
 }
 

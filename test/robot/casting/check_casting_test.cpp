@@ -151,9 +151,9 @@ TEST(CheckCasting, SaysWhyForEachFailure) {
 
 using NormalAt = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
 
-Surface meshed(const std::string& solid_yaml) {
+Surface meshed(const std::string& solid) {
   SurfaceRequest request;
-  request.solid_yaml = solid_yaml;
+  request.solid = read_solid(YamlNode::parse(solid, "solid"));
   request.circle_segments = 24;
   MesherOptions options;
   options.program = SOFT_ROBOT_LAB_MESHER;

@@ -25,7 +25,7 @@ Outcome export_to(const SceneFolder& folder, const std::string& file, const std:
 
 Surface surface_of(const std::string& solid) {
   SurfaceRequest request;
-  request.solid_yaml = solid;
+  request.solid = read_solid(YamlNode::parse(solid, "solid"));
   request.circle_segments = 96;
   MesherOptions options;
   options.program = SOFT_ROBOT_LAB_MESHER;

@@ -21,7 +21,7 @@ Solid solid_of(const std::string& yaml) { return read_solid(YamlNode::parse(yaml
 
 Surface meshed(const Solid& solid) {
   SurfaceRequest request;
-  request.solid_yaml = to_yaml(solid);
+  request.solid = solid;
   request.largest_edge_m = 0.01;
   request.circle_segments = 24;
   request.smallest_edge_m = 0.0003;

@@ -19,6 +19,9 @@ namespace soft_robot_lab {
 namespace {
 
 namespace fs = std::filesystem;
+
+Solid solid_of(const std::string& yaml) { return read_solid(YamlNode::parse(yaml, "solid")); }
+
 constexpr double kPi = 3.14159265358979323846;
 
 // Sources are joined to it, results stay until the next run of this test.
@@ -33,7 +36,7 @@ class MeshRobot : public testing::Test {
 
   TetMesh mesh_of(const std::string& solid, double element_size_m, bool quadratic = true) {
     MeshRequest request;
-    request.solid_yaml = solid;
+    request.solid = solid_of(solid);
     request.element_size_m = element_size_m;
     request.quadratic = quadratic;
     TetMesh mesh = read_msh(file_of(request));
@@ -246,7 +249,7 @@ TEST_F(MeshRobot, LeavesOutNamesThatBoundNothing) {
 
 TEST_F(MeshRobot, RefinesAroundAPointAndGrowsAway) {
   MeshRequest request;
-  request.solid_yaml = kBeam;
+  request.solid = solid_of(kBeam);
   request.refinements = {{{0.1, 0, 0}, 0.004, 0.002}};
   const TetMesh mesh = make_linear(read_msh(file_of(request)));
   check_mesh(mesh);
@@ -274,9 +277,9 @@ TEST_F(MeshRobot, RefinesAroundAPointAndGrowsAway) {
 
 TEST_F(MeshRobot, RefinesAlongANamedSurfaceOrItsEdges) {
   MeshRequest request;
-  request.solid_yaml =
+  request.solid = solid_of(
       "{difference: [{box: {size_m: [0.06, 0.06, 0.06], center_m: [0, 0, 0]}}, "
-      "{box: {size_m: [0.03, 0.03, 0.03], center_m: [0, 0, 0]}, name: cavity}]}";
+      "{box: {size_m: [0.03, 0.03, 0.03], center_m: [0, 0, 0]}, name: cavity}]}");
   request.element_size_m = 0.03;
   const double even_volume = volume(read_msh(file_of(request)));
   const auto nodes_near = [](const TetMesh& mesh, const Eigen::Vector3d& position_m) {
@@ -307,8 +310,8 @@ TEST_F(MeshRobot, RefinesAlongANamedSurfaceOrItsEdges) {
 
 TEST_F(MeshRobot, MakesTheSameBytesOfTheSameRequest) {
   MeshRequest request;
-  request.solid_yaml =
-      std::string("{difference: [") + kBeam + ", {sphere: {radius_m: 0.006, center_m: [0.05, 0, 0]}}]}";
+  request.solid =
+      solid_of(std::string("{difference: [") + kBeam + ", {sphere: {radius_m: 0.006, center_m: [0.05, 0, 0]}}]}");
   request.refinements = {{{0.1, 0, 0}, 0.004, 0.003}};
   const auto text = [&] {
     std::ifstream file(file_of(request));

@@ -40,13 +40,15 @@ class Environment {
   std::string before_;
 };
 
+Solid solid_of(const std::string& yaml) { return read_solid(YamlNode::parse(yaml, "solid")); }
+
 class MeshFileFor : public testing::Test {
  protected:
   MeshFileFor() {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     options_.cache_folder = folder_ / "cache";
-    request_.solid_yaml = "{sphere: {radius_m: 0.1, center_m: [0, 0, 0]}}";
+    request_.solid = solid_of("{sphere: {radius_m: 0.125, center_m: [0, 0, 0]}}");
   }
   ~MeshFileFor() override { fs::remove_all(folder_); }
 
@@ -99,7 +101,7 @@ TEST_F(MeshFileFor, MeshesOnceAndThenUsesTheCache) {
   EXPECT_EQ(runs(), 1);
   EXPECT_EQ(cached_files(), 1);  // no temporary files stay
   EXPECT_EQ(text_of(first),
-            "solid: {sphere: {radius_m: 0.1, center_m: [0, 0, 0]}}\nelement_size_m: 0.01\nquadratic: true\n"
+            "solid: {sphere: {radius_m: 0.125, center_m: [0, 0, 0]}}\nelement_size_m: 0.01\nquadratic: true\n"
             "refinements: []\n");
 }
 
@@ -129,7 +131,7 @@ TEST_F(MeshFileFor, MeshesAgainWhenAnythingInTheRequestChanges) {
   mesh_file_for(request_, options_);
   request_.refinements.push_back({{0, 0, 0}, 0.1, 0.001});
   mesh_file_for(request_, options_);
-  request_.solid_yaml = "{sphere: {radius_m: 0.2, center_m: [0, 0, 0]}}";
+  request_.solid = solid_of("{sphere: {radius_m: 0.2, center_m: [0, 0, 0]}}");
   mesh_file_for(request_, options_);
   EXPECT_EQ(runs(), 5);
 }
@@ -138,11 +140,11 @@ TEST_F(MeshFileFor, MeshesAgainWhenAReferencedFileChanges) {
   use_script("cp \"$1\" \"$2\"");
   const fs::path part = folder_ / "part's.step";
   std::ofstream(part) << "one";
-  request_.solid_yaml = "{step: \"" + part.string() + "\"}";
+  request_.solid = solid_of("{step: \"" + part.string() + "\"}");
   const std::string first = mesh_file_for(request_, options_);
   std::ofstream(part) << "two";
   EXPECT_NE(mesh_file_for(request_, options_), first);
-  request_.solid_yaml.clear();
+  request_.solid.reset();
   request_.mesh_file = part;
   const std::string second = mesh_file_for(request_, options_);
   EXPECT_EQ(text_of(second), "mesh_file: '" + (folder_ / "part''s.step").string() + "'\n");
@@ -271,20 +273,19 @@ TEST_F(MeshFileFor, RefusesBadRequests) {
     damage(request_);
     return refusal<std::invalid_argument>() != "accepted";
   };
-  EXPECT_TRUE(refuses([](MeshRequest& r) { r.solid_yaml.clear(); }));
+  EXPECT_TRUE(refuses([](MeshRequest& r) { r.solid.reset(); }));
   EXPECT_TRUE(refuses([](MeshRequest& r) { r.mesh_file = "also.msh"; }));
-  EXPECT_TRUE(refuses([](MeshRequest& r) { r.solid_yaml = "{sphere: {}}"; }));
   EXPECT_TRUE(refuses([](MeshRequest& r) { r.element_size_m = 0; }));
   EXPECT_TRUE(refuses([](MeshRequest& r) { r.element_size_m = std::nan(""); }));
   EXPECT_TRUE(refuses([](MeshRequest& r) { r.refinements.push_back({{0, 0, 0}, -1, 0.1}); }));
   EXPECT_TRUE(refuses([](MeshRequest& r) { r.refinements.push_back({{0, 0, 0}, 1, 0}); }));
   EXPECT_TRUE(refuses([](MeshRequest& r) { r.refinements.push_back({{0, std::nan(""), 0}, 1, 1}); }));
   EXPECT_TRUE(refuses([](MeshRequest& r) {
-    r.solid_yaml.clear();
+    r.solid.reset();
     r.mesh_file = "/no/such/file.msh";
   }));
   EXPECT_TRUE(refuses([](MeshRequest& r) {
-    r.solid_yaml.clear();
+    r.solid.reset();
     r.mesh_file = "/dev/zero";
   }));
   EXPECT_EQ(runs(), 0);

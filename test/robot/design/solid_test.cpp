@@ -48,6 +48,18 @@ TEST(Solid, WritesWhatItReads) {
   }
 }
 
+TEST(Solid, IsTheSameWhateverItsMaterial) {
+  std::vector<Solid> solids;
+  for (const char* text : kGoodSolids) solids.push_back(read(text));
+  for (const Solid& a : solids)
+    for (const Solid& b : solids) EXPECT_EQ(same_solid(a, b), &a == &b) << to_yaml(a) << " and " << to_yaml(b);
+  const std::string ball = "sphere: {radius_m: 0.1, center_m: [0, 0, 0]}, name: ball";
+  const Solid soft = read_solid(YamlNode::parse("{" + ball + ", material: {preset: soft}}", "scene.yaml"));
+  EXPECT_TRUE(same_solid(soft, read("{" + ball + "}")));
+  EXPECT_FALSE(same_solid(soft, read("{sphere: {radius_m: 0.1, center_m: [0, 0, 0]}}")));
+  EXPECT_FALSE(same_solid(solids[6], read("difference: [" + to_yaml(solids[6].parts[0]) + ", {" + ball + "}]")));
+}
+
 TEST(Solid, WritesMovedSolidsAsItReadsThem) {
   const std::string ball = "{solid: {sphere: {radius_m: 0.1, center_m: [0, 0, 0]}}, ";
   for (const char* text :

@@ -6,6 +6,7 @@
 
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/scene.h"
+#include "settings/overrides_from.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -48,9 +49,9 @@ TEST(CableRobots, SpinebotsCableFindsItsWayByItself) {
   const auto left = [](const Scene& scene) { return scene.simulation->actuator_state(0).path_m; };
   std::vector<Eigen::Vector3d> wanted = left(load_scene(file, options));
   wanted.insert(wanted.end() - 1, Eigen::Vector3d(-0.011, 0, -0.078));
-  options.overrides =
+  options.overrides = overrides_from(
       "cables: [{name: left, path_m: [[-0.011, 0, 0], [-0.011, 0, -0.0805]], via_points: given, plug_radius_m: "
-      "0.0025}]";
+      "0.0025}]");
   const std::vector<Eigen::Vector3d> found = left(load_scene(file, options));
   ASSERT_EQ(found.size(), wanted.size());
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LT((found[i] - wanted[i]).norm(), 1e-9) << i;

@@ -7,6 +7,7 @@
 
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
+#include "settings/overrides_from.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -17,7 +18,7 @@ Scene load(const std::string& file, const std::string& overrides = "") {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.overrides = overrides;
+  options.overrides = overrides_from(overrides);
   return load_scene(kRobots + file + ".yaml", options);
 }
 

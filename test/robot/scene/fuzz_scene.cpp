@@ -33,7 +33,7 @@ TetMesh hollow_bar() {
 }
 
 void load(const std::string& text) {
-  const YamlNode settings = merge_overrides(YamlNode::parse(text, "fuzz.yaml"), "");
+  const YamlNode settings = with_includes(YamlNode::parse(text, "fuzz.yaml"));
   const YamlNode body = settings.child("body");
   if (body.has("solid")) require_rule(!to_yaml(read_solid(body.child("solid"))).empty());
   for (const char* key : {"mesh", "element", "element_size_m", "refinements"})

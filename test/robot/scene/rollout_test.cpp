@@ -9,6 +9,7 @@
 
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/scene.h"
+#include "settings/overrides_from.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -20,7 +21,7 @@ std::shared_ptr<const Model> model_of(const std::string& robot, const std::strin
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.overrides = overrides;
+  options.overrides = overrides_from(overrides);
   return load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + robot + "/robot.yaml", options).simulation->model();
 }
 

@@ -110,11 +110,11 @@ TEST(Scene, ReadsDampingAndHysteresis) {
 TEST(Scene, LaysChangesOverTheFile) {
   const SceneFolder folder;
   SceneOptions changed = options();
-  changed.overrides = "body: {material: {poissons_ratio: 0.3}}";
+  changed.overrides.set({"body", "material", "poissons_ratio"}, 0.3);
   const Material material = load_scene(folder.path("bar.yaml"), changed).simulation->body().material();
   EXPECT_EQ(material.poissons_ratio, 0.3);
   EXPECT_EQ(material.density_kg_m3, 1070);
-  changed.overrides = "body: {colour: blue}";
+  changed.overrides = Overrides().set({"body", "colour"}, "blue");
   try {
     load_scene(folder.path("bar.yaml"), changed);
     ADD_FAILURE() << "accepted";

@@ -13,6 +13,7 @@
 #include "hardware/plant/same_commands.h"
 #include "perception/calibration/calibration_session.h"
 #include "soft_robot_lab/perception/tracking/tracker.h"
+#include "settings/overrides_from.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -26,7 +27,7 @@ std::unique_ptr<Simulation> load(const std::string& robot, const std::string& ov
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.overrides = overrides;
+  options.overrides = overrides_from(overrides);
   return load_scene(kConfig + "robots/" + robot + "/robot.yaml", options).simulation;
 }
 

@@ -106,7 +106,7 @@ struct FitResult {
   double swing_rms_m = 0.0;  // by which the fitted model misses them
   int iterations = 0;
   double cpu_s = 0.0;
-  std::string overrides;                     // YAML to be laid over the scene
+  Overrides overrides;                       // to be laid over the scene
   std::map<std::string, double> backlash_m;  // by cable, of those that were fitted; no scene holds it
   Eigen::Isometry3d measured_from_base = Eigen::Isometry3d::Identity();
 };

@@ -3,14 +3,15 @@
 // it may hang.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-namespace soft_robot_lab {
+#include "soft_robot_lab/robot/design/solid.h"
 
-class YamlNode;
+namespace soft_robot_lab {
 
 // Where elements shall be no larger than `size_m`: in a ball, around a cable's plug for instance, or along a named
 // surface of the solid, or along the edges of that surface's sides, where stresses peak.
@@ -26,7 +27,7 @@ struct MeshRefinement {
 MeshRefinement read_mesh_refinement(const YamlNode& node);
 
 struct MeshRequest {
-  std::string solid_yaml;        // the `solid` section with absolute file names, or
+  std::optional<Solid> solid;    // or
   std::string mesh_file;         // an existing .msh or .vtk file to convert; the members below do nothing then
   double element_size_m = 0.01;  // > 0
   bool quadratic = true;         // 10-node elements that follow curved surfaces

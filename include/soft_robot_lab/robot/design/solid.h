@@ -61,7 +61,11 @@ struct Solid {
 // Throws SettingsError.
 Solid read_solid(const YamlNode& node);
 
-// The same solid as canonical text without materials, numbers with 17 digits: read_solid gives it back bit by bit.
+// Of shape, place and names alike, whatever their materials.
+bool same_solid(const Solid& a, const Solid& b);
+
+// Canonical text without materials, for mesh_robot, a process of its own: numbers have 17 digits, so that read_solid
+// gives the solid back bit by bit.
 std::string to_yaml(const Solid& solid);
 
 // The solids here and below that have a name, or a material too, where they stand in the body. What counts more stands

@@ -6,13 +6,26 @@
 #include <string>
 #include <vector>
 
+#include "soft_robot_lab/mechanics/solver_options.h"
+
 namespace soft_robot_lab {
 
+struct TimeStepChoice {
+  Integrator integrator = Integrator::implicit_euler;
+  double time_step_s = 0.0;
+};
+
+// Beside quadratic elements and the method newton.
+struct FidelityChoice {
+  std::optional<double> element_size_m;   // none where the scene names a mesh
+  std::optional<TimeStepChoice> in_time;  // none at rest
+};
+
 struct FidelityReport {
-  double tolerance_m = 0.0;  // of the markers; 0: the scene was judged as it is
-  bool met = true;           // the tolerance; without a known error it is not
-  std::string choice;        // YAML to lay over the scene; empty where it was judged as it is
-  int nodes = 0;             // of the mesh that was chosen or judged
+  double tolerance_m = 0.0;              // of the markers; 0: the scene was judged as it is
+  bool met = true;                       // the tolerance; without a known error it is not
+  std::optional<FidelityChoice> choice;  // none where the scene was judged as it is
+  int nodes = 0;                         // of the mesh that was chosen or judged
 
   // Expected distances of the markers from those of an infinitely fine mesh and step; absent where no estimate was
   // found, and `trouble` says why.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "fidelity.h"
+#include "soft_robot_lab/settings/overrides.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 #include "soft_robot_lab/mechanics/simulation.h"
 
@@ -56,8 +57,8 @@ struct SceneOptions {
   bool knows_reduced = false;  // runs the scene by run_scene; otherwise method reduced is refused
   std::function<void(double, const std::string&)> progress;  // of training, 0 to 1; may be empty
   bool estimate_error = false;                               // judge the scene as it is (scene/fidelity.h)
-  std::string overrides;                      // YAML text laid over the file, as a file that includes it would be
-  std::function<void(TetMesh&)> change_mesh;  // applied before anything binds to the mesh; may be empty
+  Overrides overrides;                                       // laid over the file, as a file that includes it would be
+  std::function<void(TetMesh&)> change_mesh;                 // applied before anything binds to the mesh; may be empty
 };
 
 // Reads the file (and those it includes), meshes or reads the body, binds actuators and markers.

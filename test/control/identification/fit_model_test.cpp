@@ -9,6 +9,7 @@
 
 #include "control/identification/pose_model.h"
 #include "fitted_bar.h"
+#include "robot/scene/block_beside.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -239,6 +240,18 @@ TEST(FitModel, OutliersHardlyMoveIt) {
   EXPECT_TRUE(warns(result, "configuration 3 (left 0.9, right 1) is missed by 1"))
       << summary(result);  // 20 mm of one of two
   EXPECT_NE(summary(result).find("  3 (left 0.9, right 1): "), std::string::npos) << summary(result);
+}
+
+TEST(FitModel, RefusesSeveralBodiesAndMaterials) {
+  const std::vector<MeasuredPose> poses = measure(kLying, {{1.0, 1.0}}, Eigen::Isometry3d::Identity(), 1e-4, 1);
+  FitRequest request;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}}};
+  try {
+    fit_model(kScene, options_with(kLying + kBlockBeside), poses, request);
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "a fit knows one body of one material, not several");
+  }
 }
 
 TEST(FitModel, RefusesBadRequests) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "robot/casting/cast_robot.h"
+#include "robot/scene/block_beside.h"
 #include "robot/scene/scene_files.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 
@@ -49,6 +50,25 @@ TEST(CastSurface, GivesTheVerdictOfAMeshedRobot) {
   for (size_t i = 0; i + 1 < alone.tests.size(); ++i) EXPECT_EQ(alone.tests[i].numbers, whole.tests[i].numbers);
   EXPECT_EQ(alone.tests.back().name, "mesh_quality");
   EXPECT_FALSE(std::isfinite(alone.tests.back().numbers[0].second));
+}
+
+TEST(CastSurface, RefusesSeveralBodiesAndMaterials) {
+  const SceneFolder folder;
+  const std::string washer =
+      "body: {solid: {difference: [{box: {size_m: [0.04, 0.03, 0.02], center_m: [0, 0, 0.01]}, name: washer, material: "
+      "{youngs_modulus_pa: 200000, poissons_ratio: 0.49, density_kg_m3: 1100}}, {cylinder: {start_m: [0, 0, -0.01], "
+      "end_m: [0, 0, 0.03], radius_m: 0.006}}]}}\n";
+  folder.write("block.yaml", kBlock + kSize + "0.02\n");
+  for (const std::string& more : {std::string(kBlockBeside), washer}) {
+    try {
+      load_cast_robot(folder.write("robot.yaml", "include: block.yaml\n" + more), options());
+      ADD_FAILURE() << "accepted: " << more;
+    } catch (const SettingsError& error) {
+      EXPECT_NE(std::string(error.what()).find("casting knows one body of one material, not several"),
+                std::string::npos)
+          << error.what();
+    }
+  }
 }
 
 TEST(CastSurface, RefusesWhatItDoesNotKnow) {

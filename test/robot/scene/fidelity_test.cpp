@@ -262,6 +262,7 @@ TEST_F(Fidelity, RefusesWhatItCannotAnswer) {
       {bar + wish + "solver: {method: newton}\n", "solver.method: is chosen by fidelity"},
       {bar + wish + "body: {element_size_m: 0.01}\n", "body.element_size_m: is chosen by fidelity"},
       {"include: wishful.yaml\nsolver: {integrator: bdf2}\n", "solver.integrator: is chosen by fidelity"},
+      {bar + wish + "bodies: [{name: block}]\n", "bodies: fidelity chooses the mesh of one body"},
       {bar + "fidelity: {tolerance_m: 0}\n", "fidelity.tolerance_m: 0 is out of range (0, inf)"},
       {bar + "fidelity: {}\n", "key 'tolerance_m' is missing"},
       {bar + "fidelity: {tolerance_m: 0.01, max_nodes: 10}\n", "max_nodes: 10 is out of range [100, 20000]"},

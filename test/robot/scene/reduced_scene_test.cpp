@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robot/scene/scene_motion.h"
+#include "block_beside.h"
 #include "cabled_bar.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
 #include "soft_robot_lab/settings/yaml_node.h"
@@ -207,6 +208,7 @@ TEST_F(ReducedScene, RefusesWhatItDoesNotKnow) {
       {kReduced, "cables: {left: {model: friction, friction_coefficient: 0.1}}\n" + kMotion, "'left'"},
       {kReduced, "contact: {obstacles: [{name: floor, plane: {point_m: [0, -1, 0], normal: [0, 1, 0]}}]}\n" + kMotion,
        "contact"},
+      {kReduced, kBlockBeside + kMotion, "several materials"},
       {kReduced, "run: {mode: modal}\n", "mode modal"},
       {kReduced, "run: {mode: equilibrium, sensitivity: true}\n", "sensitivity"},
       {kReduced, "fidelity: {tolerance_m: 0.001}\n" + kMotion, "fidelity"},

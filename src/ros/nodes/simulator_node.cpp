@@ -18,6 +18,7 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "run_node.h"
+#include "simulator_options.h"
 #include "hardware/plant/same_commands.h"
 #include "ros/actuator_plugins.h"
 #include "ros/conversions.h"
@@ -40,62 +41,14 @@ has too.
 
 Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
-often as they film), ~skin_opacity (1: opaque; 0: opaque where that hides no chamber or cable), ~publish_clock (false beside a rig: time is then the wall's), ~rig (path: the rig that takes
-the same commands, which a scene has to suit), ~position_m (x, y, z in the room, of a session in a namespace), ~max_publish_rate_hz (1000: clock, markers and actuators of at most
-so many steps in each second of the session, or of the wall where that is longer).)";
+often as they film), ~skin_opacity (1: opaque; 0: opaque where that hides no chamber or cable), ~publish_clock (false
+beside a rig: time is then the wall's), ~rig (path: the rig that takes the same commands, which a scene has to suit),
+~position_m (x, y, z in the room, of a session in a namespace), ~max_publish_rate_hz (1000: clock, markers and
+actuators of at most so many steps in each second of the session, or of the wall where that is longer).)";
 
 using SteadyClock = std::chrono::steady_clock;
 
 double machine_time_s() { return std::chrono::duration<double>(SteadyClock::now().time_since_epoch()).count(); }
-
-struct SimulatorOptions {
-  std::string scene;
-  double real_time_factor = 1.0;  // [0, 1000]; 0: as fast as possible
-  bool start_at_rest = true;
-  double surface_rate_hz = 15.0;  // (0, 1000]
-  double skin_opacity = 0.0;      // [0, 1]; 0: fitting_opacity
-  bool publish_clock = true;
-  std::string rig;                      // empty: none
-  double max_publish_rate_hz = 1000.0;  // [1, 100000]
-  std::vector<double> position_m = {0.0, 0.0, 0.0};
-
-  void validate() const {
-    if (!(real_time_factor >= 0.0 && real_time_factor <= 1000.0)) {
-      throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) + " is not in [0, 1000]");
-    }
-    if (!(surface_rate_hz > 0.0 && surface_rate_hz <= 1000.0)) {
-      throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz) + " is not in (0, 1000]");
-    }
-    if (!(skin_opacity >= 0.0 && skin_opacity <= 1.0))
-      throw std::invalid_argument("skin_opacity: " + std::to_string(skin_opacity) + " is not in [0, 1]");
-    if (!(max_publish_rate_hz >= 1.0 && max_publish_rate_hz <= 1.0e5)) {
-      throw std::invalid_argument("max_publish_rate_hz: " + std::to_string(max_publish_rate_hz) +
-                                  " is not in [1, 100000]");
-    }
-    if (position_m.size() != 3 ||
-        !std::all_of(position_m.begin(), position_m.end(), [](double x) { return std::abs(x) <= 1e3; }))
-      throw std::invalid_argument("position_m: must be three numbers [m] in [-1000, 1000]");
-    if (!publish_clock && real_time_factor != 1.0) {
-      throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) +
-                                  " is not 1, as it has to be where publish_clock is false");
-    }
-  }
-};
-
-SimulatorOptions read_options(const ros::NodeHandle& node) {
-  SimulatorOptions options;
-  if (!node.getParam("scene", options.scene)) throw std::invalid_argument("scene: missing; give the path of a scene");
-  node.getParam("real_time_factor", options.real_time_factor);
-  node.getParam("start_at_rest", options.start_at_rest);
-  node.getParam("surface_rate_hz", options.surface_rate_hz);
-  node.getParam("skin_opacity", options.skin_opacity);
-  node.getParam("publish_clock", options.publish_clock);
-  node.getParam("rig", options.rig);
-  node.getParam("max_publish_rate_hz", options.max_publish_rate_hz);
-  node.getParam("position_m", options.position_m);
-  options.validate();
-  return options;
-}
 
 // A scene ready to run, with the state that `reset` brings back.
 struct RunningScene {

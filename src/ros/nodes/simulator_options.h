@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parameters of simulator_node.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <ros/ros.h>
+
+namespace soft_robot_lab {
+
+struct SimulatorOptions {
+  std::string scene;
+  double real_time_factor = 1.0;  // [0, 1000]; 0: as fast as possible
+  bool start_at_rest = true;
+  double surface_rate_hz = 15.0;  // (0, 1000]
+  double skin_opacity = 0.0;      // [0, 1]; 0: fitting_opacity
+  bool publish_clock = true;
+  std::string rig;                      // empty: none
+  double max_publish_rate_hz = 1000.0;  // [1, 100000]
+  std::vector<double> position_m = {0.0, 0.0, 0.0};
+
+  void validate() const {
+    if (!(real_time_factor >= 0.0 && real_time_factor <= 1000.0)) {
+      throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) + " is not in [0, 1000]");
+    }
+    if (!(surface_rate_hz > 0.0 && surface_rate_hz <= 1000.0)) {
+      throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz) + " is not in (0, 1000]");
+    }
+    if (!(skin_opacity >= 0.0 && skin_opacity <= 1.0))
+      throw std::invalid_argument("skin_opacity: " + std::to_string(skin_opacity) + " is not in [0, 1]");
+    if (!(max_publish_rate_hz >= 1.0 && max_publish_rate_hz <= 1.0e5)) {
+      throw std::invalid_argument("max_publish_rate_hz: " + std::to_string(max_publish_rate_hz) +
+                                  " is not in [1, 100000]");
+    }
+    if (position_m.size() != 3 ||
+        !std::all_of(position_m.begin(), position_m.end(), [](double x) { return std::abs(x) <= 1e3; }))
+      throw std::invalid_argument("position_m: must be three numbers [m] in [-1000, 1000]");
+    if (!publish_clock && real_time_factor != 1.0) {
+      throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) +
+                                  " is not 1, as it has to be where publish_clock is false");
+    }
+  }
+};
+
+// Throws std::invalid_argument naming the parameter.
+inline SimulatorOptions read_options(const ros::NodeHandle& node) {
+  SimulatorOptions options;
+  if (!node.getParam("scene", options.scene)) throw std::invalid_argument("scene: missing; give the path of a scene");
+  node.getParam("real_time_factor", options.real_time_factor);
+  node.getParam("start_at_rest", options.start_at_rest);
+  node.getParam("surface_rate_hz", options.surface_rate_hz);
+  node.getParam("skin_opacity", options.skin_opacity);
+  node.getParam("publish_clock", options.publish_clock);
+  node.getParam("rig", options.rig);
+  node.getParam("max_publish_rate_hz", options.max_publish_rate_hz);
+  node.getParam("position_m", options.position_m);
+  options.validate();
+  return options;
+}
+
+}  // namespace soft_robot_lab

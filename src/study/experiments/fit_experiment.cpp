@@ -17,7 +17,7 @@ struct FitSettings {
   std::vector<MeasuredPose> table, unseen;  // commands only
   double deviation_m = 0.0;                 // of an averaged marker
   FitRequest request;
-  std::string truth_mesh;           // changes
+  Overrides truth_mesh;
   std::vector<FitParameter> truth;  // `start`: the value
   unsigned seed = 1;
 };
@@ -44,9 +44,7 @@ FitSettings read_settings(const ExperimentContext& context) {
   for (const YamlNode& name : node.sequence("parameters"))
     settings.request.parameters.push_back({name.as_text(), {}, {}, {}});
   const YamlNode truth = node.child("truth");
-  std::ostringstream mesh;
-  mesh << "body: {element_size_m: " << truth.number("element_size_m", AllowedRange::positive()) << "}\n";
-  settings.truth_mesh = mesh.str();
+  settings.truth_mesh.set({"body", "element_size_m"}, truth.number("element_size_m", AllowedRange::positive()));
   const YamlNode values = truth.child("values");
   for (const std::string& name : values.keys()) settings.truth.push_back({name, values.number(name), {}, {}});
   node.require_all_read();

@@ -54,12 +54,13 @@ TEST(CastSurface, GivesTheVerdictOfAMeshedRobot) {
 
 TEST(CastSurface, RefusesSeveralBodiesAndMaterials) {
   const SceneFolder folder;
-  const std::string washer =
-      "body: {solid: {difference: [{box: {size_m: [0.04, 0.03, 0.02], center_m: [0, 0, 0.01]}, name: washer, material: "
-      "{youngs_modulus_pa: 200000, poissons_ratio: 0.49, density_kg_m3: 1100}}, {cylinder: {start_m: [0, 0, -0.01], "
-      "end_m: [0, 0, 0.03], radius_m: 0.006}}]}}\n";
+  const std::string lid =
+      "body: {solid: {difference: [{union: [{box: {size_m: [0.04, 0.03, 0.02], center_m: [0, 0, 0.01]}}, {box: "
+      "{size_m: "
+      "[0.04, 0.03, 0.01], center_m: [0, 0, 0.025]}, name: lid, material: {youngs_modulus_pa: 200000, poissons_ratio: "
+      "0.49, density_kg_m3: 1100}}]}, {cylinder: {start_m: [0, 0, -0.01], end_m: [0, 0, 0.04], radius_m: 0.006}}]}}\n";
   folder.write("block.yaml", kBlock + kSize + "0.02\n");
-  for (const std::string& more : {std::string(kBlockBeside), washer}) {
+  for (const std::string& more : {std::string(kBlockBeside), lid}) {
     try {
       load_cast_robot(folder.write("robot.yaml", "include: block.yaml\n" + more), options());
       ADD_FAILURE() << "accepted: " << more;

@@ -10,8 +10,8 @@ namespace soft_robot_lab {
 namespace {
 
 // One node on x = 3 + 2 t + 5 t^2, at t = 0, with what each integrator takes for its velocity there.
-SimulationState on_a_parabola(double previous_step_s, Integrator integrator) {
-  const double h = previous_step_s, middle = integrator == Integrator::bdf2 ? 0.0 : 0.5;
+SimulationState on_a_parabola(double previous_step_s, StepRule rule) {
+  const double h = previous_step_s, middle = rule == StepRule::bdf2 ? 0.0 : 0.5;
   const auto velocity = [&](double t) { return 2.0 + 10.0 * (t - middle * h); };
   SimulationState state;
   state.positions_m = Eigen::Matrix3Xd::Constant(3, 1, 3.0);
@@ -27,9 +27,9 @@ SimulationState on_a_parabola(double previous_step_s, Integrator integrator) {
 
 TEST(Prediction, FollowsAParabola) {
   const double h = 0.01;
-  const NewtonState bdf2 = predict(on_a_parabola(h, Integrator::bdf2), h, Integrator::bdf2);
+  const NewtonState bdf2 = predict(on_a_parabola(h, StepRule::bdf2), h, StepRule::bdf2);
   EXPECT_NEAR(bdf2.positions_m(0, 0), 3.0 + 2.0 * h + 5.0 * h * h, 1e-12);
-  const NewtonState euler = predict(on_a_parabola(h, Integrator::implicit_euler), h, Integrator::implicit_euler);
+  const NewtonState euler = predict(on_a_parabola(h, StepRule::implicit_euler), h, StepRule::implicit_euler);
   EXPECT_NEAR(euler.positions_m(0, 0), 3.0 + 2.0 * h + 5.0 * h * h, 1e-12);
   EXPECT_NEAR(euler.element_multipliers_pa[0], 8.0, 1e-12);
   EXPECT_EQ(euler.constraint_multipliers[0], 0.0);  // stops where it would change sign
@@ -39,11 +39,11 @@ TEST(Prediction, FollowsAParabola) {
 TEST(Prediction, TrustsOnlyTheVelocityWhereTheMotionIsNotSmooth) {
   const double h = 0.01;
   for (const char* what : {"start", "sudden", "longer"}) {
-    SimulationState state = on_a_parabola(h, Integrator::implicit_euler);
+    SimulationState state = on_a_parabola(h, StepRule::implicit_euler);
     if (what[0] == 'l') state.previous_step_s = 0.2 * h;
     if (what[1] == 't') state.previous_step_s = 0.0;
     if (what[1] == 'u') state.previous_velocities_m_s.setZero();
-    const NewtonState start = predict(state, h, Integrator::implicit_euler);
+    const NewtonState start = predict(state, h, StepRule::implicit_euler);
     EXPECT_EQ(start.positions_m, (state.positions_m + h * state.velocities_m_s).eval()) << what;
     EXPECT_EQ(start.constraint_multipliers, state.constraint_multipliers) << what;
   }

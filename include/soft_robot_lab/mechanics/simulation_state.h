@@ -44,6 +44,9 @@ struct SimulationState {
   Eigen::VectorXd previous_constraint_multipliers;
   FreePoses previous_free;
   FreeVelocities previous_free_velocities;
+  // What the trapezoidal rule needs of its end; empty but for tr_bdf2. Of free obstacles by what they are driven.
+  Eigen::Matrix3Xd accelerations_m_s2;
+  Eigen::Matrix3Xd free_forces_n;  // force and torque of each
 
   // Where the matrix was made whose factor serves further steps. It decides no more than how near to its tolerance a
   // solve ends: with it a restored state goes on to the last bit as if it had never stopped, without it (null) to

@@ -230,8 +230,8 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
                  const FitNumber& number, const FitRequest& request, FitResult& result) {
   SceneOptions options = asked;
   options.overrides = result.overrides;
-  const Scene undamped = load_scene(scene, with_damping(options, number.min));
-  const ChosenSwings chosen = choose_swings(*undamped.simulation, swings, request.model_error_m);
+  const Scene swinging = load_scene(scene, with_damping(options, number.start));
+  const ChosenSwings chosen = choose_swings(*swinging.simulation, swings, request.model_error_m);
   if (chosen.swings.empty()) {
     result.warnings.push_back(
         "damping: the data cannot identify it, as nothing swings, measured and simulated; it stays as it is");

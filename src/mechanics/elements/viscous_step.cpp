@@ -27,7 +27,38 @@ Eigen::VectorXd to_state(const Strains& strains) {
   return numbers;
 }
 
+// How the strain changes in a time at the velocity of now: strains are quadratic in the positions, so the central
+// difference is their rate to the last bit.
+Strains strain_change(const NewtonSolver& solver, const SimulationState& state, double time_s) {
+  const Eigen::Matrix3Xd way_m = time_s * state.velocities_m_s;
+  return combined(0.5, solver.strains(state.positions_m + way_m), -0.5, solver.strains(state.positions_m - way_m));
+}
+
+// From where the strain comes, of which the rate is (E - from) / gamma.
+Strains strain_from(const NewtonSolver& solver, const SimulationState& state, const BackwardDifference& difference,
+                    const Strains& start) {
+  if (difference.trapezoidal) return combined(1.0, start, 1.0, strain_change(solver, state, difference.gamma_s));
+  if (difference.weight_before == 0.0) return start;
+  return combined(difference.weight_now, start, -difference.weight_before, solver.strains(state.previous_positions_m));
+}
+
 }  // namespace
+
+// S = kappa (E - E*) = b 2 mu dE/dt + Q
+std::shared_ptr<const StrainTarget> viscosity_now(const Body& body, const NewtonSolver& solver,
+                                                  const SimulationState& state) {
+  const Viscosity& viscosity = body.viscosity();
+  if (!viscosity.of_strain()) return nullptr;
+  auto springs = std::make_shared<StrainTarget>();
+  springs->stiffness_pa = 2.0 * body.material().lame_mu_pa();
+  springs->target = solver.strains(state.positions_m);
+  if (viscosity.rayleigh_stiffness_s > 0.0)
+    springs->target =
+        combined(1.0, springs->target, -1.0, strain_change(solver, state, viscosity.rayleigh_stiffness_s));
+  if (viscosity.hysteresis_ratio > 0.0)
+    springs->target = combined(1.0, springs->target, -1.0 / springs->stiffness_pa, from_state(state.branch_stress_pa));
+  return springs;
+}
 
 ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const SimulationState& state,
                          const BackwardDifference& difference, double h) {
@@ -38,10 +69,7 @@ ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const Sim
   auto strain_target = std::make_shared<StrainTarget>();
   if (viscosity.rayleigh_stiffness_s > 0.0) {
     strain_target->stiffness_pa = viscosity.rayleigh_stiffness_s * twice_mu_pa / difference.gamma_s;
-    strain_target->target = difference.weight_before == 0.0
-                                ? start
-                                : combined(difference.weight_now, start, -difference.weight_before,
-                                           solver.strains(state.previous_positions_m));
+    strain_target->target = strain_from(solver, state, difference, start);
   }
   if (viscosity.hysteresis_ratio > 0.0) {
     const double steps = h / viscosity.relaxation_time_s;

@@ -112,6 +112,27 @@ NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eig
   return at;
 }
 
+double NewtonSolver::potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to) const {
+  ContactState contact = from.contact;
+  contact.free = to.contact.free;
+  const EnergyAt start = energy_at(task, from.positions_m, from.drives, from.contact),
+                 end = energy_at(task, to.positions_m, from.drives, contact);
+  std::vector<double> reached = end.values;  // what slipped into a part of a cable makes its length so much less
+  for (int j = 0; j < friction_contact_count(); ++j) {
+    reached[static_cast<std::size_t>(shared_[j].first)] -= to.slips_m[j];
+    reached[static_cast<std::size_t>(shared_[j].second)] += to.slips_m[j];
+  }
+  const double tie = 1.0 / (constants::kTieStiffness * body_.material().youngs_modulus_pa * body_.size_m());
+  double rise_j = end.energy - start.energy;
+  FreeColumns weights_n = FreeColumns::Zero(3, 2 * contact_.free().count());
+  rise_j += add_free_gradient(contact_.free(), to.contact.free, nullptr, weights_n) -
+            add_free_gradient(contact_.free(), from.contact.free, nullptr, weights_n);
+  for (int i = 0; i < constraint_count(); ++i)
+    rise_j += energy_between(constraints_[i], from.drives, tie, from.constraint_multipliers[i],
+                             start.values[static_cast<std::size_t>(i)], reached[static_cast<std::size_t>(i)]);
+  return rise_j;
+}
+
 // Blends the true matrix with one that is nearly always positive, which gives its elements the multiplier that cancels
 // most of their geometric stiffness. Beyond a convexity of 1: the positive one of linearise().
 bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& state,

@@ -145,6 +145,49 @@ NewtonForces NewtonSolver::forces(const NewtonState& state,
   return all;
 }
 
+StepWork NewtonSolver::work(const NewtonState& state, const std::shared_ptr<const StrainTarget>& strain_target,
+                            const Eigen::Matrix3Xd& inertia_n, const Eigen::Matrix3Xd& way_m,
+                            const FreeColumns& free_way, bool with_reactions) const {
+  const bool known = !with_reactions && end_.positions_m.cols() == way_m.cols() &&
+                     end_.positions_m == state.positions_m &&
+                     end_.element_multipliers_pa == state.element_multipliers_pa;
+  StepWork all;
+  // All that acts on a node, the reaction with it; of a solve that just ended its residual, as held nodes do not move.
+  Eigen::Matrix3Xd net_n = known ? end_.at.residual_n : Eigen::Matrix3Xd(inertia_n - loads_n_);
+  double others_j = (inertia_n - loads_n_).cwiseProduct(way_m).sum();
+  const auto take = [&](const Eigen::Matrix3Xd& forces_n) {
+    if (!known) net_n += forces_n;
+    const double work_j = forces_n.cwiseProduct(way_m).sum();
+    others_j += work_j;
+    return work_j;
+  };
+  const ElementSums sums =
+      known ? end_.at.elements : elements_.add_gradient(state.positions_m, state.element_multipliers_pa, net_n);
+  all.elastic_energy_j = sums.elastic_energy + volumetric_energy_j(sums);
+  const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, way_m.cols());
+  if (strain_target) {
+    all.viscous_n = none;
+    springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
+    all.viscous_j = take(all.viscous_n);
+  }
+  Eigen::Matrix3Xd forces_n;
+  if (!contact_.empty()) {
+    const ContactSums touching = known ? end_.at.contact : contact_.sums(state.positions_m, state.contact);
+    contact_.add_forces(touching, forces_n = none);
+    all.contact_j = take(forces_n) + contact_.free_forces_n(touching).cwiseProduct(free_way).sum();
+    all.rubbed_j = contact_.rubbed_j(touching);
+  }
+  for (int i = 0; i < constraint_count(); ++i) {
+    all.values.push_back(known ? end_.at.values[static_cast<std::size_t>(i)]
+                               : constraints_[i].value(state.positions_m, state.drives));
+    constraints_[i].add_gradient(state.positions_m, state.drives, state.constraint_multipliers[i], forces_n = none);
+    all.pulls_j.push_back(take(forces_n));
+  }
+  all.elastic_j = net_n.cwiseProduct(way_m).sum() - others_j;
+  if (with_reactions) all.reactions_n = body_.fixed().array().select(net_n.array(), 0.0).matrix();
+  return all;
+}
+
 double NewtonSolver::slipped_j(const NewtonState& state) const {
   double sum = 0.0;
   for (int j = 0; j < friction_contact_count(); ++j)

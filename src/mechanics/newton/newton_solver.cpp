@@ -280,6 +280,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     here.residual_n.colwise().squaredNorm().maxCoeff(&report.worst_node);
     report.converged = reason.empty();
     report.reason = std::move(reason);
+    end_ = {state.positions_m, state.element_multipliers_pa, std::move(here)};
     return report;
   };
 

@@ -108,6 +108,16 @@ struct NewtonForces {
   FreeColumns free_n;                     // of contact on free obstacles
 };
 
+// What acts where a step ends, as work along the step, and what is stored there [J].
+struct StepWork {
+  double elastic_energy_j = 0.0;
+  double elastic_j = 0.0, viscous_j = 0.0, contact_j = 0.0;  // of the forces as they stand in the residual
+  double rubbed_j = 0.0;                                     // that contact's friction takes
+  std::vector<double> values, pulls_j;                       // per constraint: C, and of y dC/dx
+  Eigen::Matrix3Xd viscous_n;                                // empty where there is none
+  Eigen::Matrix3Xd reactions_n;                              // of held nodes; empty unless asked for
+};
+
 // The workspace of one thread: matrix, factor and scratch, with the factor's tag, `linearisation`.
 class NewtonSolver {
  public:
@@ -140,7 +150,16 @@ class NewtonSolver {
   // The gradient of the energy on held axes, zero on free ones, 3 x nodes [N]: what the holds add to the loads.
   Eigen::Matrix3Xd reaction_forces_n(const NewtonState& state) const;
   NewtonForces forces(const NewtonState& state, const std::shared_ptr<const StrainTarget>& strain_target) const;
+  // `inertia_n`: with its damping, as the step had it. Where the last solve ended at this state, and no reactions are
+  // asked for, it costs no pass over the body.
+  StepWork work(const NewtonState& state, const std::shared_ptr<const StrainTarget>& strain_target,
+                const Eigen::Matrix3Xd& inertia_n, const Eigen::Matrix3Xd& way_m, const FreeColumns& free_way,
+                bool with_reactions) const;
   double elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const;
+  // By how much the potential that a task makes least is higher at one state than at another: with friction, contact,
+  // and constraints that give way as carried points do. Both have the drives of `from`, and its contact but for where
+  // free obstacles are.
+  double potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to) const;
   const Eigen::Matrix3Xd& loads_n() const { return loads_n_; }
   double constraint_value(int constraint, const Eigen::Matrix3Xd& positions_m, const SharedDrives& drives) const {
     return constraints_[static_cast<std::size_t>(constraint)].value(positions_m, drives);
@@ -267,6 +286,14 @@ class NewtonSolver {
   std::vector<ContactTouch> touches_;                   // of which the matrix was made
   RigidTouches rigid_touches_;                          // the same
   FreeBorder free_border_;
+
+  // Where the last solve ended.
+  struct End {
+    Eigen::Matrix3Xd positions_m;
+    Eigen::VectorXd element_multipliers_pa;
+    Evaluation at;
+  };
+  End end_;
 };
 
 }  // namespace soft_robot_lab

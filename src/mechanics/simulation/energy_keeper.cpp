@@ -32,11 +32,11 @@ void EnergyKeeper::take_stock(const SimulationParts& parts, Motion at, double el
   const Body& body = parts.body;
   const FreeObstacles& free = parts.workspace.newton.contact().free();
   known_ = std::move(at);
-  const Eigen::Matrix3Xd moved_m = known_.positions_m - body.mesh().nodes_m;
+  const auto moved_m = known_.positions_m - body.mesh().nodes_m;
   ledger_.kinetic_j = 0.5 * body.node_masses_kg().dot(known_.velocities_m_s.colwise().squaredNorm().transpose());
   ledger_.elastic_j = elastic_j;
-  ledger_.loads_j = -work_j(body.dead_loads_n(), moved_m);
-  ledger_.gravity_j = -work_j(parts.workspace.newton.loads_n(), moved_m) - ledger_.loads_j;
+  ledger_.loads_j = -body.dead_loads_n().cwiseProduct(moved_m).sum();
+  ledger_.gravity_j = -parts.workspace.newton.loads_n().cwiseProduct(moved_m).sum() - ledger_.loads_j;
   if (free.count() == 0) return;
   ledger_.kinetic_j += free_kinetic_j(free, known_.free, known_.free_velocities);
   FreeColumns weights = FreeColumns::Zero(3, 2 * free.count());
@@ -55,41 +55,44 @@ void EnergyKeeper::notice_rescue(const SimulationParts& parts, const SimulationS
              elastic_j);
   ledger_.rescues_j += stored_j() - known_j;
   reactions_n_.resize(3, 0);
+  damping_n_.resize(3, 0);
 }
 
-void EnergyKeeper::add_step(const SimulationParts& parts, const SimulationState& before, const StepForces& end,
+double EnergyKeeper::damped_j(const StepEnd& end, const Eigen::Matrix3Xd& way_m) const {
+  const double at_end_j = end.work.viscous_j + end.drag_j;
+  return end.trapezoidal && damping_n_.cols() > 0 ? 0.5 * (at_end_j + work_j(damping_n_, way_m)) : at_end_j;
+}
+
+void EnergyKeeper::add_step(const SimulationParts& parts, const SimulationState& before, StepEnd end,
                             const NewtonState& state, const SimulationState& after) {
   notice_rescue(parts, before);
   const EnergyLedger old = ledger_;
   take_stock(parts, {state.positions_m, after.velocities_m_s, state.contact.free, after.free_velocities},
-             end.forces.elastic_j);
-  const FreeColumns free_way = soft_robot_lab::free_way(before.contact.free, state.contact.free);
+             end.work.elastic_energy_j);
   const Eigen::Matrix3Xd way_m = state.positions_m - before.positions_m;
-  ledger_.material_j += work_j(end.forces.viscous_n + end.drag_n, way_m);
-  double rule_j = work_j(end.inertia_n, way_m) - (ledger_.kinetic_j - old.kinetic_j) +
-                  work_j(end.forces.elastic_n, way_m) - (ledger_.elastic_j - old.elastic_j) +
-                  work_j(end.free_inertia_n, free_way);
-  Eigen::Matrix3Xd residual_n = end.inertia_n + end.drag_n + end.forces.elastic_n + end.forces.viscous_n +
-                                end.forces.contact_n - parts.workspace.newton.loads_n();
-  for (std::size_t i = 0; i < end.forces.values.size(); ++i) {
+  const double material_j = damped_j(end, way_m);
+  ledger_.material_j += material_j;
+  double rule_j = end.inertia_j - (ledger_.kinetic_j - old.kinetic_j) + end.work.elastic_j -
+                  (ledger_.elastic_j - old.elastic_j) + (end.work.viscous_j + end.drag_j - material_j);
+  for (std::size_t i = 0; i < end.work.values.size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
-    const double change = end.forces.values[i] - parts.workspace.newton.constraint_value(
-                                                     static_cast<int>(i), before.positions_m, state.drives);
+    const double change = end.work.values[i] - parts.workspace.newton.constraint_value(
+                                                   static_cast<int>(i), before.positions_m, state.drives);
     const double taken_j = 0.5 * (before.constraint_multipliers[index] + state.constraint_multipliers[index]) * change;
     (gas_[i] ? ledger_.gas_j : ledger_.actuators_j) -= taken_j;
-    rule_j += work_j(end.forces.pulls_n[i], way_m) - taken_j;
-    residual_n += end.forces.pulls_n[i];
+    rule_j += end.work.pulls_j[i] - taken_j;
   }
   const double capstans_j = parts.workspace.newton.slipped_j(state);
   ledger_.actuators_j += capstans_j;
-  ledger_.friction_j += capstans_j + end.forces.rubbed_j;
-  ledger_.obstacles_j +=
-      end.forces.rubbed_j - work_j(end.forces.contact_n, way_m) - work_j(end.forces.free_n, free_way);
-  const Eigen::Matrix3Xd reactions_n = parts.body.fixed().array().select(residual_n.array(), 0.0).matrix();
-  const double held_j = work_j(reactions_n, way_m);
-  const double holds_j = reactions_n_.cols() > 0 ? 0.5 * (held_j + work_j(reactions_n_, way_m)) : held_j;
-  ledger_.holds_j += holds_j;
-  ledger_.integrator_j += rule_j - (held_j - holds_j);
+  ledger_.friction_j += capstans_j + end.work.rubbed_j;
+  ledger_.obstacles_j += end.work.rubbed_j - end.work.contact_j;
+  if (end.work.reactions_n.cols() > 0) {
+    const double held_j = work_j(end.work.reactions_n, way_m);
+    const double holds_j = reactions_n_.cols() > 0 ? 0.5 * (held_j + work_j(reactions_n_, way_m)) : held_j;
+    ledger_.holds_j += holds_j;
+    rule_j -= held_j - holds_j;
+  }
+  ledger_.integrator_j += rule_j;
   ledger_.closure_error_j = stored_j() - start_j_ - ledger_.actuators_j - ledger_.gas_j - ledger_.holds_j -
                             ledger_.obstacles_j - ledger_.rescues_j + ledger_.material_j + ledger_.friction_j +
                             ledger_.integrator_j;
@@ -98,7 +101,8 @@ void EnergyKeeper::add_step(const SimulationParts& parts, const SimulationState&
         &EnergyLedger::actuators_j, &EnergyLedger::gas_j, &EnergyLedger::holds_j, &EnergyLedger::obstacles_j,
         &EnergyLedger::material_j, &EnergyLedger::friction_j})
     ledger_.turned_over_j += 0.5 * std::abs(ledger_.*kind - old.*kind);
-  reactions_n_ = reactions_n;
+  reactions_n_ = std::move(end.work.reactions_n);
+  damping_n_ = std::move(end.damping_n);
 }
 
 }  // namespace soft_robot_lab

@@ -16,11 +16,12 @@ namespace soft_robot_lab {
 
 struct SimulationParts;
 
-// How a step ended: what acts on the nodes, and the inertia with its damping.
-struct StepForces {
-  NewtonForces forces;
-  Eigen::Matrix3Xd inertia_n, drag_n;
-  FreeColumns free_inertia_n;  // of free obstacles
+// How a step ended.
+struct StepEnd {
+  StepWork work;
+  double inertia_j = 0.0, drag_j = 0.0;  // work along the step
+  Eigen::Matrix3Xd damping_n;            // drag and viscosity; empty where there is neither
+  bool trapezoidal = false;              // damping acts as the mean of where the step starts and ends
 };
 
 class EnergyKeeper {
@@ -28,8 +29,8 @@ class EnergyKeeper {
   explicit EnergyKeeper(const SimulationParts& parts);
 
   // `state`: after the step, with the slips that led there; of `after` the velocities.
-  void add_step(const SimulationParts& parts, const SimulationState& before, const StepForces& end,
-                const NewtonState& state, const SimulationState& after);
+  void add_step(const SimulationParts& parts, const SimulationState& before, StepEnd end, const NewtonState& state,
+                const SimulationState& after);
 
   const EnergyLedger& ledger() const { return ledger_; }
 
@@ -41,13 +42,14 @@ class EnergyKeeper {
     FreeVelocities free_velocities;
   };
   void take_stock(const SimulationParts& parts, Motion at, double elastic_j);
+  double damped_j(const StepEnd& end, const Eigen::Matrix3Xd& way_m) const;
   void notice_rescue(const SimulationParts& parts, const SimulationState& before);
 
   EnergyLedger ledger_;
   double start_j_ = 0.0;
   std::vector<char> gas_;  // per constraint
   Motion known_;
-  Eigen::Matrix3Xd reactions_n_;  // where the last step ended; empty before the first
+  Eigen::Matrix3Xd reactions_n_, damping_n_;  // where the last step ended; empty before the first
 };
 
 }  // namespace soft_robot_lab

@@ -22,6 +22,12 @@ FreeStep::FreeStep(const FreeObstacles& free, const SimulationState& before, con
     centers_from_m_ -= past * before.previous_free.centers_m;
     velocities_from_m_s -= past * before.previous_free_velocities.linear_m_s;
   }
+  if (difference.trapezoidal) {
+    centers_from_m_ += gamma_s_ * before.free_velocities.linear_m_s;
+    turns_from_rad_ = gamma_s_ * before.free_velocities.angular_rad_s;
+    for (int i = 0; i < free.count(); ++i)
+      velocities_from_m_s.col(i) += gamma_s_ / free.mass_kg(i) * before.free_forces_n.col(2 * i);
+  }
   inertia->predicted_m = centers_from_m_ + gamma_s_ * velocities_from_m_s;
   inertia->predicted_rad.resize(3, free.count());
   for (int i = 0; i < free.count(); ++i) {
@@ -33,6 +39,7 @@ FreeStep::FreeStep(const FreeObstacles& free, const SimulationState& before, con
       turns_from_rad_.col(i) = -past * turned_rad(turn, was);
       momentum_from -= past * free.inertia_kg_m2(i, was) * before.previous_free_velocities.angular_rad_s.col(i);
     }
+    if (difference.trapezoidal) momentum_from += gamma_s_ * before.free_forces_n.col(2 * i + 1);
     const Eigen::Vector3d guess_rad = turns_from_rad_.col(i) + gamma_s_ * inertia_now.inverse() * momentum_from;
     inertia->kg_m2.push_back(free.inertia_kg_m2(i, turn_by(guess_rad, turn)));
     inertia->predicted_rad.col(i) = turns_from_rad_.col(i) + gamma_s_ * inertia->kg_m2.back().inverse() * momentum_from;

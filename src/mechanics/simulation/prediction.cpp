@@ -19,12 +19,12 @@ Eigen::VectorXd extrapolated(const Eigen::VectorXd& now, const Eigen::VectorXd& 
 
 }  // namespace
 
-NewtonState predict(const SimulationState& state, double h, Integrator integrator) {
+NewtonState predict(const SimulationState& state, double h, StepRule rule) {
   NewtonState start{state.positions_m + h * state.velocities_m_s, state.element_multipliers_pa,
                     state.constraint_multipliers};
   if (!smooth(state, h)) return start;
-  // implicit_euler's velocity is that of the middle of its step, bdf2's that of the end.
-  const double before_s = state.previous_step_s, since_s = integrator == Integrator::bdf2 ? h : h + before_s;
+  // implicit_euler's velocity is that of the middle of its step, the others' that of the end.
+  const double before_s = state.previous_step_s, since_s = rule == StepRule::implicit_euler ? h + before_s : h;
   start.positions_m += (0.5 * h * since_s / before_s) * (state.velocities_m_s - state.previous_velocities_m_s);
   const double volumetric_strain = h / before_s;
   start.element_multipliers_pa +=

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "backward_difference.h"
 #include "mechanics/newton/newton_solver.h"
 #include "soft_robot_lab/mechanics/simulation_state.h"
-#include "soft_robot_lab/mechanics/solver_options.h"
 
 namespace soft_robot_lab {
 
 // Where a time step of length h starts its search: along a parabola where the motion is smooth, else along the
 // velocity. The nearer it starts, the longer an old factor serves.
-NewtonState predict(const SimulationState& state, double h, Integrator integrator);
+NewtonState predict(const SimulationState& state, double h, StepRule rule);
 
 }  // namespace soft_robot_lab

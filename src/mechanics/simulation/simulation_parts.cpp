@@ -69,6 +69,8 @@ void SimulationParts::forget_previous_step() {
   state.previous_constraint_multipliers.resize(0);
   state.previous_free = {};
   state.previous_free_velocities = {};
+  state.accelerations_m_s2.resize(3, 0);
+  state.free_forces_n.resize(3, 0);
 }
 
 void SimulationParts::forget_motion() {

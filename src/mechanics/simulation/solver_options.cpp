@@ -15,7 +15,8 @@ void SolverOptions::validate() const {
   require(substep_count >= 1 && substep_count <= 10000, "solver.substeps", substep_count, "[1, 10000]");
   require(iteration_count >= 1 && iteration_count <= 10000, "solver.iterations", iteration_count, "[1, 10000]");
   if (method == Method::xpbd && integrator != Integrator::implicit_euler)
-    throw std::invalid_argument("solver.integrator: must be implicit_euler with solver.method xpbd, not bdf2");
+    throw std::invalid_argument(
+        "solver.integrator: must be implicit_euler with solver.method xpbd, not bdf2 or tr_bdf2");
 }
 
 }  // namespace soft_robot_lab

@@ -37,7 +37,7 @@ bool free_sizes(const SimulationState& state, const SimulationState& now, bool h
 
 bool free_finite(const SimulationState& state) {
   return sound(state.contact.free) && sound(state.contact.free_before) && sound(state.previous_free) &&
-         finite(state.free_velocities) && finite(state.previous_free_velocities) &&
+         finite(state.free_velocities) && finite(state.previous_free_velocities) && state.free_forces_n.allFinite() &&
          state.contact.rigid_forces_n.allFinite() && state.contact.rigid_ties_m.allFinite() &&
          std::isfinite(state.contact.before_s);
 }
@@ -53,6 +53,8 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       state.contact.anchors_m.cols() == now.contact.anchors_m.cols() &&
       (state.element_forces_n.size() == now.element_forces_n.size() || state.element_forces_n.size() == 0) &&
       state.branch_stress_pa.size() == now.branch_stress_pa.size() &&
+      (state.accelerations_m_s2.cols() == now.positions_m.cols() || state.accelerations_m_s2.cols() == 0) &&
+      state.free_forces_n.cols() == (state.accelerations_m_s2.cols() > 0 ? 2 * now.contact.free.centers_m.cols() : 0) &&
       (state.hold_inertia_n.cols() == now.positions_m.cols() || state.hold_inertia_n.cols() == 0) &&
       std::equal(state.drives.begin(), state.drives.end(), now.drives.begin(), now.drives.end(),
                  [](const auto& a, const auto& b) { return a.memory.size() == b.memory.size(); });
@@ -75,7 +77,8 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
       !std::isfinite(state.contact.time_s) || !state.contact.pressures_pa.allFinite() ||
       !state.contact.anchors_m.allFinite() || !state.element_forces_n.allFinite() ||
-      !state.branch_stress_pa.allFinite() || !state.hold_inertia_n.allFinite() || !std::isfinite(state.time_s) ||
+      !state.branch_stress_pa.allFinite() || !state.hold_inertia_n.allFinite() ||
+      !state.accelerations_m_s2.allFinite() || !std::isfinite(state.time_s) ||
       !std::all_of(state.drives.begin(), state.drives.end(), [](const DriveState& drive) {
         return std::isfinite(drive.actuated_command) && std::isfinite(drive.wait_s) && drive.memory.allFinite();
       }))

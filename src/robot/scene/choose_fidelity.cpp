@@ -203,7 +203,7 @@ bool asks_for_motion(const YamlNode& settings, const YamlNode& place) {
 
 Overrides overrides_of(const TimeStepChoice& choice) {
   return Overrides()
-      .set({"solver", "integrator"}, choice.integrator == Integrator::bdf2 ? "bdf2" : "implicit_euler")
+      .set({"solver", "integrator"}, name_of(choice.integrator))
       .set({"solver", "time_step_s"}, choice.time_step_s);
 }
 

@@ -81,6 +81,8 @@ std::vector<std::string> left_out(const YamlNode& settings, bool dynamic);
 // Chooses and judges, or only judges; none where neither is asked for. Throws SettingsError.
 std::optional<FidelityReport> settle_fidelity(const YamlNode& settings, const SceneOptions& options);
 
+const char* name_of(Integrator integrator);  // as a scene names it
+
 Overrides overrides_of(const FidelityChoice& choice);
 Overrides overrides_of(const TimeStepChoice& choice);
 

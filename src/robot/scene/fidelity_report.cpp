@@ -14,7 +14,6 @@ std::string millimetres(double metres) {
   return text.str();
 }
 
-const char* name_of(Integrator integrator) { return integrator == Integrator::bdf2 ? "bdf2" : "implicit_euler"; }
 
 // As it would stand in a scene.
 std::string text_of(const FidelityChoice& choice) {
@@ -46,6 +45,11 @@ FidelityChoice choice_from_json(const nlohmann::ordered_json& json) {
 }
 
 }  // namespace
+
+const char* name_of(Integrator integrator) {
+  if (integrator == Integrator::bdf2) return "bdf2";
+  return integrator == Integrator::tr_bdf2 ? "tr_bdf2" : "implicit_euler";
+}
 
 std::vector<std::string> left_out(const YamlNode& settings, bool dynamic) {
   std::vector<std::string> parts;

@@ -5,16 +5,33 @@
 
 namespace soft_robot_lab {
 
+namespace {
+
+// A body whose damping is given must not be damped by the integrator too. One that only creeps would swing for ever.
+std::string default_integrator(const YamlNode& scene, const std::string& method) {
+  const std::optional<YamlNode> body = scene.optional_child("body");
+  return body && body->has("damping") && method == "newton" ? "tr_bdf2" : "implicit_euler";
+}
+
+Integrator integrator_named(const std::string& name) {
+  if (name == "bdf2") return Integrator::bdf2;
+  return name == "tr_bdf2" ? Integrator::tr_bdf2 : Integrator::implicit_euler;
+}
+
+}  // namespace
+
 SolverOptions read_solver(const YamlNode& scene) {
   SolverOptions options;
   const std::optional<YamlNode> node = scene.optional_child("solver");
-  if (!node) return options;
-  // A reduced model is trained by newton, which goes on where it ends.
-  if (node->choice_or("method", "newton", {"newton", "xpbd", "reduced"}) == "xpbd")
-    options.method = SolverOptions::Method::xpbd;
-  if (node->choice_or("integrator", "implicit_euler", {"implicit_euler", "bdf2"}) == "bdf2") {
-    options.integrator = Integrator::bdf2;
+  if (!node) {
+    options.integrator = integrator_named(default_integrator(scene, "newton"));
+    return options;
   }
+  // A reduced model is trained by newton, which goes on where it ends.
+  const std::string method = node->choice_or("method", "newton", {"newton", "xpbd", "reduced"});
+  if (method == "xpbd") options.method = SolverOptions::Method::xpbd;
+  options.integrator = integrator_named(
+      node->choice_or("integrator", default_integrator(scene, method), {"implicit_euler", "bdf2", "tr_bdf2"}));
   options.time_step_s = node->number_or("time_step_s", options.time_step_s);
   options.tolerance = node->number_or("tolerance", options.tolerance);
   options.dynamic_tolerance = node->number_or("dynamic_tolerance", options.dynamic_tolerance);

@@ -15,7 +15,7 @@ constexpr double kLongestStep_s = 1.0 / 60;  // of those to choose from
 constexpr int kHalvings = 4;                 // to the shortest
 
 // Error over difference where the step is halved: 1 / (1 - 2^-order).
-double richardson(Integrator integrator) { return integrator == Integrator::bdf2 ? 4.0 / 3.0 : 2.0; }
+double richardson(Integrator integrator) { return integrator == Integrator::implicit_euler ? 2.0 : 4.0 / 3.0; }
 
 // The first seconds of a scene's run, as often as asked for.
 class Stretch {

@@ -39,7 +39,7 @@ MeasuredSwing swing_of(const std::string& overrides, double pulled, double noise
   return swing;
 }
 
-const std::string kFineSteps = "solver: {time_step_s: 0.008}\n";
+const std::string kFineSteps = "solver: {time_step_s: 0.008, integrator: implicit_euler}\n";
 
 TEST(FitModel, FindsTheDampingOfSwings) {
   const std::string damped = "body: {damping: {rayleigh_stiffness_s: 0.004}}\n";

@@ -52,7 +52,8 @@ void expect_closed(const EnergyLedger& ledger, const std::string& what) {
 }
 
 class EnergyLedgerOf : public testing::TestWithParam<Integrator> {};
-INSTANTIATE_TEST_SUITE_P(Integrators, EnergyLedgerOf, testing::Values(Integrator::implicit_euler, Integrator::bdf2));
+INSTANTIATE_TEST_SUITE_P(Integrators, EnergyLedgerOf,
+                         testing::Values(Integrator::implicit_euler, Integrator::bdf2, Integrator::tr_bdf2));
 
 TEST_P(EnergyLedgerOf, AFallingCantileverCloses) {
   const EnergyLedger ledger = run(cantilever(GetParam()), {});
@@ -76,6 +77,13 @@ TEST_P(EnergyLedgerOf, ARobotWithAChamberCloses) {
   const EnergyLedger ledger = run(chamber_robot(GetParam()), {{"air", 1.2}});
   expect_closed(ledger, "chamber");
   EXPECT_GT(ledger.gas_j, 0.0);
+}
+
+TEST(EnergyLedger, OfTrBdf2HasNextToNothingForTheIntegrator) {
+  const EnergyLedger ledger = run(cantilever(Integrator::tr_bdf2), {});
+  EXPECT_LT(std::abs(ledger.integrator_j), 0.15 * ledger.material_j);
+  const EnergyLedger euler = run(cantilever(Integrator::implicit_euler), {});
+  EXPECT_GT(euler.integrator_j, 2.0 * euler.material_j);
 }
 
 TEST(EnergyLedger, ChangesNothingElse) {

@@ -47,6 +47,24 @@ TEST(Scene, KeepsTheStructsDefaults) {
   EXPECT_FALSE(scene.run.sensitivity);
 }
 
+TEST(Scene, LetsTheSiliconeAloneDampWhereItsDampingIsGiven) {
+  const SceneFolder folder;
+  const auto integrator = [&](const std::string& more) {
+    return load_scene(folder.write("damped.yaml", "include: bar.yaml\n" + more), options())
+        .simulation->options()
+        .integrator;
+  };
+  const std::string damped = "body: {damping: {rayleigh_stiffness_s: 0.004}}\n";
+  EXPECT_EQ(integrator(damped), Integrator::tr_bdf2);
+  EXPECT_EQ(integrator("body: {hysteresis: {stiffness_ratio: 0.1, relaxation_time_s: 3}}\n"),
+            Integrator::implicit_euler);
+  EXPECT_EQ(integrator(damped + "solver: {time_step_s: 0.01}\n"), Integrator::tr_bdf2);
+  EXPECT_EQ(integrator(damped + "solver: {integrator: implicit_euler}\n"), Integrator::implicit_euler);
+  EXPECT_EQ(integrator("body: {damping: {rayleigh_mass_per_s: 1}}\nsolver: {method: xpbd}\n"),
+            Integrator::implicit_euler);
+  EXPECT_EQ(integrator("solver: {integrator: tr_bdf2}\n"), Integrator::tr_bdf2);
+}
+
 TEST(Scene, ChoosesTheSolver) {
   const SceneFolder folder;
   const std::string path =

@@ -5,13 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 #include <sstream>
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kSlidAway = 0.05;  // of the body's size: a way after which sliding is no settling
+constexpr double kSlidAway = 0.05;      // of the body's size: a way after which sliding is no settling
+constexpr double kBesideSaddle = 0.01;  // of the body's size
 
 NewtonTask rest_task(const SimulationParts& parts) {
   NewtonTask task;
@@ -57,6 +59,35 @@ std::string sliding(const SimulationParts& parts, const Eigen::Vector3d& way_m) 
   return text.str();
 }
 
+// A smooth way off a saddle: a random quadratic polynomial of the place, the same in every run.
+Eigen::Matrix3Xd nudge(const Eigen::Matrix3Xd& positions_m, double size_m) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> factor(-1.0, 1.0);
+  Eigen::Matrix<double, 3, 9> factors;
+  for (Eigen::Index i = 0; i < factors.size(); ++i) factors.data()[i] = factor(random);
+  const Eigen::Vector3d center_m = positions_m.rowwise().mean();
+  Eigen::Matrix3Xd nudged_m(3, positions_m.cols());
+  for (Eigen::Index node = 0; node < positions_m.cols(); ++node) {
+    const Eigen::Vector3d at = (positions_m.col(node) - center_m) / size_m;
+    Eigen::Matrix<double, 9, 1> terms;
+    terms << at, at.cwiseAbs2(), at.x() * at.y(), at.y() * at.z(), at.z() * at.x();
+    nudged_m.col(node) = kBesideSaddle * size_m * (factors * terms);
+  }
+  return nudged_m;
+}
+
+// On a saddle no force is left, and Newton's method stays there: it starts beside it.
+bool leave_saddle(SimulationParts& parts, NewtonTask task, SolveReport& report) {
+  Eigen::Matrix3Xd& positions_m = parts.state.positions_m;
+  const Eigen::Matrix3Xd way_m = nudge(positions_m, parts.body.size_m());
+  positions_m += parts.body.fixed().select(0.0, way_m).matrix();
+  NewtonState unknown = parts.unknowns();
+  task.min_iterations = 1;
+  if (!parts.solve(task, unknown, report).converged) return false;
+  parts.accept(std::move(unknown));
+  return true;
+}
+
 }  // namespace
 
 bool held_by_friction_alone(const SimulationParts& parts) {
@@ -73,7 +104,12 @@ bool relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions
   NewtonTask task = rest_task(parts);
   task.tolerance = std::max(task.tolerance, options.tolerance);
   task.only_through_stable = options.only_through_stable;
-  if (!parts.solve(task, unknown, report).converged) return false;
+  const NewtonReport newton = parts.solve(task, unknown, report);
+  if (!newton.converged) return false;
+  if (newton.iterations == 0 && !parts.workspace.newton.stable_at_rest(unknown)) {
+    if (options.only_through_stable) return false;
+    return leave_saddle(parts, task, report);
+  }
   parts.accept(std::move(unknown));
   return true;
 }

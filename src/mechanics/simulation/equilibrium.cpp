@@ -111,11 +111,30 @@ void note_free_motions(SimulationParts& parts, SolveReport& report) {
         free_motion(contact, i, touching), report);
 }
 
+// Where a body buckled it could have gone another way.
+void note_buckling(SolveReport& report) {
+  const auto unstable = [](const SolvePathStage& stage) {
+    return stage.stage == SolveStage::convexify || stage.stage == SolveStage::energy_descent ||
+           stage.stage == SolveStage::pseudo_transient;
+  };
+  if (!report.converged || std::none_of(report.path.begin(), report.path.end(), unstable)) return;
+  SolveWarning warning;
+  warning.kind = "unstable_on_the_way";
+  for (const SolvePathStage& stage : report.path)
+    if (unstable(stage)) warning.size += stage.count;
+  std::ostringstream text;
+  text << "the way to this rest state led through unstable shapes in " << warning.size << " of " << report.iterations
+       << " iterations: the body buckled or snapped, and may have another rest state";
+  warning.text = text.str();
+  add_warning(warning, report.warnings);
+}
+
 }  // namespace
 
 void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   seek_equilibrium(parts, options, report);
   note_free_motions(parts, report);
+  note_buckling(report);
 }
 
 }  // namespace soft_robot_lab

@@ -264,7 +264,7 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
     if (state.gauge_pressure_pa) text << ", gauge pressure " << *state.gauge_pressure_pa << " Pa";
     text << "\n";
     for (const PathChange& change : state.path_changes)
-      text << "  its point " << change.point << " was moved " << 1e3 * change.moved_m << " mm onto the body\n";
+      text << "  its point " << change.point << " takes hold " << 1e3 * change.moved_m << " mm from where it was put\n";
   }
   return text.str();
 }

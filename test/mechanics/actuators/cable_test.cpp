@@ -194,6 +194,17 @@ TEST_F(CableTest, MovesPointsJustOutsideOntoTheBody) {
   EXPECT_NEAR(changes[1].moved_m, 0.0005, 1e-9);
 }
 
+// Half of its sheath's disc is outside the body, and left out: it takes hold deeper than it was put.
+TEST_F(CableTest, ReportsByHowMuchADiscThatReachesOutsideMovesIt) {
+  const auto near = cable("{name: n, points_m: [[0.01, 0.01, 0], [0.05, 0.005, 0]], sheath_radius_m: 0.002}");
+  const std::vector<PathChange> changes = rest_reading(*near, {0.0}).path_changes;
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].point, 0);
+  EXPECT_GT(changes[0].moved_m, 0.3 * 0.002);
+  EXPECT_LT(changes[0].moved_m, 0.5 * 0.002);
+  EXPECT_NEAR(rest_reading(*near, {0.0}).path_m[0].y(), 0.01 - changes[0].moved_m, 1e-4);
+}
+
 TEST_F(CableTest, PointsOnHeldMaterialStayPoints) {
   const auto side = side_cable(", sheath_radius_m: 0.002");
   const EmbeddedPoint start = side->constraints()[0]->carried_points()[0];
@@ -212,6 +223,8 @@ TEST_F(CableTest, RefusesBadSettings) {
       {"{name: a, points_m: [[0, 0, 0], [0, 0, 0]]}", "repeats the point before it, (0, 0, 0) m"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0.02, 0]]}",
        "point 1 at (0.05, 0.02, 0) m lies 0.01 m outside the body"},
+      {"{name: a, points_m: [[0.01, 0.01, 0.01], [0.05, 0, 0]], sheath_radius_m: 0.002}",
+       "point 0 at (0.01, 0.01, 0.01) m: its disc of radius 0.002 m lies so far outside the body that it takes hold"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], compliance_m_n: -1}", "compliance_m_n"},
       {"{name: a, points_m: [[0, 0, 0], [0.05, 0, 0]], plug_radius_m: 0.012}",
        "plug_radius_m: 0.012 is out of range [0, "},

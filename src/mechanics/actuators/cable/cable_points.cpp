@@ -13,8 +13,9 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kRound = 1e-6;  // of the body's size: the same of a sheath without a radius
-constexpr double kOnSkin = 0.1;  // of the sheath's radius: nearer to the skin counts as on it
+constexpr double kRound = 1e-6;         // of the body's size: the same of a sheath without a radius
+constexpr double kFarthestShift = 0.5;  // of a disc's radius
+constexpr double kOnSkin = 0.1;         // of the sheath's radius: nearer to the skin counts as on it
 
 struct Spread {
   double sheath_radius_m, plug_radius_m;
@@ -100,6 +101,17 @@ void require_near(const YamlNode& settings, const PathPoint& point, const Locati
       message.str());
 }
 
+// Samples of a disc that lie outside the body are left out, and the point moves to the middle of the others.
+void require_mostly_inside(const YamlNode& settings, const PathPoint& point, double shift_m, double radius_m) {
+  if (shift_m <= kFarthestShift * radius_m + kNear_m) return;
+  std::ostringstream message;
+  message << "point " << point.given << " at " << point_text(point.position_m) << ": its disc of radius " << radius_m
+          << " m lies so far outside the body that it takes hold " << shift_m
+          << " m beside it; the most is half the radius; move it inwards, or give a smaller sheath_radius_m or "
+             "plug_radius_m";
+  settings.fail(message.str());
+}
+
 }  // namespace
 
 CablePoints read_cable_points(const YamlNode& settings, const Body& body, const MeshLocator& locator) {
@@ -113,7 +125,6 @@ CablePoints read_cable_points(const YamlNode& settings, const Body& body, const 
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Location location = locator.locate(path[i].position_m);
     if (path[i].given >= 0) require_near(settings, path[i], location, reach);
-    if (location.distance_m > kNear_m) result.changes.push_back({path[i].given, location.distance_m});
     const bool last = i + 1 == path.size();
     const Eigen::Vector3d along = path[last ? i : i + 1].position_m - path[i == 0 ? i : i - 1].position_m;
     const EmbeddedPoint point = locator.embed(location);
@@ -123,9 +134,13 @@ CablePoints read_cable_points(const YamlNode& settings, const Body& body, const 
       result.points.push_back(locator.embed_box(location.nearest_m, spread.box_m));
     } else {
       if (last) require_room(settings, location.nearest_m, along, spread.plug_radius_m, locator);
-      result.points.push_back(locator.embed_disc(location.nearest_m, path[i].normal.value_or(along),
-                                                 last ? spread.plug_radius_m : spread.sheath_radius_m));
+      const double radius_m = last ? spread.plug_radius_m : spread.sheath_radius_m;
+      result.points.push_back(locator.embed_disc(location.nearest_m, path[i].normal.value_or(along), radius_m));
+      const Eigen::Vector3d there_m = result.points.back().at(body.mesh().nodes_m);
+      require_mostly_inside(settings, path[i], (there_m - location.nearest_m).norm(), radius_m);
     }
+    const double moved_m = (result.points.back().at(body.mesh().nodes_m) - path[i].position_m).norm();
+    if (moved_m > kNear_m) result.changes.push_back({path[i].given, moved_m});
   }
   return result;
 }

@@ -14,7 +14,6 @@ std::string millimetres(double metres) {
   return text.str();
 }
 
-
 // As it would stand in a scene.
 std::string text_of(const FidelityChoice& choice) {
   std::ostringstream text;
@@ -34,13 +33,17 @@ std::string listed(const std::vector<std::string>& items) {
   return text;
 }
 
+Integrator integrator_of(const nlohmann::ordered_json& name) {
+  for (const Integrator integrator : {Integrator::bdf2, Integrator::tr_bdf2})
+    if (name == name_of(integrator)) return integrator;
+  return Integrator::implicit_euler;
+}
+
 FidelityChoice choice_from_json(const nlohmann::ordered_json& json) {
   FidelityChoice choice;
   if (json.contains("element_size_m")) choice.element_size_m = json.at("element_size_m").get<double>();
   if (json.contains("integrator"))
-    choice.in_time = {
-        json.at("integrator") == name_of(Integrator::bdf2) ? Integrator::bdf2 : Integrator::implicit_euler,
-        json.at("time_step_s").get<double>()};
+    choice.in_time = {integrator_of(json.at("integrator")), json.at("time_step_s").get<double>()};
   return choice;
 }
 

@@ -103,7 +103,8 @@ TEST(SpeedMeasurement, AChanceHitOfBulletDoesNotCount) {
 TEST(SpeedMeasurement, CountsTheWholeCurve) {
   SpeedProblem problem = package_ladder().problems.at(0);
   const MeasuringTools tools{SOFT_ROBOT_LAB_MESHER, "", 1.0 / 60.0, 0.2, 1.0};
-  const SpeedRung rung{"quadratic", "{body: {element: quadratic}}", false, false, true, true, {}, {5.0}};
+  const SpeedRung rung{"quadratic", Overrides().set({"body", "element"}, "quadratic"), false, false, true, true, {},
+                       {5.0}};
   const double error = measure(problem, 0, rung, 5.0, false, tools).error;
   problem.curves_m[0].col(5) *= 4.0;
   EXPECT_GT(measure(problem, 0, rung, 5.0, false, tools).error, error + 0.1);

@@ -100,7 +100,7 @@ TEST_F(CableExperiments, RefuseConfigurationsThatAreNotThere) {
 TEST_F(CableExperiments, PutTheSourcesStiffnessesBesideWhatItFound) {
   const ExperimentResult result = run(
       "4.3.2",
-      "robot: bar.yaml\ngravity_m_s2: [0, -9.8, 0]\ncable: \"sheath_radius_m: 0.001, pull_speed_m_s: 0.1\"\n"
+      "robot: bar.yaml\ngravity_m_s2: [0, -9.8, 0]\noverrides: {sheath_radius_m: 0.001, pull_speed_m_s: 0.1}\n"
       "contraction: 0.95\nsource: [{stiffness_n_m: 20, found: settles}, {stiffness_n_m: 25000, found: oscillates}]\n"
       "damping_n_s_m: 0.001\nsliding_stiffnesses_n_m: []\ntime_step_s: 0.0166667\nshort_step_s: 0.008\n"
       "duration_s: 1\nlast_s: 0.2\nsettled_swing_m: 0.0001\nlargest_error_m: 0.02\nlargest_iterations_a_step: 6\n");

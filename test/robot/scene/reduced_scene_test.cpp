@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scenes with solver.method reduced, on a coarse bar with one cable, which bends it to one side.
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -170,9 +171,11 @@ TEST_F(ReducedScene, AuditsFindUntrainedGravityLoadsAndContactAndNewtonAnswers) 
     EXPECT_TRUE(report.converged);
     EXPECT_TRUE(motion.left());
     EXPECT_TRUE(motion.audits().failed);
-    ASSERT_FALSE(report.warnings.empty());
-    EXPECT_EQ(report.warnings[0].kind, "outside_training");
-    EXPECT_NE(report.warnings[0].text.find("audit"), std::string::npos);
+    // Newton may warn beside it, as of unstable shapes on its way to the floor.
+    const auto untrained = std::find_if(report.warnings.begin(), report.warnings.end(),
+                                        [](const auto& warning) { return warning.kind == "outside_training"; });
+    ASSERT_NE(untrained, report.warnings.end());
+    EXPECT_NE(untrained->text.find("audit"), std::string::npos);
     ASSERT_TRUE(run_scene(same).solve.converged);
     EXPECT_LT((scene.simulation->marker_position(0) - same.simulation->marker_position(0)).norm(), 1e-5);
   }

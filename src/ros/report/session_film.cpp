@@ -197,16 +197,12 @@ class FilmWriter {
   double time_s(int frame) const { return recording_.start_s + frame * film_.speed / rate_hz; }
 
   void write_until(double end_s) {
-    if (!is_robot(surface_)) return skip_until(end_s);
     for (; time_s(frame_) < std::min(end_s, recording_.end_s); ++frame_) {
+      if (!is_robot(surface_)) continue;  // no skin came yet
       const cv::Mat picture = draw(time_s(frame_));
       writer_.write(picture);
       if (middle_.empty() || time_s(frame_) < 0.5 * (recording_.start_s + recording_.end_s)) middle_ = picture;
     }
-  }
-
-  void skip_until(double end_s) {
-    while (time_s(frame_) < std::min(end_s, recording_.end_s)) ++frame_;
   }
 
   cv::Mat draw(double now_s) const {

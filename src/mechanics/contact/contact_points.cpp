@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "contact_points.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include <Eigen/Geometry>
 
@@ -10,28 +13,85 @@
 namespace soft_robot_lab {
 namespace {
 
-// The rule of degree 2 inside a triangle (Strang & Fix 1973), in each of the parts^2 triangles of a lattice. All places
-// have one weight.
-std::vector<Eigen::Vector2d> places_inside(int parts) {
-  const double side = 1.0 / parts;
+constexpr double kSharp = 0.9;    // cosine of the angle between two faces, below which their edge is sharp
+constexpr int kPartsOfEdge = 8;   // between the points on a sharp edge
+constexpr double kOfEdge = 0.02;  // of the face's area: what the points on such an edge count for where they touch
+
+// Places in the triangle, whose area is one half, and what they stand for of it.
+struct Rule {
   std::vector<Eigen::Vector2d> places;
-  const auto add = [&](const Eigen::Vector2d& corner, double to) {
-    for (const Eigen::Vector2d& at : {Eigen::Vector2d(1, 1), Eigen::Vector2d(4, 1), Eigen::Vector2d(1, 4)})
-      places.emplace_back(corner + to / 6.0 * at);
+  std::vector<double> weights;
+};
+
+// The rule of degree 2 inside a triangle (Strang & Fix 1973), in each of the parts^2 triangles of a lattice.
+Rule inside(int parts) {
+  const double h = 1.0 / parts;
+  Rule rule;
+  const auto add = [&](const Eigen::Vector2d& corner, double side) {
+    for (const Eigen::Vector2d& at : {Eigen::Vector2d(1, 1), Eigen::Vector2d(4, 1), Eigen::Vector2d(1, 4)}) {
+      rule.places.push_back(corner + side / 6.0 * at);
+      rule.weights.push_back(side * side / 6.0);
+    }
   };
   for (int i = 0; i < parts; ++i) {
     for (int j = 0; i + j < parts; ++j) {
-      add({i * side, j * side}, side);
-      if (i + j + 1 < parts) add({(i + 1) * side, (j + 1) * side}, -side);
+      add({i * h, j * h}, h);
+      if (i + j + 1 < parts) add({(i + 1) * h, (j + 1) * h}, -h);
     }
   }
-  return places;
+  return rule;
+}
+
+void add_edge(int edge, Rule& rule) {
+  constexpr std::array<std::array<double, 2>, 3> corners{{{0, 0}, {1, 0}, {0, 1}}};
+  const Eigen::Vector2d from(corners[edge].data()), to(corners[(edge + 1) % 3].data());
+  for (int i = 0; i <= kPartsOfEdge; ++i) {
+    const double along = static_cast<double>(i) / kPartsOfEdge;
+    rule.places.emplace_back((1.0 - along) * from + along * to);
+    rule.weights.push_back(0.5 * kOfEdge / kPartsOfEdge * (i == 0 || i == kPartsOfEdge ? 0.5 : 1.0));
+  }
+}
+
+// Bits of the sides that are sharp; a combination of three has a rule.
+Rule rule_for(int sharp) {
+  Rule rule = inside(2);
+  for (int edge = 0; edge < 3; ++edge)
+    if (sharp >> edge & 1) add_edge(edge, rule);
+  return rule;
 }
 
 bool held(const Body& body, Eigen::Index face) {
   for (Eigen::Index a = 0; a < body.mesh().faces.rows(); ++a)
     if (!body.fixed().col(body.mesh().faces(a, face)).all()) return false;
   return true;
+}
+
+// Per face of the mesh and side, the face beyond it where the body has a sharp edge there that stands out and that the
+// first of the two faces that can move is to guard; else -1.
+using Edges = std::vector<std::array<int, 3>>;
+
+Edges sharp_edges(const TetMesh& mesh, const std::vector<int>& can_move) {
+  const auto corner = [&](int face, int i) { return mesh.nodes_m.col(mesh.faces(i % 3, face)); };
+  const auto normal = [&](int face) -> Eigen::Vector3d {
+    return Eigen::Vector3d(corner(face, 1) - corner(face, 0)).cross(corner(face, 2) - corner(face, 0)).normalized();
+  };
+  std::map<std::pair<int, int>, std::pair<int, int>> sides;
+  Edges beyond(static_cast<std::size_t>(mesh.faces.cols()), {-1, -1, -1});
+  for (int face = 0; face < mesh.faces.cols(); ++face) {
+    for (int side = 0; side < 3; ++side) {
+      const int a = mesh.faces(side, face), b = mesh.faces((side + 1) % 3, face);
+      const auto [found, first] = sides.emplace(std::minmax(a, b), std::make_pair(face, side));
+      if (first) continue;
+      const auto& [other, of_other] = found->second;
+      const bool stands_out = normal(face).dot(corner(other, of_other + 2) - corner(face, side)) < 0.0;
+      if (!stands_out || normal(face).dot(normal(other)) > kSharp) continue;
+      if (std::binary_search(can_move.begin(), can_move.end(), other))
+        beyond[static_cast<std::size_t>(other)][static_cast<std::size_t>(of_other)] = face;
+      else
+        beyond[static_cast<std::size_t>(face)][static_cast<std::size_t>(side)] = other;
+    }
+  }
+  return beyond;
 }
 
 }  // namespace
@@ -41,42 +101,70 @@ ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
   for (int face = 0; face < mesh.faces.cols(); ++face)
     if (!held(body, face)) mesh_faces_.push_back(face);
   faces_ = mesh.faces(Eigen::all, mesh_faces_);
-  const std::vector<Eigen::Vector2d> places = places_inside(spread == PointSpread::sparse ? 1 : 2);
-  per_face_ = static_cast<int>(places.size());
-  shape_.resize(nodes_per_face(), per_face_);
-  along_r_.resize(nodes_per_face(), per_face_);
-  along_s_.resize(nodes_per_face(), per_face_);
-  for (int place = 0; place < per_face_; ++place) {
-    const Eigen::Vector2d& at = places[static_cast<std::size_t>(place)];
-    const FaceShape shape = face_shape(nodes_per_face(), at.x(), at.y());
-    shape_.col(place) = shape.values;
-    along_r_.col(place) = shape.slopes.row(0).transpose();
-    along_s_.col(place) = shape.slopes.row(1).transpose();
+  const bool dense = spread == PointSpread::dense;
+  std::vector<Rule> rules{inside(dense ? 2 : 1)};
+  points_inside_ = static_cast<int>(rules[0].places.size());
+  for (int sides = 1; dense && sides < 8; ++sides) rules.push_back(rule_for(sides));
+  const Edges beyond = dense ? sharp_edges(mesh, mesh_faces_) : Edges(mesh.faces.cols(), {-1, -1, -1});
+  std::vector<int> first_place{0};
+  for (const Rule& rule : rules) first_place.push_back(first_place.back() + static_cast<int>(rule.places.size()));
+  shape_.resize(faces_.rows(), first_place.back());
+  along_r_.resizeLike(shape_);
+  along_s_.resizeLike(shape_);
+  shares_.resize(first_place.back());
+  Eigen::Index place = 0;
+  for (const Rule& rule : rules) {
+    for (std::size_t i = 0; i < rule.places.size(); ++i, ++place) {
+      const FaceShape shape = face_shape(faces_.rows(), rule.places[i].x(), rule.places[i].y());
+      shape_.col(place) = shape.values;
+      along_r_.col(place) = shape.slopes.row(0).transpose();
+      along_s_.col(place) = shape.slopes.row(1).transpose();
+      shares_[place] = rule.weights[i];
+    }
   }
-  weights_m2_.resize(per_face_ * faces_.cols());
+  for (int face = 0; face < face_count(); ++face) {
+    const std::array<int, 3>& edges = beyond[static_cast<std::size_t>(mesh_faces_[face])];
+    std::size_t rule = 0;
+    std::vector<int> besides(static_cast<std::size_t>(points_inside_), -1);
+    for (std::size_t side = 0; side < 3; ++side) {
+      if (edges[side] < 0) continue;
+      rule |= 1u << side;
+      besides.insert(besides.end(), kPartsOfEdge + 1, edges[side]);
+    }
+    first_.push_back(static_cast<int>(face_of_.size()));
+    beside_.insert(beside_.end(), besides.begin(), besides.end());
+    for (int at = first_place[rule]; at < first_place[rule + 1]; ++at) {
+      face_of_.push_back(face);
+      place_of_.push_back(at);
+    }
+  }
+  first_.push_back(static_cast<int>(face_of_.size()));
+  weights_m2_.resize(first_.back());
+  for (int point = 0; point < count(); ++point) weights_m2_[point] = present_area_m2(point, mesh.nodes_m);
   sizes_m_.resize(face_count());
   for (int face = 0; face < face_count(); ++face) {
-    for (int point = first_point(face); point < first_point(face + 1); ++point)
-      weights_m2_[point] = present_area_m2(point, mesh.nodes_m);
-    sizes_m_[face] = std::sqrt(2.0 * weights_m2_.segment(first_point(face), per_face_).sum());
+    const double area_m2 = weights_m2_.segment(first_point(face), points_inside_).sum();
+    sizes_m_[face] = std::sqrt(2.0 * area_m2);
+    const int guards = first_point(face + 1) - first_point(face) - points_inside_;
+    weights_m2_.segment(first_point(face) + points_inside_, guards).setConstant(area_m2 / points_inside_);
   }
 }
 
 Eigen::Vector3d ContactPoints::at(int point, const Eigen::Matrix3Xd& columns) const {
-  const int face = face_of(point), place = point % per_face_;
+  const int face = face_of(point), place = place_of(point);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int a = 0; a < nodes_per_face(); ++a) sum += shape_(a, place) * columns.col(faces_(a, face));
   return sum;
 }
 
 Eigen::Vector3d ContactPoints::outward_m2(int point, const Eigen::Matrix3Xd& positions_m) const {
-  const int face = face_of(point), place = point % per_face_;
+  const int face = face_of(point), place = place_of(point);
   Eigen::Vector3d along_r = Eigen::Vector3d::Zero(), along_s = Eigen::Vector3d::Zero();
   for (int a = 0; a < nodes_per_face(); ++a) {
     along_r += along_r_(a, place) * positions_m.col(faces_(a, face));
     along_s += along_s_(a, place) * positions_m.col(faces_(a, face));
   }
-  return along_r.cross(along_s) / (2.0 * per_face_);
+  return shares_[place] * along_r.cross(along_s);
 }
 
 double ContactPoints::present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const {

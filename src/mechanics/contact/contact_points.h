@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The points of a body's skin at which contact acts: some inside each boundary face. The corner functions of a
-// quadratic triangle integrate to zero, so forces at nodes would miss a uniform pressure.
+// The points of a body's skin at which contact acts. The corner functions of a quadratic triangle integrate to zero, so
+// forces at nodes would miss a uniform pressure; the points inside a face integrate its functions exactly.
 #pragma once
 
 #include <vector>
@@ -14,8 +14,8 @@ namespace soft_robot_lab {
 constexpr int kPointsPerFace = 3;  // of the sparse spread
 
 enum class PointSpread {
-  sparse,  // three in a face: enough for what is smooth
-  dense,   // twelve: for other skin, which has edges
+  sparse,  // three points inside each face: enough for what is smooth
+  dense,   // twelve, and guards along the edges that stand out sharply at rest: for other skin, which has edges
 };
 
 class ContactPoints {
@@ -27,28 +27,36 @@ class ContactPoints {
   int count() const { return static_cast<int>(weights_m2_.size()); }
   int face_count() const { return static_cast<int>(faces_.cols()); }
   int nodes_per_face() const { return static_cast<int>(faces_.rows()); }
-  int face_of(int point) const { return point / per_face_; }
-  int first_point(int face) const { return per_face_ * face; }
+  int face_of(int point) const { return face_of_[static_cast<std::size_t>(point)]; }
+  int first_point(int face) const { return first_[static_cast<std::size_t>(face)]; }  // one more: past the last
 
   int node(int face, int corner) const { return faces_(corner, face); }
   const Eigen::MatrixXi& faces() const { return faces_; }             // nodes x faces
   const std::vector<int>& mesh_faces() const { return mesh_faces_; }  // which of the mesh's they are
   // Of the face's nodes at the point.
-  auto shape(int point) const { return shape_.col(point % per_face_); }
-  double weight_m2(int point) const { return weights_m2_[point]; }          // share of the rest area
-  double face_size_m(int point) const { return sizes_m_[face_of(point)]; }  // edge of half a square of its area
+  auto shape(int point) const { return shape_.col(place_of(point)); }
+  // Share of the rest area; a guard has that of a point inside, beside them.
+  double weight_m2(int point) const { return weights_m2_[point]; }
+  bool guards(int point) const { return beside(point) >= 0; }
+  int beside(int point) const { return beside_[static_cast<std::size_t>(point)]; }  // the mesh's other face at a guard
+  double face_size_m(int point) const { return sizes_m_[face_of(point)]; }          // edge of half a square of its area
 
-  Eigen::Vector3d at(int point, const Eigen::Matrix3Xd& columns) const;              // the nodes' columns, interpolated
-  double present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const;      // what weight_m2 has become
+  Eigen::Vector3d at(int point, const Eigen::Matrix3Xd& columns) const;          // the nodes' columns, interpolated
+  double present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // that it stands for; guards: little
   Eigen::Vector3d outward_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // normal, as long as that
 
  private:
-  int per_face_ = kPointsPerFace;
+  int place_of(int point) const { return place_of_[static_cast<std::size_t>(point)]; }
+
   Eigen::MatrixXi faces_;
   std::vector<int> mesh_faces_;
-  Eigen::MatrixXd shape_;              // nodes x points of a face
+  std::vector<int> first_, face_of_, place_of_, beside_;
+  // Of places in a face, of all rules.
+  Eigen::MatrixXd shape_;              // nodes x places
   Eigen::MatrixXd along_r_, along_s_;  // its derivatives
+  Eigen::VectorXd shares_;             // of twice the area
   Eigen::VectorXd weights_m2_, sizes_m_;
+  int points_inside_ = kPointsPerFace;  // a face, before its guards
 };
 
 }  // namespace soft_robot_lab

@@ -385,7 +385,7 @@ std::vector<ContactReading> ContactTerm::readings(const Eigen::Matrix3Xd& positi
   for (const ContactTouch& touch : sums(positions_m, state).touches) {
     if (of_skin(touch.pair) && !touch.on_skin()) continue;  // it lost the skin that it pressed against
     ContactReading& reading = reading_of(touch, all);
-    reading.largest_penetration_m = std::max(reading.largest_penetration_m, -touch.gap_m);
+    reading.largest_penetration_m = std::max(reading.largest_penetration_m, slack_m(touch.pair) - touch.gap_m);
     if (touch.pressure_pa == 0.0) continue;
     const ContactPoints& points = points_of(touch.pair);
     const int point = point_of(touch.pair), side = touch.on_skin() ? skin_.side_of(touch) : 1;

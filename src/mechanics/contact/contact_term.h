@@ -113,6 +113,7 @@ class ContactTerm {
   const ContactPoints& points_of(int pair) const { return of_skin(pair) ? skin_.points() : points_; }
   int point_of(int pair) const { return of_skin(pair) ? pair - obstacle_pairs() : pair % points_.count(); }
   int face_of(int pair) const { return points_of(pair).face_of(point_of(pair)); }
+  double slack_m(int pair) const { return of_skin(pair) ? skin_.slack_m(point_of(pair)) : 0.0; }
   double weight_m2(int pair) const { return points_of(pair).weight_m2(point_of(pair)); }
   const Obstacle& obstacle_of(int pair) const { return obstacles_[static_cast<std::size_t>(pair / points_.count())]; }
   Eigen::Matrix3Xd all_points(const Eigen::Matrix3Xd& positions_m) const;

@@ -10,6 +10,7 @@ namespace {
 // Of a step along which skin may be carried into skin, in faces' sizes.
 constexpr double kShortWay = 0.2, kPartOfWay = 1.0, kMostParts = 8.0, kTooDeep = 0.2;
 constexpr double kDeeper = 1.1;       // times where the step starts
+constexpr double kGuarded = 5e-4;     // of a face's size: guards hold only what sinks in deeper
 constexpr double kFarFromLaw = 1e-3;  // of a face's size: pressures that mean little, nor how they turn with the skin
 
 }  // namespace
@@ -22,6 +23,16 @@ SkinContact::SkinContact(const Body& body, int first_pair, int first_anchor)
       youngs_modulus_pa_(body.material().youngs_modulus_pa),
       first_pair_(first_pair),
       first_anchor_(first_anchor) {}
+
+Eigen::Vector3d SkinContact::outward(int point, const Eigen::Matrix3Xd& positions_m) const {
+  if (!points_.guards(point)) return points_.outward_m2(point, positions_m);
+  return pairs_.normal(points_.mesh_faces()[static_cast<std::size_t>(points_.face_of(point))]) +
+         pairs_.normal(points_.beside(point));
+}
+
+double SkinContact::slack_m(int point) const {
+  return points_.guards(point) ? kGuarded * points_.face_size_m(point) : 0.0;
+}
 
 void SkinContact::find_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                                std::vector<ContactTouch>& touches) const {
@@ -42,10 +53,10 @@ void SkinContact::add_touch(int point, const Eigen::Matrix3Xd& positions_m, cons
   touch.pressure_pa = state.pressures_pa[touch.pair];
   const int face = points_.face_of(point);
   const Eigen::Vector3d at_m = points_.at(point, positions_m);
-  const Eigen::Vector3d outward_m2 = points_.outward_m2(point, positions_m);
-  if (touch.pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m, outward_m2)) return;
-  const std::optional<SkinGap> met = pairs_.meet(face, at_m, outward_m2, positions_m);
-  touch.gap_m = met ? met->gap_m : points_.face_size_m(point);
+  const Eigen::Vector3d out = outward(point, positions_m);
+  if (touch.pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m, out)) return;
+  const std::optional<SkinGap> met = pairs_.meet(face, at_m, out, positions_m);
+  touch.gap_m = met ? met->gap_m + slack_m(point) : points_.face_size_m(point);
   touch.closed = met && law(point).closed(touch.gap_m, touch.pressure_pa);
   if (!touch.closed && touch.pressure_pa == 0.0) return;
   if (met) {
@@ -126,9 +137,9 @@ double SkinContact::deepest(const Eigen::Matrix3Xd& positions_m) const {
     if (!pairs_.may_be_inside(face)) continue;
     for (int point = points_.first_point(face); point < points_.first_point(face + 1); ++point) {
       const Eigen::Vector3d at_m = points_.at(point, positions_m);
-      const Eigen::Vector3d outward_m2 = points_.outward_m2(point, positions_m);
-      if (!pairs_.may_be_inside(face, at_m, outward_m2)) continue;
-      const std::optional<SkinGap> met = pairs_.meet(face, at_m, outward_m2, positions_m);
+      const Eigen::Vector3d out = outward(point, positions_m);
+      if (!pairs_.may_be_inside(face, at_m, out)) continue;
+      const std::optional<SkinGap> met = pairs_.meet(face, at_m, out, positions_m);
       if (met) deepest = std::max(deepest, -met->gap_m / pairs_.size_m(met->at.face));
     }
   }
@@ -168,8 +179,8 @@ Eigen::Vector3d SkinContact::new_anchor(int point, const ContactTouch* slipped,
   if (!pairs_.any_near(face)) return none;
   Eigen::Vector3d at_m = points_.at(point, positions_m);
   if (slipped) at_m -= slipped->friction.compliance_m_pa * slipped->friction.traction_pa(slipped->away_m);
-  const std::optional<SkinGap> met = pairs_.meet(face, at_m, points_.outward_m2(point, positions_m), positions_m);
-  return met ? Eigen::Vector3d(met->at.r, met->at.s, met->at.face) : none;
+  const std::optional<SkinAnchor> anchor = pairs_.anchor(face, at_m, outward(point, positions_m), positions_m);
+  return anchor ? Eigen::Vector3d(anchor->r, anchor->s, anchor->face) : none;
 }
 
 }  // namespace soft_robot_lab

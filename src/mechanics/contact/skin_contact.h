@@ -28,6 +28,7 @@ class SkinContact {
 
   const ContactPoints& points() const { return points_; }
   const SkinPairs& pairs() const { return pairs_; }
+  double slack_m(int point) const;     // how deep a point may be before it counts: guards
   bool rubs() const { return rubs_; }  // whether any two bodies do
   int pair_count() const { return static_cast<int>(touching_.size()); }
   int pair_of(const ContactTouch& touch) const {  // index into Body::touching_bodies, of one that meets skin
@@ -60,6 +61,8 @@ class SkinContact {
   void commit(const Eigen::Matrix3Xd& positions_m, ContactState& state) const;
 
  private:
+  // A direction that points out of the skin: at a guard between both faces of its edge.
+  Eigen::Vector3d outward(int point, const Eigen::Matrix3Xd& positions_m) const;
   int point_of(const ContactTouch& touch) const { return touch.pair - first_pair_; }
   void add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                  std::vector<ContactTouch>& touches) const;

@@ -18,6 +18,7 @@ constexpr double kBehind = 4.0;     // of the largest face's size: walls are loo
 constexpr double kInFront = 1e-9;   // of the same: a face that has no corner so far in front of another lies behind it
 constexpr double kMargin = 0.02;    // of the body's size: what near faces are looked for within
 constexpr double kAlong = 0.6;      // cosine: faces bend less than to turn such normals against one another
+constexpr double kAgainst = 0.2;    // cosine: skin that meets skin faces it at least so much
 constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
 constexpr double kLikely = 0.1;     // of a face's size
 constexpr int kMostIterations = 12;
@@ -220,7 +221,7 @@ std::optional<SkinGap> SkinPairs::gap_to(int other, const Eigen::Vector3d& point
   const Eigen::Matrix<double, 3, 2> tangents = nodes * shape.slopes.transpose();
   SkinGap gap;
   gap.normal = tangents.col(0).cross(tangents.col(1)).normalized();
-  if (!gap.normal.allFinite() || gap.normal.dot(outward) >= 0.0) return std::nullopt;
+  if (!gap.normal.allFinite() || gap.normal.dot(outward) >= -kAgainst * outward.norm()) return std::nullopt;
   const Eigen::Vector3d off_m = point_m - nodes * shape.values;
   gap.gap_m = gap.normal.dot(off_m);
   const double beyond_edge_m = (off_m - gap.gap_m * gap.normal).norm();
@@ -248,6 +249,29 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
     if (!may_meet(other, point_m, outward)) continue;
     const std::optional<SkinGap> gap = gap_to(other, point_m, outward, positions_m);
     if (gap && (!best || std::abs(gap->gap_m) < std::abs(best->gap_m))) best = gap;
+  }
+  return best;
+}
+
+std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                                            const Eigen::Matrix3Xd& positions_m) const {
+  std::optional<SkinAnchor> best;
+  double best_m = 0.0;
+  for (const int other : near_[static_cast<std::size_t>(face)]) {
+    const double reach_m = best ? best_m : sizes_m_[other];
+    if ((point_m - low_m_.col(other)).minCoeff() < -reach_m || (high_m_.col(other) - point_m).minCoeff() < -reach_m)
+      continue;
+    if (normals_.col(other).dot(outward) > -kAgainst * outward.norm()) continue;
+    const FaceNodes nodes = nodes_of(faces_, other, positions_m);
+    const Eigen::Vector2d local = closest(nodes, point_m);
+    const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
+    const Eigen::Vector3d off_m = point_m - nodes * shape.values;
+    if (off_m.norm() > reach_m) continue;
+    const Eigen::Matrix<double, 3, 2> tangents = nodes * shape.slopes.transpose();
+    const Eigen::Vector2d there =
+        local + Eigen::Matrix2d(tangents.transpose() * tangents).inverse() * (tangents.transpose() * off_m);
+    best_m = off_m.norm();
+    best = {other, there.x(), there.y()};
   }
   return best;
 }

@@ -36,6 +36,11 @@ struct SkinGap {
   SkinPlace at;
 };
 
+struct SkinAnchor {
+  int face;     // of the mesh
+  double r, s;  // coordinates on it
+};
+
 // A point's face, in the order of ContactPoints, and the mesh's face that it may meet.
 using FacePair = std::pair<int, int>;
 
@@ -73,9 +78,16 @@ class SkinPairs {
   std::optional<SkinGap> meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                               const Eigen::Matrix3Xd& positions_m) const;
 
+  // Where friction ties a point of this face to: on the nearest face that faces it, or beyond an edge of that in its
+  // plane, where the point is about to be covered. None where nothing is within a face's size.
+  std::optional<SkinAnchor> anchor(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                                   const Eigen::Matrix3Xd& positions_m) const;
+
   // Pairs that nearly touch where prepare() was called last, sorted: those that a step may bring together.
   std::vector<FacePair> likely() const;
 
+  // Of the face's corners, at the positions of prepare().
+  auto normal(int face) const { return normals_.col(face); }
   double size_m(int face) const { return sizes_m_[face]; }  // of the mesh's face
   double smallest_size_m() const { return sizes_m_.minCoeff(); }
   // Where a place of a face is.

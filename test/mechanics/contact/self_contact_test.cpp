@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bodies that touch themselves: references, derivatives, thin walls, and states that are restored.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -72,7 +73,8 @@ Simulation pressed_clip(const Eigen::Vector3i& cells, double traction_pa, double
   press(body, {0.049999, 0.013999, -1}, {1, 0.014001, 1}, traction_pa);
   body.let_touch_itself(friction);
   std::vector<Marker> markers;
-  markers.emplace_back("tip_out", Vector3d(0.06, 0.014, 0.005), body.mesh(), MeshLocator(body.mesh()));
+  markers.emplace_back("upper", Vector3d(0.06, 0.014, 0.005), body.mesh(), MeshLocator(body.mesh()));
+  markers.emplace_back("lower", Vector3d(0.06, -0.014, 0.005), body.mesh(), MeshLocator(body.mesh()));
   return Simulation(std::move(body), {}, std::move(markers), SolverOptions{});
 }
 
@@ -96,28 +98,34 @@ TEST(SelfContact, ASlotIsPressedShutAsInTheReference) {
     EXPECT_NEAR(contact.normal_force_n, force_n, 0.01 * force_n);
     EXPECT_NEAR(simulation.marker_position(0).y(), 0.0, 1e-5);
     EXPECT_NEAR(simulation.marker_position(1).y() - 0.012, row.number("top_mid_uy_m"), 2e-5);
-    EXPECT_LT(contact.largest_penetration_m, 1e-6);
+    EXPECT_LT(contact.largest_penetration_m, 3e-6);  // guards let in 5e-4 of a face's size
     EXPECT_TRUE(contact.force_n.isZero(0.0));
   }
 }
 
-// By symmetry nothing rubs there, so friction must not change it. 2 % is asked of both. The force is 0.5 % off, and the
-// tip 30 um of 6.2 mm, as much as the reference is unsure of: 1 % of it guards against getting worse.
+// By symmetry nothing rubs there, so friction must not change it. The corners touch first, where points inside the
+// faces alone miss 28 % of the force at 400 Pa. Of force and tips 2 % is asked. Without friction corner on corner is no
+// firm stand on this mesh: both legs sway to one side, at 400 Pa by 185 um (3 %), at the others by 81 um at most, so
+// the test looks at how near the legs come to one another.
 TEST(SelfContact, TheLegsOfAClipMeetAsInTheReference) {
-  for (const double friction : {0.0, 0.5}) {
-    Simulation simulation = pressed_clip({30, 14, 2}, 1000.0, friction);
+  for (const auto& [traction_pa, friction] : {std::pair(400.0, 0.0), {1000.0, 0.0}, {1000.0, 0.5}, {4000.0, 0.0}}) {
+    Simulation simulation = pressed_clip({30, 14, 2}, traction_pa, friction);
     const SolveReport report = simulation.solve_equilibrium();
     ASSERT_TRUE(report.converged) << report.message;
-    const ReferenceRow row = reference_at("r9_clip_selfcontact", 1000.0);
+    const ReferenceRow row = reference_at("r9_clip_selfcontact", traction_pa);
     const ContactReading contact = simulation.contacts().back();
-    EXPECT_NEAR(contact.normal_force_n, row.number("contact_force_N"), 0.02 * row.number("contact_force_N"));
-    const double tip_m = row.number("tip_out_uy_m");
-    EXPECT_NEAR(simulation.marker_position(0).y() - 0.014, tip_m, 0.01 * std::abs(tip_m));
-    EXPECT_LT(report.iterations, 40);
+    const double force_n = row.number("contact_force_N"), tip_m = row.number("tip_out_uy_m");
+    EXPECT_NEAR(contact.normal_force_n, force_n, 0.02 * force_n) << traction_pa;
+    EXPECT_LT(contact.largest_penetration_m, 3e-6);
+    const double upper_m = simulation.marker_position(0).y(), lower_m = simulation.marker_position(1).y();
+    EXPECT_NEAR(0.5 * (upper_m - lower_m) - 0.014, tip_m, 0.003 * std::abs(tip_m)) << traction_pa;
+    EXPECT_LT(std::abs(upper_m + lower_m) / 2.0, 0.035 * std::abs(tip_m)) << traction_pa;
+    EXPECT_LT(report.iterations, 60) << traction_pa;
   }
 }
 
-// Of pressures that are -gap / compliance everywhere.
+// Of pressures that are -gap / compliance everywhere. Without guards: those of an edge that meets just the edge of
+// other skin find a place that cannot move on, which the matrix does not know.
 struct Pressed {
   ContactSums sums;
   Eigen::Matrix3Xd forces_n;
@@ -126,7 +134,10 @@ struct Pressed {
 Pressed pressed_at(const ContactTerm& term, const ContactState& untouched, const Eigen::Matrix3Xd& positions_m,
                    double compliance_m_pa_per_size) {
   Pressed at{term.sums(positions_m, untouched), Eigen::Matrix3Xd::Zero(3, positions_m.cols())};
-  for (ContactTouch& touch : at.sums.touches)
+  std::vector<ContactTouch>& touches = at.sums.touches;
+  const auto guards = [&](const ContactTouch& touch) { return term.skin().points().guards(touch.pair); };
+  touches.erase(std::remove_if(touches.begin(), touches.end(), guards), touches.end());
+  for (ContactTouch& touch : touches)
     touch.pressure_pa = -touch.gap_m / (compliance_m_pa_per_size * term.face_size_m(touch));
   term.add_forces(at.sums, at.forces_n);
   return at;

@@ -25,7 +25,7 @@ TEST(SoftOnSoft, ACutColumnIsPressedEvenly) {
     Vector3i above;
     double tolerance;
   };
-  for (const Case& one : {Case{{3, 2, 3}, 1e-6}, Case{{4, 2, 4}, 0.01}}) {
+  for (const Case& one : {Case{{3, 2, 3}, 1e-8}, Case{{4, 2, 4}, 0.01}}) {
     Body body(together(box_mesh({0, 0, 0}, {0.02, 0.01, 0.02}, {3, 2, 3}),
                        box_mesh({0, 0.01, 0}, {0.02, 0.02, 0.02}, one.above)),
               {264200.0, 0.3, 1070.0});
@@ -106,10 +106,9 @@ TEST(SoftOnSoft, AnInclinedBedHoldsABlockAtItsCoefficientAndNotBelow) {
   run(slides, 0.1);  // gravity comes at once, so at first it bounces a little
   const double before_m_s = block_m(slides, slides.state().velocities_m_s).x();
   run(slides, 0.3);
-  // Skin that the block newly covers rubs from the next step on: 1.8 % of friction is lost so.
-  const double acceleration_m_s2 = (block_m(slides, slides.state().velocities_m_s).x() - before_m_s) / 0.3;
-  const double coefficient = (kGravity * std::sin(kSlope) - acceleration_m_s2) / (kGravity * std::cos(kSlope));
-  EXPECT_NEAR(coefficient, 0.49, 0.03 * 0.49);
+  const double acceleration_m_s2 = kGravity * (std::sin(kSlope) - 0.49 * std::cos(kSlope));
+  EXPECT_NEAR((block_m(slides, slides.state().velocities_m_s).x() - before_m_s) / 0.3, acceleration_m_s2,
+              0.02 * acceleration_m_s2);
   const ContactReading contact = slides.contacts().back();
   EXPECT_GT(contact.slipping_area_m2, 0.9 * contact.area_m2);
 }

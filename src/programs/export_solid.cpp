@@ -52,7 +52,7 @@ int write(const Arguments& arguments) {
     throw std::invalid_argument("--output: '" + arguments.output + "' must end with .stl or .step");
   const YamlNode robot =
       with_overrides(load_settings(arguments.robot), parameter_overrides(arguments.robot, arguments.set));
-  const Solid solid = read_solid(robot.child("body").child("solid"));
+  const Solid solid = read_body_solid(robot.child("body"));
   const std::string content = ending == ".stl" ? stl_of(solid, arguments.largest_edge_m)
                                                : read_regular_file(step_file_for(solid, {}), kLargestFile_bytes);
   write_file(arguments.output, content);

@@ -18,6 +18,7 @@ namespace field = gmsh::model::mesh::field;
 constexpr double kGrowth = 0.4;     // of element size per distance, around refinements
 constexpr double kMostCurved = 10;  // curvature makes elements this much smaller at most: the tip of a cone has no end
 constexpr double kMostElements = 2e6;
+constexpr double kLargestRobot_m3 = 1.0;  // whoever exceeds it by far has written millimetres
 // What an element takes until it is known what its factorisation will, measured: its share of nodes, and of a matrix.
 constexpr double kQuadraticElement_kb = 6.5, kLinearElement_kb = 2.0;
 constexpr double kElementsPerCube = 8.5;  // of a cube with the edge of an element; regular ones fill it 1 / 0.118 times
@@ -94,6 +95,9 @@ void check_count(double volume_m3, const MeshSizes& sizes) {
   message << "element_size_m " << sizes.element_size_m << " and refinements ask for about " << count
           << " elements, which take " << needed_gb << " GB; at most " << kMostElements << " elements and "
           << kMostMemory_gb << " GB are taken; choose larger ones" << (sizes.quadratic ? ", or element: linear" : "");
+  if (volume_m3 > kLargestRobot_m3)
+    message << "; or are the numbers of a file of " << volume_m3 << " m3 millimetres? `scale: 0.001` of the body makes "
+            << "them metres";
   throw std::invalid_argument(message.str());
 }
 

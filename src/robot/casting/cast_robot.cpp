@@ -62,7 +62,7 @@ CastRobotFile read_blocks(const YamlNode& settings, const SceneOptions& options)
   file.settings = read_casting_settings(settings);
   file.mesher = mesher_options(options);
   const YamlNode body = settings.child("body");
-  if (body.has("solid")) file.solid = read_solid(body.child("solid"));
+  if (body.has("solid")) file.solid = read_body_solid(body);
   file.robot.sheaths = read_sheaths(settings, file.settings.sheath.radius_m);
   return file;
 }

@@ -13,6 +13,7 @@ namespace {
 using Kind = Solid::Kind;
 
 constexpr int kMostCopies = 1000;
+constexpr AllowedRange kScale{1e-3, 1e3};
 
 // In the order of Kind.
 const std::vector<std::string>& kind_names() {
@@ -164,7 +165,7 @@ void read_translate(const YamlNode& node, Solid& solid) {
 
 void read_scale(const YamlNode& node, Solid& solid) {
   solid.parts = {read_moved(node)};
-  solid.factor = node.number("factor", {1e-3, 1e3});
+  solid.factor = node.number("factor", kScale);
   solid.center_m = vector3_or_zero(node, "center_m");
 }
 
@@ -250,6 +251,21 @@ std::string shape_text(const Solid& solid) {
   return quoted(solid.file);
 }
 
+// Returns how many files there are.
+int scale_files_by(double factor, Solid& solid) {
+  int files = 0;
+  for (Solid& part : solid.parts) files += scale_files_by(factor, part);
+  if (solid.kind != Kind::step_file && solid.kind != Kind::stl_file) return files;
+  if (factor != 1.0) {
+    Solid scaled;
+    scaled.kind = Kind::scale;
+    scaled.factor = factor;
+    scaled.parts = {std::move(solid)};
+    solid = std::move(scaled);
+  }
+  return 1;
+}
+
 struct NamedSolid {
   Solid solid;  // where it stands in the body
   int depth;
@@ -287,6 +303,20 @@ Solid read_solid(const YamlNode& node) {
   } else {
     readers[static_cast<size_t>(solid.kind)](shape, solid);
   }
+  return solid;
+}
+
+double read_scale(const YamlNode& body) { return body.number_or("scale", 1.0, kScale); }
+
+void scale_files(const YamlNode& body, Solid& solid) {
+  const double factor = read_scale(body);
+  if (scale_files_by(factor, solid) == 0 && body.has("scale"))
+    body.child("scale").fail("multiplies files, and the solid names neither an STL nor a STEP file");
+}
+
+Solid read_body_solid(const YamlNode& body) {
+  Solid solid = read_solid(body.child("solid"));
+  scale_files(body, solid);
   return solid;
 }
 

@@ -54,7 +54,7 @@ std::vector<Marker> read_markers(const YamlNode& scene, const Body& body, const 
     if (!(stalk_m <= longest_m))
       node.child("position_m")
           .fail("lies " + std::to_string(stalk_m) + " m off the body, out of range [0, " + std::to_string(longest_m) +
-                "]: ten times the body's size");
+                "]: ten times the body's size; its unit is the metre");
     markers.push_back(in_section(node, [&] { return Marker(read_name(node), position_m, body.mesh(), in_owner); }));
   }
   return markers;

@@ -71,6 +71,7 @@ MeshRequest read_request(const YamlNode& scene, const std::string& body_name, co
   }
   Solid solid = read_solid(body.child("solid"));
   name_chamber_solids(scene, body_name, solid);
+  scale_files(body, solid);
   for (const Solid& region : solids_with_material(solid)) request.regions.push_back(region.name);
   request.solid = std::move(solid);
   request.element_size_m = body.number_or("element_size_m", request.element_size_m, AllowedRange::positive());
@@ -96,7 +97,8 @@ TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options) {
   const MesherOptions mesher = mesher_options(options);
   const auto shape_of = [&](const std::string& name, const YamlNode& body) {
     const std::string file = mesh_file_of(read_request(scene, name, body), body, mesher);
-    const TetMesh shape = in_section(body, [&] { return read_msh(file); });
+    TetMesh shape = in_section(body, [&] { return read_msh(file); });
+    if (body.has("mesh")) shape.nodes_m *= read_scale(body);  // else the solid has it
     return quadratic(scene) ? make_quadratic(shape) : make_linear(shape);
   };
   TetMesh mesh = shape_of(kFirstBody, scene.child("body"));

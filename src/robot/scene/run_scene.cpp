@@ -171,7 +171,9 @@ RunReport run_in_time(SceneMotion& motion, const RunSettings& run, const RunProg
   return report;
 }
 
-RunReport run_scene(Scene& scene, const RunProgress& progress) {
+namespace {
+
+RunReport run_as_asked(Scene& scene, const RunProgress& progress) {
   RunReport report;
   Simulation& simulation = *scene.simulation;
   SceneMotion motion(scene);
@@ -188,6 +190,14 @@ RunReport run_scene(Scene& scene, const RunProgress& progress) {
   end(motion, report);
   refuse_inverted(report.solve);
   if (scene.run.sensitivity && report.solve.converged) add_sensitivity(simulation, report);
+  return report;
+}
+
+}  // namespace
+
+RunReport run_scene(Scene& scene, const RunProgress& progress) {
+  RunReport report = run_as_asked(scene, progress);
+  for (const SolveWarning& warning : scene.warnings) add_warning(warning, report.solve.warnings);
   return report;
 }
 

@@ -3,6 +3,7 @@
 
 #include "fidelity.h"
 #include "parameters.h"
+#include "plausible_sizes.h"
 #include "reduction.h"
 #include "robot/design/casting_settings.h"
 
@@ -22,6 +23,7 @@ Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& op
   auto markers = read_markers(settings, body, locator);
 
   Scene scene;
+  scene.warnings = implausible_sizes(body, locator, markers);
   scene.simulation = in_section(settings, [&] {
     return std::make_unique<Simulation>(std::move(body), std::move(actuators), std::move(markers), solver);
   });

@@ -54,11 +54,13 @@ double machine_time_s() { return std::chrono::duration<double>(SteadyClock::now(
 struct RunningScene {
   RunningScene(Scene loaded, double skin_opacity)
       : path(loaded.file),
+        warnings(std::move(loaded.warnings)),
         fidelity(std::move(loaded.fidelity)),
         simulation(std::move(loaded.simulation)),
         surface(simulation->body().mesh(), skin_opacity > 0.0 ? skin_opacity : fitting_opacity(*simulation)) {}
 
   std::string path;
+  std::vector<SolveWarning> warnings;
   std::optional<FidelityReport> fidelity;
   std::unique_ptr<Simulation> simulation;
   SurfaceMarker surface;
@@ -183,6 +185,7 @@ std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) co
   if (!options_.rig.empty()) require_same_commands(*scene->simulation, path, load_rig(options_.rig), options_.rig);
   const TetMesh& mesh = scene->simulation->body().mesh();
   ROS_INFO("%s: %d elements, %d nodes", path.c_str(), mesh.tet_count(), mesh.node_count());
+  for (const SolveWarning& warning : scene->warnings) ROS_WARN("%s: %s", path.c_str(), log_text(warning.text).c_str());
   if (scene->fidelity) {
     ROS_INFO("%s: %s", path.c_str(), summary(*scene->fidelity).c_str());
     if (!scene->fidelity->met)

@@ -61,6 +61,15 @@ struct Solid {
 // Throws SettingsError.
 Solid read_solid(const YamlNode& node);
 
+// `scale` of a body, 1 where it has none: by how much the numbers of its mesh, STL and STEP files are multiplied.
+double read_scale(const YamlNode& body);
+
+// Multiplies the STL and STEP files in a body's solid by its `scale`; how large they shall be is then part of the
+// solid. Throws SettingsError where the body has a scale, and its solid no file.
+void scale_files(const YamlNode& body, Solid& solid);
+
+Solid read_body_solid(const YamlNode& body);  // its `solid`, with its files scaled
+
 // Of shape, place and names alike, whatever their materials.
 bool same_solid(const Solid& a, const Solid& b);
 

@@ -44,6 +44,7 @@ struct Scene {
   std::string file;
   std::unique_ptr<Simulation> simulation;
   RunSettings run;
+  std::vector<SolveWarning> warnings;      // of sizes that no robot has; run_scene reports them with its own
   std::optional<FidelityReport> fidelity;  // where the scene or its options ask for it
   // With solver.method reduced: run_scene moves the simulation by it. Null otherwise.
   std::shared_ptr<const SceneReduction> reduction;

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files in millimetres, and sizes that show that somebody wrote millimetres or megapascals.
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "scene_files.h"
+#include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/scene/run_scene.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+namespace {
+
+SceneOptions with_mesher() {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.actuator_factory = make_actuator;
+  return options;
+}
+
+Eigen::Vector3d span_m(const Scene& scene) {
+  const Eigen::Matrix3Xd& nodes_m = scene.simulation->body().mesh().nodes_m;
+  return nodes_m.rowwise().maxCoeff() - nodes_m.rowwise().minCoeff();
+}
+
+// A tetrahedron with edges of 40, 50 and 60 along the axes from the origin.
+std::string tetrahedron_stl() {
+  const std::vector<std::string> corners = {"0 0 0", "40 0 0", "0 50 0", "0 0 60"};
+  std::string text = "solid tetrahedron\n";
+  for (const auto& side : std::vector<std::vector<size_t>>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const size_t corner : side) text += "vertex " + corners[corner] + "\n";
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid tetrahedron\n";
+}
+
+std::string tetrahedron_vtk() {
+  return "# vtk DataFile Version 3.0\none element\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n"
+         "0 0 0\n40 0 0\n0 50 0\n0 0 60\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n";
+}
+
+std::string body(const std::string& keys) {
+  return "body: {" + keys +
+         ", element_size_m: 0.02, fixed: [{box: {min_m: [-1, -1, -1], max_m: [1000, 1000, 1.0e-6]}}]}\n";
+}
+
+TEST(Sizes, FilesInMillimetresAreScaledToMetres) {
+  const SceneFolder folder;
+  folder.write("part.stl", tetrahedron_stl());
+  folder.write("part.vtk", tetrahedron_vtk());
+  const std::string size = "scale: 0.001, ";
+  std::vector<std::string> bodies = {size + "solid: {stl: part.stl}",
+                                     size + "solid: {translate: {by_m: [0.1, 0, 0], solid: {stl: part.stl}}}"};
+  for (const std::string& keys : bodies) {
+    SCOPED_TRACE(keys);
+    const Scene scene = load_scene(folder.write("scaled.yaml", body(keys)), with_mesher());
+    EXPECT_LT((span_m(scene) - Eigen::Vector3d(0.04, 0.05, 0.06)).norm(), 1e-9) << span_m(scene).transpose();
+    EXPECT_TRUE(scene.warnings.empty());
+    const double start_m = scene.simulation->body().mesh().nodes_m.row(0).minCoeff();
+    EXPECT_NEAR(start_m, keys.find("by_m") == std::string::npos ? 0.0 : 0.1, 1e-9) << "a move stays in metres";
+  }
+  const std::string mesh =
+      "body: {mesh: part.vtk, scale: 0.001, fixed: [{box: {min_m: [-1, -1, -1], max_m: [1, 1, "
+      "1.0e-6]}}]}\n";
+  EXPECT_LT(
+      (span_m(load_scene(folder.write("mesh.yaml", mesh), with_mesher())) - Eigen::Vector3d(0.04, 0.05, 0.06)).norm(),
+      1e-12);
+}
+
+// They know their unit, and yet a part may be wanted smaller. What moves it stays in metres.
+TEST(Sizes, StepFilesAreScaledBesideWhatIsInMetres) {
+  const SceneFolder folder;
+  const std::string step = "{step: \"" SOFT_ROBOT_LAB_SOURCE "/test/data/cylinder.step\"}";  // 30 mm long
+  const std::string keys =
+      "scale: 0.5, solid: {union: [{box: {size_m: [0.01, 0.01, 0.04], center_m: [0, 0, 0.02]}}, " + step + "]}";
+  const Scene scene = load_scene(folder.write("scaled.yaml", body(keys)), with_mesher());
+  EXPECT_NEAR(span_m(scene).z(), 0.04, 1e-9);
+  EXPECT_NEAR(span_m(scene).x(), 0.01, 2e-4);
+}
+
+TEST(Sizes, FurtherBodiesHaveAScaleOfTheirOwn) {
+  const SceneFolder folder;
+  folder.write("part.vtk", tetrahedron_vtk());
+  const std::string further =
+      "include: bar.yaml\nbodies: [{name: second, mesh: part.vtk, scale: 0.002, fixed: [{box: "
+      "{min_m: [-1, -1, -1], max_m: [1, 1, 1.0e-6]}}]}]\n";
+  EXPECT_NEAR(span_m(load_scene(folder.write("two.yaml", further), with_mesher())).z(), 0.12 + 0.01, 1e-9);
+}
+
+TEST(Sizes, AScaleWithoutAFileIsRefused) {
+  const SceneFolder folder;
+  for (const auto& [scale, words] : std::vector<std::pair<std::string, std::string>>{
+           {"0.001", "body.scale: multiplies files, and the solid names neither an STL nor a STEP file"},
+           {"0", "body.scale: 0 is out of range [0.001, 1000]"}}) {
+    try {
+      load_scene(folder.write("bad.yaml", "include: bar.yaml\nbody: {scale: " + scale + "}\n"), with_mesher());
+      ADD_FAILURE() << "accepted";
+    } catch (const SettingsError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  }
+}
+
+struct Implausible {
+  std::string text, kind, words;
+};
+
+TEST(Sizes, ImplausibleOnesAreWarnedOf) {
+  const SceneFolder folder;
+  folder.write("part.vtk", tetrahedron_vtk());
+  const std::vector<Implausible> table = {
+      {"body: {mesh: part.vtk, fixed: [{box: {min_m: [-1, -1, -1], max_m: [99, 99, 1.0e-6]}}]}", "implausible_size",
+       "the body is 60 m long, where robots are 0.001 to 2 m: lengths are metres; if its file has millimetres, set "
+       "`scale: 0.001`"},
+      {"include: bar.yaml\nbody: {material: {youngs_modulus_pa: 0.2642}}", "implausible_stiffness",
+       "Young's modulus is 0.2642 Pa, where silicones have 1000 Pa and more: if youngs_modulus_pa was given in MPa"},
+      {"include: bar.yaml\nmarkers: [{name: tip, position_m: [1, 0, 0]}]", "implausible_stalk",
+       "marker tip is 0.9 m off the body, which is 0.10392"},
+  };
+  for (const Implausible& each : table) {
+    SCOPED_TRACE(each.text);
+    const Scene scene = load_scene(folder.write("odd.yaml", each.text + "\n"), with_mesher());
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_EQ(scene.warnings[0].kind, each.kind);
+    EXPECT_NE(scene.warnings[0].text.find(each.words), std::string::npos) << scene.warnings[0].text;
+  }
+  EXPECT_TRUE(load_scene(folder.path("bar.yaml"), with_mesher()).warnings.empty());
+}
+
+TEST(Sizes, WarningsReachTheReportOfARun) {
+  const SceneFolder folder;
+  Scene scene = load_scene(
+      folder.write("odd.yaml", "include: bar.yaml\nmarkers: [{name: tip, position_m: [1, 0, 0]}]\n"), with_mesher());
+  const RunReport report = run_scene(scene);
+  ASSERT_EQ(report.solve.warnings.size(), 1u);
+  EXPECT_EQ(report.solve.warnings[0].kind, "implausible_stalk");
+}
+
+// Before anything is meshed, or the mesher would run into its limit of time.
+TEST(Sizes, ASolidTooLargeToMeshIsAskedForItsUnit) {
+  const SceneFolder folder;
+  folder.write("part.stl", tetrahedron_stl());
+  try {
+    load_scene(folder.write("large.yaml", body("solid: {stl: part.stl}")), with_mesher());
+    ADD_FAILURE() << "accepted";
+  } catch (const SettingsError& error) {
+    EXPECT_NE(std::string(error.what()).find("millimetres? `scale: 0.001`"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -15,6 +15,7 @@ namespace soft_robot_lab {
 struct EmbeddedPoint {
   std::vector<int> nodes;
   std::vector<double> weights;
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  // of a point that belongs to no silicone, from a held node
 
   Eigen::Vector3d at(const Eigen::Matrix3Xd& positions_m) const;
 };

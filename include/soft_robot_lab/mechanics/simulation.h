@@ -63,6 +63,11 @@ class Simulation {
   void keep_energy_ledger();
   const EnergyLedger* energy_ledger() const;  // null where none is kept
 
+  // Pulls at a point of the body as a hand would: a force [N] that keeps its direction, in place of the pull before;
+  // zero lets go. It is no part of the state: reset and set_state leave it. Throws std::invalid_argument where it is
+  // not finite, and while an energy ledger is kept, which knows no such work.
+  void pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n);
+
   void reset();  // rest shape, rest commands, time zero
   const SimulationState& state() const;
   void set_state(const SimulationState& state);  // throws std::invalid_argument: wrong size or not finite

@@ -47,7 +47,7 @@ std::optional<Eigen::Vector3d> invert_map(const TetMesh& mesh, int tet, const Ei
 }  // namespace
 
 Eigen::Vector3d EmbeddedPoint::at(const Eigen::Matrix3Xd& positions_m) const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sum = offset_m;
   for (std::size_t i = 0; i < nodes.size(); ++i) sum += weights[i] * positions_m.col(nodes[i]);
   return sum;
 }
@@ -59,6 +59,7 @@ EmbeddedPoint average(const std::vector<EmbeddedPoint>& points) {
     for (std::size_t i = 0; i < point.nodes.size(); ++i)
       sums[point.nodes[i]] += point.weights[i] / static_cast<double>(points.size());
   EmbeddedPoint result;
+  for (const EmbeddedPoint& point : points) result.offset_m += point.offset_m / static_cast<double>(points.size());
   for (const auto& [node, weight] : sums) {
     result.nodes.push_back(node);
     result.weights.push_back(weight);

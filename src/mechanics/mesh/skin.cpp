@@ -41,6 +41,36 @@ Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vecto
   return a + (vb * ab + vc * ac) / (va + vb + vc);
 }
 
+Eigen::Matrix3d corners_of(const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3i& nodes) {
+  Eigen::Matrix3d corners;
+  for (int i = 0; i < 3; ++i) corners.col(i) = positions_m.col(nodes[i]);
+  return corners;
+}
+
+Eigen::Vector3d nearest_on_triangle(const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3i& nodes,
+                                    const Eigen::Vector3d& point_m) {
+  const Eigen::Matrix3d corners = corners_of(positions_m, nodes);
+  return nearest_on_triangle(point_m, corners.col(0), corners.col(1), corners.col(2));
+}
+
+// Of a point in the triangle's plane.
+Eigen::Vector3d barycentric(const Eigen::Matrix3d& corners, const Eigen::Vector3d& at) {
+  const Eigen::Vector3d u = corners.col(1) - corners.col(0), v = corners.col(2) - corners.col(0);
+  const Eigen::Vector3d n = u.cross(v), way = at - corners.col(0);
+  const double b = n.dot(way.cross(v)) / n.squaredNorm(), c = n.dot(u.cross(way)) / n.squaredNorm();
+  return {1.0 - b - c, b, c};
+}
+
+// The nodes of a face's triangle, or of the four that stand for a curved one.
+template <typename Visit>
+void for_flat_triangles(const TetMesh& mesh, Eigen::Index face, const Visit& visit) {
+  const auto nodes = [&](const std::array<int, 3>& part) {
+    return Eigen::Vector3i(mesh.faces(part[0], face), mesh.faces(part[1], face), mesh.faces(part[2], face));
+  };
+  if (mesh.faces.rows() == 3) return visit(nodes({0, 1, 2}));
+  for (const std::array<int, 3>& part : kFaceQuarters) visit(nodes(part));
+}
+
 struct Line {
   Eigen::Vector3d from_m, way_m;
   Eigen::Matrix<double, 2, 3> across;  // two directions across it
@@ -97,20 +127,28 @@ SkinPoint nearest_on_skin(const TetMesh& mesh, const Eigen::Vector3d& point_m) {
 
 SkinPoint nearest_on_skin(const TetMesh& mesh, const std::vector<Eigen::Index>& faces, const Eigen::Vector3d& point_m) {
   SkinPoint nearest{point_m, std::numeric_limits<double>::infinity()};
-  const auto try_triangle = [&](Eigen::Index face, const std::array<int, 3>& part) {
-    const auto corner = [&](int i) -> Eigen::Vector3d { return mesh.nodes_m.col(mesh.faces(part[i], face)); };
-    const Eigen::Vector3d candidate = nearest_on_triangle(point_m, corner(0), corner(1), corner(2));
-    const double distance_m = (candidate - point_m).norm();
-    if (distance_m < nearest.distance_m) nearest = {candidate, distance_m};
-  };
-  for (const Eigen::Index face : faces) {
-    if (mesh.faces.rows() == 3) {
-      try_triangle(face, {0, 1, 2});
-    } else {
-      for (const std::array<int, 3>& part : kFaceQuarters) try_triangle(face, part);
-    }
-  }
+  for (const Eigen::Index face : faces)
+    for_flat_triangles(mesh, face, [&](const Eigen::Vector3i& nodes) {
+      const Eigen::Vector3d candidate = nearest_on_triangle(mesh.nodes_m, nodes, point_m);
+      const double distance_m = (candidate - point_m).norm();
+      if (distance_m < nearest.distance_m) nearest = {candidate, distance_m};
+    });
   return nearest;
+}
+
+GripPlace grip_on_skin(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3d& point_m) {
+  GripPlace place{point_m, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity()};
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face)
+    for_flat_triangles(mesh, face, [&](const Eigen::Vector3i& nodes) {
+      const Eigen::Vector3d at_m = nearest_on_triangle(positions_m, nodes, point_m);
+      const double distance_m = (at_m - point_m).norm();
+      if (!(distance_m < place.distance_m)) return;
+      place.distance_m = distance_m;
+      const Eigen::Matrix3d rest_m = corners_of(mesh.nodes_m, nodes);
+      place.rest_m = rest_m * barycentric(corners_of(positions_m, nodes), at_m);
+      place.rest_normal = (rest_m.col(1) - rest_m.col(0)).cross(rest_m.col(2) - rest_m.col(0)).normalized();
+    });
+  return place;
 }
 
 std::vector<SkinCrossing> skin_crossings(const TetMesh& mesh, const Eigen::Vector3d& from_m,

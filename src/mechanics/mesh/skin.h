@@ -20,6 +20,16 @@ SkinPoint nearest_on_skin(const TetMesh& mesh, const Eigen::Vector3d& point_m);
 // Of these faces only.
 SkinPoint nearest_on_skin(const TetMesh& mesh, const std::vector<Eigen::Index>& faces, const Eigen::Vector3d& point_m);
 
+// A place of the skin that moves with the nodes.
+struct GripPlace {
+  Eigen::Vector3d rest_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rest_normal = Eigen::Vector3d::Zero();  // outward
+  double distance_m = 0.0;                                // from the point to it; infinite where the mesh has no faces
+};
+
+// The place that is nearest to a point where the nodes are now, 3 x nodes.
+GripPlace grip_on_skin(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3d& point_m);
+
 struct SkinCrossing {
   double share;            // of the line
   Eigen::Vector3d normal;  // of the skin there; a unit vector, outward

@@ -32,6 +32,11 @@ NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
       elements_(tables_->elements),
       springs_(elements_.batches(), elements_.slots()) {}
 
+void NewtonSolver::pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n) {
+  loads_n_ = tables_->loads_n;
+  for (std::size_t k = 0; k < at.nodes.size(); ++k) loads_n_.col(at.nodes[k]) += at.weights[k] * force_n;
+}
+
 void NewtonSolver::release(Eigen::Matrix3Xd& forces) const {
   forces = (body_.fixed().array()).select(0.0, forces.array()).matrix();
 }

@@ -161,6 +161,8 @@ class NewtonSolver {
   // free obstacles are.
   double potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to) const;
   const Eigen::Matrix3Xd& loads_n() const { return loads_n_; }
+  // Besides the body's own loads, in place of what pulled before.
+  void pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n);
   double constraint_value(int constraint, const Eigen::Matrix3Xd& positions_m, const SharedDrives& drives) const {
     return constraints_[static_cast<std::size_t>(constraint)].value(positions_m, drives);
   }
@@ -268,7 +270,7 @@ class NewtonSolver {
   const std::vector<DrivenConstraint>& constraints_;
   const std::vector<SharedLength>& shared_;
   const MatrixLayout& layout_;
-  const Eigen::Matrix3Xd& loads_n_;
+  Eigen::Matrix3Xd loads_n_;  // the tables', and what pulls now
   const double force_floor_n_;
   ContactTerm contact_;
 

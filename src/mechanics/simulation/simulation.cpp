@@ -145,6 +145,14 @@ Eigen::MatrixXd Simulation::parameter_sensitivities(const std::vector<ModelParam
   return result;
 }
 
+void Simulation::pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n) {
+  if (!force_n.allFinite()) throw std::invalid_argument("pull: the force is not finite");
+  if (parts_->energy) throw std::invalid_argument("pull: the energy ledger does not know its work");
+  parts_->workspace.newton.pull(at, force_n);
+  if (parts_->workspace.xpbd) parts_->workspace.xpbd->take_loads(parts_->workspace.newton.loads_n());
+  parts_->state.rest_residual.reset();
+}
+
 void Simulation::reset() { parts_->reset(); }
 const SimulationState& Simulation::state() const { return parts_->state; }
 

@@ -84,6 +84,7 @@ class XpbdSolver {
   // The multipliers that follow from a shape alone, dE/dx of each element. With zeros in their place the first substep
   // lets go of a body under tension.
   Eigen::VectorXd forces_of(NewtonState state);
+  void take_loads(const Eigen::Matrix3Xd& loads_n) { loads_n_ = loads_n; }
   Eigen::Index force_count() const { return static_cast<Eigen::Index>(multipliers_.size()) * kLanes; }
 
  private:
@@ -110,7 +111,7 @@ class XpbdSolver {
   std::shared_ptr<const XpbdTables> tables_;
   const Body& body_;  // these are the tables'
   const std::vector<DrivenConstraint>& constraints_;
-  const Eigen::Matrix3Xd& loads_n_;
+  Eigen::Matrix3Xd loads_n_;  // the tables', and what pulls now
   const Eigen::Matrix3Xd &inverse_masses_, &root_inverse_masses_;
   const std::vector<int>& colour_start_;
   const ElementBatches& batches_;

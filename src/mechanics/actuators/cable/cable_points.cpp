@@ -31,7 +31,7 @@ GivenPath read_path(const YamlNode& settings, const std::string& key) {
     if (path.size() > 1 && (path.back() - path[path.size() - 2]).norm() < kNear_m)
       item.fail("repeats the point before it, " + point_text(path.back()));
   }
-  if (path.size() < 2)
+  if (path.size() < 2 && (key == "path_m" || !settings.has("drive_points_m")))
     settings.fail(key + ": a cable needs at least two points, this one has " + std::to_string(path.size()));
   return path;
 }
@@ -54,6 +54,32 @@ bool held(const EmbeddedPoint& point, const FixedAxes& fixed) {
   for (std::size_t k = 0; k < point.nodes.size(); ++k)
     if (std::abs(point.weights[k]) > 1e-9 && !fixed.col(point.nodes[k]).all()) return false;
   return true;
+}
+
+// Points on the frame, each carried by a held node of its own, the nearest ones to the first point in the silicone: so
+// a point stays where it is, and goes along with a hold that moves.
+std::vector<EmbeddedPoint> read_drive_points(const YamlNode& settings, const Body& body,
+                                             const Eigen::Vector3d& first_m) {
+  std::vector<EmbeddedPoint> points;
+  if (!settings.has("drive_points_m")) return points;
+  const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
+  std::vector<int> held_nodes;
+  for (int node = 0; node < nodes_m.cols(); ++node)
+    if (body.fixed().col(node).all()) held_nodes.push_back(node);
+  const auto distance_m = [&](int node) { return (nodes_m.col(node) - first_m).norm(); };
+  std::stable_sort(held_nodes.begin(), held_nodes.end(), [&](int a, int b) { return distance_m(a) < distance_m(b); });
+  for (const YamlNode& item : settings.sequence("drive_points_m")) {
+    const Eigen::VectorXd at = item.as_numbers();
+    if (at.size() != 3) item.fail("a point is [x, y, z] in m");
+    if (points.size() == held_nodes.size())
+      item.fail("stands on the frame, which has no more than " + std::to_string(held_nodes.size()) +
+                " nodes of body.fixed with all axes to carry it");
+    const int node = held_nodes[points.size()];
+    points.push_back({{node}, {1.0}, at - nodes_m.col(node)});
+    const Eigen::Vector3d before = points.size() > 1 ? points[points.size() - 2].at(nodes_m) : first_m;
+    if ((before - at).norm() < kNear_m) item.fail("repeats the point beside it, " + point_text(before));
+  }
+  return points;
 }
 
 // How wide the body is across a cable at its plug, in the direction in which it is least wide, seen no farther than
@@ -122,11 +148,15 @@ CablePoints read_cable_points(const YamlNode& settings, const Body& body, const 
   const double reach = std::max(spread.sheath_radius_m, 0.5 * spread.box_m) + kNear_m;
   const std::vector<PathPoint> path = read_points(settings, body, locator, spread.sheath_radius_m);
   CablePoints result;
+  result.points = read_drive_points(settings, body, path.front().position_m);
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Location location = locator.locate(path[i].position_m);
     if (path[i].given >= 0) require_near(settings, path[i], location, reach);
     const bool last = i + 1 == path.size();
-    const Eigen::Vector3d along = path[last ? i : i + 1].position_m - path[i == 0 ? i : i - 1].position_m;
+    const Eigen::Vector3d before_m = i > 0  ? path[i - 1].position_m
+                                     : last ? result.points.back().at(body.mesh().nodes_m)
+                                            : path[i].position_m;
+    const Eigen::Vector3d along = path[last ? i : i + 1].position_m - before_m;
     const EmbeddedPoint point = locator.embed(location);
     if (held(point, body.fixed())) {
       result.points.push_back(point);

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# install_dependencies.sh [--check]: installs the Debian 12 packages that this package is built, run and tested with. Does nothing
-# where all are there; --check only ends with 1 where some are missing.
+# install_dependencies.sh [--check | --all]: installs the Debian 12 packages that this package is built, run and tested with. Does
+# nothing where all are there; --check only ends with 1 where some are missing; --all takes in what nightly tests use.
 set -euo pipefail
 if ! getent ahostsv4 localhost >/dev/null; then # as in a bare chroot; roslaunch asks for it whatever ROS_IP says
   echo "localhost does not resolve, so ROS cannot start: add the line '127.0.0.1 localhost' to /etc/hosts" >&2
@@ -18,11 +18,12 @@ packages=(
   rviz librviz-dev libqwt-qt5-dev libinteractive-markers-dev xdotool xvfb xauth imagemagick libgl1-mesa-dri gnuplot-nox
   libeigen3-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libgmsh-dev libceres-dev libpagmo-dev libopenblas-serial-dev libmetis-dev
   libsqlite3-dev libboost-dev libopenmpi-dev openmpi-bin
-  libbullet-dev libopencv-dev libpcl-dev libembree-dev
+  libbullet-dev libopencv-dev libpcl-dev libembree-dev lib3mf-dev
   libmessage-filters-dev ros-sensor-msgs libsensor-msgs-dev python3-sensor-msgs
   gcc-avr avr-libc libsimavr-dev libelf-dev
   clang-format clang-tidy universal-ctags catkin-lint admesh libgtest-dev librostest-dev python3-rostest libbenchmark-dev doxygen
 )
+[[ ${1-} != --all ]] || packages+=(prusa-slicer)
 installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null | awk '$2 == "installed" {print $1}' || true)
 mapfile -t missing < <(comm -23 <(printf '%s\n' "${packages[@]}" | sort -u) <(sort -u <<<"$installed"))
 ((${#missing[@]} > 0)) || exit 0

@@ -13,7 +13,7 @@ case "${1-}" in
   --all) all=yes ;;
   *) echo "usage: run.sh [--all]" >&2; exit 2 ;;
 esac
-"$package/launch/install_dependencies.sh"
+"$package/launch/install_dependencies.sh" ${all:+--all}
 
 # The parts without ROS are tested under the sanitisers; with --all also as they are used.
 errors=-DSOFT_ROBOT_LAB_WARNINGS_ARE_ERRORS=${WARNINGS_ARE_ERRORS:-OFF}

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// export_solid ROBOT.yaml --output FILE: the body's solid as STL or STEP, in millimetres.
+// export_solid ROBOT.yaml --output FILE: the body's solid as STL, 3MF or STEP, in millimetres.
 #include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "robot/casting/cast_robot.h"
 #include "robot/casting/stl_file.h"
+#include "robot/casting/three_mf.h"
 #include "robot/design/surface_file.h"
 #include "robot/scene/parameters.h"
 #include "robot/scene/sections.h"
@@ -29,40 +31,45 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("ROBOT", arguments.robot, "the robot's file, whose body.solid goes out")
       ->type_name("FILE")
       ->required();
-  app.add_option("--output", arguments.output, "ends with .stl or .step; in millimetres")
+  app.add_option("--output", arguments.output, "ends with .stl, .3mf or .step; in millimetres")
       ->type_name("FILE")
       ->required();
-  app.add_option("--largest-edge", arguments.largest_edge_m, "of an STL file's triangles, in metres")
+  app.add_option("--largest-edge", arguments.largest_edge_m, "of the triangles in an STL or 3MF file, in metres")
       ->check(CLI::Range(1e-5, 1.0))
       ->capture_default_str();
   add_set_option(app, arguments.set);
   app.footer("Exit status: 0 written, 2 bad file or arguments.");
 }
 
-std::string stl_of(const Solid& solid, double largest_edge_m) {
+Surface surface_of(const Solid& solid, double largest_edge_m) {
   SurfaceRequest request;
   request.solid = solid;
   request.largest_edge_m = largest_edge_m;
-  return binary_stl(read_off(surface_file_for(request, {})), "soft_robot_lab solid, millimetres");
+  return read_off(surface_file_for(request, {}));
+}
+
+std::string content_of(const Solid& solid, const std::string& ending, const Arguments& arguments) {
+  if (ending == ".step") return read_regular_file(step_file_for(solid, {}), kLargestFile_bytes);
+  const Surface surface = surface_of(solid, arguments.largest_edge_m);
+  return ending == ".3mf" ? three_mf(surface, robot_name(arguments.robot))
+                          : binary_stl(surface, "soft_robot_lab solid, millimetres");
 }
 
 int write(const Arguments& arguments) {
   const std::string ending = std::filesystem::path(arguments.output).extension();
-  if (ending != ".stl" && ending != ".step")
-    throw std::invalid_argument("--output: '" + arguments.output + "' must end with .stl or .step");
+  if (ending != ".stl" && ending != ".3mf" && ending != ".step")
+    throw std::invalid_argument("--output: '" + arguments.output + "' must end with .stl, .3mf or .step");
   const YamlNode robot =
       with_overrides(load_settings(arguments.robot), parameter_overrides(arguments.robot, arguments.set));
   const Solid solid = read_body_solid(robot.child("body"));
-  const std::string content = ending == ".stl" ? stl_of(solid, arguments.largest_edge_m)
-                                               : read_regular_file(step_file_for(solid, {}), kLargestFile_bytes);
-  write_file(arguments.output, content);
+  write_file(arguments.output, content_of(solid, ending, arguments));
   return kGood;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Writes the solid of a robot's body as STL or STEP.", "export_solid");
+  CLI::App app("Writes the solid of a robot's body as STL, 3MF or STEP.", "export_solid");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return write(arguments); });

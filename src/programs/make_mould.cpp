@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// make_mould ROBOT.yaml --output FOLDER [--allow two_part,lid]: the mould that a robot is cast in, as STL.
+// make_mould ROBOT.yaml --output FOLDER [--allow two_part,lid]: the mould that a robot is cast in, as STL and 3MF.
 #include <iostream>
 #include <string>
 #include <vector>

@@ -49,8 +49,9 @@ Mould make_mould(const CastRobotFile& file);
 // made. To be asked before the mould is made.
 void require_mould_folder(const std::string& folder);
 
-// Writes parts as binary STL in millimetres, mould.json, instructions.html and its pictures into a new folder, whole or
-// not at all. An earlier mould there is replaced; a folder with anything else is refused. Throws std::runtime_error.
+// Writes parts as binary STL and as 3MF in millimetres, mould.json, instructions.html and its pictures into a new
+// folder, whole or not at all. An earlier mould there is replaced; a folder with anything else is refused. Throws
+// std::runtime_error.
 void write_mould(const Mould& mould, const std::string& robot_name, const std::string& folder);
 
 std::string mould_json(const Mould& mould);

@@ -10,6 +10,7 @@
 #include "make_mould.h"
 #include "mould_picture.h"
 #include "stl_file.h"
+#include "three_mf.h"
 #include "settings/words.h"
 #include "settings/write_file.h"
 
@@ -33,6 +34,7 @@ OrderedJson part_json(const MouldPart& part) {
   OrderedJson json;
   json["name"] = part.name;
   json["stl"] = part.name + ".stl";
+  json["3mf"] = part.name + ".3mf";
   json["volume_m3"] = part.surface.volume_m3();
   json["size_m"] = triple(part.size_m());
   json["triangles"] = part.surface.triangle_count();
@@ -235,6 +237,7 @@ void write_mould(const Mould& mould, const std::string& robot_name, const std::s
   try {
     for (const MouldPart& part : mould.parts) {
       write_file(made + "/" + part.name + ".stl", binary_stl(part.surface, "soft_robot_lab mould, millimetres"));
+      write_file(made + "/" + part.name + ".3mf", three_mf(part.surface, part.name));
       write_file(made + "/" + part.name + ".png", picture_png(part.surface, Paint{}));
     }
     write_file(made + "/robot.png", picture_png(mould.robot, Paint{0.95, 0.72, 0.55}));

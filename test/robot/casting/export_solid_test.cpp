@@ -6,6 +6,7 @@
 
 #include "robot/design/surface_file.h"
 #include "robot/casting/surface.h"
+#include "read_three_mf.h"
 #include "robot/scene/scene_files.h"
 #include "run_program.h"
 
@@ -51,6 +52,14 @@ TEST(ExportSolid, WritesClosedStlInMillimetres) {
   EXPECT_NEAR(surface.volume_m3() / (1e9 * kVolume_m3), 1, 2e-3) << "STL bodies are read in metres";
 }
 
+TEST(ExportSolid, WritesClosed3mfInMillimetres) {
+  const SceneFolder folder;
+  ASSERT_EQ(export_to(folder, "out.3mf", " --largest-edge 0.01").exit_status, 0) << contents(folder.path("err"));
+  const Surface surface = read_three_mf(contents(folder.path("out.3mf")));
+  EXPECT_NEAR(surface.volume_m3() / (1e9 * kVolume_m3), 1, 2e-3);
+  EXPECT_NEAR((surface.vertices_m.rowwise().maxCoeff() - Eigen::Vector3d(20, 10, 15)).norm(), 0, 1e-5);
+}
+
 // As others publish them: in millimetres, and in a frame of their own.
 TEST(ExportSolid, TurnsMovesAndScalesAnStlBody) {
   const SceneFolder folder;
@@ -85,7 +94,7 @@ TEST(ExportSolid, RefusesOtherEndingsAndBadRobots) {
   const SceneFolder folder;
   const Outcome ending = export_to(folder, "out.obj");
   EXPECT_EQ(ending.exit_status, 2);
-  EXPECT_NE(ending.err.find(".stl or .step"), std::string::npos) << ending.err;
+  EXPECT_NE(ending.err.find(".stl, .3mf or .step"), std::string::npos) << ending.err;
   const Outcome robot =
       run_program(SOFT_ROBOT_LAB_EXPORT_SOLID, folder,
                   folder.write("bad.yaml", "body: {solid: {bx: 1}}") + " --output " + folder.path("x.stl"));

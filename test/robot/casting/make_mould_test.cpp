@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "read_three_mf.h"
 #include "robot/casting/verdict_page.h"
 #include "robot/scene/scene_files.h"
 #include "run_program.h"
@@ -261,6 +262,7 @@ TEST(MakeMould, WritesTheHangingBarsMouldWhole) {
   std::memcpy(&triangles, stl.data() + 80, 4);
   EXPECT_EQ(stl.size(), 84 + 50 * static_cast<size_t>(triangles));
   expect_admesh_finds_no_fault(folder, output + "/mould.stl");
+  EXPECT_EQ(read_three_mf(contents(output + "/mould.3mf")).triangle_count(), static_cast<int>(triangles));
   for (const char* picture : {"/mould.png", "/robot.png"})
     EXPECT_EQ(contents(output + picture).substr(1, 3), "PNG") << picture;
   EXPECT_NE(contents(output + "/mould.json").find("\"fits_printer\": true"), std::string::npos);

@@ -1,10 +1,11 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# take_picture.sh OUTPUT.png [VIEW]: what rviz shows of the running session, drawn on a hidden screen. VIEW: `session`, or
-# `session_cameras`, whose docked image a full screen would hide.
+# take_picture.sh OUTPUT.png [VIEW]: what rviz shows of the running session, drawn on a hidden screen. VIEW: `session`,
+# `session_cameras`, whose docked image a full screen would hide, or an rviz file.
 set -euo pipefail
 output=$1
-view=$(cd "$(dirname "$0")/../config/rviz" && pwd)/${2:-session}.rviz
+view=${2:-session}
+[[ $view == *.rviz ]] || view=$(cd "$(dirname "$0")/../config/rviz" && pwd)/$view.rviz
 screen=--fullscreen
 [[ ${2:-session} == session ]] || screen=
 export LIBGL_ALWAYS_SOFTWARE=1 output view screen

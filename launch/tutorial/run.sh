@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# run.sh [--pictures]: does what the README beside it says, in a folder of its own: writes its files, and runs its commands but those
-# that open a window. --pictures also takes its pictures anew, on a hidden screen, into config/doc.
+# run.sh [--pictures]: does what the README beside it says, in a folder of its own: writes its files, runs its commands but those
+# that open a window, and draws its figure. --pictures also takes its pictures anew, on a hidden screen, into config/doc.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 launch=$here/..
@@ -17,7 +17,9 @@ for block in [0-9][0-9]_*; do
     *.yaml) cp "$block" "${block:3}" ;;
   esac
 done
+"$here/draw_concepts.py" concepts.svg
 [[ ${1-} == --pictures ]] || exit 0
+cp concepts.svg "$here/../../config/doc"
 
 picture() { # NAME COMMAND: of NAME.yaml, once it is commanded
   roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$folder/$1.yaml" rviz:=false >"$folder/log" 2>&1 &

@@ -74,6 +74,13 @@ void MarkerTracking::set_poses(const std::vector<CameraPose>& poses) {
   watch_.reset();
 }
 
+void MarkerTracking::set_settings(const TrackerSettings& settings) {
+  Tracker changed(settings, markers_);
+  for (const auto& [name, camera] : ready_) changed.set_camera(camera);
+  changed.set_state(tracker_.state());
+  tracker_ = std::move(changed);
+}
+
 void MarkerTracking::add_info(const std::string& camera, const sensor_msgs::CameraInfo& info) {
   const CameraModel model = camera_model(info);
   const auto known = infos_.find(camera);

@@ -44,6 +44,8 @@ class MarkerTracking {
                  const std::vector<TrackedMarker>& markers);
 
   void set_poses(const std::vector<CameraPose>& poses);
+  // From the next frame on; what it remembers of frames so far stays.
+  void set_settings(const TrackerSettings& settings);
   void add_info(const std::string& camera, const sensor_msgs::CameraInfo& info);
   void add_simulated(const MarkerObservations& message);
   // What came of frames that are complete now. Frames of a camera whose pose or lens is not known yet are left out and

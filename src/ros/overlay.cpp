@@ -9,10 +9,12 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "conversions.h"
 #include "frames.h"
+#include "plasma.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -30,6 +32,8 @@ std_msgs::ColorRGBA colour(float red, float green, float blue, float alpha = 1.0
 
 const std_msgs::ColorRGBA simulated_colour = colour(0.10f, 0.25f, 0.80f);
 const std_msgs::ColorRGBA measured_colour = colour(0.85f, 0.10f, 0.75f);
+const std_msgs::ColorRGBA unsure_colour = colour(0.85f, 0.10f, 0.75f, 0.25f);
+const std_msgs::ColorRGBA hidden_colour = colour(0.95f, 0.55f, 0.05f, 0.35f);
 const std_msgs::ColorRGBA target_colour = colour(0.95f, 0.55f, 0.05f, 0.85f);
 const std_msgs::ColorRGBA error_colour = colour(0.85f, 0.10f, 0.10f);
 const std_msgs::ColorRGBA contact_colour = colour(0.80f, 0.20f, 0.05f);
@@ -43,6 +47,15 @@ std::string text_of(double value, const char* format) {
   return text;
 }
 
+geometry_msgs::Quaternion orientation_of(const Eigen::Quaterniond& turn) {
+  geometry_msgs::Quaternion orientation;
+  orientation.x = turn.x();
+  orientation.y = turn.y();
+  orientation.z = turn.z();
+  orientation.w = turn.w();
+  return orientation;
+}
+
 // Collects shapes; each has a name of its own within its namespace, and the number that it had before.
 class Drawing {
  public:
@@ -54,6 +67,16 @@ class Drawing {
     Shape& shape = add(ns, name, Shape::SPHERE, rgba);
     shape.pose.position = centre;
     shape.scale.x = shape.scale.y = shape.scale.z = 2.0 * radius_m;
+  }
+
+  void ellipsoid(const std::string& ns, const std::string& name, const geometry_msgs::Point& centre,
+                 const Eigen::Quaterniond& turn, const Eigen::Vector3d& semi_axes_m, const std_msgs::ColorRGBA& rgba) {
+    Shape& shape = add(ns, name, Shape::SPHERE, rgba);
+    shape.pose.position = centre;
+    shape.pose.orientation = orientation_of(turn);
+    shape.scale.x = 2.0 * semi_axes_m.x();
+    shape.scale.y = 2.0 * semi_axes_m.y();
+    shape.scale.z = 2.0 * semi_axes_m.z();
   }
 
   void line(const std::string& ns, const std::string& name, const std::vector<geometry_msgs::Point>& points,
@@ -77,10 +100,7 @@ class Drawing {
     Shape& shape = add(ns, name, Shape::CYLINDER, rgba);
     const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
     shape.pose.position = to_message(center_m);
-    shape.pose.orientation.x = turn.x();
-    shape.pose.orientation.y = turn.y();
-    shape.pose.orientation.z = turn.z();
-    shape.pose.orientation.w = turn.w();
+    shape.pose.orientation = orientation_of(turn);
     shape.scale.x = shape.scale.y = 2.0 * std::sqrt(area_m2 / M_PI);
     shape.scale.z = 0.1 * options_.text_height_m;
   }
@@ -151,18 +171,42 @@ void draw_markers(const MarkerObservations& markers, const std::string& ns, cons
   }
 }
 
-// Plasma (van der Walt and Smith 2015) without its palest end: even in lightness, also for colour-blind readers.
+// Three standard deviations along each axis, which hold 97 of 100 places. Of a hidden marker it grows until it is seen
+// again; of one that is seen it mostly lies within its ball.
+void draw_covariances(const MarkerObservations& markers, Drawing& drawing) {
+  constexpr double deviations = 3.0, least_m = 1e-4;
+  if (markers.covariances.size() != 9 * markers.names.size()) return;
+  for (size_t i = 0; i < markers.names.size(); ++i) {
+    const Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Map(&markers.covariances[9 * i]);
+    if (!covariance_m2.allFinite() || covariance_m2.isZero(0.0)) continue;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solved(0.5 * (covariance_m2 + covariance_m2.transpose()));
+    Eigen::Matrix3d axes = solved.eigenvectors();
+    if (axes.determinant() < 0.0) axes.col(0) *= -1.0;
+    const Eigen::Vector3d semi_axes_m = deviations * solved.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    const bool hidden = markers.sources[i] == MarkerObservations::INTERPOLATED;
+    drawing.ellipsoid("covariances", markers.names[i], markers.positions[i], Eigen::Quaterniond(axes),
+                      semi_axes_m.cwiseMax(least_m), hidden ? hidden_colour : unsure_colour);
+  }
+}
+
+// Fades towards its past.
+void draw_trail(const Trail& trail, const std::string& ns, std_msgs::ColorRGBA rgba, const OverlayOptions& options,
+                Drawing& drawing) {
+  if (trail.points().size() < 2) return;
+  std::vector<geometry_msgs::Point> points;
+  std::vector<std_msgs::ColorRGBA> colours;
+  const double now_s = trail.points().back().first;
+  for (const auto& [time_s, point] : trail.points()) {
+    rgba.a = static_cast<float>(std::clamp(1.0 - (now_s - time_s) / options.trail_s, 0.05, 0.9));
+    points.push_back(point);
+    colours.push_back(rgba);
+  }
+  drawing.line(ns, "trail", points, 0.6 * options.cable_width_m, rgba, colours);
+}
+
 std_msgs::ColorRGBA tension_colour(double fraction) {
-  constexpr std::array<std::array<float, 3>, 5> stops = {{{0.05f, 0.03f, 0.53f},
-                                                          {0.45f, 0.00f, 0.66f},
-                                                          {0.74f, 0.22f, 0.53f},
-                                                          {0.93f, 0.47f, 0.33f},
-                                                          {0.99f, 0.77f, 0.15f}}};
-  const float place = static_cast<float>(std::clamp(fraction, 0.0, 1.0)) * 4.0f;
-  const auto below = std::min(stops.size() - 2, static_cast<std::size_t>(place));
-  const float share = place - static_cast<float>(below);
-  const auto mixed = [&](std::size_t k) { return (1.0f - share) * stops[below][k] + share * stops[below + 1][k]; };
-  return colour(mixed(0), mixed(1), mixed(2));
+  const auto [red, green, blue] = plasma(fraction);
+  return colour(red, green, blue);
 }
 
 // 1, 2 or 5 times a power of ten, not below it.
@@ -336,6 +380,23 @@ void require_whole(const RealityGap& gap) {
 
 }  // namespace
 
+void Trail::add(const MarkerObservations& markers, double now_s, double kept_s) {
+  constexpr double step_m = 2e-4;  // nearer to the last point nothing new is seen
+  if (!points_.empty() && now_s < points_.back().first) points_.clear();
+  while (!points_.empty() && points_.front().first < now_s - kept_s) points_.pop_front();
+  if (markers.names.empty()) return;
+  auto found = std::find(markers.names.begin(), markers.names.end(), "tip");
+  if (found == markers.names.end()) --found;
+  if (*found != marker_) points_.clear();
+  marker_ = *found;
+  const geometry_msgs::Point& at = markers.positions[static_cast<size_t>(found - markers.names.begin())];
+  if (!points_.empty()) {
+    const geometry_msgs::Point& last = points_.back().second;
+    if (std::hypot(at.x - last.x, at.y - last.y, at.z - last.z) < step_m) return;
+  }
+  points_.emplace_back(now_s, at);
+}
+
 visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const ros::Time& stamp) {
   for (const MarkerObservations* markers : {&inputs.simulated, &inputs.measured}) require_whole(*markers);
   require_whole(inputs.actuators);
@@ -344,6 +405,11 @@ visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const
   Drawing drawing(options_, stamp, shown_, next_);
   draw_markers(inputs.simulated, "simulated", simulated_colour, {}, options_, drawing);
   draw_markers(inputs.measured, "measured", measured_colour, inputs.simulated.names, options_, drawing);
+  draw_covariances(inputs.measured, drawing);
+  simulated_trail_.add(inputs.simulated, stamp.toSec(), options_.trail_s);
+  measured_trail_.add(inputs.measured, stamp.toSec(), options_.trail_s);
+  draw_trail(simulated_trail_, "simulated_trail", simulated_colour, options_, drawing);
+  draw_trail(measured_trail_, "measured_trail", measured_colour, options_, drawing);
   if (inputs.gap) draw_gap(*inputs.gap, options_, drawing);
   double full_tension_n = std::max(full_tension_n_, options_.full_tension_n);
   for (const CableState& cable : inputs.actuators.cables)

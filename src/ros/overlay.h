@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What rviz draws over the body: markers, simulated and measured, and the gap between them, target, cables by tension,
-// chambers' pressures, contacts' forces and areas, and the remaining error.
+// What rviz draws over the body: markers, simulated and measured, with the trail of the tip and an ellipsoid for how
+// sure the tracker is, and the gap between them, target, cables by tension, chambers' pressures, contacts' forces and
+// areas, and the remaining error.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -32,8 +34,20 @@ struct OverlayOptions {
   double target_radius_m = 0.004;
   double cable_width_m = 0.0012;
   double text_height_m = 0.004;
+  double trail_s = 10.0;        // how long the way of `tip`, or else of the last marker, is seen
   double arrow_m_n = 0.03;      // length of a contact's arrow, per force
   double full_tension_n = 1.0;  // the least end of the scale of tensions, which grows with what is seen
+};
+
+// Where a marker went; forgets what is older than asked for, and all where time goes back.
+class Trail {
+ public:
+  void add(const MarkerObservations& markers, double now_s, double kept_s);
+  const std::deque<std::pair<double, geometry_msgs::Point>>& points() const { return points_; }  // of rising times [s]
+
+ private:
+  std::string marker_;
+  std::deque<std::pair<double, geometry_msgs::Point>> points_;
 };
 
 class Overlay {
@@ -48,6 +62,7 @@ class Overlay {
  private:
   OverlayOptions options_;
   OverlayNumbers shown_;
+  Trail simulated_trail_, measured_trail_;
   int next_ = 0;
   double full_tension_n_ = 0.0;  // the end of the scale: 1, 2 or 5 times a power of ten
 };

@@ -50,6 +50,11 @@ void TrackingInput::set_poses(const std::vector<CameraPose>& poses) {
   if (tracking_) tracking_->set_poses(poses_);
 }
 
+void TrackingInput::set_settings(const TrackerSettings& settings) {
+  settings_ = settings;
+  if (tracking_) tracking_->set_settings(settings);
+}
+
 void TrackingInput::add_info(const std::string& camera, const sensor_msgs::CameraInfo& info) {
   camera_model(info);  // refuses a wrong one, also before there is a scene
   if (tracking_) tracking_->add_info(camera, info);

@@ -41,6 +41,7 @@ class TrackingInput {
 
   void start(const std::string& scene);
   void set_poses(const std::vector<CameraPose>& poses);
+  void set_settings(const TrackerSettings& settings);
   void add_info(const std::string& camera, const sensor_msgs::CameraInfo& info);
   void add_simulated(const MarkerObservations& message);
   void add_frame(const RgbdFrame& frame);

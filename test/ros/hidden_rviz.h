@@ -9,6 +9,7 @@
 #include <iterator>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <ros/ros.h>
 #include <sys/wait.h>
@@ -18,7 +19,8 @@ namespace soft_robot_lab {
 
 class HiddenRviz {
  public:
-  // A copy of that file that draws seldom: software draws on the cores that the robot needs.
+  // A copy of that file that draws seldom, and asks for few commands of a workspace: software draws on the cores that
+  // the robot needs.
   explicit HiddenRviz(const std::string& config) : config_(copy_that_draws_seldom(config)), process_(fork()) {
     if (process_ == 0) {
       setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
@@ -45,6 +47,19 @@ class HiddenRviz {
     const std::string command = "xdotool search --onlyvisible --name RViz windowfocus key --delay 50 " + keys;
     if (std::system((command + " >/dev/null 2>&1").c_str()) != 0) throw std::runtime_error("xdotool: " + command);
   }
+  // With the left button, of its window; `while_held` runs before the button comes up.
+  template <typename Action>
+  void drag(int from_x, int from_y, int to_x, int to_y, const Action& while_held) const {
+    const auto place = [](int x, int y) { return " mousemove " + std::to_string(x) + " " + std::to_string(y); };
+    point(place(from_x, from_y) + " sleep 0.3 mousedown 1 sleep 0.3");
+    for (int i = 1; i <= 5; ++i)
+      point(place(from_x + i * (to_x - from_x) / 5, from_y + i * (to_y - from_y) / 5) + " sleep 0.3");
+    while_held();
+    point(" mouseup 1");
+  }
+  void point(const std::string& moves) const {
+    if (std::system(("xdotool" + moves + " >/dev/null 2>&1").c_str()) != 0) throw std::runtime_error("xdotool" + moves);
+  }
   void take_picture(const std::string& file) const { std::system(("import -window root " + file).c_str()); }
   bool runs() const { return waitpid(process_, nullptr, WNOHANG) == 0; }
 
@@ -52,10 +67,12 @@ class HiddenRviz {
   static std::string copy_that_draws_seldom(const std::string& config) {
     std::ifstream in(config);
     std::string text((std::istreambuf_iterator<char>(in)), {});
-    const std::string rate = "Frame Rate: ";
-    const auto place = text.find(rate);
-    if (place == std::string::npos) throw std::runtime_error(config + ": no frame rate");
-    text.replace(place + rate.size(), text.find('\n', place) - place - rate.size(), "2");
+    for (const auto& [key, value] : {std::pair("Frame Rate: ", "2"), std::pair("Workspace Steps: ", "5")}) {
+      const auto place = text.find(key);
+      if (place == std::string::npos) throw std::runtime_error(config + ": no " + key);
+      const auto start = place + std::string(key).size();
+      text.replace(start, text.find('\n', start) - start, value);
+    }
     const std::string copy = std::filesystem::temp_directory_path() / ("panel_" + std::to_string(getpid()) + ".rviz");
     std::ofstream(copy) << text;
     return copy;

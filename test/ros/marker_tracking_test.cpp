@@ -11,6 +11,7 @@
 
 #include "ros/conversions.h"
 #include "ros/image_messages.h"
+#include "ros/tracker_parameters.h"
 #include "perception/tracking/drawn_scene.h"
 
 namespace soft_robot_lab {
@@ -75,6 +76,82 @@ TEST(MarkerTracking, FindsTheMarkersOfTwoCameras) {
   EXPECT_EQ(last.sources, (std::vector<std::uint8_t>{MarkerObservations::SEEN, MarkerObservations::SEEN}));
   EXPECT_LT((position_of(last, "upper") - upper_m).norm(), 2e-4);
   EXPECT_LT((position_of(last, "lower") - lower_at(2 / 30.0)).norm(), 2e-4);
+}
+
+// Equal settings change no digit, others count from the next frame on.
+TEST(MarkerTracking, TakesOtherSettingsWhileItTracks) {
+  const auto markers_after = [](const std::vector<double>& gates) {
+    MarkerTracking tracking = make_tracking();
+    Results results;
+    for (int i = 0; i < 4; ++i) {
+      for (const TrackerCamera& camera : two_cameras()) {
+        const FrameMessages frame = messages(camera, i);
+        tracking.add_info(camera.name, frame.info);
+        append(results, tracking.add(rgbd_frame(camera.name, frame.colour, frame.depth)));
+      }
+      if (i != 1) continue;
+      for (const double seen_sigma_m : gates) {
+        TrackerSettings settings = parse_tracker(settings_yaml, "test");
+        settings.motion.seen_sigma_m = seen_sigma_m;
+        tracking.set_settings(settings);
+      }
+    }
+    return results.back().observations;
+  };
+  const MarkerObservations untouched = markers_after({}), same = markers_after({0.002});
+  EXPECT_EQ(same.positions, untouched.positions);
+  EXPECT_EQ(same.covariances, untouched.covariances);
+  EXPECT_EQ(same.sources, (std::vector<std::uint8_t>{MarkerObservations::SEEN, MarkerObservations::SEEN}));
+  const MarkerObservations strict = markers_after({1e-5});
+  EXPECT_EQ(strict.sources,
+            (std::vector<std::uint8_t>{MarkerObservations::INTERPOLATED, MarkerObservations::INTERPOLATED}));
+}
+
+const dynamic_reconfigure::DoubleParameter& parameter(const dynamic_reconfigure::Config& config,
+                                                      const std::string& name) {
+  for (const auto& each : config.doubles)
+    if (each.name == name) return each;
+  throw std::out_of_range(name);
+}
+
+dynamic_reconfigure::Config request_of(const std::string& name, double value) {
+  dynamic_reconfigure::Config request;
+  request.doubles.resize(1);
+  request.doubles[0].name = name;
+  request.doubles[0].value = value;
+  return request;
+}
+
+TEST(TrackerParameters, HaveTheRangesOfTheFile) {
+  const TrackerSettings settings = parse_tracker(settings_yaml, "test");
+  const auto description = description_message(settings);
+  EXPECT_EQ(parameter(description.min, "motion_gate").value, 1.0);
+  EXPECT_EQ(parameter(description.max, "motion_gate").value, 1000.0);
+  EXPECT_EQ(parameter(description.dflt, "motion_gate").value, settings.motion.gate);
+  EXPECT_EQ(parameter(description.max, "marker_radius_m").value, 0.1);
+  for (const auto& each : description.max.doubles) {
+    const std::size_t end = each.name.find('_');
+    const std::string part = each.name.substr(0, end), key = each.name.substr(end + 1);
+    const bool inside = part == "motion" || part == "detector" || part == "depth";
+    std::string text = settings_yaml;
+    const std::string entry = (inside ? key : each.name) + ": " + std::to_string(2.0 * each.value);
+    if (part == "detector")
+      text.insert(text.find("{colours") + 1, entry + ", ");
+    else
+      text += inside ? part + ": {" + entry + "}\n" : entry + "\n";
+    EXPECT_THROW(parse_tracker(text, "test"), SettingsError) << text << "a file takes what a running tracker cuts";
+  }
+}
+
+TEST(TrackerParameters, AreCutToTheirRanges) {
+  const TrackerSettings settings = parse_tracker(settings_yaml, "test");
+  EXPECT_EQ(with_request(settings, request_of("motion_gate", 30.0)).motion.gate, 30.0);
+  EXPECT_EQ(with_request(settings, request_of("motion_gate", 1e9)).motion.gate, 1000.0);
+  EXPECT_EQ(with_request(settings, request_of("motion_gate", std::nan(""))).motion.gate, settings.motion.gate);
+  EXPECT_EQ(with_request(settings, request_of("gate", 30.0)).motion.gate, settings.motion.gate) << "no such parameter";
+  const DetectorSettings wide = with_request(settings, request_of("detector_min_area_px", 9000.0)).detector;
+  EXPECT_GT(wide.max_area_px, wide.min_area_px);
+  EXPECT_GT(with_request(settings, request_of("detector_min_contrast", 0.0)).detector.min_contrast, 0.0);
 }
 
 // Images lag behind the simulation: one of before may come after the simulation's clock was set back.

@@ -5,6 +5,10 @@
 #include <cmath>
 #include <functional>
 #include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
 
 #include <gtest/gtest.h>
 
@@ -218,6 +222,64 @@ TEST(Overlay, GivesEveryShapeItsOwnNumber) {
   for (const Shape& shape : Overlay().draw(aimed, ros::Time(1.0)).markers) ids.push_back(shape.id);
   std::sort(ids.begin(), ids.end());
   EXPECT_EQ(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+// Of `simulated`, a trail that follows `tip`.
+std::vector<geometry_msgs::Point> trail_after(Overlay& overlay, const std::vector<std::pair<double, double>>& z_at) {
+  std::vector<geometry_msgs::Point> points;
+  for (const auto& [time_s, z] : z_at) {
+    OverlayInputs now = inputs();
+    now.simulated.positions = {point(0.0, 0.0, z)};
+    points.clear();
+    for (const Shape& shape : overlay.draw(now, ros::Time(time_s)).markers)
+      if (shape.ns == "simulated_trail" && shape.action == Shape::ADD) {
+        EXPECT_EQ(shape.colors.size(), shape.points.size());
+        points = shape.points;
+      }
+  }
+  return points;
+}
+
+TEST(Overlay, DrawsTheTrailOfTheTipForTenSeconds) {
+  Overlay overlay;
+  EXPECT_EQ(trail_after(overlay, {{1.0, -0.1}}).size(), 0u) << "a place is no trail";
+  EXPECT_EQ(trail_after(overlay, {{2.0, -0.099}, {3.0, -0.098}}).size(), 3u);
+  EXPECT_EQ(trail_after(overlay, {{3.1, -0.09801}}).size(), 3u) << "hardly moved";
+  const auto later = trail_after(overlay, {{12.5, -0.09}});
+  ASSERT_EQ(later.size(), 2u) << "what is older is forgotten";
+  EXPECT_EQ(later.front().z, -0.098);
+  EXPECT_EQ(trail_after(overlay, {{5.0, -0.1}}).size(), 0u) << "the clock went back";
+}
+
+// Semi-axes of three standard deviations, the longest along (1, 1, 0).
+TEST(Overlay, DrawsCovariancesAsEllipsoids) {
+  OverlayInputs tracked = inputs();
+  tracked.measured.names = {"tip", "seen"};
+  tracked.measured.sources = {MarkerObservations::INTERPOLATED, MarkerObservations::SEEN};
+  tracked.measured.positions = {point(0.0, 0.0, -0.1), point(0.0, 0.0, -0.05)};
+  const double u = 0.5 * (4e-6 + 1e-6), v = 0.5 * (4e-6 - 1e-6);
+  tracked.measured.covariances = {u, v, 0, v, u, 0, 0, 0, 1e-6, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  const std::vector<Shape> found = shapes_in(tracked, "covariances");
+  ASSERT_EQ(found.size(), 1u) << "nothing where nothing is known";
+  const Shape& shape = found[0];
+  EXPECT_EQ(shape.type, Shape::SPHERE);
+  EXPECT_EQ(shape.pose.position.z, -0.1);
+  const Eigen::Quaterniond turn(shape.pose.orientation.w, shape.pose.orientation.x, shape.pose.orientation.y,
+                                shape.pose.orientation.z);
+  const Eigen::Vector3d scale(shape.scale.x, shape.scale.y, shape.scale.z);
+  const Eigen::Matrix3d spread = turn.matrix() * (scale / 6.0).cwiseAbs2().asDiagonal() * turn.matrix().transpose();
+  EXPECT_LT((spread - Eigen::Matrix3d::Map(tracked.measured.covariances.data())).norm(), 1e-12);
+}
+
+// One that is damaged draws nothing, and stops nothing.
+TEST(Overlay, LeavesOutCovariancesThatAreNoneOrNotFinite) {
+  OverlayInputs tracked = inputs();
+  tracked.measured = tracked.simulated;
+  for (const std::vector<double>& covariances : {std::vector<double>{}, std::vector<double>(9, std::nan(""))}) {
+    tracked.measured.covariances = covariances;
+    EXPECT_TRUE(shapes_in(tracked, "covariances").empty());
+    EXPECT_EQ(shapes_in(tracked, "measured").size(), 1u);
+  }
 }
 
 }  // namespace

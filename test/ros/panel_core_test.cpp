@@ -8,9 +8,11 @@
 #include <gtest/gtest.h>
 
 #include "ros/panel/calls.h"
+#include "ros/panel/framing.h"
 #include "ros/panel/history.h"
 #include "ros/panel/lamps.h"
 #include "ros/panel/poses.h"
+#include "ros/panel/reachable_tips.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -216,6 +218,68 @@ TEST(Calls, TurnWhatIsThrownIntoAFailure) {
   ASSERT_EQ(outcomes.size(), 1u);
   EXPECT_FALSE(outcomes[0].success);
   EXPECT_EQ(outcomes[0].message, "no simulator");
+}
+
+const std::string kTable =
+    "task,left,right,state,reason,snapped,markers.tip.position_m.x,markers.tip.position_m.y,markers.tip.position_m.z,"
+    "actuators.left.tension_n,actuators.right.tension_n,folded\n"
+    "a,0.8,1,good,,false,0.01,0,-0.09,2.5,0,false\n"
+    "b,0.8,0.9,failed,\"no rest state, at all\",,,,,,,\n"
+    "c,1,0.8,good,,false,-0.01,0.001,-0.09,0,3.5,true\n";
+
+TEST(ReachableTips, AreTheRestStatesOfATable) {
+  const ReachableTips found = read_reachable_tips(kTable, "tip");
+  EXPECT_EQ(found.actuators, (std::vector<std::string>{"left", "right"}));
+  EXPECT_EQ(found.effort, "tension [N]");
+  ASSERT_EQ(found.tips.size(), 2u);
+  EXPECT_EQ(found.tips[0].position_m, Eigen::Vector3d(0.01, 0, -0.09));
+  EXPECT_EQ(found.tips[1].commands, (std::vector<double>{1.0, 0.8}));
+  EXPECT_EQ(found.tips[1].effort, 3.5);
+  EXPECT_EQ(found.largest_effort(), 3.5);
+  EXPECT_FALSE(found.tips[0].snaps);
+  EXPECT_TRUE(found.tips[1].snaps);
+}
+
+TEST(ReachableTips, RefuseWhatIsNoSuchTable) {
+  const std::string head = kTable.substr(0, kTable.find('\n') + 1);
+  EXPECT_THROW(read_reachable_tips(kTable, "nose"), std::invalid_argument);
+  for (const std::string& text : {std::string(), std::string("a,b\n"), head + "a,0.8,1,good\n",
+                                  head + "a,0.8,1,good,,false,nan,0,-0.09,2.5,0,false\n",
+                                  head + "a,0.8,1,good,,false,0.01x,0,-0.09,2.5,0,false\n",
+                                  head + "a,0.8,1,good,,false,east,0,-0.09,2.5,0,false\n"})
+    EXPECT_THROW(read_reachable_tips(text, "tip"), std::invalid_argument) << text;
+}
+
+TEST(ReachableTips, HaveAConvexHull) {
+  const std::vector<Eigen::Vector2d> square = {{0, 0}, {1, 1}, {0.5, 0.5}, {1, 0}, {0.5, 0}, {0, 1}, {0, 0}};
+  const std::vector<std::size_t> hull = convex_hull(square);
+  ASSERT_EQ(hull.size(), 4u);
+  double area = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d &a = square[hull[i]], &b = square[hull[(i + 1) % 4]];
+    area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+  }
+  EXPECT_EQ(area, 1.0) << "counter-clockwise";
+  EXPECT_EQ(convex_hull({{0, 0}, {2, 2}, {1, 1}}).size(), 2u) << "of a line its ends";
+  EXPECT_TRUE(convex_hull({}).empty());
+}
+
+// Half of 45 degrees up and down, 1.3 times as much to the sides.
+TEST(Framing, ShowsTheWholeRobotAndWhatIsWrittenAboveIt) {
+  for (const Eigen::Vector3d& size_m : {Eigen::Vector3d(0.03, 0.02, 0.1), Eigen::Vector3d(0.2, 0.2, 0.05),
+                                        Eigen::Vector3d(0.3, 0.02, 0.02), Eigen::Vector3d(0.005, 0.005, 0.4)}) {
+    const Eigen::AlignedBox3d box_m(Eigen::Vector3d(-0.5 * size_m.x(), -0.5 * size_m.y(), -size_m.z()),
+                                    Eigen::Vector3d(0.5 * size_m.x(), 0.5 * size_m.y(), 0.0));
+    const Framing framing = framing_of(box_m);
+    for (int corner = 0; corner < 8; ++corner) {
+      Eigen::Vector3d at_m = box_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+      if (at_m.z() > -0.01) at_m.z() += 0.04;
+      const double ahead_m = framing.distance_m + at_m.y() - framing.focus_m.y();
+      EXPECT_LT(std::abs(at_m.z() - framing.focus_m.z()) / ahead_m, std::tan(M_PI / 8)) << size_m.transpose();
+      EXPECT_LT(std::abs(at_m.x() - framing.focus_m.x()) / ahead_m, 1.3 * std::tan(M_PI / 8)) << size_m.transpose();
+    }
+    EXPECT_LT(framing.distance_m, 4.0 * size_m.maxCoeff() + 0.2) << "not from afar";
+  }
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The panel moves a simulated bar: sliders, Reset, poses, targets, Execute and Stop, each by its keys. A key is pressed
 // until it works, as the panel takes seconds to find a session's services; none of them does harm when it comes twice.
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,11 +63,11 @@ class Panel : public testing::Test {
   bool at_rest_commands() const { return commands_ == std::vector<double>{1.0, 1.0} && tip_.norm() > 0.0; }
 
   template <typename Condition>
-  bool press_until(const std::string& keys, const Condition& condition) {
+  bool press_until(const std::string& keys, const Condition& condition, double every_s = 5.0) {
     const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(patience_s);
     while (ros::WallTime::now() < limit) {
       rviz_->press(keys);
-      if (spin_until(condition, 5.0)) return true;
+      if (spin_until(condition, every_s)) return true;
     }
     return false;
   }
@@ -136,6 +138,43 @@ TEST_F(Panel, ExecutesWhatWasFoundForAPoseAndShowsItsGhostBefore) {
   const auto is_there = [&] { return std::abs(tip_.x() - 0.02) < 1e-3; };
   EXPECT_TRUE(press_until("alt+e", is_there));
   EXPECT_TRUE(spin_until([&] { return action == visualization_msgs::Marker::DELETE; }, patience_s));
+}
+
+TEST_F(Panel, FindsReachableTipsAndTheGhostOfOneThatIsChosen) {
+  std::vector<geometry_msgs::Point> tips;
+  const ros::Subscriber clouds = node_.subscribe<visualization_msgs::Marker>(
+      topics::panel_tips, 1,
+      boost::function<void(const visualization_msgs::Marker::ConstPtr&)>([&](const auto& m) { tips = m->points; }));
+  std::optional<Eigen::Vector3d> target_m;
+  const ros::Subscriber targets = node_.subscribe<Target>(
+      topics::controller_target, 1, boost::function<void(const Target::ConstPtr&)>([&](const auto& m) {
+        target_m = from_message(m->position, "position");
+      }));
+  rviz_->press("alt+w");
+  ASSERT_TRUE(press_until(
+      "alt+i", [&] { return !tips.empty(); }, 30.0))
+      << "pressed again it would stop";
+  EXPECT_GT(tips.size(), 20u);
+  const auto is_a_tip = [&](const Eigen::Vector3d& place_m) {
+    return std::any_of(tips.begin(), tips.end(),
+                       [&](const auto& tip) { return (from_message(tip, "tips") - place_m).norm() < 1e-6; });
+  };
+  EXPECT_TRUE(press_until(
+      "alt+n Up", [&] { return target_m && is_a_tip(*target_m); }, 10.0));
+  rviz_->press("alt+l");
+}
+
+// With `right` slack the bar bends away from it.
+TEST_F(Panel, PullsAtTheSkinUnderTheMouse) {
+  ASSERT_TRUE(press_until("alt+2 End", [&] { return commands_[1] > 1.4; }));
+  bool pulled = false;
+  for (int i = 0; i < 5 && !pulled; ++i) {
+    rviz_->point(" mousemove 1200 100 click 1 sleep 0.3 key h sleep 0.3");
+    rviz_->drag(874, 650, 724, 650, [&] { pulled = spin_until([&] { return (tip_ - rest_tip_).x() < -0.004; }, 8.0); });
+  }
+  EXPECT_TRUE(pulled);
+  EXPECT_TRUE(spin_until([&] { return (tip_ - rest_tip_).norm() < 1e-3; }, patience_s)) << "it is let go";
+  rviz_->point(" mousemove 1200 100 click 1 sleep 0.3 key i");
 }
 
 TEST_F(Panel, RecordsUntilRecordIsPressedAgain) {

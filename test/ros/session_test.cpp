@@ -19,6 +19,7 @@
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/LoadScene.h>
 #include <soft_robot_lab/OptimisePolicy.h>
+#include <soft_robot_lab/SkinPull.h>
 #include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
@@ -110,6 +111,35 @@ TEST_F(Session, PublishesMarkersThatHangAtRest) {
   const Eigen::Vector3d tip_m = position_of(*markers, "tip");
   EXPECT_LT(tip_m.z(), -0.10001);  // its weight stretches it, little, as both cables are taut at rest
   EXPECT_GT(tip_m.z(), -0.101);
+}
+
+// Bending between its cables, by 4.7 mm after Euler and Bernoulli.
+TEST_F(Session, IsPulledAtItsSkinUntilTheHandLetsGo) {
+  const Eigen::Vector3d rest_m = position_of(*hear<MarkerObservations>(topics::simulator_markers), "tip");
+  ros::Publisher publisher = node_.advertise<SkinPull>(topics::simulator_pull, 1);
+  ASSERT_TRUE(spin_until([&] { return publisher.getNumSubscribers() > 0; }));
+  SkinPull pull;
+  pull.header.frame_id = "world";
+  pull.point = to_message(rest_m);
+  double off_m = 0.0;
+  const ros::Subscriber markers = node_.subscribe<MarkerObservations>(
+      topics::simulator_markers, 1, boost::function<void(const MarkerObservations::ConstPtr&)>([&](const auto& m) {
+        off_m = position_of(*m, "tip").y() - rest_m.y();
+        if (pull.force.y != 0.0) publisher.publish(pull);
+      }));
+  for (const bool silent : {false, true}) {
+    pull.force.y = 0.05;
+    EXPECT_TRUE(spin_until([&] { return off_m > 0.003; })) << off_m;
+    spin_until([&] { return false; }, 0.5);
+    EXPECT_LT(off_m, 0.007);
+    pull.force.y = 0.0;
+    if (!silent) publisher.publish(pull);
+    EXPECT_TRUE(spin_until([&] { return off_m < 0.0003; })) << off_m << (silent ? ": nobody repeats it" : ": let go");
+  }
+  pull.force.y = 0.05;
+  pull.point.y += 1.0;
+  spin_until([&] { return false; }, 0.5);
+  EXPECT_LT(std::abs(off_m), 0.0003) << "nothing is there to be held";
 }
 
 TEST_F(Session, PublishesCablesSurfaceAndOverlay) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 
@@ -125,6 +126,7 @@ class TrackedCameras : public testing::Test {
   }
 
   ros::NodeHandle node_;
+  MarkerObservations::ConstPtr latest_;
 
  private:
   struct Camera {
@@ -148,7 +150,6 @@ class TrackedCameras : public testing::Test {
   std::map<std::string, Camera> cameras_;
   std::map<std::string, Spoil> spoils_;
   std::map<std::string, DiagnosticStatus> statuses_;
-  MarkerObservations::ConstPtr latest_;
   ros::Subscriber markers_, diagnostics_;
 };
 
@@ -165,6 +166,25 @@ sensor_msgs::Image metres_that_are_none(const sensor_msgs::Image& depth) {
 TEST_F(TrackedCameras, AreFollowed) {
   EXPECT_TRUE(play_until([&] { return says("left", "its images are used") && says("tracker", "all markers"); }));
   expect_markers_in_their_places(3e-4);
+}
+
+// By dynamic_reconfigure: what is too strict is cut to the file's range, and no marker is then surely seen.
+TEST_F(TrackedCameras, AreFollowedByOtherNumbersWhereTheseAreChanged) {
+  const auto change = [&](double seen_sigma_m) {
+    dynamic_reconfigure::Reconfigure::Request request;
+    request.config.doubles.resize(1);
+    request.config.doubles[0].name = "motion_seen_sigma_m";
+    request.config.doubles[0].value = seen_sigma_m;
+    for (const auto& number :
+         ask<dynamic_reconfigure::Reconfigure>(node_, "tracker/set_parameters", request).config.doubles)
+      if (number.name == "motion_seen_sigma_m") return number.value;
+    return 0.0;
+  };
+  expect_markers_in_their_places(3e-4);
+  EXPECT_EQ(change(0.0), 1e-5);
+  EXPECT_TRUE(play_until([&] { return latest_ && latest_->sources.at(0) == MarkerObservations::INTERPOLATED; }));
+  EXPECT_EQ(change(0.002), 0.002);
+  EXPECT_TRUE(play_until([&] { return latest_ && latest_->sources.at(0) == MarkerObservations::SEEN; }));
 }
 
 TEST_F(TrackedCameras, AreRefusedAndNamedWhereTheirImagesAreWrongAndTheOtherOneServes) {

@@ -64,6 +64,7 @@ Tracker::Tracker(const TrackerSettings& settings, const std::vector<TrackedMarke
           settings, markers, {}, {settings.motion, rest_positions(markers), colours_of(markers, settings)}}) {}
 Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
+Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
 void Tracker::set_camera(const TrackerCamera& camera) { parts_->gate.set_camera(camera); }
 

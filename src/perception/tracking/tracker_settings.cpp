@@ -10,6 +10,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kFullCircleDeg = 360;
+constexpr double kFarthest_m = 65.535;  // of 16 bits in mm
 
 // Two numbers of a list "KEY: [min, max]".
 void read_pair(const YamlNode& node, const std::string& key, double max_allowed, double& min, double& max) {
@@ -52,31 +53,18 @@ DetectorSettings read_detector(const YamlNode& node) {
   if (const auto colours = node.optional_child("colours")) detector.colours = read_colours(*colours);
   if (detector.method == SegmentationMethod::colour && detector.colours.empty())
     node.fail("colours: none; allowed: at least one for the method colour");
-  detector.value_threshold = node.number_or("value_threshold", detector.value_threshold, {0, 1, true, true});
   if (node.has("marker_count") && detector.method != SegmentationMethod::contrast)
     node.fail("marker_count: counts holes; allowed: only with the method contrast");
   if (node.has("marker_count")) detector.marker_count = node.integer("marker_count", 1, 10000);
-  detector.min_area_px = node.number_or("min_area_px", detector.min_area_px, {1, 1e6});
-  detector.max_area_px = node.number_or("max_area_px", detector.max_area_px, {detector.min_area_px, 1e7, true});
-  detector.min_roundness = node.number_or("min_roundness", detector.min_roundness, {0, 1, false, true});
-  detector.min_contrast = node.number_or("min_contrast", detector.min_contrast, {0, 1, true, true});
-  detector.centroid_floor_px = node.number_or("centroid_floor_px", detector.centroid_floor_px, {0.001, 5});
-  detector.edge_noise_px = node.number_or("edge_noise_px", detector.edge_noise_px, {0, 5});
   return detector;
 }
 
-MotionSettings read_motion(const YamlNode& node) {
-  MotionSettings motion;
-  motion.acceleration_m_s2 = node.number_or("acceleration_m_s2", motion.acceleration_m_s2, {1e-3, 1e3});
-  motion.start_sigma_m = node.number_or("start_sigma_m", motion.start_sigma_m, {1e-4, 1});
-  motion.gate = node.number_or("gate", motion.gate, {1, 1000});
-  motion.seen_sigma_m = node.number_or("seen_sigma_m", motion.seen_sigma_m, {1e-5, 0.1});
-  motion.velocity_decay_s = node.number_or("velocity_decay_s", motion.velocity_decay_s, {1e-3, 10});
-  motion.hidden_growth_m_s = node.number_or("hidden_growth_m_s", motion.hidden_growth_m_s, {1e-5, 1});
-  motion.neighbour_ratio = node.number_or("neighbour_ratio", motion.neighbour_ratio, {0.01, 10});
-  motion.lost_after_s = node.number_or("lost_after_s", motion.lost_after_s, {0.01, 1000});
-  motion.max_stretch = node.number_or("max_stretch", motion.max_stretch, {0.01, 10});
-  return motion;
+// One after the other, as a later range may depend on an earlier number.
+void read_numbers(const YamlNode& node, const std::string& part, TrackerSettings& settings) {
+  for (std::size_t i = 0; i < numbers_of(settings).size(); ++i) {
+    const TrackerNumber number = numbers_of(settings)[i];
+    if (number.part == part) *number.value = node.number_or(number.key, *number.value, number.range);
+  }
 }
 
 std::map<std::string, std::string> read_marker_colours(const YamlNode& node, const DetectorSettings& detector) {
@@ -90,12 +78,9 @@ std::map<std::string, std::string> read_marker_colours(const YamlNode& node, con
 TrackerSettings read_tracker(const YamlNode& node) {
   TrackerSettings settings;
   settings.detector = read_detector(node.child("detector"));
-  settings.depth = read_depth_settings(node, settings.depth);
-  if (const auto motion = node.optional_child("motion")) settings.motion = read_motion(*motion);
-  settings.marker_radius_m = node.number_or("marker_radius_m", settings.marker_radius_m, {1e-4, 0.1});
-  settings.region_margin_m = node.number_or("region_margin_m", settings.region_margin_m, {0, 1});
-  settings.readout_s = node.number_or("readout_s", settings.readout_s, {0, 0.1});
-  settings.camera_timeout_s = node.number_or("camera_timeout_s", settings.camera_timeout_s, {0.01, 1000});
+  read_numbers(node, "", settings);
+  for (const char* part : {"detector", "depth", "motion"})
+    if (const auto numbers = node.optional_child(part)) read_numbers(*numbers, part, settings);
   if (const auto colours = node.optional_child("marker_colours"))
     settings.marker_colours = read_marker_colours(*colours, settings.detector);
   node.require_all_read();
@@ -104,15 +89,42 @@ TrackerSettings read_tracker(const YamlNode& node) {
 
 }  // namespace
 
-DepthSettings read_depth_settings(const YamlNode& parent, DepthSettings depth) {
-  const auto node = parent.optional_child("depth");
-  if (!node) return depth;
-  depth.noise_per_m = node->number_or("noise_per_m", depth.noise_per_m, {1e-6, 1});
-  depth.correlation_px = node->number_or("correlation_px", depth.correlation_px, {1, 50});
-  depth.quantisation_m = node->number_or("quantisation_m", depth.quantisation_m, {0, 0.1});
-  depth.min_m = node->number_or("min_m", depth.min_m, AllowedRange::positive());
-  depth.max_m = node->number_or("max_m", depth.max_m, {depth.min_m, 65.535, true});
-  return depth;
+std::vector<TrackerNumber> numbers_of(TrackerSettings& settings) {
+  DetectorSettings& detector = settings.detector;
+  DepthSettings& depth = settings.depth;
+  MotionSettings& motion = settings.motion;
+  return {{"detector", "value_threshold", &detector.value_threshold, {0, 1, true, true}},
+          {"detector", "min_area_px", &detector.min_area_px, {1, 1e6}},
+          {"detector", "max_area_px", &detector.max_area_px, {detector.min_area_px, 1e7, true}},
+          {"detector", "min_roundness", &detector.min_roundness, {0, 1, false, true}},
+          {"detector", "min_contrast", &detector.min_contrast, {0, 1, true, true}},
+          {"detector", "centroid_floor_px", &detector.centroid_floor_px, {0.001, 5}},
+          {"detector", "edge_noise_px", &detector.edge_noise_px, {0, 5}},
+          {"depth", "noise_per_m", &depth.noise_per_m, {1e-6, 1}},
+          {"depth", "correlation_px", &depth.correlation_px, {1, 50}},
+          {"depth", "quantisation_m", &depth.quantisation_m, {0, 0.1}},
+          {"depth", "min_m", &depth.min_m, {0, kFarthest_m, true, true}},
+          {"depth", "max_m", &depth.max_m, {depth.min_m, kFarthest_m, true}},
+          {"motion", "acceleration_m_s2", &motion.acceleration_m_s2, {1e-3, 1e3}},
+          {"motion", "start_sigma_m", &motion.start_sigma_m, {1e-4, 1}},
+          {"motion", "gate", &motion.gate, {1, 1000}},
+          {"motion", "seen_sigma_m", &motion.seen_sigma_m, {1e-5, 0.1}},
+          {"motion", "velocity_decay_s", &motion.velocity_decay_s, {1e-3, 10}},
+          {"motion", "hidden_growth_m_s", &motion.hidden_growth_m_s, {1e-5, 1}},
+          {"motion", "neighbour_ratio", &motion.neighbour_ratio, {0.01, 10}},
+          {"motion", "lost_after_s", &motion.lost_after_s, {0.01, 1000}},
+          {"motion", "max_stretch", &motion.max_stretch, {0.01, 10}},
+          {"", "marker_radius_m", &settings.marker_radius_m, {1e-4, 0.1}},
+          {"", "region_margin_m", &settings.region_margin_m, {0, 1}},
+          {"", "readout_s", &settings.readout_s, {0, 0.1}},
+          {"", "camera_timeout_s", &settings.camera_timeout_s, {0.01, 1000}}};
+}
+
+DepthSettings read_depth_settings(const YamlNode& parent, DepthSettings otherwise) {
+  TrackerSettings settings;
+  settings.depth = otherwise;
+  if (const auto node = parent.optional_child("depth")) read_numbers(*node, "depth", settings);
+  return settings.depth;
 }
 
 TrackerSettings load_tracker(const std::string& path) { return read_tracker(YamlNode::load_file(path)); }

@@ -29,6 +29,7 @@
 #include "ros/log_text.h"
 #include "ros/obstacle_markers.h"
 #include "ros/publish_limit.h"
+#include "ros/pulling_hand.h"
 #include "ros/surface_marker.h"
 #include "ros/topics.h"
 #include "soft_robot_lab/robot/scene/scene.h"
@@ -44,7 +45,8 @@ gravity before the first step), ~surface_rate_hz (how often the skin is publishe
 often as they film), ~skin_opacity (1: opaque; 0: opaque where that hides no chamber or cable), ~publish_clock (false
 beside a rig: time is then the wall's), ~rig (path: the rig that takes the same commands, which a scene has to suit),
 ~position_m (x, y, z in the room, of a session in a namespace), ~max_publish_rate_hz (1000: clock, markers and
-actuators of at most so many steps in each second of the session, or of the wall where that is longer).)";
+actuators of at most so many steps in each second of the session, or of the wall where that is longer), ~max_pull_n
+(10: pulls at the skin are cut to this force).)";
 
 using SteadyClock = std::chrono::steady_clock;
 
@@ -101,6 +103,8 @@ class SimulatorNode {
   void show_surface_again();  // though it may not move
   void serve_until(SteadyClock::time_point deadline);
   void on_command(const ActuatorCommand& command);
+  void on_pull(const SkinPull& pull);
+  Eigen::Vector3d in_robot_base(const SkinPull& pull) const;
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool load(LoadScene::Request& request, LoadScene::Response& response);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -128,7 +132,8 @@ class SimulatorNode {
   std::vector<Eigen::Isometry3d> obstacles_shown_;
   LatchedPublisher<std_msgs::String> scene_path_{topics::simulator_scene};
   LatchedPublisher<ActuatorRanges> ranges_{topics::simulator_ranges};
-  ros::Subscriber commands_;
+  ros::Subscriber commands_, pulls_;
+  PullingHand hand_{options_.max_pull_n};
   tf2_ros::StaticTransformBroadcaster frames_;
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer diagnostics_timer_;
@@ -156,6 +161,7 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
                                                                   [this](const auto&) { show_surface_again(); });
 
   commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
+  pulls_ = node_.subscribe(topics::simulator_pull, 10, &SimulatorNode::on_pull, this);
   reset_ = node_.advertiseService(topics::simulator_reset, &SimulatorNode::reset, this);
   auto load_options = ros::AdvertiseServiceOptions::create<LoadScene>(
       topics::simulator_load, [this](auto& request, auto& response) { return load(request, response); },
@@ -213,6 +219,7 @@ void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
     const std::lock_guard lock(mutex_);
     ranges = actuator_ranges(*scene->simulation, session_time());
     scene_ = std::move(scene);
+    hand_.forget();
     surface_period_ = obstacles_period_ = -1.0;
     obstacles_shown_.clear();
     obstacles = obstacle_markers(*scene_->simulation, session_time());
@@ -246,6 +253,7 @@ void SimulatorNode::serve_until(SteadyClock::time_point deadline) {
 
 double SimulatorNode::step() {
   const std::lock_guard lock(mutex_);
+  hand_.let_go_if_silent(machine_time_s(), *scene_->simulation);
   last_report_ = scene_->simulation->step();
   if (!last_report_.converged) ++unconverged_steps_;
   for (const SolveWarning& warning : last_report_.warnings) add_warning(warning, warnings_);
@@ -311,8 +319,29 @@ void SimulatorNode::on_command(const ActuatorCommand& command) {
   }
 }
 
+// The room is not turned against robot_base.
+Eigen::Vector3d SimulatorNode::in_robot_base(const SkinPull& pull) const {
+  const Eigen::Vector3d point_m = from_message(pull.point, "point");
+  const std::string& frame = pull.header.frame_id;
+  if (frame == robot_frame() || frame == world_frame()) return point_m;
+  if (frame != room_frame)
+    throw std::invalid_argument("header.frame_id: '" + frame + "' is none of " + robot_frame() + ", " + world_frame() +
+                                ", " + room_frame);
+  return point_m - Eigen::Vector3d::Map(options_.position_m.data());
+}
+
+void SimulatorNode::on_pull(const SkinPull& pull) {
+  const std::lock_guard lock(mutex_);
+  try {
+    hand_.take(pull, in_robot_base(pull), machine_time_s(), *scene_->simulation);
+  } catch (const std::invalid_argument& error) {
+    ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::simulator_pull, log_text(error.what()).c_str());
+  }
+}
+
 bool SimulatorNode::reset(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
   const std::lock_guard lock(mutex_);
+  hand_.let_go(*scene_->simulation);
   scene_->simulation->reset();
   scene_->simulation->set_state(scene_->start);
   response.success = true;

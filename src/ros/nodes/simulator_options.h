@@ -21,6 +21,7 @@ struct SimulatorOptions {
   bool publish_clock = true;
   std::string rig;                      // empty: none
   double max_publish_rate_hz = 1000.0;  // [1, 100000]
+  double max_pull_n = 10.0;             // [0, 1000]
   std::vector<double> position_m = {0.0, 0.0, 0.0};
 
   void validate() const {
@@ -36,6 +37,8 @@ struct SimulatorOptions {
       throw std::invalid_argument("max_publish_rate_hz: " + std::to_string(max_publish_rate_hz) +
                                   " is not in [1, 100000]");
     }
+    if (!(max_pull_n >= 0.0 && max_pull_n <= 1000.0))
+      throw std::invalid_argument("max_pull_n: " + std::to_string(max_pull_n) + " is not in [0, 1000]");
     if (position_m.size() != 3 ||
         !std::all_of(position_m.begin(), position_m.end(), [](double x) { return std::abs(x) <= 1e3; }))
       throw std::invalid_argument("position_m: must be three numbers [m] in [-1000, 1000]");
@@ -57,6 +60,7 @@ inline SimulatorOptions read_options(const ros::NodeHandle& node) {
   node.getParam("publish_clock", options.publish_clock);
   node.getParam("rig", options.rig);
   node.getParam("max_publish_rate_hz", options.max_publish_rate_hz);
+  node.getParam("max_pull_n", options.max_pull_n);
   node.getParam("position_m", options.position_m);
   options.validate();
   return options;

@@ -8,6 +8,7 @@
 
 #include <actionlib/server/simple_action_server.h>
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <message_filters/subscriber.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/Calibrate.h>
@@ -24,6 +25,7 @@
 #include "ros/replay_tracking.h"
 #include "ros/same_fields.h"
 #include "ros/topics.h"
+#include "ros/tracker_parameters.h"
 #include "ros/tracking_input.h"
 #include "settings/quantile.h"
 #include "perception/tracking/annotate.h"
@@ -95,6 +97,9 @@ class TrackerNode {
   void publish_image(const MarkerTracking::Result& result) const;
   void tell_knocked_cameras();
   void broadcast(const std::vector<CameraPose>& poses);
+  void serve_parameters();
+  bool set_parameters(dynamic_reconfigure::Reconfigure::Request& request,
+                      dynamic_reconfigure::Reconfigure::Response& response);
   void on_calibrate_goal();
   bool calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response);
   void diagnose(DiagnosticStatusWrapper& status);
@@ -112,7 +117,9 @@ class TrackerNode {
   std::vector<std::vector<std::string>> knocked_;  // named in the log
 
   ros::NodeHandle node_;
-  ros::Publisher markers_, steps_, image_;
+  ros::NodeHandle own_node_{"~"};
+  ros::Publisher markers_, steps_, image_, descriptions_, updates_;
+  ros::ServiceServer set_parameters_;
   std::vector<ros::Subscriber> subscribers_;
   std::map<std::string, std::unique_ptr<Camera>> cameras_;
   ros::ServiceServer calibrate_;
@@ -127,6 +134,7 @@ TrackerNode::TrackerNode(const NodeOptions& options)
   markers_ = node_.advertise<MarkerObservations>(topics::tracker_markers, 100);
   steps_ = node_.advertise<TrackerUpdateLog>(topics::tracker_steps, 100);
   image_ = node_.advertise<Image>(topics::tracker_image, 2);
+  serve_parameters();
   if (!options_.balls.empty()) {
     calibration_ = std::make_unique<CalibrationSession>(read_ball_placement(options_.balls), BallFinderSettings());
     calibrate_ = node_.advertiseService(topics::calibrate, &TrackerNode::calibrate_cameras, this);
@@ -263,6 +271,24 @@ void TrackerNode::on_calibrate_goal() {
     calibrate_action_.setSucceeded(result, result.message);
   else
     calibrate_action_.setAborted(result, result.message);
+}
+
+// As dynamic_reconfigure's own servers: what is out of range is cut, and the answer is what holds now.
+void TrackerNode::serve_parameters() {
+  descriptions_ = own_node_.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
+  updates_ = own_node_.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
+  descriptions_.publish(description_message(input_.settings()));
+  updates_.publish(config_message(input_.settings()));
+  set_parameters_ = own_node_.advertiseService("set_parameters", &TrackerNode::set_parameters, this);
+}
+
+bool TrackerNode::set_parameters(dynamic_reconfigure::Reconfigure::Request& request,
+                                 dynamic_reconfigure::Reconfigure::Response& response) {
+  input_.set_settings(with_request(input_.settings(), request.config));
+  response.config = config_message(input_.settings());
+  updates_.publish(response.config);
+  descriptions_.publish(description_message(input_.settings()));
+  return true;
 }
 
 bool TrackerNode::calibrate_cameras(Calibrate::Request& request, Calibrate::Response& response) {

@@ -15,8 +15,10 @@
 #include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
+#include <visualization_msgs/Marker.h>
 #include <xmlrpcpp/XmlRpc.h>
 
+#include "ros/plasma.h"
 #include "ros/topics.h"
 
 namespace soft_robot_lab {
@@ -59,6 +61,7 @@ PanelLink::PanelLink(const std::string& session) : node_(session) {
   node_.setCallbackQueue(&queue_);
   lamps_ = Lamps(without_slashes(node_.getNamespace()));
   commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
+  tips_ = node_.advertise<visualization_msgs::Marker>(topics::panel_tips, 1, true);
   subscribers_ = {
       listen_to<ActuatorRanges>(node_, topics::simulator_ranges, 1, [this](const auto& m) { on_ranges(m); }),
       listen_to<ActuatorState>(node_, topics::simulator_actuators, 1,
@@ -107,10 +110,23 @@ void PanelLink::on_ranges(const ActuatorRanges& ranges) {
 void PanelLink::on_scene(const std::string& scene) {
   scene_ = scene;
   history_ = {};
+  robot_box_m_.reset();
+  surface_ = listen_to<visualization_msgs::Marker>(node_, topics::simulator_surface, 1,
+                                                   [this](const auto& m) { on_surface(m); });
+}
+
+void PanelLink::on_surface(const visualization_msgs::Marker& surface) {
+  if (robot_box_m_) return;
+  Eigen::AlignedBox3d box_m;
+  for (const geometry_msgs::Point& point : surface.points) box_m.extend(Eigen::Vector3d(point.x, point.y, point.z));
+  if (box_m.isEmpty() || !box_m.sizes().allFinite()) return;
+  robot_box_m_ = box_m;
+  robot_frame_ = surface.header.frame_id;
 }
 
 void PanelLink::listen() {
   queue_.callAvailable();
+  if (robot_box_m_) surface_.shutdown();
   ActuatorCommand command = values_.take_command();
   if (!command.names.empty()) {
     command.header.stamp = ros::Time::now();
@@ -161,6 +177,32 @@ void PanelLink::optimise(const std::string& method, const std::string& marker, c
   calls_.start(slow_lane, "Optimise", [this, request] {
     return found_text(calls_.ask<OptimisePolicy>(node_, topics::optimise_policy, request));
   });
+}
+
+void PanelLink::show_tips(const ReachableTips& tips) {
+  visualization_msgs::Marker cloud;
+  cloud.header.frame_id = markers_.header.frame_id;
+  cloud.ns = "reachable_tips";
+  cloud.action = tips.tips.empty() ? visualization_msgs::Marker::DELETE : visualization_msgs::Marker::ADD;
+  cloud.type = visualization_msgs::Marker::SPHERE_LIST;
+  cloud.pose.orientation.w = 1.0;
+  cloud.scale.x = cloud.scale.y = cloud.scale.z = 0.0012;
+  const double largest = std::max(1e-9, tips.largest_effort());
+  for (const ReachableTip& tip : tips.tips) {
+    geometry_msgs::Point at;
+    at.x = tip.position_m.x();
+    at.y = tip.position_m.y();
+    at.z = tip.position_m.z();
+    const auto [red, green, blue] = plasma(tip.effort / largest);
+    std_msgs::ColorRGBA rgba;
+    rgba.r = red;
+    rgba.g = green;
+    rgba.b = blue;
+    rgba.a = 1.0f;
+    cloud.points.push_back(at);
+    cloud.colors.push_back(rgba);
+  }
+  tips_.publish(cloud);
 }
 
 void PanelLink::execute() { play(Policy()); }

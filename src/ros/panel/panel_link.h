@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -16,11 +17,13 @@
 #include <soft_robot_lab/OptimisePolicy.h>
 #include <soft_robot_lab/Policy.h>
 #include <soft_robot_lab/Target.h>
+#include <visualization_msgs/Marker.h>
 
 #include "actuator_values.h"
 #include "calls.h"
 #include "history.h"
 #include "lamps.h"
+#include "reachable_tips.h"
 
 namespace soft_robot_lab {
 
@@ -46,12 +49,16 @@ class PanelLink {
   std::vector<CallOutcome> take_outcomes();
 
   void optimise(const std::string& method, const std::string& marker, const geometry_msgs::Point& target);
-  void execute();  // what was found last
+  void execute();                             // what was found last
+  void show_tips(const ReachableTips& tips);  // in rviz's scene; none take those away that are there
   void play(const Policy& policy);
   void stop();                                         // all: searches, policies, drives
   const std::string& scene() const { return scene_; }  // path of what runs; empty: not known
   void load(const std::string& scene);                 // another robot
-  void reset();                                        // the simulation's start; a rig goes to its rest commands
+  // Around the skin of what runs, as it was first heard of; in robot_base.
+  const std::optional<Eigen::AlignedBox3d>& robot_box() const { return robot_box_m_; }
+  const std::string& robot_frame() const { return robot_frame_; }  // its name in this session
+  void reset();  // the simulation's start; a rig goes to its rest commands
   bool recording() const { return recording_; }
   void record(bool on);
   void zero();
@@ -65,6 +72,7 @@ class PanelLink {
 
   void look_for_services();
   void on_scene(const std::string& scene);
+  void on_surface(const visualization_msgs::Marker& surface);
   void on_ranges(const ActuatorRanges& ranges);
   void ask_trigger(const std::string& lane, const std::string& title, const std::string& service);
 
@@ -83,8 +91,11 @@ class PanelLink {
 
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
-  ros::Publisher commands_;
+  ros::Publisher commands_, tips_;
   std::vector<ros::Subscriber> subscribers_;
+  ros::Subscriber surface_;  // until the box is known
+  std::optional<Eigen::AlignedBox3d> robot_box_m_;
+  std::string robot_frame_;
   Calls calls_;  // last: its threads end first
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "session_panel.h"
 
+#include <algorithm>
+
 #include <QAbstractItemView>
 #include <QDir>
 #include <QFileDialog>
@@ -12,7 +14,11 @@
 #include <QSignalBlocker>
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/package.h>
+#include <rviz/view_controller.h>
+#include <rviz/view_manager.h>
+#include <rviz/visualization_manager.h>
 
+#include "framing.h"
 #include "ros/topics.h"
 #include "settings/write_file.h"
 #include "soft_robot_lab/control/policy.h"
@@ -64,8 +70,7 @@ SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
   column->addWidget(make_target());
   column->addWidget(make_buttons());
   column->addWidget(make_poses());
-  plot_ = new PlotView(this);
-  column->addWidget(plot_);
+  column->addWidget(make_views(), 1);
   column->addWidget(message_);
   connect(&timer_, &QTimer::timeout, this, [this] { refresh(); });
 }
@@ -172,6 +177,20 @@ QWidget* SessionPanel::make_poses() {
   return box;
 }
 
+QWidget* SessionPanel::make_views() {
+  auto* tabs = new QTabWidget(this);
+  plot_ = new PlotView(tabs);
+  workspace_ = new WorkspaceView(
+      [this](const ReachableTips& tips) {
+        if (link_) link_->show_tips(tips);
+      },
+      [this](const ReachableTip& tip) { reach(tip); }, tabs);
+  tabs->addTab(plot_, "P&lot");
+  tabs->addTab(workspace_, "&Workspace");
+  tabs->setMinimumHeight(200);
+  return tabs;
+}
+
 void SessionPanel::onInitialize() {
   if (!link_) connect_to(session_);
   timer_.start(refresh_period_ms);
@@ -188,6 +207,7 @@ void SessionPanel::load(const rviz::Config& config) {
   QString session, poses;
   config.mapGetString("Session", &session);
   if (config.mapGetString("Poses", &poses)) poses_.read(poses.replace(" | ", "\n").toStdString());
+  if (int steps = 0; config.mapGetInt("Workspace Steps", &steps)) workspace_->set_steps(std::clamp(steps, 2, 200));
   connect_to(session);
   refresh_poses();
 }
@@ -195,6 +215,7 @@ void SessionPanel::load(const rviz::Config& config) {
 void SessionPanel::save(rviz::Config config) const {
   rviz::Panel::save(config);
   config.mapSetValue("Session", session_);
+  config.mapSetValue("Workspace Steps", workspace_->steps());
   config.mapSetValue("Poses", QString::fromStdString(poses_.text()).trimmed().replace("\n", " | "));
 }
 
@@ -203,8 +224,10 @@ void SessionPanel::refresh() {
   link_->listen();
   refresh_rows();
   refresh_scene();
+  refresh_view();
   refresh_target();
   refresh_plot();
+  refresh_workspace();
   refresh_buttons();
   refresh_lamps();
   for (const CallOutcome& outcome : link_->take_outcomes()) report(outcome);
@@ -241,12 +264,34 @@ void SessionPanel::refresh_scene() {
   if (!link_->busy()) scene_->setCurrentIndex(index);
 }
 
+// Once for each robot; then the camera is the user's.
+void SessionPanel::refresh_view() {
+  if (!link_->robot_box() || framed_ == link_->scene()) return;
+  framed_ = link_->scene();
+  const Framing framing = framing_of(*link_->robot_box());
+  rviz::ViewController* view = vis_manager_->getViewManager()->getCurrent();
+  if (!view || view->getClassId() != "rviz/Orbit") return;
+  view->subProp("Target Frame")->setValue(QString::fromStdString(link_->robot_frame()));
+  view->subProp("Distance")->setValue(framing.distance_m);
+  for (int axis = 0; axis < 3; ++axis)
+    view->subProp("Focal Point")->subProp(QString("XYZ"[axis]))->setValue(framing.focus_m[axis]);
+}
+
 // Ten times a second is enough for an eye.
 void SessionPanel::refresh_plot() {
   link_->plot(marker_->currentText().toStdString());
   if (++undrawn_ * refresh_period_ms < 100) return;
   undrawn_ = 0;
   plot_->show_history(link_->history());
+}
+
+// Of tips that are chosen fast one after the other the last counts.
+void SessionPanel::refresh_workspace() {
+  workspace_->follow(QString::fromStdString(link_->scene()), marker_->currentText(),
+                     static_cast<int>(link_->values().rows().size()));
+  if (!wanted_ || link_->busy()) return;
+  link_->optimise("gauss_newton", marker_->currentText().toStdString(), *wanted_);
+  wanted_.reset();
 }
 
 // Follows what is searched for; a number that is being typed stays.
@@ -373,6 +418,14 @@ void SessionPanel::play_pose() {
   } catch (const std::invalid_argument& error) {
     report_failure(error.what());
   }
+}
+
+void SessionPanel::reach(const ReachableTip& tip) {
+  geometry_msgs::Point target;
+  target.x = tip.position_m.x();
+  target.y = tip.position_m.y();
+  target.z = tip.position_m.z();
+  wanted_ = target;
 }
 
 void SessionPanel::calibrate() { link_->calibrate(with_balls_); }

@@ -9,6 +9,7 @@
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QPushButton>
+#include <QTabWidget>
 #include <QTimer>
 #include <QVBoxLayout>
 #include <rviz/panel.h>
@@ -17,6 +18,7 @@
 #include "panel_link.h"
 #include "plot_view.h"
 #include "poses.h"
+#include "workspace_view.h"
 
 namespace soft_robot_lab {
 
@@ -35,13 +37,16 @@ class SessionPanel : public rviz::Panel {
   QWidget* make_target();
   QWidget* make_buttons();
   QWidget* make_poses();
+  QWidget* make_views();
   QPushButton* button(const QString& text, const QString& hint, const std::function<void()>& press);
   void connect_to(const QString& session);
   void refresh();
   void refresh_lamps();
   void refresh_rows();
   void refresh_scene();
+  void refresh_view();
   void refresh_plot();
+  void refresh_workspace();
   void refresh_target();
   void refresh_buttons();
   void refresh_poses();
@@ -53,10 +58,12 @@ class SessionPanel : public rviz::Panel {
   void save_pose();
   void play_pose();
   void calibrate();
+  void reach(const ReachableTip& tip);
 
   QString session_;  // namespace; empty: that of rviz
   std::unique_ptr<PanelLink> link_;
   Poses poses_;
+  std::string framed_;  // the scene that the camera was set to
   int shown_revision_ = -1, shown_targets_ = -1;
   bool with_balls_ = false;  // which step of a calibration comes next
 
@@ -65,7 +72,9 @@ class SessionPanel : public rviz::Panel {
   QVBoxLayout* rows_ = nullptr;
   std::vector<ActuatorEditor*> editors_;
   PlotView* plot_ = nullptr;
-  int undrawn_ = 0;  // refreshes since the plot was drawn
+  WorkspaceView* workspace_ = nullptr;
+  std::optional<geometry_msgs::Point> wanted_;  // a tip that was chosen while something else is under way
+  int undrawn_ = 0;                             // refreshes since the plot was drawn
   QComboBox *scene_ = nullptr, *marker_ = nullptr, *method_ = nullptr, *pose_ = nullptr;
   QDoubleSpinBox* target_mm_[3] = {};
   QPushButton *optimise_ = nullptr, *execute_ = nullptr, *stop_ = nullptr, *reset_ = nullptr;

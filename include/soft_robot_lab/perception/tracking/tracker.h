@@ -54,6 +54,7 @@ class Tracker {
   Tracker(const TrackerSettings& settings, const std::vector<TrackedMarker>& markers);
   ~Tracker();
   Tracker(Tracker&&) noexcept;
+  Tracker& operator=(Tracker&&) noexcept;
 
   // A new camera, or a known one with a new pose. Throws std::invalid_argument for what is no camera or no pose.
   void set_camera(const TrackerCamera& camera);

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace soft_robot_lab {
+#include "soft_robot_lab/settings/yaml_node.h"
 
-class YamlNode;
+namespace soft_robot_lab {
 
 // A box of colours. Hue goes round: a minimum above the maximum crosses red at 0 degrees.
 struct HsvRange {
@@ -70,6 +70,17 @@ struct TrackerSettings {
   double camera_timeout_s = 0.5;  // a camera silent for longer is reported
   std::map<std::string, std::string> marker_colours;  // of named markers; the others may have any
 };
+
+// A number of the settings: its part and key in the file, and what it may be. Files and a running tracker take the
+// same.
+struct TrackerNumber {
+  std::string part;  // `detector`, `depth` or `motion`; empty for what stands beside them
+  std::string key;
+  double* value;  // in the settings that were asked
+  AllowedRange range;
+};
+// All of them; a range may depend on another number, as it is now.
+std::vector<TrackerNumber> numbers_of(TrackerSettings& settings);
 
 // Throw SettingsError: file, line, key, value and allowed range.
 TrackerSettings load_tracker(const std::string& path);

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reachable_tips.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+
+#include <Eigen/LU>
+
+namespace soft_robot_lab {
+namespace {
+
+using Cells = std::vector<std::string>;
+
+// A cell in double quotes may hold commas; two quotes stand for one.
+Cells cells_of(const std::string& line) {
+  Cells cells(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (c == '"' || c == '\r') continue;
+    if (c == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+class Columns {
+ public:
+  explicit Columns(Cells names) : names_(std::move(names)) {}
+
+  std::size_t size() const { return names_.size(); }
+  const std::string& name(std::size_t i) const { return names_[i]; }
+  std::size_t index(const std::string& name) const {
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    if (found == names_.end()) throw std::invalid_argument("results.csv has no column '" + name + "'");
+    return static_cast<std::size_t>(found - names_.begin());
+  }
+  std::vector<std::size_t> ending_with(const std::string& end) const {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      if (names_[i].size() > end.size() && names_[i].compare(names_[i].size() - end.size(), end.size(), end) == 0)
+        found.push_back(i);
+    return found;
+  }
+
+ private:
+  Cells names_;
+};
+
+double number(const std::string& cell) {
+  std::size_t end = 0;
+  const double value = std::stod(cell, &end);
+  if (end != cell.size() || !std::isfinite(value))
+    throw std::invalid_argument("results.csv: '" + cell + "' is no number");
+  return value;
+}
+
+// The columns of what actuators work with: cables by tension, else chambers by pressure.
+std::vector<std::size_t> effort_columns(const Columns& columns, std::string& title) {
+  std::vector<std::size_t> found = columns.ending_with(".tension_n");
+  title = found.empty() ? "gauge pressure [Pa]" : "tension [N]";
+  if (found.empty()) found = columns.ending_with(".gauge_pressure_pa");
+  if (found.empty()) title.clear();
+  return found;
+}
+
+double largest(const Cells& row, const std::vector<std::size_t>& columns) {
+  double most = 0.0;
+  for (const std::size_t column : columns)
+    if (!row[column].empty()) most = std::max(most, number(row[column]));
+  return most;
+}
+
+}  // namespace
+
+double ReachableTips::largest_effort() const {
+  double most = 0.0;
+  for (const ReachableTip& tip : tips) most = std::max(most, tip.effort);
+  return most;
+}
+
+ReachableTips read_reachable_tips(const std::string& csv, const std::string& marker) {
+  std::istringstream lines(csv);
+  std::string line;
+  if (!std::getline(lines, line)) throw std::invalid_argument("results.csv is empty");
+  const Columns columns(cells_of(line));
+  const std::string place = "markers." + marker + ".position_m.";
+  const std::size_t at[3] = {columns.index(place + "x"), columns.index(place + "y"), columns.index(place + "z")};
+  const std::size_t task = columns.index("task"), state = columns.index("state");
+  const std::size_t snapped = columns.index("snapped"), folded = columns.index("folded");
+  ReachableTips all;
+  all.marker = marker;
+  for (std::size_t i = task + 1; i < state; ++i) all.actuators.push_back(columns.name(i));
+  const std::vector<std::size_t> efforts = effort_columns(columns, all.effort);
+  while (std::getline(lines, line)) {
+    const Cells row = cells_of(line);
+    if (row.size() != columns.size()) throw std::invalid_argument("results.csv: a row of another length");
+    if (row[state] != "good") continue;
+    ReachableTip tip;
+    for (int axis = 0; axis < 3; ++axis) tip.position_m[axis] = number(row[at[axis]]);
+    tip.effort = largest(row, efforts);
+    tip.snaps = row[snapped] == "true" || row[folded] == "true";
+    for (std::size_t i = task + 1; i < state; ++i) tip.commands.push_back(number(row[i]));
+    all.tips.push_back(std::move(tip));
+  }
+  return all;
+}
+
+std::vector<std::size_t> convex_hull(const std::vector<Eigen::Vector2d>& points) {
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](std::size_t i) { return std::make_pair(points[i].x(), points[i].y()); };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  const auto same = [&](std::size_t a, std::size_t b) { return points[a] == points[b]; };
+  order.erase(std::unique(order.begin(), order.end(), same), order.end());
+  if (order.size() < 3) return order;
+  std::vector<std::size_t> hull;
+  const auto turns_left = [&](std::size_t next) {
+    Eigen::Matrix2d sides;
+    sides << points[hull.back()] - points[hull[hull.size() - 2]], points[next] - points[hull.back()];
+    return sides.determinant() > 0.0;
+  };
+  const auto add_chain = [&](auto first, auto last) {
+    const std::size_t start = hull.size();
+    for (; first != last; ++first) {
+      while (hull.size() >= start + 2 && !turns_left(*first)) hull.pop_back();
+      hull.push_back(*first);
+    }
+    hull.pop_back();  // where the other chain begins
+  };
+  add_chain(order.begin(), order.end());
+  add_chain(order.rbegin(), order.rend());
+  return hull;
+}
+
+}  // namespace soft_robot_lab

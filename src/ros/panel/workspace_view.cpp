@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "workspace_view.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <QCryptographicHash>
+#include <QDir>
+#include <QFile>
+#include <QGridLayout>
+#include <QSignalBlocker>
+#include <QStandardPaths>
+#include <QThread>
+#include <qwt_color_map.h>
+#include <qwt_picker_machine.h>
+#include <qwt_plot.h>
+#include <qwt_plot_canvas.h>
+#include <qwt_plot_curve.h>
+#include <qwt_plot_marker.h>
+#include <qwt_plot_picker.h>
+#include <qwt_plot_rescaler.h>
+#include <qwt_plot_spectrocurve.h>
+#include <qwt_scale_widget.h>
+#include <qwt_symbol.h>
+
+#include "ros/plasma.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double reach_px = 20.0;  // a click farther off means no point
+
+const int views[3][2] = {{0, 2}, {1, 2}, {0, 1}};
+
+QwtLinearColorMap* colour_map() {
+  const auto colour = [](double fraction) {
+    const auto [red, green, blue] = plasma(fraction);
+    return QColor::fromRgbF(red, green, blue);
+  };
+  auto* map = new QwtLinearColorMap(colour(0.0), colour(1.0));
+  for (const double fraction : {0.25, 0.5, 0.75}) map->addColorStop(fraction, colour(fraction));
+  return map;
+}
+
+void add_cloud(const QVector<QwtPoint3D>& points, double largest, QwtPlot* plot) {
+  auto* cloud = new QwtPlotSpectroCurve;
+  cloud->setColorMap(colour_map());
+  cloud->setColorRange(QwtInterval(0.0, largest));
+  cloud->setPenWidth(5.0);
+  cloud->setSamples(points);
+  cloud->attach(plot);
+}
+
+void add_hull(const QVector<QPointF>& corners, QwtPlot* plot) {
+  auto* hull = new QwtPlotCurve;
+  hull->setPen(QColor(110, 110, 110), 1.0);
+  hull->setRenderHint(QwtPlotItem::RenderAntialiased);
+  hull->setSamples(corners);
+  hull->attach(plot);
+}
+
+void add_crosses(const QVector<QPointF>& places, QwtPlot* plot) {
+  auto* crosses = new QwtPlotCurve;
+  crosses->setStyle(QwtPlotCurve::NoCurve);
+  crosses->setSymbol(new QwtSymbol(QwtSymbol::XCross, Qt::NoBrush, QPen(Qt::black, 1.0), QSize(7, 7)));
+  crosses->setSamples(places);
+  crosses->attach(plot);
+}
+
+void add_ring(const Eigen::Vector2d& place, QwtPlot* plot) {
+  auto* ring = new QwtPlotMarker;
+  ring->setSymbol(new QwtSymbol(QwtSymbol::Ellipse, Qt::NoBrush, QPen(QColor(213, 94, 0), 2.5), QSize(13, 13)));
+  ring->setValue(place.x(), place.y());
+  ring->attach(plot);
+}
+
+}  // namespace
+
+WorkspaceView::WorkspaceView(std::function<void(const ReachableTips&)> found,
+                             std::function<void(const ReachableTip&)> chosen, QWidget* parent)
+    : QWidget(parent),
+      found_(std::move(found)),
+      chosen_(std::move(chosen)),
+      find_(new QPushButton("F&ind tips", this)),
+      view_(new QComboBox(this)),
+      number_(new QSpinBox(this)),
+      state_(new QLabel("Where does the marker reach?", this)),
+      plot_(new QwtPlot(this)) {
+  find_->setToolTip("Finds where the marker rests over all commands, beside the session; goes on from what is there");
+  view_->addItems({"x, z", "y, z", "x, y"});
+  view_->setToolTip("Axes of robot_base that are seen [mm]");
+  number_->setToolTip("A tip by its number. Or click at one: the ghost shows how it is reached, Execute goes there");
+  auto* label = new QLabel("Poi&nt", this);
+  label->setBuddy(number_);
+  state_->setWordWrap(true);
+  auto* grid = new QGridLayout(this);
+  grid->setContentsMargins(0, 0, 0, 0);
+  grid->setSpacing(2);
+  grid->addWidget(find_, 0, 0);
+  grid->addWidget(view_, 0, 1);
+  grid->addWidget(label, 0, 2);
+  grid->addWidget(number_, 0, 3);
+  grid->addWidget(plot_, 1, 0, 1, 4);
+  grid->addWidget(state_, 2, 0, 1, 4);
+  plot_->setMinimumHeight(110);
+  plot_->setCanvasBackground(Qt::white);
+  auto* picker = new QwtPlotPicker(plot_->canvas());
+  picker->setStateMachine(new QwtPickerClickPointMachine);
+  rescaler_ = new QwtPlotRescaler(plot_->canvas(), QwtPlot::xBottom, QwtPlotRescaler::Fitting);
+  rescaler_->setAspectRatio(QwtPlot::yLeft, 1.0);  // a millimetre is as long both ways
+  rescaler_->setAspectRatio(QwtPlot::yRight, 0.0);
+  connect(picker, QOverload<const QPointF&>::of(&QwtPlotPicker::selected), this,
+          [this](const QPointF& place) { choose_nearest(place); });
+  connect(find_, &QPushButton::clicked, this, [this] { toggle(); });
+  connect(view_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this] { show_tips(); });
+  connect(number_, QOverload<int>::of(&QSpinBox::valueChanged), this, [this](int number) { choose(number); });
+  connect(&process_, &QProcess::readyReadStandardError, this, [this] { read_progress(); });
+  connect(&process_, QOverload<int, QProcess::ExitStatus>::of(&QProcess::finished), this,
+          [this](int status) { finish(status); });
+  show_tips();
+}
+
+// The search ends, and keeps what it has.
+WorkspaceView::~WorkspaceView() {
+  process_.disconnect();
+  process_.terminate();
+  if (process_.state() != QProcess::NotRunning && !process_.waitForFinished(2000)) process_.kill();
+}
+
+void WorkspaceView::follow(const QString& scene, const QString& marker, int actuators) {
+  find_->setEnabled(!scene.isEmpty() && !marker.isEmpty() && actuators > 0);
+  actuators_ = actuators;
+  if (scene == scene_ && marker == marker_) return;
+  scene_ = scene;
+  marker_ = marker;
+  process_.terminate();
+  tips_ = {};
+  found_(tips_);
+  show_tips();
+}
+
+void WorkspaceView::toggle() {
+  if (process_.state() == QProcess::NotRunning) {
+    start();
+  } else {
+    process_.terminate();
+  }
+}
+
+// With less than all cores, and after the session where these are scarce.
+void WorkspaceView::start() {
+  const QByteArray key = QCryptographicHash::hash((scene_ + "\n" + marker_).toUtf8(), QCryptographicHash::Md5).toHex();
+  folder_ =
+      QStandardPaths::writableLocation(QStandardPaths::GenericCacheLocation) + "/soft_robot_lab/workspaces/" + key;
+  if (!QDir().mkpath(folder_)) return state_->setText("Cannot write " + folder_);
+  QStringList arguments = {"-n",   "10",       "rosrun", "soft_robot_lab", "workspace",
+                           scene_, "--output", folder_,  "--marker",       marker_};
+  arguments << "--threads" << QString::number(std::max(1, QThread::idealThreadCount() - 1));
+  if (actuators_ > 2)
+    arguments << "--samples" << QString::number(steps_ * steps_);
+  else
+    arguments << "--steps" << QString::number(steps_);
+  log_.clear();
+  find_->setText("Stop f&inding");
+  state_->setText("Begins ...");
+  process_.setStandardInputFile(QProcess::nullDevice());
+  process_.start("nice", arguments);
+}
+
+void WorkspaceView::read_progress() {
+  const QString text = QString::fromUtf8(process_.readAllStandardError()).trimmed();
+  if (text.isEmpty()) return;
+  log_ = text.section('\n', -1);
+  state_->setText(QString(log_).remove("workspace: "));
+}
+
+void WorkspaceView::finish(int status) {
+  find_->setText("F&ind tips");
+  if (status > 1 || process_.exitStatus() == QProcess::CrashExit)
+    return state_->setText(log_.isEmpty() ? "rosrun soft_robot_lab workspace failed" : log_);
+  try {
+    load();
+  } catch (const std::exception& error) {
+    state_->setText(error.what());
+  }
+}
+
+void WorkspaceView::load() {
+  QFile file(folder_ + "/results.csv");
+  if (!file.open(QIODevice::ReadOnly)) throw std::runtime_error("cannot read " + file.fileName().toStdString());
+  tips_ = read_reachable_tips(file.readAll().toStdString(), marker_.toStdString());
+  found_(tips_);
+  show_tips();
+}
+
+Eigen::Vector2d WorkspaceView::seen_mm(const ReachableTip& tip) const {
+  const int* axes = views[view_->currentIndex()];
+  return 1e3 * Eigen::Vector2d(tip.position_m[axes[0]], tip.position_m[axes[1]]);
+}
+
+void WorkspaceView::show_tips() {
+  const int count = static_cast<int>(tips_.tips.size());
+  {
+    const QSignalBlocker quiet(number_);
+    number_->setRange(0, count);
+    number_->setSpecialValueText("none");
+    number_->setEnabled(count > 0);
+  }
+  plot_->detachItems();
+  std::vector<Eigen::Vector2d> places;
+  QVector<QwtPoint3D> cloud;
+  QVector<QPointF> snaps, corners;
+  for (const ReachableTip& tip : tips_.tips) {
+    places.push_back(seen_mm(tip));
+    cloud << QwtPoint3D(places.back().x(), places.back().y(), tip.effort);
+    if (tip.snaps) snaps << QPointF(places.back().x(), places.back().y());
+  }
+  for (const std::size_t i : convex_hull(places)) corners << QPointF(places[i].x(), places[i].y());
+  if (!corners.isEmpty()) corners << corners.first();
+  const double largest = std::max(1e-9, tips_.largest_effort());
+  plot_->enableAxis(QwtPlot::yRight, count > 0 && !tips_.effort.empty());
+  plot_->setAxisScale(QwtPlot::yRight, 0.0, largest);
+  plot_->setAxisTitle(QwtPlot::yRight, QString::fromStdString(tips_.effort));
+  plot_->axisWidget(QwtPlot::yRight)->setColorBarEnabled(true);
+  plot_->axisWidget(QwtPlot::yRight)->setColorMap(QwtInterval(0.0, largest), colour_map());
+  add_hull(corners, plot_);
+  add_cloud(cloud, largest, plot_);
+  add_crosses(snaps, plot_);
+  const int chosen = number_->value();
+  if (chosen > 0 && chosen <= count) add_ring(places[static_cast<std::size_t>(chosen - 1)], plot_);
+  if (count > 0)
+    state_->setText(QString("%1 tips, %2 where the body snaps (crosses). Click at one.").arg(count).arg(snaps.size()));
+  frame(places);
+  plot_->replot();
+}
+
+void WorkspaceView::frame(const std::vector<Eigen::Vector2d>& places) {
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& place : places) box.extend(place);
+  if (box.isEmpty()) box.extend(Eigen::Vector2d::Zero());
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.05 * box.sizes().maxCoeff() + 1.0);
+  rescaler_->setIntervalHint(QwtPlot::xBottom, QwtInterval(box.min().x() - margin.x(), box.max().x() + margin.x()));
+  rescaler_->setIntervalHint(QwtPlot::yLeft, QwtInterval(box.min().y() - margin.y(), box.max().y() + margin.y()));
+  rescaler_->rescale();
+}
+
+void WorkspaceView::choose(int number) {
+  show_tips();
+  if (number > 0 && number <= static_cast<int>(tips_.tips.size()))
+    chosen_(tips_.tips[static_cast<std::size_t>(number - 1)]);
+}
+
+void WorkspaceView::choose_nearest(const QPointF& place_mm) {
+  const auto pixel = [&](double x, double y) {
+    return Eigen::Vector2d(plot_->transform(QwtPlot::xBottom, x), plot_->transform(QwtPlot::yLeft, y));
+  };
+  const Eigen::Vector2d click = pixel(place_mm.x(), place_mm.y());
+  double nearest_px = reach_px;
+  int number = 0;
+  for (std::size_t i = 0; i < tips_.tips.size(); ++i) {
+    const Eigen::Vector2d at = seen_mm(tips_.tips[i]);
+    const double distance_px = (pixel(at.x(), at.y()) - click).norm();
+    if (distance_px >= nearest_px) continue;
+    nearest_px = distance_px;
+    number = static_cast<int>(i) + 1;
+  }
+  if (number > 0 && number == number_->value()) return choose(number);
+  if (number > 0) number_->setValue(number);
+}
+
+}  // namespace soft_robot_lab

@@ -100,6 +100,19 @@ void check_demoulding(const Json& result) {
   for (const Json& run : runs) EXPECT_EQ(run["tears"], false) << run["name"];
 }
 
+void check_grasp(const Json& result) {
+  for (const Json& run : result["runs"]) {
+    const double of_the_least = run["friction"].get<double>() / result["least_friction"].get<double>();
+    if (of_the_least < 0.8 || of_the_least > 1.0) {  // soft skin lies around the ball, and holds somewhat better
+      EXPECT_EQ(run["held"], run["should_hold"]) << run["friction"];
+    }
+  }
+  const Json& longest = result["runs"][0];
+  EXPECT_GE(longest["shaken_s"].get<double>(), 60.0);
+  EXPECT_EQ(longest["held"], true);
+  EXPECT_LT(longest["slip_m"].get<double>(), 1e-5);
+}
+
 void check_configurations(const Json& result, std::size_t count) {
   ASSERT_EQ(result["configurations"].size(), count);
   for (std::size_t i = 0; i < count; ++i)
@@ -118,6 +131,7 @@ void check_numbers(const std::string& name, const Json& result) {
   if (name == "7.3.3") check_ball(result);
   if (name == "tentacle") check_tentacle(result);
   if (name == "demoulding") check_demoulding(result);
+  if (name == "grasp") check_grasp(result);
 }
 
 struct Row {

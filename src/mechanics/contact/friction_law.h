@@ -13,6 +13,7 @@ namespace soft_robot_lab {
 struct FrictionLaw {
   double compliance_m_pa = 0.0;  // of the tie
   double limit_pa = 0.0;         // of the traction
+  bool secant = false;           // stiffness_pa_m is that of a parabola over the potential, which no step overshoots
 
   static double compliance_of_skin(double face_size_m, double youngs_modulus_pa) {
     return 0.02 * face_size_m / youngs_modulus_pa;
@@ -34,11 +35,12 @@ struct FrictionLaw {
     return limit_pa * (away_m.norm() - 0.5 * limit_pa * compliance_m_pa);
   }
 
-  // Second derivative in the plane of this normal. A point that has no pressure yet counts as sticking: a body that has
-  // just touched would drift away else.
+  // Second derivative in the plane of this normal, or a secant in its place. A point that has no pressure yet counts as
+  // sticking: a body that has just touched would drift away else.
   Eigen::Matrix3d stiffness_pa_m(const Eigen::Vector3d& away_m, const Eigen::Vector3d& normal) const {
     const Eigen::Matrix3d plane = Eigen::Matrix3d::Identity() - normal * normal.transpose();
     if (limit_pa == 0.0 || !slips(away_m)) return plane / compliance_m_pa;
+    if (secant) return limit_pa / away_m.norm() * plane;
     const Eigen::Vector3d along = away_m.normalized();
     return limit_pa / away_m.norm() * (plane - along * along.transpose());
   }

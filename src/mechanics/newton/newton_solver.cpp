@@ -289,7 +289,9 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     return report;
   };
 
-  bool convex = false, old_factor = task.reuse_factor;
+  // Little but friction holds a free obstacle: by the tangent of what slips it would go far past where it sticks.
+  const bool light = contact_.free().count() > 0;
+  bool convex = false, secant = light, old_factor = task.reuse_factor;
   AndersonMixing mixing(constants::kOldFactorSteps);
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
@@ -300,14 +302,16 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 
     Step step;
     const auto fresh_step = [&] {
-      if (!convex && linearised_at(state, task.inertia_per_s2, task.strain_target)) return find_step(state, here, step);
+      if (!convex && !secant && linearised_at(state, task.inertia_per_s2, task.strain_target))
+        return find_step(state, here, step);
       ++report.factorisations;
-      return linearise(state, task.inertia_per_s2, task.strain_target, convex) && find_step(state, here, step);
+      return linearise(state, task.inertia_per_s2, task.strain_target, convex, secant) && find_step(state, here, step);
     };
     bool found = fresh_step();
     if (!convex && (!found || step.slope > 0.0)) {
       if (task.only_through_stable) return finish("the way leads through an unstable shape");
       convex = true;
+      secant = light;
       found = fresh_step();
     }
     if (convex) ++report.convexified;
@@ -319,7 +323,8 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     if (!accepted && convex) return finish("no step lowers the energy");
     convex = !accepted || (convex && length < 1.0);
     if (convex && task.only_through_stable) return finish("no step lowers the energy");
-    old_factor = accepted && task.reuse_factor && !convex;
+    secant = light && (convex || length < 1.0);
+    old_factor = accepted && task.reuse_factor && !convex && !secant;
   }
   return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");
 }

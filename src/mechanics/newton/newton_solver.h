@@ -220,8 +220,9 @@ class NewtonSolver {
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
   void add_free_obstacles(const NewtonState& state, Evaluation& result) const;
+  // With `secant` friction has its secant stiffness; no further step is taken by such a factor.
   bool linearise(const NewtonState& state, double inertia_per_s2,
-                 const std::shared_ptr<const StrainTarget>& strain_target, bool convex);
+                 const std::shared_ptr<const StrainTarget>& strain_target, bool convex, bool secant = false);
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2,
                               bool convex);  // what is not of the elements
   bool factorise(bool convex);               // with skin on skin

@@ -5,6 +5,7 @@
 #include "demoulding_experiment.h"
 #include "design_experiment.h"
 #include "fit_experiment.h"
+#include "grasp_experiment.h"
 #include "policy_experiments.h"
 #include "rest_states_experiment.h"
 #include "tentacle_experiment.h"
@@ -58,6 +59,7 @@ std::vector<Experiment> simulation_experiments() {
       {"demoulding",
        "castable Bubblebot and Hammerbot pulled out of their moulds: force, stretch, with and without air holes",
        run_demoulding_experiment},
+      {"grasp", "the gripper lifts a ball and is shaken, over the friction of its fingers", run_grasp_experiment},
       {"design_spinebot", "castable designs of Spinebot that reach farther, and the mould of the best one",
        run_design_spinebot_experiment},
       {"tentacle", "a measured tentacle: distances at published materials, and fitted on every other pose",

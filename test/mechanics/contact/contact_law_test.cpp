@@ -64,6 +64,18 @@ TEST(FrictionLaw, TractionAndStiffnessAreDerivativesOfItsPotential) {
   }
 }
 
+TEST(FrictionLaw, SecantStiffnessIsThatOfAParabolaOverThePotential) {
+  FrictionLaw law{1e-9, 500.0};
+  law.secant = true;
+  const Vector3d normal = Vector3d::UnitZ();
+  for (const Vector3d& away : {Vector3d(0.2e-6, 0.1e-6, 0), Vector3d(3e-6, -4e-6, 0), Vector3d(0, 0.6e-6, 0)})
+    for (const Vector3d& step : {Vector3d(-1e-5, 0, 0), Vector3d(-2e-6, 3e-6, 0), Vector3d(0, 1e-4, 0)}) {
+      const double over = law.potential_j_m2(away) + law.traction_pa(away).dot(step) +
+                          0.5 * step.dot(law.stiffness_pa_m(away, normal) * step);
+      EXPECT_GE(over * (1.0 + 1e-12), law.potential_j_m2(away + step));
+    }
+}
+
 Body block(const Eigen::Vector3i& cells, bool quadratic = true) {
   Body body(box_mesh({-0.01, 0, -0.01}, {0.01, 0.02, 0.01}, cells, quadratic), {264200.0, 0.49, 1070.0});
   body.fix_nodes({-1, 0.02 - 1e-6, -1}, {1, 1, 1}, {true, true, true});

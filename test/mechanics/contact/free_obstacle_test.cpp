@@ -160,6 +160,27 @@ TEST(FreeObstacle, ADroppedBallComesToRestWithItsWeight) {
   EXPECT_NEAR(ledger.closure_error_j, 0.0, 0.01 * ledger.turned_over_j);
 }
 
+// Dropped by 20 mm without friction.
+TEST(FreeObstacle, ABallBouncesWithoutGainingEnergy) {
+  constexpr double kDropM = 0.02;
+  for (const Integrator integrator : kIntegrators) {
+    Simulation simulation = with(pad(), {ball({0.001, kRadius + kDropM, 0.002})}, steps_of(0.002, integrator));
+    simulation.keep_energy_ledger();
+    double most_j = 0.0, rebound_m = 0.0;
+    bool touched = false;
+    for (int i = 0; i < 150; ++i) {
+      ASSERT_TRUE(simulation.step().converged) << i;
+      const EnergyLedger& ledger = *simulation.energy_ledger();
+      most_j = std::max(most_j, ledger.kinetic_j + ledger.elastic_j + ledger.gravity_j);
+      touched = touched || simulation.contacts()[0].normal_force_n > 0.0;
+      if (touched) rebound_m = std::max(rebound_m, center_m(simulation).y() - kRadius);
+    }
+    EXPECT_LT(most_j, 0.01 * kMass * kGravity * kDropM) << static_cast<int>(integrator);
+    EXPECT_GT(rebound_m, integrator == Integrator::tr_bdf2 ? 0.2 * kDropM : 0.0) << static_cast<int>(integrator);
+    EXPECT_LT(rebound_m, kDropM) << static_cast<int>(integrator);
+  }
+}
+
 TEST(FreeObstacle, ACollisionWithoutGravityKeepsMomentum) {
   for (const Integrator integrator : kIntegrators) {
     Body body = loose_block();

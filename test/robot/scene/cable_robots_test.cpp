@@ -37,6 +37,7 @@ TEST(CableRobots, TakeAFifthOfTheirLengthInFewIterations) {
   expect_easy_pull("hanging_bar", 1.4, 2);
   expect_easy_pull("spinebot", 0.9, 3);
   expect_easy_pull("hammerbot", 1.1, 3);
+  expect_easy_pull("gripper", 1.1, 3);
 }
 
 // The corners of Spinebot's cable alone give the points that its file has by hand, and one more, where the cable enters

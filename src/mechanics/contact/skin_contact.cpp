@@ -8,7 +8,8 @@ namespace soft_robot_lab {
 namespace {
 
 // Of a step along which skin may be carried into skin, in faces' sizes.
-constexpr double kShortWay = 0.2, kPartOfWay = 1.0, kMostParts = 8.0, kTooDeep = 0.2;
+constexpr double kShortWay = 0.2, kPartOfWay = 1.0, kMostParts = 8.0;
+constexpr double kTooDeep = 0.4;      // of the depth that counts
 constexpr double kDeeper = 1.1;       // times where the step starts
 constexpr double kGuarded = 5e-4;     // of a face's size: guards hold only what sinks in deeper
 constexpr double kFarFromLaw = 1e-3;  // of a face's size: pressures that mean little, nor how they turn with the skin
@@ -36,6 +37,17 @@ double SkinContact::slack_m(int point) const {
 
 void SkinContact::find_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                                std::vector<ContactTouch>& touches) const {
+  const auto pressures_pa = state.pressures_pa.segment(first_pair_, points_.count());
+  const auto anchors_m = state.anchors_m.middleCols(first_anchor_, rubs_ ? points_.count() : 0);
+  if (!found_.at(positions_m, pressures_pa, anchors_m)) {
+    found_ = {positions_m, pressures_pa, anchors_m, {}};
+    search(positions_m, state, found_.touches);
+  }
+  touches.insert(touches.end(), found_.touches.begin(), found_.touches.end());
+}
+
+void SkinContact::search(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                         std::vector<ContactTouch>& touches) const {
   pairs_.prepare(positions_m);
   for (int face = 0; face < points_.face_count(); ++face) {
     const int first = points_.first_point(face), end = points_.first_point(face + 1);
@@ -140,7 +152,7 @@ double SkinContact::deepest(const Eigen::Matrix3Xd& positions_m) const {
       const Eigen::Vector3d out = outward(point, positions_m);
       if (!pairs_.may_be_inside(face, at_m, out)) continue;
       const std::optional<SkinGap> met = pairs_.meet(face, at_m, out, positions_m);
-      if (met) deepest = std::max(deepest, -met->gap_m / pairs_.size_m(met->at.face));
+      if (met) deepest = std::max(deepest, -met->gap_m / pairs_.deepest_m(met->at.face));
     }
   }
   return deepest;

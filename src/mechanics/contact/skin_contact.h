@@ -64,6 +64,7 @@ class SkinContact {
   // A direction that points out of the skin: at a guard between both faces of its edge.
   Eigen::Vector3d outward(int point, const Eigen::Matrix3Xd& positions_m) const;
   int point_of(const ContactTouch& touch) const { return touch.pair - first_pair_; }
+  void search(const Eigen::Matrix3Xd& positions_m, const ContactState& state, std::vector<ContactTouch>& touches) const;
   void add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                  std::vector<ContactTouch>& touches) const;
   // Of a point that has an anchor on some skin.
@@ -73,8 +74,23 @@ class SkinContact {
   double deepest(const Eigen::Matrix3Xd& positions_m) const;  // over the size of the face that it is in
   bool far_from_law(const ContactTouch& touch) const;
 
+  // What was searched for last, as a matrix or a reading is mostly asked for where the residual was.
+  struct Found {
+    Eigen::Matrix3Xd positions_m;
+    Eigen::VectorXd pressures_pa;
+    Eigen::Matrix3Xd anchors_m;
+    std::vector<ContactTouch> touches;
+
+    bool at(const Eigen::Matrix3Xd& positions, const Eigen::Ref<const Eigen::VectorXd>& pressures,
+            const Eigen::Ref<const Eigen::Matrix3Xd>& anchors) const {
+      return positions_m.cols() == positions.cols() && anchors_m.cols() == anchors.cols() && positions_m == positions &&
+             pressures_pa == pressures && anchors_m == anchors;
+    }
+  };
+
   ContactPoints points_;
   mutable SkinPairs pairs_;
+  mutable Found found_;
   std::vector<TouchingBodies> touching_;
   bool rubs_ = false;
   double youngs_modulus_pa_ = 1.0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <Eigen/Geometry>
@@ -13,14 +14,15 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kDeepest = 0.5;    // of a face's size: deeper is the other side of a wall
+constexpr double kDeepest = 0.5;    // of a face's size: deeper is the other side of a wall, as is deeper than a wall
 constexpr double kBehind = 4.0;     // of the largest face's size: walls are looked for so near
 constexpr double kInFront = 1e-9;   // of the same: a face that has no corner so far in front of another lies behind it
 constexpr double kMargin = 0.02;    // of the body's size: what near faces are looked for within
+constexpr double kOneSide = 0.5;    // cosine: faces whose normals agree so at rest are one side of a wall; it may fold
+constexpr double kOneWay = 0.9;     // cosine: neither face meets the other, nor do the guards at its edges
 constexpr double kAlong = 0.6;      // cosine: faces bend less than to turn such normals against one another
 constexpr double kAgainst = 0.2;    // cosine: skin that meets skin faces it at least so much
 constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
-constexpr double kLikely = 0.1;     // of a face's size
 constexpr int kMostIterations = 12;
 
 // The area vector of a face's corners.
@@ -53,14 +55,40 @@ Eigen::Vector2d into_triangle(Eigen::Vector2d local) {
   return local / std::max(1.0, local.sum());
 }
 
+// A face as a polynomial of its coordinates, of terms 1, r, s, r^2, r s, s^2.
+class FacePolynomial {
+ public:
+  explicit FacePolynomial(const FaceNodes& n) {
+    of_ << n.col(0), n.col(1) - n.col(0), n.col(2) - n.col(0), Eigen::Matrix3d::Zero();
+    if (n.cols() == 3) return;
+    const Eigen::Vector3d r = 2.0 * (n.col(0) + n.col(1) - 2.0 * n.col(3));
+    const Eigen::Vector3d s = 2.0 * (n.col(0) + n.col(2) - 2.0 * n.col(5));
+    of_.col(1) -= r;
+    of_.col(2) -= s;
+    of_.rightCols<3>() << r, 4.0 * (n.col(0) - n.col(3) + n.col(4) - n.col(5)), s;
+  }
+  Eigen::Vector3d at(double r, double s) const {
+    return of_.col(0) + r * (of_.col(1) + r * of_.col(3) + s * of_.col(4)) + s * (of_.col(2) + s * of_.col(5));
+  }
+  Eigen::Matrix<double, 3, 2> tangents(double r, double s) const {
+    return (Eigen::Matrix<double, 3, 2>() << of_.col(1) + 2.0 * r * of_.col(3) + s * of_.col(4),
+            of_.col(2) + r * of_.col(4) + 2.0 * s * of_.col(5))
+        .finished();
+  }
+
+ private:
+  Eigen::Matrix<double, 3, 6> of_;
+};
+
 // Coordinates of the closest place, by Gauss and Newton's method, kept on the face.
 Eigen::Vector2d closest(const FaceNodes& nodes, const Eigen::Vector3d& point_m) {
+  const FacePolynomial face(nodes);
   Eigen::Vector2d local = Eigen::Vector2d::Constant(1.0 / 3.0);
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const FaceShape at = face_shape(nodes.cols(), local.x(), local.y());
-    const Eigen::Matrix<double, 3, 2> tangents = nodes * at.slopes.transpose();
+    const Eigen::Matrix<double, 3, 2> tangents = face.tangents(local.x(), local.y());
     const Eigen::Matrix2d metric = tangents.transpose() * tangents;
-    const Eigen::Vector2d change = metric.inverse() * (tangents.transpose() * (point_m - nodes * at.values));
+    const Eigen::Vector2d change =
+        metric.inverse() * (tangents.transpose() * (point_m - face.at(local.x(), local.y())));
     const Eigen::Vector2d next = into_triangle(local + change);
     const double moved = (next - local).cwiseAbs().maxCoeff();
     local = next;
@@ -88,6 +116,24 @@ std::vector<std::pair<int, int>> overlapping(const Eigen::MatrixXi& faces, const
   }
   if (!tree.empty()) tree.collideTT(tree.m_root, tree.m_root, found);
   return std::move(found.pairs);
+}
+
+// How far behind the middle of a face at rest another one is that looks the other way; infinite where the line from
+// there does not meet it.
+double wall_m(const Eigen::MatrixXi& faces, int face, int other, const Eigen::Matrix3Xd& rest_m) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const Eigen::Vector3d out = corner_normal(faces, face, rest_m).normalized();
+  const Eigen::Vector3d area_m2 = corner_normal(faces, other, rest_m);
+  if (out.dot(area_m2) > -kAgainst * area_m2.norm()) return kInfinite;
+  const Eigen::Matrix3d corners_m = rest_m(Eigen::all, faces.col(other).head<3>());
+  const Eigen::Vector3d from_m = rest_m(Eigen::all, faces.col(face).head<3>()).rowwise().mean();
+  const double depth_m = (from_m - corners_m.col(0)).dot(area_m2) / out.dot(area_m2);
+  const Eigen::Vector3d at_m = from_m - depth_m * out;
+  for (int side = 0; side < 3; ++side) {
+    const Eigen::Vector3d edge_m = corners_m.col((side + 1) % 3) - corners_m.col(side);
+    if (edge_m.cross(at_m - corners_m.col(side)).dot(area_m2) < -1e-9 * area_m2.squaredNorm()) return kInfinite;
+  }
+  return depth_m > 0.0 ? depth_m : kInfinite;
 }
 
 // Of each face of the mesh.
@@ -125,6 +171,12 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
     sizes_m_[face] = std::sqrt(area_m2.norm());
   }
   largest_size_m_ = sizes_m_.maxCoeff();
+  deepest_m_ = kDeepest * sizes_m_;
+  for (const auto& [a, b] : overlapping(faces_, rest_m_, 0.5 * kDeepest * largest_size_m_)) {
+    if (body_[static_cast<std::size_t>(a)] != body_[static_cast<std::size_t>(b)]) continue;
+    deepest_m_[a] = std::min(deepest_m_[a], wall_m(faces_, a, b, rest_m_));
+    deepest_m_[b] = std::min(deepest_m_[b], wall_m(faces_, b, a, rest_m_));
+  }
 }
 
 bool SkinPairs::counts(int face, int other) const {
@@ -134,6 +186,7 @@ bool SkinPairs::counts(int face, int other) const {
   const auto mine = faces_.col(same), theirs = faces_.col(other);
   for (Eigen::Index a = 0; a < mine.size(); ++a)
     if (std::find(theirs.begin(), theirs.end(), mine[a]) != theirs.end()) return false;
+  if (rest_normals_.col(same).dot(rest_normals_.col(other)) > kOneSide) return true;
   const Eigen::Vector3d between_m = rest_middles_m_.col(same) - rest_middles_m_.col(other);
   if (between_m.norm() > kBehind * largest_size_m_) return true;
   double foremost_m = -largest_size_m_;
@@ -143,7 +196,13 @@ bool SkinPairs::counts(int face, int other) const {
   return foremost_m > kInFront * largest_size_m_;
 }
 
+bool SkinPairs::may_face(std::size_t face, int other) const {
+  return normals_.col(same_[face]).dot(normals_.col(other)) < kOneWay;
+}
+
 void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
+  if (prepared_at_m_.cols() == positions_m.cols() && prepared_at_m_ == positions_m) return;
+  prepared_at_m_ = positions_m;
   const auto count = static_cast<int>(faces_.cols());
   for (Eigen::Matrix3Xd* corners_m : {&low_m_, &high_m_, &deep_low_m_, &deep_high_m_}) corners_m->resize(3, count);
   normals_.resize(3, count);
@@ -157,7 +216,7 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
     top_m_[face] = heights_m.maxCoeff();
     low_m_.col(face) = around.rowwise().minCoeff();
     high_m_.col(face) = around.rowwise().maxCoeff();
-    const Eigen::Vector3d behind_m = -kDeepest * sizes_m_[face] * normals_.col(face);
+    const Eigen::Vector3d behind_m = -deepest_m_[face] * normals_.col(face);
     deep_low_m_.col(face) = (low_m_.col(face) + behind_m.cwiseMin(0.0)).array() - kOverEdge * sizes_m_[face];
     deep_high_m_.col(face) = (high_m_.col(face) + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
   }
@@ -170,14 +229,14 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
     overlaps_[face].clear();
     for (const int other : near_[face])
       if ((deep_low_m_.col(other).array() <= high_m.array()).all() &&
-          (deep_high_m_.col(other).array() >= low_m.array()).all())
+          (deep_high_m_.col(other).array() >= low_m.array()).all() && may_face(face, other))
         overlaps_[face].push_back(other);
   }
 }
 
 bool SkinPairs::may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
   if (normals_.col(other).dot(outward) > kAlong * outward.norm()) return false;
-  const double height_m = normals_.col(other).dot(point_m), deepest_m = kDeepest * sizes_m_[other];
+  const double height_m = normals_.col(other).dot(point_m), deepest_m = deepest_m_[other];
   return height_m > lowest_m_[other] - deepest_m && height_m < top_m_[other] + deepest_m;
 }
 
@@ -225,8 +284,7 @@ std::optional<SkinGap> SkinPairs::gap_to(int other, const Eigen::Vector3d& point
   const Eigen::Vector3d off_m = point_m - nodes * shape.values;
   gap.gap_m = gap.normal.dot(off_m);
   const double beyond_edge_m = (off_m - gap.gap_m * gap.normal).norm();
-  if (std::abs(gap.gap_m) > kDeepest * sizes_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other])
-    return std::nullopt;
+  if (std::abs(gap.gap_m) > deepest_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other]) return std::nullopt;
   gap.at.face = other;
   gap.at.r = local.x();
   gap.at.s = local.y();
@@ -239,14 +297,30 @@ std::optional<SkinGap> SkinPairs::gap_to(int other, const Eigen::Vector3d& point
   return gap;
 }
 
+double SkinPairs::least_gap_m(int other, const Eigen::Vector3d& point_m) const {
+  const double height_m = normals_.col(other).dot(point_m);
+  return std::max({(low_m_.col(other) - point_m).maxCoeff(), (point_m - high_m_.col(other)).maxCoeff(),
+                   height_m - top_m_[other], lowest_m_[other] - height_m});
+}
+
+// The one that may be nearest first, as then most others need no closer look.
 std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                        const Eigen::Matrix3Xd& positions_m) const {
-  std::optional<SkinGap> best;
-  for (const int other : near_[static_cast<std::size_t>(face)]) {
-    const double reach_m = best ? std::abs(best->gap_m) : kDeepest * sizes_m_[other];
-    if ((point_m - low_m_.col(other)).minCoeff() < -reach_m || (high_m_.col(other) - point_m).minCoeff() < -reach_m)
-      continue;
-    if (!may_meet(other, point_m, outward)) continue;
+  const std::vector<int>& near = near_[static_cast<std::size_t>(face)];
+  const auto may = [&](int other, double reach_m) {
+    return least_gap_m(other, point_m) <= reach_m && may_meet(other, point_m, outward);
+  };
+  int first = -1;
+  double least_m = 0.0;
+  for (const int other : near) {
+    if (!may(other, first < 0 ? deepest_m_[other] : std::min(least_m, deepest_m_[other]))) continue;
+    first = other;
+    least_m = least_gap_m(other, point_m);
+  }
+  if (first < 0) return std::nullopt;
+  std::optional<SkinGap> best = gap_to(first, point_m, outward, positions_m);
+  for (const int other : near) {
+    if (other == first || !may(other, best ? std::abs(best->gap_m) : deepest_m_[other])) continue;
     const std::optional<SkinGap> gap = gap_to(other, point_m, outward, positions_m);
     if (gap && (!best || std::abs(gap->gap_m) < std::abs(best->gap_m))) best = gap;
   }
@@ -274,19 +348,6 @@ std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& poi
     best = {other, there.x(), there.y()};
   }
   return best;
-}
-
-std::vector<FacePair> SkinPairs::likely() const {
-  std::vector<FacePair> pairs;
-  for (std::size_t face = 0; face < near_.size(); ++face) {
-    const auto low_m = low_m_.col(same_[face]), high_m = high_m_.col(same_[face]);
-    for (const int other : near_[face]) {
-      const double reach_m = kLikely * std::min(sizes_m_[other], sizes_m_[same_[face]]);
-      if ((low_m - high_m_.col(other)).maxCoeff() < reach_m && (low_m_.col(other) - high_m).maxCoeff() < reach_m)
-        pairs.emplace_back(static_cast<int>(face), other);
-    }
-  }
-  return pairs;
 }
 
 Eigen::Vector3d SkinPairs::at(int face, double r, double s, const Eigen::Matrix3Xd& positions_m) const {

@@ -2,8 +2,9 @@
 // Where points of the skin meet other skin, of the same body or another, in the present shape. Bullet's tree of boxes
 // finds the faces that are near; the closest place on a face and the gap to it are ours, in double precision.
 //
-// No pairs are faces that share a node, and faces that lie wholly behind one another at rest, nearer than a few faces:
-// the two sides of a thin wall. Those of two bodies are where these touch at all.
+// No pairs are faces that share a node, and faces that lie wholly behind one another at rest, nearer than a few faces,
+// but for those of one side, which may fold: the two sides of a thin wall. Those of two bodies are where these touch at
+// all.
 #pragma once
 
 #include <optional>
@@ -83,12 +84,10 @@ class SkinPairs {
   std::optional<SkinAnchor> anchor(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                    const Eigen::Matrix3Xd& positions_m) const;
 
-  // Pairs that nearly touch where prepare() was called last, sorted: those that a step may bring together.
-  std::vector<FacePair> likely() const;
-
+  // How deep behind it skin still counts as inside: half its size, or all of the wall behind it.
+  double deepest_m(int face) const { return deepest_m_[face]; }
   // Of the face's corners, at the positions of prepare().
   auto normal(int face) const { return normals_.col(face); }
-  double size_m(int face) const { return sizes_m_[face]; }  // of the mesh's face
   double smallest_size_m() const { return sizes_m_.minCoeff(); }
   // Where a place of a face is.
   Eigen::Vector3d at(int face, double r, double s, const Eigen::Matrix3Xd& positions_m) const;
@@ -98,6 +97,9 @@ class SkinPairs {
 
  private:
   bool counts(int face, int other) const;
+  // False where both look the same way at the positions of prepare().
+  bool may_face(std::size_t face, int other) const;
+  double least_gap_m(int other, const Eigen::Vector3d& point_m) const;  // a bound, by boxes
   // False where one look shows that a point with this normal does not meet the face.
   bool may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
   std::optional<SkinGap> gap_to(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
@@ -107,13 +109,13 @@ class SkinPairs {
   Eigen::MatrixXi faces_;    // nodes x faces, of the whole mesh
   Eigen::Matrix3Xd rest_m_;  // nodes
   Eigen::Matrix3Xd rest_middles_m_, rest_normals_;
-  Eigen::VectorXd sizes_m_;
+  Eigen::VectorXd sizes_m_, deepest_m_;
   std::vector<int> same_;  // of each face of the points, the mesh's
   std::vector<int> body_;  // of each of the mesh's
   TouchingPairs touching_;
   double largest_size_m_ = 0.0, margin_m_ = 0.0;
 
-  Eigen::Matrix3Xd near_at_m_;  // where near_ was found
+  Eigen::Matrix3Xd prepared_at_m_, near_at_m_;  // where near_ was found
   std::vector<std::vector<int>> near_;
   // At the present positions: corners of a box around each face, and around it with what lies behind it to the depth
   // that counts; and per face of the points those of near_ whose second box its own overlaps.

@@ -242,6 +242,36 @@ TEST(SelfContact, FrictionTiesSkinToSkinUpToItsLimit) {
   EXPECT_GT(forces_n.cwiseProduct(moved(1.0) - x).sum(), 0.0);
 }
 
+// A strip that is folded right over, its legs 0.2 mm into one another: of what lies in one plane at rest its inner side
+// meets itself, its outer side does not, though the strip is thin.
+TEST(SelfContact, AFoldedStripTouchesItselfInsideAndNotOutside) {
+  constexpr double kThick = 0.001, kHinge = 0.005, kRadius = 0.001, kTurn = 1.8;
+  const Body body = [] {
+    Body strip(box_mesh({-0.01, -kThick, 0}, {0.01, 0, 0.005}, {4, 1, 1}), kSilicone);
+    strip.let_touch_itself();
+    return strip;
+  }();
+  const Eigen::Matrix3Xd& rest_m = body.mesh().nodes_m;
+  const auto folded_m = [&](const Vector3d& at_m) {
+    const double side = at_m.x() < 0.0 ? -1.0 : 1.0, along_m = std::abs(at_m.x()), radius_m = kRadius - at_m.y();
+    const double angle = kTurn * std::min(1.0, along_m / kHinge), leg_m = std::max(0.0, along_m - kHinge);
+    return Vector3d(side * (radius_m * std::sin(angle) + leg_m * std::cos(angle)),
+                    kRadius - radius_m * std::cos(angle) + leg_m * std::sin(angle), at_m.z());
+  };
+  Eigen::Matrix3Xd x = rest_m;
+  for (Eigen::Index node = 0; node < x.cols(); ++node) x.col(node) = folded_m(rest_m.col(node));
+  const ContactTerm term(body);
+  int inside = 0, outside = 0;
+  for (const ContactTouch& touch : term.sums(x, term.untouched(rest_m, 0.0)).touches) {
+    const std::vector<int> nodes = term.skin().pairs().nodes(term.skin().faces_of(touch));
+    const auto all_at = [&](double height_m) { return (rest_m(1, nodes).array() - height_m).abs().maxCoeff() < 1e-9; };
+    inside += all_at(0.0);
+    outside += all_at(-kThick);
+  }
+  EXPECT_GT(inside, 10);
+  EXPECT_EQ(outside, 0);
+}
+
 // Its two sides are nearer than a face is wide, and face away from one another.
 TEST(SelfContact, TheSidesOfAThinWallDoNotTouch) {
   const auto bent = [](bool touches_itself) {

@@ -22,6 +22,7 @@
 #include <qwt_plot_spectrocurve.h>
 #include <qwt_scale_widget.h>
 #include <qwt_symbol.h>
+#include <qwt_text.h>
 
 #include "ros/plasma.h"
 
@@ -104,9 +105,13 @@ WorkspaceView::WorkspaceView(std::function<void(const ReachableTips&)> found,
   grid->addWidget(state_, 2, 0, 1, 4);
   plot_->setMinimumHeight(110);
   plot_->setCanvasBackground(Qt::white);
+  QFont small = font();
+  small.setPointSizeF(0.8 * small.pointSizeF());
+  for (const int axis : {QwtPlot::xBottom, QwtPlot::yLeft, QwtPlot::yRight}) plot_->setAxisFont(axis, small);
   auto* picker = new QwtPlotPicker(plot_->canvas());
   picker->setStateMachine(new QwtPickerClickPointMachine);
   rescaler_ = new QwtPlotRescaler(plot_->canvas(), QwtPlot::xBottom, QwtPlotRescaler::Fitting);
+  rescaler_->setExpandingDirection(QwtPlotRescaler::ExpandBoth);
   rescaler_->setAspectRatio(QwtPlot::yLeft, 1.0);  // a millimetre is as long both ways
   rescaler_->setAspectRatio(QwtPlot::yRight, 0.0);
   connect(picker, QOverload<const QPointF&>::of(&QwtPlotPicker::selected), this,
@@ -220,7 +225,9 @@ void WorkspaceView::show_tips() {
   const double largest = std::max(1e-9, tips_.largest_effort());
   plot_->enableAxis(QwtPlot::yRight, count > 0 && !tips_.effort.empty());
   plot_->setAxisScale(QwtPlot::yRight, 0.0, largest);
-  plot_->setAxisTitle(QwtPlot::yRight, QString::fromStdString(tips_.effort));
+  QwtText title(QString::fromStdString(tips_.effort));
+  title.setFont(plot_->axisFont(QwtPlot::yRight));
+  plot_->setAxisTitle(QwtPlot::yRight, title);
   plot_->axisWidget(QwtPlot::yRight)->setColorBarEnabled(true);
   plot_->axisWidget(QwtPlot::yRight)->setColorMap(QwtInterval(0.0, largest), colour_map());
   add_hull(corners, plot_);

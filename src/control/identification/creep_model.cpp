@@ -12,8 +12,9 @@
 namespace soft_robot_lab {
 namespace {
 
-// Creep is slow but where a command came just now: a strain counts as growing evenly over a step.
-constexpr double kShortStep_s = 0.05, kSoon_s = 0.5, kLongStep_s = 0.25;
+// Creep is slow but where a command came just now: a strain counts as growing evenly over a step. Short ones follow a
+// robot on its way and how it comes to rest, as friction remembers that.
+constexpr double kShortStep_s = 1.0 / 30.0, kSoon_s = 0.4, kLongStep_s = 0.25;
 
 bool all_arrived(const Simulation& simulation) {
   const DriveStates& drives = simulation.state().drives;
@@ -34,9 +35,9 @@ class TwoPaces {
   SimulatedHold hold(const std::vector<double>& commands, double duration_s) {
     SimulatedHold hold{{0.0}, {places(robot())}};
     for (std::size_t i = 0; i < commands.size(); ++i) robot().set_command(robot().actuators()[i]->name(), commands[i]);
-    pass(robot(), std::min(duration_s, kSoon_s), kShortStep_s, hold);
+    pass(robot(), duration_s, kSoon_s, kShortStep_s, hold);
     long_.simulation->set_state(robot().state());
-    pass(*long_.simulation, duration_s, kLongStep_s, hold);
+    pass(*long_.simulation, duration_s, duration_s, kLongStep_s, hold);
     robot().set_state(long_.simulation->state());
     return hold;
   }
@@ -47,8 +48,9 @@ class TwoPaces {
     return load_scene(scene, options);
   }
 
-  static void pass(Simulation& robot, double end_s, double step_s, SimulatedHold& hold) {
-    while (hold.times_s.back() < end_s - 1e-9) {
+  // Until the end, or so long after the drives stood.
+  static void pass(Simulation& robot, double end_s, double after_s, double step_s, SimulatedHold& hold) {
+    while (hold.times_s.back() < std::min(end_s, hold.arrived_s + after_s) - 1e-9) {
       const SolveReport report = robot.step();
       if (!report.converged) throw std::runtime_error("a step of creep does not converge: " + report.message);
       hold.times_s.push_back(hold.times_s.back() + step_s);

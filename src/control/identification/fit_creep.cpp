@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
+#include <limits>
 #include <stdexcept>
 
 #include <ceres/ceres.h>
@@ -10,6 +12,7 @@
 #include "creep_model.h"
 #include "fit_statistics.h"
 #include "measured_weight.h"
+#include "pose_model.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -84,12 +87,18 @@ class CreepResidual : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Eigen::Vector2d at(parameters[0]);
     try {
-      const Eigen::VectorXd here = misses(at);
-      Eigen::Map<Eigen::VectorXd>(residuals, here.size()) = here;
-      if (!jacobians || !jacobians[0]) return true;
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>> jacobian(jacobians[0], here.size(), 2);
+      const bool differentiate = jacobians && jacobians[0];
+      std::vector<std::future<Eigen::VectorXd>> beside;
+      for (int i = 0; differentiate && i < 2; ++i)
+        beside.push_back(std::async(std::launch::async,
+                                    [this, at, i] { return misses(at + kLogarithmStep * Eigen::Vector2d::Unit(i)); }));
+      if (at != known_at_) known_ = misses(at);
+      known_at_ = at;
+      Eigen::Map<Eigen::VectorXd>(residuals, known_.size()) = known_;
+      if (!differentiate) return true;
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>> jacobian(jacobians[0], known_.size(), 2);
       for (int i = 0; i < 2; ++i)
-        jacobian.col(i) = (misses(at + kLogarithmStep * Eigen::Vector2d::Unit(i)) - here) / kLogarithmStep;
+        jacobian.col(i) = (beside[static_cast<std::size_t>(i)].get() - known_) / kLogarithmStep;
     } catch (const std::runtime_error&) {  // a step that does not converge; a shorter way may
       return false;
     }
@@ -117,6 +126,9 @@ class CreepResidual : public ceres::CostFunction {
   const std::vector<CreepTrack>& tracks_;
   Eigen::Matrix3d turn_;
   std::function<std::vector<SimulatedHold>(const Eigen::Vector2d&)> simulate_;
+  // The last place, which is asked for twice: by what it misses, then for derivatives too.
+  mutable Eigen::Vector2d known_at_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  mutable Eigen::VectorXd known_;
 };
 
 }  // namespace
@@ -138,8 +150,8 @@ CreepFit::CreepFit(std::string scene, SceneOptions options, const std::vector<Me
 }
 
 void CreepFit::run(const FitRequest& request, const FitResult& result) {
-  SceneOptions options = options_;
   const auto simulate = [&](const Eigen::Vector2d& logarithms) {
+    SceneOptions options = options_;
     options.overrides = with_creep(result.overrides, logarithms.array().exp().matrix());
     return simulate_holds(scene_, options, poses_, result.backlash_m);
   };
@@ -176,21 +188,23 @@ void CreepFit::run(const FitRequest& request, const FitResult& result) {
   information_ = jacobian.transpose() * jacobian / residual_variance(residuals, 2);
 }
 
-// By how far the model is then from where it would end, with the same steps, without creep.
-std::vector<MeasuredPose> CreepFit::without_creep(const FitResult& result) const {
+// By how far the model, held as long, is then from its rest states: it creeps on, and where cables rub, how it swung on
+// its way there counts.
+std::vector<MeasuredPose> CreepFit::as_at_rest(const FitResult& result) const {
   SceneOptions options = options_;
   options.overrides = with_creep(result.overrides, values_);
-  const std::vector<SimulatedHold> creeping = simulate_holds(scene_, options, poses_, result.backlash_m);
-  options.overrides = with_creep(result.overrides, Eigen::Vector2d(0.0, values_[1]));
   const Scene loaded = load_scene(scene_, options);
-  const std::vector<SimulatedHold> still = simulate_holds(scene_, options, poses_, result.backlash_m);
+  const std::vector<SimulatedHold> holds = simulate_holds(scene_, options, poses_, result.backlash_m);
+  const std::vector<PosePrediction> rests =
+      PoseModel(scene_, options_, poses_).predict(result.overrides, {}, result.backlash_m);
   std::vector<MeasuredPose> poses = poses_;
   for (std::size_t p = 0; p < poses.size(); ++p) {
-    for (MeasuredMarker& marker : poses[p].markers) {
+    for (std::size_t m = 0; m < poses[p].markers.size(); ++m) {
+      MeasuredMarker& marker = poses[p].markers[m];
       const int index = loaded.simulation->marker_index(marker.name);
-      const double from_s = poses[p].rest_from_s, to_s = poses[p].held_s;
-      marker.position_m -= result.measured_from_base.linear() *
-                           (creeping[p].mean(index, from_s, to_s) - still[p].mean(index, from_s, to_s));
+      marker.position_m -=
+          result.measured_from_base.linear() * (holds[p].mean(index, poses[p].rest_from_s, poses[p].held_s) -
+                                                rests[p].markers_m.col(static_cast<Eigen::Index>(m)));
     }
   }
   return poses;

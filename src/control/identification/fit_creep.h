@@ -19,8 +19,8 @@ class CreepFit {
   // Finds both numbers for the scene and the backlash that `result` has; goes on from those found before.
   void run(const FitRequest& request, const FitResult& result);
 
-  // The poses as they would be measured after a long time.
-  std::vector<MeasuredPose> without_creep(const FitResult& result) const;
+  // The poses as they would be measured after a long time, without creep and without swings on the way.
+  std::vector<MeasuredPose> as_at_rest(const FitResult& result) const;
 
   // Appends the numbers to the values, and writes them into the overrides.
   void finish(FitResult& result) const;

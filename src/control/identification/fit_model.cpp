@@ -201,17 +201,17 @@ FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene,
   return result;
 }
 
-// Rest states creep on, and creep is measured on the robot that they fit: one after the other, twice.
+// Rest states creep on, and creep is measured on the robot that they fit: one after the other, three times.
 FitResult fit_with_creep(const FitParameters& parameters, const std::string& scene, const SceneOptions& options,
                          const std::vector<MeasuredPose>& poses, const FitRequest& request) {
-  constexpr int rounds = 2;
+  constexpr int rounds = 3;
   CreepFit creep(scene, options, poses, parameters.creep());
   std::vector<double> unknowns(parameters.numbers().size(), 0.0);
   FitResult result = fit_to_rest(parameters, scene, options, poses, request, unknowns);
   const FitResult first = result;
   for (int round = 0; round < rounds; ++round) {
     creep.run(request, result);
-    result = fit_to_rest(parameters, scene, options, creep.without_creep(result), request, unknowns);
+    result = fit_to_rest(parameters, scene, options, creep.as_at_rest(result), request, unknowns);
   }
   result.before = first.before;
   for (std::size_t i = 0; i < result.configurations.size(); ++i)

@@ -76,13 +76,21 @@ void EmulatedLab::pass(double duration_s) {
   }
 }
 
-void EmulatedLab::go(const std::vector<std::string>& names, const std::vector<double>& commands) {
+void EmulatedLab::command(const std::vector<std::string>& names, const std::vector<double>& commands) {
   session_->command(names, commands);
+}
+
+void EmulatedLab::wait(double duration_s) {
+  pass(duration_s);
+  for (const MotorStatus& motor : session_->driver().motors())
+    if (!motor.fault.empty()) throw std::runtime_error("a motor faults: " + motor.fault);
+}
+
+void EmulatedLab::go(const std::vector<std::string>& names, const std::vector<double>& commands) {
+  command(names, commands);
   MarkerPlaces before_m = plant_.markers_m();
   for (const double limit_s = time_s() + kLimit_s; time_s() < limit_s;) {
-    pass(kLook_s);
-    for (const MotorStatus& motor : session_->driver().motors())
-      if (!motor.fault.empty()) throw std::runtime_error("a motor faults: " + motor.fault);
+    wait(kLook_s);
     const MarkerPlaces now_m = plant_.markers_m();
     if (session_->at_rest() && farthest_m(before_m, now_m) < kStill_m) return;
     before_m = now_m;

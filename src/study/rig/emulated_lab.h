@@ -48,6 +48,12 @@ class EmulatedLab {
   // does, std::runtime_error where it does not rest within a minute or a motor faults.
   void go(const std::vector<std::string>& names, const std::vector<double>& commands);
 
+  // Commands the motors, and no more.
+  void command(const std::vector<std::string>& names, const std::vector<double>& commands);
+
+  // Lets time pass. Throws std::runtime_error where a motor faults meanwhile.
+  void wait(double duration_s);
+
   // Films the resting robot and tracks it, as if it were seen for the first time; of each marker the mean of the frames
   // that show it. `expected_m`: where a simulation has every marker, which shows which is which.
   MeasuredMarkers measure(const MarkerPlaces& expected_m);

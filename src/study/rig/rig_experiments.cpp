@@ -4,6 +4,7 @@
 #include "air_policy_experiment.h"
 #include "ball_experiment.h"
 #include "fault_experiment.h"
+#include "fit_rig_experiment.h"
 #include "gap_experiments.h"
 #include "pull_experiment.h"
 
@@ -14,6 +15,8 @@ std::vector<Experiment> rig_experiments() {
       {"4.3.1", "how long the rig takes to pull 10 to 200 mm of cable", run_pull_experiment},
       {"rig_faults", "random commands over a bad line, with unplugging and resets: is the position ever wrong?",
        run_fault_experiment},
+      {"fit_rig", "Spinebot's model fitted to one recording of the emulated rig: are its hidden numbers found?",
+       run_fit_rig_experiment},
       {"6.4.1", "Hammerbot on the emulated rig beside its simulation", run_hammerbot_gap_experiment},
       {"6.4.2", "Spinebot on the emulated rig beside its simulation", run_spinebot_gap_experiment},
       {"6.4.3", "Bubblebot on an emulated rig of syringes beside its simulation", run_bubblebot_gap_experiment},

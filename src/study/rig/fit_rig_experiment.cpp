@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fit_rig_experiment.h"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "control/configuration_table.h"
+#include "lab_settings.h"
+#include "robot/scene/parameters.h"
+#include "soft_robot_lab/control/identification/fit_model.h"
+
+namespace soft_robot_lab {
+namespace {
+
+struct FitRigSettings {
+  LabFiles files;
+  std::vector<Configuration> configurations, unseen;
+  double held_s = 0.0, deviation_m = 0.0;
+  std::vector<double> film_at_s;  // since the command, rising
+  std::string known;              // YAML: what is measured otherwise
+  FitRequest request;
+};
+
+FitRigSettings read_settings(const ExperimentContext& context) {
+  const YamlNode node = YamlNode::load_file(context.settings_file("fit_rig"));
+  FitRigSettings settings{read_lab_files(node, context),
+                          read_configurations(node),
+                          read_configurations(node.child("unseen")),
+                          0.0,
+                          0.0,
+                          {},
+                          {},
+                          {}};
+  settings.held_s = node.number("held_s", AllowedRange::positive());
+  settings.deviation_m = node.number("deviation_m", AllowedRange::positive());
+  for (const YamlNode& time : node.sequence("film_at_s"))
+    settings.film_at_s.push_back(time.as_number({0.0, settings.held_s}));
+  const YamlNode known = node.child("known");
+  for (const std::string& key : known.keys()) settings.known += key + ": " + known.child(key).dump() + "\n";
+  settings.request.model_error_m = node.number("model_error_m", AllowedRange::not_negative());
+  for (const YamlNode& name : node.sequence("parameters"))
+    settings.request.parameters.push_back({name.as_text(), {}, {}, {}});
+  node.require_all_read();
+  return settings;
+}
+
+// The lab goes through configurations; the model only shows which marker is which.
+class Recorder {
+ public:
+  Recorder(const FitRigSettings& settings, const ExperimentContext& context)
+      : settings_(settings),
+        model_(load_scene(settings.files.robot, context.scene_options(settings.known))),
+        lab_(settings.files.lab, context.scene_options()) {
+    lab_.calibrate(settings.files.balls);
+  }
+
+  MeasuredPose hold(const Configuration& configuration) {
+    Simulation& model = *model_.simulation;
+    std::vector<std::string> names;
+    for (const auto& actuator : model.actuators()) names.push_back(actuator->name());
+    for (std::size_t i = 0; i < names.size(); ++i) model.set_command(names[i], configuration.commands.at(i));
+    if (const SolveReport rest = model.solve_equilibrium(); !rest.converged)
+      throw std::runtime_error("the model finds no rest: " + rest.message);
+    const double start_s = lab_.time_s();
+    lab_.command(names, configuration.commands);
+    MeasuredPose pose;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      pose.commands[names[i]] = rounded(names[i], configuration.commands[i]);
+    for (const double at_s : settings_.film_at_s) {
+      lab_.wait(std::max(0.0, start_s + at_s - lab_.time_s()));
+      pose.seen.push_back(film(start_s));
+    }
+    lab_.wait(std::max(0.0, start_s + settings_.held_s - lab_.time_s()));
+    pose.held_s = lab_.time_s() - start_s;
+    pose.rest_from_s = settings_.film_at_s.back();
+    pose.markers = pose.seen.back().markers;
+    return pose;
+  }
+
+  const Plant& plant() const { return lab_.plant(); }
+
+ private:
+  MarkersAt film(double start_s) {
+    const double from_s = lab_.time_s();
+    MarkersAt seen;
+    for (const auto& [name, position_m] : lab_.measure(marker_places(*model_.simulation)))
+      seen.markers.push_back({name, position_m, std::pow(settings_.deviation_m, 2) * Eigen::Matrix3d::Identity()});
+    seen.time_s = 0.5 * (from_s + lab_.time_s()) - start_s;
+    return seen;
+  }
+
+  // As the drives stand, which are whole steps.
+  double rounded(const std::string& name, double command) const {
+    for (const MotorSettings& motor : settings_.files.lab.rig.motors)
+      if (motor.name == name) return value_of(motor, std::round(steps_of(motor, command)));
+    throw std::invalid_argument("the rig has no motor named '" + name + "'");
+  }
+
+  const FitRigSettings& settings_;
+  Scene model_;
+  EmulatedLab lab_;
+};
+
+// What plant.yaml hides, by the names of fitted values.
+std::map<std::string, double> hidden(const FitRigSettings& settings, const Simulation& plant) {
+  std::map<std::string, double> values = {{"youngs_modulus_pa", plant.body().material().youngs_modulus_pa},
+                                          {"creep.stiffness_ratio", plant.body().viscosity().hysteresis_ratio},
+                                          {"creep.relaxation_time_s", plant.body().viscosity().relaxation_time_s}};
+  const PlantSettings& file = settings.files.lab.plant;
+  for (const MotorSettings& motor : settings.files.lab.rig.motors) {
+    for (const std::string key : {"friction_coefficient", "compliance_m_n", "length_offset_m"}) {
+      const bool one_each = key == "length_offset_m";
+      values[one_each ? key + "." + motor.name : key] = number_at(file.robot, "cables." + motor.name + "." + key);
+    }
+    const auto steps = file.backlash_steps.find(motor.name);
+    values["backlash_m." + motor.name] = steps == file.backlash_steps.end() ? 0.0 : steps->second * motor.step_m;
+  }
+  return values;
+}
+
+Table table_of(const FitResult& fit, const std::map<std::string, double>& hidden) {
+  Table table{{{"parameter"}, {"model's"}, {"fitted", 4}, {"standard deviation", 2}, {"hidden"}, {"off [%]", 2}}, {}};
+  for (const FittedValue& value : fit.values) {
+    const auto truth = hidden.find(value.name);
+    std::vector<TableCell> row = {value.name, value.start, value.value, value.deviation};
+    row.push_back(truth == hidden.end() ? TableCell("") : TableCell(truth->second));
+    row.push_back(truth == hidden.end() ? TableCell("") : TableCell(100.0 * (value.value / truth->second - 1.0)));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+std::vector<MeasuredPose> record(Recorder& recorder, const std::vector<Configuration>& configurations,
+                                 const ExperimentContext& context, double from, double to) {
+  std::vector<MeasuredPose> poses;
+  for (const Configuration& configuration : configurations) {
+    const double fraction = static_cast<double>(poses.size()) / static_cast<double>(configurations.size());
+    context.report(from + fraction * (to - from), configuration.name);
+    poses.push_back(recorder.hold(configuration));
+  }
+  return poses;
+}
+
+// Of the unseen poses alone, though drives and friction come from all before them.
+double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& context, std::vector<MeasuredPose> poses,
+                    const std::vector<MeasuredPose>& unseen, const FitResult& fit, const std::string& overrides) {
+  for (MeasuredPose& pose : poses) pose.markers.clear();
+  poses.insert(poses.end(), unseen.begin(), unseen.end());
+  return model_gap(settings.files.robot, context.scene_options(overrides), poses, fit.measured_from_base,
+                   fit.backlash_m)
+      .rms_m;
+}
+
+}  // namespace
+
+ExperimentResult run_fit_rig_experiment(const ExperimentContext& context) {
+  FitRigSettings settings = read_settings(context);
+  context.report(0.0, "calibrating the cameras");
+  Recorder recorder(settings, context);
+  const std::vector<MeasuredPose> poses = record(recorder, settings.configurations, context, 0.0, 0.4);
+  const std::vector<MeasuredPose> unseen = record(recorder, settings.unseen, context, 0.4, 0.5);
+  const Simulation& robot = recorder.plant().simulation();
+  FitRequest request = settings.request;
+  request.mass_kg = robot.body().node_masses_kg().sum();
+  request.progress = [&](int iteration, double rms_gap_m) {
+    context.report(std::min(0.95, 0.5 + 0.01 * iteration), "rms gap " + std::to_string(1e3 * rms_gap_m) + " mm");
+    return true;
+  };
+  const FitResult fit = fit_model(settings.files.robot, context.scene_options(settings.known), poses, request);
+  const double before_m = unseen_gap_m(settings, context, poses, unseen, {}, settings.known);
+  const double after_m = unseen_gap_m(settings, context, poses, unseen, fit, fit.overrides);
+
+  const std::map<std::string, double> truth = hidden(settings, robot);
+  ExperimentResult result;
+  result.title = "Spinebot: the model fitted to one recording of the emulated rig";
+  result.converged = fit.converged && recorder.plant().failed_steps() == 0;
+  result.message = fit.converged ? "" : fit.message;
+  result.table = table_of(fit, truth);
+  for (const FittedValue& value : fit.values)
+    result.numbers["values"][value.name] = {{"found", value.value}, {"deviation", value.deviation}};
+  for (const auto& [name, value] : truth) result.numbers["hidden"][name] = value;
+  result.numbers["fit_gap_m"] = {fit.before.rms_m, fit.after.rms_m};
+  result.numbers["unseen_gap_m"] = {before_m, after_m};
+  result.numbers["warnings"] = fit.warnings;
+  result.numbers["cpu_s"] = fit.cpu_s;
+  write_fitted_scene(fit, settings.files.robot, context.output_folder + "/fitted.yaml");
+  result.we_differ = "The robot on the emulated rig is our own model with other numbers and another mesh.";
+  std::ostringstream words;
+  words.precision(3);
+  words << "On poses that the fit has not seen the rms gap falls from " << 1e3 * before_m << " mm to " << 1e3 * after_m
+        << " mm.";
+  for (const std::string& warning : fit.warnings) words << " Warning: " << warning << ".";
+  result.we_find = words.str();
+  return result;
+}
+
+}  // namespace soft_robot_lab

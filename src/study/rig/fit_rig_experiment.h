@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "study/experiment.h"
+
+namespace soft_robot_lab {
+
+// The emulated robot goes through a table, held at each configuration and filmed while it creeps. What a fit finds in
+// this recording, beside what plant.yaml hides; then poses that the fit has not seen.
+ExperimentResult run_fit_rig_experiment(const ExperimentContext& context);
+
+}  // namespace soft_robot_lab

@@ -18,7 +18,7 @@ struct FitRigSettings {
   std::vector<Configuration> configurations, unseen;
   double held_s = 0.0, deviation_m = 0.0;
   std::vector<double> film_at_s;  // since the command, rising
-  std::string known;              // YAML: what is measured otherwise
+  Overrides known;                // what is measured otherwise
   FitRequest request;
 };
 
@@ -36,8 +36,7 @@ FitRigSettings read_settings(const ExperimentContext& context) {
   settings.deviation_m = node.number("deviation_m", AllowedRange::positive());
   for (const YamlNode& time : node.sequence("film_at_s"))
     settings.film_at_s.push_back(time.as_number({0.0, settings.held_s}));
-  const YamlNode known = node.child("known");
-  for (const std::string& key : known.keys()) settings.known += key + ": " + known.child(key).dump() + "\n";
+  settings.known = Overrides(node.child("known"));
   settings.request.model_error_m = node.number("model_error_m", AllowedRange::not_negative());
   for (const YamlNode& name : node.sequence("parameters"))
     settings.request.parameters.push_back({name.as_text(), {}, {}, {}});
@@ -144,7 +143,7 @@ std::vector<MeasuredPose> record(Recorder& recorder, const std::vector<Configura
 
 // Of the unseen poses alone, though drives and friction come from all before them.
 double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& context, std::vector<MeasuredPose> poses,
-                    const std::vector<MeasuredPose>& unseen, const FitResult& fit, const std::string& overrides) {
+                    const std::vector<MeasuredPose>& unseen, const FitResult& fit, const Overrides& overrides) {
   for (MeasuredPose& pose : poses) pose.markers.clear();
   poses.insert(poses.end(), unseen.begin(), unseen.end());
   return model_gap(settings.files.robot, context.scene_options(overrides), poses, fit.measured_from_base,

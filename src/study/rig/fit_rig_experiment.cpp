@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "control/configuration_table.h"
+#include "control/identification/creep_model.h"
 #include "lab_settings.h"
 #include "robot/scene/parameters.h"
 #include "soft_robot_lab/control/identification/fit_model.h"
@@ -141,14 +142,27 @@ std::vector<MeasuredPose> record(Recorder& recorder, const std::vector<Configura
   return poses;
 }
 
-// Of the unseen poses alone, though drives and friction come from all before them.
-double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& context, std::vector<MeasuredPose> poses,
-                    const std::vector<MeasuredPose>& unseen, const FitResult& fit, const Overrides& overrides) {
-  for (MeasuredPose& pose : poses) pose.markers.clear();
-  poses.insert(poses.end(), unseen.begin(), unseen.end());
-  return model_gap(settings.files.robot, context.scene_options(overrides), poses, fit.measured_from_base,
-                   fit.backlash_m)
-      .rms_m;
+// Of the unseen poses, which the model goes through in time as the robot did, after all poses before them: where cables
+// rub, it counts how it came there.
+double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& context,
+                    const std::vector<MeasuredPose>& poses, const std::vector<MeasuredPose>& unseen,
+                    const FitResult& fit, const Overrides& overrides) {
+  std::vector<MeasuredPose> all = poses;
+  all.insert(all.end(), unseen.begin(), unseen.end());
+  const SceneOptions options = context.scene_options(overrides);
+  const std::vector<SimulatedHold> holds = simulate_holds(settings.files.robot, options, all, fit.backlash_m);
+  const Scene loaded = load_scene(settings.files.robot, options);
+  double squares_m2 = 0.0;
+  int count = 0;
+  for (std::size_t p = poses.size(); p < all.size(); ++p) {
+    for (const MeasuredMarker& marker : all[p].markers) {
+      const int index = loaded.simulation->marker_index(marker.name);
+      const Eigen::Vector3d simulated_m = holds[p].mean(index, all[p].rest_from_s, all[p].held_s);
+      squares_m2 += (marker.position_m - fit.measured_from_base * simulated_m).squaredNorm();
+      ++count;
+    }
+  }
+  return std::sqrt(squares_m2 / count);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ FitRigSettings read_settings(const ExperimentContext& context) {
   settings.deviation_m = node.number("deviation_m", AllowedRange::positive());
   for (const YamlNode& time : node.sequence("film_at_s"))
     settings.film_at_s.push_back(time.as_number({0.0, settings.held_s}));
-  settings.known = Overrides(node.child("known"));
+  settings.known = Overrides(node.child("overrides"));
   settings.request.model_error_m = node.number("model_error_m", AllowedRange::not_negative());
   for (const YamlNode& name : node.sequence("parameters"))
     settings.request.parameters.push_back({name.as_text(), {}, {}, {}});

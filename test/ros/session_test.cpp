@@ -140,6 +140,7 @@ TEST_F(Session, IsPulledAtItsSkinUntilTheHandLetsGo) {
   pull.point.y += 1.0;
   spin_until([&] { return false; }, 0.5);
   EXPECT_LT(std::abs(off_m), 0.0003) << "nothing is there to be held";
+  EXPECT_TRUE(ask<std_srvs::Trigger>(topics::simulator_reset).success) << "others find it at rest";
 }
 
 TEST_F(Session, PublishesCablesSurfaceAndOverlay) {

@@ -3,20 +3,16 @@
 
 #include <exception>
 
+#include "conversions.h"
+
 namespace soft_robot_lab {
 namespace {
 
 void fill(const std::vector<CameraPose>& poses, Calibrate::Response& answer) {
   for (const CameraPose& pose : poses) {
     geometry_msgs::Pose message;
-    message.position.x = pose.world_from_camera.translation().x();
-    message.position.y = pose.world_from_camera.translation().y();
-    message.position.z = pose.world_from_camera.translation().z();
-    const Eigen::Quaterniond turn(pose.world_from_camera.linear());
-    message.orientation.x = turn.x();
-    message.orientation.y = turn.y();
-    message.orientation.z = turn.z();
-    message.orientation.w = turn.w();
+    message.position = to_message(pose.world_from_camera.translation());
+    message.orientation = to_message(Eigen::Quaterniond(pose.world_from_camera.linear()));
     answer.cameras.push_back(pose.name);
     answer.poses.push_back(message);
     answer.residuals_m.push_back(pose.residual_m.value_or(0));

@@ -61,6 +61,15 @@ geometry_msgs::Point to_message(const Eigen::Vector3d& position_m) {
   return point;
 }
 
+geometry_msgs::Quaternion to_message(const Eigen::Quaterniond& turn) {
+  geometry_msgs::Quaternion message;
+  message.x = turn.x();
+  message.y = turn.y();
+  message.z = turn.z();
+  message.w = turn.w();
+  return message;
+}
+
 geometry_msgs::Vector3 vector_message(const Eigen::Vector3d& vector) {
   geometry_msgs::Vector3 message;
   message.x = vector.x();

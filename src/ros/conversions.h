@@ -5,8 +5,9 @@
 #include <map>
 #include <string>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <geometry_msgs/Point.h>
+#include <geometry_msgs/Quaternion.h>
 #include <geometry_msgs/Vector3.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/time.h>
@@ -18,6 +19,7 @@
 namespace soft_robot_lab {
 
 geometry_msgs::Point to_message(const Eigen::Vector3d& position_m);
+geometry_msgs::Quaternion to_message(const Eigen::Quaterniond& turn);
 geometry_msgs::Vector3 vector_message(const Eigen::Vector3d& vector);
 
 // Throws std::invalid_argument naming the field where a coordinate is not finite, or far beyond any robot.

@@ -65,13 +65,8 @@ void fill_response(const FitResult& result, FitModel::Response& response) {
     response.marker_rms_before_m.push_back(rms_m);
     response.marker_rms_after_m.push_back(result.after.marker_rms_m.at(marker));
   }
-  const Eigen::Vector3d position_m = result.measured_from_base.translation();
-  const Eigen::Quaterniond turn(result.measured_from_base.linear());
-  response.measured_from_base.position = to_message(position_m);
-  response.measured_from_base.orientation.x = turn.x();
-  response.measured_from_base.orientation.y = turn.y();
-  response.measured_from_base.orientation.z = turn.z();
-  response.measured_from_base.orientation.w = turn.w();
+  response.measured_from_base.position = to_message(result.measured_from_base.translation());
+  response.measured_from_base.orientation = to_message(Eigen::Quaterniond(result.measured_from_base.linear()));
 }
 
 FitService::FitService(ros::NodeHandle& node, SceneOptions options, const std::string& scene)

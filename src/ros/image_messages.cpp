@@ -10,6 +10,7 @@
 #include <sensor_msgs/distortion_models.h>
 #include <sensor_msgs/image_encodings.h>
 
+#include "conversions.h"
 #include "frames.h"
 
 namespace soft_robot_lab {
@@ -141,15 +142,8 @@ geometry_msgs::TransformStamped transform_message(const std::string& parent, con
   geometry_msgs::TransformStamped message;
   message.header.frame_id = parent;
   message.child_frame_id = child;
-  const Eigen::Vector3d translation_m = parent_from_child.translation();
-  message.transform.translation.x = translation_m.x();
-  message.transform.translation.y = translation_m.y();
-  message.transform.translation.z = translation_m.z();
-  const Eigen::Quaterniond rotation(parent_from_child.rotation());
-  message.transform.rotation.x = rotation.x();
-  message.transform.rotation.y = rotation.y();
-  message.transform.rotation.z = rotation.z();
-  message.transform.rotation.w = rotation.w();
+  message.transform.translation = vector_message(parent_from_child.translation());
+  message.transform.rotation = to_message(Eigen::Quaterniond(parent_from_child.rotation()));
   return message;
 }
 

@@ -58,10 +58,7 @@ Shape marker_of(const Primitive& primitive, const Eigen::Isometry3d& pose, bool 
   marker.type = primitive.type;
   marker.pose.position = to_message(pose * primitive.center_m);
   const Eigen::Quaterniond turn(pose.linear() * primitive.turn.toRotationMatrix());
-  marker.pose.orientation.x = turn.x();
-  marker.pose.orientation.y = turn.y();
-  marker.pose.orientation.z = turn.z();
-  marker.pose.orientation.w = turn.w();
+  marker.pose.orientation = to_message(turn);
   marker.scale.x = primitive.size_m.x();
   marker.scale.y = primitive.size_m.y();
   marker.scale.z = primitive.size_m.z();

@@ -47,15 +47,6 @@ std::string text_of(double value, const char* format) {
   return text;
 }
 
-geometry_msgs::Quaternion orientation_of(const Eigen::Quaterniond& turn) {
-  geometry_msgs::Quaternion orientation;
-  orientation.x = turn.x();
-  orientation.y = turn.y();
-  orientation.z = turn.z();
-  orientation.w = turn.w();
-  return orientation;
-}
-
 // Collects shapes; each has a name of its own within its namespace, and the number that it had before.
 class Drawing {
  public:
@@ -73,7 +64,7 @@ class Drawing {
                  const Eigen::Quaterniond& turn, const Eigen::Vector3d& semi_axes_m, const std_msgs::ColorRGBA& rgba) {
     Shape& shape = add(ns, name, Shape::SPHERE, rgba);
     shape.pose.position = centre;
-    shape.pose.orientation = orientation_of(turn);
+    shape.pose.orientation = to_message(turn);
     shape.scale.x = 2.0 * semi_axes_m.x();
     shape.scale.y = 2.0 * semi_axes_m.y();
     shape.scale.z = 2.0 * semi_axes_m.z();
@@ -100,7 +91,7 @@ class Drawing {
     Shape& shape = add(ns, name, Shape::CYLINDER, rgba);
     const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
     shape.pose.position = to_message(center_m);
-    shape.pose.orientation = orientation_of(turn);
+    shape.pose.orientation = to_message(turn);
     shape.scale.x = shape.scale.y = 2.0 * std::sqrt(area_m2 / M_PI);
     shape.scale.z = 0.1 * options_.text_height_m;
   }

@@ -47,6 +47,14 @@ std::set<std::string> services_offered() {
   return services;
 }
 
+geometry_msgs::Point point_message(const Eigen::Vector3d& position_m) {
+  geometry_msgs::Point message;
+  message.x = position_m.x();
+  message.y = position_m.y();
+  message.z = position_m.z();
+  return message;
+}
+
 std::string found_text(const OptimisePolicy::Response& found) {
   std::ostringstream text;
   text.precision(3);
@@ -169,11 +177,11 @@ std::vector<CallOutcome> PanelLink::take_outcomes() {
   return outcomes;
 }
 
-void PanelLink::optimise(const std::string& method, const std::string& marker, const geometry_msgs::Point& target) {
+void PanelLink::optimise(const std::string& method, const std::string& marker, const Eigen::Vector3d& target_m) {
   OptimisePolicy::Request request;
   request.method = method;
   request.marker = marker;
-  request.target = target;
+  request.target = point_message(target_m);
   calls_.start(slow_lane, "Optimise", [this, request] {
     return found_text(calls_.ask<OptimisePolicy>(node_, topics::optimise_policy, request));
   });
@@ -189,17 +197,13 @@ void PanelLink::show_tips(const ReachableTips& tips) {
   cloud.scale.x = cloud.scale.y = cloud.scale.z = 0.0012;
   const double largest = std::max(1e-9, tips.largest_effort());
   for (const ReachableTip& tip : tips.tips) {
-    geometry_msgs::Point at;
-    at.x = tip.position_m.x();
-    at.y = tip.position_m.y();
-    at.z = tip.position_m.z();
     const auto [red, green, blue] = plasma(tip.effort / largest);
     std_msgs::ColorRGBA rgba;
     rgba.r = red;
     rgba.g = green;
     rgba.b = blue;
     rgba.a = 1.0f;
-    cloud.points.push_back(at);
+    cloud.points.push_back(point_message(tip.position_m));
     cloud.colors.push_back(rgba);
   }
   tips_.publish(cloud);

@@ -48,7 +48,7 @@ class PanelLink {
   bool busy() const { return calls_.busy(slow_lane); }
   std::vector<CallOutcome> take_outcomes();
 
-  void optimise(const std::string& method, const std::string& marker, const geometry_msgs::Point& target);
+  void optimise(const std::string& method, const std::string& marker, const Eigen::Vector3d& target_m);
   void execute();                             // what was found last
   void show_tips(const ReachableTips& tips);  // in rviz's scene; none take those away that are there
   void play(const Policy& policy);

@@ -10,9 +10,6 @@
 #include <ros/ros.h>
 #include <rviz/tool.h>
 
-namespace Ogre {
-class Viewport;
-}
 namespace rviz {
 class Arrow;
 class FloatProperty;

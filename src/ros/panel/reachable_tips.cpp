@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
-#include <Eigen/LU>
+#include <opencv2/imgproc.hpp>
 
 namespace soft_robot_lab {
 namespace {
@@ -113,30 +112,12 @@ ReachableTips read_reachable_tips(const std::string& csv, const std::string& mar
 }
 
 std::vector<std::size_t> convex_hull(const std::vector<Eigen::Vector2d>& points) {
-  std::vector<std::size_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](std::size_t i) { return std::make_pair(points[i].x(), points[i].y()); };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
-  const auto same = [&](std::size_t a, std::size_t b) { return points[a] == points[b]; };
-  order.erase(std::unique(order.begin(), order.end(), same), order.end());
-  if (order.size() < 3) return order;
-  std::vector<std::size_t> hull;
-  const auto turns_left = [&](std::size_t next) {
-    Eigen::Matrix2d sides;
-    sides << points[hull.back()] - points[hull[hull.size() - 2]], points[next] - points[hull.back()];
-    return sides.determinant() > 0.0;
-  };
-  const auto add_chain = [&](auto first, auto last) {
-    const std::size_t start = hull.size();
-    for (; first != last; ++first) {
-      while (hull.size() >= start + 2 && !turns_left(*first)) hull.pop_back();
-      hull.push_back(*first);
-    }
-    hull.pop_back();  // where the other chain begins
-  };
-  add_chain(order.begin(), order.end());
-  add_chain(order.rbegin(), order.rend());
-  return hull;
+  std::vector<cv::Point2f> all;
+  for (const Eigen::Vector2d& point : points)
+    all.emplace_back(static_cast<float>(point.x()), static_cast<float>(point.y()));
+  std::vector<int> hull;
+  if (!all.empty()) cv::convexHull(all, hull, false, false);
+  return {hull.begin(), hull.end()};
 }
 
 }  // namespace soft_robot_lab

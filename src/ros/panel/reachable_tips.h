@@ -30,7 +30,7 @@ struct ReachableTips {
 // or has no such marker.
 ReachableTips read_reachable_tips(const std::string& csv, const std::string& marker);
 
-// The corners of the convex hull, counter-clockwise, as indices; of points on a line its ends (Andrew 1979).
+// The corners of the convex hull in single precision, counter-clockwise, as indices; of points on a line its ends.
 std::vector<std::size_t> convex_hull(const std::vector<Eigen::Vector2d>& points);
 
 }  // namespace soft_robot_lab

@@ -373,11 +373,8 @@ void SessionPanel::report_failure(const QString& text) {
 }
 
 void SessionPanel::optimise() {
-  geometry_msgs::Point target;
-  target.x = 1e-3 * target_mm_[0]->value();
-  target.y = 1e-3 * target_mm_[1]->value();
-  target.z = 1e-3 * target_mm_[2]->value();
-  link_->optimise(method_->currentText().toStdString(), marker_->currentText().toStdString(), target);
+  const Eigen::Vector3d target_mm(target_mm_[0]->value(), target_mm_[1]->value(), target_mm_[2]->value());
+  link_->optimise(method_->currentText().toStdString(), marker_->currentText().toStdString(), 1e-3 * target_mm);
   message_->setStyleSheet("");
   message_->setText("Searches ...");
 }
@@ -420,13 +417,7 @@ void SessionPanel::play_pose() {
   }
 }
 
-void SessionPanel::reach(const ReachableTip& tip) {
-  geometry_msgs::Point target;
-  target.x = tip.position_m.x();
-  target.y = tip.position_m.y();
-  target.z = tip.position_m.z();
-  wanted_ = target;
-}
+void SessionPanel::reach(const ReachableTip& tip) { wanted_ = tip.position_m; }
 
 void SessionPanel::calibrate() { link_->calibrate(with_balls_); }
 

@@ -73,8 +73,8 @@ class SessionPanel : public rviz::Panel {
   std::vector<ActuatorEditor*> editors_;
   PlotView* plot_ = nullptr;
   WorkspaceView* workspace_ = nullptr;
-  std::optional<geometry_msgs::Point> wanted_;  // a tip that was chosen while something else is under way
-  int undrawn_ = 0;                             // refreshes since the plot was drawn
+  std::optional<Eigen::Vector3d> wanted_;  // a tip that was chosen while something else is under way
+  int undrawn_ = 0;                        // refreshes since the plot was drawn
   QComboBox *scene_ = nullptr, *marker_ = nullptr, *method_ = nullptr, *pose_ = nullptr;
   QDoubleSpinBox* target_mm_[3] = {};
   QPushButton *optimise_ = nullptr, *execute_ = nullptr, *stop_ = nullptr, *reset_ = nullptr;

@@ -40,9 +40,8 @@ struct ShakenBall {
   double least_squeeze_n = 0.0;  // while it is shaken
   double least_friction = 0.0;   // that carries it, likewise: m (g + a) / 2 N, each at the same time, at most
   double moved_m = 0.0;          // the ball in the hand, at rest after against at rest before
-  double slip_m =
-      0.0;  // of the skin along the ball, likewise: mean over the points that press at both times, by pressure
-  double drift_m = 0.0;               // the ball in the hand, between two whole periods of full shaking, at most
+  double slip_m = 0.0;   // of the skin along the ball, likewise: mean by pressure over points that press at both times
+  double drift_m = 0.0;  // the ball in the hand, between two whole periods of full shaking, at most
   std::vector<double> time_s, way_m;  // of the ball in the hand along z since it was at rest, one of each step
 };
 

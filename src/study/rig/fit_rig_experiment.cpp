@@ -18,21 +18,15 @@ struct FitRigSettings {
   LabFiles files;
   std::vector<Configuration> configurations, unseen;
   double held_s = 0.0, deviation_m = 0.0;
-  std::vector<double> film_at_s;  // since the command, rising
-  Overrides known;                // what is measured otherwise
-  FitRequest request;
+  std::vector<double> film_at_s = {};  // since the command, rising
+  Overrides known = {};                // what is measured otherwise
+  FitRequest request = {};
 };
 
 FitRigSettings read_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("fit_rig"));
-  FitRigSettings settings{read_lab_files(node, context),
-                          read_configurations(node),
-                          read_configurations(node.child("unseen")),
-                          0.0,
-                          0.0,
-                          {},
-                          {},
-                          {}};
+  FitRigSettings settings{read_lab_files(node, context), read_configurations(node),
+                          read_configurations(node.child("unseen"))};
   settings.held_s = node.number("held_s", AllowedRange::positive());
   settings.deviation_m = node.number("deviation_m", AllowedRange::positive());
   for (const YamlNode& time : node.sequence("film_at_s"))

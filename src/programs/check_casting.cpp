@@ -7,6 +7,7 @@
 
 #include "robot/casting/cast_robot.h"
 #include "robot/casting/check_casting.h"
+#include "robot/casting/mould_plan.h"
 #include "robot/casting/verdict_page.h"
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
@@ -31,15 +32,18 @@ void declare(CLI::App& app, Arguments& arguments) {
                "make no mesh for simulations: for large surfaces; leaves mesh_quality out");
   app.add_option("--result", arguments.result, "where the verdict goes as JSON")->type_name("FILE");
   app.add_option("--page", arguments.page, "where a page with pictures of the verdict goes")->type_name("FOLDER");
-  app.footer("Exit status: 0 castable, 1 not, 2 bad file or arguments.");
+  app.footer("Exit status: 0 castable, also in what casting.allow names, 1 not, 2 bad file or arguments.");
 }
 
 void print(const CastingVerdict& verdict) {
   std::cout << (verdict.castable ? "castable" : "not castable") << ", out of its mould along ["
             << verdict.direction.transpose() << "]\n";
-  for (const CastingTest& test : verdict.tests)
-    std::cout << (test.passed ? "  passed  " : "  failed  ") << test.name << (test.why.empty() ? "" : ": ") << test.why
-              << "\n";
+  for (const CastingTest& test : verdict.tests) {
+    const std::string by = test.by.empty() ? "" : " by " + test.by, margin = margin_text(test);
+    std::cout << (test.passed ? "  passed  " : "  failed  ") << test.name << by << (margin.empty() ? "" : ": ")
+              << margin << "\n";
+    if (!test.passed) std::cout << "          " << test.why << "\n";
+  }
 }
 
 int check(const Arguments& arguments) {
@@ -47,7 +51,7 @@ int check(const Arguments& arguments) {
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
   const CastRobotFile file = (arguments.surface_alone ? load_cast_surface : load_cast_robot)(arguments.robot, options);
-  const CastingVerdict verdict = check_casting(file);
+  const CastingVerdict verdict = with_allowed_moulds(file, check_casting(file));
   if (!arguments.result.empty()) write_file(arguments.result, verdict_json(verdict));
   if (!arguments.page.empty())
     write_verdict(verdict, robot_name(arguments.robot), file.settings.min_thickness_m, arguments.page);

@@ -182,9 +182,9 @@ double all_suction_n(const Pockets& pockets) {
 
 CastingTest suction_test(const Pockets& found, const CastRobot& robot, const CastingSettings& settings) {
   const double force = all_suction_n(found);
-  const double stress = force == 0 ? 0 : force / std::max(found.wall_area_m2, 1e-12);
+  const double stress = force == 0 || settings.air_holes ? 0 : force / std::max(found.wall_area_m2, 1e-12);
   const double strain = stress / robot.youngs_modulus_pa;
-  CastingTest test{"suction", strain <= settings.max_suction_strain || settings.air_holes, {}, {}, "", ""};
+  CastingTest test{"suction", strain <= settings.max_suction_strain, {}, {}, "", ""};
   test.numbers = {{"force_n", settings.air_holes ? 0 : force},
                   {"force_without_air_holes_n", force},
                   {"stress_pa", stress},

@@ -30,7 +30,8 @@ struct CastingTest {
   std::vector<std::pair<std::string, double>> numbers;  // with units in their names; infinite: not found
   std::optional<Eigen::Vector3d> at_m;
   std::string cause;  // may be empty
-  std::string why;    // a sentence, where it failed
+  std::string why;    // a sentence, where it fails in a mould of one block
+  std::string by{};   // what else lets it pass: "two_part" or "lid"; else empty
 };
 
 struct CastingVerdict {
@@ -52,5 +53,8 @@ CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& sett
 
 // {castable, direction, tests: {...}}.
 std::string verdict_json(const CastingVerdict& verdict);
+
+// A test's worst values beside their limits, as "7.9 mm, at least 2 mm"; what does not exist is left out.
+std::string margin_text(const CastingTest& test);
 
 }  // namespace soft_robot_lab

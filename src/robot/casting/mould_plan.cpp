@@ -348,4 +348,22 @@ MouldPlan plan_mould(const CastRobotFile& file, const CastingVerdict& verdict) {
                 (two_parts_would_do(file.robot) ? " --allow two_part makes a mould of two halves." : ""));
 }
 
+CastingVerdict with_allowed_moulds(const CastRobotFile& file, CastingVerdict verdict) {
+  const MouldSettings& allowed = file.settings.mould;
+  if (verdict.castable || !(allowed.allow_lid || allowed.allow_two_part) || !file.solid || holds_stl(*file.solid))
+    return verdict;
+  try {
+    const MouldPlan plan = plan_mould(file, verdict);
+    for (CastingTest& test : verdict.tests) {
+      if (test.passed) continue;
+      test.passed = true;
+      test.by = plan.lid ? "lid" : "two_part";
+    }
+    verdict.castable = true;
+  } catch (const NoMould&) {
+    // The verdict says what fails.
+  }
+  return verdict;
+}
+
 }  // namespace soft_robot_lab

@@ -68,4 +68,8 @@ Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops)
 // made of solids. A piece that the printer has no room for is refused here, before it is meshed.
 MouldPlan plan_mould(const CastRobotFile& file, const CastingVerdict& verdict);
 
+// A verdict about one block, as check_casting gives it, with what `casting.allow` makes of it: tests that two halves or
+// a lid let pass say so in `by`.
+CastingVerdict with_allowed_moulds(const CastRobotFile& file, CastingVerdict verdict);
+
 }  // namespace soft_robot_lab

@@ -21,6 +21,7 @@ Json test_json(const CastingTest& test) {
   if (test.at_m) json["at_m"] = vector(*test.at_m);
   if (!test.cause.empty()) json["cause"] = test.cause;
   if (!test.why.empty()) json["why"] = test.why;
+  if (!test.by.empty()) json["by"] = test.by;
   return json;
 }
 

@@ -23,7 +23,8 @@ std::string numbers_of(const CastingTest& test) {
 }
 
 std::string row_of(const CastingTest& test) {
-  const std::string verdict = test.passed ? "<td>passed</td>" : "<td class=\"failed\">failed</td>";
+  const std::string by = test.by.empty() ? "" : " by " + test.by;
+  const std::string verdict = test.passed ? "<td>passed" + by + "</td>" : "<td class=\"failed\">failed</td>";
   const std::string place = test.at_m ? place_text(*test.at_m) : "";
   return "<tr><td>" + test.name + "</td>" + verdict + "<td>" + html_escaped(test.why) + "</td><td>" + place +
          "</td><td>" + numbers_of(test) + "</td></tr>\n";

@@ -151,6 +151,35 @@ TEST(MakeMould, CastsAHollowBlockInTwoPoursUnderALid) {
   EXPECT_NE(mould_instructions(mould, "block").find("into lid_tray"), std::string::npos);
 }
 
+TEST(MakeMould, CountsARobotAsCastableInAMouldThatItsFileAllows) {
+  const SceneFolder folder;
+  const auto judged = [&](const char* solid, const std::string& casting) {
+    const CastRobotFile file = robot_of(folder, solid, casting);
+    return with_allowed_moulds(file, check_casting(file));
+  };
+  EXPECT_FALSE(judged(kHollow, "{}").castable);
+  EXPECT_FALSE(judged(kHollow, "{allow: [two_part]}").castable);
+  const CastingVerdict in_two_pours = judged(kHollow, "{allow: [lid]}");
+  EXPECT_TRUE(in_two_pours.castable);
+  EXPECT_EQ(in_two_pours.test("cavities").by, "lid");
+  EXPECT_EQ(in_two_pours.test("cavities").cause, "trapped core");
+  EXPECT_NE(verdict_json(in_two_pours).find("\"by\": \"lid\""), std::string::npos);
+  const CastingVerdict in_halves = judged(kHammer, "{allow: [two_part]}");
+  EXPECT_TRUE(in_halves.castable);
+  EXPECT_EQ(in_halves.test("extraction").by, "two_part");
+  EXPECT_EQ(in_halves.test("thickness").by, "");
+}
+
+TEST(MakeMould, PutsMarginsIntoWords) {
+  const SceneFolder folder;
+  const CastingVerdict verdict = check_casting(robot_of(folder, kBox, "{direction: [0, 0, 1], min_draft_deg: 0}"));
+  EXPECT_EQ(margin_text(verdict.test("extraction")), "draft 0 deg, at least 0 deg; held skin 0 mm^2");
+  EXPECT_EQ(margin_text(verdict.test("thickness")), "20 mm, at least 2 mm");
+  EXPECT_EQ(margin_text(verdict.test("angles")), "90 deg, at least 15 deg");
+  EXPECT_EQ(margin_text(verdict.test("cables")), "") << "it has none";
+  EXPECT_EQ(margin_text(verdict.test("stretch")), "1, at most 1.5");
+}
+
 TEST(MakeMould, RefusesALidWhereNoCoreLeaves) {
   const SceneFolder folder;
   const std::string ball =
@@ -282,6 +311,15 @@ TEST(MakeMould, WritesHammerbotsMouldWithItsShelves) {
   EXPECT_NE(json.find("\"cable\": \"left\""), std::string::npos);
   EXPECT_NE(steps.find("right, 15.0 mm, outside 2.0 mm"), std::string::npos) << steps;
   EXPECT_EQ(steps.find("modelling clay"), std::string::npos) << "no sheath crosses a tooth";
+}
+
+TEST(MakeMould, RefusesBubblefingerForItsTrappedCoreAndPassesItWithALid) {
+  const CastingVerdict verdict = check_casting(cast_robot("bubblefinger"));
+  EXPECT_FALSE(verdict.castable);
+  EXPECT_EQ(verdict.test("cavities").cause, "trapped core");
+  EXPECT_NEAR(number(verdict.test("cavities"), "volume_m3"), 19.824e-6, 1e-9);
+  const CastRobotFile with_lid = cast_robot("bubblefinger", "lid.yaml");
+  EXPECT_TRUE(with_allowed_moulds(with_lid, check_casting(with_lid)).castable);
 }
 
 TEST(MakeMould, WritesBubblefingersMouldForTwoPours) {

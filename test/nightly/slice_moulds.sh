@@ -38,8 +38,8 @@ for part in json.load(open(sys.argv[1] + "/mould.json"))["parts"]: print(part["n
   while read -r part volume_mm3; do slice "$folder/$1" "$part" "$volume_mm3"; done <<<"$parts"
 }
 
-mould hammerbot hammerbot_castable/robot.yaml
-mould hammerbot_in_halves hammerbot/robot.yaml --allow two_part
+mould hammerbot hammerbot/robot.yaml
+mould hammerbot_in_halves hammerbot/deep_heads.yaml
 mould spinebot spinebot_castable/robot.yaml
 mould bubblebot bubblebot_castable/robot.yaml
 mould bubblefinger bubblefinger/lid.yaml

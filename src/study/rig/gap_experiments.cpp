@@ -248,7 +248,8 @@ Plot shapes(const std::string& name, const std::string& robot, const GapSettings
     const auto drawn = std::find(settings.drawn.begin(), settings.drawn.end(), record.name);
     if (!settings.drawn.empty() && drawn == settings.drawn.end()) continue;
     plot.series.push_back(line(record.rest.simulated_m, settings, record.name, SeriesStyle::lines, colour));
-    plot.series.push_back(line(record.rest.measured_m, settings, "", SeriesStyle::points, colour));
+    const Series measured = line(record.rest.measured_m, settings, "", SeriesStyle::points, colour);
+    if (!measured.x.empty()) plot.series.push_back(measured);  // some shapes hide them all
     colour = (colour + 1) % 8;
   }
   return plot;

@@ -241,7 +241,7 @@ double length_m(const SheathPath& path) {
 }
 
 TEST(MakeMould, LetsTheCastableRobotsOutAsTheSourcesWere) {
-  for (const auto& [name, cable_m] : {std::pair{"spinebot_castable", 0.0805}, {"hammerbot_castable", 0.1}}) {
+  for (const auto& [name, cable_m] : {std::pair{"spinebot_castable", 0.0805}, {"hammerbot", 0.1}}) {
     const CastRobotFile file = cast_robot(name);
     const CastingVerdict verdict = check_casting(file);
     EXPECT_TRUE(verdict.castable) << name;
@@ -304,7 +304,7 @@ TEST(MakeMould, WritesTheHangingBarsMouldWhole) {
 TEST(MakeMould, WritesHammerbotsMouldWithItsShelves) {
   const SceneFolder folder;
   const std::string output = folder.path("mould");
-  const Outcome outcome = run(folder, kRobots + "hammerbot_castable/robot.yaml --output " + output);
+  const Outcome outcome = run(folder, kRobots + "hammerbot/robot.yaml --output " + output);
   ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
   expect_admesh_finds_no_fault(folder, output + "/mould.stl");
   const std::string json = contents(output + "/mould.json"), steps = contents(output + "/instructions.html");
@@ -380,7 +380,7 @@ TEST(MakeMould, LeavesFoldersOfOthersAlone) {
 TEST(MakeMould, EndsWithOneWhereNoMouldCanBeMadeAndWithTwoForABadFile) {
   const SceneFolder folder;
   const std::string output = " --output " + folder.path("mould");
-  EXPECT_EQ(run(folder, kRobots + "hammerbot/robot.yaml" + output).exit_status, 1);
+  EXPECT_EQ(run(folder, kRobots + "bubblefinger/robot.yaml" + output).exit_status, 1);
   EXPECT_FALSE(fs::exists(folder.path("mould")));
   EXPECT_EQ(run(folder, folder.write("bad.yaml", "body: {solid: {box: 3}}") + output).exit_status, 2);
   EXPECT_EQ(run(folder, folder.path("missing.yaml") + output).exit_status, 2);

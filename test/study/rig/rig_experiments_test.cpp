@@ -66,6 +66,23 @@ TEST_F(RigExperiments, PullsInTheSourcesRoundsAndFitsFromWhereItIsAsked) {
   EXPECT_NEAR(result.numbers["mean_ms"][0], 2e3 * std::sqrt(32.0 / 1000.0), 15.0);
 }
 
+// Of Hammerbot pulled by both cables cameras may see no marker of its shape.
+TEST_F(RigExperiments, DrawsShapesWhoseMarkersAreHidden) {
+  for (const std::string part : {"cameras", "materials"})
+    fs::copy(std::string(SOFT_ROBOT_LAB_SOURCE "/config/") + part, folder_ / part, fs::copy_options::recursive);
+  std::ofstream(folder_ / "robots" / "hammerbot" / "seen_from_behind.yaml")
+      << "include: robot.yaml\nbody: {element_size_m: 0.03}\n"
+         "markers: [{name: behind, position_m: [0, 0.010, -0.050]}, {name: tip, position_m: [0, 0, -0.100]}]\n";
+  std::ofstream(folder_ / "robots" / "hammerbot" / "other.yaml") << "robot: {include: seen_from_behind.yaml}\n";
+  const ExperimentResult result =
+      run("6.4.1",
+          "{robot: robots/hammerbot/seen_from_behind.yaml, plant: robots/hammerbot/other.yaml, "
+          "rig: robots/hammerbot/motors.yaml, cameras: cameras/box.yaml, tracker: robots/hammerbot/tracker.yaml, "
+          "balls: robots/hammerbot/balls.yaml, frames: 1, configurations: [{name: a, contractions: [1, 1]}], "
+          "come_back: [a, a], shape: [behind]}");
+  for (const Plot& plot : result.plots) plot.validate();
+}
+
 TEST_F(RigExperiments, CountsWhatFaultsDo) {
   const ExperimentResult result = run(
       "rig_faults",

@@ -21,13 +21,13 @@
 #include "ros/policy_execution.h"
 #include "ros/fit_service.h"
 #include "ros/latched_publisher.h"
-#include "ros/live_target.h"
 #include "ros/log_text.h"
 #include "ros/policy_request.h"
 #include "ros/policy_search.h"
 #include "ros/surface_marker.h"
 #include "ros/target_marker.h"
 #include "ros/topics.h"
+#include "session/live_target.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -11,7 +10,6 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
-#include <rosgraph_msgs/Clock.h>
 #include <soft_robot_lab/LoadScene.h>
 #include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
@@ -23,13 +21,12 @@
 #include "ros/actuator_plugins.h"
 #include "ros/conversions.h"
 #include "ros/frames.h"
-#include "ros/image_messages.h"
 #include "ros/latched_publisher.h"
 #include "ros/least_determinant.h"
 #include "ros/log_text.h"
-#include "ros/obstacle_markers.h"
 #include "ros/publish_limit.h"
 #include "ros/pulling_hand.h"
+#include "ros/simulation_publisher.h"
 #include "ros/surface_marker.h"
 #include "ros/topics.h"
 #include "soft_robot_lab/robot/scene/scene.h"
@@ -98,9 +95,6 @@ class SimulatorNode {
   std::string settle(RunningScene& scene) const;  // returns why it is not at rest, where it should be
   void start(std::unique_ptr<RunningScene> scene);
   double step();  // returns the scene's time step [s]
-  void publish();
-  void publish_contact(const Simulation& simulation, const ros::Time& stamp);
-  void show_surface_again();  // though it may not move
   void serve_until(SteadyClock::time_point deadline);
   void on_command(const ActuatorCommand& command);
   void on_pull(const SkinPull& pull);
@@ -116,9 +110,7 @@ class SimulatorNode {
 
   std::mutex mutex_;  // guards what follows between stepping and loading
   std::unique_ptr<RunningScene> scene_;
-  double session_s_ = 0.0;          // goes back with the machine's clock only, unlike the scene's own time at a reset
-  double obstacles_period_ = -1.0;  // likewise
-  double surface_period_ = -1.0;    // number of the period of session time in which the skin was last published
+  double session_s_ = 0.0;  // goes back with the machine's clock only, unlike the scene's own time at a reset
   SolveReport last_report_;
   int unconverged_steps_ = 0;           // since the last diagnosis
   std::vector<SolveWarning> warnings_;  // likewise
@@ -128,8 +120,7 @@ class SimulatorNode {
   PublishLimit publish_limit_{options_.max_publish_rate_hz};
 
   ros::NodeHandle node_;
-  ros::Publisher clock_, markers_, actuators_, joints_, reaction_, surface_, contacts_, obstacles_;
-  std::vector<Eigen::Isometry3d> obstacles_shown_;
+  SimulationPublisher publisher_{options_.surface_rate_hz, options_.publish_clock};
   LatchedPublisher<std_msgs::String> scene_path_{topics::simulator_scene};
   LatchedPublisher<ActuatorRanges> ranges_{topics::simulator_ranges};
   ros::Subscriber commands_, pulls_;
@@ -145,21 +136,10 @@ class SimulatorNode {
 
 SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options) {
   scene_options_.actuator_factory = actuators_from_plugins();
-  if (options_.publish_clock) clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
-  markers_ = node_.advertise<MarkerObservations>(topics::simulator_markers, 1000);
-  actuators_ = node_.advertise<ActuatorState>(topics::simulator_actuators, 10);
-  joints_ = node_.advertise<sensor_msgs::JointState>(topics::simulator_joint_states, 10);
-  reaction_ = node_.advertise<geometry_msgs::WrenchStamped>(topics::simulator_reaction, 10);
-  contacts_ = node_.advertise<Contacts>(topics::simulator_contacts, 10);
   publish_frames();
   auto first = prepare(options_.scene);
   if (const std::string failure = settle(*first); !failure.empty()) ROS_WARN("%s", log_text(failure).c_str());
   start(std::move(first));
-  surface_ = advertise_latched<visualization_msgs::Marker>(topics::simulator_surface,
-                                                           [this](const auto&) { show_surface_again(); });
-  obstacles_ = advertise_latched<visualization_msgs::MarkerArray>(topics::simulator_obstacles,
-                                                                  [this](const auto&) { show_surface_again(); });
-
   commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
   pulls_ = node_.subscribe(topics::simulator_pull, 10, &SimulatorNode::on_pull, this);
   reset_ = node_.advertiseService(topics::simulator_reset, &SimulatorNode::reset, this);
@@ -214,19 +194,15 @@ void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
   std_msgs::String path;
   path.data = scene->path;
   ActuatorRanges ranges;
-  visualization_msgs::MarkerArray obstacles;
   {
     const std::lock_guard lock(mutex_);
     ranges = actuator_ranges(*scene->simulation, session_time());
     scene_ = std::move(scene);
     hand_.forget();
-    surface_period_ = obstacles_period_ = -1.0;
-    obstacles_shown_.clear();
-    obstacles = obstacle_markers(*scene_->simulation, session_time());
+    publisher_.show(*scene_->simulation, session_time());
   }
   scene_path_.publish(path);
   ranges_.publish(ranges);
-  if (obstacles_) obstacles_.publish(obstacles);
 }
 
 void SimulatorNode::run() {
@@ -260,52 +236,9 @@ double SimulatorNode::step() {
   const double time_step_s = scene_->simulation->options().time_step_s;
   session_s_ = options_.publish_clock ? session_s_ + time_step_s : ros::Time::now().toSec();
   real_time_factor_.update(session_s_);
-  if (publish_limit_.due(session_s_, machine_time_s())) publish();
+  if (publish_limit_.due(session_s_, machine_time_s()))
+    publisher_.publish(*scene_->simulation, scene_->surface, session_time());
   return time_step_s;
-}
-
-void SimulatorNode::publish() {
-  const Simulation& simulation = *scene_->simulation;
-  const ros::Time stamp = session_time();
-  if (options_.publish_clock) {
-    rosgraph_msgs::Clock clock;
-    clock.clock = stamp;
-    clock_.publish(clock);
-  }
-  markers_.publish(marker_observations(simulation, stamp));
-  const ActuatorState actuators = actuator_states(simulation, stamp);
-  actuators_.publish(actuators);
-  if (joints_.getNumSubscribers() > 0) joints_.publish(joint_states(actuators));
-  if (reaction_.getNumSubscribers() > 0) reaction_.publish(reaction_of(simulation, stamp));
-
-  constexpr double rounding = 1.0e-6;
-  const double period = std::floor(session_s_ * options_.surface_rate_hz + rounding);
-  scene_->surface.follow_clock(stamp);
-  if (period != surface_period_ && scene_->surface.moved(simulation.state().positions_m)) {
-    surface_.publish(scene_->surface.message(simulation.state().positions_m, stamp, gauge_pressures_pa(simulation)));
-    surface_period_ = period;
-  }
-  publish_contact(simulation, stamp);
-}
-
-// Obstacles as often as the skin.
-void SimulatorNode::publish_contact(const Simulation& simulation, const ros::Time& stamp) {
-  if (simulation.body().obstacles().empty() && !simulation.body().touches_itself()) return;
-  contacts_.publish(contacts(simulation, stamp));
-  const double period = std::floor(session_s_ * options_.surface_rate_hz + 1.0e-6);
-  if (period == obstacles_period_) return;
-  obstacles_period_ = period;
-  const std::vector<Eigen::Isometry3d> poses = simulation.obstacle_poses();
-  const auto same = [](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) { return a.matrix() == b.matrix(); };
-  if (std::equal(poses.begin(), poses.end(), obstacles_shown_.begin(), obstacles_shown_.end(), same)) return;
-  obstacles_.publish(obstacle_markers(simulation, stamp));
-  obstacles_shown_ = poses;
-}
-
-void SimulatorNode::show_surface_again() {
-  const std::lock_guard lock(mutex_);
-  scene_->surface.forget();
-  obstacles_shown_.clear();
 }
 
 void SimulatorNode::on_command(const ActuatorCommand& command) {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/live_target.h"
+#include "session/live_target.h"
 
 #include <atomic>
+#include <functional>
+#include <mutex>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "ros/policy_request.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -99,26 +100,6 @@ TEST(LiveTarget, SurvivesASearchThatFails) {
   wait_for([&] { return asked == 1; });
   live.ask(goal_at(1.0));
   wait_for([&] { return asked == 2; });
-}
-
-PolicyAnswer answer_at(double distance_m) {
-  PolicyAnswer answer;
-  answer.summaries.resize(1);
-  answer.summaries[0].usable = true;
-  answer.summaries[0].final_distance_m = distance_m;
-  return answer;
-}
-
-TEST(PolicyRequest, CountsATargetAsReachedWithinWhatTheModelKnows) {
-  PolicyAnswer near = answer_at(2.0e-4), far = answer_at(7.0e-4), strict = answer_at(2.0e-5);
-  OptimisePolicy::Request request;
-  count_as_reached(request, near);
-  count_as_reached(request, far);
-  EXPECT_TRUE(near.summaries[0].target_reached);
-  EXPECT_FALSE(far.summaries[0].target_reached);
-  request.tolerance_m = 1.0e-5;
-  count_as_reached(request, strict);
-  EXPECT_FALSE(strict.summaries[0].target_reached);  // as the search said
 }
 
 }  // namespace

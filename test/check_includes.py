@@ -30,7 +30,7 @@ ALLOWED = {
     "hardware/plant": "hardware/motor perception/render robot/scene mechanics settings",
     "control": "mechanics mechanics/reduced settings",
     "control/identification": "control robot/scene mechanics settings",
-    "session": "control mechanics settings",
+    "session": "control control/identification mechanics settings",
     "session/report": "geometry perception/render robot/design mechanics settings",
     "study": PRODUCT,
     "ros": PRODUCT,

@@ -9,7 +9,7 @@
 
 #include "settings/command_line.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
-#include "ros/recording.h"
+#include "ros/recorded_session.h"
 
 namespace {
 
@@ -69,7 +69,7 @@ int fit(const Arguments& arguments) {
     arguments.request.validate();
     require_writable(arguments.output);
   }
-  const UsablePart part = usable_part(read_recording(arguments.bag), arguments.from_s, arguments.to_s);
+  const UsablePart part = usable_part(read_recorded_session(arguments.bag), arguments.from_s, arguments.to_s);
   if (!part.note.empty()) std::cerr << "fit_model: " << part.note << "\n";
   const Recording& recording = part.recording;
   const std::string scene = arguments.scene.empty() ? recording.scene : arguments.scene;

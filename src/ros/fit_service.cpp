@@ -6,6 +6,8 @@
 
 #include "conversions.h"
 #include "log_text.h"
+#include "recorded_session.h"
+#include "session/rest_periods.h"
 #include "topics.h"
 
 namespace soft_robot_lab {
@@ -21,11 +23,9 @@ std::optional<double> item(const std::vector<double>& list, size_t index, size_t
   return list[index];
 }
 
-template <typename Messages>
-void keep_last(Messages& messages, double from_s) {
-  const auto first = std::find_if(messages.begin(), messages.end(),
-                                  [&](const auto& message) { return message.header.stamp.toSec() >= from_s; });
-  messages.erase(messages.begin(), first);
+void keep_last(std::vector<ObservedMarkers>& all, double from_s) {
+  const auto first = std::find_if(all.begin(), all.end(), [&](const auto& at) { return at.time_s >= from_s; });
+  all.erase(all.begin(), first);
 }
 
 }  // namespace
@@ -87,13 +87,13 @@ FitService::FitService(ros::NodeHandle& node, SceneOptions options, const std::s
 
 void FitService::on_command(const ActuatorCommand& command) {
   const std::lock_guard lock(mutex_);
-  recording_.add(command, command.header.stamp.toSec());
+  recording_.add_commands(command.names, command.values, command.header.stamp.toSec());
 }
 
 void FitService::on_motors(const MotorState& motors) {
   const std::lock_guard lock(mutex_);
   try {
-    recording_.add(motors, motors.header.stamp.toSec());
+    recording_.add_motors(motor_readings(motors), motors.header.stamp.toSec());
   } catch (const std::runtime_error& error) {
     ROS_WARN_THROTTLE(10.0, "%s", log_text(error.what()).c_str());
   }
@@ -102,14 +102,14 @@ void FitService::on_motors(const MotorState& motors) {
 void FitService::on_markers(const MarkerObservations& markers) {
   const std::lock_guard lock(mutex_);
   try {
-    recording_.add_measured(markers);
-  } catch (const std::runtime_error& error) {
+    recording_.add_measured(observed_markers(markers));
+  } catch (const std::invalid_argument& error) {
     ROS_WARN_THROTTLE(10.0, "%s", log_text(error.what()).c_str());
     return;
   }
   const double from_s = markers.header.stamp.toSec() - kept_s;
   // Now and then, as it moves all that is kept.
-  if (recording_.measured.front().header.stamp.toSec() < from_s - 60.0) keep_last(recording_.measured, from_s);
+  if (recording_.measured.front().time_s < from_s - 60.0) keep_last(recording_.measured, from_s);
 }
 
 // Another robot, another recording.
@@ -137,7 +137,7 @@ void FitService::answer(const FitModel::Request& request, FitModel::Response& re
       return !cancelled_;
     };
     if (!request.file.empty()) require_writable(request.file);
-    const UsablePart part = usable_part(request.bag.empty() ? heard() : read_recording(request.bag));
+    const UsablePart part = usable_part(request.bag.empty() ? heard() : read_recorded_session(request.bag));
     const Recording& recording = part.recording;
     const std::string scene = request.scene.empty() ? recording.scene : request.scene;
     if (scene.empty()) throw std::invalid_argument("scene: none is given, and the recording does not name one");

@@ -11,7 +11,8 @@
 #include <soft_robot_lab/FitModel.h>
 #include <std_msgs/String.h>
 
-#include "recording.h"
+#include "session/recording.h"
+#include "soft_robot_lab/control/identification/fit_model.h"
 
 namespace soft_robot_lab {
 

@@ -16,7 +16,8 @@
 #include "fuzz_rules.h"
 #include "bad_bytes.h"
 #include "guarded.h"
-#include "ros/recording.h"
+#include "ros/recorded_session.h"
+#include "session/rest_periods.h"
 #include "ros/report/session_report.h"
 
 namespace soft_robot_lab {
@@ -231,7 +232,7 @@ void require_finite(const Eigen::Ref<const Eigen::MatrixXd>& values, const char*
 
 void read(const FuzzBytes& bytes, bool with_report) {
   const FuzzFile file(bytes.data(), bytes.size());
-  const Recording recording = read_recording(file.path());
+  const RecordedSession recording = read_recorded_session(file.path());
   if (recording.measured.empty()) throw Nonsense("a recording without markers");
   for (const RealityGap& gap : recording.gaps) require_finite(Eigen::Matrix<double, 1, 1>(gap.rms_m), "rms_m");
   for (const MeasuredPose& pose : measured_poses(recording))

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "fuzz_rules.h"
-#include "ros/recording.h"
+#include "ros/recorded_session.h"
 
 namespace soft_robot_lab {
 
@@ -12,10 +12,10 @@ namespace soft_robot_lab {
 void fuzz_bag(const std::uint8_t* data, std::size_t size) {
   const FuzzFile file(data, size);
   try {
-    const Recording recording = read_recording(file.path());
+    const RecordedSession recording = read_recorded_session(file.path());
     require_rule(!recording.measured.empty());
-    for (const MarkerObservations& markers : recording.measured)
-      require_rule(markers.positions.size() == markers.names.size());
+    for (const ObservedMarkers& at : recording.measured)
+      for (const ObservedMarker& marker : at.markers) require_rule(marker.position_m.allFinite());
   } catch (const std::runtime_error& error) {
     require_rule(*error.what() != '\0');
   }

@@ -132,11 +132,11 @@ void paint_robot(const SkinMessage& surface, const Eye& eye, cv::Mat& picture) {
     cv::fillConvexPoly(picture, face.corners.data(), 3, face.colour, cv::LINE_8, fraction_bits);
 }
 
-void paint_markers(const MarkerObservations& markers, bool seen_only, const cv::Scalar& colour, int radius_px,
-                   const Eye& eye, cv::Mat& picture) {
-  for (std::size_t i = 0; i < std::min(markers.positions.size(), markers.sources.size()); ++i) {
-    if (seen_only && markers.sources[i] != MarkerObservations::SEEN) continue;
-    if (const auto place = eye.pixel(place_of(markers.positions[i])))
+void paint_markers(const ObservedMarkers& at, bool seen_only, const cv::Scalar& colour, int radius_px, const Eye& eye,
+                   cv::Mat& picture) {
+  for (const ObservedMarker& marker : at.markers) {
+    if (seen_only && !marker.seen) continue;
+    if (const auto place = eye.pixel(marker.position_m))
       cv::circle(picture, *place, radius_px << fraction_bits, colour, 2, cv::LINE_AA, fraction_bits);
   }
 }
@@ -146,9 +146,9 @@ void write(const std::string& text, cv::Point place_px, const cv::Scalar& colour
 }
 
 // The last of these until then.
-const MarkerObservations* at(const std::vector<MarkerObservations>& all, double time_s) {
-  const auto after = std::upper_bound(all.begin(), all.end(), time_s, [](double now_s, const auto& markers) {
-    return now_s < markers.header.stamp.toSec();
+const ObservedMarkers* at(const std::vector<ObservedMarkers>& all, double time_s) {
+  const auto after = std::upper_bound(all.begin(), all.end(), time_s, [](double now_s, const ObservedMarkers& markers) {
+    return now_s < markers.time_s;
   });
   return after == all.begin() ? nullptr : &*(after - 1);
 }
@@ -168,7 +168,7 @@ std::string words_at(const std::vector<CommandsSince>& all, double time_s) {
 
 class FilmWriter {
  public:
-  FilmWriter(const Recording& recording, const Eye& eye, const std::string& folder)
+  FilmWriter(const RecordedSession& recording, const Eye& eye, const std::string& folder)
       : recording_(recording), eye_(eye), film_{folder + "/session.mp4", 1.0, folder + "/session_film.png"} {
     const double duration_s = recording.end_s - recording.start_s;
     film_.speed = std::max(1.0, duration_s / longest_s);
@@ -221,7 +221,7 @@ class FilmWriter {
     return picture;
   }
 
-  const Recording& recording_;
+  const RecordedSession& recording_;
   Eye eye_;
   SessionFilm film_;
   cv::VideoWriter writer_;
@@ -232,7 +232,8 @@ class FilmWriter {
 
 }  // namespace
 
-std::optional<SessionFilm> film_session(const std::string& bag, const Recording& recording, const std::string& folder) {
+std::optional<SessionFilm> film_session(const std::string& bag, const RecordedSession& recording,
+                                        const std::string& folder) {
   const Eigen::AlignedBox3d box_m = box_of(bag);
   if (box_m.isEmpty() || !(box_m.diagonal().norm() > 0.0) || !(recording.end_s > recording.start_s))
     return std::nullopt;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "ros/recording.h"
+#include "ros/recorded_session.h"
 
 namespace soft_robot_lab {
 
@@ -17,6 +17,7 @@ struct SessionFilm {
 
 // Writes FOLDER/session.mp4 and session_film.png. Nothing where the recording has no skin of the robot, or OpenCV here
 // cannot write such a film. A session of more than two minutes is shown faster, so that its film has two.
-std::optional<SessionFilm> film_session(const std::string& bag, const Recording& recording, const std::string& folder);
+std::optional<SessionFilm> film_session(const std::string& bag, const RecordedSession& recording,
+                                        const std::string& folder);
 
 }  // namespace soft_robot_lab

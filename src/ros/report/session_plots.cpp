@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "ros/conversions.h"
-
 namespace soft_robot_lab {
 namespace {
 
@@ -32,15 +30,15 @@ Axis time_axis(const Recording& recording) {
   return axis;
 }
 
-void add_track(const std::vector<MarkerObservations>& all, double start_s, size_t axis, bool seen_only,
+void add_track(const std::vector<ObservedMarkers>& all, double start_s, size_t axis, bool seen_only,
                const std::string& suffix, SeriesStyle style, Plot& plot) {
   std::map<std::string, Series> by_name;
-  for (const MarkerObservations& at : thinned(all, seen_only ? kDrawnMarks : kDrawnPoints)) {
-    for (size_t i = 0; i < at.names.size(); ++i) {
-      if (seen_only && at.sources.at(i) != MarkerObservations::SEEN) continue;
-      Series& series = by_name.try_emplace(at.names[i], Series{at.names[i] + suffix, {}, {}, style}).first->second;
-      series.x.push_back(at.header.stamp.toSec() - start_s);
-      series.y.push_back(1e3 * from_message(at.positions.at(i), "positions")[static_cast<Eigen::Index>(axis)]);
+  for (const ObservedMarkers& at : thinned(all, seen_only ? kDrawnMarks : kDrawnPoints)) {
+    for (const ObservedMarker& marker : at.markers) {
+      if (seen_only && !marker.seen) continue;
+      Series& series = by_name.try_emplace(marker.name, Series{marker.name + suffix, {}, {}, style}).first->second;
+      series.x.push_back(at.time_s - start_s);
+      series.y.push_back(1e3 * marker.position_m[static_cast<Eigen::Index>(axis)]);
     }
   }
   int colour = 0;
@@ -77,7 +75,7 @@ Plot policy_plot(const Recording& recording) {
   return plot;
 }
 
-Plot trajectory_plot(const Recording& recording, size_t axis) {
+Plot trajectory_plot(const RecordedSession& recording, size_t axis) {
   const std::string name(1, kAxes[axis]);
   Plot plot{"markers_" + name, "Markers along " + name + ": measured (points), simulated (lines)", {}, {}, {}};
   plot.x = time_axis(recording);
@@ -93,7 +91,7 @@ Plot trajectory_plot(const Recording& recording, size_t axis) {
   return plot;
 }
 
-Plot gap_plot(const Recording& recording) {
+Plot gap_plot(const RecordedSession& recording) {
   Plot plot{"gap", "Gap between measured and simulated markers", {}, {}, {}};
   plot.x = time_axis(recording);
   plot.y.label = "distance [mm]";

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ros/recording.h"
+#include "ros/recorded_session.h"
 #include "session/report/plot.h"
 
 namespace soft_robot_lab {
@@ -29,8 +29,8 @@ struct RestGap {
 
 // Grey lines stand where events disturbed the recording.
 Plot policy_plot(const Recording& recording);
-Plot trajectory_plot(const Recording& recording, size_t axis);  // 0, 1 or 2: x, y or z
-Plot gap_plot(const Recording& recording);
+Plot trajectory_plot(const RecordedSession& recording, size_t axis);  // 0, 1 or 2: x, y or z
+Plot gap_plot(const RecordedSession& recording);
 Plot rest_plot(const std::vector<RestGap>& gaps);
 
 }  // namespace soft_robot_lab

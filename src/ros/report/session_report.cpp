@@ -20,9 +20,10 @@
 #include "session_film.h"
 #include "session_pictures.h"
 #include "session_plots.h"
-#include "ros/recording.h"
+#include "ros/recorded_session.h"
 #include "session/report/html_page.h"
 #include "session/report/plot.h"
+#include "session/rest_periods.h"
 #include "soft_robot_lab/robot/scene/scene_file.h"
 #include "soft_robot_lab/settings/config_folder.h"
 #include "settings/write_file.h"
@@ -127,7 +128,7 @@ void add_parameters(const std::string& scene, bool given, const std::string& bag
   page.text(file_text(scene));
 }
 
-Table facts(const std::string& bag, const Recording& recording, const std::string& scene, double rest_rms_m,
+Table facts(const std::string& bag, const RecordedSession& recording, const std::string& scene, double rest_rms_m,
             size_t rests) {
   Table table;
   table.columns = {{"what"}, {""}};
@@ -161,7 +162,7 @@ void add_plot(const Plot& plot, const std::string& folder, HtmlPage& page) {
 }
 
 // One row for each configuration, as numbered in the table: what each camera saw in the middle of it.
-void add_pictures(const std::string& bag, const Recording& recording, const std::vector<RestPeriod>& periods,
+void add_pictures(const std::string& bag, const RecordedSession& recording, const std::vector<RestPeriod>& periods,
                   const std::string& folder, HtmlPage& page) {
   std::vector<size_t> numbers(periods.size());
   std::iota(numbers.begin(), numbers.end(), 0);
@@ -206,7 +207,7 @@ std::string count_of(size_t count, const std::string& one) {
   return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
 }
 
-std::string how_far(const Recording& recording, const std::vector<RestPeriod>& periods,
+std::string how_far(const RecordedSession& recording, const std::vector<RestPeriod>& periods,
                     const std::vector<RestGap>& gaps) {
   if (recording.gaps.empty()) return "Tracked and simulated markers were never seen at one time: the gap is not known.";
   const auto worst =
@@ -227,7 +228,7 @@ std::string what_disturbed(const Recording& recording) {
 }
 
 // Three sentences and a picture: what a reader needs who reads no further.
-void add_head(const std::string& bag, const Recording& recording, const std::vector<RestPeriod>& periods,
+void add_head(const std::string& bag, const RecordedSession& recording, const std::vector<RestPeriod>& periods,
               const std::vector<RestGap>& gaps, const std::string& folder, HtmlPage& page) {
   page.paragraph("On " + day_of(bag, recording) + ", a robot was recorded for " +
                  number(recording.end_s - recording.start_s, 4) + " s while its commands changed " +
@@ -251,7 +252,7 @@ Table event_table(const Recording& recording) {
 }  // namespace
 
 SessionReport write_session_report(const std::string& bag, const std::string& folder, const std::string& scene) {
-  const Recording recording = read_recording(bag);
+  const RecordedSession recording = read_recorded_session(bag);
   const std::string scene_file = scene.empty() ? recording.scene : scene;
   std::filesystem::create_directories(folder);
   const std::vector<RestPeriod> periods = rest_periods(recording);

@@ -12,8 +12,8 @@ struct SessionReport {
   double rest_rms_m = 0.0;  // gap over all of them; 0 where there is none
 };
 
-// Throws std::runtime_error for a bag that cannot be read or holds no tracked markers (read_recording), and where files
-// cannot be written. `scene`: its file, where it is not the one that the bag names.
+// Throws std::runtime_error for a bag that cannot be read or holds no tracked markers (read_recorded_session), and
+// where files cannot be written. `scene`: its file, where it is not the one that the bag names.
 SessionReport write_session_report(const std::string& bag, const std::string& folder, const std::string& scene = "");
 
 }  // namespace soft_robot_lab

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings of sessions: where the robot rested, and the page about them.
-#include "ros/recording.h"
+// Bags of sessions, and the page about them.
+#include "ros/recorded_session.h"
 
 #include <filesystem>
 #include <fstream>
@@ -20,6 +20,7 @@
 #include "ros/frames.h"
 #include "ros/image_messages.h"
 #include "ros/report/session_report.h"
+#include "session/rest_periods.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -97,150 +98,8 @@ class Session : public ::testing::Test {
   std::string scene_;  // that the recording names; empty: bar()
 };
 
-TEST(RestPeriods, AreFoundHoweverFewFramesASecondCame) {
-  for (const double rate_hz : {30.0, 5.0, 3.0}) {
-    Recording recording;
-    for (int i = 0; i < static_cast<int>(12.0 * rate_hz); ++i)
-      recording.add_measured(observation(10.0 + i / rate_hz, 0.001, 5.0, MarkerObservations::SEEN));
-    recording.add(command(10.0, 1.0), 10.0);
-    recording.add(command(16.0, 0.9), 16.0);
-    EXPECT_EQ(rest_periods(recording).size(), 2u) << rate_hz;
-  }
-}
-
-TEST(RestPeriods, AreFoundWhereAMarkerIsSeenBadly) {
-  Recording recording;
-  std::mt19937 random(1);
-  std::normal_distribution<double> noise_m(0.0, 1e-3), little_m(0.0, 5e-5);
-  // Two markers at five frames a second: at rest for 5 s, one of them badly seen; then both move by 1 mm a second.
-  for (int i = 0; i < 50; ++i) {
-    const double moved_m = 0.001 * std::max(0.0, 0.2 * i - 5.0);
-    MarkerObservations markers =
-        observation(10.0 + 0.2 * i, moved_m + noise_m(random), moved_m + little_m(random), MarkerObservations::SEEN);
-    markers.sources[1] = MarkerObservations::SEEN;
-    recording.add_measured(markers);
-  }
-  recording.add(command(10.0, 1.0), 10.0);
-  recording.add(command(15.0, 0.9), 15.0);
-  const std::vector<RestPeriod> periods = rest_periods(recording);
-  ASSERT_EQ(periods.size(), 1u);
-  EXPECT_EQ(periods[0].pose.commands.at("left"), 1.0);
-  EXPECT_GT(periods[0].end_s - periods[0].start_s, 4.0);
-}
-
-TEST(RestPeriods, AreFoundThoughAFrameMissed) {
-  Recording recording;
-  for (int i = 0; i < 20; ++i)  // four seconds; now and then one frame of three is 3 mm off
-    recording.add_measured(observation(10.0 + 0.2 * i, i % 5 == 2 ? 0.004 : 0.001, 5.0, MarkerObservations::SEEN));
-  recording.add(command(10.0, 1.0), 10.0);
-  EXPECT_EQ(rest_periods(recording).size(), 1u);
-}
-
-TEST(RestPeriods, BeginAfterAMarkerJumped) {
-  for (int jump = 7; jump < 16; ++jump) {
-    Recording recording;
-    std::mt19937 random(1);
-    std::normal_distribution<double> noise_m(0.0, 5e-5);
-    for (int i = 0; i < 21; ++i)  // seven seconds at three frames a second
-      recording.add_measured(
-          observation(10.0 + i / 3.0, (i < jump ? 0.0 : 0.001) + noise_m(random), 5.0, MarkerObservations::SEEN));
-    const std::vector<RestPeriod> periods = rest_periods(recording);
-    ASSERT_EQ(periods.size(), 1u) << jump;
-    EXPECT_NEAR(periods[0].pose.markers.at(0).position_m.x(), 0.001, 2.5e-4) << jump;
-  }
-}
-
-MotorState motors(double time_s, double left, bool moving, bool known) {
-  MotorState state;
-  state.header.stamp = ros::Time(time_s);
-  state.names = {"left"};
-  state.values = {left};
-  state.moving = {moving};
-  state.known = {known};
-  return state;
-}
-
-TEST(RestPeriods, StandWhereTheMotorsStood) {
-  Recording recording;
-  for (int i = 0; i < 120; ++i)
-    recording.add_measured(observation(10.0 + 0.1 * i, 0.001, 5.0, MarkerObservations::SEEN));
-  recording.add(command(13.0, 0.9), 13.0);
-  recording.add(command(16.0, 0.8), 16.0);
-  recording.add(command(19.0, 0.7), 19.0);
-  const struct {
-    double time_s, left;
-    bool moving, known;
-  } reports[] = {{10.0, 1.0, false, true},    {13.1, 0.95, true, true}, {14.0, 0.8998, false, true},
-                 {15.99, 0.8998, true, true}, {17.0, 0.79, true, true}, {19.1, 0.7, false, false}};
-  for (const auto& one : reports) recording.add(motors(one.time_s, one.left, one.moving, one.known), one.time_s);
-  const std::vector<MeasuredPose> poses = measured_poses(recording);
-  ASSERT_EQ(poses.size(), 4u);
-  EXPECT_EQ(poses[0].reached.at("left"), 1.0);
-  EXPECT_EQ(poses[1].commands.at("left"), 0.9);
-  EXPECT_EQ(poses[1].reached.at("left"), 0.8998);
-  EXPECT_TRUE(poses[2].reached.empty()) << "it still moved";
-  EXPECT_TRUE(poses[3].reached.empty()) << "it did not know where it was";
-  MotorState broken = motors(20.0, 0.7, false, true);
-  broken.known.clear();
-  EXPECT_THROW(recording.add(broken, 20.0), std::runtime_error);
-}
-
-// Twenty seconds: commands at 3, 8 and 13 s; `event` changes what the motor says from 10 s on.
-template <typename Event>
-Recording with_event(const Event& event) {
-  Recording recording;
-  for (int i = 0; i < 200; ++i)
-    recording.add_measured(observation(10.0 + 0.1 * i, 0.001, 5.0, MarkerObservations::SEEN));
-  recording.add(motors(10.0, 1.0, false, false), 10.0);  // as before a link
-  for (int i = 0; i < 3; ++i) recording.add(command(13.0 + 5.0 * i, 0.9 - 0.1 * i), 13.0 + 5.0 * i);
-  for (int i = 1; i < 200; ++i) {
-    MotorState state = motors(10.0 + 0.1 * i, 0.9, false, true);
-    state.position_steps = {120.0};
-    state.fault = {""};
-    if (i >= 100) event(state);
-    recording.add(state, 10.0 + 0.1 * i);
-  }
-  return recording;
-}
-
-std::size_t usable_poses(const Recording& recording, std::optional<double> from_s = {},
-                         std::optional<double> to_s = {}) {
-  std::size_t count = 0;
-  for (const MeasuredPose& pose : measured_poses(usable_part(recording, from_s, to_s).recording))
-    count += pose.markers.empty() ? 0 : 1;
-  return count;
-}
-
-TEST(UsablePart, EndsWhereAMotorIsSetToZero) {
-  const Recording recording = with_event([](MotorState& state) { state.position_steps = {0.0}; });
-  EXPECT_EQ(measured_poses(recording).size(), 4u);
-  EXPECT_EQ(usable_poses(recording), 3u);
-  const std::string note = usable_part(recording).note;
-  EXPECT_NE(note.find("used from 0.0 s to 10.0 s of 19.9 s; at 10.0 s: left was set to zero"), std::string::npos)
-      << note;
-  EXPECT_EQ(usable_poses(recording, 11.0), 2u) << "what comes after the event can be asked for";
-}
-
-TEST(UsablePart, EndsWhereAMotorStalls) {
-  const Recording recording = with_event([](MotorState& state) {
-    state.known = {false};
-    state.fault = {"stalled; motor/clear"};
-  });
-  EXPECT_EQ(usable_poses(recording), 3u);
-  const std::string note = usable_part(recording).note;
-  EXPECT_NE(note.find("left does not know where it is: stalled; motor/clear"), std::string::npos) << note;
-}
-
-TEST(UsablePart, IsAllWhereNothingHappened) {
-  const Recording recording = with_event([](MotorState& state) { state.position_steps = {121.0}; });
-  EXPECT_EQ(usable_part(recording).note, "");
-  EXPECT_EQ(usable_poses(recording), 4u);
-  EXPECT_EQ(usable_poses(recording, 4.0, 12.0), 2u);
-  EXPECT_THROW(usable_part(recording, 40.0), std::invalid_argument);
-}
-
 TEST_F(Session, FindsWhereTheRobotRested) {
-  const Recording recording = read_recording(write_bag(true));
+  const RecordedSession recording = read_recorded_session(write_bag(true));
   EXPECT_NE(recording.scene.find("cable_bar.yaml"), std::string::npos);
   const std::vector<RestPeriod> periods = rest_periods(recording);
   ASSERT_EQ(periods.size(), 2u);
@@ -258,7 +117,7 @@ TEST_F(Session, FindsWhereTheRobotRested) {
 }
 
 TEST_F(Session, FindsWhatFollowedEachMove) {
-  const std::vector<MeasuredSwing> swings = measured_swings(read_recording(write_bag(true)));
+  const std::vector<MeasuredSwing> swings = measured_swings(read_recorded_session(write_bag(true)));
   ASSERT_EQ(swings.size(), 2u);
   EXPECT_TRUE(swings[0].from.empty());
   EXPECT_EQ(swings[0].commands.size(), 31u);
@@ -276,7 +135,7 @@ TEST_F(Session, FindsWhatFollowedEachMove) {
 TEST_F(Session, RefusesWhatIsNoRecordingOfASession) {
   const auto refusal = [](const std::string& path) {
     try {
-      read_recording(path);
+      read_recorded_session(path);
     } catch (const std::runtime_error& error) {
       return std::string(error.what());
     }
@@ -356,7 +215,7 @@ void add_bytes(const std::string& bag, const std::string& md5, const std::string
 TEST_F(Session, RefusesAnOlderVersionOfAMessage) {
   const std::string bag = write_bag(true), md5 = "0123456789abcdef0123456789abcdef";
   add_bytes<MotorState>(bag, md5, "old");
-  const std::string reason = refusal_of([&] { read_recording(bag); });
+  const std::string reason = refusal_of([&] { read_recorded_session(bag); });
   for (const std::string& words :
        {bag, std::string("/motor/state"), std::string("another version"), md5, std::string("rosbag fix")})
     EXPECT_NE(reason.find(words), std::string::npos) << reason;
@@ -365,7 +224,7 @@ TEST_F(Session, RefusesAnOlderVersionOfAMessage) {
 TEST_F(Session, RefusesADamagedMessage) {
   const std::string bag = write_bag(true);
   add_bytes<MotorState>(bag, ros::message_traits::md5sum<MotorState>(), std::string(40, '\xff'));
-  const std::string reason = refusal_of([&] { read_recording(bag); });
+  const std::string reason = refusal_of([&] { read_recorded_session(bag); });
   EXPECT_NE(reason.find("/motor/state holds a damaged soft_robot_lab/MotorState"), std::string::npos) << reason;
 }
 
@@ -377,7 +236,7 @@ TEST_F(Session, RefusesAListThatIsLongerThanItsMessage) {
   add_bytes<MotorState>(bag, ros::message_traits::md5sum<MotorState>(), bytes);
   rusage before{}, after{};
   getrusage(RUSAGE_SELF, &before);
-  const std::string reason = refusal_of([&] { read_recording(bag); });
+  const std::string reason = refusal_of([&] { read_recorded_session(bag); });
   getrusage(RUSAGE_SELF, &after);
   EXPECT_NE(reason.find("holds a damaged soft_robot_lab/MotorState"), std::string::npos) << reason;
   EXPECT_NE(reason.find(" items, more than there are bytes"), std::string::npos) << reason;
@@ -491,6 +350,26 @@ TEST_F(Session, ShowsWhatDisturbedIt) {
   const std::string page((std::istreambuf_iterator<char>(file)), {});
   EXPECT_NE(page.find("1 event of the motors disturbed it, the first at 8 s: left does not know where it is"),
             std::string::npos);
+}
+
+TEST(MotorReadings, RefuseListsOfOtherLengths) {
+  MotorState motors;
+  motors.names = {"left"};
+  motors.values = {1.0};
+  motors.moving = {0};
+  EXPECT_THROW(motor_readings(motors), std::runtime_error);
+  motors.known = {1};
+  EXPECT_EQ(motor_readings(motors).at(0).name, "left");
+}
+
+TEST(ObservedMarkers, RefuseWhatIsNotWholeOrNotFinite) {
+  MarkerObservations markers = observation(10.0, 0.001, 5.0, MarkerObservations::SEEN);
+  EXPECT_TRUE(observed_markers(markers).markers.at(0).seen);
+  EXPECT_FALSE(observed_markers(markers).markers.at(1).seen);
+  markers.covariances.pop_back();
+  EXPECT_THROW(observed_markers(markers), std::invalid_argument);
+  markers = observation(10.0, std::nan(""), 5.0, MarkerObservations::SEEN);
+  EXPECT_THROW(observed_markers(markers), std::invalid_argument);
 }
 
 TEST(FitRequest, RefusesListsOfOtherLengths) {

@@ -1,25 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "rest_periods.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <set>
 
-#include "marker_frames.h"
-#include "session/same_place.h"
-#include "stamps.h"
-#include "conversions.h"
-#include "recording.h"
+#include "same_place.h"
 #include "settings/quantile.h"
 
 namespace soft_robot_lab {
 namespace {
 
+MarkerFrame seen_frame(const ObservedMarkers& at) {
+  MarkerFrame frame{at.time_s, {}};
+  for (const ObservedMarker& marker : at.markers)
+    if (marker.seen) frame.seen.push_back({marker.name, marker.position_m});
+  return frame;
+}
+
 SeenMarkers seen_between(const Recording& recording, double start_s, double end_s, const RestCriterion& criterion) {
   const auto first = std::partition_point(recording.measured.begin(), recording.measured.end(),
-                                          [&](const auto& m) { return m.header.stamp.toSec() < start_s; });
+                                          [&](const auto& m) { return m.time_s < start_s; });
   SeenMarkers seen;
-  for (auto m = first; m != recording.measured.end() && m->header.stamp.toSec() < end_s; ++m)
-    add_seen(seen_frame(*m), seen);
+  for (auto m = first; m != recording.measured.end() && m->time_s < end_s; ++m) add_seen(seen_frame(*m), seen);
   require_observations(criterion.observations, seen);
   return seen;
 }
@@ -60,7 +64,7 @@ std::optional<RestPeriod> rest_at_end(const Recording& recording, const Commands
 RestCriterion for_frames_of(const Recording& recording, RestCriterion criterion) {
   std::vector<double> periods_s;
   for (size_t i = 1; i < recording.measured.size(); ++i)
-    periods_s.push_back(seconds_between(recording.measured[i - 1].header.stamp, recording.measured[i].header.stamp));
+    periods_s.push_back(recording.measured[i].time_s - recording.measured[i - 1].time_s);
   if (periods_s.empty()) return criterion;
   criterion.window_s = std::max(criterion.window_s, (criterion.observations + 0.5) * median(std::move(periods_s)));
   return criterion;
@@ -89,8 +93,8 @@ std::map<std::string, double> reached_in(const Recording& recording, const Stay&
 // Commands that did not change for two windows at least; first the time before any.
 std::vector<Stay> holds(const Recording& recording, const RestCriterion& criterion) {
   std::vector<Stay> all;
-  const double first_s = recording.measured.front().header.stamp.toSec();
-  const double last_s = recording.measured.back().header.stamp.toSec() + 1e-6;
+  const double first_s = recording.measured.front().time_s;
+  const double last_s = recording.measured.back().time_s + 1e-6;
   std::vector<CommandsSince> since = {{first_s, {}}};
   since.insert(since.end(), recording.commands.begin(), recording.commands.end());
   for (size_t i = 0; i < since.size(); ++i) {
@@ -103,8 +107,8 @@ std::vector<Stay> holds(const Recording& recording, const RestCriterion& criteri
 // Numbers of the windows in which markers were tracked: between two stamps there may be years.
 std::set<double> windows_in(const Recording& recording, const Stay& hold, double window_s) {
   std::set<double> windows;
-  for (const MarkerObservations& message : recording.measured) {
-    const double window = std::floor((message.header.stamp.toSec() - hold.commands.time_s) / window_s);
+  for (const ObservedMarkers& at : recording.measured) {
+    const double window = std::floor((at.time_s - hold.commands.time_s) / window_s);
     if (window >= 0.0 && hold.commands.time_s + (window + 1.0) * window_s <= hold.end_s) windows.insert(window);
   }
   return windows;
@@ -126,12 +130,10 @@ std::vector<MarkersAt> seen_in(const Recording& recording, const Stay& hold, con
 constexpr double kSwing_s = 8.0;  // the drives' last way, and what is left of the swing then
 
 // Those that cameras saw.
-std::vector<MeasuredMarker> seen_markers(const MarkerObservations& markers) {
+std::vector<MeasuredMarker> seen_markers(const ObservedMarkers& at) {
   std::vector<MeasuredMarker> seen;
-  for (size_t i = 0; i < markers.names.size(); ++i)
-    if (markers.sources[i] == MarkerObservations::SEEN)
-      seen.push_back({markers.names[i], from_message(markers.positions[i], "positions"),
-                      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&markers.covariances[9 * i])});
+  for (const ObservedMarker& marker : at.markers)
+    if (marker.seen) seen.push_back({marker.name, marker.position_m, marker.covariance_m2});
   return seen;
 }
 
@@ -173,8 +175,8 @@ std::vector<MeasuredSwing> measured_swings(const Recording& recording, const Res
     for (const CommandsSince& since : recording.commands)
       if (since.time_s > before.commands.time_s && since.time_s <= hold.commands.time_s)
         swing.commands.push_back({since.time_s, {since.values.begin(), since.values.end()}});
-    for (const MarkerObservations& markers : recording.measured) {
-      const double time_s = markers.header.stamp.toSec();
+    for (const ObservedMarkers& markers : recording.measured) {
+      const double time_s = markers.time_s;
       if (time_s <= swing.commands.front().time_s || time_s > std::min(hold.end_s, hold.commands.time_s + kSwing_s))
         continue;
       MarkersAt at{time_s, seen_markers(markers)};

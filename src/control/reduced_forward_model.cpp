@@ -48,7 +48,7 @@ Prediction ReducedForwardModel::predict(const Eigen::VectorXd& commands, bool wi
   }
   prediction.markers_m = markers_m();
   if (corrected_at_.size() > 0) prediction.markers_m.reshaped() += offsets_m_ + slopes_ * (commands - corrected_at_);
-  const std::vector<ActuatorReading> all = readings(simulation_.state().at.tensions_n);
+  const std::vector<ActuatorReading> all = readings(simulation_.state().at.multipliers);
   prediction.tensions_n.resize(commands.size());
   prediction.slack.resize(commands.size());
   for (Eigen::Index i = 0; i < commands.size(); ++i) {
@@ -115,10 +115,10 @@ void ReducedForwardModel::add_derivatives(Prediction& prediction) {
   prediction.marker_jacobian = named(places_.motions(state.at.q) * change.q);
   if (corrected_at_.size() > 0) prediction.marker_jacobian += slopes_;
   prediction.tension_jacobian = Eigen::MatrixXd::Zero(count, count);
-  const std::vector<ActuatorReading> here = readings(state.at.tensions_n);
+  const std::vector<ActuatorReading> here = readings(state.at.multipliers);
   for (Eigen::Index j = 0; j < count; ++j) {
     const std::vector<ActuatorReading> there =
-        readings(state.at.tensions_n + change.multipliers.col(actuators_[static_cast<std::size_t>(j)]));
+        readings(state.at.multipliers + change.multipliers.col(actuators_[static_cast<std::size_t>(j)]));
     for (Eigen::Index i = 0; i < count; ++i) {
       const auto own = static_cast<std::size_t>(actuators_[static_cast<std::size_t>(i)]);
       prediction.tension_jacobian(i, j) = there[own].tension_n.value_or(0.0) - here[own].tension_n.value_or(0.0);

@@ -17,6 +17,7 @@
 #include "mechanics/reduced/snapshots.h"
 #include "mechanics/reduced/train.h"
 #include "settings/cpu_time.h"
+#include "soft_robot_lab/mechanics/actuators/cable.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
@@ -33,6 +34,18 @@ Scene robot(const std::string& name) {
   options.cache_folder = SOFT_ROBOT_LAB_CACHE;
   options.actuator_factory = make_actuator;
   return load_scene(std::string(SOFT_ROBOT_LAB_SOURCE) + "/config/robots/" + name + "/robot.yaml", options);
+}
+
+// Of cables contractions as they are used; of chambers from rest to half of their largest command.
+CommandBox commands_of(const Simulation& simulation) {
+  CommandBox box;
+  for (const auto& actuator : simulation.actuators()) {
+    const CommandLimits& limits = actuator->limits();
+    const bool cable = dynamic_cast<const Cable*>(actuator.get()) != nullptr;
+    box.min.push_back(cable ? 0.75 : limits.rest);
+    box.max.push_back(cable ? 1.1 : 0.5 * (limits.rest + limits.max));
+  }
+  return box;
 }
 
 struct Cost {
@@ -138,8 +151,7 @@ int main(int argc, char** argv) {
   if (modes.empty()) modes = {12, 20, 30};
   Scene scene = robot(name);
   ReducedTraining training;
-  const std::size_t actuators = scene.simulation->actuators().size();
-  training.box = {std::vector<double>(actuators, 0.75), std::vector<double>(actuators, 1.1)};
+  training.box = commands_of(*scene.simulation);
   const double h = scene.simulation->options().time_step_s;
   print("newton", motion(training.box, *scene.simulation, h), h);
   const HeldOut held_out(scene.simulation->model(), training.box, 20, kDuration_s);

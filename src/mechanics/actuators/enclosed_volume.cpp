@@ -81,6 +81,16 @@ std::vector<Clique> EnclosedVolume::cliques() const {
   return all;
 }
 
+std::vector<EnclosedVolume::Triple> EnclosedVolume::triples() const {
+  std::vector<Triple> all;
+  for (const Patch& patch : patches_) {
+    const auto member = [&](int i) { return patch.members[static_cast<std::size_t>(i)]; };
+    for (const Term& term : *patch.terms)
+      all.push_back({term.weight, {member(term.i), member(term.j), member(term.k)}});
+  }
+  return all;
+}
+
 Eigen::Matrix3Xd EnclosedVolume::centres(const Eigen::Matrix3Xd& positions_m) const {
   Eigen::Matrix3Xd result(3, cap_centres_.size());
   for (std::size_t k = 0; k < cap_centres_.size(); ++k)

@@ -50,7 +50,7 @@ Eigen::MatrixXd Audit::sensitivities(const ReducedState& state, const AuditResul
                                                  static_cast<Eigen::Index>(state.drives.size()));
   for (Eigen::Index i = 0; i < motions_m.cols(); ++i) {
     const Eigen::Matrix3Xd motion_m = as_columns(motions_m.col(i));
-    const auto actuator = static_cast<Eigen::Index>(reduced_.cables.actuator_of(static_cast<std::size_t>(i)));
+    const auto actuator = static_cast<Eigen::Index>(reduced_.constraints.actuator_of(static_cast<std::size_t>(i)));
     for (std::size_t m = 0; m < markers.size(); ++m)
       result.col(actuator).segment<3>(static_cast<Eigen::Index>(3 * m)) +=
           markers[m].velocity(found.positions_m, motion_m);
@@ -61,7 +61,7 @@ Eigen::MatrixXd Audit::sensitivities(const ReducedState& state, const AuditResul
 AuditResult Audit::iterate(const ReducedState& state, const Eigen::VectorXd* acceleration) {
   const Eigen::Matrix3Xd start_m = reduced_.positions_m(state.at.q);
   NewtonState at{
-      start_m, reduced_.basis.pressures * state.at.pressures,     state.at.tensions_n,
+      start_m, reduced_.basis.pressures * state.at.pressures,     state.at.multipliers,
       {},      std::make_shared<const DriveStates>(state.drives), newton_->contact().untouched(start_m, state.time_s)};
   Eigen::Matrix3Xd predicted_m;
   NewtonTask task;

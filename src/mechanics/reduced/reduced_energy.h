@@ -20,7 +20,7 @@ struct ReducedBasis {
   Eigen::MatrixXd pressures;  // elements x nr [1/sqrt(m^3)]
 };
 
-// The saddle function of a neo-Hookean body without cables, least in q and greatest in r:
+// The saddle function of a neo-Hookean body without cables and chambers, least in q and greatest in r:
 //   mu/2 sum w |F|^2 - mu c_K + mu/2 sum z w (det F - 1)^2 + r'c - r'r / (2 lambda) - f'q
 // All is an exact polynomial (VolumePolynomials; c_K is the last of them) but the third term, a sum over few points of
 // weights z w (cubature).

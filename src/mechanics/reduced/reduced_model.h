@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "reduced_cables.h"
+#include "reduced_constraints.h"
 #include "reduced_energy.h"
 #include "soft_robot_lab/mechanics/model.h"
 
@@ -31,7 +31,7 @@ struct ReducedModel {
   CommandBox box;
   ReducedBasis basis;
   ReducedEnergy energy;
-  ReducedCables cables;
+  ReducedConstraints constraints;
   Eigen::VectorXd point_factors;  // as kept; empty where every point is
   double mass_kg;
   int snapshots = 0, failed_solves = 0;  // of the training
@@ -41,7 +41,7 @@ struct ReducedModel {
         box(std::move(commands)),
         basis(std::move(modes)),
         energy(full->body(), basis),
-        cables(*full, basis.modes),
+        constraints(*full, basis.modes),
         mass_kg(full->body().node_masses_kg().sum()) {}
 
   void keep_points(const Eigen::VectorXd& factors) {

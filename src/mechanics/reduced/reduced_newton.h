@@ -8,7 +8,7 @@
 namespace soft_robot_lab {
 
 struct ReducedUnknowns {
-  Eigen::VectorXd q, pressures, tensions_n;
+  Eigen::VectorXd q, pressures, multipliers;  // of modes, of elements, of constraints
 };
 
 // Inertia inertia_per_s2 / 2 |q - from|^2, on top of the energy: 1/h^2 of a time step, zero of an equilibrium.
@@ -24,17 +24,17 @@ struct ReducedEnd {
   int shortened = 0;                       // steps cut by the line search
 };
 
-// The matrix of all but the cables, [K + inertia, G; G', -1/lambda]; G: ReducedEnergy::volume_gradients.
+// The matrix of all but the constraints, [K + inertia, G; G', -1/lambda]; G: ReducedEnergy::volume_gradients.
 Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
-                               const ReducedCables::Values& cables, double inertia_per_s2);
+                               const ReducedConstraints::Values& constraints, double inertia_per_s2);
 
-// A matrix whose first rows and columns are q's, with a row and column for each cable below: its gradient where it is
-// taut, scaled to the matrix, and a negative pivot alone where it is slack.
-Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedCables::Values& cables,
-                         const Eigen::VectorXd& tensions_n);
+// A matrix whose first rows and columns are q's, with a row and column for each constraint below: its gradient where
+// it acts, scaled to the matrix, and a negative pivot alone where it does not, as a slack cable.
+Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints::Values& constraints,
+                         const Eigen::VectorXd& multipliers);
 
-// Newton's method on q, pressures and tensions together; the cables are a border (MultiplierProblem). A step is cut
-// until the next one by the same inverse is shorter (natural monotonicity test, Deuflhard 2004, 3.3). An inverse
+// Newton's method on q, pressures and multipliers together; the constraints are a border (MultiplierProblem). A step is
+// cut until the next one by the same inverse is shorter (natural monotonicity test, Deuflhard 2004, 3.3). An inverse
 // serves, also in further solves, as long as each step is less than 0.3 of the one before.
 class ReducedNewton {
  public:
@@ -50,12 +50,12 @@ class ReducedNewton {
   };
   struct Point {
     ReducedUnknowns at;
-    ReducedCables::Values cables;
+    ReducedConstraints::Values constraints;
     ReducedEnergy::Sums sums;
   };
   struct Step {
-    Eigen::VectorXd nodes_and_pressures, tensions_n;  // changes
-    double size_m = 0.0;                              // rms; infinity: none found
+    Eigen::VectorXd nodes_and_pressures, multipliers;  // changes
+    double size_m = 0.0;                               // rms; infinity: none found
   };
   static Point point_at(const Problem& problem, ReducedUnknowns at);
   void factorise(const Problem& problem, const Point& here, ReducedEnd& end);
@@ -68,7 +68,7 @@ class ReducedNewton {
   bool fresh_ = false;             // the inverse is of the present point
 };
 
-// Whether the cables and constraints hold q in a minimum of the energy with this inertia, and not on a saddle.
+// Whether the constraints hold q in a minimum of the energy with this inertia, and not on a saddle.
 bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at,
             double inertia_per_s2 = 0.0);
 

@@ -10,17 +10,18 @@ namespace soft_robot_lab {
 ReducedSensitivities reduced_sensitivities(const ReducedModel& model, const ReducedState& state) {
   ReducedSensitivities result;
   if (!stable(model, state.drives, state.at)) return result;
-  const ReducedCables::Values cables = model.cables.at(state.at.q, state.at.tensions_n, state.drives);
-  const Eigen::Index n = state.at.q.size(), r = state.at.pressures.size(), count = state.at.tensions_n.size();
+  const ReducedConstraints::Values constraints = model.constraints.at(state.at.q, state.at.multipliers, state.drives);
+  const Eigen::Index n = state.at.q.size(), r = state.at.pressures.size(), count = state.at.multipliers.size();
   Eigen::MatrixXd sides = Eigen::MatrixXd::Zero(n + r, count);
-  sides.topRows(n) = cables.gradients;
-  const Eigen::MatrixXd solved = reduced_matrix(model, state.at, cables, 0.0).partialPivLu().solve(sides).topRows(n);
-  Eigen::MatrixXd matrix = cables.gradients.transpose() * solved;
+  sides.topRows(n) = constraints.gradients;
+  const Eigen::MatrixXd solved =
+      reduced_matrix(model, state.at, constraints, 0.0).partialPivLu().solve(sides).topRows(n);
+  Eigen::MatrixXd matrix = constraints.gradients.transpose() * solved;
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(state.drives.size()));
   for (Eigen::Index i = 0; i < count; ++i) {
-    const ConstraintLaw& law = cables.laws[static_cast<std::size_t>(i)];
-    const auto actuator = static_cast<Eigen::Index>(model.cables.actuator_of(static_cast<std::size_t>(i)));
-    if (active(law, state.at.tensions_n[i])) {
+    const ConstraintLaw& law = constraints.laws[static_cast<std::size_t>(i)];
+    const auto actuator = static_cast<Eigen::Index>(model.constraints.actuator_of(static_cast<std::size_t>(i)));
+    if (active(law, state.at.multipliers[i])) {
       matrix(i, i) += law.compliance;
       right(i, actuator) = law.offset_per_command;
     } else {  // known, zero for a slack cable

@@ -10,7 +10,7 @@ namespace soft_robot_lab {
 struct ReducedSensitivities {
   bool stable = false;          // false: there is no stable equilibrium, and all else is empty
   Eigen::MatrixXd q;            // d q / d command, modes x actuators
-  Eigen::MatrixXd multipliers;  // d tension of each constraint / d command, constraints x actuators
+  Eigen::MatrixXd multipliers;  // d multiplier of each constraint / d command, constraints x actuators
 };
 
 // At an equilibrium, by the implicit function theorem, as NewtonSolver::respond: with S = K^-1 B,

@@ -31,7 +31,7 @@ ReducedSimulation::ReducedSimulation(std::shared_ptr<const ReducedModel> model) 
 void ReducedSimulation::reset() {
   state_ = {};
   state_.at = {Eigen::VectorXd::Zero(model_->energy.modes()), Eigen::VectorXd::Zero(model_->energy.pressures()),
-               Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model_->cables.count()))};
+               Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model_->constraints.count()))};
   state_.velocity = state_.previous_velocity = Eigen::VectorXd::Zero(model_->energy.modes());
   for (const auto& actuator : model_->full->actuators()) state_.drives.push_back(actuator->rest_state());
 }
@@ -126,7 +126,7 @@ SimulationState full_state(const ReducedModel& model, const ReducedState& state,
   base.positions_m = model.positions_m(state.at.q);
   base.velocities_m_s = Eigen::Map<const Eigen::Matrix3Xd>(velocities.data(), 3, velocities.size() / 3);
   base.element_multipliers_pa = model.basis.pressures * state.at.pressures;
-  base.constraint_multipliers = state.at.tensions_n;
+  base.constraint_multipliers = state.at.multipliers;
   base.drives = state.drives;
   base.rest_residual.reset();
   return base;

@@ -15,7 +15,7 @@ namespace soft_robot_lab {
 
 // A state of the full model: at rest, or the end of a time step.
 struct Snapshot {
-  Eigen::VectorXd displacement_m, multipliers_pa, tensions_n;
+  Eigen::VectorXd displacement_m, multipliers_pa, constraint_multipliers;
   DriveStates drives;
   double inertia_per_s2;
 };

@@ -44,11 +44,11 @@ Eigen::MatrixXd point_motions(const ReducedModel& model, const Snapshot& at, con
                               const Eigen::VectorXd& volumes_m3) {
   const ReducedUnknowns unknowns{model.basis.modes.transpose() * masses_kg.cwiseProduct(at.displacement_m),
                                  model.basis.pressures.transpose() * volumes_m3.cwiseProduct(at.multipliers_pa),
-                                 at.tensions_n};
-  const ReducedCables::Values cables = model.cables.at(unknowns.q, unknowns.tensions_n, at.drives);
-  const Eigen::MatrixXd inner = reduced_matrix(model, unknowns, cables, at.inertia_per_s2);
+                                 at.constraint_multipliers};
+  const ReducedConstraints::Values constraints = model.constraints.at(unknowns.q, unknowns.multipliers, at.drives);
+  const Eigen::MatrixXd inner = reduced_matrix(model, unknowns, constraints, at.inertia_per_s2);
   const Eigen::Index n = unknowns.q.size();
-  const Eigen::MatrixXd matrix = bordered(inner, cables, unknowns.tensions_n);
+  const Eigen::MatrixXd matrix = bordered(inner, constraints, unknowns.multipliers);
   return matrix.inverse().topLeftCorner(n, n) * model.energy.point_forces(unknowns.q) / std::sqrt(model.mass_kg);
 }
 

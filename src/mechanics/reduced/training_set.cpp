@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "mechanics/simulation/require.h"
-#include "reduced_cables.h"
+#include "reduced_constraints.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -77,7 +77,8 @@ void add_ramp(const std::vector<double>& target, Simulation& simulation, Trainin
 TrainingSet collect_training(const std::shared_ptr<const Model>& model, const ReducedTraining& training,
                              const TrainingProgress& progress) {
   require_valid(*model, training);
-  ReducedCables(*model, Eigen::MatrixXd(3 * model->body().mesh().node_count(), 0));  // refuses others before the work
+  ReducedConstraints(*model,
+                     Eigen::MatrixXd(3 * model->body().mesh().node_count(), 0));  // refuses others before the work
   const auto show = [&](double fraction, const char* what) {
     if (progress) progress(fraction, what);
   };

@@ -18,13 +18,6 @@ Eigen::MatrixXd all_crosses(const PointGradient& d) {
   return crosses;
 }
 
-PointGradient transposed(const PointGradient& d) {
-  PointGradient result(9, d.cols());
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) result.row(3 * i + j) = d.row(3 * j + i);
-  return result;
-}
-
 // Calls f(position among the monomials, i, pair (j, l), factor) for all triples; the factor is the number of their
 // different orders over six.
 template <class F>
@@ -37,27 +30,40 @@ void for_triples(Eigen::Index n, const F& f) {
         f(place, i, pair, i == l ? 1.0 / 6.0 : (i == j || j == l ? 0.5 : 1.0));
 }
 
-// Coefficients of sum over points of w (det F - 1).
-void add_points(const RestPoint* points, std::size_t count, Eigen::VectorXd& all) {
-  const Eigen::Index n = points[0].gradient.cols();
-  Eigen::MatrixXd quadratic = Eigen::MatrixXd::Zero(n, n), cubic = Eigen::MatrixXd::Zero(n, n * (n + 1) / 2);
-  for (std::size_t i = 0; i < count; ++i) {
-    const PointGradient& d = points[i].gradient;
-    const Eigen::VectorXd trace = traces(d);
-    const double w = points[i].weight_m3;
-    all.head(n) += w * trace;
-    quadratic += w * (trace * trace.transpose() - d.transpose() * transposed(d));
-    cubic += w * (d.transpose() * all_crosses(d));
-  }
-  for (Eigen::Index i = 0, place = n; i < n; ++i)
-    for (Eigen::Index j = i; j < n; ++j, ++place) all[place] += (i == j ? 0.5 : 1.0) * quadratic(i, j);
-  for_triples(n, [&](Eigen::Index place, Eigen::Index i, Eigen::Index pair, double factor) {
-    all[place] += factor * cubic(i, pair);
-  });
-}
-
 Eigen::Index pair_count(Eigen::Index n) { return n * (n + 1) / 2; }
 Eigen::Index monomial_count(Eigen::Index n) { return n + n * (n + 1) / 2 + n * (n + 1) * (n + 2) / 6; }
+
+// Coefficients of a sum of w (det(M + A) - det M).
+class DeterminantCoefficients {
+ public:
+  explicit DeterminantCoefficients(Eigen::Index n)
+      : linear_(Eigen::VectorXd::Zero(n)),
+        quadratic_(Eigen::VectorXd::Zero(pair_count(n))),
+        cubic_(Eigen::MatrixXd::Zero(n, pair_count(n))) {}
+
+  void add(double weight, const FlatMatrix& at_rest, const PointGradient& d) {
+    const Eigen::MatrixXd crosses = all_crosses(d);
+    linear_ += d.transpose() * (0.5 * weight * tensor_cross(at_rest, at_rest));
+    quadratic_ += crosses.transpose() * (weight * at_rest);
+    cubic_ += weight * (d.transpose() * crosses);
+  }
+
+  Eigen::VectorXd in_order() const {
+    const Eigen::Index n = linear_.size();
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(monomial_count(n));
+    all.head(n) = linear_;
+    for (Eigen::Index i = 0, pair = 0; i < n; ++i)
+      for (Eigen::Index j = i; j < n; ++j, ++pair) all[n + pair] = (i == j ? 0.5 : 1.0) * quadratic_[pair];
+    for_triples(n, [&](Eigen::Index place, Eigen::Index i, Eigen::Index pair, double factor) {
+      all[place] += factor * cubic_(i, pair);
+    });
+    return all;
+  }
+
+ private:
+  Eigen::VectorXd linear_, quadratic_;
+  Eigen::MatrixXd cubic_;
+};
 
 double* numbers(Batches& batches) { return reinterpret_cast<double*>(batches.data()); }
 const double* numbers(const Batches& batches) { return reinterpret_cast<const double*>(batches.data()); }
@@ -70,7 +76,10 @@ struct VolumePolynomials::Coefficients {
       : row(blocks_for(static_cast<std::size_t>(monomial_count(modes)))),
         all(row * static_cast<std::size_t>(polynomials), Batch{}) {}
 
-  Batch* of(Eigen::Index polynomial) { return all.data() + row * static_cast<std::size_t>(polynomial); }
+  void add(Eigen::Index polynomial, const Eigen::VectorXd& in_order) {
+    Batch* first = all.data() + row * static_cast<std::size_t>(polynomial);
+    Eigen::Map<Eigen::VectorXd>(reinterpret_cast<double*>(first), in_order.size()) += in_order;
+  }
   const double* numbers_of(Eigen::Index polynomial) const {
     return numbers(all) + kLanes * row * static_cast<std::size_t>(polynomial);
   }
@@ -87,13 +96,27 @@ struct VolumePolynomials::Coefficients {
 VolumePolynomials::VolumePolynomials(const std::vector<RestPoint>& points, const Eigen::MatrixXd& shares)
     : modes_(points.front().gradient.cols()), count_(shares.cols() + 1) {
   auto coefficients = std::make_shared<Coefficients>(modes_, count_);
+  const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+  const Eigen::Map<const FlatMatrix> identity(one.data());
   for (std::size_t first = 0; first < points.size(); first += kPointsOfElement) {
-    Eigen::VectorXd element = Eigen::VectorXd::Zero(monomial_count(modes_));
-    add_points(&points[first], kPointsOfElement, element);
+    DeterminantCoefficients element(modes_);
+    for (std::size_t i = first; i < first + kPointsOfElement; ++i)
+      element.add(points[i].weight_m3, identity, points[i].gradient);
     Eigen::RowVectorXd all(count_);
     all << shares.row(points[first].element), 1.0;
-    for (Eigen::Index k = 0; k < count_; ++k)
-      Eigen::Map<Eigen::VectorXd>(reinterpret_cast<double*>(coefficients->of(k)), element.size()) += all[k] * element;
+    for (Eigen::Index k = 0; k < count_; ++k) coefficients->add(k, all[k] * element.in_order());
+  }
+  coefficients_ = std::move(coefficients);
+}
+
+VolumePolynomials::VolumePolynomials(const std::vector<DeterminantSum>& sums)
+    : modes_(sums.front().front().gradient.cols()), count_(static_cast<Eigen::Index>(sums.size())) {
+  auto coefficients = std::make_shared<Coefficients>(modes_, count_);
+  for (Eigen::Index k = 0; k < count_; ++k) {
+    DeterminantCoefficients sum(modes_);
+    for (const DeterminantTerm& term : sums[static_cast<std::size_t>(k)])
+      sum.add(term.weight, Eigen::Map<const FlatMatrix>(term.at_rest.data()), term.gradient);
+    coefficients->add(k, sum.in_order());
   }
   coefficients_ = std::move(coefficients);
 }

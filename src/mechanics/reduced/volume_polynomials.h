@@ -11,15 +11,26 @@
 
 namespace soft_robot_lab {
 
+// weight det(at_rest + A), A = sum q_i A_i: `gradient` holds A as PointGradient does.
+struct DeterminantTerm {
+  double weight;
+  Eigen::Matrix3d at_rest;
+  PointGradient gradient;
+};
+using DeterminantSum = std::vector<DeterminantTerm>;
+
 // c_k(q) = sum over points of w psi_k (det F - 1), in m^3 times the unit of psi_k, and at last the same with psi = 1.
-// As F is linear in q, each is a cubic polynomial, kept by its coefficients, exact to rounding:
-//   det F - 1 = tr A + (tr^2 A - tr A^2) / 2 + det A,   A = F - 1 = sum q_i A_i
+// As F is linear in q, each is a cubic polynomial, kept by its coefficients, exact to rounding (tensor_cross):
+//   det(M + A) - det M = (M x M) : A / 2 + M : (A x A) / 2 + det A,   A = F - 1 = sum q_i A_i,   here M = 1
 // Monomials in their order: q_i; pairs q_i q_j, i <= j, the row of i after that of i - 1; triples q_i q_j q_l,
 // i <= j <= l. So the triples of i are q_i times the last pairs, from q_i q_i on.
 class VolumePolynomials {
  public:
   // `shares`: elements x k, the psi of each element.
   VolumePolynomials(const std::vector<RestPoint>& points, const Eigen::MatrixXd& shares);
+
+  // One for each sum, less its value at q = 0; none of them is empty.
+  explicit VolumePolynomials(const std::vector<DeterminantSum>& sums);
 
   struct Values {
     Eigen::VectorXd values;    // of each polynomial

@@ -7,10 +7,11 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "mechanics/actuators/hollow_mesh.h"
 #include "mechanics/actuators/test_bar.h"
 #include "mechanics/reduced/pod.h"
 #include "mechanics/reduced/point_cubature.h"
-#include "mechanics/reduced/reduced_cables.h"
+#include "mechanics/reduced/reduced_constraints.h"
 #include "mechanics/reduced/reduced_energy.h"
 
 namespace soft_robot_lab {
@@ -103,13 +104,13 @@ TEST_F(ReducedParts, PointForcesAndPolynomialsAddUpToTheForce) {
   EXPECT_LT((none.sums(q, r).force + points - force).norm(), 1e-12 * force.norm());
 }
 
-TEST(ReducedCables, LengthsAndSlopesAreThoseOfTheFullModel) {
+TEST(ReducedConstraints, LengthsAndSlopesAreThoseOfTheFullModel) {
   const Simulation bar = hanging_bar("compliance_m_n: 1e-4");
   const Eigen::MatrixXd modes = random_matrix(3 * bar.body().mesh().node_count(), 3, 4);
-  const ReducedCables cables(*bar.model(), modes);
+  const ReducedConstraints cables(*bar.model(), modes);
   const Eigen::VectorXd q = Eigen::Vector3d(1e-3, -2e-3, 1.5e-3), tension = Eigen::VectorXd::Constant(1, 0.7);
   const DriveStates drives = bar.state().drives;
-  const ReducedCables::Values values = cables.at(q, tension, drives);
+  const ReducedConstraints::Values values = cables.at(q, tension, drives);
   const Eigen::VectorXd moved = modes * q;
   const Eigen::Matrix3Xd positions =
       bar.body().mesh().nodes_m + Eigen::Map<const Eigen::Matrix3Xd>(moved.data(), 3, moved.size() / 3);
@@ -119,12 +120,47 @@ TEST(ReducedCables, LengthsAndSlopesAreThoseOfTheFullModel) {
   EXPECT_NEAR(values.laws[0].offset, length.law(length.value(positions, drives[0]), 0.7, drives[0]).offset, 1e-12);
   const Eigen::VectorXd expected = modes.transpose() * Eigen::Map<const Eigen::VectorXd>(gradient.data(), moved.size());
   EXPECT_LT((values.gradients.col(0) - expected).norm(), 1e-12 * expected.norm());
-  const Eigen::MatrixXd hessian = cables.hessian(values, tension);
+  const Eigen::MatrixXd hessian = cables.hessian(q, values, tension);
   for (Eigen::Index i = 0; i < 3; ++i) {
     const Eigen::VectorXd step = 1e-7 * Eigen::VectorXd::Unit(3, i);
     const Eigen::MatrixXd change =
         (cables.at(q + step, tension, drives).gradients - cables.at(q - step, tension, drives).gradients) / 2e-7;
     EXPECT_LT((hessian.col(i) - 0.7 * change.col(0)).norm(), 1e-5 * hessian.norm());
+  }
+}
+
+// A box with a hollow that is open at the top, which a cap closes.
+TEST(ReducedConstraints, VolumesAndSlopesAreThoseOfTheFullModel) {
+  Body body(open_box(), Material{});
+  auto chamber = std::make_unique<Chamber>();
+  chamber->initialise(YamlNode::parse("{name: air, surface: cavity, command: beta}", "test"), body,
+                      MeshLocator(body.mesh()));
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  actuators.push_back(std::move(chamber));
+  body.fix_nodes(Eigen::Vector3d::Constant(-1.0), {1.0, 1.0, -0.0099}, {true, true, true});
+  const Model model(std::move(body), std::move(actuators), {}, {});
+  const Eigen::MatrixXd modes = random_matrix(3 * model.body().mesh().node_count(), 3, 4);
+  const ReducedConstraints chambers(model, modes);
+  const Eigen::VectorXd q = Eigen::Vector3d(1e-4, -2e-4, 1.5e-4), pressure = Eigen::VectorXd::Constant(1, -900.0);
+  DriveStates drives{model.actuators()[0]->rest_state()};
+  model.actuators()[0]->set_command(1.2, drives[0]);
+  const ReducedConstraints::Values values = chambers.at(q, pressure, drives);
+  const Eigen::VectorXd moved = modes * q;
+  const Eigen::Matrix3Xd positions =
+      model.body().mesh().nodes_m + Eigen::Map<const Eigen::Matrix3Xd>(moved.data(), 3, moved.size() / 3);
+  const Constraint& volume = *model.actuators()[0]->constraints()[0];
+  const double volume_m3 = volume.value(positions, drives[0]);
+  EXPECT_NEAR(values.laws[0].offset, volume.law(volume_m3, -900.0, drives[0]).offset, 1e-12 * volume_m3);
+  Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, positions.cols());
+  volume.add_gradient(positions, drives[0], 1.0, gradient);
+  const Eigen::VectorXd expected = modes.transpose() * Eigen::Map<const Eigen::VectorXd>(gradient.data(), moved.size());
+  EXPECT_LT((values.gradients.col(0) - expected).norm(), 1e-11 * expected.norm());
+  const Eigen::MatrixXd hessian = chambers.hessian(q, values, pressure);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Eigen::VectorXd step = 1e-7 * Eigen::VectorXd::Unit(3, i);
+    const Eigen::MatrixXd change =
+        (chambers.at(q + step, pressure, drives).gradients - chambers.at(q - step, pressure, drives).gradients) / 2e-7;
+    EXPECT_LT((hessian.col(i) + 900.0 * change.col(0)).norm(), 1e-6 * hessian.norm());
   }
 }
 

@@ -6,12 +6,14 @@
 #include <memory>
 #include <string>
 
+#include "mechanics/actuators/hollow_mesh.h"
 #include "mechanics/actuators/test_bar.h"
 #include "mechanics/box_mesh.h"
 #include "mechanics/reduced/audit.h"
 #include "mechanics/reduced/held_out.h"
 #include "mechanics/reduced/reduced_simulation.h"
 #include "mechanics/reduced/train.h"
+#include "soft_robot_lab/mechanics/actuators/chamber.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -130,6 +132,35 @@ TEST_F(ReducedBar, RepeatsItselfToTheLastBit) {
     return simulation.state().at.q;
   };
   EXPECT_EQ(end(), end());
+}
+
+// A cube with a hollow that is filled with up to 1.5 times its gas, and swings.
+TEST(ReducedChamber, SwellsAndRestsAsTheFullModel) {
+  Body body(hollow_cube(2.0), {264200.0, 0.49, 1070.0});
+  body.fix_nodes(Eigen::Vector3d::Constant(-1e3), {1e3, 1e3, -0.0298}, {true, true, true});
+  body.set_gravity({0, 0, -9.81});
+  auto chamber = std::make_unique<Chamber>();
+  chamber->initialise(YamlNode::parse("{name: air, surface: cavity, command: beta}", "test"), body,
+                      MeshLocator(body.mesh()));
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  actuators.push_back(std::move(chamber));
+  SolverOptions options;
+  options.time_step_s = 0.01;
+  const auto full =
+      std::make_shared<const Model>(std::move(body), std::move(actuators), std::vector<Marker>{}, options);
+  ReducedTraining training = small_training();
+  training.box = {{1.0}, {1.5}};
+  const auto model = train(full, training);
+  const HeldOut held_out(full, model->box, 5, 1.5);
+  const ReducedError rest = held_out.equilibria(model), motion = held_out.transient(model);
+  EXPECT_EQ(rest.unsolved + motion.unsolved, 0);
+  EXPECT_LT(rest.rms_m, 0.02e-3);
+  EXPECT_LT(motion.rms_m, 0.02e-3);
+  ReducedSimulation simulation(model);
+  simulation.set_command("air", 1.5);
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  EXPECT_GT((simulation.positions_m() - full->body().mesh().nodes_m).colwise().norm().maxCoeff(), 0.5e-3);
+  EXPECT_GT(-simulation.state().at.multipliers[0], 1000.0);  // its gauge pressure
 }
 
 // A column of 100 mm with a cable on either side: both pulled, it buckles to the front or to the back. Gravity leans

@@ -62,6 +62,7 @@ class ChamberVolume : public Constraint {
   ConstraintLaw law(double volume_m3, double multiplier, const DriveState& drive) const override;
 
   double volume_m3(const Eigen::Matrix3Xd& positions_m) const { return surface_.value_m3(positions_m); }
+  const EnclosedVolume& surface() const { return surface_; }
 
  private:
   EnclosedVolume surface_;

@@ -2,6 +2,7 @@
 // The volume that a surface of the body encloses, exact on linear and quadratic faces, with its derivatives.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,6 +22,14 @@ class EnclosedVolume {
   // `faces`: columns of mesh.faces, which turn outwards from the body: into the volume. Throws std::invalid_argument
   // with the place where the edge of the surface cannot be capped.
   EnclosedVolume(const TetMesh& mesh, const std::vector<int>& faces);
+
+  // A part weight * det(x_i - origin, x_j - origin, x_k - origin) of the volume; members as in a clique.
+  struct Triple {
+    double weight;
+    std::array<int, 3> members;
+  };
+  std::vector<Triple> triples() const;
+  const Eigen::Vector3d& origin_m() const { return origin_m_; }
 
   const std::vector<EmbeddedPoint>& cap_centres() const { return cap_centres_; }
   std::vector<Clique> cliques() const;  // one per face and per edge of a loop; cap centre k as ~k

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mechanics/actuators/cable/path_length.h"
+#include "soft_robot_lab/mechanics/actuators/chamber.h"
+#include "soft_robot_lab/mechanics/model.h"
+#include "volume_polynomials.h"
+
+namespace soft_robot_lab {
+
+// The exact lengths of all frictionless cables of a model, and the exact volumes of its chambers, as functions of
+// reduced coordinates; in the model's order.
+class ReducedConstraints {
+ public:
+  // Keeps the model's constraints, so lives no longer than it. Throws std::invalid_argument naming an actuator that is
+  // neither a frictionless cable nor a chamber without memory.
+  ReducedConstraints(const Model& model, const Eigen::MatrixXd& modes);
+
+  struct Values {
+    Eigen::MatrixXd gradients;  // modes x constraints: d length / dq, d volume / dq
+    std::vector<ConstraintLaw> laws;
+    std::vector<std::vector<Path::Span>> spans;  // per cable
+  };
+  // Multipliers: tensions [N], and gauge pressures below zero [Pa].
+  Values at(const Eigen::VectorXd& q, const Eigen::VectorXd& multipliers, const DriveStates& drives) const;
+
+  // sum over constraints of multiplier times d2 value / dq2; `values` are those of q.
+  Eigen::MatrixXd hessian(const Eigen::VectorXd& q, const Values& values, const Eigen::VectorXd& multipliers) const;
+
+  std::size_t count() const { return actuators_.size(); }
+  std::size_t actuator_of(std::size_t constraint) const { return actuators_[constraint]; }
+
+ private:
+  struct Cable {
+    const Path* path;
+    Eigen::Index constraint;
+    Eigen::VectorXd rest_places_m;       // 3*point + axis
+    Eigen::MatrixXd places;              // 3*point + axis x modes
+    std::vector<Eigen::MatrixXd> spans;  // per span 3 x modes: second end less first
+  };
+  struct Chamber {
+    Eigen::Index constraint;
+    double rest_volume_m3;
+  };
+  void add_cable(const PathLength& length, const Eigen::Matrix3Xd& rest_positions_m, const Eigen::MatrixXd& modes);
+  void add_cables_at(const Eigen::VectorXd& q, Values& values, Eigen::VectorXd& amounts) const;
+  void add_chambers_at(const Eigen::VectorXd& q, Values& values, Eigen::VectorXd& amounts) const;
+
+  Eigen::Index modes_;
+  std::vector<std::size_t> actuators_;  // per constraint
+  std::vector<const Constraint*> all_;  // likewise
+  std::vector<Cable> cables_;
+  std::vector<Chamber> chambers_;
+  std::optional<VolumePolynomials> volumes_;  // of all chambers, less those at rest
+};
+
+}  // namespace soft_robot_lab

@@ -36,14 +36,14 @@ Scene robot(const std::string& name) {
   return load_scene(std::string(SOFT_ROBOT_LAB_SOURCE) + "/config/robots/" + name + "/robot.yaml", options);
 }
 
-// Of cables contractions as they are used; of chambers from rest to half of their largest command.
+// Of cables contractions as they are used; of chambers from rest to their largest command.
 CommandBox commands_of(const Simulation& simulation) {
   CommandBox box;
   for (const auto& actuator : simulation.actuators()) {
     const CommandLimits& limits = actuator->limits();
     const bool cable = dynamic_cast<const Cable*>(actuator.get()) != nullptr;
     box.min.push_back(cable ? 0.75 : limits.rest);
-    box.max.push_back(cable ? 1.1 : 0.5 * (limits.rest + limits.max));
+    box.max.push_back(cable ? 1.1 : limits.max);
   }
   return box;
 }

@@ -10,6 +10,7 @@
 #include "settings/command_line.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "ros/recorded_session.h"
+#include "session/rest_periods.h"
 
 namespace {
 

@@ -11,6 +11,7 @@
 #include <soft_robot_lab/FitModel.h>
 #include <std_msgs/String.h>
 
+#include "messages.h"
 #include "session/recording.h"
 #include "soft_robot_lab/control/identification/fit_model.h"
 

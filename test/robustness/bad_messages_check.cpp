@@ -24,10 +24,12 @@
 #include "ros/overlay.h"
 #include "ros/policy_execution.h"
 #include "ros/policy_request.h"
+#include "ros/recorded_session.h"
 #include "ros/seen_robot.h"
 #include "ros/topics.h"
 #include "session/measured_rest.h"
 #include "session/rest_detector.h"
+#include "session/rest_periods.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -182,7 +184,8 @@ void take_in_rest(const MarkerObservations& markers) {
 
 void take_in_recording(const MarkerObservations& markers) {
   Recording recording;
-  for (int i = 0; i < 60; ++i) recording.add_measured(i == 30 ? markers : two_markers(10.0 + 0.1 * i));
+  for (int i = 0; i < 60; ++i)
+    recording.add_measured(observed_markers(i == 30 ? markers : two_markers(10.0 + 0.1 * i)));
   recording.commands.push_back({10.0, {{"left", 1.0}}});
   for (const MeasuredPose& pose : measured_poses(recording))
     for (const MeasuredMarker& marker : pose.markers)
@@ -287,9 +290,9 @@ void take_motors(const MotorState& state) {
   watch.fault({"left", "right"}, 1.5);
   watch.moving();
   Recording recording;
-  recording.add(motors(10.0), 10.0);
-  recording.add(state, state.header.stamp.toSec());
-  recording.add(motors(11.0), 11.0);
+  recording.add_motors(motor_readings(motors(10.0)), 10.0);
+  recording.add_motors(motor_readings(state), state.header.stamp.toSec());
+  recording.add_motors(motor_readings(motors(11.0)), 11.0);
 }
 
 FrameMessages frame() {

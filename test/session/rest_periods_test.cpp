@@ -37,8 +37,9 @@ TEST(RestPeriods, AreFoundWhereAMarkerIsSeenBadly) {
   // Two markers at five frames a second: at rest for 5 s, one of them badly seen; then both move by 1 mm a second.
   for (int i = 0; i < 50; ++i) {
     const double moved_m = 0.001 * std::max(0.0, 0.2 * i - 5.0);
+    const double middle_m = moved_m + little_m(random);
     ObservedMarkers markers = seen_at(10.0 + 0.2 * i, moved_m + noise_m(random));
-    markers.markers[1].position_m.x() = moved_m + little_m(random);
+    markers.markers[1].position_m.x() = middle_m;
     markers.markers[1].seen = true;
     recording.add_measured(markers);
   }

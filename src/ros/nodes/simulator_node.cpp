@@ -21,6 +21,7 @@
 #include "ros/actuator_plugins.h"
 #include "ros/conversions.h"
 #include "ros/frames.h"
+#include "ros/image_messages.h"
 #include "ros/latched_publisher.h"
 #include "ros/least_determinant.h"
 #include "ros/log_text.h"

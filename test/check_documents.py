@@ -119,7 +119,7 @@ def keys_of_file(node):
         return set().union(*map(keys_of_file, node)) if node else set()
     if not isinstance(node, dict):
         return set()
-    keys = {str(key) for key in node}
+    keys = {str(key) for key in node if not re.fullmatch(r'\[\d+\]', str(key))}  # but items by place
     for key, value in node.items():
         if key in NAMES_BELOW and isinstance(value, dict):
             continue

@@ -41,6 +41,6 @@ for part in json.load(open(sys.argv[1] + "/mould.json"))["parts"]: print(part["n
 mould hammerbot hammerbot/robot.yaml
 mould hammerbot_in_halves hammerbot/deep_heads.yaml
 mould spinebot spinebot_castable/robot.yaml
-mould bubblebot bubblebot_castable/robot.yaml
+mould bubblebot bubblebot/robot.yaml
 mould bubblefinger bubblefinger/lid.yaml
 mould hanging_bar hanging_bar/robot.yaml

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "build_solids.h"
 #include "robot/design/mesh_quality.h"
 #include "robot/design/surface_file.h"
 #include "robot/scene/sections.h"
@@ -49,6 +50,14 @@ std::vector<SheathPath> read_sheaths(const YamlNode& robot, double default_radiu
   return paths;
 }
 
+// What is cast of a body.
+Solid less_bonded(const Solid& body, const std::vector<Solid>& bonded) {
+  if (bonded.empty()) return body;
+  std::vector<Solid> parts{body};
+  parts.insert(parts.end(), bonded.begin(), bonded.end());
+  return combined(Solid::Kind::difference, parts);
+}
+
 void refuse_several(const YamlNode& section) { section.fail("casting knows one body of one material, not several"); }
 
 void take_material(const Material& material, CastRobot& robot) {
@@ -62,7 +71,7 @@ CastRobotFile read_blocks(const YamlNode& settings, const SceneOptions& options)
   file.settings = read_casting_settings(settings);
   file.mesher = mesher_options(options);
   const YamlNode body = settings.child("body");
-  if (body.has("solid")) file.solid = read_body_solid(body);
+  if (body.has("solid")) file.solid = less_bonded(read_body_solid(body), file.settings.bonded);
   file.robot.sheaths = read_sheaths(settings, file.settings.sheath.radius_m);
   return file;
 }

@@ -139,6 +139,9 @@ std::vector<std::string> steps_of(const Mould& mould) {
   add(sheath_steps(mould.plan));
   add({mix_step(mould.silicone), "Remove air from the mix in a vacuum."});
   add(mould.plan.lid ? lid_steps(mould) : pour_steps(mould));
+  if (mould.plan.bonded > 0)
+    add({"Cast the pieces that close it apart, " + std::to_string(mould.plan.bonded) +
+         ", and bond them in with fresh silicone."});
   return steps;
 }
 

@@ -48,6 +48,7 @@ struct MouldPlan {
   double webs_m3 = 0;                // silicone above them in slots through the mould's teeth
   Solid cast;                        // what silicone and sheaths fill; without names
   int bolts = 0, keys = 0;
+  int bonded = 0;              // pieces that are made apart
   double block_volume_m3 = 0;  // closed form: all pieces that count together with the robot
   std::vector<MouldPiece> pieces;
 };

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
+#include "soft_robot_lab/robot/design/solid.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
@@ -46,6 +48,7 @@ struct CastingSettings {
   double max_suction_strain = 0.25;
   double max_core_aspect = 5;
   bool air_holes = false;
+  std::vector<Solid> bonded;  // made apart, and bonded into the robot: taken away from what is cast
   SheathSettings sheath;
   MouldSettings mould;
 };

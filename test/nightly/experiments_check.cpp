@@ -93,11 +93,12 @@ void check_tentacle(const Json& result) {
 
 void check_demoulding(const Json& result) {
   const Json& runs = result["runs"];
-  ASSERT_EQ(runs.size(), 3u);
+  ASSERT_EQ(runs.size(), 4u);
   const double with_air_n = runs[0]["peak_force_n"], blind_n = runs[1]["peak_force_n"];
   EXPECT_GT(blind_n, 5.0 * with_air_n);
   EXPECT_GT(runs[1]["at_m"][2].get<double>(), -0.008) << "near the top facet";
-  for (const Json& run : runs) EXPECT_EQ(run["tears"], false) << run["name"];
+  for (const Json& run : runs)
+    EXPECT_LT(run["largest_stretch"].get<double>() - 1, 4.9) << run["name"] << ": half of 980 %";
 }
 
 void check_grasp(const Json& result) {

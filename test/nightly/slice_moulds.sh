@@ -40,7 +40,8 @@ for part in json.load(open(sys.argv[1] + "/mould.json"))["parts"]: print(part["n
 
 mould hammerbot hammerbot/robot.yaml
 mould hammerbot_in_halves hammerbot/deep_heads.yaml
-mould spinebot spinebot_castable/robot.yaml
+mould spinebot spinebot/robot.yaml
+mould spinebot_with_wedges spinebot_castable/robot.yaml
 mould bubblebot bubblebot/robot.yaml
 mould bubblefinger bubblefinger/lid.yaml
 mould hanging_bar hanging_bar/robot.yaml

@@ -255,7 +255,7 @@ double length_m(const SheathPath& path) {
 }
 
 TEST(MakeMould, LetsTheCastableRobotsOutAsTheSourcesWere) {
-  for (const auto& [name, cable_m] : {std::pair{"spinebot_castable", 0.0805}, {"hammerbot", 0.1}}) {
+  for (const auto& [name, cable_m] : {std::pair{"spinebot", 0.0805}, {"hammerbot", 0.1}}) {
     const CastRobotFile file = cast_robot(name);
     const CastingVerdict verdict = check_casting(file);
     EXPECT_TRUE(verdict.castable) << name;

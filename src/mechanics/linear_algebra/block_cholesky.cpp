@@ -194,13 +194,22 @@ void FactorPattern::merge_columns(const BlockPattern& matrix) {
   }
 }
 
+namespace {
+
+// Of blocks of three: nothing reads what lies above them.
+void clear_lower(int rows, int columns, double* matrix) {
+  for (std::ptrdiff_t j = 0; j < columns; ++j) std::fill(matrix + j * rows + j - j % 3, matrix + (j + 1) * rows, 0.0);
+}
+
+}  // namespace
+
 void BlockCholesky::assemble_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place) {
   const int pivots = node.columns, below = static_cast<int>(node.rows.size());
   const int k = 3 * pivots, r = 3 * below, m = k + r;
   double* panel = factor_.data() + node.panel;
   double* update = stack_.data() + node.update;
-  std::fill(panel, panel + static_cast<std::ptrdiff_t>(m) * k, 0.0);
-  std::fill(update, update + static_cast<std::ptrdiff_t>(r) * r, 0.0);
+  clear_lower(m, k, panel);
+  clear_lower(r, r, update);
 
   for (int j = 0; j < pivots; ++j) place[node.first + j] = j;
   for (int i = 0; i < below; ++i) place[node.rows[i]] = pivots + i;

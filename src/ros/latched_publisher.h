@@ -3,6 +3,8 @@
 // while it is published, as all do while a session starts.
 #pragma once
 
+#include <mutex>
+#include <optional>
 #include <string>
 
 #include <ros/ros.h>
@@ -17,7 +19,8 @@ ros::Publisher advertise_latched(const std::string& topic, const ros::Subscriber
                                               true);
 }
 
-// A message that every subscriber hears once, whenever it comes.
+// A message that every subscriber hears once, whenever it comes. For what changes seldom: each message cuts the
+// connections, which take some tenths of a second to come again.
 template <typename Message>
 class LatchedPublisher {
  public:
@@ -32,6 +35,33 @@ class LatchedPublisher {
 
  private:
   std::string topic_;
+  ros::Publisher publisher_;
+};
+
+// For what changes often: connections stay, and a newcomer may hear the present message twice. From any thread.
+template <typename Message>
+class PresentPublisher {
+ public:
+  explicit PresentPublisher(const std::string& topic)
+      : publisher_(advertise_latched<Message>(
+            topic, [this](const ros::SingleSubscriberPublisher& newcomer) { tell(newcomer); })) {}
+  PresentPublisher(const PresentPublisher&) = delete;
+  PresentPublisher& operator=(const PresentPublisher&) = delete;
+
+  void publish(const Message& message) {
+    const std::lock_guard in_order(mutex_);
+    present_ = message;
+    publisher_.publish(message);
+  }
+
+ private:
+  void tell(const ros::SingleSubscriberPublisher& newcomer) {
+    const std::lock_guard in_order(mutex_);
+    if (present_) newcomer.publish(*present_);
+  }
+
+  std::mutex mutex_;
+  std::optional<Message> present_;
   ros::Publisher publisher_;
 };
 

@@ -101,7 +101,7 @@ class ControllerNode {
   ros::NodeHandle node_;
   PolicySearch search_{node_};
   ros::Publisher command_publisher_;
-  LatchedPublisher<visualization_msgs::Marker> ghost_{topics::controller_ghost};
+  PresentPublisher<visualization_msgs::Marker> ghost_{topics::controller_ghost};
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   std::unique_ptr<FitService> fit_service_;

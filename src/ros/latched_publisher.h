@@ -44,7 +44,7 @@ class PresentPublisher {
  public:
   explicit PresentPublisher(const std::string& topic)
       : publisher_(advertise_latched<Message>(
-            topic, [this](const ros::SingleSubscriberPublisher& newcomer) { tell(newcomer); })) {}
+            topic, [this](const ros::SingleSubscriberPublisher& newcomer) { attend(newcomer); })) {}
   PresentPublisher(const PresentPublisher&) = delete;
   PresentPublisher& operator=(const PresentPublisher&) = delete;
 
@@ -55,7 +55,7 @@ class PresentPublisher {
   }
 
  private:
-  void tell(const ros::SingleSubscriberPublisher& newcomer) {
+  void attend(const ros::SingleSubscriberPublisher& newcomer) {
     const std::lock_guard in_order(mutex_);
     if (present_) newcomer.publish(*present_);
   }

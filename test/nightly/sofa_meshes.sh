@@ -4,7 +4,9 @@
 # and PneunetGripper/details/data/mesh), imported as they come and run. They lie in the folder SOFA_MESHES; without it, nothing is tested.
 set -euo pipefail
 python=$1 simulate=$2
-[[ -n ${SOFA_MESHES:-} && -r $SOFA_MESHES/finger.vtk && -r $SOFA_MESHES/pneunetCutCoarse.vtk ]] || exit 77
+for mesh in finger pneunetCutCoarse; do
+  [[ -r ${SOFA_MESHES:-}/$mesh.vtk ]] || { echo "skipped: SOFA_MESHES names no folder that has $mesh.vtk"; exit 77; }
+done
 here=$(cd "$(dirname "$0")" && pwd)
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

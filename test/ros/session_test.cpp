@@ -407,6 +407,32 @@ TEST_F(Session, AnnouncementsAreHeardOnceByEveryone) {
   for (const auto& words : heard) EXPECT_EQ(words, (std::vector<std::string>{"first", "second"}));
 }
 
+// None is lost to a new connection, and who comes late hears the last.
+TEST_F(Session, PicturesThatChangeOftenAreAllHeard) {
+  PresentPublisher<std_msgs::String> pictures("pictures");
+  std::vector<std::string> sent, heard;
+  const auto listen = [&](std::vector<std::string>& words) {
+    return node_.subscribe<std_msgs::String>(
+        "pictures", 100, boost::function<void(const std_msgs::String::ConstPtr&)>([&words](const auto& message) {
+          if (words.empty() || words.back() != message->data) words.push_back(message->data);
+        }));
+  };
+  const auto show = [&](int number) {
+    std_msgs::String message;
+    message.data = std::to_string(number);
+    pictures.publish(message);
+    sent.push_back(message.data);
+  };
+  const ros::Subscriber early = listen(heard);
+  show(0);
+  ASSERT_TRUE(spin_until([&] { return heard == sent; }));
+  for (int i = 1; i <= 50; ++i) show(i);
+  EXPECT_TRUE(spin_until([&] { return heard == sent; })) << heard.size() << " of " << sent.size();
+  std::vector<std::string> heard_late;
+  const ros::Subscriber late = listen(heard_late);
+  EXPECT_TRUE(spin_until([&] { return heard_late == std::vector<std::string>{"50"}; }));
+}
+
 TEST_F(Session, ShowsASkinThatDoesNotMoveToWhoeverComes) {
   for (int i = 0; i < 3; ++i) EXPECT_GT(hear<visualization_msgs::Marker>(topics::simulator_surface)->points.size(), 0u);
 }

@@ -43,16 +43,15 @@ void EnergyKeeper::take_stock(const SimulationParts& parts, Motion at, double el
   ledger_.gravity_j += add_free_gradient(free, known_.free, nullptr, weights);
 }
 
-void EnergyKeeper::notice_rescue(const SimulationParts& parts, const SimulationState& before) {
-  if (before.positions_m == known_.positions_m && before.velocities_m_s == known_.velocities_m_s &&
-      before.contact.free == known_.free && before.free_velocities == known_.free_velocities)
+void EnergyKeeper::notice_rescue(const SimulationParts& parts, const SimulationState& now) {
+  if (now.positions_m == known_.positions_m && now.velocities_m_s == known_.velocities_m_s &&
+      now.contact.free == known_.free && now.free_velocities == known_.free_velocities)
     return;
   const double known_j = stored_j();
-  const double elastic_j = before.positions_m == known_.positions_m
+  const double elastic_j = now.positions_m == known_.positions_m
                                ? ledger_.elastic_j
-                               : parts.workspace.newton.elastic_energy_j(before.positions_m);
-  take_stock(parts, {before.positions_m, before.velocities_m_s, before.contact.free, before.free_velocities},
-             elastic_j);
+                               : parts.workspace.newton.elastic_energy_j(now.positions_m);
+  take_stock(parts, {now.positions_m, now.velocities_m_s, now.contact.free, now.free_velocities}, elastic_j);
   ledger_.rescues_j += stored_j() - known_j;
   reactions_n_.resize(3, 0);
   damping_n_.resize(3, 0);

@@ -32,6 +32,9 @@ class EnergyKeeper {
   void add_step(const SimulationParts& parts, const SimulationState& before, StepEnd end, const NewtonState& state,
                 const SimulationState& after);
 
+  // Books what the state has other than where the last step ended, as forces that balance did not bring it there.
+  void notice_rescue(const SimulationParts& parts, const SimulationState& now);
+
   const EnergyLedger& ledger() const { return ledger_; }
 
  private:
@@ -43,7 +46,6 @@ class EnergyKeeper {
   };
   void take_stock(const SimulationParts& parts, Motion at, double elastic_j);
   double damped_j(const StepEnd& end, const Eigen::Matrix3Xd& way_m) const;
-  void notice_rescue(const SimulationParts& parts, const SimulationState& before);
 
   EnergyLedger ledger_;
   double start_j_ = 0.0;

@@ -73,22 +73,23 @@ StepEnd end_of_step(SimulationParts& parts, const SimulationState& before, const
   return end;
 }
 
-// Makes the solution of a step of length h the state, with all that the next step knows of this one.
+// Makes the end of a step of length h the state, with all that the next step knows of this one. `solved`: its forces
+// balance.
 void accept_step(SimulationParts& parts, double h, const BackwardDifference& difference, const ViscousStep& viscous,
-                 const FreeStep& free, NewtonState solved, SimulationState before) {
+                 const FreeStep& free, NewtonState found, SimulationState before, bool solved) {
   SimulationState& state = parts.state;
-  state.branch_stress_pa = viscous.branch_stress_pa(parts.workspace.newton, solved.positions_m);
-  state.velocities_m_s = (solved.positions_m - difference.positions_from_m) / difference.gamma_s;
-  state.free_velocities = free.velocities(solved.contact.free);
+  state.branch_stress_pa = viscous.branch_stress_pa(parts.workspace.newton, found.positions_m);
+  state.velocities_m_s = (found.positions_m - difference.positions_from_m) / difference.gamma_s;
+  state.free_velocities = free.velocities(found.contact.free);
   if (parts.options.integrator == Integrator::tr_bdf2) {
     state.accelerations_m_s2 = (state.velocities_m_s - difference.velocities_from_m_s) / difference.gamma_s;
-    state.free_forces_n = free.inertia_n(solved.contact.free);
+    state.free_forces_n = free.inertia_n(found.contact.free);
   }
   if (parts.energy || parts.body.holds_move()) {
-    StepEnd end = end_of_step(parts, before, difference, viscous, free, solved);
-    if (parts.energy) parts.energy->add_step(parts, before, std::move(end), solved, state);
+    StepEnd end = end_of_step(parts, before, difference, viscous, free, found);
+    if (parts.energy && solved) parts.energy->add_step(parts, before, std::move(end), found, state);
   }
-  parts.accept(std::move(solved));
+  parts.accept(std::move(found));
   state.time_s = before.time_s + h;
   state.previous_step_s = h;
   state.previous_positions_m = std::move(before.positions_m);
@@ -174,8 +175,9 @@ Outcome try_rule(SimulationParts& parts, double h, StepRule rule, bool last_reso
   }
   const bool second_order = difference.weight_before > 0.0 || difference.trapezoidal;
   if (second_order && opened_or_closed(before.contact, unknown.contact)) return Outcome::impact;
-  accept_step(parts, h, difference, viscous, free, std::move(unknown), std::move(before));
+  accept_step(parts, h, difference, viscous, free, std::move(unknown), std::move(before), solved);
   if (!moves_on) come_to_rest(parts);
+  if (parts.energy && !solved) parts.energy->notice_rescue(parts, parts.state);
   return Outcome::taken;
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -76,6 +77,17 @@ TEST(Stability, DefaultSolverUnfoldsThePulledAndTheScrambledCantilever) {
   EXPECT_EQ(cells, 3);
 }
 
+// A step that found no solution took its unbalanced forces for work: 87 times the energy turned over.
+TEST(Stability, LedgerOfACollapsedCuboidCloses) {
+  StabilityBench bench = make_bench();
+  for (const HardCase& hard_case : hard_cases(false)) {
+    if (hard_case.name != "collapsed to a point") continue;
+    const StabilityCell cell = bench.run(stability_bodies(false).back(), stability_methods()[1], hard_case);
+    EXPECT_TRUE(is_good(cell.outcome)) << cell.message;
+    EXPECT_LT(std::abs(cell.closure.value()), 0.01);
+  }
+}
+
 // Of the methods that are there for comparison: xpbd's, or the others'.
 int cells_with_finite_numbers(bool xpbd) {
   StabilityBench bench = make_bench();
@@ -114,7 +126,7 @@ TEST(Stability, ShowsWhatIsInTheWrongPlace) {
 }
 
 TEST(Stability, DrawsEveryCellOnce) {
-  StabilityCell cell{"bar", "newton", "scrambled", true, Outcome::recovered, 1, 0, 0.0, 0.1, ""};
+  StabilityCell cell{"bar", "newton", "scrambled", true, Outcome::recovered, 1, 0, 0.0, 0.1, {}, {}, ""};
   std::vector<StabilityCell> cells{cell};
   cell.hard_case = "slivers";
   cell.outcome = Outcome::silent;
@@ -128,8 +140,8 @@ TEST(Stability, DrawsEveryCellOnce) {
 }
 
 TEST(Stability, ReadsItsTableAgain) {
-  const StabilityCell cell{"bar", "newton, in time", "slivers", true, Outcome::silent, 7, 2, 0.25,
-                           1.5,   "wrong, \"so\""};
+  const StabilityCell cell{"bar", "newton, in time", "slivers",      true, Outcome::silent, 7, 2, 0.25, 1.5,
+                           -2e-3, std::nullopt,      "wrong, \"so\""};
   std::istringstream file(stability_csv({cell, cell}));
   const std::vector<StabilityCell> read = read_stability_csv(file);
   ASSERT_EQ(read.size(), 2u);
@@ -137,6 +149,8 @@ TEST(Stability, ReadsItsTableAgain) {
   EXPECT_EQ(read[1].outcome, cell.outcome);
   EXPECT_EQ(read[1].failed_solves, 2);
   EXPECT_DOUBLE_EQ(read[1].cpu_s, 1.5);
+  EXPECT_DOUBLE_EQ(read[1].closure.value(), -2e-3);
+  EXPECT_FALSE(read[1].integrator.has_value());
   EXPECT_EQ(read[1].message, "wrong, 'so'");
   std::istringstream other("body,method\n");
   EXPECT_THROW(read_stability_csv(other), std::invalid_argument);

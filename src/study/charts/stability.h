@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <istream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,12 @@
 namespace soft_robot_lab {
 
 enum class Outcome {
-  survived,   // every solve converged, no element is inverted at the end, and the markers are in the right place
+  survived,   // every solve converged, no element is inverted at the end, the markers are in the right place, the
+              // ledger of energy closes, and the swing does not grow
   recovered,  // the same at the end, but on the way a solve failed, or the start was no shape at all
   reported,   // failed, and said so
   too_slow,   // no failure, but not done within the limit of CPU time
-  silent,     // failed without a word: inverted elements, or markers in the wrong place, called converged
+  silent,     // failed without a word: what survived asks for is not there, though the solver called it converged
   not_finite  // NaN or infinity left the solver
 };
 inline constexpr int kOutcomes = 6;
@@ -80,6 +82,8 @@ struct StabilityCell {
   int solves = 0, failed_solves = 0;
   double off_m = 0.0;  // of the marker that is furthest from where the careful path leads
   double cpu_s = 0.0;
+  // Over the energy turned over; none where no ledger is kept.
+  std::optional<double> closure, integrator;
   std::string message;  // what is wrong, or why the last solve failed that did
 };
 
@@ -97,10 +101,17 @@ class StabilityBench {
     bool found = false;
     Eigen::Matrix3Xd markers_m;
   };
+  using Track = std::vector<Eigen::Matrix3Xd>;  // where the markers are, step by step
   Scene load(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) const;
   const Reference& reference(const StabilityBody& body, const HardCase& hard_case);
+  static bool go_through(const StabilityMethod& method, Simulation& simulation, Track& track, StabilityCell& cell,
+                         SolveReport& last);
+  // The end of the run, its ledger, its swing.
   void judge(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case, const Simulation& end,
-             StabilityCell& cell);
+             const Track& track, StabilityCell& cell);
+  // Empty, or what is wrong with where it rests.
+  std::string judge_place(const StabilityBody& body, const HardCase& hard_case, const Simulation& resting,
+                          StabilityCell& cell);
 
   SceneOptions options_;
   std::string config_folder_;

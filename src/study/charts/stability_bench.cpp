@@ -13,6 +13,7 @@ namespace {
 constexpr int kFewestSteps = 10;      // in time, however long a time step is
 constexpr double kRightPlace = 0.01;  // of the body's size: how far a marker may be off
 constexpr int kCarefulStages = 20;    // of the reference's command change
+constexpr double kClosure = 0.01;     // of the energy turned over: what a ledger may leave open
 
 Eigen::Matrix3Xd markers_of(const Simulation& simulation) {
   const int count = static_cast<int>(simulation.markers().size());
@@ -70,6 +71,33 @@ double timeout_s(const StabilityMethod& method, const StabilityCell& cell) {
   return !method.ours && cell.failed_solves == cell.solves ? kShare * method.cpu_limit_s : method.cpu_limit_s;
 }
 
+void read_ledger(const Simulation& simulation, StabilityCell& cell) {
+  const EnergyLedger* ledger = simulation.energy_ledger();
+  if (!ledger || ledger->turned_over_j <= 0.0) return;
+  cell.closure = ledger->closure_error_j / ledger->turned_over_j;
+  cell.integrator = ledger->integrator_j / ledger->turned_over_j;
+}
+
+// Empty, or what is wrong with its energy.
+std::string ledger_fault(const StabilityCell& cell) {
+  if (!cell.closure || std::abs(*cell.closure) <= kClosure) return "";
+  return "the ledger is " + std::to_string(100.0 * *cell.closure) + " % of the energy turned over off";
+}
+
+// Empty, or how a marker swings further about where it rests in the last quarter of the time than in the one before.
+std::string swing_fault(const std::vector<Eigen::Matrix3Xd>& track, const Eigen::Matrix3Xd& rest_m, double little_m) {
+  const auto largest_m = [&](std::size_t from, std::size_t to) {
+    double largest = 0.0;
+    for (std::size_t i = from; i < to; ++i)
+      largest = std::max(largest, (track[i] - rest_m).colwise().norm().maxCoeff());
+    return largest;
+  };
+  const std::size_t half = track.size() / 2, last = half + track.size() / 4;
+  const double before_m = largest_m(half, last), after_m = largest_m(last, track.size());
+  if (after_m <= before_m + little_m) return "";
+  return "the swing grows: from " + std::to_string(1e3 * before_m) + " to " + std::to_string(1e3 * after_m) + " mm";
+}
+
 }  // namespace
 
 const char* name_of(Outcome outcome) {
@@ -110,10 +138,22 @@ const StabilityBench::Reference& StabilityBench::reference(const StabilityBody& 
   return references_.back();
 }
 
+std::string StabilityBench::judge_place(const StabilityBody& body, const HardCase& hard_case, const Simulation& resting,
+                                        StabilityCell& cell) {
+  const Reference& place = reference(body, hard_case);
+  if (place.found) cell.off_m = (markers_of(resting) - place.markers_m).colwise().norm().maxCoeff();
+  const bool wrong = !place.found || cell.off_m > kRightPlace * resting.body().size_m();
+  if (!wrong) return "";
+  if (hard_case.unique)
+    return place.found ? "the markers are in the wrong place" : "the careful path found no rest state";
+  cell.message = "another stable rest state";
+  return "";
+}
+
 // A body that still swings, as it does with short time steps, is in the right place where it swings about that: so the
 // default solver lets it come to rest from where it is.
 void StabilityBench::judge(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case,
-                           const Simulation& end, StabilityCell& cell) {
+                           const Simulation& end, const Track& track, StabilityCell& cell) {
   StabilityMethod still;
   still.body_overrides = method.body_overrides;
   const Scene scene = load(body, still, hard_case);
@@ -129,15 +169,44 @@ void StabilityBench::judge(const StabilityBody& body, const StabilityMethod& met
     cell.message = "no stable rest state where it ends: " + cell.message;
     return;
   }
-  const Reference& place = reference(body, hard_case);
-  if (place.found) cell.off_m = (markers_of(*scene.simulation) - place.markers_m).colwise().norm().maxCoeff();
-  const bool wrong = !place.found || cell.off_m > kRightPlace * end.body().size_m();
-  if (wrong && hard_case.unique) {
-    cell.message = place.found ? "the markers are in the wrong place" : "the careful path found no rest state";
+  std::string wrong = judge_place(body, hard_case, *scene.simulation, cell);
+  if (wrong.empty() && end.energy_ledger()) wrong = ledger_fault(cell);
+  if (wrong.empty() && end.energy_ledger())
+    wrong = swing_fault(track, markers_of(*scene.simulation), kRightPlace * end.body().size_m());
+  if (!wrong.empty()) {
+    cell.message = wrong;
     return;
   }
-  if (wrong) cell.message = "another stable rest state";
   cell.outcome = cell.failed_solves == 0 && !hard_case.start_from ? Outcome::survived : Outcome::recovered;
+}
+
+// Steps, or solves; false where it gave up, or a number is not finite.
+bool StabilityBench::go_through(const StabilityMethod& method, Simulation& simulation, Track& track,
+                                StabilityCell& cell, SolveReport& last) {
+  const double start_s = cpu_time_s();
+  const int in_time =
+      std::max(kFewestSteps, static_cast<int>(std::ceil(method.duration_s / simulation.options().time_step_s - 1e-6)));
+  const int solves = method.equilibrium ? 1 : in_time;
+  while (cell.solves < solves) {
+    last = method.equilibrium ? simulation.solve_equilibrium() : simulation.step();
+    track.push_back(markers_of(simulation));
+    ++cell.solves;
+    if (!last.converged) ++cell.failed_solves;
+    if (!last.converged || last.inverted_elements > 0) cell.message = last.message;
+    cell.cpu_s = cpu_time_s() - start_s;
+    if (!all_finite(simulation, last)) {
+      cell.outcome = Outcome::not_finite;
+      return false;
+    }
+    if (cell.cpu_s > timeout_s(method, cell) && cell.solves < solves) {
+      cell.outcome = last.converged ? Outcome::too_slow : Outcome::reported;
+      cell.message += (cell.message.empty() ? "" : "; ") + std::string("given up after ") +
+                      std::to_string(static_cast<int>(cell.cpu_s)) + " s of CPU time, " + std::to_string(cell.solves) +
+                      " of " + std::to_string(solves) + " steps";
+      return false;
+    }
+  }
+  return true;
 }
 
 StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) {
@@ -153,37 +222,19 @@ StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMeth
     hard_case.start_from(simulation.body(), state.positions_m);
     simulation.set_state(state);
   }
+  if (!method.equilibrium && simulation.options().method == SolverOptions::Method::newton)
+    simulation.keep_energy_ledger();
   give_commands(simulation, hard_case.commands(body), 1.0);
-
-  const double start_s = cpu_time_s();
-  const int in_time =
-      std::max(kFewestSteps, static_cast<int>(std::ceil(method.duration_s / simulation.options().time_step_s - 1e-6)));
-  const int solves = method.equilibrium ? 1 : in_time;
   SolveReport last;
-  while (cell.solves < solves) {
-    last = method.equilibrium ? simulation.solve_equilibrium() : simulation.step();
-    ++cell.solves;
-    if (!last.converged) ++cell.failed_solves;
-    if (!last.converged || last.inverted_elements > 0) cell.message = last.message;
-    cell.cpu_s = cpu_time_s() - start_s;
-    if (!all_finite(simulation, last)) {
-      cell.outcome = Outcome::not_finite;
-      return cell;
-    }
-    if (cell.cpu_s > timeout_s(method, cell) && cell.solves < solves) {
-      cell.outcome = last.converged ? Outcome::too_slow : Outcome::reported;
-      cell.message += (cell.message.empty() ? "" : "; ") + std::string("given up after ") +
-                      std::to_string(static_cast<int>(cell.cpu_s)) + " s of CPU time, " + std::to_string(cell.solves) +
-                      " of " + std::to_string(solves) + " steps";
-      return cell;
-    }
-  }
-  if (!last.converged) return cell;
+  Track track;
+  const bool done = go_through(method, simulation, track, cell, last);
+  read_ledger(simulation, cell);
+  if (!done || !last.converged) return cell;
   if (last.inverted_elements > 0) {
     cell.outcome = Outcome::silent;
     return cell;
   }
-  judge(body, method, hard_case, simulation, cell);
+  judge(body, method, hard_case, simulation, track, cell);
   return cell;
 }
 

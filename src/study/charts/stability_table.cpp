@@ -10,8 +10,9 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kHeader = "body,method,case,default,outcome,solves,failed_solves,off_m,cpu_s,message";
-constexpr std::size_t kColumns = 10;
+constexpr const char* kHeader =
+    "body,method,case,default,outcome,solves,failed_solves,off_m,cpu_s,closure,integrator,message";
+constexpr std::size_t kColumns = 12;
 
 std::string quoted(std::string text) {
   std::replace(text.begin(), text.end(), '"', '\'');
@@ -34,6 +35,22 @@ std::vector<std::string> split(const std::string& line) {
   return fields;
 }
 
+std::string share(const std::optional<double>& number) {
+  if (!number) return "";
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << *number;
+  return text.str();
+}
+
+// False where it is no number; an empty field is none.
+bool read_share(const std::string& field, std::optional<double>& number) {
+  if (field.empty()) return true;
+  std::istringstream text(field);
+  text.imbue(std::locale::classic());
+  return static_cast<bool>(text >> number.emplace());
+}
+
 Outcome outcome_named(const std::string& name) {
   for (int i = 0; i < kOutcomes; ++i)
     if (name == name_of(static_cast<Outcome>(i))) return static_cast<Outcome>(i);
@@ -49,7 +66,8 @@ std::string stability_csv(const std::vector<StabilityCell>& cells) {
   for (const StabilityCell& cell : cells)
     text << quoted(cell.body) << "," << quoted(cell.method) << "," << quoted(cell.hard_case) << "," << cell.ours << ","
          << name_of(cell.outcome) << "," << cell.solves << "," << cell.failed_solves << "," << cell.off_m << ","
-         << cell.cpu_s << "," << quoted(cell.message) << "\n";
+         << cell.cpu_s << "," << share(cell.closure) << "," << share(cell.integrator) << "," << quoted(cell.message)
+         << "\n";
   return text.str();
 }
 
@@ -71,9 +89,10 @@ std::vector<StabilityCell> read_stability_csv(std::istream& file) {
     cell.outcome = outcome_named(fields[4]);
     std::istringstream numbers(fields[5] + " " + fields[6] + " " + fields[7] + " " + fields[8]);
     numbers.imbue(std::locale::classic());
-    if (!(numbers >> cell.solves >> cell.failed_solves >> cell.off_m >> cell.cpu_s))
+    if (!(numbers >> cell.solves >> cell.failed_solves >> cell.off_m >> cell.cpu_s) ||
+        !read_share(fields[9], cell.closure) || !read_share(fields[10], cell.integrator))
       throw std::invalid_argument("line " + std::to_string(number) + " has a bad number");
-    cell.message = fields[9];
+    cell.message = fields[11];
     cells.push_back(cell);
   }
   return cells;

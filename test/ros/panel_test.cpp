@@ -140,6 +140,22 @@ TEST_F(Panel, ExecutesWhatWasFoundForAPoseAndShowsItsGhostBefore) {
   EXPECT_TRUE(spin_until([&] { return action == visualization_msgs::Marker::DELETE; }, patience_s));
 }
 
+TEST_F(Panel, OptimisesForTheTargetThatItShows) {
+  const ros::Time pressed = ros::Time::now();
+  std::string method;
+  const ros::Subscriber progress = node_.subscribe<PolicyProgress>(
+      topics::controller_progress, 100,
+      boost::function<void(const PolicyProgress::ConstPtr&)>([&](const auto& m) { method = m->method; }));
+  bool ghost = false;
+  const ros::Subscriber ghosts = node_.subscribe<visualization_msgs::Marker>(
+      topics::controller_ghost, 10,
+      boost::function<void(const visualization_msgs::Marker::ConstPtr&)>(
+          [&](const auto& m) { ghost = m->action == visualization_msgs::Marker::ADD && m->header.stamp > pressed; }));
+  EXPECT_TRUE(press_until("alt+o", [&] { return !method.empty() && ghost; }));
+  EXPECT_EQ(method, "gauss_newton");
+  EXPECT_EQ(commands_, (std::vector<double>{1.0, 1.0})) << "it only shows";
+}
+
 TEST_F(Panel, FindsReachableTipsAndTheGhostOfOneThatIsChosen) {
   std::vector<geometry_msgs::Point> tips;
   const ros::Subscriber clouds = node_.subscribe<visualization_msgs::Marker>(

@@ -15,7 +15,8 @@ struct EnergyLedger {
   double gas_j = 0.0;        // of the gas in chambers, against that around the body
   double holds_j = 0.0;      // of held regions that move
   double obstacles_j = 0.0;  // of contact, before friction takes its part
-  double rescues_j = 0.0;    // of shapes that were laid out anew, and of bodies put to sleep (negative)
+  double rescues_j = 0.0;    // of shapes that were laid out anew, of steps that found no solution, and of bodies put to
+                             // sleep (negative)
 
   // Since the ledger began: dissipated.
   double material_j = 0.0;    // damping, and hysteresis with what its branch still stores

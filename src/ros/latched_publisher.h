@@ -38,13 +38,13 @@ class LatchedPublisher {
   ros::Publisher publisher_;
 };
 
-// For what changes often: connections stay, and a newcomer may hear the present message twice. From any thread.
+// For what changes often: connections stay, and a new subscriber may hear the present message twice. From any thread.
 template <typename Message>
 class PresentPublisher {
  public:
   explicit PresentPublisher(const std::string& topic)
       : publisher_(advertise_latched<Message>(
-            topic, [this](const ros::SingleSubscriberPublisher& newcomer) { attend(newcomer); })) {}
+            topic, [this](const ros::SingleSubscriberPublisher& subscriber) { attend(subscriber); })) {}
   PresentPublisher(const PresentPublisher&) = delete;
   PresentPublisher& operator=(const PresentPublisher&) = delete;
 
@@ -55,9 +55,9 @@ class PresentPublisher {
   }
 
  private:
-  void attend(const ros::SingleSubscriberPublisher& newcomer) {
+  void attend(const ros::SingleSubscriberPublisher& subscriber) {
     const std::lock_guard in_order(mutex_);
-    if (present_) newcomer.publish(*present_);
+    if (present_) subscriber.publish(*present_);
   }
 
   std::mutex mutex_;

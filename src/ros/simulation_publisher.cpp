@@ -21,7 +21,7 @@ SimulationPublisher::SimulationPublisher(double surface_rate_hz, bool publish_cl
   joints_ = node_.advertise<sensor_msgs::JointState>(topics::simulator_joint_states, 10);
   reaction_ = node_.advertise<geometry_msgs::WrenchStamped>(topics::simulator_reaction, 10);
   contacts_ = node_.advertise<Contacts>(topics::simulator_contacts, 10);
-  const auto show_again = [this](const auto&) { newcomer_ = true; };
+  const auto show_again = [this](const auto&) { show_again_ = true; };
   surface_ = advertise_latched<visualization_msgs::Marker>(topics::simulator_surface, show_again);
   obstacles_ = advertise_latched<visualization_msgs::MarkerArray>(topics::simulator_obstacles, show_again);
 }
@@ -38,7 +38,7 @@ void SimulationPublisher::publish(const Simulation& simulation, SurfaceMarker& s
     clock.clock = stamp;
     clock_.publish(clock);
   }
-  if (newcomer_.exchange(false)) {
+  if (show_again_.exchange(false)) {
     surface.forget();
     obstacles_shown_.clear();
   }

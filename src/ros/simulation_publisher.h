@@ -31,7 +31,7 @@ class SimulationPublisher {
   double surface_period_ = -1.0;  // number of the period of session time in which it was last published
   double obstacles_period_ = -1.0;
   std::vector<Eigen::Isometry3d> obstacles_shown_;
-  std::atomic<bool> newcomer_{false};  // shows both again, though they may not move
+  std::atomic<bool> show_again_{false};  // to a new subscriber: shows both again, though they may not move
 
   ros::NodeHandle node_;
   ros::Publisher clock_, markers_, actuators_, joints_, reaction_, surface_, contacts_, obstacles_;

@@ -18,7 +18,7 @@ constexpr double kLeastShare = 1.0 / 64.0;  // of a step
 constexpr double kSlow = 0.3;               // a step more than this of the last one asks for a new factor
 constexpr double kLongestStep = 0.05;       // of the body's size, rms: further out Newton's model means nothing
 
-// Multipliers at which every constraint obeys its law after the step d0 - response * after.
+// Multipliers at which every constraint obeys its law after the step d0 - response * multipliers.
 Eigen::VectorXd multipliers_after(const ReducedConstraints::Values& constraints, const Eigen::VectorXd& step,
                                   const Eigen::MatrixXd& response, const Eigen::VectorXd& multipliers) {
   MultiplierProblem problem;

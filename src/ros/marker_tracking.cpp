@@ -2,7 +2,6 @@
 #include "marker_tracking.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "frames.h"
 #include "image_messages.h"
 #include "topics.h"
+#include "settings/require_in_range.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -50,13 +50,9 @@ bool alike(const CameraModel& a, const CameraModel& b) {
 
 void TrackingOptions::validate() const {
   if (cameras.empty()) throw std::invalid_argument("cameras: there are none; allowed: at least one name");
-  const auto require = [](const char* field, double value) {
-    if (!(value >= 0) || !std::isfinite(value))
-      throw std::invalid_argument(std::string(field) + " is " + std::to_string(value) + "; allowed: [0, inf)");
-  };
-  require("sync_tolerance_s", sync_tolerance_s);
-  require("sync_timeout_s", sync_timeout_s);
-  require("simulated_before_s", simulated_before_s);
+  require_in_range("sync_tolerance_s", sync_tolerance_s, AllowedRange::not_negative());
+  require_in_range("sync_timeout_s", sync_timeout_s, AllowedRange::not_negative());
+  require_in_range("simulated_before_s", simulated_before_s, AllowedRange::not_negative());
 }
 
 MarkerTracking::MarkerTracking(const TrackingOptions& options, const TrackerSettings& settings,

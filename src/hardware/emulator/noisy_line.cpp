@@ -2,30 +2,23 @@
 #include "noisy_line.h"
 
 #include <algorithm>
-#include <stdexcept>
-#include <string>
+
+#include "settings/require_in_range.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double byte_s = 10.0 / 115200.0;
 
-void require_chance(const char* name, double value) {
-  if (!(value >= 0.0 && value <= 1.0)) {
-    throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) + " is not in [0, 1]");
-  }
-}
-
 }  // namespace
 
 void LineNoise::validate() const {
-  require_chance("corrupted", corrupted);
-  require_chance("lost", lost);
-  require_chance("doubled", doubled);
-  require_chance("delayed", delayed);
-  if (!(delay_s >= 0.0 && delay_s <= 10.0)) {
-    throw std::invalid_argument("delay_s: " + std::to_string(delay_s) + " is not in [0, 10]");
-  }
+  const AllowedRange chance{0.0, 1.0};
+  require_in_range("corrupted", corrupted, chance);
+  require_in_range("lost", lost, chance);
+  require_in_range("doubled", doubled, chance);
+  require_in_range("delayed", delayed, chance);
+  require_in_range("delay_s", delay_s, {0.0, 10.0});
 }
 
 // The same numbers on every platform, unlike those of std::bernoulli_distribution.

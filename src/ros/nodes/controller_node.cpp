@@ -28,6 +28,7 @@
 #include "ros/target_marker.h"
 #include "ros/topics.h"
 #include "session/live_target.h"
+#include "settings/require_in_range.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {
@@ -116,9 +117,7 @@ ControllerNode::ControllerNode() {
   scene_options_.actuator_factory = actuators_from_plugins();
   const ros::NodeHandle parameters("~");
   parameters.getParam("ramp_s", ramp_s_);
-  if (!(ramp_s_ >= 0.0 && ramp_s_ <= 3600.0)) {
-    throw std::invalid_argument("ramp_s: " + std::to_string(ramp_s_) + " is not in [0, 3600]");
-  }
+  require_in_range("ramp_s", ramp_s_, {0.0, 3600.0});
   std::string scene;
   if (parameters.getParam("scene", scene)) load(scene);
 

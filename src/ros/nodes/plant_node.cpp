@@ -18,6 +18,7 @@
 #include "ros/log_text.h"
 #include "ros/surface_marker.h"
 #include "ros/topics.h"
+#include "settings/require_in_range.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -48,8 +49,7 @@ class PlantNode {
     if (const auto rig = parameters.param<std::string>("rig", ""); !rig.empty())
       require_same_commands(plant_.simulation(), parameters.param<std::string>("plant", ""), load_rig(rig), rig);
     parameters.getParam("surface_rate_hz", surface_rate_hz_);
-    if (!(surface_rate_hz_ > 0.0 && surface_rate_hz_ <= 1000.0))
-      throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz_) + " is not in (0, 1000]");
+    require_in_range("surface_rate_hz", surface_rate_hz_, {0.0, 1000.0, true});
     markers_publisher_ = node_.advertise<MarkerObservations>(topics::plant_markers, 10);
     surface_publisher_ = advertise_latched<visualization_msgs::Marker>(topics::plant_surface,
                                                                        [this](const auto&) { surface_.forget(); });

@@ -22,6 +22,7 @@
 #include "require_master.h"
 #include "session_client.h"
 #include "settings/command_line.h"
+#include "settings/require_in_range.h"
 #include "ros/stamps.h"
 #include "ros/topics.h"
 #include "soft_robot_lab/settings/yaml_node.h"
@@ -144,8 +145,7 @@ class TableRun {
 };
 
 int run_table(const std::string& experiment, double hold_s) {
-  if (!(hold_s > 0.0 && hold_s <= longest_hold_s))
-    throw std::invalid_argument("HOLD_S: " + std::to_string(hold_s) + " is not in (0, 600]");
+  require_in_range("HOLD_S", hold_s, {0.0, longest_hold_s, true});
   const CommandTable table = read_table(experiment);
   try {
     TableRun(table, hold_s).run();

@@ -10,6 +10,8 @@
 
 #include <ros/ros.h>
 
+#include "settings/require_in_range.h"
+
 namespace soft_robot_lab {
 
 struct SimulatorOptions {
@@ -25,20 +27,11 @@ struct SimulatorOptions {
   std::vector<double> position_m = {0.0, 0.0, 0.0};
 
   void validate() const {
-    if (!(real_time_factor >= 0.0 && real_time_factor <= 1000.0)) {
-      throw std::invalid_argument("real_time_factor: " + std::to_string(real_time_factor) + " is not in [0, 1000]");
-    }
-    if (!(surface_rate_hz > 0.0 && surface_rate_hz <= 1000.0)) {
-      throw std::invalid_argument("surface_rate_hz: " + std::to_string(surface_rate_hz) + " is not in (0, 1000]");
-    }
-    if (!(skin_opacity >= 0.0 && skin_opacity <= 1.0))
-      throw std::invalid_argument("skin_opacity: " + std::to_string(skin_opacity) + " is not in [0, 1]");
-    if (!(max_publish_rate_hz >= 1.0 && max_publish_rate_hz <= 1.0e5)) {
-      throw std::invalid_argument("max_publish_rate_hz: " + std::to_string(max_publish_rate_hz) +
-                                  " is not in [1, 100000]");
-    }
-    if (!(max_pull_n >= 0.0 && max_pull_n <= 1000.0))
-      throw std::invalid_argument("max_pull_n: " + std::to_string(max_pull_n) + " is not in [0, 1000]");
+    require_in_range("real_time_factor", real_time_factor, {0.0, 1000.0});
+    require_in_range("surface_rate_hz", surface_rate_hz, {0.0, 1000.0, true});
+    require_in_range("skin_opacity", skin_opacity, {0.0, 1.0});
+    require_in_range("max_publish_rate_hz", max_publish_rate_hz, {1.0, 1.0e5});
+    require_in_range("max_pull_n", max_pull_n, {0.0, 1000.0});
     if (position_m.size() != 3 ||
         !std::all_of(position_m.begin(), position_m.end(), [](double x) { return std::abs(x) <= 1e3; }))
       throw std::invalid_argument("position_m: must be three numbers [m] in [-1000, 1000]");

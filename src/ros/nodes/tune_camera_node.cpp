@@ -19,6 +19,7 @@
 #include "ros/tracking_input.h"
 #include "perception/calibration/ball_finder.h"
 #include "perception/calibration/camera_tuning.h"
+#include "settings/require_in_range.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -41,10 +42,8 @@ struct Options {
   TuningOptions tuning;
 
   void validate() const {
-    if (!(timeout_s > 0 && timeout_s <= 3600))
-      throw std::invalid_argument("timeout_s: " + std::to_string(timeout_s) + " is not in (0, 3600]");
-    if (settle_frames < 0 || settle_frames > 1000)
-      throw std::invalid_argument("settle_frames: " + std::to_string(settle_frames) + " is not in [0, 1000]");
+    require_in_range("timeout_s", timeout_s, {0.0, 3600.0, true});
+    require_in_range("settle_frames", settle_frames, {0.0, 1000.0});
     finder.validate();
     tuning.validate();
   }

@@ -12,20 +12,20 @@
 namespace soft_robot_lab {
 namespace {
 
-// Creep is slow but where a command came just now: a strain counts as growing evenly over a step. Short ones follow a
-// robot on its way and how it comes to rest, as friction remembers that.
-constexpr double kShortStep_s = 1.0 / 30.0, kSoon_s = 0.4, kLongStep_s = 0.25;
+// Creep is slow but where a command came just now: a strain counts as growing evenly over a step. Until then the
+// scene's own steps follow a robot on its way and how it comes to rest, as friction remembers that.
+constexpr double kSoon_s = 0.4, kLongStep_s = 0.25;
 
 bool all_arrived(const Simulation& simulation) {
   const DriveStates& drives = simulation.state().drives;
   return std::all_of(drives.begin(), drives.end(), arrived);
 }
 
-// The same robot in short and in long steps.
+// The same robot in the scene's own steps and in long ones.
 class TwoPaces {
  public:
   TwoPaces(const std::string& scene, const SceneOptions& options)
-      : short_(load(scene, options, kShortStep_s)), long_(load(scene, options, kLongStep_s)) {
+      : short_(load_scene(scene, options)), long_(load_in_long_steps(scene, options)) {
     const SolveReport rest = robot().solve_equilibrium();
     if (!rest.converged) throw std::runtime_error("creep starts from no rest: " + rest.message);
   }
@@ -35,21 +35,22 @@ class TwoPaces {
   SimulatedHold hold(const std::vector<double>& commands, double duration_s) {
     SimulatedHold hold{{0.0}, {places(robot())}};
     for (std::size_t i = 0; i < commands.size(); ++i) robot().set_command(robot().actuators()[i]->name(), commands[i]);
-    pass(robot(), duration_s, kSoon_s, kShortStep_s, hold);
+    pass(robot(), duration_s, kSoon_s, hold);
     long_.simulation->set_state(robot().state());
-    pass(*long_.simulation, duration_s, duration_s, kLongStep_s, hold);
+    pass(*long_.simulation, duration_s, duration_s, hold);
     robot().set_state(long_.simulation->state());
     return hold;
   }
 
  private:
-  static Scene load(const std::string& scene, SceneOptions options, double step_s) {
-    options.overrides.set({"solver", "time_step_s"}, step_s);
+  static Scene load_in_long_steps(const std::string& scene, SceneOptions options) {
+    options.overrides.set({"solver", "time_step_s"}, kLongStep_s);
     return load_scene(scene, options);
   }
 
   // Until the end, or so long after the drives stood.
-  static void pass(Simulation& robot, double end_s, double after_s, double step_s, SimulatedHold& hold) {
+  static void pass(Simulation& robot, double end_s, double after_s, SimulatedHold& hold) {
+    const double step_s = robot.options().time_step_s;
     while (hold.times_s.back() < std::min(end_s, hold.arrived_s + after_s) - 1e-9) {
       const SolveReport report = robot.step();
       if (!report.converged) throw std::runtime_error("a step of creep does not converge: " + report.message);

@@ -2,6 +2,8 @@
 // Fitting creep, on a lying bar that creeps while its commands are held.
 #include <gtest/gtest.h>
 
+#include "control/identification/creep_model.h"
+#include "control/identification/simulated_now.h"
 #include "fitted_bar.h"
 
 namespace soft_robot_lab {
@@ -75,6 +77,20 @@ TEST(FitCreep, FindsBothNumbersAndTheStiffnessBeside) {
   EXPECT_GT(std::abs(value_of(blind, "youngs_modulus_pa").value - 264200), 0.01 * 264200)
       << "what is left of creep would count as stiffness\n"
       << summary(blind);
+}
+
+// Where cables rub, how the robot swung on its way decides where it rests.
+TEST(FitCreep, FollowsARobotOnItsWayInTheScenesOwnSteps) {
+  const Scene scene = load_scene(kScene, options_with(kBar));
+  Simulation& bar = *scene.simulation;
+  ASSERT_TRUE(bar.solve_equilibrium().converged);
+  bar.set_command("left", 0.95);
+  while (bar.state().time_s < 0.3 - 1e-9) bar.step();
+  MeasuredPose pose{{{"left", 0.95}}, {}};
+  pose.held_s = 0.3;
+  const SimulatedHold hold = simulate_holds(kScene, options_with(kBar), {pose}, {}).front();
+  EXPECT_NEAR(hold.times_s.back(), 0.3, 1e-9);
+  EXPECT_LT((hold.markers_m.back() - places(bar)).norm(), 1e-9);
 }
 
 TEST(FitCreep, SaysWhereNothingCreeps) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <cstring>
 #include <string>
 
 namespace soft_robot_lab {
@@ -10,8 +12,20 @@ class ContentHash {
  public:
   // Each piece is hashed with its length, so that moving a boundary changes the result.
   void add(const std::string& piece) {
-    for (size_t length = piece.size(), i = 0; i < sizeof length; ++i, length >>= 8) add_byte(length & 0xff);
-    for (const char c : piece) add_byte(static_cast<unsigned char>(c));
+    for (size_t length = piece.size(), i = 0; i < sizeof length; ++i, length >>= 8) add_part(length & 0xff);
+    for (const char c : piece) add_part(static_cast<unsigned char>(c));
+  }
+
+  // A piece of many megabytes, by words of eight bytes: another hash than add()'s, some times as fast.
+  void add_large(const std::string& piece) {
+    std::uint64_t word = 0;
+    std::size_t done = 0;
+    for (; done + sizeof word <= piece.size(); done += sizeof word) {
+      std::memcpy(&word, piece.data() + done, sizeof word);
+      add_part(word);
+    }
+    add(piece.substr(done));
+    add_part(piece.size());
   }
 
   std::string hex() const {
@@ -25,7 +39,7 @@ class ContentHash {
   __extension__ using Word = unsigned __int128;
   static constexpr Word kPrime = (Word{1} << 88) + 0x13b;
 
-  void add_byte(unsigned byte) { state_ = (state_ ^ byte) * kPrime; }
+  void add_part(std::uint64_t part) { state_ = (state_ ^ part) * kPrime; }
 
   Word state_ = (Word{0x6c62272e07bb0142} << 64) + 0x62b821756295c58d;
 };

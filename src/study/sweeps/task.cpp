@@ -71,11 +71,11 @@ std::string program_version(const std::string& name) {
   const std::string program = find_program(name);
   if (program.empty()) throw std::runtime_error("the program " + name + " is neither beside this one nor on PATH");
   ContentHash hash;
-  hash.add(read_regular_file(program, kLargestProgram_bytes));
+  hash.add_large(read_regular_file(program, kLargestProgram_bytes));
   for (const std::string& library : libraries_beside(program))
-    hash.add(read_regular_file(library, kLargestProgram_bytes));
+    hash.add_large(read_regular_file(library, kLargestProgram_bytes));
   if (const std::string mesher = find_program("mesh_robot"); !mesher.empty())
-    hash.add(read_regular_file(mesher, kLargestProgram_bytes));
+    hash.add_large(read_regular_file(mesher, kLargestProgram_bytes));
   return hash.hex();
 }
 

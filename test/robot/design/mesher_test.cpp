@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -331,6 +332,23 @@ TEST(ContentHash, TellsPiecesApart) {
   EXPECT_NE(hash({"ab", "c"}), hash({"a", "bc"}));
   EXPECT_NE(hash({"ab"}), hash({"ab", ""}));
   EXPECT_EQ(hash({}), "6c62272e07bb014262b821756295c58d");  // the offset basis
+}
+
+TEST(ContentHash, TellsLargePiecesApartByEveryByte) {
+  const auto hash = [](const std::string& piece) {
+    ContentHash content;
+    content.add_large(piece);
+    return content.hex();
+  };
+  const std::string piece(21, 'a');  // two words and a rest
+  std::set<std::string> hashes = {hash(piece), hash(piece.substr(1)), hash(piece + std::string(1, '\0'))};
+  for (std::size_t i = 0; i < piece.size(); ++i) {
+    std::string other = piece;
+    other[i] = '\xe1';  // the highest bit of one byte
+    hashes.insert(hash(other));
+  }
+  EXPECT_EQ(hashes.size(), piece.size() + 3);
+  EXPECT_EQ(hash(piece), hash(std::string(21, 'a')));
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ class PresentPublisher {
     present_ = message;
     publisher_.publish(message);
   }
+  bool has_subscribers() const { return publisher_.getNumSubscribers() > 0; }
 
  private:
   void attend(const ros::SingleSubscriberPublisher& subscriber) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "conversions.h"
 #include "frames.h"
@@ -117,13 +118,17 @@ visualization_msgs::Marker SurfaceMarker::message(const Eigen::Matrix3Xd& positi
   return marker;
 }
 
-visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface) {
-  surface.ns = "ghost";
-  surface.color.r = 0.98f;
-  surface.color.g = 0.62f;
-  surface.color.b = 0.20f;
-  surface.color.a = 0.45f;
-  for (std_msgs::ColorRGBA& rgba : surface.colors) {  // the light stays
+namespace {
+
+// The light stays.
+visualization_msgs::Marker tinted(visualization_msgs::Marker surface, const std::string& ns,
+                                  const Eigen::Vector3d& tint, float opacity) {
+  surface.ns = ns;
+  surface.color.r = static_cast<float>(tint.x());
+  surface.color.g = static_cast<float>(tint.y());
+  surface.color.b = static_cast<float>(tint.z());
+  surface.color.a = opacity;
+  for (std_msgs::ColorRGBA& rgba : surface.colors) {
     const float light = std::min(1.02f, rgba.r / static_cast<float>(skin_colour.x()));
     rgba = surface.color;
     rgba.r *= light;
@@ -133,12 +138,26 @@ visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface) {
   return surface;
 }
 
-visualization_msgs::Marker no_ghost() {
+visualization_msgs::Marker none(const std::string& ns) {
   visualization_msgs::Marker marker;
   marker.header.frame_id = robot_frame();
-  marker.ns = "ghost";
+  marker.ns = ns;
   marker.action = visualization_msgs::Marker::DELETE;
   return marker;
 }
+
+}  // namespace
+
+visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface) {
+  return tinted(std::move(surface), "ghost", {0.98, 0.62, 0.20}, 0.45f);
+}
+
+visualization_msgs::Marker preview_of(visualization_msgs::Marker surface) {
+  return tinted(std::move(surface), "preview", {0.45, 0.70, 0.85}, 0.40f);
+}
+
+visualization_msgs::Marker no_ghost() { return none("ghost"); }
+
+visualization_msgs::Marker no_preview() { return none("preview"); }
 
 }  // namespace soft_robot_lab

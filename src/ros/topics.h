@@ -22,6 +22,7 @@ constexpr char controller_progress[] = "controller/progress";
 constexpr char controller_target[] = "controller/target";     // latched: what the last accepted request asked for
 constexpr char controller_goal[] = "controller/goal";         // geometry_msgs/PoseStamped: where a marker shall go
 constexpr char controller_ghost[] = "controller/ghost";       // latched: where the policy that was found last leads
+constexpr char controller_preview[] = "controller/preview";   // latched: where the present commands lead
 constexpr char target_marker[] = "controller/target_marker";  // an interactive marker
 constexpr char panel_tips[] = "panel/reachable_tips";         // where the marker rests over all commands
 constexpr char overlay[] = "overlay";

@@ -13,6 +13,7 @@
 #include "ros/panel/lamps.h"
 #include "ros/panel/poses.h"
 #include "ros/panel/reachable_tips.h"
+#include "ros/panel/turn_watch.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -218,6 +219,31 @@ TEST(Calls, TurnWhatIsThrownIntoAFailure) {
   ASSERT_EQ(outcomes.size(), 1u);
   EXPECT_FALSE(outcomes[0].success);
   EXPECT_EQ(outcomes[0].message, "no simulator");
+}
+
+// Every service is asked by `ask`: so none can make the window wait.
+TEST(Calls, AreRefusedInTheThreadOfTheWindow) {
+  Calls calls;
+  EXPECT_THROW(calls.refuse_window("simulator/reset"), std::logic_error);
+  calls.start("quick", "Reset", [&calls] {
+    calls.refuse_window("simulator/reset");
+    return "";
+  });
+  EXPECT_TRUE(outcomes_of(calls)[0].success);
+}
+
+TEST(TurnWatch, KeepsTheLongestGapAndTheMostWork) {
+  TurnWatch watch;
+  watch.turn(100.0, 5.0);
+  EXPECT_EQ(watch.take().wall_s, 0.0);
+  watch.turn(100.02, 5.01);
+  watch.turn(100.12, 5.02);
+  watch.turn(100.14, 5.04);
+  const TurnGap longest = watch.take();
+  EXPECT_NEAR(longest.wall_s, 0.1, 1e-9);
+  EXPECT_NEAR(longest.work_s, 0.02, 1e-9);
+  watch.turn(100.17, 5.04);
+  EXPECT_NEAR(watch.take().wall_s, 0.03, 1e-9) << "across what was taken";
 }
 
 const std::string kTable =

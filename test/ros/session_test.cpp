@@ -345,6 +345,38 @@ TEST_F(Session, FindsAPathOfPoses) {
   EXPECT_LT(response.poses[1].marker.x, -0.01);
 }
 
+// Before drives and silicone are there; then it goes. Its skin is the one that the robot comes to.
+TEST_F(Session, ShowsAtOnceWhereCommandsLead) {
+  ask<std_srvs::Trigger>(topics::simulator_reset);
+  visualization_msgs::Marker shown, skin;
+  const auto keep = [&](const std::string& topic, visualization_msgs::Marker& last) {
+    return node_.subscribe<visualization_msgs::Marker>(
+        topic, 100,
+        boost::function<void(const visualization_msgs::Marker::ConstPtr&)>([&last](const auto& m) { last = *m; }));
+  };
+  const ros::Subscriber skins = keep(topics::simulator_surface, skin),
+                        previews = keep(topics::controller_preview, shown);
+  ros::Publisher publisher = node_.advertise<ActuatorCommand>(topics::actuator_command, 1, true);
+  ASSERT_TRUE(spin_until([&] { return shown.action == visualization_msgs::Marker::DELETE && !skin.points.empty(); }));
+  ActuatorCommand command;
+  command.names = {"left"};
+  command.values = {0.85};
+  publisher.publish(command);
+  ASSERT_TRUE(spin_until([&] { return shown.action == visualization_msgs::Marker::ADD; }));
+  const visualization_msgs::Marker preview = shown;
+  const auto apart_m = [&] {
+    double most_m = 0.0;
+    for (size_t i = 0; i < preview.points.size(); ++i) {
+      const Eigen::Vector3d there_m = from_message(preview.points[i], "preview");
+      most_m = std::max(most_m, (there_m - from_message(skin.points.at(i), "surface")).norm());
+    }
+    return most_m;
+  };
+  EXPECT_GT(apart_m(), 0.01) << "the robot is on its way";
+  EXPECT_TRUE(spin_until([&] { return shown.action == visualization_msgs::Marker::DELETE; }));
+  EXPECT_TRUE(spin_until([&] { return apart_m() < 1e-4; })) << apart_m();
+}
+
 // The ghost of what was found while another policy played.
 TEST_F(Session, KeepsTheGhostWhereAnotherPolicyEnds) {
   ExecutePolicy::Request playing;

@@ -27,7 +27,8 @@
 #include "ros/surface_marker.h"
 #include "ros/target_marker.h"
 #include "ros/topics.h"
-#include "session/live_target.h"
+#include "session/live_answers.h"
+#include "session/preview.h"
 #include "settings/require_in_range.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
@@ -67,7 +68,12 @@ class ControllerNode {
   void on_scene(const std_msgs::String& path);
   void on_actuators(const ActuatorState& actuators);
   void send(const std::vector<std::string>& names, const std::vector<double>& values) const;
-  void answer_live(const LiveGoal& goal, const std::function<bool()>& interrupted);
+  void on_markers(const MarkerObservations& markers);
+  void on_target(const std::string& marker, const Eigen::Vector3d& target_m, bool released);
+  void answer_target(const MarkerGoal& goal, bool released, const std::function<bool()>& interrupted);
+  void answer_commands();
+  bool model_follows(const std::map<std::string, double>& commands);  // false where it finds no rest state there
+  void hide_preview();
   void remember(const PolicyTask& task, const PolicyAnswer& answer);
   bool show_iterate(const OptimisationProgress& progress);
   void show_ghost();  // of the model as it is
@@ -88,6 +94,7 @@ class ControllerNode {
   std::mutex model_mutex_;  // held while the model computes
   std::unique_ptr<Simulation> model_;
   std::unique_ptr<SurfaceMarker> ghost_surface_;  // of the model
+  bool model_searched_ = false;                   // it was elsewhere than the robot since it last followed it
 
   mutable std::mutex mutex_;  // guards what follows; held briefly
   CommandLimitsByName limits_;
@@ -95,6 +102,7 @@ class ControllerNode {
   std::optional<PolicyTask> found_;         // the last task that a policy was found for
   CommandPolicy found_policy_;              // and that policy
   std::atomic<int> found_count_{0};         // of policies, so far
+  Preview preview_;
 
   const ClosedLoopOptions loop_options_ = read_loop_options();
   PolicyExecution execution_{loop_options_, [this](const auto& names, const auto& values) { send(names, values); }};
@@ -103,13 +111,12 @@ class ControllerNode {
   PolicySearch search_{node_};
   ros::Publisher command_publisher_;
   PresentPublisher<visualization_msgs::Marker> ghost_{topics::controller_ghost};
+  PresentPublisher<visualization_msgs::Marker> shown_preview_{topics::controller_preview};
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   std::unique_ptr<FitService> fit_service_;
-  LiveTarget live_{[this](const auto& goal, const auto& interrupted) { answer_live(goal, interrupted); }};
-  TargetMarker target_{node_, [this](const auto& marker, const auto& target_m, bool released) {
-                         live_.ask({marker, target_m, released});
-                       }};
+  LiveAnswers live_;
+  TargetMarker target_{node_, [this](const auto&... moved) { on_target(moved...); }};
   std::unique_ptr<ControllerActions> actions_;  // last: its threads end first
 };
 
@@ -125,7 +132,7 @@ ControllerNode::ControllerNode() {
   subscribers_ = {
       node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
       node_.subscribe(topics::simulator_actuators, 1, &ControllerNode::on_actuators, this),
-      node_.subscribe(topics::simulator_markers, 100, &PolicyExecution::add_simulated, &execution_),
+      node_.subscribe(topics::simulator_markers, 100, &ControllerNode::on_markers, this),
       node_.subscribe(parameters.param<std::string>("markers_topic", topics::tracker_markers), 100,
                       &PolicyExecution::add_measured, &execution_),
       node_.subscribe(topics::motor_state, 100, &PolicyExecution::add_motors, &execution_),
@@ -162,7 +169,7 @@ ControllerHandlers ControllerNode::handlers() {
 void ControllerNode::load(const std::string& path) {
   Scene scene = load_scene(path, scene_options_);
   CommandLimitsByName limits = limits_of(*scene.simulation);
-  live_.interrupt();
+  const auto no_answers = live_.pause();
   const std::lock_guard model_lock(model_mutex_);
   model_ = std::move(scene.simulation);
   ghost_surface_ = std::make_unique<SurfaceMarker>(model_->body().mesh());
@@ -172,8 +179,10 @@ void ControllerNode::load(const std::string& path) {
     commands_.clear();
     found_.reset();
     found_policy_ = {};
+    preview_ = {};
   }
   ghost_.publish(no_ghost());
+  shown_preview_.publish(no_preview());
   const std::vector<Marker>& markers = model_->markers();
   if (markers.empty()) return;
   const auto tip = std::find_if(markers.begin(), markers.end(), [](const auto& one) { return one.name() == "tip"; });
@@ -185,7 +194,8 @@ void ControllerNode::load(const std::string& path) {
 void ControllerNode::show_target(const std::string& marker, const Eigen::Vector3d& target_m) {
   const Eigen::Matrix3Xd& nodes_m = model_->body().mesh().nodes_m;
   const double size_m = (nodes_m.rowwise().maxCoeff() - nodes_m.rowwise().minCoeff()).maxCoeff();
-  target_.show(marker, target_m, 0.25 * size_m);
+  constexpr double least_m = 0.028;  // with a ball that the overlay's does not hide
+  target_.show(marker, target_m, std::max(0.25 * size_m, least_m));
 }
 
 void ControllerNode::show_ghost() {
@@ -216,15 +226,21 @@ bool ControllerNode::show_iterate(const OptimisationProgress& progress) {
   return true;
 }
 
+void ControllerNode::on_target(const std::string& marker, const Eigen::Vector3d& target_m, bool released) {
+  live_.ask(LiveAnswers::Kind::target, [this, goal = MarkerGoal{marker, target_m, 1.0}, released](
+                                           const auto& interrupted) { answer_target(goal, released, interrupted); });
+}
+
 // While the target is dragged, from where the model is; where it is let go, as the service does it. The ghost follows
 // after each iteration, and a newer target ends the search there: to replay what was found so far would cost as much.
-void ControllerNode::answer_live(const LiveGoal& goal, const std::function<bool()>& interrupted) {
+void ControllerNode::answer_target(const MarkerGoal& goal, bool released, const std::function<bool()>& interrupted) {
   const std::unique_lock lock(model_mutex_, std::try_to_lock);
   if (!lock || !model_) return;
+  model_searched_ = true;
   PolicyTask task;
-  task.poses.push_back({{{goal.marker, goal.target_m, 1.0}}, ramp_s_, {}});
+  task.poses.push_back({{goal}, ramp_s_, {}});
   OptimiserOptions options;
-  if (goal.released) {
+  if (released) {
     model_->reset();
   } else {
     options.max_iterations = 12;
@@ -233,11 +249,41 @@ void ControllerNode::answer_live(const LiveGoal& goal, const std::function<bool(
   bool shown = false;
   const auto show = [&](const OptimisationProgress& progress) {
     shown = show_iterate(progress) || shown;
-    if ((shown || goal.released) && interrupted()) throw std::runtime_error("a newer target counts");
+    if ((shown || released) && interrupted()) throw std::runtime_error("a newer target counts");
     return true;
   };
   const PolicyAnswer answer = search_.go_on(*model_, task, options, show);
   if (answer.success) remember(task, answer);
+}
+
+// Shows at once where the robot will rest: its drives and its silicone take their time.
+void ControllerNode::answer_commands() {
+  const std::unique_lock lock(model_mutex_, std::try_to_lock);
+  if (!lock || !model_) return;
+  std::unique_lock state_lock(mutex_);
+  const std::map<std::string, double> commands = commands_;
+  state_lock.unlock();
+  if (!model_follows(commands)) return hide_preview();
+  std::vector<Eigen::Vector3d> markers_m;
+  for (int i = 0; i < static_cast<int>(model_->markers().size()); ++i) markers_m.push_back(model_->marker_position(i));
+  const visualization_msgs::Marker skin =
+      preview_of(ghost_surface_->message(model_->state().positions_m, ros::Time::now()));
+  state_lock.lock();
+  shown_preview_.publish(preview_.show(model_->state().commands(), markers_m) ? skin : no_preview());
+}
+
+// After a search by way of the rest shape, else from where it followed the robot before.
+bool ControllerNode::model_follows(const std::map<std::string, double>& commands) {
+  if (model_searched_) model_->reset();
+  model_searched_ = false;
+  for (const auto& [name, value] : commands) model_->set_command(name, value);
+  return model_->solve_equilibrium().converged;
+}
+
+void ControllerNode::hide_preview() {
+  const std::lock_guard lock(mutex_);
+  preview_.hide();
+  shown_preview_.publish(no_preview());
 }
 
 void ControllerNode::on_scene(const std_msgs::String& path) {
@@ -250,18 +296,39 @@ void ControllerNode::on_scene(const std_msgs::String& path) {
   }
 }
 
+// What a policy commands has its ghost.
 void ControllerNode::on_actuators(const ActuatorState& actuators) {
   execution_.add_drives(actuators);
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
+  const bool was_shown = preview_.shown();
+  preview_.add_drives(actuators.header.stamp.toSec(), actuators.commands, actuators.actuated_commands);
+  if (was_shown && !preview_.shown()) shown_preview_.publish(no_preview());
+  const std::map<std::string, double> before = commands_;
   for (size_t i = 0; i < std::min(actuators.names.size(), actuators.commands.size()); ++i)
     if (std::isfinite(actuators.commands[i])) commands_[actuators.names[i]] = actuators.commands[i];
+  const bool asked = !before.empty() && commands_ != before;
+  lock.unlock();
+  if (asked && shown_preview_.has_subscribers() && !execution_.running())
+    live_.ask(LiveAnswers::Kind::commands, [this](const auto&) { answer_commands(); });
+}
+
+void ControllerNode::on_markers(const MarkerObservations& markers) {
+  execution_.add_simulated(markers);
+  std::vector<Eigen::Vector3d> positions_m;
+  for (const geometry_msgs::Point& position : markers.positions)
+    positions_m.emplace_back(position.x, position.y, position.z);
+  const std::lock_guard lock(mutex_);
+  const bool was_shown = preview_.shown();
+  preview_.add_markers(positions_m);
+  if (was_shown && !preview_.shown()) shown_preview_.publish(no_preview());
 }
 
 void ControllerNode::optimise_policy(const OptimisePolicy::Request& request, OptimisePolicy::Response& response) {
   try {
-    live_.interrupt();
+    const auto no_answers = live_.pause();
     const std::unique_lock lock(model_mutex_, std::try_to_lock);
     if (!lock) throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
+    model_searched_ = true;
     const PolicyTask task = policy_task(request, ramp_s_);
     PolicyAnswer answer = search_.find(*model_, task, optimiser_options(request));
     count_as_reached(request, answer);
@@ -304,9 +371,11 @@ ExecutePolicy::Request ControllerNode::with_policy(ExecutePolicy::Request reques
 
 void ControllerNode::execute(const ExecutePolicy::Request& request, ExecutePolicy::Response& response) {
   ExecutionOrder order = order_of(request);
+  std::shared_ptr<void> no_answers;
   std::unique_lock model_lock(model_mutex_, std::defer_lock);
   std::optional<ClosedLoop> loop;
   if (request.closed_loop) {
+    no_answers = live_.pause();
     if (!model_lock.try_lock())
       throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
     loop.emplace(loop_of(request, order.policy));
@@ -336,9 +405,9 @@ ClosedLoop ControllerNode::loop_of(const ExecutePolicy::Request& request, const 
   const PolicyTask task = correction_task(request, found_);
   const std::map<std::string, double> commands = commands_;
   lock.unlock();
-  model_->reset();
-  for (const auto& [name, value] : commands) model_->set_command(name, value);
-  model_->solve_equilibrium();
+  model_searched_ = true;
+  model_follows(commands);
+  model_searched_ = true;
   replay(*model_, policy, {});
   return ClosedLoop(*model_, task, loop_options_);
 }

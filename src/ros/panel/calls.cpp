@@ -57,6 +57,10 @@ std::vector<CallOutcome> Calls::take_outcomes() {
   return std::exchange(outcomes_, {});
 }
 
+void Calls::refuse_window(const std::string& service) const {
+  if (std::this_thread::get_id() == window_) throw std::logic_error("the window would wait for " + service);
+}
+
 void Calls::keep(const ros::ServiceClient& client, bool kept) {
   const std::lock_guard lock(mutex_);
   if (kept) {

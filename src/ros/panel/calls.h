@@ -35,13 +35,17 @@ class Calls {
   std::vector<CallOutcome> take_outcomes();
 
   // For `work`: asks and waits. Throws std::runtime_error where there is no such service, where it answers that it did
-  // not succeed, and where the panel ends.
+  // not succeed, and where the panel ends; and as `refuse_window`.
   template <typename Service>
   typename Service::Response ask(ros::NodeHandle node, const std::string& name, typename Service::Request request);
+
+  // Throws std::logic_error in the thread that made this, which is the window's: that must not wait.
+  void refuse_window(const std::string& service) const;
 
  private:
   void keep(const ros::ServiceClient& client, bool kept);
 
+  const std::thread::id window_ = std::this_thread::get_id();
   std::atomic<bool> ended_{false};
   mutable std::mutex mutex_;  // guards what follows; held briefly
   std::map<std::string, bool> running_;
@@ -53,6 +57,7 @@ class Calls {
 template <typename Service>
 typename Service::Response Calls::ask(ros::NodeHandle node, const std::string& name,
                                       typename Service::Request request) {
+  refuse_window(name);
   constexpr bool persistent = true;  // only such a client is set free by shutdown()
   ros::ServiceClient client = node.serviceClient<Service>(name, persistent);
   keep(client, true);

@@ -69,6 +69,7 @@ PanelLink::PanelLink(const std::string& session) : node_(session) {
   node_.setCallbackQueue(&queue_);
   lamps_ = Lamps(without_slashes(node_.getNamespace()));
   commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
+  diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
   tips_ = node_.advertise<visualization_msgs::Marker>(topics::panel_tips, 1, true);
   subscribers_ = {
       listen_to<ActuatorRanges>(node_, topics::simulator_ranges, 1, [this](const auto& m) { on_ranges(m); }),
@@ -207,6 +208,21 @@ void PanelLink::show_tips(const ReachableTips& tips) {
     cloud.colors.push_back(rgba);
   }
   tips_.publish(cloud);
+}
+
+void PanelLink::diagnose(const TurnGap& longest) {
+  diagnostic_msgs::DiagnosticArray message;
+  message.header.stamp = ros::Time::now();
+  message.status.resize(1);
+  diagnostic_msgs::DiagnosticStatus& status = message.status[0];
+  status.name = ros::this_node::getName().substr(1) + ": window";
+  status.message = "answers";
+  status.values.resize(2);
+  status.values[0].key = "longest gap [s]";
+  status.values[0].value = std::to_string(longest.wall_s);
+  status.values[1].key = "work in a gap [s]";
+  status.values[1].value = std::to_string(longest.work_s);
+  diagnostics_.publish(message);
 }
 
 void PanelLink::execute() { play(Policy()); }

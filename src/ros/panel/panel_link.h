@@ -24,6 +24,7 @@
 #include "history.h"
 #include "lamps.h"
 #include "reachable_tips.h"
+#include "turn_watch.h"
 
 namespace soft_robot_lab {
 
@@ -51,6 +52,7 @@ class PanelLink {
   void optimise(const std::string& method, const std::string& marker, const Eigen::Vector3d& target_m);
   void execute();                             // what was found last
   void show_tips(const ReachableTips& tips);  // in rviz's scene; none take those away that are there
+  void diagnose(const TurnGap& longest);      // of the window, in the last second
   void play(const Policy& policy);
   void stop();                                         // all: searches, policies, drives
   const std::string& scene() const { return scene_; }  // path of what runs; empty: not known
@@ -91,7 +93,7 @@ class PanelLink {
 
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
-  ros::Publisher commands_, tips_;
+  ros::Publisher commands_, tips_, diagnostics_;
   std::vector<ros::Subscriber> subscribers_;
   ros::Subscriber surface_;  // until the box is known
   std::optional<Eigen::AlignedBox3d> robot_box_m_;

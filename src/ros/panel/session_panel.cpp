@@ -2,6 +2,7 @@
 #include "session_panel.h"
 
 #include <algorithm>
+#include <ctime>
 
 #include <QAbstractItemView>
 #include <QDir>
@@ -193,6 +194,9 @@ QWidget* SessionPanel::make_views() {
 
 void SessionPanel::onInitialize() {
   if (!link_) connect_to(session_);
+  left_out_ = std::make_unique<LeftOutOfPicks>(
+      *vis_manager_, std::vector<std::string>{topics::controller_ghost, topics::controller_preview, topics::overlay,
+                                              topics::panel_tips});
   timer_.start(refresh_period_ms);
 }
 
@@ -221,6 +225,7 @@ void SessionPanel::save(rviz::Config config) const {
 
 void SessionPanel::refresh() {
   if (!link_) return;
+  watch_turns();
   link_->listen();
   refresh_rows();
   refresh_scene();
@@ -231,6 +236,16 @@ void SessionPanel::refresh() {
   refresh_buttons();
   refresh_lamps();
   for (const CallOutcome& outcome : link_->take_outcomes()) report(outcome);
+}
+
+void SessionPanel::watch_turns() {
+  timespec work{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &work);
+  const double now_s = PanelLink::now_s();
+  turns_.turn(now_s, static_cast<double>(work.tv_sec) + 1e-9 * static_cast<double>(work.tv_nsec));
+  if (now_s < diagnosed_s_ + 1.0) return;
+  diagnosed_s_ = now_s;
+  link_->diagnose(turns_.take());
 }
 
 void SessionPanel::refresh_rows() {

@@ -15,6 +15,7 @@
 #include <rviz/panel.h>
 
 #include "actuator_editor.h"
+#include "left_out_of_picks.h"
 #include "panel_link.h"
 #include "plot_view.h"
 #include "poses.h"
@@ -42,6 +43,7 @@ class SessionPanel : public rviz::Panel {
   void connect_to(const QString& session);
   void refresh();
   void refresh_lamps();
+  void watch_turns();
   void refresh_rows();
   void refresh_scene();
   void refresh_view();
@@ -62,12 +64,15 @@ class SessionPanel : public rviz::Panel {
 
   QString session_;  // namespace; empty: that of rviz
   std::unique_ptr<PanelLink> link_;
+  std::unique_ptr<LeftOutOfPicks> left_out_;
   Poses poses_;
   std::string framed_;  // the scene that the camera was set to
   int shown_revision_ = -1, shown_targets_ = -1;
   bool with_balls_ = false;  // which step of a calibration comes next
 
   QTimer timer_;
+  TurnWatch turns_;
+  double diagnosed_s_ = 0.0;  // when the window was
   QLabel *lamps_ = nullptr, *message_ = nullptr, *empty_ = nullptr;
   QVBoxLayout* rows_ = nullptr;
   std::vector<ActuatorEditor*> editors_;

@@ -295,6 +295,33 @@ Eigen::VectorXd ContactTerm::next_pressures_pa(const std::vector<ContactTouch>& 
   return next;
 }
 
+void ContactTerm::add_slip(const ContactTouch& touch, Eigen::Matrix3Xd& residual_n) const {
+  add_at(touch, -weight_m2(touch.pair) * touch.away_m.normalized(), residual_n);
+}
+
+double ContactTerm::beyond_limit_pa(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const {
+  const Eigen::Vector3d way_m = relative_motion_m(touch, motion_m, {});
+  const double coefficient = touch.friction.limit_pa / touch.pressure_pa;
+  return touch.away_m.normalized().dot(way_m) / touch.friction.compliance_m_pa +
+         coefficient * touch.normal.dot(way_m) / law(touch.pair).compliance_m_pa;
+}
+
+bool ContactTerm::any_turns(const std::vector<ContactTouch>& touches) const {
+  return std::any_of(touches.begin(), touches.end(), [](const ContactTouch& touch) {
+    return touch.closed && touch.rubs() && touch.free < 0 && !touch.on_skin() && !touch.bend.isZero(0.0);
+  });
+}
+
+void ContactTerm::add_turned_ties(const std::vector<ContactTouch>& touches, const Eigen::Matrix3Xd& motion_m,
+                                  Eigen::Matrix3Xd& residual_n) const {
+  for (const ContactTouch& touch : touches) {
+    if (!touch.closed || !touch.rubs() || touch.free >= 0 || touch.on_skin()) continue;
+    const Eigen::Vector3d turned = touch.bend * points_.at(point_of(touch.pair), motion_m);
+    const Eigen::Vector3d traction_pa = touch.friction.traction_pa(touch.away_m);
+    add_at(touch, -weight_m2(touch.pair) * turned.dot(traction_pa) * touch.normal, residual_n);
+  }
+}
+
 Eigen::VectorXd ContactTerm::mismatches(const ContactSums& at) const {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(pair_count());
   for (const ContactTouch& touch : at.touches)

@@ -81,6 +81,17 @@ class ContactTerm {
   FreeColumns free_mismatch_forces_n(const std::vector<ContactTouch>& linearised, const ContactSums& here) const;
   Eigen::VectorXd next_pressures_pa(const std::vector<ContactTouch>& linearised, const ContactSums& here,
                                     const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const;
+  // Of a touch at the limit of friction. What the residual gains where slip takes a unit [Pa] off the tie's traction;
+  // and by how much a motion of the nodes takes that traction beyond its limit, which follows the pressure [Pa].
+  void add_slip(const ContactTouch& touch, Eigen::Matrix3Xd& residual_n) const;
+  double beyond_limit_pa(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const;
+  double limit_n(const ContactTouch& touch) const { return weight_m2(touch.pair) * touch.friction.limit_pa; }
+  // A tie's traction turns with the surface of an obstacle that is not flat: what the matrix, which is symmetric,
+  // lacks.
+  bool any_turns(const std::vector<ContactTouch>& touches) const;
+  void add_turned_ties(const std::vector<ContactTouch>& touches, const Eigen::Matrix3Xd& motion_m,
+                       Eigen::Matrix3Xd& residual_n) const;
+
   // Per pair: NormalLaw::mismatch_m over the size of the face.
   Eigen::VectorXd mismatches(const ContactSums& at) const;
 

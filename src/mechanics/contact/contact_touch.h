@@ -26,6 +26,8 @@ struct ContactTouch {
 
   bool rubs() const { return friction.limit_pa >= 0.0; }
   bool on_skin() const { return met.face >= 0; }
+  // Whether it slips on or sticks is decided by what comes next. Not of free obstacles.
+  bool at_limit() const { return closed && free < 0 && friction.limit_pa > 0.0 && friction.at_limit(away_m); }
   void set_away_m(const Eigen::Vector3d& way_m) { away_m = way_m - normal * normal.dot(way_m); }
 };
 

@@ -14,6 +14,7 @@ struct FrictionLaw {
   double compliance_m_pa = 0.0;  // of the tie
   double limit_pa = 0.0;         // of the traction
   bool secant = false;           // stiffness_pa_m is that of a parabola over the potential, which no step overshoots
+  bool held = false;             // it is that of the tie, wherever the limit is
 
   static double compliance_of_skin(double face_size_m, double youngs_modulus_pa) {
     return 0.02 * face_size_m / youngs_modulus_pa;
@@ -39,7 +40,7 @@ struct FrictionLaw {
   // sticking: a body that has just touched would drift away else.
   Eigen::Matrix3d stiffness_pa_m(const Eigen::Vector3d& away_m, const Eigen::Vector3d& normal) const {
     const Eigen::Matrix3d plane = Eigen::Matrix3d::Identity() - normal * normal.transpose();
-    if (limit_pa == 0.0 || !slips(away_m)) return plane / compliance_m_pa;
+    if (held || limit_pa == 0.0 || !slips(away_m)) return plane / compliance_m_pa;
     if (secant) return limit_pa / away_m.norm() * plane;
     const Eigen::Vector3d along = away_m.normalized();
     return limit_pa / away_m.norm() * (plane - along * along.transpose());

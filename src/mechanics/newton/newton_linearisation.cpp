@@ -8,7 +8,7 @@
 namespace soft_robot_lab {
 
 bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
-                             const std::shared_ptr<const StrainTarget>& strain_target, bool convex, bool secant) {
+                             const std::shared_ptr<const StrainTarget>& strain_target, bool convex, Slip slip) {
   linearisation_.reset();
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
@@ -17,11 +17,14 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
     ContactSums sums = contact_.sums(state.positions_m, state.contact);
     touches_ = std::move(sums.touches);
     rigid_touches_ = std::move(sums.rigid);
-    for (ContactTouch& touch : touches_) touch.friction.secant = secant;
-    for (RigidTouch& touch : rigid_touches_) touch.friction.secant = secant;
+    for (ContactTouch& touch : touches_) {
+      touch.friction.secant = slip == Slip::secant;
+      touch.friction.held = slip == Slip::held && touch.at_limit();
+    }
+    for (RigidTouch& touch : rigid_touches_) touch.friction.secant = slip == Slip::secant;
   }
   if (!add_rest_and_factorise(state, inertia_per_s2, convex)) return false;
-  if (!convex && !secant)
+  if (!convex && slip == Slip::tangent)
     linearisation_ = std::make_shared<Linearisation>(
         Linearisation{state, inertia_per_s2, strain_target, with_skin_ ? with_skin_->pattern : nullptr});
   return true;

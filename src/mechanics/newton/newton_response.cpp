@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <tuple>
 
 #include <Eigen/LU>
 
 #include "mechanics/solver_constants.h"
 #include "newton_solver.h"
+#include "slip_rates.h"
 
 namespace soft_robot_lab {
 
@@ -31,6 +33,7 @@ Eigen::MatrixXd NewtonSolver::exact_forces_n(const Eigen::MatrixXd& motions_m) c
       for (std::size_t k = 0; k + 1 < layout_.ties[point].size(); ++k)
         nodal_n.col(layout_.ties[point][k]) +=
             layout_.tie_coefficients[point][k] * pulls_n.col(layout_.node_count + point);
+    contact_.add_turned_ties(touches_, all.leftCols(layout_.node_count), nodal_n);
     release(nodal_n);
     forces_n.col(column) = as_vector(nodal_n);
   }
@@ -39,7 +42,7 @@ Eigen::MatrixXd NewtonSolver::exact_forces_n(const Eigen::MatrixXd& motions_m) c
 
 Eigen::MatrixXd NewtonSolver::solve_exactly(const Eigen::MatrixXd& right_hand_sides) const {
   Eigen::MatrixXd solved = solve(right_hand_sides);
-  if (layout_.point_count == 0) return solved;
+  if (layout_.point_count == 0 && !contact_.any_turns(touches_)) return solved;
   double left_before = right_hand_sides.norm();
   Eigen::MatrixXd loads = right_hand_sides;
   for (int i = 0; i < constants::kRefinements; ++i) {
@@ -53,18 +56,81 @@ Eigen::MatrixXd NewtonSolver::solve_exactly(const Eigen::MatrixXd& right_hand_si
   return solved;
 }
 
-// S dy + D dq = d offset - B' A^-1 d force on active constraints, dy given on the others; at a contact dq = 0, or
-// where it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx. Then dx = -A^-1 (d force + B dy).
-NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive& drive) {
-  if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return {};
-  const int count = constraint_count(), friction_contacts = friction_contact_count();
-  const Eigen::VectorXd& y = state.constraint_multipliers;
+bool NewtonSolver::linearise_held(const NewtonState& state) {
+  std::vector<ContactTouch> touches = contact_.sums(state.positions_m, state.contact).touches;
+  if (std::none_of(touches.begin(), touches.end(), [](const ContactTouch& touch) { return touch.at_limit(); }))
+    return linearised_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false);
+  return linearise(state, 0.0, nullptr, false, Slip::held);
+}
+
+MultiplierProblem NewtonSolver::problem_at(const NewtonState& state, const Eigen::MatrixXd& border_solved) const {
   MultiplierProblem problem;
-  const Eigen::MatrixXd border_solved = solve_exactly(border_);
   problem.delassus = border_.transpose() * border_solved;
   problem.friction_contacts = junctions_at(state.positions_m);
-  for (int i = 0; i < count; ++i) problem.laws.push_back(law_at(state, i));
-  for (int i = 0; i < count; ++i) problem.delassus(i, i) += problem.laws[i].compliance;
+  for (int i = 0; i < constraint_count(); ++i) problem.laws.push_back(law_at(state, i));
+  for (int i = 0; i < constraint_count(); ++i) problem.delassus(i, i) += problem.laws[i].compliance;
+  return problem;
+}
+
+NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const std::vector<ContactTouch>& at_limit) const {
+  const Eigen::Index columns = drive.offsets.cols(), slips = static_cast<Eigen::Index>(at_limit.size());
+  const auto widened = [&](const Eigen::MatrixXd& given, Eigen::Index rows) {
+    Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(rows, columns + slips);
+    if (given.size() > 0) wide.leftCols(columns) = given;
+    return wide;
+  };
+  NewtonDrive wide{widened(drive.forces_n, 3 * layout_.node_count), widened(drive.offsets, constraint_count()),
+                   widened(drive.multipliers, constraint_count()), widened(drive.log_ratios, friction_contact_count())};
+  Eigen::Matrix3Xd force_n(3, layout_.node_count);
+  for (Eigen::Index i = 0; i < slips; ++i) {
+    force_n.setZero();
+    contact_.add_slip(at_limit[static_cast<std::size_t>(i)], force_n);
+    release(force_n);
+    wide.forces_n.col(columns + i) = as_vector(force_n);
+  }
+  return wide;
+}
+
+// Sticking ties are in the matrix. A slip is a force that takes off what its traction has too much, and all slips
+// together are a linear complementarity problem.
+NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive& drive) {
+  if (!linearise_held(state)) return {};
+  std::vector<ContactTouch> at_limit;
+  for (const ContactTouch& touch : touches_)
+    if (touch.friction.held) at_limit.push_back(touch);
+  if (at_limit.empty()) return respond_held(state, drive);
+  NewtonResponse all = respond_held(state, with_slips(drive, at_limit));
+  if (!all.stable) return {};
+  const Eigen::Index columns = drive.offsets.cols(), slips = static_cast<Eigen::Index>(at_limit.size());
+  Eigen::MatrixXd beyond_pa(slips, columns + slips);
+  Eigen::VectorXd pull_n(slips);
+  for (Eigen::Index i = 0; i < slips; ++i) {
+    const ContactTouch& touch = at_limit[static_cast<std::size_t>(i)];
+    for (Eigen::Index column = 0; column < beyond_pa.cols(); ++column)
+      beyond_pa(i, column) = contact_.beyond_limit_pa(
+          touch, Eigen::Map<const Eigen::Matrix3Xd>(all.motions_m.col(column).data(), 3, layout_.node_count));
+    pull_n[i] = contact_.limit_n(touch);
+  }
+  const Eigen::MatrixXd coupling = beyond_pa.rightCols(slips);
+  const Eigen::MatrixXd going_on = slips_of_all(coupling, beyond_pa.leftCols(columns));
+  Eigen::MatrixXd rates_pa(slips, columns);
+  for (Eigen::Index column = 0; column < columns; ++column) {
+    const double way = pull_n.dot(going_on.col(column)) < 0.0 ? -1.0 : 1.0;
+    rates_pa.col(column) = way * slip_rates(coupling, way * beyond_pa.col(column));
+  }
+  const auto together = [&](const Eigen::MatrixXd& of) -> Eigen::MatrixXd {
+    return of.leftCols(columns) + of.rightCols(slips) * rates_pa;
+  };
+  return {true, together(all.motions_m), together(all.multipliers), together(all.slips_m), static_cast<int>(slips)};
+}
+
+// S dy + D dq = d offset - B' A^-1 d force on active constraints, dy given on the others; at a contact dq = 0, or
+// where it slips d(y_first - ratio y_second) = 0, in which the ratio follows dx. Then dx = -A^-1 (d force + B dy).
+NewtonResponse NewtonSolver::respond_held(const NewtonState& state, const NewtonDrive& drive) const {
+  const int count = constraint_count(), friction_contacts = friction_contact_count();
+  const Eigen::VectorXd& y = state.constraint_multipliers;
+  const Eigen::MatrixXd border_solved = solve_exactly(border_);
+  const MultiplierProblem problem = problem_at(state, border_solved);
   if (!stable_under(problem, y)) return {};
 
   const bool forced = drive.forces_n.size() > 0;

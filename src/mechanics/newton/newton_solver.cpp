@@ -290,8 +290,9 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   };
 
   // Little but friction holds a free obstacle: by the tangent of what slips it would go far past where it sticks.
-  const bool light = contact_.free().count() > 0;
-  bool convex = false, secant = light, old_factor = task.reuse_factor;
+  const Slip cautious = contact_.free().count() > 0 ? Slip::secant : Slip::tangent;
+  Slip slip = cautious;
+  bool convex = false, old_factor = task.reuse_factor;
   AndersonMixing mixing(constants::kOldFactorSteps);
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
@@ -299,19 +300,18 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     if (old_factor && mixing.size() < constants::kOldFactorSteps && try_old_factor(task, state, here, mixing)) continue;
     old_factor = false;
     mixing.clear();
-
     Step step;
     const auto fresh_step = [&] {
-      if (!convex && !secant && linearised_at(state, task.inertia_per_s2, task.strain_target))
+      if (!convex && slip == Slip::tangent && linearised_at(state, task.inertia_per_s2, task.strain_target))
         return find_step(state, here, step);
       ++report.factorisations;
-      return linearise(state, task.inertia_per_s2, task.strain_target, convex, secant) && find_step(state, here, step);
+      return linearise(state, task.inertia_per_s2, task.strain_target, convex, slip) && find_step(state, here, step);
     };
     bool found = fresh_step();
     if (!convex && (!found || step.slope > 0.0)) {
       if (task.only_through_stable) return finish("the way leads through an unstable shape");
       convex = true;
-      secant = light;
+      slip = cautious;
       found = fresh_step();
     }
     if (convex) ++report.convexified;
@@ -323,8 +323,8 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     if (!accepted && convex) return finish("no step lowers the energy");
     convex = !accepted || (convex && length < 1.0);
     if (convex && task.only_through_stable) return finish("no step lowers the energy");
-    secant = light && (convex || length < 1.0);
-    old_factor = accepted && task.reuse_factor && !convex && !secant;
+    slip = convex || length < 1.0 ? cautious : Slip::tangent;
+    old_factor = accepted && task.reuse_factor && !convex && slip == Slip::tangent;
   }
   return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");
 }
@@ -335,9 +335,11 @@ double NewtonSolver::rest_residual(const NewtonState& state) const {
 }
 
 bool NewtonSolver::stable_at_rest(const NewtonState& state) {
-  if (constraint_count() > 0) return sensitivities(state).size() > 0 && free_border_.stable();
-  return (linearised_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false)) &&
-         factor().negative_pivots() == 0 && free_border_.stable();
+  if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return false;
+  const bool stable = constraint_count() > 0
+                          ? stable_under(problem_at(state, solve_exactly(border_)), state.constraint_multipliers)
+                          : factor().negative_pivots() == 0;
+  return stable && free_border_.stable();
 }
 
 double NewtonSolver::worst_violation(const NewtonState& state) const {

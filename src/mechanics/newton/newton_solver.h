@@ -96,6 +96,7 @@ struct NewtonResponse {
   bool stable =
       false;  // false: the tangent is not positive definite, there is no stable equilibrium; all else is empty
   Eigen::MatrixXd motions_m, multipliers, slips_m;
+  int at_limit = 0;  // points of the skin of which it depends on the direction whether they slip or stick
 };
 
 // What acts on the nodes at a state, each as it stands in the residual: the gradient of an energy, 3 x nodes [N].
@@ -140,7 +141,8 @@ class NewtonSolver {
   Eigen::MatrixXd sensitivities(const NewtonState& state, Eigen::MatrixXd* multipliers = nullptr);
 
   // The derivative of an equilibrium along anything else, by the implicit function theorem with the solver's own
-  // factor.
+  // factor. Skin at the limit of friction makes it depend on the direction: each column is that of the direction in
+  // which, all in all, what slipped goes on.
   NewtonResponse respond(const NewtonState& state, const NewtonDrive& drive);
 
   // What the residual force at an equilibrium gains where all moduli of the body grow by the factor 1 + d: the elastic
@@ -220,9 +222,15 @@ class NewtonSolver {
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
   void add_free_obstacles(const NewtonState& state, Evaluation& result) const;
-  // With `secant` friction has its secant stiffness; no further step is taken by such a factor.
+  // The stiffness of friction: of what slips its tangent or its secant, or what is at the limit sticks. No further step
+  // is taken by a factor but with the tangent.
+  enum class Slip { tangent, secant, held };
   bool linearise(const NewtonState& state, double inertia_per_s2,
-                 const std::shared_ptr<const StrainTarget>& strain_target, bool convex, bool secant = false);
+                 const std::shared_ptr<const StrainTarget>& strain_target, bool convex, Slip slip = Slip::tangent);
+  bool linearise_held(const NewtonState& state);  // at rest, where all that is at the limit of friction sticks
+  MultiplierProblem problem_at(const NewtonState& state, const Eigen::MatrixXd& border_solved) const;
+  NewtonResponse respond_held(const NewtonState& state, const NewtonDrive& drive) const;  // by that matrix
+  NewtonDrive with_slips(const NewtonDrive& drive, const std::vector<ContactTouch>& at_limit) const;
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2,
                               bool convex);  // what is not of the elements
   bool factorise(bool convex);               // with skin on skin

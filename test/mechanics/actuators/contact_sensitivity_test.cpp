@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A bar that its cable bends against a post: how its tip follows the command, against central differences.
+// A bar that its cable bends against a post, or pulls along between plates: how its tip follows the command, against
+// differences.
 #include <gtest/gtest.h>
 
+#include "mechanics/newton/slip_rates.h"
 #include "test_bar.h"
 
 namespace soft_robot_lab {
@@ -34,6 +36,72 @@ TEST(ContactSensitivity, FollowsThePostAsDifferencesDo) {
   const double change = 1e-6;
   const Eigen::Vector3d measured = (tip_m(0.0, 0.95 + change) - tip_m(0.0, 0.95 - change)) / (2.0 * change);
   EXPECT_LT((exact - measured).norm(), 1e-5 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
+}
+
+// On both sides of the bar, and moved in.
+std::vector<Obstacle> pair_of(const ObstacleShape& left, const ObstacleShape& right, double in_m, double friction) {
+  return {{"left", left, {{0.0}, {1.0, {in_m, 0, 0}, Eigen::Vector3d::Zero()}}, friction},
+          {"right", right, {{0.0}, {1.0, {-in_m, 0, 0}, Eigen::Vector3d::Zero()}}, friction}};
+}
+
+ObstacleShape roll_at(double x_m) { return Cylinder{{x_m, -0.06, -1}, {x_m, -0.06, 1}, 0.01, 0.001}; }
+
+// What slipped goes on where the cable is pulled further. The way back has another derivative, as all sticks at first.
+TEST(ContactSensitivity, FollowsWhatSticksAndWhatSlipsOnAsDifferencesDo) {
+  struct Case {
+    std::vector<Obstacle> obstacles;
+    bool all_slips;
+  };
+  const Plane left{{-0.01, 0, 0}, {1, 0, 0}}, right{{0.01, 0, 0}, {-1, 0, 0}};
+  for (const auto& [obstacles, all_slips] :
+       {Case{{{"post", Cylinder{{0.017, -0.06, -1}, {0.017, -0.06, 1}, 0.005, 0.0005}, {}, 0.3}}, true},
+        Case{{{"ball", Sphere{{0.018, -0.06, 0.003}, 0.006}, {}, 0.1}}, true},
+        Case{pair_of(left, right, 0.0003, 0.3), false},
+        Case{pair_of(roll_at(-0.02), roll_at(0.02), 0.001, 0.6), false}}) {
+    SCOPED_TRACE(obstacles[0].name);
+    SolverOptions options;
+    options.tolerance = 1e-12;
+    Simulation simulation = hanging_bar("model: sliding", options, 1.0, obstacles);
+    for (const double command : {0.98, 0.965, 0.95}) {
+      simulation.set_command("cable", command);
+      ASSERT_TRUE(simulation.solve_equilibrium().converged);
+    }
+    double sticking_m2 = 0.0, slipping_m2 = 0.0;
+    for (const ContactReading& contact : simulation.contacts()) {
+      sticking_m2 += contact.sticking_area_m2;
+      slipping_m2 += contact.slipping_area_m2;
+    }
+    EXPECT_GT(slipping_m2, 0.0);
+    EXPECT_EQ(sticking_m2 == 0.0, all_slips);
+    const Eigen::Vector3d exact = simulation.marker_sensitivities(), here_m = simulation.marker_position(0);
+    SimulationState start = simulation.state();
+    start.linearisation = nullptr;
+    const auto moved_m = [&](double change) -> Eigen::Vector3d {
+      simulation.set_state(start);
+      simulation.set_command("cable", 0.95 + change);
+      EXPECT_TRUE(simulation.solve_equilibrium().converged);
+      return simulation.marker_position(0) - here_m;
+    };
+    const double further = -1e-7;
+    const Eigen::Vector3d measured = (4.0 * moved_m(further) - moved_m(2.0 * further)) / (2.0 * further),
+                          back = moved_m(-further) / -further;
+    EXPECT_LT((exact - measured).norm(), 1e-5 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
+    EXPECT_GT((exact - back).norm(), 0.05 * measured.norm());
+  }
+}
+
+// Three points, each of which gives way to the others: those that stick stay below their limit.
+TEST(SlipRates, SolveTheComplementarityProblem) {
+  const Eigen::Matrix3d coupling = (Eigen::Matrix3d() << 0.8, 0.1, 0, 0.15, 0.7, 0.1, 0, 0.2, 0.6).finished();
+  for (const Eigen::Vector3d& beyond : {Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(1, -2, 0.5),
+                                        Eigen::Vector3d(-1, -2, -3), Eigen::Vector3d(3, -0.5, -2)}) {
+    const Eigen::Vector3d rates = slip_rates(coupling, beyond), spare = rates - coupling * rates - beyond;
+    EXPECT_GE(rates.minCoeff(), 0.0);
+    EXPECT_GE(spare.minCoeff(), -1e-12);
+    EXPECT_NEAR(rates.dot(spare), 0.0, 1e-12);
+  }
+  EXPECT_TRUE(slip_rates(coupling, {-1, -2, -3}).isZero(0.0));
+  EXPECT_EQ(slip_rates(coupling, Eigen::Vector3d(1, -2, 0.5))[1], 0.0);
 }
 
 }  // namespace

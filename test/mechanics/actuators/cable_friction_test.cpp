@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A cable with friction: capstan law, stick and slip, and what it remembers.
 #include <cmath>
+#include <iomanip>
 
 #include <gtest/gtest.h>
 
+#include "reference_table.h"
 #include "test_bar.h"
 
 namespace soft_robot_lab {
@@ -71,6 +73,55 @@ TEST(CableFriction, FollowsTheCapstanFormulaAroundABentBody) {
     const ActuatorReading back = simulation.actuator_state(0);
     EXPECT_NEAR(back.span_tensions_n.back() / back.span_tensions_n.front(), std::exp(mu * M_PI / 2),
                 0.01 * std::exp(mu * M_PI / 2));
+  }
+}
+
+// R13. The post is a row of pulleys; a cable does not find the way around an obstacle itself.
+TEST(CableFriction, LeadsAroundAPostAsInTheReference) {
+  constexpr int kPulleys = 24;
+  for (const ReferenceRow& row : read_reference("r13_capstan")) {
+    const auto at = [&](const std::string& name) {
+      return Eigen::Vector3d(row.number(name + "x"), row.number(name + "y"), row.number(name + "z"));
+    };
+    const Eigen::Vector3d anchor_m = at("A"), drive_m = at("B"), from_m = at("tangentB_"), to_m = at("tangentA_");
+    const double first = std::atan2(from_m.y(), from_m.x()), last = std::atan2(to_m.y(), to_m.x());
+    std::ostringstream settings;
+    settings << std::setprecision(15)
+             << "{name: cable, model: friction, friction_coefficient: " << row.number("mu")
+             << ", command: tension_n, drive_points_m: [[" << drive_m.x() << ", " << drive_m.y() << ", " << drive_m.z()
+             << "]";
+    for (int i = 0; i < kPulleys; ++i) {
+      const double share = i / (kPulleys - 1.0), angle = first + share * (last - first), r = row.number("R_m");
+      settings << ", [" << r * std::cos(angle) << ", " << r * std::sin(angle) << ", "
+               << from_m.z() + share * (to_m.z() - from_m.z()) << "]";
+    }
+    settings << "], points_m: [[" << anchor_m.x() << ", " << anchor_m.y() << ", " << anchor_m.z() << "]]}";
+    Body body(
+        box_mesh(anchor_m - Eigen::Vector3d::Constant(0.005), anchor_m + Eigen::Vector3d::Constant(0.005), {1, 1, 1}),
+        Material{});
+    body.fix_nodes({-1, -1, -1}, {1, 1, 1}, {true, true, true});
+    const MeshLocator locator(body.mesh());
+    std::vector<std::unique_ptr<Actuator>> actuators;
+    actuators.push_back(std::make_unique<Cable>());
+    actuators.back()->initialise(YamlNode::parse(settings.str(), "post"), body, locator);
+    Simulation simulation(std::move(body), std::move(actuators), {}, SolverOptions{});
+    const double pull_n = row.number("T_B_N");
+    simulation.set_command("cable", pull_n);
+    ASSERT_TRUE(simulation.solve_equilibrium().converged);
+    const ActuatorReading cable = simulation.actuator_state(0);
+    EXPECT_NEAR(*cable.length_m, row.number("length_m"), 1e-3 * row.number("length_m"));
+    Eigen::Vector3d force_n = Eigen::Vector3d::Zero(), torque_nm = Eigen::Vector3d::Zero();
+    for (std::size_t i = 1; i <= kPulleys; ++i)
+      for (const std::size_t other : {i - 1, i + 1}) {
+        const Eigen::Vector3d pulls_n =
+            cable.span_tensions_n[std::min(i, other)] * (cable.path_m[other] - cable.path_m[i]).normalized();
+        force_n += pulls_n;
+        torque_nm += cable.path_m[i].cross(pulls_n);
+      }
+    EXPECT_NEAR(cable.span_tensions_n.back(), row.number("T_A_N"), 0.01 * row.number("T_A_N"));
+    EXPECT_LT((force_n - Eigen::Vector3d(row.number("Fx_N"), row.number("Fy_N"), row.number("Fz_N"))).norm(),
+              0.01 * force_n.norm());
+    EXPECT_NEAR(torque_nm.z(), row.number("torque_z_Nm"), -0.01 * row.number("torque_z_Nm"));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hollow_mesh.h"
+#include "mechanics/box_mesh.h"
 #include "reference_table.h"
 #include "soft_robot_lab/mechanics/actuators/chamber.h"
 #include "soft_robot_lab/settings/yaml_node.h"
@@ -109,6 +110,68 @@ TEST(ChamberReference, HollowCuboidSwellsAndShrinks) {
     const double pressure_pa = row.number("P_gauge_Pa");
     EXPECT_NEAR(*found.gauge_pressure_pa, pressure_pa, std::max(0.01 * std::abs(pressure_pa), row.number("unc_P_Pa")));
   }
+}
+
+// A thin ring of radius 50 mm, one cell deep: a bar that is closed. Its inner side is the surface "cavity".
+constexpr double kRing = 0.05;
+constexpr int kAround = 64;
+
+TetMesh ring_mesh(double thickness_m, double imperfection) {
+  const double depth_m = 2.0 * M_PI * kRing / kAround;
+  TetMesh mesh = box_mesh({0, -0.5 * thickness_m, 0}, {kAround, 0.5 * thickness_m, depth_m}, {kAround, 1, 1}, false);
+  const Eigen::Index across = 4, kept = mesh.nodes_m.cols() - across;  // box_mesh counts along x last
+  mesh.tets = mesh.tets.unaryExpr([&](int node) { return node < kept ? node : node - static_cast<int>(kept); });
+  mesh.nodes_m.conservativeResize(3, kept);
+  for (Eigen::Index i = 0; i < kept; ++i) {
+    const Eigen::Vector3d at = mesh.nodes_m.col(i);
+    const double angle = 2.0 * M_PI * at.x() / kAround,
+                 r = kRing * (1.0 + imperfection * std::cos(2.0 * angle)) - at.y();
+    mesh.nodes_m.col(i) = Eigen::Vector3d(r * std::sin(angle), -r * std::cos(angle), at.z());
+  }
+  mesh = make_quadratic(mesh);
+  complete_boundary(mesh);
+  mesh.surface_names = {"cavity"};
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
+    const auto corner = [&](int i) -> Eigen::Vector3d { return mesh.nodes_m.col(mesh.faces(i, face)); };
+    const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+    const bool inside = normal.head<2>().dot(corner(0).head<2>()) < -0.5 * kRing;
+    mesh.face_surface[static_cast<std::size_t>(face)] = inside ? 0 : -1;
+  }
+  return mesh;
+}
+
+// A ring under pressure from outside (Flaherty, Keller & Rubinow 1972), in EI / R^3 a unit of length: it buckles at 3,
+// opposite sides touch at 5.247, and lie on one another from 10.34 on, with 7.956 EI / R^2 there. With Poisson's ratio
+// 0, as the elastica knows EI alone. The pressure acts at the inner side.
+TEST(ChamberReference, ARingIsPressedShut) {
+  constexpr double kThin = 0.02;
+  Body body(ring_mesh(kThin * kRing, 1e-4), {264200.0, 0.0, 1070.0});
+  hold_symmetry_planes(body, 2);
+  body.fix_nodes(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Ones(), {false, false, true});
+  body.let_touch_itself();
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  actuators.push_back(std::make_unique<Chamber>());
+  actuators[0]->initialise(
+      YamlNode::parse("{name: air, surface: cavity, command: gauge_pressure, min_gauge_pressure_pa: -100}", "ring"),
+      body, MeshLocator(body.mesh()));
+  Simulation ring(std::move(body), std::move(actuators), {}, {});
+  const double unit_pa = 264200.0 * std::pow(kThin, 3) / 12.0, depth_m = 2.0 * M_PI * kRing / kAround;
+  const auto pressed_n = [&](double pressure) {
+    ring.set_command("air", -pressure * unit_pa / (1.0 - 0.5 * kThin));
+    const SolveReport report = ring.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    return ring.contacts().back().normal_force_n;
+  };
+  const auto half_width = [&] { return ring.state().positions_m.row(0).maxCoeff() / kRing; };
+  const double slack = 0.03;
+  pressed_n((1.0 - slack) * 3.0);
+  EXPECT_NEAR(half_width(), 1.0, 0.05);
+  pressed_n((1.0 + slack) * 3.0);
+  EXPECT_GT(std::abs(half_width() - 1.0), 0.15);
+  EXPECT_EQ(pressed_n((1.0 - slack) * 5.247), 0.0);
+  EXPECT_GT(pressed_n((1.0 + slack) * 5.247), 0.0);
+  const double expected_n = 7.956 * unit_pa * kRing * depth_m;
+  EXPECT_NEAR(pressed_n(10.34), expected_n, slack * expected_n);
 }
 
 }  // namespace

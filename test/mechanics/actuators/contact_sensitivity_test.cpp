@@ -100,7 +100,7 @@ TEST(SlipRates, SolveTheComplementarityProblem) {
     EXPECT_GE(spare.minCoeff(), -1e-12);
     EXPECT_NEAR(rates.dot(spare), 0.0, 1e-12);
   }
-  EXPECT_TRUE(slip_rates(coupling, {-1, -2, -3}).isZero(0.0));
+  EXPECT_TRUE(slip_rates(coupling, Eigen::Vector3d(-1, -2, -3)).isZero(0.0));
   EXPECT_EQ(slip_rates(coupling, Eigen::Vector3d(1, -2, 0.5))[1], 0.0);
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "contact_bodies.h"
+#include "mechanics/round_mesh.h"
 #include "reference_table.h"
 
 namespace soft_robot_lab {
@@ -85,6 +86,73 @@ TEST(Contact, ACylinderIsPressedInByTheForceOfTheReference) {
     EXPECT_LT(contact.largest_penetration_m, 2e-5);
     EXPECT_LT(std::abs(contact.force_n.x()), 2e-3 * force_n);
   }
+}
+
+// Of a round body by its planes of symmetry.
+void hold_quarter(Body& body) {
+  body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, false, false});
+  body.fix_nodes({-1, -1, -1}, {1, 1, 1e-9}, {false, false, true});
+}
+
+// R7. A quarter of the disc, elements of 5 mm.
+TEST(Contact, ABallIsPressedIntoADiscByTheForceOfTheReference) {
+  for (const double depth_m : {0.001, 0.004}) {
+    Body body(quarter_disc(0.03, 0.03, {6, 6}), kSilicone);
+    body.fix_nodes({-1, -1, -1}, {1, 1e-9, 1}, {true, true, true});
+    hold_quarter(body);
+    body.set_obstacles(
+        {{"ball", Sphere{{0, 0.045, 0}, 0.015}, {{0.0, kZero, kZero}, {1.0, {0, -depth_m, 0}, kZero}}, 0.0}});
+    Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    const double force_n = reference_at("r7_sphere_on_disc", "depth_m", depth_m).number("force_N");
+    EXPECT_NEAR(-4.0 * simulation.contacts()[0].force_n.y(), force_n, 0.02 * force_n) << depth_m;
+  }
+}
+
+// R12, from the touch on, of a quarter of the ball. Its rebound comes out within the reference's spread, as all else.
+TEST(Contact, ADroppedBallBouncesAsInTheReference) {
+  const ReferenceRow drop = read_reference("r12_drop")[0];
+  Body body(quarter_ball(0.015, 6), kSilicone);
+  hold_quarter(body);
+  body.set_gravity({0, -9.81, 0});
+  body.set_obstacles({{"floor", Plane{{0, -0.015, 0}, {0, 1, 0}}, {}, 0.0}});
+  SolverOptions options;
+  options.time_step_s = 5e-5;
+  options.integrator = Integrator::tr_bdf2;
+  Simulation simulation(std::move(body), {}, {}, options);
+  SimulationState start = simulation.state();
+  start.velocities_m_s.row(1).array() = -drop.number("impact_speed_m_s");
+  simulation.set_state(start);
+  simulation.keep_energy_ledger();
+  const EnergyLedger& ledger = *simulation.energy_ledger();
+  const auto energy_j = [&] { return 4.0 * (ledger.kinetic_j + ledger.elastic_j + ledger.gravity_j); };
+  const double start_j = energy_j();
+  double lowest_m = 1.0, lowest_s = 0.0, top_m = 1.0, left_s = 0.0, peak_n = 0.0, most_j = 0.0;
+  while (simulation.state().time_s < 0.01 - 1e-9) {
+    ASSERT_TRUE(simulation.step().converged);
+    const double time_s = simulation.state().time_s, middle = middle_m(simulation).y() + 0.015;
+    const double floor_n = 4.0 * simulation.contacts()[0].force_n.y();
+    if (middle < lowest_m) lowest_s = time_s;
+    lowest_m = std::min(lowest_m, middle);
+    top_m = std::min(top_m, simulation.state().positions_m.row(1).maxCoeff() + 0.015);
+    if (floor_n > 0.0) left_s = time_s;
+    peak_n = std::max(peak_n, floor_n);
+    most_j = std::max(most_j, energy_j());
+  }
+  const auto expect = [&](double found, const std::string& column, const std::string& spread) {
+    EXPECT_NEAR(found, drop.number(column), drop.number(spread)) << column;
+  };
+  expect(left_s, "contact_time_s", "unc_contact_time_s");
+  expect(lowest_m, "cm_lowest_y_m", "unc_cm_lowest_m");
+  expect(lowest_s, "t_cm_lowest_s", "unc_t_cm_lowest_s");
+  expect(top_m, "top_lowest_y_m", "unc_top_lowest_m");
+  expect(peak_n, "peak_force_N", "unc_peak_force_N");
+  const Eigen::VectorXd& masses_kg = simulation.body().node_masses_kg();
+  const double away_m_s = simulation.state().velocities_m_s.row(1).dot(masses_kg.transpose()) / masses_kg.sum();
+  expect(away_m_s + 9.81 * (0.01 - drop.number("contact_time_s")), "rebound_cm_speed_m_s", "unc_rebound_m_s");
+  EXPECT_LE(most_j, start_j * (1.0 + 1e-9));
+  EXPECT_NEAR(ledger.closure_error_j, 0.0, 1e-3 * ledger.turned_over_j);
 }
 
 TEST(Contact, AnEquilibriumThatIsAskedForAgainStaysToTheLastBit) {

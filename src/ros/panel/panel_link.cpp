@@ -107,9 +107,10 @@ double PanelLink::now_s() {
 }
 
 void PanelLink::on_ranges(const ActuatorRanges& ranges) {
+  const bool another_robot = values_.revision() > 0;  // the first one's target may have been heard before
   try {
     values_.set_ranges(ranges);
-    target_.reset();
+    if (another_robot) target_.reset();
   } catch (const std::invalid_argument& error) {
     ROS_WARN("%s: %s", topics::simulator_ranges, error.what());
   }

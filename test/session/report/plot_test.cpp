@@ -93,6 +93,25 @@ TEST(Plot, DrawsEveryStyle) {
   }
 }
 
+// Beside one another they would overlap.
+TEST(Plot, TurnsLabelsThatAreMany) {
+  const SceneFolder folder;
+  const auto turned = [&](int count, const std::string& how) {
+    Plot plot{"labels", "labels", {"x"}, {"y"}};
+    for (int i = 0; i < count; ++i) plot.x.ticks.emplace_back(i, "contraction 1 to 0.5 at once");
+    plot.x.min = -0.5;
+    plot.x.max = count - 0.5;
+    plot.series.push_back({"all", {0, 1}, {0, 1}, SeriesStyle::squares});
+    const std::string svg = contents(write_plot(plot, folder.path(std::to_string(count))).svg);
+    int found = 0;
+    for (std::size_t at = svg.find(how); at != std::string::npos; at = svg.find(how, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(turned(3, ") rotate("), 1) << "but for the word of the y axis";
+  EXPECT_EQ(turned(8, ") rotate(-30)"), 8);
+  EXPECT_GE(turned(25, ") rotate(-90)"), 25);
+}
+
 TEST(Plot, ColoursPointsAndSquaresByTheirValues) {
   const SceneFolder folder;
   Plot plot{"values", "values", {"x"}, {"y"}};

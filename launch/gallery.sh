@@ -1,0 +1,60 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# gallery.sh FOLDER [ROBOT...]: a picture FOLDER/ROBOT.png of each robot, moved, as rviz shows it on a hidden screen, and all of them in
+# FOLDER/gallery.png.
+set -euo pipefail
+(($# > 0)) || { echo "usage: gallery.sh FOLDER [ROBOT...]" >&2; exit 2; }
+launch=$(cd "$(dirname "$0")" && pwd)
+mkdir -p "$1"
+output=$(cd "$1" && pwd)
+shift
+. "$launch/own_session.sh"
+declare -A poses=(
+  [spinebot]='{names: [left, right], values: [1.1, 0.8]}'
+  [hammerbot]='{names: [left, right], values: [0.82, 1.1]}'
+  [gripper]='{names: [left, right], values: [0.92, 0.92]}'
+  [tentacle]='{names: [tendon_1], values: [5]}'
+  [bubblebot]='{names: [b], values: [70]}'
+  [bubblefinger]='{names: [main], values: [70]}'
+  [hollow_cuboid]='{names: [main], values: [2.5]}'
+  [hanging_bar]='{names: [cable], values: [0.92]}'
+)
+declare -A scenes=([gripper]=gripper/ball.yaml)
+(($# > 0)) || set -- spinebot hammerbot gripper tentacle bubblebot bubblefinger hollow_cuboid hanging_bar
+
+# The session's view, from a little to the left and above, of the robot alone.
+/usr/bin/python3 - "$launch/../config/rviz/session.rviz" "$folder/gallery.rviz" <<'PYTHON'
+import sys
+import yaml
+with open(sys.argv[1]) as file:
+    view = yaml.safe_load(file)
+manager = view['Visualization Manager']
+manager['Displays'] = [one for one in manager['Displays'] if one['Name'] not in ('Target', 'World')]
+for display in manager['Displays']:
+    if display['Name'] == 'Overlay':
+        display['Namespaces'] = {
+            'simulated_names': False, 'simulated_trail': False, 'chamber_pressures': False,
+            'cable_tensions': False, 'tension_scale': False, 'tension_scale_text': False}
+manager['Views']['Current'].update({'Yaw': 4.25, 'Pitch': 0.25})
+with open(sys.argv[2], 'w') as file:
+    yaml.safe_dump(view, file, sort_keys=False)
+PYTHON
+
+for robot in "$@"; do
+  [[ -n ${poses[$robot]-} ]] || { echo "gallery.sh: $robot: none of ${!poses[*]}" >&2; exit 2; }
+  scene=$launch/../config/robots/${scenes[$robot]-$robot/robot.yaml}
+  roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$scene" rviz:=false >"$folder/log" 2>&1 &
+  session=$!
+  wait_for has_markers || { tail "$folder/log" >&2; exit 1; }
+  for ((i = 0; i < 3; ++i)); do rostopic pub -1 /actuators/command soft_robot_lab/ActuatorCommand "${poses[$robot]}" >/dev/null; done
+  sleep "${POSE_DELAY_S:-8}" # until it rests there
+  "$launch/take_picture.sh" "$folder/all.png" "$folder/gallery.rviz"
+  end_session
+  convert "$folder/all.png" -crop 660x560+544+190 +repage "$output/$robot.png" # beside the panel
+  echo "$output/$robot.png"
+done
+cd "$output"
+montage $(printf '%s.png ' "$@") -tile 4x -geometry 330x280+2+2 all.png
+convert all.png -depth 8 -colors 220 gallery.png
+rm all.png
+echo "$output/gallery.png"

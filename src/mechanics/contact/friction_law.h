@@ -22,8 +22,8 @@ struct FrictionLaw {
 
   bool slips(const Eigen::Vector3d& away_m) const { return away_m.norm() > limit_pa * compliance_m_pa; }
 
-  // Whether it slips, or has: an anchor that was dragged along is just at the limit.
-  bool at_limit(const Eigen::Vector3d& away_m) const { return slips((1.0 + 1e-6) * away_m); }
+  // Whether it slips, or has: an anchor that was dragged along is just at the limit, on other skin nearly.
+  bool at_limit(const Eigen::Vector3d& away_m) const { return slips((1.0 + 1e-3) * away_m); }
 
   // Traction against which the point stands `away_m` from its anchor, along the obstacle's surface.
   Eigen::Vector3d traction_pa(const Eigen::Vector3d& away_m) const {

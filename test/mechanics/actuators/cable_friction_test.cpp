@@ -86,8 +86,7 @@ TEST(CableFriction, LeadsAroundAPostAsInTheReference) {
     const Eigen::Vector3d anchor_m = at("A"), drive_m = at("B"), from_m = at("tangentB_"), to_m = at("tangentA_");
     const double first = std::atan2(from_m.y(), from_m.x()), last = std::atan2(to_m.y(), to_m.x());
     std::ostringstream settings;
-    settings << std::setprecision(15)
-             << "{name: cable, model: friction, friction_coefficient: " << row.number("mu")
+    settings << std::setprecision(15) << "{name: cable, model: friction, friction_coefficient: " << row.number("mu")
              << ", command: tension_n, drive_points_m: [[" << drive_m.x() << ", " << drive_m.y() << ", " << drive_m.z()
              << "]";
     for (int i = 0; i < kPulleys; ++i) {

@@ -123,6 +123,13 @@ TEST_F(ChamberExperiments, BubblefingerBendsAwayFromItsWedgesOnEveryMesh) {
   EXPECT_GT(result.numbers["tip_difference"].get<double>(), 1e-6);  // of two meshes
   EXPECT_GT(result.numbers["bends_down_m"]["coarse"].get<double>(), 0.02);
   EXPECT_GT(result.numbers["bends_down_m"]["fine"].get<double>(), 0.02);
+  int shapes = 0;
+  for (const Plot& plot : result.plots) {
+    if (plot.name.find("shape") == std::string::npos) continue;
+    ++shapes;
+    for (const Series& series : plot.series) EXPECT_EQ(series.style, SeriesStyle::lines) << "edges, not squares";
+  }
+  EXPECT_EQ(shapes, 2);
   // Without gravity, and at a pressure that follows from 1e5 Pa.
   for (const auto& row : result.table.rows) {
     const double growth = number(result, row, "V / V0"), beta = number(result, row, "beta");

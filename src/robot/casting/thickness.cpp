@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -168,13 +169,33 @@ std::vector<Opposite> opposite_skin(const RayTree& tree, const Flood& joined, co
   return found;
 }
 
-// Places that the cone of one triangle's points meets from inside, nearest first.
+// Places that the cone of one triangle's points meets from inside, nearest first. Samples of one cell of space that
+// face about the same way share the answer of the first: round sides have far more facets than the limit asks for.
 class Cone {
  public:
   Cone(const RayTree& tree, double limit_m)
       : tree_(tree), limit_m_(limit_m), patches_(tree.surface()), flood_(tree.surface()) {}
 
   void measure(int triangle, const Eigen::Vector3d& p, double area, ThinPlace& place) {
+    const auto [answer, first] = thin_.try_emplace(cell(p, tree_.surface().normals.col(triangle)), false);
+    if (first)
+      answer->second = look(triangle, p, area, place);
+    else if (answer->second)
+      place.area_m2 += area;
+  }
+
+ private:
+  using Cell = std::array<long, 4>;
+
+  Cell cell(const Eigen::Vector3d& p, const Eigen::Vector3d& normal) const {
+    Eigen::Index axis = 0;
+    normal.cwiseAbs().maxCoeff(&axis);
+    const Eigen::Vector3d place = 8 / limit_m_ * p;
+    return {std::lround(place.x()), std::lround(place.y()), std::lround(place.z()), 2 * axis + (normal[axis] > 0)};
+  }
+
+  // Whether it is thin there.
+  bool look(int triangle, const Eigen::Vector3d& p, double area, ThinPlace& place) {
     flood_.from(triangle, p, limit_m_);
     std::vector<Opposite> found = opposite_skin(tree_, flood_, p, tree_.surface().normals.col(triangle), limit_m_);
     const auto nearer = [](const Opposite& a, const Opposite& b) {
@@ -182,11 +203,13 @@ class Cone {
     };
     std::sort(found.begin(), found.end(), nearer);
     for (const Opposite& other : found)
-      if (!is_corner(triangle, other.triangle) && runs_inside(tree_, p, other.at_m))
-        return keep(place, other.distance_m, p, other.at_m, area, limit_m_);
+      if (!is_corner(triangle, other.triangle) && runs_inside(tree_, p, other.at_m)) {
+        keep(place, other.distance_m, p, other.at_m, area, limit_m_);
+        return true;
+      }
+    return false;
   }
 
- private:
   // Adjacent surfaces make no back side, unless they are those of a knife's edge.
   bool is_corner(int a, int b) const {
     const Surface& surface = tree_.surface();
@@ -197,6 +220,7 @@ class Cone {
   double limit_m_;
   Patches patches_;
   Flood flood_;
+  std::map<Cell, bool> thin_;
 };
 
 // Two triangles a square of spacing, which is wider where there would be too many samples.

@@ -44,4 +44,5 @@ mould spinebot spinebot/robot.yaml
 mould spinebot_with_wedges spinebot_castable/robot.yaml
 mould bubblebot bubblebot/robot.yaml
 mould bubblefinger bubblefinger/lid.yaml
+mould gripper gripper/robot.yaml
 mould hanging_bar hanging_bar/robot.yaml

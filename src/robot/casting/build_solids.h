@@ -2,6 +2,7 @@
 // Shapes that moulds are made of.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,10 @@ inline Solid round_bar(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_
 
 inline Solid round_bar(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, double radius_m) {
   return round_bar(from_m, to_m, radius_m, radius_m);
+}
+
+inline bool holds_stl(const Solid& solid) {
+  return solid.kind == Solid::Kind::stl_file || std::any_of(solid.parts.begin(), solid.parts.end(), holds_stl);
 }
 
 }  // namespace soft_robot_lab

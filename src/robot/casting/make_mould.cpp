@@ -5,6 +5,9 @@
 #include <cmath>
 #include <sstream>
 
+#include <Eigen/Geometry>
+
+#include "build_solids.h"
 #include "inside_solid.h"
 #include "robot/design/surface_file.h"
 #include "thickness.h"
@@ -39,6 +42,17 @@ MouldPart stand_on_bed(const MouldPiece& piece, const Surface& surface) {
   return part;
 }
 
+// The same with round sides as they are.
+std::string step_of(const MouldPiece& piece, const MouldPart& part, const MesherOptions& options) {
+  const Eigen::AngleAxisd turn(piece.to_print);
+  Solid turned = combined(Solid::Kind::rotate, {piece.solid});
+  turned.axis = turn.axis();
+  turned.angle_deg = turn.angle() * 180 / M_PI;
+  Solid moved = combined(Solid::Kind::translate, {turn.angle() == 0 ? piece.solid : turned});
+  moved.by_m = part.offset_m;
+  return step_file_for(moved, options);
+}
+
 double distance_m(const RayTree& tree, const Eigen::Vector3d& point_m) {
   double least = INFINITY;
   tree.near(point_m, 2 * kLargestDistance_m, [&](int triangle) {
@@ -54,7 +68,7 @@ struct Apart {
 
   bool on_plane(const Surface& surface, int t, int axis, double height_m) const {
     const Eigen::Vector3d way = plan.frame.col(axis);
-    return std::abs(way.dot(surface.centre(t)) - height_m) < 1e-6 && std::abs(way.dot(surface.normals.col(t))) > 0.9999;
+    return std::abs(way.dot(surface.centre(t)) - height_m) < 1e-6 && std::abs(way.dot(surface.normals.col(t))) > 0.999;
   }
   bool at_rim(const Surface& surface, int t) const { return on_plane(surface, t, 2, plan.rim_m); }
   bool near_air_hole(const Eigen::Vector3d& at_m) const {
@@ -168,6 +182,7 @@ Mould make_mould(const CastRobotFile& file) {
   for (const MouldPiece& piece : mould.plan.pieces) {
     pieces.push_back(mesh_piece(piece.solid, edge_m, file.mesher));
     mould.parts.push_back(stand_on_bed(piece, pieces.back()));
+    mould.parts.back().step_file = step_of(piece, mould.parts.back(), file.mesher);
     verify_part(settings, mould.parts.back(), mould);
   }
   mould.robot = make_surface(mould.plan.frame.transpose() * robot.vertices_m, robot.triangles);

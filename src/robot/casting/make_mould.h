@@ -18,6 +18,7 @@ struct MouldPart {
   Eigen::Vector3d offset_m;
   double thinnest_m = 0;  // infinite: nothing opposite anywhere
   bool fits_printer = false;
+  std::string step_file;  // with round sides as they are, in the mesher's cache
 
   Eigen::Vector3d size_m() const { return surface.vertices_m.rowwise().maxCoeff(); }
 };
@@ -49,7 +50,7 @@ Mould make_mould(const CastRobotFile& file);
 // made. To be asked before the mould is made.
 void require_mould_folder(const std::string& folder);
 
-// Writes parts as binary STL and as 3MF in millimetres, mould.json, instructions.html and its pictures into a new
+// Writes parts as binary STL, 3MF and STEP in millimetres, mould.json, instructions.html and its pictures into a new
 // folder, whole or not at all. An earlier mould there is replaced; a folder with anything else is refused. Throws
 // std::runtime_error.
 void write_mould(const Mould& mould, const std::string& robot_name, const std::string& folder);

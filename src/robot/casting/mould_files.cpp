@@ -11,6 +11,7 @@
 #include "mould_picture.h"
 #include "stl_file.h"
 #include "three_mf.h"
+#include "settings/read_file.h"
 #include "settings/words.h"
 #include "settings/write_file.h"
 
@@ -35,6 +36,7 @@ OrderedJson part_json(const MouldPart& part) {
   json["name"] = part.name;
   json["stl"] = part.name + ".stl";
   json["3mf"] = part.name + ".3mf";
+  json["step"] = part.name + ".step";
   json["volume_m3"] = part.surface.volume_m3();
   json["size_m"] = triple(part.size_m());
   json["triangles"] = part.surface.triangle_count();
@@ -88,7 +90,8 @@ std::vector<std::string> assembly_steps(const Mould& mould) {
     return {"Put both halves together: the " + std::to_string(mould.plan.keys) +
                 " pegs of lower_half go into their sockets.",
             "Close them with " + std::to_string(mould.plan.bolts) + " bolts through the flanges.",
-            "Stand the mould on its end: the opening is above, and level."};
+            mould.plan.spout ? "Stand the mould on its end: the spout is above."
+                             : "Stand the mould on its end: the opening is above, and level."};
   std::vector<std::string> steps{"Put the mould on a level table, open side up."};
   if (!mould.plan.air_holes.empty())
     steps.push_back("Close the " + std::to_string(mould.plan.air_holes.size()) +
@@ -115,16 +118,26 @@ std::string mix_step(const Silicone& silicone) {
          " g of part B: together " + rounded(silicone.mass_g, 1) + " g.";
 }
 
+std::string pour_step(const Mould& mould) {
+  const size_t vents = mould.plan.vents.size();
+  const std::string holds = " The cavity holds " + rounded(1e6 * mould.robot_volume_m3, 1) + " ml.",
+                    rises =
+                        vents == 0 ? "" : " Wait until it rises in each of the " + std::to_string(vents) + " vents.";
+  if (mould.plan.spout) return "Pour slowly through the spout, until it stays full." + rises + holds;
+  return "Pour slowly in one place, until the silicone stands level with the rim." + rises + holds +
+         " Scrape off what stands above.";
+}
+
 // From the mix to the robot, in one pour.
 std::vector<std::string> pour_steps(const Mould& mould) {
-  std::vector<std::string> steps{
-      "Pour slowly in one place, until the silicone stands level with the rim. The cavity holds " +
-          rounded(1e6 * mould.robot_volume_m3, 1) + " ml. Scrape off what stands above.",
-      "Let it cure as its maker states."};
+  std::vector<std::string> steps{pour_step(mould), "Let it cure as its maker states."};
   if (!mould.plan.air_holes.empty()) steps.push_back("Open the air holes.");
   steps.push_back((mould.plan.two_part ? "Take out the bolts, and pull the halves apart along " + way_text(mould.plan) +
                                              " of the robot's axes."
                                        : "Pull the robot out along " + way_text(mould.plan) + " of its own axes."));
+  if (mould.plan.spout || !mould.plan.vents.empty())
+    steps.push_back("Cut off the silicone of " + std::string(mould.plan.spout ? "spout and vents" : "the vents") +
+                    ", together " + rounded(1e6 * mould.plan.webs_m3, 2) + " ml.");
   steps.push_back(mould.plan.sheaths.empty()
                       ? "Sheaths and cables are not part of this mould: lead them through afterwards."
                       : "Cut the sheaths where they cross gaps, and lead the cables through.");
@@ -208,6 +221,8 @@ std::string mould_json(const Mould& mould) {
   json["webs_m3"] = mould.plan.webs_m3;
   json["open_top_m2"] = mould.plan.top_area_m2;
   json["air_holes"] = mould.plan.air_holes.size();
+  json["vents"] = mould.plan.vents.size();
+  json["spout"] = mould.plan.spout.has_value();
   json["bolts"] = mould.plan.bolts;
   json["keys"] = mould.plan.keys;
   json["silicone"] = {{"volume_m3", mould.silicone.volume_m3},
@@ -241,6 +256,7 @@ void write_mould(const Mould& mould, const std::string& robot_name, const std::s
     for (const MouldPart& part : mould.parts) {
       write_file(made + "/" + part.name + ".stl", binary_stl(part.surface, "soft_robot_lab mould, millimetres"));
       write_file(made + "/" + part.name + ".3mf", three_mf(part.surface, part.name));
+      write_file(made + "/" + part.name + ".step", read_regular_file(part.step_file, kLargestMesh_bytes));
       write_file(made + "/" + part.name + ".png", picture_png(part.surface, Paint{}));
     }
     write_file(made + "/robot.png", picture_png(mould.robot, Paint{0.95, 0.72, 0.55}));

@@ -3,15 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "build_solids.h"
 #include "lid_plan.h"
 #include "pockets.h"
+#include "roofs.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -21,6 +24,8 @@ using Eigen::Vector3d;
 constexpr double kBeyond_m = 0.001;     // what is cut away reaches this far out
 constexpr double kBoltsApart_m = 0.06;  // at most
 constexpr double kKeyTaper = 0.6;       // radius of a peg's end over its foot's
+constexpr double kSpoutFlare = 2;       // radius of a spout's mouth over its end's
+constexpr double kSpoutHeight = 3;      // over the radius of its end
 
 Vector3d exact_axis(const Vector3d& normal, const std::string& what) {
   Eigen::Index axis = 0;
@@ -36,10 +41,6 @@ Vector3d exact_axis(const Vector3d& normal, const std::string& what) {
 void forget_names(Solid& solid) {
   solid.name.clear();
   for (Solid& part : solid.parts) forget_names(part);
-}
-
-bool holds_stl(const Solid& solid) {
-  return solid.kind == Solid::Kind::stl_file || std::any_of(solid.parts.begin(), solid.parts.end(), holds_stl);
 }
 
 Solid robot_solid(const CastRobotFile& file) {
@@ -118,6 +119,11 @@ MouldPlan plan_one_part(const CastRobotFile& file, const Solid& solid, const Cas
 
 struct Skin {
   double down_m = -INFINITY, up_m = INFINITY;  // the highest point that faces down, the lowest that faces up
+
+  void add(double cosine, double height_m) {
+    if (cosine < 0) down_m = std::max(down_m, height_m);
+    if (cosine > 0) up_m = std::min(up_m, height_m);
+  }
 };
 
 Skin facing(const Surface& surface, const Vector3d& direction) {
@@ -126,11 +132,10 @@ Skin facing(const Surface& surface, const Vector3d& direction) {
   for (int t = 0; t < surface.triangle_count(); ++t) {
     const double cosine = surface.true_normals.col(t).dot(direction);
     if (std::abs(cosine) <= tolerance || surface.areas_m2[t] == 0) continue;
-    for (int i = 0; i < 3; ++i) {
-      const double height = direction.dot(surface.corner(t, i));
-      if (cosine < 0) skin.down_m = std::max(skin.down_m, height);
-      if (cosine > 0) skin.up_m = std::min(skin.up_m, height);
-    }
+    if (surface.is_curved(t))
+      skin.add(cosine, direction.dot(surface.centre(t)));  // where its normal is
+    else
+      for (int i = 0; i < 3; ++i) skin.add(cosine, direction.dot(surface.corner(t, i)));
   }
   return skin;
 }
@@ -192,7 +197,8 @@ Flanged make_flanges(const MouldSettings& mould, MouldPlan& plan) {
   const Vector3d wall = Vector3d::Constant(mould.wall_m);
   Flanged made;
   made.low = plan.low_m - wall;
-  made.high = plan.high_m + Vector3d(wall.x(), wall.y(), 0);
+  made.high = plan.high_m + wall;
+  made.high.z() = plan.rim_m;
   made.flange_low = {made.low.x() - mould.flange_m, plan.parting_m - mould.wall_m, made.low.z()};
   made.flange_high = {made.high.x() + mould.flange_m, plan.parting_m + mould.wall_m, made.high.z()};
   const FlangePlaces places = flange_places(made.low.z(), made.high.z(), mould);
@@ -240,8 +246,8 @@ Vector3d half_size(const Flanged& made, const MouldPlan& plan, bool upper) {
   return {made.flange_high.x() - made.flange_low.x(), across, made.high.z() - made.low.z()};
 }
 
-MouldPiece half(const Flanged& made, const MouldPlan& plan, const Solid& robot, bool upper) {
-  std::vector<Solid> rest{combined(Solid::Kind::union_of, half_blocks(made, plan, upper)), robot};
+MouldPiece half(const Flanged& made, const MouldPlan& plan, bool upper) {
+  std::vector<Solid> rest{combined(Solid::Kind::union_of, half_blocks(made, plan, upper)), plan.cast};
   rest.insert(rest.end(), made.bolts.begin(), made.bolts.end());
   if (upper) rest.insert(rest.end(), made.sockets.begin(), made.sockets.end());
   Solid solid = combined(Solid::Kind::difference, rest);
@@ -256,27 +262,103 @@ MouldPiece half(const Flanged& made, const MouldPlan& plan, const Solid& robot, 
   to_print.row(1) = plan.frame.col(2).transpose();
   to_print.row(2) = sign * plan.frame.col(1).transpose();
   to_print.row(0) = to_print.row(1).cross(to_print.row(2));
-  return {upper ? "upper_half" : "lower_half", solid, to_print, half_size(made, plan, upper), plan.low_m, plan.high_m};
+  const Vector3d form_high(plan.high_m.x(), plan.high_m.y(), plan.rim_m);
+  return {upper ? "upper_half" : "lower_half", solid, to_print, half_size(made, plan, upper), plan.low_m, form_high};
+}
+
+// --- ways for air and silicone ---
+
+double channel_m3(const Channel& channel) {
+  return cone_volume((channel.to_m - channel.from_m).norm(), channel.radius_m, channel.end_radius_m);
+}
+
+// Up to the rim, or to silicone above.
+Channel channel_over(const Roof& roof, const MouldPlan& plan, double radius_m, double end_radius_m) {
+  const auto at = [&](double height_m) -> Vector3d {
+    return plan.frame * Vector3d(roof.across_m, plan.parting_m, height_m);
+  };
+  return {at(roof.height_m), at(std::min(roof.above_m, plan.rim_m)), radius_m, end_radius_m};
+}
+
+// It begins a little inside the cavity, as a round skin falls off around its highest place.
+Solid bar_of(const Channel& channel, const Vector3d& up, bool ends_in_silicone) {
+  const Vector3d begin = channel.from_m - kBeyond_m * up, end = channel.to_m + (ends_in_silicone ? kBeyond_m : 0) * up;
+  if (channel.radius_m == channel.end_radius_m) return round_bar(begin, end, channel.radius_m);
+  return combined(Solid::Kind::union_of, {round_bar(begin, channel.from_m, channel.radius_m),
+                                          round_bar(channel.from_m, end, channel.radius_m, channel.end_radius_m)});
+}
+
+double spout_height_m(const MouldSettings& mould) {
+  return std::max(mould.wall_m, kSpoutHeight * mould.spout_radius_m);
+}
+
+// The rim lies above the robot where it has no open side.
+void add_channels(const std::vector<Roof>& roofs, const Solid& robot, const MouldSettings& mould, MouldPlan& plan) {
+  const Vector3d up = plan.frame.col(2);
+  std::vector<Solid> filled{robot};
+  for (const Roof& roof : roofs) {
+    if (roof.height_m > plan.rim_m - kBeyond_m) continue;  // open to air
+    if (plan.rim_m > plan.high_m.z() && !plan.spout) {
+      plan.spout = channel_over(roof, plan, mould.spout_radius_m, kSpoutFlare * mould.spout_radius_m);
+      filled.push_back(bar_of(*plan.spout, up, false));
+      continue;
+    }
+    plan.vents.push_back(channel_over(roof, plan, mould.air_hole_radius_m, mould.air_hole_radius_m));
+    filled.push_back(bar_of(plan.vents.back(), up, roof.above_m < plan.rim_m));
+  }
+  plan.cast = filled.size() > 1 ? combined(Solid::Kind::union_of, filled) : robot;
+}
+
+// A closed mould stands so that least air is caught in it, then so that it is high.
+Vector3d best_up(const RayTree& tree, const Parting& parting) {
+  Vector3d best = Vector3d::Zero();
+  std::pair<size_t, double> least{SIZE_MAX, 0};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(parting.direction[axis]) > 0.5) continue;
+    const MouldHeights heights = heights_along(tree.surface(), Vector3d::Unit(axis));
+    for (const double sign : {1.0, -1.0}) {
+      const Vector3d up = sign * Vector3d::Unit(axis);
+      Eigen::Matrix3d frame;
+      frame << parting.direction.cross(up), parting.direction, up;
+      const std::pair<size_t, double> worth{find_roofs(tree, frame, parting.offset_m).size(),
+                                            heights.floor_m - heights.top_m};
+      if (worth < least) least = worth, best = up;
+    }
+  }
+  return best;
+}
+
+void require_room_for_spout(const Flanged& made, const MouldSettings& mould, const MouldPlan& plan) {
+  if (!plan.spout) return;
+  const double needed = kSpoutFlare * mould.spout_radius_m + mould.min_wall_m,
+               at = plan.frame.col(0).dot(plan.spout->to_m);
+  const double room =
+      std::min({plan.parting_m - made.low.y(), made.high.y() - plan.parting_m, at - made.low.x(), made.high.x() - at});
+  if (room < needed) throw NoMould("the block has no room for the spout's mouth; a smaller spout_radius_m may help");
 }
 
 MouldPlan plan_two_parts(const CastRobot& robot, const Solid& solid, const CastingSettings& settings) {
   const Parting parting = find_parting(robot.surface, find_tops(robot.surface));
   require_no_pockets(robot, parting.direction, settings);
   MouldPlan plan;
+  const RayTree tree(robot.surface);
   plan.two_part = true;
-  plan.cast = solid;
   plan.direction = parting.direction;
-  plan.top_area_m2 = parting.top.area_m2;
-  const Vector3d up = exact_axis(parting.top.normal, "the open top's normal");
+  plan.top_area_m2 = parting.top ? parting.top->area_m2 : 0;
+  const Vector3d up = parting.top ? exact_axis(parting.top->normal, "the open top's normal") : best_up(tree, parting);
   plan.frame << parting.direction.cross(up), parting.direction, up;
   plan.parting_m = parting.offset_m;
   take_box(robot.surface, plan);
-  plan.rim_m = plan.high_m.z();
+  plan.rim_m = plan.high_m.z() + (parting.top ? 0 : spout_height_m(settings.mould));
+  add_channels(find_roofs(tree, plan.frame, plan.parting_m), solid, settings.mould, plan);
   const Flanged made = make_flanges(settings.mould, plan);
+  require_room_for_spout(made, settings.mould, plan);
   plan.bolts = static_cast<int>(made.bolts.size());
   plan.keys = static_cast<int>(made.pegs.size());
   plan.block_volume_m3 = flanged_volume(made, settings.mould, plan);
-  plan.pieces = {half(made, plan, solid, false), half(made, plan, solid, true)};
+  for (const Channel& vent : plan.vents) plan.webs_m3 += channel_m3(vent);
+  if (plan.spout) plan.webs_m3 += channel_m3(*plan.spout);
+  plan.pieces = {half(made, plan, false), half(made, plan, true)};
   return plan;
 }
 
@@ -308,27 +390,25 @@ bool fits_printer(Vector3d size_m, Vector3d room_m) {
 }
 
 Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops) {
-  Parting best;
+  std::optional<Parting> best;
   double least_m = INFINITY;
-  bool parts = false;
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3d direction = Vector3d::Unit(axis);
     const std::optional<double> offset = parting_offset(surface, direction);
     if (!offset) continue;
-    parts = true;
     const auto top = std::find_if(tops.begin(), tops.end(), [&](const HullPlane& plane) {
       return std::abs(plane.normal.dot(direction)) < 1e-6 && plane.normal.cwiseAbs().maxCoeff() > 1 - 1e-9;
     });
+    const bool open = top != tops.end();
     const double depth_m = surface.vertices_m.row(axis).maxCoeff() - surface.vertices_m.row(axis).minCoeff();
-    if (top == tops.end() || depth_m >= least_m) continue;
+    if (best && (best->top.has_value() > open || (best->top.has_value() == open && depth_m >= least_m))) continue;
     least_m = depth_m;
-    best = {direction, *offset, *top};
+    best = Parting{direction, *offset, open ? std::optional<HullPlane>(*top) : std::nullopt};
   }
-  if (std::isfinite(least_m)) return best;
-  throw NoMould(parts
-                    ? "no flat side at right angles to the way in which two halves part can stay open for pouring"
-                    : "no plane across an axis parts two halves that both come off; a stepped parting surface or side "
-                      "cores would be needed");
+  if (best) return *best;
+  throw NoMould(
+      "no plane across an axis parts two halves that both come off; a stepped parting surface or side cores would be "
+      "needed");
 }
 
 MouldPlan plan_mould(const CastRobotFile& file, const CastingVerdict& verdict) {

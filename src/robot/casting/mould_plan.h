@@ -3,6 +3,7 @@
 // See README.md beside this file. Metres, frame: robot_base.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,6 +34,12 @@ struct AirHole {
   Eigen::Vector3d from_m, to_m;  // from the top of a core to below the floor
 };
 
+// A round way out of two halves' cavity, in their parting plane, which silicone fills.
+struct Channel {
+  Eigen::Vector3d from_m, to_m;  // from the cavity's skin to open air, or to silicone above
+  double radius_m = 0, end_radius_m = 0;
+};
+
 struct MouldPlan {
   bool two_part = false, lid = false;
   // Axes of the mould as columns: across both others, the way in which the halves part, up while the silicone cures.
@@ -44,9 +51,11 @@ struct MouldPlan {
   double rim_m = 0;                                      // where the silicone is open to air, along the third axis
   double first_pour_m3 = 0;                              // of a robot with a lid: all but the lid
   std::vector<AirHole> air_holes;
+  std::vector<Channel> vents;        // of two halves: where air would be caught
+  std::optional<Channel> spout;      // of two halves that no flat side of the robot keeps open
   std::vector<SheathPiece> sheaths;  // that lie in it
   double webs_m3 = 0;                // silicone above them in slots through the mould's teeth
-  Solid cast;                        // what silicone and sheaths fill; without names
+  Solid cast;                        // what silicone and sheaths fill, vents and spout too; without names
   int bolts = 0, keys = 0;
   int bonded = 0;              // pieces that are made apart
   double block_volume_m3 = 0;  // closed form: all pieces that count together with the robot
@@ -57,11 +66,11 @@ struct MouldPlan {
 bool fits_printer(Eigen::Vector3d size_m, Eigen::Vector3d room_m);
 
 // Two halves along which of the axes, and where: a plane such that no skin above it faces down and none below it up.
-// Throws NoMould.
+// The least deep robot with an open top comes first. Throws NoMould.
 struct Parting {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   double offset_m = 0;
-  HullPlane top;  // at right angles to the direction, stays open for pouring
+  std::optional<HullPlane> top;  // at right angles to the direction, stays open for pouring; none: it needs a spout
 };
 Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops);
 

@@ -62,6 +62,7 @@ void read_mould(const YamlNode& node, MouldSettings& mould) {
   mould.key_radius_m = node.number_or("key_radius_m", mould.key_radius_m, {0.001, 0.02});
   mould.clearance_m = node.number_or("clearance_m", mould.clearance_m, {0, 0.002});
   mould.air_hole_radius_m = node.number_or("air_hole_radius_m", mould.air_hole_radius_m, {1e-4, 0.005});
+  mould.spout_radius_m = node.number_or("spout_radius_m", mould.spout_radius_m, {0.001, 0.02});
   mould.part_a_fraction = node.number_or("part_a_fraction", mould.part_a_fraction, {0, 1});
   mould.spare_fraction = node.number_or("spare_fraction", mould.spare_fraction, {0, 1});
 }

@@ -23,15 +23,16 @@ struct SheathSettings {
 // What a mould is made with.
 struct MouldSettings {
   bool allow_two_part = false, allow_lid = false;
-  double wall_m = 0.004;          // of the block around the robot, of its floor, and of half a flange
-  double min_wall_m = 0.0012;     // of the mould anywhere: three lines of a nozzle of 0.4 mm
-  double flange_m = 0.012;        // width, on both sides of a parting plane
-  double bolt_radius_m = 0.0022;  // holes for M4
-  double key_radius_m = 0.0025;   // pegs of one half
-  double clearance_m = 0.0002;    // of their sockets in the other
-  double air_hole_radius_m = 0.0005;
-  double part_a_fraction = 0.5;  // of the silicone's mass
-  double spare_fraction = 0.1;   // more silicone than the cavity holds
+  double wall_m = 0.004;              // of the block around the robot, of its floor, and of half a flange
+  double min_wall_m = 0.0012;         // of the mould anywhere: three lines of a nozzle of 0.4 mm
+  double flange_m = 0.012;            // width, on both sides of a parting plane
+  double bolt_radius_m = 0.0022;      // holes for M4
+  double key_radius_m = 0.0025;       // pegs of one half
+  double clearance_m = 0.0002;        // of their sockets in the other
+  double air_hole_radius_m = 0.0005;  // of vents too
+  double spout_radius_m = 0.004;      // where it meets the cavity
+  double part_a_fraction = 0.5;       // of the silicone's mass
+  double spare_fraction = 0.1;        // more silicone than the cavity holds
   Eigen::Vector3d printer_m{0.223, 0.223, 0.205};
 };
 

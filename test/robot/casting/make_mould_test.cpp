@@ -12,7 +12,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "read_three_mf.h"
+#include "robot/casting/roofs.h"
 #include "robot/casting/verdict_page.h"
+#include "robot/design/surface_file.h"
 #include "robot/scene/scene_files.h"
 #include "run_program.h"
 #include "shapes.h"
@@ -56,7 +58,8 @@ const char* const kHammer =
 
 TEST(MakeMould, MakesABoxsMouldToItsClosedForm) {
   const SceneFolder folder;
-  const Mould mould = make_mould(robot_of(folder, kBox, "{direction: [0, 0, 1], wall_m: 0.005}"));
+  const CastRobotFile file = robot_of(folder, kBox, "{direction: [0, 0, 1], wall_m: 0.005}");
+  const Mould mould = make_mould(file);
   ASSERT_EQ(mould.parts.size(), 1u);
   EXPECT_TRUE(mould.faults.empty()) << mould.faults[0];
   EXPECT_NEAR(mould.parts[0].surface.volume_m3(), (0.05 * 0.04 * 0.025 - 0.04 * 0.03 * 0.02), 1e-12);
@@ -67,6 +70,12 @@ TEST(MakeMould, MakesABoxsMouldToItsClosedForm) {
   EXPECT_LT(mould.closure, 1e-6);
   EXPECT_LT(mould.cavity_distance_m, 1e-7);
   EXPECT_NEAR(mould.parts[0].thinnest_m, 0.005, 1e-6);
+  SurfaceRequest step;
+  step.solid.kind = Solid::Kind::step_file;
+  step.solid.file = mould.parts[0].step_file;
+  const Surface again = read_off(surface_file_for(step, file.mesher));
+  EXPECT_NEAR(again.volume_m3(), mould.parts[0].surface.volume_m3(), 1e-12);
+  EXPECT_NEAR((again.vertices_m.rowwise().maxCoeff() - size).norm(), 0, 1e-8) << "as it stands on the bed";
 }
 
 TEST(MakeMould, LeavesOutWhatIsBondedInAfterwards) {
@@ -123,9 +132,51 @@ TEST(MakeMould, PartsTwoHalvesToTheirClosedForm) {
   const double block = (0.048 * 0.028 + 2 * 0.012 * 0.008) * 0.044 - 4 * kPi * 0.0022 * 0.0022 * 0.008 +
                        2 * (cone(0.002, 0.0025, 0.0015) - cone(0.0022, 0.0027, 0.0017));
   EXPECT_NEAR(mould.plan.block_volume_m3, block, 1e-12);
-  EXPECT_NEAR(mould.robot_volume_m3, 2 * 0.04 * 0.02 * 0.01 + 0.012 * 0.012 * 0.02, 1e-12);
+  // Air under the roof of the lower head, on both sides of the beam, has a way up to the upper head.
+  ASSERT_EQ(mould.plan.vents.size(), 2u);
+  EXPECT_NEAR(mould.plan.vents[0].from_m.x() + mould.plan.vents[1].from_m.x(), 0, 1e-4);
+  EXPECT_NEAR((mould.plan.vents[0].to_m - mould.plan.vents[0].from_m).norm(), 0.02, 1e-6);
+  EXPECT_NEAR(mould.plan.webs_m3, 2 * kPi * 0.0005 * 0.0005 * 0.02, 1e-13);
+  EXPECT_NEAR(mould.robot_volume_m3, 2 * 0.04 * 0.02 * 0.01 + 0.012 * 0.012 * 0.02 + mould.plan.webs_m3,
+              0.12 * mould.plan.webs_m3)
+      << "bores have few edges";
   EXPECT_LT(mould.closure, kLargestClosure);
   for (const MouldPart& part : mould.parts) EXPECT_EQ(part.surface.shell_volumes_m3.size(), 1u);
+}
+
+TEST(MakeMould, PoursThroughASpoutWhereNoSideIsFlat) {
+  const SceneFolder folder;
+  const char* const ball = "{sphere: {radius_m: 0.02, center_m: [0, 0, 0]}}";
+  const Mould mould = make_mould(robot_of(folder, ball, "{allow: [two_part]}"));
+  EXPECT_TRUE(mould.faults.empty()) << mould.faults[0];
+  ASSERT_TRUE(mould.plan.spout);
+  EXPECT_TRUE(mould.plan.vents.empty()) << "its highest place is the spout's";
+  EXPECT_NEAR(mould.plan.spout->from_m.norm(), 0.02, 1e-4);
+  const double above = kPi / 3 * 0.012 * (16 + 32 + 64) * 1e-6;
+  EXPECT_NEAR(mould.plan.webs_m3, above, 1e-3 * above);
+  EXPECT_NEAR(mould.robot_volume_m3, 4 * kPi / 3 * 8e-6 + above, 2e-3 * 33.5e-6);
+  EXPECT_NE(mould_instructions(mould, "ball").find("through the spout"), std::string::npos);
+  EXPECT_NE(refusal(robot_of(folder, ball, "{allow: [two_part], spout_radius_m: 0.015}")).find("spout_radius_m"),
+            std::string::npos);
+}
+
+TEST(MakeMould, GivesAirAWayOutOfEachLocalTop) {
+  // Two horns on a foot, the one on the left higher: the right one needs a vent.
+  const SceneFolder folder;
+  const std::string solid =
+      "{union: [{box: {size_m: [0.06, 0.02, 0.01], center_m: [0, 0, 0.005]}}, "
+      "{cone: {start_m: [-0.02, 0, 0.005], end_m: [-0.02, 0, 0.04], radius_m: 0.008, end_radius_m: 0.004}}, "
+      "{cone: {start_m: [0.02, 0, 0.005], end_m: [0.02, 0, 0.025], radius_m: 0.008, end_radius_m: 0.004}}]}";
+  const CastRobotFile file = robot_of(folder, solid);
+  const Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
+  const std::vector<Roof> roofs = find_roofs(RayTree(file.robot.surface), frame, 0);
+  ASSERT_EQ(roofs.size(), 3u) << "both horns, and the foot's roof between them, but not the 2.6 mm beside";
+  EXPECT_NEAR(roofs[0].height_m, 0.04, 1e-7);
+  EXPECT_NEAR(roofs[0].across_m, -0.02, 1e-4);
+  EXPECT_NEAR(roofs[1].height_m, 0.025, 1e-7);
+  EXPECT_NEAR(roofs[1].across_m, 0.02, 1e-4);
+  EXPECT_NEAR(roofs[2].height_m, 0.01, 1e-7);
+  EXPECT_NEAR(roofs[2].across_m, 0, 3e-4);
 }
 
 TEST(MakeMould, OpensAirHolesUnderCores) {

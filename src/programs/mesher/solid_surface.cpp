@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solid_surface.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -94,7 +95,7 @@ void set_sizes(const SurfaceSizes& sizes, double units_per_metre) {
   const double largest = largest_edge(sizes, units_per_metre);
   gmsh::option::setNumber("Mesh.MeshSizeMax", largest);
   const double smallest = sizes.smallest_edge_m * units_per_metre;
-  gmsh::option::setNumber("Mesh.MeshSizeMin", smallest > 0 ? smallest : largest * kSmallestShare);
+  gmsh::option::setNumber("Mesh.MeshSizeMin", smallest > 0 ? std::min(smallest, largest) : largest * kSmallestShare);
   gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
   gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", sizes.circle_segments);
 }

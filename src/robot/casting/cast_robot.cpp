@@ -15,20 +15,29 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kEdgesAcross = 50;  // of the body's box: round sides get more by their curvature
-constexpr int kRuleSegments = 24;    // of seats, as thin as a straw: normals are the solid's anyway
-constexpr double kBelow_m = 0.001;   // what is swept goes on below the floor
+constexpr double kEdgesAcross = 50;     // of the body's box: round sides get more by their curvature
+constexpr double kFinestEdge_m = 1e-4;  // where they are rounder than any rule asks for
+constexpr int kRuleSegments = 24;       // of seats, as thin as a straw: normals are the solid's anyway
+constexpr double kBelow_m = 0.001;      // what is swept goes on below the floor
 
 Surface surface_of_mesh(TetMesh mesh) {
   complete_boundary(mesh);
   return make_surface(mesh.nodes_m, mesh.faces.topRows(3));
 }
 
+void refuse_crossing(const Surface& surface) {
+  if (const std::optional<Eigen::Vector3d> at = find_crossing(RayTree(surface)))
+    throw std::invalid_argument("the surface crosses itself at " + place_text(*at));
+}
+
 Surface surface_of_body(const Solid& solid, const MesherOptions& options) {
   SurfaceRequest request;
   request.solid = solid;
   request.edges_across = kEdgesAcross;
-  return read_off(surface_file_for(request, options));
+  request.smallest_edge_m = kFinestEdge_m;
+  Surface surface = read_off(surface_file_for(request, options));
+  if (holds_stl(solid)) refuse_crossing(surface);  // the geometry kernel makes no such surface
+  return surface;
 }
 
 // Not worth a Boolean where they are refused anyway.

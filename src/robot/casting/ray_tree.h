@@ -36,6 +36,9 @@ class RayTree {
   MeshTree tree_;
 };
 
+// Where an edge of the surface passes through a triangle that it does not touch; nothing where none does.
+std::optional<Eigen::Vector3d> find_crossing(const RayTree& tree);
+
 // The point of a triangle that is nearest to another point. Ericson 2005, section 5.1.5.
 Eigen::Vector3d nearest_point(const Surface& surface, int triangle, const Eigen::Vector3d& point_m);
 

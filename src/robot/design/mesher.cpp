@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/robot/design/mesher.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -113,12 +114,20 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
-void require_success(const ProcessEnd& end, const std::string& words, const MesherOptions& options) {
+bool ends_with_stl(const std::string& file) {
+  const std::string ending = fs::path(file).extension();
+  return ending == ".stl" || ending == ".STL";
+}
+
+void require_success(const ProcessEnd& end, const std::string& words, const std::vector<std::string>& files,
+                     const MesherOptions& options) {
   std::ostringstream what;
   switch (end.kind) {
     case ProcessEnd::Kind::timed_out:
+      if (!files.empty()) what << files[0] << ": ";
       what << "meshing took longer than " << options.time_limit_s
-           << " s and was stopped; a larger element_size_m is faster, and so is STEP instead of STL";
+           << " s and was stopped; a larger element_size_m is faster";
+      if (std::any_of(files.begin(), files.end(), ends_with_stl)) what << ", and so is STEP instead of STL";
       throw std::runtime_error(what.str());
     case ProcessEnd::Kind::signalled:
       what << "the mesher was ended by signal " << end.value << (words.empty() ? "" : ": ") << words;
@@ -166,7 +175,7 @@ std::string run_mesher(const std::string& text, const std::vector<std::string>& 
                     errors = work.file("errors");
   write_file(request_file, text);
   const ProcessEnd end = run_with_limit({find_mesher(options), request_file, output}, errors, options.time_limit_s);
-  require_success(end, read_text(errors), options);
+  require_success(end, read_text(errors), files, options);
   if (!fs::is_regular_file(output)) throw std::runtime_error("the mesher ended without a mesh");
   return cache.keep(output, key, ending);
 }

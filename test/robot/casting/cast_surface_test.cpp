@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Robots judged by their surface, without a mesh for simulations.
+#include <sstream>
+
 #include <gtest/gtest.h>
 
 #include "robot/casting/cast_robot.h"
 #include "robot/scene/block_beside.h"
 #include "robot/scene/scene_files.h"
+#include "shapes.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 
 namespace soft_robot_lab {
@@ -52,6 +55,30 @@ TEST(CastSurface, GivesTheVerdictOfAMeshedRobot) {
   EXPECT_FALSE(std::isfinite(alone.tests.back().numbers[0].second));
 }
 
+std::string box_at(double x, double y, const char* rest) {
+  return "{box: {center_m: [" + std::to_string(x) + ", " + std::to_string(y) + ", " + rest + "}}";
+}
+
+// A plate with 100 feet, less 99 square holes between them: 200 solids.
+std::string plate_of_200_solids() {
+  std::string feet = "{box: {size_m: [0.21, 0.21, 0.006], center_m: [0.095, 0.095, 0]}}", holes;
+  for (int i = 0; i < 100; ++i) {
+    const double x = 0.02 * (i % 10), y = 0.02 * (i / 10);
+    feet += ", " + box_at(x, y, "-0.006], size_m: [0.006, 0.006, 0.008]");
+    if (i < 99) holes += ", " + box_at(x + 0.0085, y + 0.0085, "0], size_m: [0.004, 0.004, 0.02]");
+  }
+  return "{difference: [{union: [" + feet + "]}" + holes + "]}";
+}
+
+TEST(CastSurface, JudgesASolidOf200Solids) {
+  const SceneFolder folder;
+  const std::string text = "body: {solid: " + plate_of_200_solids() + "}\ncasting: {direction: [0, 0, 1]}\n";
+  const CastRobotFile file = load_cast_surface(folder.write("robot.yaml", text), options());
+  EXPECT_NEAR(file.robot.surface.volume_m3(), 0.21 * 0.21 * 0.006 + 100 * 36e-6 * 0.007 - 99 * 16e-6 * 0.006, 1e-9);
+  const CastingVerdict verdict = check_casting(file);
+  EXPECT_TRUE(verdict.castable) << verdict_json(verdict);
+}
+
 TEST(CastSurface, RefusesSeveralBodiesAndMaterials) {
   const SceneFolder folder;
   const std::string lid =
@@ -70,6 +97,38 @@ TEST(CastSurface, RefusesSeveralBodiesAndMaterials) {
           << error.what();
     }
   }
+}
+
+// Each box by its lowest corner and its edge in mm.
+std::string stl_of_boxes(const std::vector<Eigen::Vector4d>& boxes) {
+  std::ostringstream text;
+  text << "solid boxes\n";
+  for (const Eigen::Vector4d& placed : boxes) {
+    const Surface surface = box(Eigen::Vector3d::Constant(placed[3])).surface();
+    for (int t = 0; t < surface.triangle_count(); ++t) {
+      text << "facet normal 0 0 0\nouter loop\n";
+      for (int i = 0; i < 3; ++i) text << "vertex " << (surface.corner(t, i) + placed.head<3>()).transpose() << "\n";
+      text << "endloop\nendfacet\n";
+    }
+  }
+  return text.str() + "endsolid boxes\n";
+}
+
+TEST(CastSurface, RefusesAnStlThatCrossesItselfAndSaysWhere) {
+  const SceneFolder folder;
+  const auto error = [&](const std::vector<Eigen::Vector4d>& boxes) -> std::string {
+    folder.write("body.stl", stl_of_boxes(boxes));
+    try {
+      load_cast_surface(folder.write("robot.yaml", "body: {solid: {stl: body.stl}, scale: 0.001}\n"), options());
+      return "";
+    } catch (const SettingsError& thrown) {
+      return thrown.what();
+    }
+  };
+  EXPECT_EQ(error({{0, 0, 0, 20}}), "");
+  EXPECT_EQ(error({{0, 0, 0, 20}, {0, 0, 5, 10}}), "") << "a cavity is no crossing";
+  const std::string crossing = error({{0, 0, 0, 20}, {12, 8, 11, 15}});
+  EXPECT_NE(crossing.find("body: the surface crosses itself at ("), std::string::npos) << crossing;
 }
 
 TEST(CastSurface, RefusesWhatItDoesNotKnow) {

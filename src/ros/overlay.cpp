@@ -149,14 +149,19 @@ class Drawing {
   visualization_msgs::MarkerArray array_;
 };
 
+// Out of the skin, towards who stands in front of the robot.
+geometry_msgs::Point before_skin(geometry_msgs::Point place, const OverlayOptions& options) {
+  place.y -= 3.5 * options.text_height_m;
+  return place;
+}
+
 // Names that are written already are not written again: two of them half over each other cannot be read.
 void draw_markers(const MarkerObservations& markers, const std::string& ns, const std_msgs::ColorRGBA& rgba,
                   const std::vector<std::string>& written, const OverlayOptions& options, Drawing& drawing) {
   for (size_t i = 0; i < markers.names.size(); ++i) {
     drawing.sphere(ns, markers.names[i], markers.positions[i], options.marker_radius_m, rgba);
     if (std::find(written.begin(), written.end(), markers.names[i]) != written.end()) continue;
-    geometry_msgs::Point above = markers.positions[i];
-    above.y -= 3.5 * options.text_height_m;  // out of the skin, towards who stands in front of the robot
+    geometry_msgs::Point above = before_skin(markers.positions[i], options);
     above.z += options.marker_radius_m + 1.1 * options.text_height_m;
     drawing.text(ns + "_names", markers.names[i], above, markers.names[i]);
   }
@@ -304,7 +309,7 @@ void draw_gap(const RealityGap& gap, const OverlayOptions& options, Drawing& dra
     simulated.y -= gap.gaps[i].y;
     simulated.z -= gap.gaps[i].z;
     drawing.line("gap", gap.names[i], {simulated, measured}, 0.5 * options.cable_width_m, error_colour);
-    geometry_msgs::Point beside = measured;
+    geometry_msgs::Point beside = before_skin(measured, options);
     beside.x += 3.0 * options.text_height_m;
     drawing.text("gap_text", gap.names[i], beside, text_of(1e3 * gap.distances_m[i], "%.2f mm"));
   }

@@ -68,6 +68,19 @@ TEST(Overlay, WritesTheNameOfAMarkerOnce) {
   EXPECT_EQ(shapes_in(tracked, "measured_names")[0].text, "joint_1");
 }
 
+// Inside it they could not be read.
+TEST(Overlay, WritesDistancesBeforeTheSkin) {
+  OverlayInputs tracked = inputs();
+  tracked.gap = RealityGap();
+  tracked.gap->names = {"tip"};
+  tracked.gap->measured = {point(0.001, 0.0, -0.1)};
+  tracked.gap->gaps.resize(1);
+  tracked.gap->distances_m = {0.001};
+  tracked.gap->seen = {1};
+  ASSERT_EQ(shapes_in(tracked, "gap_text").size(), 1u);
+  EXPECT_LT(shapes_in(tracked, "gap_text")[0].pose.position.y, -0.01);
+}
+
 TEST(Overlay, ColoursCablesByTension) {
   OverlayInputs slack = inputs();
   slack.actuators.cables[0].tension_n = 0.0;

@@ -25,6 +25,7 @@
 #include "hidden_rviz.h"
 #include "ros/conversions.h"
 #include "ros/frames.h"
+#include "ros/panel/panel_link.h"
 #include "ros/topics.h"
 #include "session_ears.h"
 #include "settings/quantile.h"
@@ -173,6 +174,31 @@ TEST_F(Panel, DragsTheTargetInsideItsGhost) {
   EXPECT_TRUE(spin_until([&] { return ghost; }, patience_s));
   EXPECT_NEAR(released_m.y(), 0.0, 0.01) << "in the plane that faces the eye";
   EXPECT_EQ(commands_, (std::vector<double>{1.0, 1.0}));
+}
+
+// As a panel that comes late hears it: in whatever order.
+TEST_F(Panel, KeepsATargetThatItHearsOfBeforeItsRobot) {
+  PanelLink link("elsewhere");
+  ros::NodeHandle elsewhere("elsewhere");
+  Target target;
+  target.marker = "tip";
+  target.position.x = 0.03;
+  const auto hears = [&](const auto& condition) {
+    return spin_until(
+        [&] {
+          link.listen();
+          return condition();
+        },
+        patience_s);
+  };
+  ros::Publisher targets = elsewhere.advertise<Target>(topics::controller_target, 1, true);
+  targets.publish(target);
+  ASSERT_TRUE(hears([&] { return link.targets() == 1; }));
+  ros::Publisher ranges = elsewhere.advertise<ActuatorRanges>(topics::simulator_ranges, 1, true);
+  ranges.publish(*hear<ActuatorRanges>(node_, topics::simulator_ranges));
+  ASSERT_TRUE(hears([&] { return link.values().rows().size() == 2; }));
+  ASSERT_TRUE(link.target("tip"));
+  EXPECT_EQ(link.target("tip")->x, 0.03);
 }
 
 TEST_F(Panel, OptimisesForTheTargetThatItShows) {

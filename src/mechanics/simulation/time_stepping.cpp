@@ -2,6 +2,7 @@
 #include "time_stepping.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "prediction.h"
 #include "rest.h"
 #include "solve_ending.h"
+#include "mechanics/contact/fast_obstacles.h"
 #include "mechanics/newton/untangle.h"
 #include "mechanics/elements/viscous_step.h"
 #include "mechanics/solver_constants.h"
@@ -36,7 +38,7 @@ struct CommandPath {
 // A part of a time step, from one share of it to another.
 struct Part {
   double from = 0.0, to = 1.0;
-  int depth = 0;
+  int depth = 0;  // of halving since a first try; below 0: too long for one
 
   double fraction() const { return to - from; }
   Part first_half() const { return {from, 0.5 * (from + to), depth + 1}; }
@@ -240,7 +242,7 @@ bool try_part(SimulationParts& parts, double h, const CommandPath& path, const P
     const Outcome outcome = try_both_stages(parts, h, path, part, report);
     if (outcome != Outcome::impact) return outcome == Outcome::taken;
   }
-  if (part.depth > 0 || parts.options.integrator == Integrator::tr_bdf2) parts.begin_step(part.fraction() * h);
+  if (part.fraction() < 1.0 || parts.options.integrator == Integrator::tr_bdf2) parts.begin_step(part.fraction() * h);
   move_to_end(parts, h, path, part);
   return try_step(parts, part.fraction() * h, bdf2 ? StepRule::bdf2 : StepRule::implicit_euler, last_resort, report);
 }
@@ -251,13 +253,23 @@ void advance(SimulationParts& parts, double h, const CommandPath& path, const Pa
   const double obstacles_s = parts.state.contact.time_s;
   const bool last_resort = part.depth == constants::kDeepestHalving ||
                            report.iterations > constants::kStepBudget * parts.options.max_iterations;
-  if (try_part(parts, h, path, part, last_resort, report)) return;
-  enter(SolveStage::halving, 1, report.path);
+  if (part.depth >= 0) {
+    if (try_part(parts, h, path, part, last_resort, report)) return;
+    enter(SolveStage::halving, 1, report.path);
+  }
   parts.state.contact.time_s = obstacles_s;
   advance(parts, h, path, part.first_half(), report);
   const bool first = report.converged;
   advance(parts, h, path, part.second_half(), report);
   report.converged = report.converged && first;
+}
+
+// All of a step; it begins in parts where an obstacle is so fast that it might pass through skin.
+Part whole_step(const SimulationParts& parts, double h) {
+  const SimulationState& state = parts.state;
+  const double count = parts_for_obstacles(parts.body, parts.workspace.newton.contact(), state.positions_m,
+                                           state.velocities_m_s, state.contact, state.free_velocities, h);
+  return {0.0, 1.0, -std::min(constants::kDeepestHalving, static_cast<int>(std::ceil(std::log2(count))))};
 }
 
 bool is_power_of_two(int number) { return number > 0 && (number & (number - 1)) == 0; }
@@ -274,7 +286,7 @@ bool advance_untangled(SimulationParts& parts, double h, SolveReport& report) {
   state.element_multipliers_pa.setZero();
   parts.forget_previous_step();
   enter(SolveStage::untangle, static_cast<int>(untangled.elements.size()), report.path);
-  advance(parts, h, CommandPath(parts, h), Part(), report);
+  advance(parts, h, CommandPath(parts, h), whole_step(parts, h), report);
   if (report.converged && report.inverted_elements == 0) {
     tell_untangled(static_cast<int>(untangled.elements.size()), report);
     return true;
@@ -290,7 +302,7 @@ void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
   if (sleep_on(parts, h, report)) return;
   const int inverted_steps = parts.state.inverted_steps;
   if (!is_power_of_two(inverted_steps) || !advance_untangled(parts, h, report))
-    advance(parts, h, CommandPath(parts, h), Part(), report);
+    advance(parts, h, CommandPath(parts, h), whole_step(parts, h), report);
   parts.state.inverted_steps = report.inverted_elements > 0 ? inverted_steps + 1 : 0;
   fall_asleep_where_still(parts, h, report);
 }

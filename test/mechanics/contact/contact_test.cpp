@@ -291,6 +291,31 @@ TEST(Contact, AMovingObstaclePushesTheBody) {
   EXPECT_LT(simulation.state().positions_m.row(0).minCoeff(), -0.04);
 }
 
+// Three metres a second: after one step of 1/60 s it would stand behind the post.
+TEST(Contact, AFastObstacleDoesNotPassThroughTheBody) {
+  for (const bool free : {false, true}) {
+    Body body(box_mesh({-0.01, -0.1, -0.01}, {0.01, 0, 0.01}, {2, 8, 2}), kSilicone);
+    body.fix_nodes({-1, -1e-9, -1}, {1, 1, 1}, {true, true, true});
+    Obstacle ball{"ball", Sphere{{0.06, -0.08, 0}, 0.012}, {}, 0.0};
+    if (free) {
+      ball.mass_kg = 0.02;
+      ball.velocity_m_s = {-3, 0, 0};
+    } else {
+      ball.motion = {{0.0, kZero, kZero}, {0.025, {-0.075, 0, 0}, kZero}};
+    }
+    body.set_obstacles({ball});
+    Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+    for (int i = 0; i < 3; ++i) {
+      const SolveReport report = simulation.step();
+      ASSERT_TRUE(report.converged) << report.message;
+      EXPECT_EQ(report.inverted_elements, 0);
+      EXPECT_LT(simulation.contacts()[0].largest_penetration_m, 1e-4);
+      const double ball_m = 0.06 + simulation.obstacle_poses()[0].translation().x();
+      EXPECT_LT(simulation.state().positions_m.row(0).minCoeff(), ball_m - 0.012) << free << " " << i;
+    }
+  }
+}
+
 TEST(Contact, AnObstacleInsideTheBodyIsRefusedWithDepthAndPlace) {
   const auto message = [](const Obstacle& obstacle) -> std::string {
     Body body = loose_block();

@@ -6,9 +6,14 @@
 #include <new>
 #include <vector>
 
-// One copy of each kernel for processors with AVX2 and fused multiply-add, one for all others; chosen at start.
+// One copy of each kernel for processors with AVX2 and fused multiply-add, one for all others; chosen at start. Older
+// compilers know of such processors by the name of one alone.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#if __GNUC__ >= 12
+#define SOFT_ROBOT_LAB_CLONES __attribute__((target_clones("arch=x86-64-v3", "default"), flatten))
+#else
 #define SOFT_ROBOT_LAB_CLONES __attribute__((target_clones("arch=haswell", "default"), flatten))
+#endif
 #else
 #define SOFT_ROBOT_LAB_CLONES
 #endif

@@ -3,17 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <sstream>
 #include <stdexcept>
 
-#include "blas.h"
+#include "panel_kernels.h"
 
 namespace soft_robot_lab {
 namespace {
-
-using blas::Side;
-using blas::Transposed;
 
 // Before it is taken.
 void require_memory(std::ptrdiff_t doubles) {
@@ -64,51 +60,6 @@ bool worth_merging(int columns, double zeros, double entries) {
   if (columns <= 4) return fraction < 0.7;
   if (columns <= 16) return fraction < 0.25;
   return fraction < 0.08;
-}
-
-constexpr int kBlock = 64;  // columns at a time
-
-// The lower triangle of a k x k matrix to L with A = L S L'; false at a pivot that all but vanishes.
-bool signed_cholesky(double* a, int k, int ld, double* signs) {
-  double largest = 0.0;
-  for (int j = 0; j < k; ++j) largest = std::max(largest, std::abs(a[j * (ld + 1)]));
-  for (int j = 0; j < k; ++j) {
-    double* column = a + static_cast<std::ptrdiff_t>(j) * ld;
-    const double pivot = column[j];
-    if (!(std::abs(pivot) > 1e-13 * largest) || !std::isfinite(pivot)) return false;
-    signs[j] = pivot > 0.0 ? 1.0 : -1.0;
-    column[j] = std::sqrt(std::abs(pivot));
-    for (int i = j + 1; i < k; ++i) column[i] *= signs[j] / column[j];
-    for (int c = j + 1; c < k; ++c)
-      for (int i = c; i < k; ++i) a[static_cast<std::ptrdiff_t>(c) * ld + i] -= signs[j] * column[c] * column[i];
-  }
-  return true;
-}
-
-// The same for up to kBlock columns, by LAPACK where S is 1.
-bool factorise_block(double* a, int k, int ld, double* signs) {
-  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kBlock, kBlock>;
-  Eigen::Map<Block, 0, Eigen::OuterStride<>> block(a, k, k, Eigen::OuterStride<>(ld));
-  const Block before = block;
-  std::fill(signs, signs + k, 1.0);
-  // NaN slips through some implementations' pivot test.
-  if (blas::cholesky(k, a, ld) == 0 && block(k - 1, k - 1) > 0.0) return true;
-  block = before;
-  return signed_cholesky(a, k, ld, signs);
-}
-
-// With L and S of k columns: what stands below them, A21 (rows x k), to L21 = A21 L^-T S, and A22 -= L21 S L21'.
-void eliminate(const double* l, int k, int ld, const double* signs, double* below, int rows, double* rest,
-               int ld_rest) {
-  if (rows == 0) return;
-  blas::solve_triangular(Side::right, Transposed::yes, rows, k, l, ld, below, ld);
-  blas::subtract_square(rows, k, below, ld, rest, ld_rest);
-  for (int j = 0; j < k; ++j) {
-    if (signs[j] > 0.0) continue;
-    double* column = below + static_cast<std::ptrdiff_t>(j) * ld;
-    blas::add_outer(rows, 2.0, column, rest, ld_rest);
-    std::transform(column, column + rows, column, std::negate<double>());
-  }
 }
 
 }  // namespace
@@ -253,14 +204,8 @@ bool BlockCholesky::factorise_front(const BlockMatrix& matrix, const Supernode& 
   double* panel = factor_.data() + node.panel;
   double* update = stack_.data() + node.update;
   double* signs = signs_.data() + 3 * node.first;
-  for (int first = 0; first < k; first += kBlock) {
-    const int columns = std::min(kBlock, k - first), left = k - first - columns;
-    double* block = panel + static_cast<std::ptrdiff_t>(first) * (m + 1);
-    double* rest = block + static_cast<std::ptrdiff_t>(columns) * (m + 1);
-    if (!factorise_block(block, columns, m, signs + first)) return false;
-    eliminate(block, columns, m, signs + first, block + columns, left, rest, m);
-  }
-  eliminate(panel, k, m, signs, panel + k, r, update, r);
+  if (!factorise_panel(m, k, panel, signs)) return false;
+  subtract_signed_square(r, k, panel + k, m, signs, update, r);
   return true;
 }
 
@@ -273,40 +218,46 @@ bool BlockCholesky::factorise(const BlockMatrix& matrix) {
 }
 
 void BlockCholesky::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const {
-  const int columns = static_cast<int>(right_hand_sides.cols());
-  const int size = 3 * static_cast<int>(order_.size());
+  const Eigen::Index columns = right_hand_sides.cols();
   if (columns == 0) return;
-  Eigen::MatrixXd x(size, columns), below;
+  Eigen::MatrixXd x(3 * static_cast<Eigen::Index>(order_.size()), columns);
   for (std::size_t i = 0; i < order_.size(); ++i)
     x.middleRows(3 * static_cast<Eigen::Index>(i), 3) = right_hand_sides.middleRows(3 * order_[i], 3);
 
-  for (const Supernode& node : nodes_) {
-    const int k = 3 * node.columns, r = 3 * static_cast<int>(node.rows.size()), m = k + r;
-    const double* panel = factor_.data() + node.panel;
-    double* top = x.data() + 3 * node.first;
-    blas::solve_triangular(Side::left, Transposed::no, k, columns, panel, m, top, size);
-    if (r == 0) continue;
-    below.resize(r, columns);
-    blas::multiply(Transposed::no, r, columns, k, 1.0, panel + k, m, top, size, 0.0, below.data(), r);
-    for (std::size_t i = 0; i < node.rows.size(); ++i)
-      x.middleRows(3 * node.rows[i], 3) -= below.middleRows(3 * static_cast<Eigen::Index>(i), 3);
-  }
-  if (negative_pivots_ > 0) x = Eigen::Map<const Eigen::VectorXd>(signs_.data(), size).asDiagonal() * x;
-  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
-    const int k = 3 * node->columns, r = 3 * static_cast<int>(node->rows.size()), m = k + r;
-    const double* panel = factor_.data() + node->panel;
-    double* top = x.data() + 3 * node->first;
-    if (r > 0) {
-      below.resize(r, columns);
-      for (std::size_t i = 0; i < node->rows.size(); ++i)
-        below.middleRows(3 * static_cast<Eigen::Index>(i), 3) = x.middleRows(3 * node->rows[i], 3);
-      blas::multiply(Transposed::yes, k, columns, r, -1.0, panel + k, m, below.data(), r, 1.0, top, size);
-    }
-    blas::solve_triangular(Side::left, Transposed::yes, k, columns, panel, m, top, size);
-  }
+  std::vector<double> front;
+  for (const Supernode& node : nodes_) solve_front(node, Half::lower, x, front);
+  if (negative_pivots_ > 0) x = Eigen::Map<const Eigen::VectorXd>(signs_.data(), x.rows()).asDiagonal() * x;
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) solve_front(*node, Half::upper, x, front);
 
   for (std::size_t i = 0; i < order_.size(); ++i)
     right_hand_sides.middleRows(3 * order_[i], 3) = x.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+}
+
+// In a copy of the rows that the front has: its columns, then what stands below them.
+void BlockCholesky::solve_front(const Supernode& node, Half half, Eigen::MatrixXd& x,
+                                std::vector<double>& front) const {
+  const std::size_t k = 3 * static_cast<std::size_t>(node.columns), m = k + 3 * node.rows.size();
+  front.resize(m * static_cast<std::size_t>(x.cols()));
+  for (Eigen::Index column = 0; column < x.cols(); ++column) {
+    double* const of = front.data() + m * static_cast<std::size_t>(column);
+    const double* const from = &x(0, column);
+    std::copy(from + 3 * node.first, from + 3 * node.first + k, of);
+    std::fill(of + k, of + m, 0.0);
+    if (half == Half::lower) continue;
+    for (std::size_t i = 0; i < node.rows.size(); ++i)
+      std::copy(from + 3 * node.rows[i], from + 3 * node.rows[i] + 3, of + k + 3 * i);
+  }
+  const auto solve = half == Half::lower ? solve_panel : solve_panel_transposed;
+  solve(static_cast<int>(m), static_cast<int>(k), factor_.data() + node.panel, static_cast<int>(x.cols()),
+        front.data());
+  for (Eigen::Index column = 0; column < x.cols(); ++column) {
+    const double* const of = front.data() + m * static_cast<std::size_t>(column);
+    double* const to = &x(0, column);
+    std::copy(of, of + k, to + 3 * node.first);
+    if (half == Half::upper) continue;
+    for (std::size_t i = 0; i < node.rows.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis) to[3 * node.rows[i] + axis] += of[k + 3 * i + axis];
+  }
 }
 
 }  // namespace soft_robot_lab

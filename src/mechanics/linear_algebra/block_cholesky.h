@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sparse factor L S L' of a BlockMatrix, S = diag(+-1), by the multifrontal method (Duff & Reid 1983; Liu 1992), dense
-// fronts through LAPACK. A Cholesky factor where the matrix is positive definite; else S counts its negative
+// fronts by panel_kernels.h. A Cholesky factor where the matrix is positive definite; else S counts its negative
 // eigenvalues. There is no pivoting: a body held in an unstable shape by its cables is indefinite in a few directions,
 // not ill-conditioned.
 #pragma once
@@ -67,6 +67,8 @@ class BlockCholesky {
  private:
   using Supernode = FactorPattern::Supernode;
 
+  enum class Half { lower, upper };  // L, L'
+  void solve_front(const Supernode& node, Half half, Eigen::MatrixXd& x, std::vector<double>& front) const;
   bool factorise_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place);
   void assemble_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place);
 

@@ -7,6 +7,7 @@
 
 #include "box_mesh.h"
 #include "mechanics/elements/elements.h"
+#include "mechanics/elements/node_turns.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -90,6 +91,32 @@ TEST_P(StepWarpTest, StaysFiniteWhereElementsAreInvertedOrFlat) {
   EXPECT_LT((warp.follow(mirrored, step) - mirrored - step).norm(), 1e-12);
   EXPECT_TRUE(warp.follow(flat, step).allFinite());
   EXPECT_TRUE(warp.follow(rest(), -5.0 * rest()).allFinite());
+}
+
+TEST_P(StepWarpTest, NodeTurnsAreThoseOfTheBodyButWhereItIsHeld) {
+  hold_corner({false, true, false});
+  Eigen::Matrix3Xd bent = rest();
+  for (Eigen::Index node = 0; node < bent.cols(); ++node) bent(1, node) += 8.0 * rest()(0, node) * rest()(0, node);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, -2, 3).normalized()).toRotationMatrix();
+  const NodeTurns turns(body_, elements_.batches());
+  const Turns found = turns.between(bent, turn * bent);
+  for (Eigen::Index node = 0; node < bent.cols(); ++node) {
+    const Eigen::Matrix3d expected =
+        body_.fixed().col(node).any() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : turn;
+    EXPECT_LT((found.middleCols<3>(3 * node) - expected).norm(), 1e-12) << node;
+  }
+  EXPECT_LT((turned_back(found, turned(found, bent)) - bent).norm(), 1e-15);
+}
+
+TEST_P(StepWarpTest, NodeTurnsAreRotationsWhereElementsAreStretchedOrInverted) {
+  const NodeTurns turns(body_, elements_.batches());
+  const Eigen::Vector3d stretch(2.0, 0.6, 0.8), mirror(1.0, -1.0, 1.0);
+  for (const Eigen::Vector3d& scale : {stretch, mirror, Eigen::Vector3d(Eigen::Vector3d::Zero())}) {
+    const Eigen::Matrix3Xd there = scale.asDiagonal() * rest();
+    for (const Turns& found : {turns.between(rest(), there), turns.between(there, rest())})
+      for (Eigen::Index node = 0; node < there.cols(); ++node)
+        EXPECT_LT((found.middleCols<3>(3 * node) - Eigen::Matrix3d::Identity()).norm(), 1e-6) << node;
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ namespace soft_robot_lab {
 bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
                              const std::shared_ptr<const StrainTarget>& strain_target, bool convex, Slip slip) {
   linearisation_.reset();
+  turns_.resize(3, 0);
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
   if (strain_target) springs_.add_hessian(state.positions_m, *strain_target, convex, matrix_);

@@ -159,7 +159,7 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   elements_.add_mismatch_forces(mismatch, gradient);
   release(gradient);
-  gradient += here.residual_n;
+  gradient += turned_back(turns_, here.residual_n);
 
   // The residual holds the forces of the old multipliers already, so the border answers only for their change.
   Eigen::VectorXd load = -condensed_residual(here, gradient);
@@ -203,6 +203,7 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   step.contact_start = here.contact;
 
   prepare_merit(state, here, gradient, step);
+  step.motion_m = turned(turns_, step.motion_m);
   return std::isfinite(step.slope);
 }
 
@@ -247,15 +248,24 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
   return mixed;
 }
 
+// Obstacles that touched did not turn with the body.
+Turns NewtonSolver::turns_since_linearisation(const Eigen::Matrix3Xd& positions_m) const {
+  const bool touched = !touches_.empty() || !free_border_.empty();
+  if (touched || positions_m == linearisation_->at.positions_m) return {};
+  return tables_->turns.between(linearisation_->at.positions_m, positions_m);
+}
+
 // One step by the last factor, kept only where it brings the residual down. Volume and constraint multipliers stay
 // unknowns of their own, so it converges as fast as the body has turned little, however incompressible it is.
 bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
-                                  AndersonMixing& mixing) const {
+                                  AndersonMixing& mixing) {
   if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
       (linearisation_->strain_target == nullptr) != (task.strain_target == nullptr) ||
       !ContactTerm::same_set(touches_, here.contact.touches) ||
       !RigidContact::same_set(rigid_touches_, here.contact.rigid))
     return false;
+  if (mixing.size() == 0)
+    turns_ = here.contact.touches.empty() ? turns_since_linearisation(state.positions_m) : Turns(3, 0);
   Step step;
   if (!find_step(state, here, step)) return false;
   NewtonState trial = mix(state, here, step, mixing);

@@ -249,7 +249,8 @@ class NewtonSolver {
   Eigen::VectorXd condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const;
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
-  bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing) const;
+  bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing);
+  Turns turns_since_linearisation(const Eigen::Matrix3Xd& positions_m) const;
   // Completes the step by what the merit function needs. `gradient_n`: of the nodes, before the step.
   void prepare_merit(const NewtonState& state, const Evaluation& here, const Eigen::Matrix3Xd& gradient_n,
                      Step& step) const;
@@ -297,6 +298,7 @@ class NewtonSolver {
   std::vector<ContactTouch> touches_;                   // of which the matrix was made
   RigidTouches rigid_touches_;                          // the same
   FreeBorder free_border_;
+  Turns turns_;  // of the nodes since then, by which the old factor turns with them
 
   // Where the last solve ended.
   struct End {

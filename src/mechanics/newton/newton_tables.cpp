@@ -14,6 +14,7 @@ NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> co
       matrix(std::make_shared<const BlockPattern>(layout.node_count + layout.point_count, layout.all_cliques(body))),
       factor(std::make_shared<const FactorPattern>(*matrix)),
       elements(std::make_shared<const ElementTables>(body, *matrix)),
+      turns(body, elements->batches),
       ties(*matrix, layout.ties),
       contact(body),
       faces(*matrix, contact.cliques()) {

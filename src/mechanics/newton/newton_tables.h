@@ -16,6 +16,7 @@
 #include "mechanics/elements/clique_adder.h"
 #include "mechanics/simulation/driven_constraint.h"
 #include "mechanics/elements/elements.h"
+#include "mechanics/elements/node_turns.h"
 #include "mechanics/linear_algebra/matrix_layout.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "mechanics/xpbd/step_warp.h"
@@ -46,6 +47,7 @@ struct NewtonTables {
   std::shared_ptr<const BlockPattern> matrix;
   std::shared_ptr<const FactorPattern> factor;
   std::shared_ptr<const ElementTables> elements;
+  NodeTurns turns;
   CliquePlaces ties;
   ContactTerm contact;
   CliquePlaces faces;                 // of contact

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "test_bar.h"
@@ -167,6 +168,20 @@ TEST(SolvePath, StaysShort) {
   EXPECT_EQ(path.back().stage, SolveStage::more);
   EXPECT_EQ(path.back().count, 100);
   expect_allowed(path);
+}
+
+// Where a factor does not turn with the nodes this takes 21.
+TEST(SolvePath, AFactorServesWhileABarBends) {
+  Simulation simulation = hanging_bar("compliance_m_n: 1.0e-6");
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  int factorisations = 0;
+  for (int i = 0; i < 60; ++i) {
+    simulation.set_command("cable", 0.9 + 0.1 * std::cos(0.1 * i));
+    const SolveReport report = simulation.step();
+    ASSERT_TRUE(report.converged);
+    factorisations += report.factorisations;
+  }
+  EXPECT_LE(factorisations, 13);
 }
 
 }  // namespace

@@ -109,6 +109,7 @@ std::vector<int> mesh_order(int count) {
 
 std::vector<int> positions_in(const BlockPattern& matrix, int node_count) {
   std::vector<int> positions;
+  positions.reserve(static_cast<std::size_t>(node_count));
   for (int node = 0; node < node_count; ++node) positions.push_back(matrix.position(node));
   return positions;
 }

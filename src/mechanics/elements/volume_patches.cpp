@@ -24,6 +24,7 @@ std::vector<std::vector<int>> stiffness_cliques(const Body& body) {
   const TetMesh& mesh = body.mesh();
   if (body.linear_volume() == LinearVolume::vertex_averaged) {
     std::vector<std::array<int, 4>> elements;
+    elements.reserve(static_cast<std::size_t>(mesh.tet_count()));
     for (int e = 0; e < mesh.tet_count(); ++e)
       elements.push_back({mesh.tets(0, e), mesh.tets(1, e), mesh.tets(2, e), mesh.tets(3, e)});
     return nodes_around(elements, mesh.node_count());

@@ -150,8 +150,9 @@ EmbeddedPoint MeshLocator::embed_box(const Eigen::Vector3d& center_m, double edg
   constexpr int kPerEdge = 6;
   std::vector<EmbeddedPoint> samples;
   for (int i = 0; i < kPerEdge * kPerEdge * kPerEdge; ++i) {
-    const Eigen::Vector3d cell(i % kPerEdge, (i / kPerEdge) % kPerEdge, i / (kPerEdge * kPerEdge));
-    const Location location = locate(center_m + edge_m * ((cell.array() + 0.5) / kPerEdge - 0.5).matrix());
+    const Eigen::Vector3i cell(i % kPerEdge, (i / kPerEdge) % kPerEdge, i / (kPerEdge * kPerEdge));
+    const Eigen::Array3d place = (cell.array().cast<double>() + 0.5) / kPerEdge - 0.5;
+    const Location location = locate(center_m + edge_m * place.matrix());
     if (location.distance_m <= 1e-6 * edge_m) samples.push_back(embed(location));
   }
   return samples.empty() ? embed(center_m) : average(samples);

@@ -24,6 +24,7 @@ constexpr char controller_goal[] = "controller/goal";         // geometry_msgs/P
 constexpr char controller_ghost[] = "controller/ghost";       // latched: where the policy that was found last leads
 constexpr char controller_preview[] = "controller/preview";   // latched: where the present commands lead
 constexpr char target_marker[] = "controller/target_marker";  // an interactive marker
+constexpr char design_casting[] = "design/casting";           // latched: skin coloured by what casting says of it
 constexpr char panel_tips[] = "panel/reachable_tips";         // where the marker rests over all commands
 constexpr char overlay[] = "overlay";
 constexpr char overlay_image[] = "overlay/image";  // what a camera sees, with the simulated robot over it
@@ -48,6 +49,7 @@ constexpr char optimise_policy[] = "controller/optimise_policy";
 constexpr char execute_policy[] = "controller/execute_policy";
 constexpr char fit_model[] = "controller/fit_model";
 constexpr char calibrate[] = "tracker/calibrate";
+constexpr char check_design[] = "design/check";
 constexpr char reach[] = "controller/reach";  // an action; of the others above the action has the service's name
 constexpr char cancel_policy[] = "controller/cancel";  // what is optimised or executed now
 

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <sstream>
 
-#include "mould_picture.h"
 #include "settings/words.h"
 #include "settings/write_file.h"
 
@@ -32,13 +31,18 @@ std::string row_of(const CastingTest& test) {
 
 }  // namespace
 
+std::vector<Paint> verdict_paints(const CastingVerdict& verdict, double min_thickness_m) {
+  std::vector<Paint> paints;
+  paints.reserve(verdict.thickness_m.size());
+  for (const double thickness_m : verdict.thickness_m)
+    paints.push_back(thickness_m < min_thickness_m * (1 - 1e-3) ? kThin : kSilicone);
+  for (const int t : verdict.blocked) paints[static_cast<size_t>(t)] = kBlocked;
+  return paints;
+}
+
 std::string verdict_picture_png(const CastingVerdict& verdict, double min_thickness_m, bool turned_over) {
-  std::vector<char> blocked(static_cast<size_t>(verdict.judged.triangle_count()), 0);
-  for (const int t : verdict.blocked) blocked[static_cast<size_t>(t)] = 1;
-  const auto paint_of = [&](int t) {
-    if (blocked[static_cast<size_t>(t)] != 0) return kBlocked;
-    return verdict.thickness_m[static_cast<size_t>(t)] < min_thickness_m * (1 - 1e-3) ? kThin : kSilicone;
-  };
+  const std::vector<Paint> paints = verdict_paints(verdict, min_thickness_m);
+  const auto paint_of = [&](int t) { return paints[static_cast<size_t>(t)]; };
   const Eigen::Matrix3d frame = frame_along(turned_over ? (-verdict.direction).eval() : verdict.direction);
   const Surface& judged = verdict.judged;
   return picture_png(make_surface(frame.transpose() * judged.vertices_m, judged.triangles), paint_of);

@@ -3,12 +3,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "check_casting.h"
+#include "mould_picture.h"
 
 namespace soft_robot_lab {
 
-// The bytes of a PNG: the robot as it lies in its mould, or turned over. Red: skin in the way; orange: too thin.
+// Of each triangle that was judged. Red: skin in the way; orange: too thin.
+std::vector<Paint> verdict_paints(const CastingVerdict& verdict, double min_thickness_m);
+
+// The bytes of a PNG: the robot as it lies in its mould, or turned over, in these paints.
 std::string verdict_picture_png(const CastingVerdict& verdict, double min_thickness_m, bool turned_over);
 
 // A page that shows from_above.png and from_below.png beside it.

@@ -196,7 +196,7 @@ void SessionPanel::onInitialize() {
   if (!link_) connect_to(session_);
   left_out_ = std::make_unique<LeftOutOfPicks>(
       *vis_manager_, std::vector<std::string>{topics::controller_ghost, topics::controller_preview, topics::overlay,
-                                              topics::panel_tips});
+                                              topics::panel_tips, topics::design_casting});
   timer_.start(refresh_period_ms);
 }
 

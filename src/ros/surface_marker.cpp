@@ -138,15 +138,15 @@ visualization_msgs::Marker tinted(visualization_msgs::Marker surface, const std:
   return surface;
 }
 
-visualization_msgs::Marker none(const std::string& ns) {
+}  // namespace
+
+visualization_msgs::Marker no_skin(const std::string& ns) {
   visualization_msgs::Marker marker;
   marker.header.frame_id = robot_frame();
   marker.ns = ns;
   marker.action = visualization_msgs::Marker::DELETE;
   return marker;
 }
-
-}  // namespace
 
 visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface) {
   return tinted(std::move(surface), "ghost", {0.98, 0.62, 0.20}, 0.45f);
@@ -156,8 +156,8 @@ visualization_msgs::Marker preview_of(visualization_msgs::Marker surface) {
   return tinted(std::move(surface), "preview", {0.45, 0.70, 0.85}, 0.40f);
 }
 
-visualization_msgs::Marker no_ghost() { return none("ghost"); }
+visualization_msgs::Marker no_ghost() { return no_skin("ghost"); }
 
-visualization_msgs::Marker no_preview() { return none("preview"); }
+visualization_msgs::Marker no_preview() { return no_skin("preview"); }
 
 }  // namespace soft_robot_lab

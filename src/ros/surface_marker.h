@@ -46,7 +46,8 @@ double fitting_opacity(const Simulation& robot);
 // The skin of a robot that is not there yet: one colour, translucent.
 visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface);    // where a policy leads
 visualization_msgs::Marker preview_of(visualization_msgs::Marker surface);  // where the present commands lead
-// Takes it away.
+// Takes away what a marker of this name shows.
+visualization_msgs::Marker no_skin(const std::string& ns);
 visualization_msgs::Marker no_ghost();
 visualization_msgs::Marker no_preview();
 

@@ -16,9 +16,9 @@
 #include "robot/casting/verdict_page.h"
 #include "ros/actuator_plugins.h"
 #include "ros/conversions.h"
-#include "ros/frames.h"
 #include "ros/latched_publisher.h"
 #include "ros/log_text.h"
+#include "ros/surface_marker.h"
 #include "ros/topics.h"
 
 namespace soft_robot_lab {
@@ -28,13 +28,7 @@ constexpr char kAbout[] =
     "design_node: the service design/check says whether a robot can be cast in silicone, and design/casting shows "
     "where it cannot.";
 
-visualization_msgs::Marker no_skin() {
-  visualization_msgs::Marker marker;
-  marker.header.frame_id = robot_frame();
-  marker.ns = "casting";
-  marker.action = visualization_msgs::Marker::DELETE;
-  return marker;
-}
+constexpr char kSkin[] = "casting";
 
 std_msgs::ColorRGBA lit(const Paint& paint, const Eigen::Vector3d& normal) {
   constexpr double shade = 0.45;
@@ -52,7 +46,7 @@ visualization_msgs::Marker skin_of(const CastingVerdict& verdict, double min_thi
   constexpr double outside = 2e-3;  // of the robot's size
   const Surface& judged = verdict.judged;
   const std::vector<Paint> paints = verdict_paints(verdict, min_thickness_m);
-  visualization_msgs::Marker marker = no_skin();
+  visualization_msgs::Marker marker = no_skin(kSkin);
   marker.action = visualization_msgs::Marker::ADD;
   marker.type = visualization_msgs::Marker::TRIANGLE_LIST;
   marker.pose.orientation.w = 1.0;
@@ -111,7 +105,7 @@ class DesignNode {
     const CastRobotFile file = load_cast_robot(path, options_);
     const CastingVerdict verdict = with_allowed_moulds(file, check_casting(file));
     fill(verdict, response);
-    skin_.publish(request.show ? skin_of(verdict, file.settings.min_thickness_m) : no_skin());
+    skin_.publish(request.show ? skin_of(verdict, file.settings.min_thickness_m) : no_skin(kSkin));
   }
 
   SceneOptions options_;

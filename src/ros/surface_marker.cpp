@@ -18,25 +18,6 @@ constexpr double see_through = 0.55;  // opacity of a skin that would hide what 
 const Eigen::Vector3d skin_colour(0.50, 0.80, 0.91), still_air_colour(0.93, 0.90, 0.78);
 const Eigen::Vector3d pressure_colour(0.84, 0.37, 0.0), vacuum_colour(0.0, 0.45, 0.70);
 
-// Shaded here and not by rviz, which gives each triangle one normal and leaves the far side of a translucent skin
-// black: light from above and all round, as far as the body leaves it open, a lamp, and its gloss towards who stands in
-// front of the robot.
-std_msgs::ColorRGBA shaded(const Eigen::Vector3d& normal, double openness, const Eigen::Vector3d& colour,
-                           double opacity) {
-  static const Eigen::Vector3d lamp = Eigen::Vector3d(-0.5, -0.75, 0.6).normalized();
-  static const Eigen::Vector3d halfway = (lamp + Eigen::Vector3d(0.05, -1.0, 0.1).normalized()).normalized();
-  const double sky = (0.60 + 0.10 * normal.z()) * std::sqrt(openness);
-  const double direct = 0.48 * std::max(0.0, 0.15 + 0.85 * normal.dot(lamp)) * openness;
-  const double gloss = 0.22 * std::pow(std::max(0.0, normal.dot(halfway)), 30.0) * openness;
-  const Eigen::Vector3d seen = ((sky + direct) * colour + Eigen::Vector3d::Constant(gloss)).cwiseMin(1.0);
-  std_msgs::ColorRGBA rgba;
-  rgba.r = static_cast<float>(seen.x());
-  rgba.g = static_cast<float>(seen.y());
-  rgba.b = static_cast<float>(seen.z());
-  rgba.a = static_cast<float>(opacity);
-  return rgba;
-}
-
 Eigen::Vector3d colour_of(double gauge_pressure_pa, double full_pa) {
   const double fraction = std::clamp(std::abs(gauge_pressure_pa) / full_pa, 0.0, 1.0);
   return (1.0 - fraction) * still_air_colour + fraction * (gauge_pressure_pa < 0.0 ? vacuum_colour : pressure_colour);
@@ -57,6 +38,22 @@ double share_inside(const std::vector<Eigen::Vector3d>& path_m, const MeshLocato
 }
 
 }  // namespace
+
+std_msgs::ColorRGBA shaded(const Eigen::Vector3d& normal, double openness, const Eigen::Vector3d& colour,
+                           double opacity) {
+  static const Eigen::Vector3d lamp = Eigen::Vector3d(-0.5, -0.75, 0.6).normalized();
+  static const Eigen::Vector3d halfway = (lamp + Eigen::Vector3d(0.05, -1.0, 0.1).normalized()).normalized();
+  const double sky = (0.60 + 0.10 * normal.z()) * std::sqrt(openness);
+  const double direct = 0.48 * std::max(0.0, 0.15 + 0.85 * normal.dot(lamp)) * openness;
+  const double gloss = 0.22 * std::pow(std::max(0.0, normal.dot(halfway)), 30.0) * openness;
+  const Eigen::Vector3d seen = ((sky + direct) * colour + Eigen::Vector3d::Constant(gloss)).cwiseMin(1.0);
+  std_msgs::ColorRGBA rgba;
+  rgba.r = static_cast<float>(seen.x());
+  rgba.g = static_cast<float>(seen.y());
+  rgba.b = static_cast<float>(seen.z());
+  rgba.a = static_cast<float>(opacity);
+  return rgba;
+}
 
 double fitting_opacity(const Simulation& robot) {
   constexpr double most = 0.6;

@@ -8,12 +8,20 @@
 
 #include <Eigen/Core>
 #include <ros/time.h>
+#include <std_msgs/ColorRGBA.h>
 #include <visualization_msgs/Marker.h>
 
 #include "session/report/smooth_skin.h"
 #include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
+
+// Shaded here and not by rviz, which gives each triangle one normal and leaves the far side of a translucent skin
+// black: light from above and all round, as far as the body leaves it open, a lamp, and its gloss towards who stands in
+// front of the robot.
+// `openness` in [0, 1]: the share of the sky that is seen.
+std_msgs::ColorRGBA shaded(const Eigen::Vector3d& normal, double openness, const Eigen::Vector3d& colour,
+                           double opacity);
 
 class SurfaceMarker {
  public:

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Says of a robot's file, or of the scene that runs, whether it can be cast, and colours its skin by that.
-#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -30,17 +29,6 @@ constexpr char kAbout[] =
 
 constexpr char kSkin[] = "casting";
 
-std_msgs::ColorRGBA lit(const Paint& paint, const Eigen::Vector3d& normal) {
-  constexpr double shade = 0.45;
-  const double light = 1.0 - shade + shade * std::abs(normal.dot(Eigen::Vector3d(0.3, -0.8, 0.5).normalized()));
-  std_msgs::ColorRGBA colour;
-  colour.r = static_cast<float>(light * paint.red);
-  colour.g = static_cast<float>(light * paint.green);
-  colour.b = static_cast<float>(light * paint.blue);
-  colour.a = 1.0f;
-  return colour;
-}
-
 // At rest, and a little outside the simulated skin, which would shine through it.
 visualization_msgs::Marker skin_of(const CastingVerdict& verdict, double min_thickness_m) {
   constexpr double outside = 2e-3;  // of the robot's size
@@ -54,9 +42,11 @@ visualization_msgs::Marker skin_of(const CastingVerdict& verdict, double min_thi
   marker.color.a = 1.0f;
   for (int t = 0; t < judged.triangle_count(); ++t) {
     const Eigen::Vector3d normal = judged.normals.col(t);
+    const Paint& paint = paints[static_cast<std::size_t>(t)];
+    const std_msgs::ColorRGBA colour = shaded(normal, 1.0, {paint.red, paint.green, paint.blue}, 1.0);
     for (int i = 0; i < 3; ++i) {
       marker.points.push_back(to_message(judged.corner(t, i) + outside * judged.size_m() * normal));
-      marker.colors.push_back(lit(paints[static_cast<std::size_t>(t)], normal));
+      marker.colors.push_back(colour);
     }
   }
   return marker;

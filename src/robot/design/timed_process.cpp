@@ -16,6 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "used_time.h"
+
 extern char** environ;
 
 namespace soft_robot_lab {
@@ -84,16 +86,17 @@ pid_t start(const std::vector<std::string>& command, const std::string& error_fi
 }  // namespace
 
 ProcessEnd run_with_limit(const std::vector<std::string>& command, const std::string& error_file, double limit_s) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begin = Clock::now();
+  constexpr int waits_per_look = 4;
   const pid_t process = start(command, error_file, limit_s);
+  UsedTime used(process);
   int status = 0;
   bool timed_out = false;
-  for (;;) {
+  for (int waits = 1;; ++waits) {
     const pid_t ended = waitpid(process, &status, timed_out ? 0 : WNOHANG);
     if (ended == process) break;
     if (ended < 0 && errno != EINTR) throw std::runtime_error(command[0] + ": " + std::strerror(errno));
-    if (!timed_out && std::chrono::duration<double>(Clock::now() - begin).count() > limit_s) {
+    if (waits % waits_per_look == 0) used.look();
+    if (!timed_out && used.seconds() > limit_s) {
       timed_out = true;
       kill(-process, SIGKILL);
     }

@@ -13,8 +13,8 @@ struct ProcessEnd {
 };
 
 // Runs a program with its arguments and waits for its end. Its standard error goes to a file, its standard output
-// nowhere. After the limit the program is killed with all it started, and it is killed when the caller dies. Throws
-// std::runtime_error when it cannot be started.
+// nowhere. After the limit, in which waiting for a core does not count, the program is killed with all it started, and
+// it is killed when the caller dies. Throws std::runtime_error when it cannot be started.
 ProcessEnd run_with_limit(const std::vector<std::string>& command, const std::string& error_file, double limit_s);
 
 }  // namespace soft_robot_lab

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+
+namespace soft_robot_lab {
+
+// How long a process and those it started ran or slept, without what they waited for a core, as on a machine with more
+// work than cores. Each look adds the time since the last one: all of it where none could run, otherwise at most the
+// processor time that they took.
+class UsedTime {
+ public:
+  explicit UsedTime(pid_t process) : process_(process) {}
+
+  void look();
+  double seconds() const { return used_s_; }
+
+ private:
+  pid_t process_;
+  std::chrono::steady_clock::time_point last_look_ = std::chrono::steady_clock::now();
+  double processor_s_ = 0.0;  // at the last look
+  double used_s_ = 0.0;
+};
+
+}  // namespace soft_robot_lab

@@ -17,8 +17,8 @@ struct Activity {
   double processor_s = 0.0;  // with that of children that it has waited for
 };
 
-// proc(5): after the name in brackets come state, ten numbers, then utime, stime, cutime, cstime. A process that is gone
-// does nothing.
+// proc(5): after the name in brackets come state, ten numbers, then utime, stime, cutime, cstime. A process that is
+// gone does nothing.
 Activity activity_of(const std::string& process) {
   std::ifstream file("/proc/" + process + "/stat");
   const std::string text{std::istreambuf_iterator<char>(file), {}};

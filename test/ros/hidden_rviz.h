@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -24,6 +25,7 @@ class HiddenRviz {
   explicit HiddenRviz(const std::string& config) : config_(copy_that_draws_seldom(config)), process_(fork()) {
     if (process_ == 0) {
       setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
+      setenv("MALLOC_PERTURB_", "165", 1);  // what uses memory that it gave back, crashes
       execlp("rviz", "rviz", "-d", config_.c_str(), "__name:=panel_rviz", nullptr);
       _exit(127);
     }
@@ -36,10 +38,21 @@ class HiddenRviz {
   HiddenRviz(const HiddenRviz&) = delete;
   HiddenRviz& operator=(const HiddenRviz&) = delete;
   ~HiddenRviz() {
-    kill(process_, SIGINT);
-    for (int i = 0; i < 100 && waitpid(process_, nullptr, WNOHANG) == 0; ++i) ros::WallDuration(0.1).sleep();
-    kill(process_, SIGKILL);
+    end();
     std::filesystem::remove(config_);
+  }
+
+  // As Ctrl-C does; its status, as waitpid gives it. Takes 10 s at most.
+  int end() {
+    if (status_) return *status_;
+    kill(process_, SIGINT);
+    int status = 0;
+    for (int i = 0; i < 100 && waitpid(process_, &status, WNOHANG) == 0; ++i) ros::WallDuration(0.1).sleep();
+    if (kill(process_, 0) == 0) {
+      kill(process_, SIGKILL);
+      waitpid(process_, &status, 0);
+    }
+    return *(status_ = status);
   }
 
   // As xdotool names them: alt+1, Prior, Home.
@@ -80,6 +93,7 @@ class HiddenRviz {
 
   std::string config_;
   pid_t process_;
+  std::optional<int> status_;  // once it has ended
 };
 
 }  // namespace soft_robot_lab

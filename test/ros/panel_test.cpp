@@ -40,10 +40,7 @@ class Panel : public testing::Test {
   static void SetUpTestSuite() {
     rviz_ = std::make_unique<HiddenRviz>(SOFT_ROBOT_LAB_SOURCE "/config/rviz/session.rviz");
   }
-  static void TearDownTestSuite() {
-    if (const char* picture = std::getenv("PANEL_TEST_PICTURE")) rviz_->take_picture(picture);
-    rviz_.reset();
-  }
+  static void TearDownTestSuite() { rviz_.reset(); }
 
   void SetUp() override {
     states_ = node_.subscribe<ActuatorState>(
@@ -318,6 +315,23 @@ TEST_F(Panel, StopsAPolicyWhereItIs) {
   hear_more_states(100);
   EXPECT_EQ(commands_, held);
   EXPECT_TRUE(rviz_->runs());
+}
+
+// The last: while the hand still holds the skin.
+TEST_F(Panel, EndsWithoutACrash) {
+  if (const char* picture = std::getenv("PANEL_TEST_PICTURE")) rviz_->take_picture(picture);
+  ASSERT_TRUE(press_until("alt+2 End", [&] { return commands_[1] > 1.4; }));
+  bool pulled = false;
+  int status = -1;
+  for (int i = 0; i < 5 && !pulled; ++i) {
+    rviz_->point(" mousemove 1200 100 click 1 sleep 0.3 key h sleep 0.3");
+    rviz_->drag(874, 650, 724, 650, [&] {
+      pulled = spin_until([&] { return (tip_ - rest_tip_).x() < -0.004; }, 8.0);
+      if (pulled) status = rviz_->end();
+    });
+  }
+  EXPECT_TRUE(pulled);
+  EXPECT_EQ(status, 0);
 }
 
 }  // namespace

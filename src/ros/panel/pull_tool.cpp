@@ -67,7 +67,9 @@ int PullTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
 
 void PullTool::take_hold(rviz::ViewportMouseEvent& event) {
   Ogre::Vector3 point_m;
-  if (context_->getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point_m)) hold_m_ = point_m;
+  if (!context_->getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point_m)) return;
+  hold_m_ = point_m;
+  frame_ = context_->getFixedFrame().toStdString();
 }
 
 // In the plane that faces the eye.
@@ -96,7 +98,7 @@ void PullTool::let_go() {
 void PullTool::send(const Ogre::Vector3& force_n) {
   SkinPull pull;
   pull.header.stamp = ros::Time::now();
-  pull.header.frame_id = context_->getFixedFrame().toStdString();
+  pull.header.frame_id = frame_;
   pull.point.x = hold_m_->x;
   pull.point.y = hold_m_->y;
   pull.point.z = hold_m_->z;

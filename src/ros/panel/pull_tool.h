@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include <OgreVector3.h>
 #include <ros/ros.h>
@@ -42,7 +43,8 @@ class PullTool : public rviz::Tool {
   rviz::FloatProperty* gain_;
   rviz::StringProperty* topic_;
   std::unique_ptr<rviz::Arrow> arrow_;
-  std::optional<Ogre::Vector3> hold_m_;  // where the skin was taken hold of, in the fixed frame
+  std::optional<Ogre::Vector3> hold_m_;  // where the skin was taken hold of, in `frame_`
+  std::string frame_;                    // the fixed one then: rviz lets go at its end, when it has none any more
   Ogre::Vector3 force_n_ = Ogre::Vector3::ZERO;
 };
 

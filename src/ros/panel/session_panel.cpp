@@ -225,6 +225,7 @@ void SessionPanel::save(rviz::Config config) const {
 
 void SessionPanel::refresh() {
   if (!link_) return;
+  if (!ros::ok()) return end();
   watch_turns();
   link_->listen();
   refresh_rows();
@@ -236,6 +237,12 @@ void SessionPanel::refresh() {
   refresh_buttons();
   refresh_lamps();
   for (const CallOutcome& outcome : link_->take_outcomes()) report(outcome);
+}
+
+// rviz would draw on into the window that it closes now, which Mesa's drawing by software seldom survives.
+void SessionPanel::end() {
+  vis_manager_->stopUpdate();
+  timer_.stop();
 }
 
 void SessionPanel::watch_turns() {

@@ -42,6 +42,7 @@ class SessionPanel : public rviz::Panel {
   QPushButton* button(const QString& text, const QString& hint, const std::function<void()>& press);
   void connect_to(const QString& session);
   void refresh();
+  void end();
   void refresh_lamps();
   void watch_turns();
   void refresh_rows();

@@ -12,6 +12,8 @@ shift
 declare -A poses=(
   [spinebot]='{names: [left, right], values: [1.1, 0.8]}'
   [hammerbot]='{names: [left, right], values: [0.82, 1.1]}'
+  [finger_a1]='{names: [tendon], values: [0.82]}'
+  [finger_a2]='{names: [left, upper], values: [0.95, 0.85]}'
   [gripper]='{names: [left, right], values: [0.92, 0.92]}'
   [tentacle]='{names: [tendon_1], values: [5]}'
   [bubblebot]='{names: [b], values: [70]}'
@@ -20,7 +22,7 @@ declare -A poses=(
   [hanging_bar]='{names: [cable], values: [0.92]}'
 )
 declare -A scenes=([gripper]=gripper/ball.yaml)
-(($# > 0)) || set -- spinebot hammerbot gripper tentacle bubblebot bubblefinger hollow_cuboid hanging_bar
+(($# > 0)) || set -- spinebot hammerbot finger_a1 finger_a2 gripper tentacle bubblebot bubblefinger hollow_cuboid hanging_bar
 
 # The session's view, from a little to the left and above, of the robot alone.
 /usr/bin/python3 - "$launch/../config/rviz/session.rviz" "$folder/gallery.rviz" <<'PYTHON'
@@ -54,7 +56,7 @@ for robot in "$@"; do
   echo "$output/$robot.png"
 done
 cd "$output"
-montage $(printf '%s.png ' "$@") -tile 4x -geometry 330x280+2+2 all.png
+montage $(printf '%s.png ' "$@") -tile 5x -geometry 330x280+2+2 all.png
 convert all.png -depth 8 -colors 220 gallery.png
 rm all.png
 echo "$output/gallery.png"

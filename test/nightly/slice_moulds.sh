@@ -45,4 +45,6 @@ mould spinebot_with_wedges spinebot_castable/robot.yaml
 mould bubblebot bubblebot/robot.yaml
 mould bubblefinger bubblefinger/lid.yaml
 mould gripper gripper/robot.yaml
+mould finger_a1 finger_a1/robot.yaml
+mould finger_a2 finger_a2/robot.yaml
 mould hanging_bar hanging_bar/robot.yaml

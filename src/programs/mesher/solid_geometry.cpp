@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <stdexcept>
+
+#include <Eigen/Geometry>
 
 namespace soft_robot_lab {
 namespace {
@@ -41,16 +44,100 @@ Volumes build_cone(const Solid& solid) {
   return {{3, occ::addCone(at.x(), at.y(), at.z(), axis.x(), axis.y(), axis.z(), r1, r2)}};
 }
 
-Volumes build_extrude(const Solid& solid) {
+int add_point(const Eigen::Vector3d& at_m) {
+  const Eigen::Vector3d at = scaled(at_m);
+  return occ::addPoint(at.x(), at.y(), at.z());
+}
+
+// A plane face; its corners lie at origin + x u + y v.
+int add_polygon(const std::vector<Eigen::Vector2d>& polygon_m, const Eigen::Vector3d& origin_m,
+                const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
   std::vector<int> points, lines;
-  const double z = scaled(solid.z_m[0]);
-  for (const auto& corner : solid.polygon_m) {
-    points.push_back(occ::addPoint(scaled(corner.x()), scaled(corner.y()), z));
-  }
+  for (const auto& corner : polygon_m) points.push_back(add_point(origin_m + corner.x() * u + corner.y() * v));
   for (size_t i = 0; i < points.size(); ++i) lines.push_back(occ::addLine(points[i], points[(i + 1) % points.size()]));
-  const int base = occ::addPlaneSurface({occ::addCurveLoop(lines)});
+  return occ::addPlaneSurface({occ::addCurveLoop(lines)});
+}
+
+Volumes build_extrude(const Solid& solid) {
+  const int base =
+      add_polygon(solid.polygon_m, {0, 0, solid.z_m[0]}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
   Volumes all;
-  occ::extrude({{2, base}}, 0, 0, scaled(solid.z_m[1]) - z, all);
+  occ::extrude({{2, base}}, 0, 0, scaled(solid.z_m[1]) - scaled(solid.z_m[0]), all);
+  return only_volumes(all);
+}
+
+int add_disc(const Eigen::Vector3d& center_m, const Eigen::Vector3d& normal, double radius_m) {
+  const Eigen::Vector3d centre = scaled(center_m), z = Eigen::Vector3d::UnitZ();
+  const double radius = scaled(radius_m), turn = std::acos(std::clamp(normal.z(), -1.0, 1.0));
+  const int disc = occ::addDisk(centre.x(), centre.y(), centre.z(), radius, radius);
+  const Eigen::Vector3d axis = z.cross(normal).norm() > 0 ? z.cross(normal) : Eigen::Vector3d::UnitX();
+  occ::rotate({{2, disc}}, centre.x(), centre.y(), centre.z(), axis.x(), axis.y(), axis.z(), turn);
+  return disc;
+}
+
+// At the curve's start, and at right angles to it there.
+int add_profile(const Solid& solid) {
+  const Eigen::Vector3d at = solid.spline_m[0], along = (solid.spline_m[1] - at).normalized();
+  if (solid.polygon_m.empty()) return add_disc(at, along, solid.radius_m);
+  const Eigen::Vector3d u = (solid.axis - solid.axis.dot(along) * along).normalized();
+  return add_polygon(solid.polygon_m, at, u, along.cross(u));
+}
+
+Volumes build_sweep(const Solid& solid) {
+  std::vector<int> control;
+  for (const Eigen::Vector3d& point : solid.spline_m) control.push_back(add_point(point));
+  const int degree = std::min<int>(3, static_cast<int>(control.size()) - 1);
+  const int wire = occ::addWire({occ::addBSpline(control, -1, degree)});
+  const int profile = add_profile(solid);
+  Volumes all;
+  occ::addPipe({{2, profile}}, wire, all, "CorrectedFrenet");
+  occ::remove({{2, profile}}, true);
+  return only_volumes(all);
+}
+
+bool lies_in_box(int curve, const Solid& box) {
+  constexpr double kSlack_m = 1e-6;
+  Eigen::Vector3d low, high;
+  occ::getBoundingBox(1, curve, low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
+  const Eigen::Array3d least = scaled(box.start_m).array() - scaled(kSlack_m);
+  const Eigen::Array3d most = scaled(box.end_m).array() + scaled(kSlack_m);
+  return (low.array() >= least).all() && (high.array() <= most).all();
+}
+
+// The edges of two faces; what has one is a seam, as along a cylinder.
+std::vector<int> edges_to_round(const Volumes& volumes, const Solid& solid) {
+  occ::synchronize();
+  gmsh::vectorpair faces, curves;
+  gmsh::model::getBoundary(volumes, faces, true, false, false);
+  gmsh::model::getBoundary(faces, curves, false, false, false);
+  std::set<int> tags;
+  for (const auto& curve : curves) tags.insert(curve.second);
+  std::vector<int> edges;
+  for (const int curve : tags) {
+    std::vector<int> neighbours, ends;
+    gmsh::model::getAdjacencies(1, curve, neighbours, ends);
+    if (neighbours.size() == 2 && lies_in_box(curve, solid)) edges.push_back(curve);
+  }
+  return edges;
+}
+
+Volumes build_fillet(const Solid& solid) {
+  const Volumes volumes = build(solid.parts[0]);
+  if (volumes.empty()) return volumes;
+  const std::vector<int> edges = edges_to_round(volumes, solid);
+  if (edges.empty()) throw std::invalid_argument("fillet: no edge lies in edges_in");
+  std::vector<int> tags;
+  for (const auto& volume : volumes) tags.push_back(volume.second);
+  Volumes all;
+  try {
+    occ::fillet(tags, edges, {scaled(solid.radius_m)}, all);
+  } catch (const std::string&) {  // what Gmsh throws
+    all.clear();
+  }
+  if (only_volumes(all).empty())
+    throw std::invalid_argument("fillet: the geometry kernel cannot round these " + std::to_string(edges.size()) +
+                                " edges by radius_m " + std::to_string(solid.radius_m) +
+                                "; take a smaller one, or fewer edges by edges_in");
   return only_volumes(all);
 }
 
@@ -162,6 +249,8 @@ Volumes build(const Solid& solid) {
       return build_cone(solid);
     case Kind::extrude:
       return build_extrude(solid);
+    case Kind::sweep:
+      return build_sweep(solid);
     case Kind::union_of:
       return build_union(solid);
     case Kind::difference:
@@ -175,6 +264,8 @@ Volumes build(const Solid& solid) {
       return build_moved(solid);
     case Kind::array:
       return build_array(solid);
+    case Kind::fillet:
+      return build_fillet(solid);
     case Kind::step_file:
       return build_step(solid);
     case Kind::stl_file:

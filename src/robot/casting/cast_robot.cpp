@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "build_solids.h"
+#include "mechanics/mesh/cable_path.h"
 #include "robot/design/mesh_quality.h"
 #include "robot/design/surface_file.h"
 #include "robot/scene/sections.h"
@@ -53,7 +54,7 @@ std::vector<SheathPath> read_sheaths(const YamlNode& robot, double default_radiu
     path.name = cable.text("name");
     path.radius_m = cable.number_or("sheath_radius_m", default_radius_m);
     if (!(path.radius_m > 0)) path.radius_m = default_radius_m;
-    for (const YamlNode& point : cable_path(cable)) path.points_m.push_back(as_vector3(point));
+    path.points_m = read_cable_path(cable).points_m;
     paths.push_back(std::move(path));
   }
   return paths;

@@ -68,11 +68,12 @@ bool in_combination(const Solid& solid, const Vector3d& p) {
 }  // namespace
 
 bool has_equations(const Solid& solid) {
-  return solid.file.empty() && std::all_of(solid.parts.begin(), solid.parts.end(), has_equations);
+  const bool curved = solid.kind == Kind::sweep || solid.kind == Kind::fillet;
+  return !curved && solid.file.empty() && std::all_of(solid.parts.begin(), solid.parts.end(), has_equations);
 }
 
 bool contains(const Solid& solid, const Vector3d& point_m) {
-  if (!solid.file.empty()) throw std::invalid_argument(solid.file + ": a file's solid has no equations");
+  if (!has_equations(solid)) throw std::invalid_argument("files, sweeps and fillets have no equations");
   if (solid.moves()) return in_moved(solid, point_m);
   if (!solid.parts.empty()) return in_combination(solid, point_m);
   switch (solid.kind) {

@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "settings/read_points.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -14,12 +16,13 @@ using Kind = Solid::Kind;
 
 constexpr int kMostCopies = 1000;
 constexpr AllowedRange kScale{1e-3, 1e3};
+constexpr double kFarAway_m = 1e3;  // from any robot
 
 // In the order of Kind.
 const std::vector<std::string>& kind_names() {
-  static const std::vector<std::string> names = {"box",   "sphere",     "cylinder",     "cone",   "extrude",
-                                                 "union", "difference", "intersection", "rotate", "translate",
-                                                 "scale", "mirror",     "array",        "step",   "stl"};
+  static const std::vector<std::string> names = {"box",    "sphere",     "cylinder",     "cone",   "extrude",   "sweep",
+                                                 "union",  "difference", "intersection", "rotate", "translate", "scale",
+                                                 "mirror", "array",      "fillet",       "step",   "stl"};
   return names;
 }
 
@@ -119,16 +122,42 @@ void check_polygon(const YamlNode& node, const std::vector<Eigen::Vector2d>& cor
   }
 }
 
-void read_extrude(const YamlNode& node, Solid& solid) {
+void read_polygon(const YamlNode& node, Solid& solid) {
   for (const YamlNode& item : node.sequence("polygon_m")) {
     const Eigen::VectorXd corner = item.as_numbers();
     if (corner.size() != 2) item.fail("has " + std::to_string(corner.size()) + " numbers, must have 2: [x, y]");
     solid.polygon_m.emplace_back(corner);
   }
   check_polygon(node.child("polygon_m"), solid.polygon_m);
+}
+
+void read_extrude(const YamlNode& node, Solid& solid) {
+  read_polygon(node, solid);
   const Eigen::VectorXd z_m = node.child("z_m").as_numbers();
   if (z_m.size() != 2 || !(z_m[0] < z_m[1])) node.child("z_m").fail("must be [min, max] with min < max");
   solid.z_m = z_m;
+}
+
+Eigen::Vector3d read_direction(const YamlNode& node, const std::string& key) {
+  const Eigen::Vector3d given = node.vector3(key);
+  if (given.norm() < 1e-9) node.child(key).fail("has no length");
+  return given;
+}
+
+// A disc, or a polygon whose x runs along `x_axis` as far as the curve's start lets it.
+void read_sweep(const YamlNode& node, Solid& solid) {
+  solid.spline_m = read_points(node, "spline_m");
+  if (solid.spline_m.size() < 2) node.child("spline_m").fail("has less than 2 points");
+  if (node.has("radius_m") == node.has("polygon_m")) node.fail("must have one of radius_m, polygon_m");
+  if (node.has("radius_m")) {
+    solid.radius_m = node.number("radius_m", AllowedRange::positive());
+    return;
+  }
+  read_polygon(node, solid);
+  solid.axis = read_direction(node, "x_axis");
+  const Eigen::Vector3d along = solid.spline_m[1] - solid.spline_m[0];
+  if (along.cross(solid.axis).norm() < 1e-6 * along.norm() * solid.axis.norm())
+    node.child("x_axis").fail("runs along the curve's start, must run across it");
 }
 
 void read_parts(const YamlNode& node, Solid& solid) {
@@ -137,12 +166,6 @@ void read_parts(const YamlNode& node, Solid& solid) {
   if (solid.parts.size() < least) {
     node.fail("has " + std::to_string(solid.parts.size()) + " solids, must have at least " + std::to_string(least));
   }
-}
-
-Eigen::Vector3d read_direction(const YamlNode& node, const std::string& key) {
-  const Eigen::Vector3d given = node.vector3(key);
-  if (given.norm() < 1e-9) node.child(key).fail("has no length");
-  return given;
 }
 
 Eigen::Vector3d vector3_or_zero(const YamlNode& node, const std::string& key) {
@@ -185,6 +208,19 @@ void read_array(const YamlNode& node, Solid& solid) {
   if (solid.by_m.isZero() && solid.angle_deg == 0) node.fail("needs by_m or angle_deg between its copies");
 }
 
+// Of all edges, or of those that lie in a box.
+void read_fillet(const YamlNode& node, Solid& solid) {
+  solid.parts = {read_moved(node)};
+  solid.radius_m = node.number("radius_m", AllowedRange::positive());
+  solid.start_m.setConstant(-kFarAway_m);
+  solid.end_m.setConstant(kFarAway_m);
+  const std::optional<YamlNode> box = node.optional_child("edges_in");
+  if (!box) return;
+  solid.start_m = box->vector3("min_m");
+  solid.end_m = box->vector3("max_m");
+  if ((solid.start_m.array() > solid.end_m.array()).any()) box->fail("min_m lies beyond max_m");
+}
+
 std::string read_file(const YamlNode& node) {
   namespace fs = std::filesystem;
   const fs::path file = fs::absolute(fs::path(node.source()).parent_path() / node.as_text()).lexically_normal();
@@ -222,6 +258,19 @@ std::string moved_text(const Solid& solid) {
   return inner + ", count: " + std::to_string(solid.count) + by + ", axis: " + axis + angle + center + "}";
 }
 
+template <typename Points>
+std::string list_text(const Points& points) {
+  std::string list;
+  for (const auto& point : points) list += (list.empty() ? "" : ", ") + vector_text(point);
+  return "[" + list + "]";
+}
+
+std::string sweep_text(const Solid& solid) {
+  const std::string start = "{spline_m: " + list_text(solid.spline_m);
+  if (solid.polygon_m.empty()) return start + ", radius_m: " + number_text(solid.radius_m) + "}";
+  return start + ", polygon_m: " + list_text(solid.polygon_m) + ", x_axis: " + vector_text(solid.axis) + "}";
+}
+
 std::string shape_text(const Solid& solid) {
   if (solid.moves()) return moved_text(solid);
   const std::string center = "center_m: " + vector_text(solid.center_m);
@@ -238,8 +287,12 @@ std::string shape_text(const Solid& solid) {
     case Kind::cone:
       return "{" + axis + ", " + radius + ", end_radius_m: " + number_text(solid.end_radius_m) + "}";
     case Kind::extrude:
-      for (const auto& corner : solid.polygon_m) list += (list.empty() ? "" : ", ") + vector_text(corner);
-      return "{polygon_m: [" + list + "], z_m: " + vector_text(solid.z_m) + "}";
+      return "{polygon_m: " + list_text(solid.polygon_m) + ", z_m: " + vector_text(solid.z_m) + "}";
+    case Kind::sweep:
+      return sweep_text(solid);
+    case Kind::fillet:
+      return "{solid: " + to_yaml(solid.parts[0]) + ", " + radius +
+             ", edges_in: {min_m: " + vector_text(solid.start_m) + ", max_m: " + vector_text(solid.end_m) + "}}";
     case Kind::union_of:
     case Kind::difference:
     case Kind::intersection:
@@ -289,9 +342,9 @@ void collect_named(const Solid& solid, int depth, std::vector<NamedSolid>& named
 
 Solid read_solid(const YamlNode& node) {
   using Read = void (*)(const YamlNode&, Solid&);
-  static constexpr Read readers[] = {read_box,   read_sphere, read_cylinder, read_cone,   read_extrude,
-                                     read_parts, read_parts,  read_parts,    read_rotate, read_translate,
-                                     read_scale, read_mirror, read_array};
+  static constexpr Read readers[] = {read_box,       read_sphere, read_cylinder, read_cone,  read_extrude,
+                                     read_sweep,     read_parts,  read_parts,    read_parts, read_rotate,
+                                     read_translate, read_scale,  read_mirror,   read_array, read_fillet};
   Solid solid;
   solid.kind = read_kind(node);
   const YamlNode shape = node.child(kind_names()[static_cast<size_t>(solid.kind)]);
@@ -323,8 +376,8 @@ Solid read_body_solid(const YamlNode& body) {
 bool same_solid(const Solid& a, const Solid& b) {
   const auto shape = [](const Solid& one) {
     return std::tie(one.kind, one.name, one.size_m, one.center_m, one.start_m, one.end_m, one.radius_m,
-                    one.end_radius_m, one.polygon_m, one.z_m, one.axis, one.angle_deg, one.by_m, one.factor, one.count,
-                    one.file);
+                    one.end_radius_m, one.polygon_m, one.spline_m, one.z_m, one.axis, one.angle_deg, one.by_m,
+                    one.factor, one.count, one.file);
   };
   return shape(a) == shape(b) && std::equal(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end(), same_solid);
 }

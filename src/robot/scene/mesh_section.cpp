@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include "mechanics/mesh/cable_path.h"
 #include "sections.h"
 #include "settings/read_name.h"
 #include "soft_robot_lab/robot/design/solid.h"
@@ -15,10 +16,8 @@ std::vector<MeshRefinement> plug_refinements(const YamlNode& scene) {
   std::vector<MeshRefinement> refinements;
   for (const YamlNode& cable : scene.optional_sequence("cables")) {
     if (!cable.has("plug_radius_m")) continue;
-    const std::vector<YamlNode> points = cable_path(cable);
-    if (points.empty()) cable.fail("its path is empty");
     const double plug_radius_m = cable.number("plug_radius_m", AllowedRange::positive());
-    refinements.push_back({as_vector3(points.back()), 2.0 * plug_radius_m, plug_radius_m});
+    refinements.push_back({read_cable_path(cable).points_m.back(), 2.0 * plug_radius_m, plug_radius_m});
   }
   return refinements;
 }
@@ -114,16 +113,6 @@ std::optional<int> read_owner(const YamlNode& item, const TetMesh& mesh) {
   if (!item.has("body")) return std::nullopt;
   const std::string name = item.choice("body", mesh.bodies);
   return static_cast<int>(std::find(mesh.bodies.begin(), mesh.bodies.end(), name) - mesh.bodies.begin());
-}
-
-std::vector<YamlNode> cable_path(const YamlNode& cable) {
-  return cable.sequence(cable.has("path_m") ? "path_m" : "points_m");
-}
-
-Eigen::Vector3d as_vector3(const YamlNode& node) {
-  const Eigen::VectorXd numbers = node.as_numbers();
-  if (numbers.size() != 3) node.fail("has " + std::to_string(numbers.size()) + " numbers, must have 3: [x, y, z]");
-  return numbers;
 }
 
 }  // namespace soft_robot_lab

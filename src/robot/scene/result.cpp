@@ -36,7 +36,8 @@ Json cable_json(const ActuatorReading& state) {
   if (state.slack_m) json["slack_m"] = *state.slack_m;
   if (state.pretension_n) json["pretension_n"] = *state.pretension_n;
   for (const PathChange& change : state.path_changes)
-    json["points_moved"].push_back({{"point", change.point}, {"moved_m", change.moved_m}});
+    json["points_moved"].push_back(
+        {{"point", change.point < 0 ? Json() : Json(change.point)}, {"moved_m", change.moved_m}});
   return json;
 }
 
@@ -203,6 +204,22 @@ std::string millimetres(const Eigen::Vector3d& v) {
 // A reduced model balances forces within its modes alone: of the full model's reaction it knows nothing.
 bool ends_reduced(const Scene& scene, const RunReport& report) { return scene.reduction && !report.left_reduced; }
 
+// The given points one by one, those that the mesh set in one line.
+std::string moved_text(const std::vector<PathChange>& changes) {
+  std::ostringstream text;
+  double farthest_m = 0.0;
+  for (const PathChange& change : changes) {
+    if (change.point < 0) {
+      farthest_m = std::max(farthest_m, change.moved_m);
+      continue;
+    }
+    text << "  its point " << change.point << " takes hold " << 1e3 * change.moved_m << " mm from where it was put\n";
+  }
+  if (farthest_m > 0.0)
+    text << "  between its points it takes hold up to " << 1e3 * farthest_m << " mm beside its path\n";
+  return text.str();
+}
+
 }  // namespace
 
 std::string result_json(const Scene& scene, const RunReport& report) {
@@ -263,8 +280,7 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
     if (state.slack_m && *state.slack_m > 0.0) text << ", slack by " << 1e3 * *state.slack_m << " mm";
     if (state.gauge_pressure_pa) text << ", gauge pressure " << *state.gauge_pressure_pa << " Pa";
     text << "\n";
-    for (const PathChange& change : state.path_changes)
-      text << "  its point " << change.point << " takes hold " << 1e3 * change.moved_m << " mm from where it was put\n";
+    text << moved_text(state.path_changes);
   }
   return text.str();
 }

@@ -46,10 +46,6 @@ std::string beside(const YamlNode& node, const std::string& file);
 // `body` in an item of a list: which body of the mesh it belongs to; none where it may be any.
 std::optional<int> read_owner(const YamlNode& item, const TetMesh& mesh);
 
-Eigen::Vector3d as_vector3(const YamlNode& node);  // an item [x, y, z] of a list
-
-std::vector<YamlNode> cable_path(const YamlNode& cable);  // the items of its path, by whichever key it has
-
 // What a part refuses becomes an error at the section's file and line.
 template <typename Build>
 auto in_section(const YamlNode& node, const Build& build) {

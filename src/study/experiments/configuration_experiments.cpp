@@ -83,7 +83,7 @@ Overrides spring_cables(const Settings& settings) {
     spring.set({"name"}, name).set({"model"}, "springs").set({"stiffness_n_m"}, settings.spring_stiffness_n_m);
     spring.set({"damping_n_s_m"}, settings.spring_damping_n_s_m);
     for (const std::string key :
-         {"points_m", "path_m", "sheath_radius_m", "plug_radius_m", "min_contraction", "pull_speed_m_s"})
+         {"points_m", "path_m", "spline_m", "sheath_radius_m", "plug_radius_m", "min_contraction", "pull_speed_m_s"})
       if (const auto value = cables.value(name, key)) spring.set({key}, *value);
     springs.emplace_back(spring);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cables of which only the path is given: where they run in the silicone and where they are free.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "mechanics/box_mesh.h"
+#include "mechanics/mesh/cable_path.h"
 #include "mechanics/mesh/skin.h"
 #include "soft_robot_lab/mechanics/actuators/cable.h"
 #include "soft_robot_lab/mechanics/simulation.h"
@@ -122,6 +124,34 @@ TEST(CableRoute, PassesOverSlitsFarThinnerThanItsSheath) {
               {0, 0.02, 0.0201, 0.06}, 1e-9);
 }
 
+// Of four control points the curve is the Bézier curve of these points.
+TEST(CableRoute, FollowsASpline) {
+  const Eigen::Vector3d a(0, -0.005, 0), b(0.02, -0.005, 0), c(0.04, -0.005, -0.004), d(0.06, -0.005, -0.004);
+  const std::vector<Eigen::Vector3d> points_m = points_on_spline({a, b, c, d}, 1e-5);
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    const double t = static_cast<double>(i) / (static_cast<double>(points_m.size()) - 1.0), s = 1.0 - t;
+    const Eigen::Vector3d wanted_m = s * s * s * a + 3 * s * s * t * b + 3 * s * t * t * c + t * t * t * d;
+    EXPECT_LT((points_m[i] - wanted_m).norm(), 1e-12) << i;
+  }
+  const std::string curve =
+      "spline_m: [[0, -0.005, 0], [0.02, -0.005, 0], [0.04, -0.005, -0.004], [0.06, -0.005, -0.004]]";
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < points_m.size(); ++i) length_m += (points_m[i] - points_m[i - 1]).norm();
+  EXPECT_NEAR(*at_rest(slotted(), curve).rest_length_m, length_m, 0.0001 * length_m);
+  EXPECT_EQ(points_on_spline({a, d}, 1e-5).size(), 2u) << "a straight line";
+}
+
+// Where it leaves the silicone it is straight: no point of the curve holds it there.
+TEST(CableRoute, IsStraightWhereItsSplinePassesThroughAir) {
+  const std::vector<double> x_m =
+      along_x(at_rest(slotted(), "spline_m: [[0, 0.002, 0], [0.03, 0.008, 0], [0.06, 0.002, 0]]"));
+  int in_slot = 0;
+  for (const double x : x_m) in_slot += x > 0.02 + 1e-4 && x < 0.03 - 1e-4;
+  EXPECT_EQ(in_slot, 0);
+  EXPECT_EQ(std::count_if(x_m.begin(), x_m.end(), [](double x) { return std::abs(x - 0.02) < 1e-4; }), 1);
+  EXPECT_EQ(std::count_if(x_m.begin(), x_m.end(), [](double x) { return std::abs(x - 0.03) < 1e-4; }), 1);
+}
+
 std::string refusal(const std::string& settings) {
   try {
     at_rest(slotted(), settings);
@@ -143,9 +173,12 @@ TEST(CableRoute, RefusesWhatIsNeitherInASheathNorFree) {
       {"path_m: [[0, 0.005, 0], [0.025, 0.005, 0], [0.05, 0.005, 0]]",
        "path_m[1]: point 1 at (0.025, 0.005, 0) m lies 0.005 m outside the body, where nothing bends the cable"},
       {"path_m: [[0, 0, 0], [0.025, 0.005, 0]]", "path_m[1]: point 1 at (0.025, 0.005, 0) m lies 0.005 m outside"},
+      {"spline_m: [[0, 0, 0], [0.02, 0, 0], [0.06, 0.02, 0]]", "spline_m: point "},
+      {"spline_m: [[0, 0, 0]]", "spline_m: a cable needs at least two points, this one has 1"},
       {"path_m: [[0, 0, 0]]", "path_m: a cable needs at least two points, this one has 1"},
-      {"path_m: [[0, 0, 0], [0.05, 0, 0]], points_m: [[0, 0, 0], [0.05, 0, 0]]", "must have one of path_m, points_m"},
-      {"via_points: given", "must have one of path_m, points_m"},
+      {"path_m: [[0, 0, 0], [0.05, 0, 0]], points_m: [[0, 0, 0], [0.05, 0, 0]]",
+       "must have one of points_m, path_m, spline_m"},
+      {"via_points: given", "must have one of points_m, path_m, spline_m"},
   };
   for (const auto& wrong : cases)
     EXPECT_NE(refusal(wrong.settings).find(wrong.words), std::string::npos) << refusal(wrong.settings);

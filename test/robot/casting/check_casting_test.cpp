@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "mechanics/mesh/cable_path.h"
 #include "robot/casting/pockets.h"
+#include "robot/casting/sheaths.h"
 #include "robot/casting/squeeze.h"
 #include "robot/design/surface_file.h"
 #include "shapes.h"
@@ -124,6 +126,14 @@ TEST(CheckCasting, RefusesABendThatKinksTheSheath) {
   EXPECT_EQ(failures(verdict), "cables");
   EXPECT_NEAR(number(verdict, "cables", "worst_radius_m"), 0.01, 0.01 * 0.01);
   EXPECT_NE(verdict.test("cables").why.find("kinks"), std::string::npos);
+}
+
+// A parabola y = x² / 40 mm: its tightest place is its vertex, with 20 mm; chords of it bend a little more.
+TEST(CheckCasting, MeasuresTheBendOfASpline) {
+  SheathPath path{"left", points_on_spline({{-0.02, 0.02, 0}, {0, 0, 0}, {0.02, 0.02, 0}}, 5e-5), 0.001};
+  const WorstAlong worst = tightest_bend({path});
+  EXPECT_NEAR(worst.worst_m, 0.02, 0.02 * 0.03);
+  EXPECT_LT((worst.at_m - Eigen::Vector3d(0, 0.01, 0)).norm(), 0.002);
 }
 
 TEST(CheckCasting, MeasuresTheLigamentBetweenTwoSheaths) {

@@ -314,6 +314,8 @@ TEST(MakeMould, LetsTheCastableRobotsOutAsTheSourcesWere) {
     ASSERT_EQ(file.robot.sheaths.size(), 2u);
     for (const SheathPath& path : file.robot.sheaths) EXPECT_NEAR(length_m(path), cable_m, 1e-12) << name;
   }
+  for (const char* finger : {"finger_a1", "finger_a2"})
+    EXPECT_TRUE(check_casting(cast_robot(finger)).castable) << finger;
 }
 
 double number(const CastingTest& test, const std::string& key) {

@@ -155,6 +155,44 @@ TEST_F(MeshRobot, ExtrudesPolygonsOfEitherSense) {
   }
 }
 
+// Pappus: a profile whose centroid lies on the curve sweeps its area times the curve's length.
+TEST_F(MeshRobot, SweepsAlongASpline) {
+  const std::string curve = "{sweep: {spline_m: [[0, 0, 0], [0.05, 0, 0], [0.05, 0.05, 0]], ";
+  double length = 0;  // of the parabola between these control points
+  constexpr int steps = 1000;
+  for (int i = 0; i < steps; ++i) {
+    const double t = (i + 0.5) / steps;
+    length += 0.1 * std::hypot(1 - t, t) / steps;
+  }
+  expect_relative(volume(mesh_of(curve + "radius_m: 0.005}}", 0.005)), kPi * 25e-6 * length, 2e-3);
+  const TetMesh bar = mesh_of(
+      curve + "polygon_m: [[-0.002, -0.005], [0.002, -0.005], [0.002, 0.005], [-0.002, 0.005]], x_axis: [0, 0, 1]}}",
+      0.005);
+  expect_relative(volume(bar), 0.004 * 0.01 * length, 2e-3);
+  EXPECT_NEAR(bar.nodes_m.row(2).maxCoeff(), 0.002, 1e-6) << "x of the profile runs along x_axis";
+  EXPECT_NEAR(bar.nodes_m.row(2).minCoeff(), -0.002, 1e-6);
+}
+
+TEST_F(MeshRobot, RoundsEdges) {
+  const std::string block =
+      "{fillet: {solid: {box: {size_m: [0.03, 0.02, 0.02], center_m: [0, 0, 0]}}, radius_m: 0.004";
+  // All twelve: prisms, quarter cylinders and a ball.
+  const double a = 0.022, b = 0.012, r = 0.004;
+  expect_relative(volume(mesh_of(block + "}}", 0.006)),
+                  a * b * b + 2 * r * (2 * a * b + b * b) + kPi * r * r * (a + 2 * b) + 4.0 / 3.0 * kPi * r * r * r,
+                  2e-3);
+  const std::string one = ", edges_in: {min_m: [-1, 0.009, 0.009], max_m: [1, 1, 1]}}}";
+  expect_relative(volume(mesh_of(block + one, 0.006)), 12e-6 - (1 - kPi / 4) * r * r * 0.03, 5e-4);
+  // A cylinder's seam is no edge. Centroid of what is taken away: 0.2234 r from the corner.
+  const std::string tin = "{fillet: {solid: {cylinder: {start_m: [0, 0, 0], end_m: [0, 0, 0.02], radius_m: 0.01}}, ";
+  const double away = 2 * (1 - kPi / 4) * r * r * 2 * kPi * (0.01 - r * (10 - 3 * kPi) / (12 - 3 * kPi));
+  expect_relative(volume(mesh_of(tin + "radius_m: 0.004}}", 0.004)), kPi * 2e-6 - away, 2e-3);
+  EXPECT_NE(refusal(tin + "radius_m: 0.03}}").find("cannot round these 2 edges by radius_m 0.03"), std::string::npos)
+      << refusal(tin + "radius_m: 0.03}}");
+  EXPECT_EQ(refusal(tin + "radius_m: 0.001, edges_in: {min_m: [1, 1, 1], max_m: [2, 2, 2]}}}"),
+            "fillet: no edge lies in edges_in");
+}
+
 TEST_F(MeshRobot, CombinesSolids) {
   const std::string left = "{box: {size_m: [0.04, 0.02, 0.02], center_m: [0, 0, 0]}}";
   const std::string right = "{box: {size_m: [0.04, 0.02, 0.02], center_m: [0.03, 0, 0]}}";

@@ -65,12 +65,22 @@ TEST(Solid, WritesMovedSolidsAsItReadsThem) {
   for (const char* text :
        {"rotate: %axis: [0, 0.3, 0.4], angle_deg: 30, center_m: [1, 2, 3]}", "translate: %by_m: [1, 2, 3]}",
         "scale: %factor: 1.5, center_m: [1, 0, 0]}", "mirror: %normal: [0.1, 0.2, 0.3], center_m: [0, 0, 1]}",
-        "array: %count: 3, by_m: [0, 0, 1], axis: [1, 1, 0], angle_deg: 20, center_m: [0, 1, 0]}"}) {
+        "array: %count: 3, by_m: [0, 0, 1], axis: [1, 1, 0], angle_deg: 20, center_m: [0, 1, 0]}",
+        "fillet: %radius_m: 0.01}", "fillet: %radius_m: 0.01, edges_in: {min_m: [0, 0, 0], max_m: [1, 1, 2]}}"}) {
     std::string filled = text;
     filled.replace(filled.find('%'), 1, ball);
     const std::string written = to_yaml(read(filled));
     EXPECT_EQ(written.substr(1, 5), filled.substr(0, 5));
     EXPECT_EQ(to_yaml(read(written)), written) << text;
+  }
+}
+
+TEST(Solid, WritesSweepsAsItReadsThem) {
+  for (const std::string profile : {"radius_m: 0.01}", "polygon_m: [[0, 0], [1, 0], [0, 1]], x_axis: [0, 1, 0.5]}"}) {
+    const std::string text = "sweep: {spline_m: [[0, 0, 0], [1, 0, 0], [1, 0, 1]], " + profile;
+    const std::string written = to_yaml(read(text));
+    EXPECT_EQ(to_yaml(read(written)), written) << text;
+    EXPECT_EQ(written.find("radius_m") == std::string::npos, text.find("radius_m") == std::string::npos);
   }
 }
 
@@ -100,7 +110,7 @@ TEST(Solid, TakesANameAmongTheDimensionsToo) {
 TEST(Solid, NamesThePlaceOfWhatIsWrong) {
   const std::vector<std::pair<std::string, std::string>> faults = {
       {"5", "must be a solid such as"},
-      {"bx: {}", "holds no shape but 'bx'; must hold one of box, sphere, cylinder, cone, extrude, union, difference"},
+      {"bx: {}", "holds no shape but 'bx'; must hold one of box, sphere, cylinder, cone, extrude, sweep, union, "},
       {"{box: {}, sphere: {}}", "'box' and 'sphere' in one solid"},
       {"box: {size_m: [1, 0, 1], center_m: [0, 0, 0]}", "box.size_m[1]: 0 is out of range (0, inf)"},
       {"box: {size_m: [1, 1, 1]}", "box: key 'center_m' is missing"},
@@ -125,6 +135,16 @@ TEST(Solid, NamesThePlaceOfWhatIsWrong) {
        "rotate.axis: has no length"},
       {"scale: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, factor: 0}", "scale.factor: 0 is out of range"},
       {"array: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, count: 2}", "needs by_m or angle_deg"},
+      {"sweep: {spline_m: [[0, 0, 0]], radius_m: 1}", "spline_m: has less than 2 points"},
+      {"sweep: {spline_m: [[0, 0, 0], [0, 0, 0]], radius_m: 1}", "spline_m[1]: repeats the point before it"},
+      {"sweep: {spline_m: [[0, 0, 0], [0, 0, 1]]}", "must have one of radius_m, polygon_m"},
+      {"sweep: {spline_m: [[0, 0, 0], [0, 0, 1]], polygon_m: [[0, 0], [1, 0], [0, 1]], x_axis: [0, 0, 2]}",
+       "sweep.x_axis: runs along the curve's start, must run across it"},
+      {"fillet: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, radius_m: 0}",
+       "fillet.radius_m: 0 is out of range (0, inf)"},
+      {"fillet: {solid: {sphere: {radius_m: 1, center_m: [0, 0, 0]}}, radius_m: 1, "
+       "edges_in: {min_m: [0, 0, 1], max_m: [0, 0, 0]}}",
+       "fillet.edges_in: min_m lies beyond max_m"},
       {"translate: {by_m: [0, 0, 1]}", "translate: key 'solid' is missing"},
       {"{sphere: {radius_m: 1, center_m: [0, 0, 0]}, name: ''}", "name: '' is no name"},
       {"{sphere: {radius_m: 1, center_m: [0, 0, 0]}, name: 'a\"b'}", "is no name"},

@@ -38,6 +38,8 @@ TEST(CableRobots, TakeAFifthOfTheirLengthInFewIterations) {
   expect_easy_pull("spinebot", 0.9, 3);
   expect_easy_pull("hammerbot", 1.1, 3);
   expect_easy_pull("gripper", 1.1, 3);
+  expect_easy_pull("finger_a1", 0.9, 3);
+  expect_easy_pull("finger_a2", 1.3, 3);
 }
 
 // The corners of Spinebot's cable alone give the points that its file has by hand, and one more, where the cable enters

@@ -20,8 +20,11 @@ struct DriveCommand;
 //     free.
 //   path_m: [[x, y, z], ...] instead: the corners of its path. Where that leaves and enters the body points are set: in
 //     the silicone the cable is in a sheath, elsewhere free. A corner in the air, and a leg along the skin, are errors.
-//   via_points: given, those above alone (default of points_m); or per_element (of path_m), beside them one in the
-//     middle of the cable's way through every element of the mesh that it crosses and that holds none of them
+//   spline_m: [[x, y, z], ...] instead: control points of a cubic B-spline from the first to the last; then as path_m,
+//     but the curve may pass through air
+//   via_points: given, those above alone (default of points_m); or per_element (of path_m and spline_m), beside them
+//     one in the middle of the cable's way through every element of the mesh that it crosses and that holds none of
+//     them
 //   model: sliding (one tension along the path), friction (tension falls by exp(-friction_coefficient * angle) at each
 //     point, against the slip), or springs (one unilateral spring from point to point, as the thesis has it)
 //   command: contraction (commanded length / rest length), length_m or tension_n

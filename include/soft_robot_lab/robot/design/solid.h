@@ -19,6 +19,7 @@ struct Solid {
     cylinder,
     cone,
     extrude,
+    sweep,
     union_of,
     difference,
     intersection,
@@ -27,6 +28,7 @@ struct Solid {
     scale,
     mirror,
     array,
+    fillet,
     step_file,
     stl_file
   };
@@ -39,19 +41,20 @@ struct Solid {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // box
   Eigen::Vector3d center_m =
       Eigen::Vector3d::Zero();                        // box, sphere; what rotate, scale, mirror and array keep in place
-  Eigen::Vector3d start_m = Eigen::Vector3d::Zero();  // cylinder, cone
-  Eigen::Vector3d end_m = Eigen::Vector3d::Zero();
-  double radius_m = 0.0;                            // sphere, cylinder, cone (at the start)
-  double end_radius_m = 0.0;                        // cone
-  std::vector<Eigen::Vector2d> polygon_m;           // extrude: corners in x, y
-  Eigen::Vector2d z_m = Eigen::Vector2d::Zero();    // extrude: from, to
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  // rotate, array; the plane's normal of mirror
-  double angle_deg = 0.0;                           // rotate; array: of one copy to the next
-  Eigen::Vector3d by_m = Eigen::Vector3d::Zero();   // translate; array: of one copy to the next
-  double factor = 1.0;                              // scale
-  int count = 1;                                    // array
-  std::string file;                                 // step_file, stl_file: absolute
-  // union_of, difference (first minus the rest), intersection; rotate and its kin have one
+  Eigen::Vector3d start_m = Eigen::Vector3d::Zero();  // cylinder, cone; fillet: lowest corner of where it rounds
+  Eigen::Vector3d end_m = Eigen::Vector3d::Zero();    // the same; its highest corner
+  double radius_m = 0.0;                              // sphere, cylinder, cone (at the start), sweep of a disc, fillet
+  double end_radius_m = 0.0;                          // cone
+  std::vector<Eigen::Vector2d> polygon_m;             // extrude: corners in x, y; sweep: along axis, and across it
+  std::vector<Eigen::Vector3d> spline_m;              // sweep: control points of a cubic B-spline
+  Eigen::Vector2d z_m = Eigen::Vector2d::Zero();      // extrude: from, to
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();    // rotate, array; the plane's normal of mirror; sweep: x
+  double angle_deg = 0.0;                             // rotate; array: of one copy to the next
+  Eigen::Vector3d by_m = Eigen::Vector3d::Zero();     // translate; array: of one copy to the next
+  double factor = 1.0;                                // scale
+  int count = 1;                                      // array
+  std::string file;                                   // step_file, stl_file: absolute
+  // union_of, difference (first minus the rest), intersection; rotate and its kin, and fillet, have one
   std::vector<Solid> parts;
 
   bool moves() const { return kind >= Kind::rotate && kind <= Kind::array; }

@@ -22,32 +22,23 @@ struct Spread {
   double box_m;  // of every point; 0 for discs
 };
 
-GivenPath read_path(const YamlNode& settings, const std::string& key) {
-  GivenPath path;
-  for (const YamlNode& item : settings.sequence(key)) {
-    const Eigen::VectorXd point = item.as_numbers();
-    if (point.size() != 3) item.fail("a point is [x, y, z] in m");
-    path.emplace_back(point);
-    if (path.size() > 1 && (path.back() - path[path.size() - 2]).norm() < kNear_m)
-      item.fail("repeats the point before it, " + point_text(path.back()));
-  }
-  if (path.size() < 2 && (key == "path_m" || !settings.has("drive_points_m")))
-    settings.fail(key + ": a cable needs at least two points, this one has " + std::to_string(path.size()));
-  return path;
+// Only silicone bends a cable: the points of a curve between which it is in the air are none of its own.
+void leave_out_air(const MeshLocator& locator, double tolerance_m, GivenPath& path) {
+  const auto in_air = [&](const Eigen::Vector3d& at_m) { return locator.locate(at_m).distance_m > tolerance_m; };
+  path.erase(std::remove_if(path.begin() + 1, path.end() - 1, in_air), path.end() - 1);
 }
 
-std::vector<PathPoint> read_points(const YamlNode& settings, const Body& body, const MeshLocator& locator,
+std::vector<PathPoint> path_points(const YamlNode& settings, const Body& body, const MeshLocator& locator,
                                    double sheath_radius_m) {
-  const bool routes_itself = settings.has("path_m");
-  if (routes_itself == settings.has("points_m")) settings.fail("must have one of path_m, points_m");
-  const bool per_element = settings.choice_or("via_points", routes_itself ? "per_element" : "given",
+  CablePath path = read_cable_path(settings);
+  const bool per_element = settings.choice_or("via_points", path.routes_itself() ? "per_element" : "given",
                                               {"given", "per_element"}) == "per_element";
-  const GivenPath path = read_path(settings, routes_itself ? "path_m" : "points_m");
-  if (routes_itself) {
+  if (path.routes_itself()) {
     const double tolerance_m = std::max(kOnSkin * sheath_radius_m, kRound * body.size_m());
+    if (path.key == "spline_m") leave_out_air(locator, tolerance_m, path.points_m);
     return routed(path, body.mesh(), locator, {tolerance_m, per_element}, settings);
   }
-  return per_element ? with_point_per_element(path, body.mesh(), locator) : as_given(path);
+  return per_element ? with_point_per_element(path.points_m, body.mesh(), locator) : as_given(path.points_m);
 }
 
 bool held(const EmbeddedPoint& point, const FixedAxes& fixed) {
@@ -123,8 +114,7 @@ void require_near(const YamlNode& settings, const PathPoint& point, const Locati
   message << "point " << point.given << " at " << point_text(point.position_m) << " lies " << location.distance_m
           << " m outside the body; the most is the sheath's radius, " << reach_m
           << " m; the nearest point of the body is " << point_text(location.nearest_m);
-  settings.sequence(settings.has("path_m") ? "path_m" : "points_m")[static_cast<std::size_t>(point.given)].fail(
-      message.str());
+  place_of(static_cast<std::size_t>(point.given), read_cable_path(settings), settings).fail(message.str());
 }
 
 // Samples of a disc that lie outside the body are left out, and the point moves to the middle of the others.
@@ -146,7 +136,7 @@ CablePoints read_cable_points(const YamlNode& settings, const Body& body, const 
   spread.plug_radius_m = settings.number_or("plug_radius_m", 0.003, AllowedRange::not_negative());
   spread.box_m = settings.number_or("spread_box_m", 0.0, AllowedRange::not_negative());
   const double reach = std::max(spread.sheath_radius_m, 0.5 * spread.box_m) + kNear_m;
-  const std::vector<PathPoint> path = read_points(settings, body, locator, spread.sheath_radius_m);
+  const std::vector<PathPoint> path = path_points(settings, body, locator, spread.sheath_radius_m);
   CablePoints result;
   result.points = read_drive_points(settings, body, path.front().position_m);
   for (std::size_t i = 0; i < path.size(); ++i) {

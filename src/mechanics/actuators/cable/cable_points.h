@@ -15,9 +15,9 @@ struct CablePoints {
   std::vector<PathChange> changes;
 };
 
-// Reads drive_points_m, points_m or path_m, via_points, sheath_radius_m, plug_radius_m and spread_box_m. Points just
-// outside the body are moved onto it; each is spread over sheath, plug or box, except on held material. Throws
-// SettingsError with the place.
+// Reads drive_points_m, the path (points_m, path_m or spline_m), via_points, sheath_radius_m, plug_radius_m and
+// spread_box_m. Points just outside the body are moved onto it; each is spread over sheath, plug or box, except on held
+// material. Throws SettingsError with the place.
 CablePoints read_cable_points(const YamlNode& settings, const Body& body, const MeshLocator& locator);
 
 }  // namespace soft_robot_lab

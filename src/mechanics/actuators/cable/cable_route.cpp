@@ -106,7 +106,8 @@ std::vector<Stretch> without_grazes(const Leg& leg, std::vector<Stretch> stretch
   return joined(stretches);
 }
 
-void refuse_air(const GivenPath& path, const MeshLocator& locator, double tolerance_m, const YamlNode& settings) {
+void refuse_air(const CablePath& cable, const MeshLocator& locator, double tolerance_m, const YamlNode& settings) {
+  const GivenPath& path = cable.points_m;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Location at = locator.locate(path[i]);
     if (at.distance_m <= tolerance_m) continue;
@@ -117,8 +118,15 @@ void refuse_air(const GivenPath& path, const MeshLocator& locator, double tolera
          << (end ? "holds the cable's end" : "bends the cable: it is straight from where it leaves to where it enters")
          << "; the most is a tenth of the sheath's radius, " << tolerance_m << " m; the nearest point of the body is "
          << point_text(at.nearest_m);
-    settings.sequence("path_m")[i].fail(text.str());
+    place_of(i, cable, settings).fail(text.str());
   }
+}
+
+// A sheath that begins or ends on the skin lies in it there, or a part of its disc would be in the air.
+std::optional<Eigen::Vector3d> mouth_normal(const Eigen::Vector3d& at_m, const TetMesh& mesh, double tolerance_m) {
+  const GripPlace place = grip_on_skin(mesh, mesh.nodes_m, at_m);
+  if (place.distance_m > tolerance_m) return std::nullopt;
+  return place.rest_normal;
 }
 
 }  // namespace
@@ -140,15 +148,16 @@ std::vector<PathPoint> with_point_per_element(const GivenPath& path, const TetMe
   return points;
 }
 
-std::vector<PathPoint> routed(const GivenPath& path, const TetMesh& mesh, const MeshLocator& locator,
+std::vector<PathPoint> routed(const CablePath& cable, const TetMesh& mesh, const MeshLocator& locator,
                               const RouteRules& rules, const YamlNode& settings) {
-  refuse_air(path, locator, rules.tolerance_m, settings);
+  refuse_air(cable, locator, rules.tolerance_m, settings);
+  const GivenPath& path = cable.points_m;
   std::set<int> taken = taken_elements(path, locator);
-  std::vector<PathPoint> points = {{path.front(), 0}};
+  std::vector<PathPoint> points = {{path.front(), 0, mouth_normal(path.front(), mesh, rules.tolerance_m)}};
   for (std::size_t i = 1; i < path.size(); ++i) {
     const Leg leg{path[i - 1], path[i]};
     const std::vector<Stretch> stretches =
-        without_grazes(leg, stretches_of(leg, mesh, locator), mesh, rules.tolerance_m, settings.sequence("path_m")[i]);
+        without_grazes(leg, stretches_of(leg, mesh, locator), mesh, rules.tolerance_m, place_of(i, cable, settings));
     std::vector<std::pair<double, PathPoint>> set;
     const auto add = [&](double share, const std::optional<Eigen::Vector3d>& normal) {  // those set first stay
       const auto close = [&](double other) { return std::abs(share - other) * leg.length_m() < rules.tolerance_m; };
@@ -163,6 +172,7 @@ std::vector<PathPoint> routed(const GivenPath& path, const TetMesh& mesh, const 
     for (const auto& [share, point] : set) points.push_back(point);
     points.push_back({path[i], static_cast<int>(i)});
   }
+  points.back().normal = mouth_normal(path.back(), mesh, rules.tolerance_m);
   return points;
 }
 

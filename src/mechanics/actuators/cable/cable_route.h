@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "mechanics/mesh/cable_path.h"
 #include "mechanics/mesh/skin.h"
 #include "soft_robot_lab/mechanics/embedding.h"
 #include "soft_robot_lab/settings/yaml_node.h"
@@ -38,8 +39,8 @@ struct RouteRules {
   bool per_element;  // and points inside, as above
 };
 
-// Throws SettingsError at an item of the list `path_m`: a point in the air, or a leg along the skin.
-std::vector<PathPoint> routed(const GivenPath& path, const TetMesh& mesh, const MeshLocator& locator,
+// Throws SettingsError at a point in the air, and at a leg along the skin.
+std::vector<PathPoint> routed(const CablePath& path, const TetMesh& mesh, const MeshLocator& locator,
                               const RouteRules& rules, const YamlNode& settings);
 
 }  // namespace soft_robot_lab

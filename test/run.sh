@@ -26,7 +26,7 @@ grep -q avx512 /proc/cpuinfo && other=Haswell || other=Prescott
 OPENBLAS_CORETYPE=$other ctest --test-dir "$package/build/sanitise" --output-on-failure -j"$jobs"
 unset ROS_HOSTNAME
 export ROS_IP=127.0.0.1 # the machine's own name need not resolve
-ctest --test-dir "$package/build" --output-on-failure -j"$jobs"
+ctest --test-dir "$package/build" --output-on-failure -j$((jobs + 1)) # sessions wait for most of their time
 [[ -n $all ]] || exit 0
 
 status=0

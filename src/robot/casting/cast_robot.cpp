@@ -7,6 +7,7 @@
 
 #include "build_solids.h"
 #include "mechanics/mesh/cable_path.h"
+#include "moved_bends.h"
 #include "robot/design/mesh_quality.h"
 #include "robot/design/surface_file.h"
 #include "robot/scene/sections.h"
@@ -109,6 +110,7 @@ CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& optio
       section, [&] { return file.solid ? surface_of_body(*file.solid, file.mesher) : surface_of_mesh(body.mesh()); });
   take_material(body.material(), file.robot);
   file.robot.mesh_qualities = volume_length_qualities(body.mesh().nodes_m, body.mesh().tets);
+  file.robot.moved_bend = tightest_moved_bend(*scene.simulation, RayTree(file.robot.surface), file.robot.sheaths);
   return file;
 }
 

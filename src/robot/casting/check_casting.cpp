@@ -112,6 +112,7 @@ CastingTest cables_test(const CastRobot& robot, const RayTree& tree, const Casti
   const WorstAlong bend = tightest_bend(robot.sheaths), cover = thinnest_cover(tree, robot.sheaths);
   CastingTest test{"cables", true, {}, {}, "", ""};
   test.numbers = {{"worst_radius_m", bend.worst_m},
+                  {"moved_radius_m", robot.moved_bend.worst_m},
                   {"min_radius_m", settings.min_radius_m},
                   {"worst_wall_m", cover.worst_m},
                   {"min_wall_m", settings.sheath.wall_m}};

@@ -20,6 +20,7 @@ struct CastRobot {
   double youngs_modulus_pa = 264200;
   double density_kg_m3 = 1070;
   std::vector<double> mesh_qualities;  // Q_vl of its elements; may be empty
+  WorstAlong moved_bend;               // of its sheaths in use; see moved_bends.h
   // Where sheaths lie on shelves: the surface less what they and their shelves take away, which then is judged.
   std::optional<Surface> shelved;
 };

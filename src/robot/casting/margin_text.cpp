@@ -21,6 +21,7 @@ constexpr Bound kBounds[] = {{"extraction", "draft ", "draft_deg", "min_draft_de
                              {"thickness", "", "worst_m", "limit_m", true, 1e3, " mm"},
                              {"angles", "", "worst_deg", "limit_deg", true, 1, " deg"},
                              {"cables", "bends of ", "worst_radius_m", "min_radius_m", true, 1e3, " mm"},
+                             {"cables", "bends in use of ", "moved_radius_m", nullptr, true, 1e3, " mm"},
                              {"cables", "walls of ", "worst_wall_m", "min_wall_m", true, 1e3, " mm"},
                              {"ligaments", "", "worst_m", "limit_m", true, 1e3, " mm"},
                              {"shelves", "apart by ", "worst_m", "limit_m", true, 1e3, " mm"},

@@ -68,6 +68,16 @@ bool is_inside(const RayTree& tree, const Eigen::Vector3d& point_m) {
   return inside >= 2;
 }
 
+Eigen::Vector3d point_along(const std::vector<Eigen::Vector3d>& points_m, double length_m) {
+  for (size_t i = 0; i + 1 < points_m.size(); ++i) {
+    const double segment = (points_m[i + 1] - points_m[i]).norm();
+    if (length_m <= segment || i + 2 == points_m.size())
+      return points_m[i] + std::min(1.0, length_m / segment) * (points_m[i + 1] - points_m[i]);
+    length_m -= segment;
+  }
+  return points_m.front();
+}
+
 WorstAlong tightest_bend(const std::vector<SheathPath>& paths) {
   WorstAlong worst;
   for (const SheathPath& path : paths) {

@@ -32,6 +32,9 @@ WorstAlong thinnest_cover(const RayTree& tree, const std::vector<SheathPath>& pa
 // Silicone between two sheaths inside the solid.
 WorstAlong nearest_sheaths(const RayTree& tree, const std::vector<SheathPath>& paths);
 
+// The point of a path that lies so far along it; its last one beyond its end.
+Eigen::Vector3d point_along(const std::vector<Eigen::Vector3d>& points_m, double length_m);
+
 // Whether a point lies in the solid.
 bool is_inside(const RayTree& tree, const Eigen::Vector3d& point_m);
 

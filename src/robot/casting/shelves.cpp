@@ -49,16 +49,6 @@ std::vector<double> crossings_m(const RayTree& robot, const std::vector<Vector3d
   return all;
 }
 
-Vector3d point_at(const std::vector<Vector3d>& points_m, double length_m) {
-  for (size_t i = 0; i + 1 < points_m.size(); ++i) {
-    const double segment = (points_m[i + 1] - points_m[i]).norm();
-    if (length_m <= segment || i + 2 == points_m.size())
-      return points_m[i] + std::min(1.0, length_m / segment) * (points_m[i + 1] - points_m[i]);
-    length_m -= segment;
-  }
-  return points_m.front();
-}
-
 struct Stretch {
   double from_m, to_m, outside_m;
 };
@@ -68,7 +58,7 @@ std::vector<Stretch> stretches(const RayTree& robot, const std::vector<Vector3d>
   std::vector<Stretch> found;
   const std::vector<double> at = crossings_m(robot, points_m);
   for (size_t i = 0; i + 1 < at.size(); ++i) {
-    if (at[i + 1] - at[i] < 1e-6 || !is_inside(robot, point_at(points_m, (at[i] + at[i + 1]) / 2))) continue;
+    if (at[i + 1] - at[i] < 1e-6 || !is_inside(robot, point_along(points_m, (at[i] + at[i + 1]) / 2))) continue;
     const double gap = found.empty() ? INFINITY : at[i] - found.back().to_m;
     if (gap > longest_slot_m) {
       found.push_back({at[i], at[i + 1], 0});
@@ -81,13 +71,13 @@ std::vector<Stretch> stretches(const RayTree& robot, const std::vector<Vector3d>
 }
 
 std::vector<Vector3d> cut_out(const std::vector<Vector3d>& points_m, const Stretch& stretch) {
-  std::vector<Vector3d> cut{point_at(points_m, stretch.from_m)};
+  std::vector<Vector3d> cut{point_along(points_m, stretch.from_m)};
   double at = 0;
   for (size_t i = 0; i + 1 < points_m.size(); ++i) {
     if (at > stretch.from_m && at < stretch.to_m) cut.push_back(points_m[i]);
     at += (points_m[i + 1] - points_m[i]).norm();
   }
-  cut.push_back(point_at(points_m, stretch.to_m));
+  cut.push_back(point_along(points_m, stretch.to_m));
   return bends_of(cut);
 }
 

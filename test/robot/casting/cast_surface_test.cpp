@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "robot/casting/cast_robot.h"
+#include "robot/casting/moved_bends.h"
 #include "robot/scene/block_beside.h"
 #include "robot/scene/scene_files.h"
 #include "shapes.h"
@@ -53,6 +54,40 @@ TEST(CastSurface, GivesTheVerdictOfAMeshedRobot) {
   for (size_t i = 0; i + 1 < alone.tests.size(); ++i) EXPECT_EQ(alone.tests[i].numbers, whole.tests[i].numbers);
   EXPECT_EQ(alone.tests.back().name, "mesh_quality");
   EXPECT_FALSE(std::isfinite(alone.tests.back().numbers[0].second));
+}
+
+// A cable beside a bar's middle bends it to a circle, but for its ends.
+TEST(CastRobot, KnowsHowItsSheathsBendInUse) {
+  const SceneFolder folder;
+  const std::string bar =
+      folder.write("robot.yaml",
+                   "body:\n"
+                   "  solid: {box: {size_m: [0.1, 0.02, 0.02], center_m: [0.05, 0, 0]}}\n"
+                   "  element_size_m: 0.01\n"
+                   "  material: {youngs_modulus_pa: 264200, poissons_ratio: 0.499}\n"
+                   "  fixed: [{box: {min_m: [-1, -1, -1], max_m: [1.0e-6, 1, 1]}}]\n"
+                   "cables:\n"
+                   "  - {name: side, points_m: [[0, 0.005, 0], [0.05, 0.005, 0], [0.09, 0.005, 0]],"
+                   " via_points: per_element, min_contraction: 0.9}\n"
+                   "  - {name: middle, points_m: [[0, 0, 0], [0.09, 0, 0]], min_contraction: 0.95}\n");
+  const WorstAlong bend = load_cast_robot(bar, options()).robot.moved_bend;
+  EXPECT_EQ(bend.other, "side") << "the other one leaves the bar straight";
+  const Scene scene = load_scene(bar, options());
+  Simulation& simulation = *scene.simulation;
+  simulation.set_command("side", 0.9);
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  SheathPath path{"side", simulation.actuator_state(0).path_m, 0.001};
+  const double circle_m = tightest_arc(path, 0.03).worst_m;
+  EXPECT_LT(bend.worst_m, circle_m);
+  EXPECT_GT(bend.worst_m, 0.85 * circle_m);
+}
+
+TEST(TightestArc, IsACirclesRadius) {
+  SheathPath path{"left", {}, 0.001};
+  EXPECT_FALSE(std::isfinite(tightest_arc(path, 0.003).worst_m));
+  for (int i = 0; i <= 100; ++i) path.points_m.emplace_back(0.02 * std::cos(0.01 * i), 0.02 * std::sin(0.01 * i), 0);
+  EXPECT_NEAR(tightest_arc(path, 0.003).worst_m, 0.02, 2e-5);
+  EXPECT_FALSE(std::isfinite(tightest_arc(path, 0.011).worst_m)) << "shorter than two steps";
 }
 
 std::string box_at(double x, double y, const char* rest) {

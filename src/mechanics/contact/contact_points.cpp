@@ -153,7 +153,9 @@ ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
 Eigen::Vector3d ContactPoints::at(int point, const Eigen::Matrix3Xd& columns) const {
   const int face = face_of(point), place = place_of(point);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int a = 0; a < nodes_per_face(); ++a) sum += shape_(a, place) * columns.col(faces_(a, face));
+  const double* const shape = &shape_(0, place);
+  const int* const nodes = &faces_(0, face);
+  for (int a = 0; a < nodes_per_face(); ++a) sum += shape[a] * columns.col(nodes[a]);
   return sum;
 }
 

@@ -2,6 +2,7 @@
 #include "skin_pairs.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -58,37 +59,34 @@ Eigen::Vector2d into_triangle(Eigen::Vector2d local) {
 // A face as a polynomial of its coordinates, of terms 1, r, s, r^2, r s, s^2.
 class FacePolynomial {
  public:
-  explicit FacePolynomial(const FaceNodes& n) {
-    of_ << n.col(0), n.col(1) - n.col(0), n.col(2) - n.col(0), Eigen::Matrix3d::Zero();
+  explicit FacePolynomial(const FaceNodes& n) : corner_(n.col(0)), r_(n.col(1) - corner_), s_(n.col(2) - corner_) {
+    rr_.setZero();
+    rs_.setZero();
+    ss_.setZero();
     if (n.cols() == 3) return;
-    const Eigen::Vector3d r = 2.0 * (n.col(0) + n.col(1) - 2.0 * n.col(3));
-    const Eigen::Vector3d s = 2.0 * (n.col(0) + n.col(2) - 2.0 * n.col(5));
-    of_.col(1) -= r;
-    of_.col(2) -= s;
-    of_.rightCols<3>() << r, 4.0 * (n.col(0) - n.col(3) + n.col(4) - n.col(5)), s;
+    rr_ = 2.0 * (n.col(0) + n.col(1) - 2.0 * n.col(3));
+    rs_ = 4.0 * (n.col(0) - n.col(3) + n.col(4) - n.col(5));
+    ss_ = 2.0 * (n.col(0) + n.col(2) - 2.0 * n.col(5));
+    r_ -= rr_;
+    s_ -= ss_;
   }
-  Eigen::Vector3d at(double r, double s) const {
-    return of_.col(0) + r * (of_.col(1) + r * of_.col(3) + s * of_.col(4)) + s * (of_.col(2) + s * of_.col(5));
-  }
-  Eigen::Matrix<double, 3, 2> tangents(double r, double s) const {
-    return (Eigen::Matrix<double, 3, 2>() << of_.col(1) + 2.0 * r * of_.col(3) + s * of_.col(4),
-            of_.col(2) + r * of_.col(4) + 2.0 * s * of_.col(5))
-        .finished();
-  }
+  Eigen::Vector3d at(double r, double s) const { return corner_ + r * (r_ + r * rr_ + s * rs_) + s * (s_ + s * ss_); }
+  Eigen::Vector3d along_r(double r, double s) const { return r_ + 2.0 * r * rr_ + s * rs_; }
+  Eigen::Vector3d along_s(double r, double s) const { return s_ + r * rs_ + 2.0 * s * ss_; }
 
  private:
-  Eigen::Matrix<double, 3, 6> of_;
+  Eigen::Vector3d corner_, r_, s_, rr_, rs_, ss_;
 };
 
 // Coordinates of the closest place, by Gauss and Newton's method, kept on the face.
-Eigen::Vector2d closest(const FaceNodes& nodes, const Eigen::Vector3d& point_m) {
-  const FacePolynomial face(nodes);
+Eigen::Vector2d closest(const FacePolynomial& face, const Eigen::Vector3d& point_m) {
   Eigen::Vector2d local = Eigen::Vector2d::Constant(1.0 / 3.0);
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const Eigen::Matrix<double, 3, 2> tangents = face.tangents(local.x(), local.y());
-    const Eigen::Matrix2d metric = tangents.transpose() * tangents;
-    const Eigen::Vector2d change =
-        metric.inverse() * (tangents.transpose() * (point_m - face.at(local.x(), local.y())));
+    const Eigen::Vector3d r = face.along_r(local.x(), local.y()), s = face.along_s(local.x(), local.y());
+    const Eigen::Vector3d off_m = point_m - face.at(local.x(), local.y());
+    const double rr = r.dot(r), rs = r.dot(s), ss = s.dot(s), by_r = r.dot(off_m), by_s = s.dot(off_m);
+    const double scale = 1.0 / (rr * ss - rs * rs);
+    const Eigen::Vector2d change(scale * (ss * by_r - rs * by_s), scale * (rr * by_s - rs * by_r));
     const Eigen::Vector2d next = into_triangle(local + change);
     const double moved = (next - local).cwiseAbs().maxCoeff();
     local = next;
@@ -170,6 +168,17 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
     rest_normals_.col(face) = area_m2.normalized();
     sizes_m_[face] = std::sqrt(area_m2.norm());
   }
+  for (Eigen::Matrix3Xd* columns : {&low_m_, &high_m_, &deep_low_m_, &deep_high_m_, &normals_, &farthest_m_})
+    columns->resize(3, count);
+  sideways_.resize(3, 3 * count);
+  lowest_m_.resize(count);
+  top_m_.resize(count);
+  for (int face = 0; face < points.face_count(); ++face) {
+    std::vector<int>& besides = beside_.emplace_back();
+    for (int point = points.first_point(face); point < points.first_point(face + 1); ++point)
+      if (points.guards(point) && (besides.empty() || besides.back() != points.beside(point)))
+        besides.push_back(points.beside(point));
+  }
   largest_size_m_ = sizes_m_.maxCoeff();
   deepest_m_ = kDeepest * sizes_m_;
   for (const auto& [a, b] : overlapping(faces_, rest_m_, 0.5 * kDeepest * largest_size_m_)) {
@@ -203,35 +212,57 @@ bool SkinPairs::may_face(std::size_t face, int other) const {
 void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   if (prepared_at_m_.cols() == positions_m.cols() && prepared_at_m_ == positions_m) return;
   prepared_at_m_ = positions_m;
-  const auto count = static_cast<int>(faces_.cols());
-  for (Eigen::Matrix3Xd* corners_m : {&low_m_, &high_m_, &deep_low_m_, &deep_high_m_}) corners_m->resize(3, count);
-  normals_.resize(3, count);
-  lowest_m_.resize(count);
-  top_m_.resize(count);
-  for (int face = 0; face < count; ++face) {
-    const FaceNodes around = control_points(nodes_of(faces_, face, positions_m));
-    normals_.col(face) = corner_normal(faces_, face, positions_m).normalized();
-    const Eigen::RowVectorXd heights_m = normals_.col(face).transpose() * around;
-    lowest_m_[face] = heights_m.minCoeff();
-    top_m_[face] = heights_m.maxCoeff();
-    low_m_.col(face) = around.rowwise().minCoeff();
-    high_m_.col(face) = around.rowwise().maxCoeff();
-    const Eigen::Vector3d behind_m = -deepest_m_[face] * normals_.col(face);
-    deep_low_m_.col(face) = (low_m_.col(face) + behind_m.cwiseMin(0.0)).array() - kOverEdge * sizes_m_[face];
-    deep_high_m_.col(face) = (high_m_.col(face) + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
-  }
   const bool near_enough = near_at_m_.cols() == positions_m.cols() &&
                            (positions_m - near_at_m_).colwise().squaredNorm().maxCoeff() < 0.25 * margin_m_ * margin_m_;
   if (!near_enough) find_near(positions_m);
+  for (const int face : in_reach_) prepare_face(face, positions_m);
+  // Along a long body most are apart, so that axis is looked at first.
+  std::array<int, 3> axes{0, 1, 2};
+  const Eigen::Vector3d extent_m = positions_m.rowwise().maxCoeff() - positions_m.rowwise().minCoeff();
+  std::sort(axes.begin(), axes.end(), [&](int a, int b) { return extent_m[a] > extent_m[b]; });
   overlaps_.resize(near_.size());
   for (std::size_t face = 0; face < near_.size(); ++face) {
-    const auto low_m = low_m_.col(same_[face]), high_m = high_m_.col(same_[face]);
+    const double *low_m = &low_m_(0, same_[face]), *high_m = &high_m_(0, same_[face]);
     overlaps_[face].clear();
-    for (const int other : near_[face])
-      if ((deep_low_m_.col(other).array() <= high_m.array()).all() &&
-          (deep_high_m_.col(other).array() >= low_m.array()).all() && may_face(face, other))
-        overlaps_[face].push_back(other);
+    for (const int other : near_[face]) {
+      const double *other_low_m = &deep_low_m_(0, other), *other_high_m = &deep_high_m_(0, other);
+      const auto meets = [&](int axis) {
+        return other_low_m[axis] <= high_m[axis] && other_high_m[axis] >= low_m[axis];
+      };
+      if (meets(axes[0]) && meets(axes[1]) && meets(axes[2]) && may_face(face, other)) overlaps_[face].push_back(other);
+    }
   }
+}
+
+void SkinPairs::prepare_face(int face, const Eigen::Matrix3Xd& positions_m) {
+  const FaceNodes around = control_points(nodes_of(faces_, face, positions_m));
+  const Eigen::Vector3d normal = corner_normal(faces_, face, positions_m).normalized();
+  Eigen::Vector3d low_m = around.col(0), high_m = low_m;
+  Eigen::Vector2d heights_m = Eigen::Vector2d::Constant(normal.dot(low_m));
+  std::array<Eigen::Vector3d, 3> sideways;
+  Eigen::Vector3d farthest_m;
+  for (int side = 0; side < 3; ++side) {
+    sideways[side] = (around.col((side + 1) % 3) - around.col(side)).cross(normal).normalized();
+    farthest_m[side] = sideways[side].dot(low_m);
+  }
+  for (Eigen::Index a = 1; a < around.cols(); ++a) {
+    const Eigen::Vector3d at_m = around.col(a);
+    const double height_m = normal.dot(at_m);
+    low_m = low_m.cwiseMin(at_m);
+    high_m = high_m.cwiseMax(at_m);
+    heights_m = {std::min(heights_m[0], height_m), std::max(heights_m[1], height_m)};
+    for (int side = 0; side < 3; ++side) farthest_m[side] = std::max(farthest_m[side], sideways[side].dot(at_m));
+  }
+  normals_.col(face) = normal;
+  lowest_m_[face] = heights_m[0];
+  top_m_[face] = heights_m[1];
+  low_m_.col(face) = low_m;
+  high_m_.col(face) = high_m;
+  farthest_m_.col(face) = farthest_m;
+  for (int side = 0; side < 3; ++side) sideways_.col(3 * face + side) = sideways[side];
+  const Eigen::Vector3d behind_m = -deepest_m_[face] * normal;
+  deep_low_m_.col(face) = (low_m + behind_m.cwiseMin(0.0)).array() - kOverEdge * sizes_m_[face];
+  deep_high_m_.col(face) = (high_m + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
 }
 
 bool SkinPairs::may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
@@ -269,25 +300,46 @@ void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
     std::sort(of_face.begin(), of_face.end());
     of_face.erase(std::unique(of_face.begin(), of_face.end()), of_face.end());
   }
+  std::vector<bool> in_reach(static_cast<std::size_t>(faces_.cols()), false);
+  for (std::size_t face = 0; face < near_.size(); ++face) {
+    if (near_[face].empty()) continue;
+    in_reach[static_cast<std::size_t>(same_[face])] = true;
+    for (const int other : near_[face]) in_reach[static_cast<std::size_t>(other)] = true;
+    for (const int other : beside_[face]) in_reach[static_cast<std::size_t>(other)] = true;
+  }
+  in_reach_.clear();
+  for (std::size_t face = 0; face < in_reach.size(); ++face)
+    if (in_reach[face]) in_reach_.push_back(static_cast<int>(face));
 }
 
 // What a point finds on one face, where it is in front of it, or not deeper inside than counts.
-std::optional<SkinGap> SkinPairs::gap_to(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
-                                         const Eigen::Matrix3Xd& positions_m) const {
-  const FaceNodes nodes = nodes_of(faces_, other, positions_m);
-  const Eigen::Vector2d local = closest(nodes, point_m);
-  const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
+std::optional<SkinPairs::Meeting> SkinPairs::meeting(int other, const Eigen::Vector3d& point_m,
+                                                     const Eigen::Vector3d& outward,
+                                                     const Eigen::Matrix3Xd& positions_m) const {
+  const FacePolynomial face(nodes_of(faces_, other, positions_m));
+  Meeting met;
+  met.face = other;
+  met.local = closest(face, point_m);
+  const double r = met.local.x(), s = met.local.y();
+  met.normal = face.along_r(r, s).cross(face.along_s(r, s)).normalized();
+  if (!met.normal.allFinite() || met.normal.dot(outward) >= -kAgainst * outward.norm()) return std::nullopt;
+  const Eigen::Vector3d off_m = point_m - face.at(r, s);
+  met.gap_m = met.normal.dot(off_m);
+  const double beyond_edge_m = (off_m - met.gap_m * met.normal).norm();
+  if (std::abs(met.gap_m) > deepest_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other]) return std::nullopt;
+  return met;
+}
+
+SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_m) const {
+  const FaceNodes nodes = nodes_of(faces_, met.face, positions_m);
+  const FaceShape shape = face_shape(nodes.cols(), met.local.x(), met.local.y());
   const Eigen::Matrix<double, 3, 2> tangents = nodes * shape.slopes.transpose();
   SkinGap gap;
-  gap.normal = tangents.col(0).cross(tangents.col(1)).normalized();
-  if (!gap.normal.allFinite() || gap.normal.dot(outward) >= -kAgainst * outward.norm()) return std::nullopt;
-  const Eigen::Vector3d off_m = point_m - nodes * shape.values;
-  gap.gap_m = gap.normal.dot(off_m);
-  const double beyond_edge_m = (off_m - gap.gap_m * gap.normal).norm();
-  if (std::abs(gap.gap_m) > deepest_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other]) return std::nullopt;
-  gap.at.face = other;
-  gap.at.r = local.x();
-  gap.at.s = local.y();
+  gap.gap_m = met.gap_m;
+  gap.normal = met.normal;
+  gap.at.face = met.face;
+  gap.at.r = met.local.x();
+  gap.at.s = met.local.y();
   gap.at.shape.head(nodes.cols()) = shape.values;
   gap.at.slopes.topRows(nodes.cols()) = shape.slopes.transpose();
   gap.at.dual_per_m = tangents * Eigen::Matrix2d(tangents.transpose() * tangents).inverse();
@@ -297,34 +349,39 @@ std::optional<SkinGap> SkinPairs::gap_to(int other, const Eigen::Vector3d& point
   return gap;
 }
 
-double SkinPairs::least_gap_m(int other, const Eigen::Vector3d& point_m) const {
+// By its box, by the planes that it lies between, and by those along its sides.
+double SkinPairs::least_distance_m(int other, const Eigen::Vector3d& point_m) const {
   const double height_m = normals_.col(other).dot(point_m);
-  return std::max({(low_m_.col(other) - point_m).maxCoeff(), (point_m - high_m_.col(other)).maxCoeff(),
-                   height_m - top_m_[other], lowest_m_[other] - height_m});
+  double least_m = std::max({(low_m_.col(other) - point_m).maxCoeff(), (point_m - high_m_.col(other)).maxCoeff(),
+                             height_m - top_m_[other], lowest_m_[other] - height_m});
+  for (int side = 0; side < 3; ++side)
+    least_m = std::max(least_m, sideways_.col(3 * other + side).dot(point_m) - farthest_m_(side, other));
+  return least_m;
 }
 
 // The one that may be nearest first, as then most others need no closer look.
 std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                        const Eigen::Matrix3Xd& positions_m) const {
   const std::vector<int>& near = near_[static_cast<std::size_t>(face)];
-  const auto may = [&](int other, double reach_m) {
-    return least_gap_m(other, point_m) <= reach_m && may_meet(other, point_m, outward);
-  };
   int first = -1;
   double least_m = 0.0;
   for (const int other : near) {
-    if (!may(other, first < 0 ? deepest_m_[other] : std::min(least_m, deepest_m_[other]))) continue;
+    const double distance_m = least_distance_m(other, point_m);
+    if (distance_m > deepest_m_[other] || (first >= 0 && distance_m >= least_m) || !may_meet(other, point_m, outward))
+      continue;
     first = other;
-    least_m = least_gap_m(other, point_m);
+    least_m = distance_m;
   }
   if (first < 0) return std::nullopt;
-  std::optional<SkinGap> best = gap_to(first, point_m, outward, positions_m);
+  std::optional<Meeting> best = meeting(first, point_m, outward, positions_m);
   for (const int other : near) {
-    if (other == first || !may(other, best ? std::abs(best->gap_m) : deepest_m_[other])) continue;
-    const std::optional<SkinGap> gap = gap_to(other, point_m, outward, positions_m);
-    if (gap && (!best || std::abs(gap->gap_m) < std::abs(best->gap_m))) best = gap;
+    const double reach_m = best ? std::abs(best->gap_m) : deepest_m_[other];
+    if (other == first || least_distance_m(other, point_m) > reach_m || !may_meet(other, point_m, outward)) continue;
+    const std::optional<Meeting> met = meeting(other, point_m, outward, positions_m);
+    if (met && (!best || std::abs(met->gap_m) < std::abs(best->gap_m))) best = met;
   }
-  return best;
+  if (!best) return std::nullopt;
+  return gap_at(*best, positions_m);
 }
 
 std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
@@ -337,7 +394,7 @@ std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& poi
       continue;
     if (normals_.col(other).dot(outward) > -kAgainst * outward.norm()) continue;
     const FaceNodes nodes = nodes_of(faces_, other, positions_m);
-    const Eigen::Vector2d local = closest(nodes, point_m);
+    const Eigen::Vector2d local = closest(FacePolynomial(nodes), point_m);
     const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
     const Eigen::Vector3d off_m = point_m - nodes * shape.values;
     if (off_m.norm() > reach_m) continue;

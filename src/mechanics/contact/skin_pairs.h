@@ -99,30 +99,42 @@ class SkinPairs {
   bool counts(int face, int other) const;
   // False where both look the same way at the positions of prepare().
   bool may_face(std::size_t face, int other) const;
-  double least_gap_m(int other, const Eigen::Vector3d& point_m) const;  // a bound, by boxes
+  double least_distance_m(int other, const Eigen::Vector3d& point_m) const;  // a bound of it
   // False where one look shows that a point with this normal does not meet the face.
   bool may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
-  std::optional<SkinGap> gap_to(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
-                                const Eigen::Matrix3Xd& positions_m) const;
+  struct Meeting {
+    int face = -1;
+    double gap_m = 0.0;
+    Eigen::Vector2d local;  // coordinates on it
+    Eigen::Vector3d normal;
+  };
+  std::optional<Meeting> meeting(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                                 const Eigen::Matrix3Xd& positions_m) const;
+  SkinGap gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_m) const;
   void find_near(const Eigen::Matrix3Xd& positions_m);
+  void prepare_face(int face, const Eigen::Matrix3Xd& positions_m);
 
   Eigen::MatrixXi faces_;    // nodes x faces, of the whole mesh
   Eigen::Matrix3Xd rest_m_;  // nodes
   Eigen::Matrix3Xd rest_middles_m_, rest_normals_;
   Eigen::VectorXd sizes_m_, deepest_m_;
-  std::vector<int> same_;  // of each face of the points, the mesh's
-  std::vector<int> body_;  // of each of the mesh's
+  std::vector<int> same_;                 // of each face of the points, the mesh's
+  std::vector<int> body_;                 // of each of the mesh's
+  std::vector<std::vector<int>> beside_;  // of each face of the points, the mesh's beyond its guarded edges
   TouchingPairs touching_;
   double largest_size_m_ = 0.0, margin_m_ = 0.0;
 
   Eigen::Matrix3Xd prepared_at_m_, near_at_m_;  // where near_ was found
   std::vector<std::vector<int>> near_;
-  // At the present positions: corners of a box around each face, and around it with what lies behind it to the depth
-  // that counts; and per face of the points those of near_ whose second box its own overlaps.
+  std::vector<int> in_reach_;  // faces of the mesh that are near others, and those beyond their edges
+  // Of these, at the present positions: corners of a box around each face, and around it with what lies behind it to
+  // the depth that counts; and per face of the points those of near_ whose second box its own overlaps.
   Eigen::Matrix3Xd low_m_, high_m_, deep_low_m_, deep_high_m_;
   std::vector<std::vector<int>> overlaps_;
   Eigen::Matrix3Xd normals_;          // of the faces' corners,
   Eigen::VectorXd lowest_m_, top_m_;  // and how far along these the faces reach
+  Eigen::Matrix3Xd sideways_;         // three a face: in its plane, square to its sides,
+  Eigen::Matrix3Xd farthest_m_;       // and how far along these it reaches
 };
 
 }  // namespace soft_robot_lab

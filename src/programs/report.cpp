@@ -13,6 +13,7 @@ using namespace soft_robot_lab;
 
 struct Arguments {
   std::string bag, output, scene;
+  bool configurations = false;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -22,11 +23,13 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->required();
   app.add_option("--scene", arguments.scene, "the robot's file, where it is not the one that the recording names")
       ->type_name("FILE");
+  app.add_flag("--configurations", arguments.configurations, "a page for each configuration at rest, too");
   app.footer("Exit status: 0 written, 2 bad recording or arguments.");
 }
 
 int report(const Arguments& arguments) {
-  const SessionReport written = write_session_report(arguments.bag, arguments.output, arguments.scene);
+  const SessionReport written =
+      write_session_report(arguments.bag, arguments.output, arguments.scene, arguments.configurations);
   std::printf("%s: %d configurations at rest", written.page.c_str(), written.rest_periods);
   if (written.rest_periods > 0) std::printf(", rms gap %.3f mm", 1e3 * written.rest_rms_m);
   std::printf("\n");

@@ -12,6 +12,7 @@
 #include "gap_meter.h"
 #include "recorded_topics.h"
 #include "topics.h"
+#include "tracker_parameters.h"
 
 namespace soft_robot_lab {
 
@@ -46,7 +47,15 @@ namespace {
 
 struct MarkerMessages {
   std::vector<MarkerObservations> measured, simulated;
+  dynamic_reconfigure::Config settings;  // of the tracker, the last
 };
+
+void add(const dynamic_reconfigure::Config& settings, double time_s, RecordedSession& session, MarkerMessages& before) {
+  const dynamic_reconfigure::Config changes = changed(before.settings, settings);
+  if (!before.settings.doubles.empty() && !changes.doubles.empty())
+    session.settings.push_back({time_s, "tracker: " + changes_text(before.settings, changes)});
+  before.settings = settings;
+}
 
 void add(const rosbag::MessageInstance& message, RecordedSession& session, MarkerMessages& markers) {
   const std::string topic = relative(message.getTopic());
@@ -63,6 +72,8 @@ void add(const rosbag::MessageInstance& message, RecordedSession& session, Marke
       markers.measured.push_back(*observations);
   } else if (topic == topics::simulator_markers) {
     markers.simulated.push_back(*read_message<MarkerObservations>(message));
+  } else if (topic == tracker_updates) {
+    add(*read_message<dynamic_reconfigure::Config>(message), message.getTime().toSec(), session, markers);
   } else if (topic == topics::simulator_scene) {
     session.scene = read_message<std_msgs::String>(message)->data;
   }

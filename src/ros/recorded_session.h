@@ -15,7 +15,8 @@ namespace soft_robot_lab {
 
 struct RecordedSession : Recording {
   std::vector<ObservedMarkers> simulated;
-  std::vector<RealityGap> gaps;  // of the measured markers to these
+  std::vector<RealityGap> gaps;         // of the measured markers to these
+  std::vector<RecordedEvent> settings;  // of the tracker, where they were changed on the way
 };
 
 // Throws std::runtime_error for a file that is no bag, holds no tracked markers, or is cut off.

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "topics.h"
+#include "tracker_parameters.h"
 
 namespace soft_robot_lab {
 
@@ -15,7 +16,7 @@ const std::vector<std::string>& known_topics() {
       topics::actuator_command,    topics::simulator_markers, topics::tracker_markers, topics::tracker_steps,
       topics::simulator_actuators, topics::simulator_surface, topics::simulator_scene, topics::controller_progress,
       topics::controller_target,   topics::overlay,           topics::reality_gap,     topics::motor_state,
-      topics::rig_shafts,          topics::plant_markers};
+      topics::rig_shafts,          topics::plant_markers,     tracker_updates};
   return all;
 }
 

@@ -10,6 +10,8 @@
 #include "recorded_topics.h"
 #include "conversions.h"
 #include "image_messages.h"
+#include "topics.h"
+#include "tracker_parameters.h"
 
 namespace soft_robot_lab {
 
@@ -94,16 +96,38 @@ std::vector<TrackedMarker> markers_of(const TrackerUpdateLog& step) {
   return markers;
 }
 
+// For each step: which numbers of the tracker are other ones than in the step before.
+std::vector<dynamic_reconfigure::Config> changes_before(const rosbag::Bag& bag) {
+  std::vector<dynamic_reconfigure::Config> changes;
+  dynamic_reconfigure::Config before, now;
+  for (const rosbag::MessageInstance& message : only(bag, {topics::tracker_steps, tracker_updates})) {
+    if (relative(message.getTopic()) == topics::tracker_steps) {
+      changes.push_back(changed(before, now));
+      before = now;
+      continue;
+    }
+    now = *read_message<dynamic_reconfigure::Config>(message);
+    if (before.doubles.empty()) before = now;  // as they were from the start
+  }
+  return changes;
+}
+
 }  // namespace
 
 RepeatedSteps repeat_steps(const rosbag::Bag& bag, const std::vector<TrackerUpdateLog>& steps,
                            const TrackingInputOptions& options, const TrackingInput::OnResult& on_result) {
-  const TrackerSettings settings = load_tracker(options.tracker);
+  TrackerSettings settings = load_tracker(options.tracker);
+  const std::vector<dynamic_reconfigure::Config> changes = changes_before(bag);
   const RecordedImages images(bag, image_topics(steps));
   RepeatedSteps done;
   std::unique_ptr<MarkerTracking> tracking;
   const TrackerUpdateLog* last = nullptr;
-  for (const TrackerUpdateLog& step : steps) {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const TrackerUpdateLog& step = steps[i];
+    if (!changes[i].doubles.empty()) {
+      settings = with_request(settings, changes[i]);
+      if (tracking) tracking->set_settings(settings);
+    }
     std::vector<RgbdFrame> frames = frames_of(step, images);
     if (frames.empty()) {
       ++done.without_images;

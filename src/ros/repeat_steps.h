@@ -15,6 +15,8 @@ struct RepeatedSteps {
   long resumed = 0;         // from the recorded state
 };
 
+// The tracker's numbers are changed where the session's were.
+
 RepeatedSteps repeat_steps(const rosbag::Bag& bag, const std::vector<TrackerUpdateLog>& steps,
                            const TrackingInputOptions& options, const TrackingInput::OnResult& on_result);
 

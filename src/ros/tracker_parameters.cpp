@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -23,6 +26,12 @@ void add(const TrackerNumber& number, double value, dynamic_reconfigure::Config&
   parameter.name = name_of(number);
   parameter.value = value;
   config.doubles.push_back(parameter);
+}
+
+std::optional<double> value_of(const std::string& name, const dynamic_reconfigure::Config& config) {
+  for (const dynamic_reconfigure::DoubleParameter& each : config.doubles)
+    if (each.name == name) return each.value;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -55,12 +64,28 @@ dynamic_reconfigure::ConfigDescription description_message(TrackerSettings setti
 TrackerSettings with_request(TrackerSettings settings, const dynamic_reconfigure::Config& request) {
   for (std::size_t i = 0; i < numbers_of(settings).size(); ++i) {
     const TrackerNumber number = numbers_of(settings)[i];
-    const auto wanted = std::find_if(request.doubles.begin(), request.doubles.end(),
-                                     [&](const auto& each) { return each.name == name_of(number); });
-    const double value = wanted == request.doubles.end() ? *number.value : wanted->value;
+    const double value = value_of(name_of(number), request).value_or(*number.value);
     *number.value = std::isnan(value) ? *number.value : cut(value, number.range);
   }
   return settings;
+}
+
+dynamic_reconfigure::Config changed(const dynamic_reconfigure::Config& before,
+                                    const dynamic_reconfigure::Config& after) {
+  dynamic_reconfigure::Config changes;
+  for (const dynamic_reconfigure::DoubleParameter& each : after.doubles)
+    if (value_of(each.name, before) != each.value) changes.doubles.push_back(each);
+  return changes;
+}
+
+std::string changes_text(const dynamic_reconfigure::Config& before, const dynamic_reconfigure::Config& changed) {
+  std::string text;
+  for (const dynamic_reconfigure::DoubleParameter& each : changed.doubles) {
+    const std::optional<double> old = value_of(each.name, before);
+    text += (text.empty() ? "" : ", ") + each.name + (old ? " " + format_number(*old) : "") + " -> " +
+            format_number(each.value);
+  }
+  return text;
 }
 
 }  // namespace soft_robot_lab

@@ -22,6 +22,10 @@ size_t edit_distance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
+bool is_typo(const std::string& key, const std::string& of) {
+  return edit_distance(key, of) <= std::max<size_t>(1, key.size() / 3);
+}
+
 }  // namespace
 
 std::string join(const std::vector<std::string>& words) {
@@ -52,10 +56,13 @@ std::string unknown_key_message(const std::string& key, std::vector<std::string>
   const auto closest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
     return edit_distance(key, a) < edit_distance(key, b);
   });
-  if (edit_distance(key, *closest) <= std::max<size_t>(1, key.size() / 3)) {
-    message += " (did you mean '" + *closest + "'?)";
-  }
+  if (is_typo(key, *closest)) message += " (did you mean '" + *closest + "'?)";
   return message + "; known here: " + join(known);
+}
+
+std::string missing_key_message(const std::string& key, const std::vector<std::string>& unread) {
+  const auto typo = std::find_if(unread.begin(), unread.end(), [&](const auto& other) { return is_typo(other, key); });
+  return "key '" + key + "' is missing" + (typo == unread.end() ? "" : " (did you mean it by '" + *typo + "'?)");
 }
 
 std::string quote(const std::string& text) {

@@ -15,6 +15,7 @@ std::string format_number(double value);
 std::string quote(const std::string& text);         // as YAML
 std::string html_escaped(const std::string& text);  // for the text and attributes of a page
 std::string unknown_key_message(const std::string& key, std::vector<std::string> known);
+std::string missing_key_message(const std::string& key, const std::vector<std::string>& unread);
 
 // A decimal number and nothing else, whatever the locale.
 template <typename Number>

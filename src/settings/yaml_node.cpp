@@ -42,8 +42,11 @@ std::optional<YamlNode> YamlNode::optional_child(const std::string& key) const {
 
 YamlNode YamlNode::child(const std::string& key) const {
   const std::optional<YamlNode> found = optional_child(key);
-  if (!found) fail("key '" + key + "' is missing");
-  return *found;
+  if (found) return *found;
+  std::vector<std::string> unread;
+  for (const Data::Member& member : data_->members)
+    if (!member.read) unread.push_back(member.key);
+  fail(missing_key_message(key, unread));
 }
 
 std::vector<YamlNode> YamlNode::sequence(const std::string& key) const { return child(key).items(); }

@@ -26,7 +26,7 @@ class HiddenRviz {
     if (process_ == 0) {
       setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
       setenv("MALLOC_PERTURB_", "165", 1);  // what uses memory that it gave back, crashes
-      execlp("rviz", "rviz", "-d", config_.c_str(), "__name:=panel_rviz", nullptr);
+      execlp("rviz", "rviz", "--disable-anti-aliasing", "-d", config_.c_str(), "__name:=panel_rviz", nullptr);
       _exit(127);
     }
     const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(120.0);

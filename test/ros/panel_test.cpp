@@ -20,9 +20,11 @@
 #include <soft_robot_lab/OptimisePolicy.h>
 #include <std_msgs/Bool.h>
 #include <std_srvs/Trigger.h>
+#include <sys/resource.h>
 #include <visualization_msgs/Marker.h>
 
 #include "hidden_rviz.h"
+#include "process_of.h"
 #include "ros/conversions.h"
 #include "ros/frames.h"
 #include "ros/panel/panel_link.h"
@@ -271,6 +273,14 @@ TEST_F(Panel, RecordsUntilRecordIsPressedAgain) {
   EXPECT_TRUE(spin_until([&] { return bags(".bag") == before + 1 && bags(".active") == 0; }, patience_s));
 }
 
+// As `nice` has it, of any of its threads, the most.
+int largest_nice_of(pid_t process) {
+  int largest = -20;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task"))
+    largest = std::max(largest, getpriority(PRIO_PROCESS, static_cast<id_t>(std::stoi(thread.path().filename()))));
+  return largest;
+}
+
 // How long its window let others wait meanwhile is printed: that hangs on the machine, and on who draws.
 TEST_F(Panel, MovesTheRobotWhileItSearches) {
   std::vector<double> gaps_s, works_s;
@@ -290,6 +300,7 @@ TEST_F(Panel, MovesTheRobotWhileItSearches) {
       std::async(std::launch::async, [&] { return ask<OptimisePolicy>(node_, topics::optimise_policy, endless); });
   EXPECT_TRUE(press_until("alt+1 Next", [&] { return commands_[0] < 0.95; }));
   EXPECT_EQ(answer.wait_for(std::chrono::seconds(0)), std::future_status::timeout) << "it still searches";
+  EXPECT_GE(largest_nice_of(process_of("/controller")), 10) << "the search comes after the window";
   EXPECT_TRUE(spin_until([&] { return !gaps_s.empty(); }, patience_s)) << "its window answers";
   std::printf(
       "longest gap of the window in each second of the search: %.3f s in the median, %.3f s at most; of it work: "

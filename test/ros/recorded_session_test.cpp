@@ -20,6 +20,7 @@
 #include "ros/frames.h"
 #include "ros/image_messages.h"
 #include "ros/report/session_report.h"
+#include "ros/tracker_parameters.h"
 #include "session/rest_periods.h"
 
 namespace soft_robot_lab {
@@ -331,6 +332,19 @@ TEST_F(Session, BeginsWithWhatHappened) {
     EXPECT_NE(page.find(words), std::string::npos) << words;
 }
 
+TEST_F(Session, GivesEachConfigurationAPageWhereAsked) {
+  const std::string bag = write_bag(true), folder = folder_ / "report";
+  write_session_report(bag, folder);
+  EXPECT_FALSE(fs::exists(folder + "/configuration_1.html"));
+  write_session_report(bag, folder, "", true);
+  EXPECT_TRUE(fs::exists(folder + "/configuration_1.html"));
+  EXPECT_FALSE(fs::exists(folder + "/configuration_3.html"));
+  std::ifstream file(folder + "/configuration_2.html");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  for (const std::string words : {"Configuration 2: left 0.9", "tracked x [mm]", "<td>tip</td>", ">23</td>"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+}
+
 TEST_F(Session, ShowsWhatDisturbedIt) {
   const std::string bag = write_bag(true);
   MotorState motors;
@@ -345,11 +359,18 @@ TEST_F(Session, ShowsWhatDisturbedIt) {
       motors.known = {static_cast<std::uint8_t>(time_s < 18.0)};
       opened.write("/motor/state", motors.header.stamp, motors);
     }
+    TrackerSettings tracker;
+    for (const double time_s : {10.0, 12.0, 12.5}) {  // the last says nothing new
+      tracker.motion.gate = time_s < 12.0 ? 25.0 : 16.0;
+      opened.write(std::string("/") + tracker_updates, ros::Time(time_s), config_message(tracker));
+    }
   }
   std::ifstream file(write_session_report(bag, (folder_ / "report").string()).page);
   const std::string page((std::istreambuf_iterator<char>(file)), {});
   EXPECT_NE(page.find("1 event of the motors disturbed it, the first at 8 s: left does not know where it is"),
             std::string::npos);
+  EXPECT_NE(page.find("tracker: motion_gate 25 -&gt; 16"), std::string::npos);
+  EXPECT_EQ(read_recorded_session(bag).settings.size(), 1u);
 }
 
 TEST(MotorReadings, RefuseListsOfOtherLengths) {

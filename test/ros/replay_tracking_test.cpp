@@ -14,6 +14,7 @@
 #include "ros/conversions.h"
 #include "ros/image_messages.h"
 #include "ros/topics.h"
+#include "ros/tracker_parameters.h"
 #include "perception/tracking/drawn_scene.h"
 
 namespace soft_robot_lab {
@@ -39,12 +40,23 @@ class Replay : public testing::Test {
   std::string path(const char* name) const { return folder_ / name; }
 
   // The tip moves; the session's tracker has seen a frame before the recording begins, and reports `reported_m` off.
-  void record(double reported_m, bool images) const {
+  // `tuned`: a number of the tracker is changed before the last step but one.
+  void record(double reported_m, bool images, bool tuned = false) const {
     const TrackerCamera camera = test::camera_at("eye", {-0.2, -0.5, -0.1}, tip_m);
     MarkerTracking session(options_.tracking, load_tracker(options_.tracker), {{"tip", tip_m}});
     session.set_poses({{"eye", camera.world_from_camera, {}}});
     rosbag::Bag bag(path("session.bag"), rosbag::bagmode::Write);
+    TrackerSettings settings = load_tracker(options_.tracker);
+    const auto publish_settings = [&](double time_s) {
+      bag.write(std::string("/") + tracker_updates, ros::Time(time_s), config_message(settings));
+    };
+    publish_settings(100.0);
     for (int i = -1; i <= steps; ++i) {
+      if (tuned && i == steps - 1) {
+        settings.motion.acceleration_m_s2 = 20.0;
+        session.set_settings(settings);
+        publish_settings(100 + (i - 0.5) / 30.0);
+      }
       const double stamp_s = 100 + i / 30.0;
       const ros::Time stamp(stamp_s);
       const FrameMessages frame = frame_messages(
@@ -81,6 +93,11 @@ TEST_F(Replay, RepeatsTheSessionAndCountsWhatTheRecordingLacks) {
   EXPECT_EQ(summary.written, steps);
   EXPECT_EQ(summary.markers_alike, steps);
   EXPECT_EQ(summary.markers_other, 0);
+}
+
+TEST_F(Replay, ChangesTheTrackersNumbersWhereTheSessionDid) {
+  record(0.0, true, true);
+  EXPECT_EQ(replay().markers_alike, steps);
 }
 
 TEST_F(Replay, TellsWhatIsNotAsInTheSession) {

@@ -80,6 +80,15 @@ TEST(YamlNode, NamesFileLineKeyValueAndRange) {
             "scene.yaml:2: cables[0].name: 'left' is not a whole number");
 }
 
+TEST(YamlNode, GuessesAMissingKeyFromOneThatNobodyRead) {
+  const YamlNode node = parse("radus_m: 1\nstart_m: 2\n");
+  EXPECT_EQ(error_of([&] { node.number("radius_m"); }),
+            "scene.yaml:1: key 'radius_m' is missing (did you mean it by 'radus_m'?)");
+  EXPECT_EQ(error_of([&] { node.number("end_m"); }), "scene.yaml:1: key 'end_m' is missing");
+  node.number("start_m");
+  EXPECT_EQ(error_of([&] { node.number("start"); }), "scene.yaml:1: key 'start' is missing") << "it has been read";
+}
+
 TEST(YamlNode, RefusesWhatIsNotAFiniteNumber) {
   for (const char* value : {"nan", ".nan", "inf", "-inf", ".inf", "1e999", "0x10", "1,5", "1.5m", "\"1.5\"", "''",
                             "+-1", "true", "~", "[1]", "{a: 1}"}) {

@@ -16,6 +16,7 @@
 #include <std_srvs/Trigger.h>
 
 #include "run_node.h"
+#include "ros/behind_others.h"
 #include "ros/actuator_plugins.h"
 #include "ros/controller_actions.h"
 #include "ros/policy_execution.h"
@@ -330,7 +331,7 @@ void ControllerNode::optimise_policy(const OptimisePolicy::Request& request, Opt
     if (!lock) throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
     model_searched_ = true;
     const PolicyTask task = policy_task(request, ramp_s_);
-    PolicyAnswer answer = search_.find(*model_, task, optimiser_options(request));
+    PolicyAnswer answer = behind_others([&] { return search_.find(*model_, task, optimiser_options(request)); });
     count_as_reached(request, answer);
     fill_response(answer, task, response);
     if (answer.success) remember(task, answer);

@@ -8,9 +8,8 @@
 namespace soft_robot_lab {
 namespace {
 
-QLabel* small_label(double value, const ActuatorRow& row, Qt::Alignment alignment, QWidget* parent) {
+QLabel* small_label(double value, const ActuatorRow& row, QWidget* parent) {
   auto* label = new QLabel(QString::number(value, 'g', 4) + (row.unit.empty() ? "" : " ") + row.unit.c_str(), parent);
-  label->setAlignment(alignment);
   label->setStyleSheet("color: #707070; font-size: small");  // paler than what can be changed
   return label;
 }
@@ -52,17 +51,15 @@ void ActuatorEditor::lay_out(const ActuatorRow& row, int number, const Edit& edi
   connect(rest, &QToolButton::clicked, this, [row, edit] { edit(row.rest); });
 
   auto* grid = new QGridLayout(this);
-  grid->setContentsMargins(0, 2, 0, 6);
+  grid->setContentsMargins(0, 2, 0, 2);
   grid->setVerticalSpacing(1);
-  grid->addWidget(name, 0, 0);
-  grid->addWidget(measured_, 0, 1, 1, 2);
-  grid->addWidget(slider_, 1, 0, 1, 2);
-  grid->addWidget(number_, 1, 2);
-  auto* limits = new QHBoxLayout;
-  limits->addWidget(small_label(row.min, row, Qt::AlignLeft, this));
-  limits->addWidget(small_label(row.max, row, Qt::AlignRight, this));
-  grid->addLayout(limits, 2, 0, 1, 2);
-  grid->addWidget(rest, 2, 2, Qt::AlignRight);
+  grid->addWidget(name, 0, 0, 1, 2);
+  grid->addWidget(measured_, 0, 2, 1, 3);
+  grid->addWidget(small_label(row.min, row, this), 1, 0);
+  grid->addWidget(slider_, 1, 1);
+  grid->addWidget(small_label(row.max, row, this), 1, 2);
+  grid->addWidget(number_, 1, 3);
+  grid->addWidget(rest, 1, 4);
   grid->setColumnStretch(1, 1);
 }
 

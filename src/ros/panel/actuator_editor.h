@@ -23,7 +23,6 @@ class ActuatorEditor : public QWidget {
   void show_row(const ActuatorRow& row);  // sends nothing
 
  private:
-  QWidget* make_number(const ActuatorRow& row);
   void lay_out(const ActuatorRow& row, int number, const Edit& edit);
 
   QSlider* slider_;

@@ -46,7 +46,8 @@ const char* colour_of(Lamp::Level level) {
 
 QString lamp_text(const Lamp& lamp) {
   return QString("<span style='color:%1'>&#9679;</span>&nbsp;%2&nbsp;%3")
-      .arg(colour_of(lamp.level), lamp.name.c_str(), QString::fromStdString(lamp.value).replace(" ", "&nbsp;"));
+      .arg(colour_of(lamp.level), QString::fromStdString(lamp.name).replace(" ", "&nbsp;"),
+           QString::fromStdString(lamp.value).replace(" ", "&nbsp;"));
 }
 
 void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int columns) {
@@ -101,7 +102,7 @@ QWidget* SessionPanel::make_actuators() {
   area->setWidgetResizable(true);
   area->setFrameShape(QFrame::NoFrame);
   area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  area->setMinimumHeight(160);
+  area->setMinimumHeight(110);  // of two
   auto* inside = new QWidget(area);
   rows_ = new QVBoxLayout(inside);
   rows_->setContentsMargins(0, 0, 4, 0);
@@ -411,7 +412,8 @@ void SessionPanel::store_pose() {
 
 void SessionPanel::choose_scene(int index) {
   QString path = scene_->itemData(index).toString();
-  if (path.isEmpty()) path = QFileDialog::getOpenFileName(this, "A robot's or scene's file", "", "YAML (*.yaml)");
+  const QString folder = QFileInfo(QString::fromStdString(link_->scene())).absolutePath();
+  if (path.isEmpty()) path = QFileDialog::getOpenFileName(this, "A robot's or scene's file", folder, "YAML (*.yaml)");
   if (path.isEmpty() || path == QString::fromStdString(link_->scene())) return;
   message_->setStyleSheet("");
   message_->setText("Meshes " + QFileInfo(path).fileName() + " ...");

@@ -24,9 +24,10 @@ void smooth(Series& series) {
   series.y = std::move(y);
 }
 
-Axis time_axis(const Recording& recording) {
+Axis time_axis(const RecordedSession& recording) {
   Axis axis{"time [s]"};
-  for (const RecordedEvent& event : recording.events) axis.guides.push_back(event.time_s - recording.start_s);
+  for (const auto* events : {&recording.events, &recording.settings})
+    for (const RecordedEvent& event : *events) axis.guides.push_back(event.time_s - recording.start_s);
   return axis;
 }
 
@@ -50,7 +51,7 @@ void add_track(const std::vector<ObservedMarkers>& all, double start_s, size_t a
 
 }  // namespace
 
-Plot policy_plot(const Recording& recording) {
+Plot policy_plot(const RecordedSession& recording) {
   Plot plot{"policy", "Commands", {}, {}, {}};
   plot.x = time_axis(recording);
   plot.y.label = "command";

@@ -28,7 +28,7 @@ struct RestGap {
 };
 
 // Grey lines stand where events disturbed the recording.
-Plot policy_plot(const Recording& recording);
+Plot policy_plot(const RecordedSession& recording);
 Plot trajectory_plot(const RecordedSession& recording, size_t axis);  // 0, 1 or 2: x, y or z
 Plot gap_plot(const RecordedSession& recording);
 Plot rest_plot(const std::vector<RestGap>& gaps);

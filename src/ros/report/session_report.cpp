@@ -17,6 +17,7 @@
 #include <ros/common.h>
 #include <sys/stat.h>
 
+#include "configuration_pages.h"
 #include "session_film.h"
 #include "session_pictures.h"
 #include "session_plots.h"
@@ -26,6 +27,7 @@
 #include "session/rest_periods.h"
 #include "soft_robot_lab/robot/scene/scene_file.h"
 #include "soft_robot_lab/settings/config_folder.h"
+#include "settings/words.h"
 #include "settings/write_file.h"
 
 namespace soft_robot_lab {
@@ -38,12 +40,6 @@ std::string number(double value, int digits = 3) {
   text.precision(digits);
   text << value;
   return text.str();
-}
-
-std::string words_of(const std::map<std::string, double>& commands) {
-  std::string words;
-  for (const auto& [name, value] : commands) words += (words.empty() ? "" : ", ") + name + " " + number(value, 4);
-  return words.empty() ? "none yet" : words;
 }
 
 RestGap gap_over(const RestPeriod& period, const std::vector<RealityGap>& gaps) {
@@ -241,17 +237,20 @@ void add_head(const std::string& bag, const RecordedSession& recording, const st
   if (film->speed > 1.0) page.paragraph("The film is " + number(film->speed) + " times as fast as the session was.");
 }
 
-Table event_table(const Recording& recording) {
+Table event_table(const RecordedSession& recording) {
+  std::vector<RecordedEvent> events = recording.events;
+  events.insert(events.end(), recording.settings.begin(), recording.settings.end());
+  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
   Table table;
   table.columns = {{"time [s]", 4}, {"event"}};
-  for (const RecordedEvent& event : recording.events)
-    table.rows.push_back({event.time_s - recording.start_s, event.text});
+  for (const RecordedEvent& event : events) table.rows.push_back({event.time_s - recording.start_s, event.text});
   return table;
 }
 
 }  // namespace
 
-SessionReport write_session_report(const std::string& bag, const std::string& folder, const std::string& scene) {
+SessionReport write_session_report(const std::string& bag, const std::string& folder, const std::string& scene,
+                                   bool configurations) {
   const RecordedSession recording = read_recorded_session(bag);
   const std::string scene_file = scene.empty() ? recording.scene : scene;
   std::filesystem::create_directories(folder);
@@ -262,7 +261,7 @@ SessionReport write_session_report(const std::string& bag, const std::string& fo
 
   HtmlPage page("Session " + std::filesystem::path(bag).filename().string());
   add_head(bag, recording, periods, gaps, folder, page);
-  if (!recording.events.empty()) page.table(event_table(recording));
+  if (const Table events = event_table(recording); !events.rows.empty()) page.table(events);
   page.table(facts(bag, recording, scene_file, report.rest_rms_m, periods.size()));
   page.heading("Gap over time");
   if (recording.gaps.empty())
@@ -271,6 +270,9 @@ SessionReport write_session_report(const std::string& bag, const std::string& fo
   page.heading("Gap by configuration");
   if (periods.empty()) page.paragraph("The robot was never at rest under commands that did not change.");
   if (!periods.empty()) page.table(rest_table(periods, gaps, recording.start_s));
+  if (configurations && !periods.empty())
+    page.paragraph("Each has a page of its own beside this one: " +
+                   join(write_configuration_pages(bag, recording, periods, folder)) + ".");
   add_plot(rest_plot(gaps), folder, page);
   page.heading("Policy");
   if (recording.commands.empty()) page.paragraph("No commands were given.");

@@ -13,7 +13,9 @@ struct SessionReport {
 };
 
 // Throws std::runtime_error for a bag that cannot be read or holds no tracked markers (read_recorded_session), and
-// where files cannot be written. `scene`: its file, where it is not the one that the bag names.
-SessionReport write_session_report(const std::string& bag, const std::string& folder, const std::string& scene = "");
+// where files cannot be written. `scene`: its file, where it is not the one that the bag names. `configurations`: each
+// gets a page of its own.
+SessionReport write_session_report(const std::string& bag, const std::string& folder, const std::string& scene = "",
+                                   bool configurations = false);
 
 }  // namespace soft_robot_lab

@@ -74,7 +74,8 @@ TEST(ChamberScene, RefusesWhatItCannotFind) {
        "chambers[0].surface: is none of the 2 solids that a difference of body.solid takes away"},
       {block("  - {name: a, surface: skin}\n"), "chambers[0].surface: "},
       {block("  - {name: a, surface: cavity, beta: 2}\n"), "unknown key 'beta'"},
-      {block(kTwo, "run: {commands: [{closed: -1}]}\n"), "closed: -1 is out of range [0.05, 5]"},
+      {block(kTwo, "run: {commands: [{closed: -1}]}\n"),
+       "closed: -1 is out of range [0.05, 5]; min_beta of 'closed' moves that limit"},
       {block(kTwo, "run: {commands: [{open: 6}]}\n"), "open: 6 is out of range [0, 5]"},
   };
   const SceneFolder folder;

@@ -60,7 +60,8 @@ echo "Starting the session ..."
 rviz=false
 [[ -z ${DISPLAY:-} ]] || rviz=true
 set -m # a process group of its own, so that Ctrl-C reaches it through end_session only
-roslaunch -p "$master_port" soft_robot_lab session.launch robot:=spinebot rviz:=$rviz record:=true bag_folder:="$output" \
+scene=$package/config/robots/spinebot/touching.yaml # its joints stop each other
+roslaunch -p "$master_port" soft_robot_lab session.launch robot:=spinebot scene:="$scene" rviz:=$rviz record:=true bag_folder:="$output" \
   >"$output/session.log" 2>&1 &
 session=$!
 set +m

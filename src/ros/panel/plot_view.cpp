@@ -27,7 +27,7 @@ QVector<QPointF> points_of(const History::Points& points, double now_s) {
 PlotView::PlotView(QWidget* parent) : QWidget(parent), title_(new QComboBox(this)), plot_(new QwtPlot(this)) {
   title_->setToolTip("What is plotted, over the last 20 s of the session");
   plot_->setAxisScale(QwtPlot::xBottom, -History::kept_s, 0.0, 5.0);
-  plot_->setMinimumHeight(110);
+  plot_->setMinimumHeight(90);
   plot_->setCanvasBackground(Qt::white);
   plot_->insertLegend(new QwtLegend, QwtPlot::RightLegend);
   QFont small = font();

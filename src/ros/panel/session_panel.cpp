@@ -189,7 +189,6 @@ QWidget* SessionPanel::make_views() {
       [this](const ReachableTip& tip) { reach(tip); }, tabs);
   tabs->addTab(plot_, "P&lot");
   tabs->addTab(workspace_, "&Workspace");
-  tabs->setMinimumHeight(200);
   return tabs;
 }
 

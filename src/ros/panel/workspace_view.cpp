@@ -103,7 +103,7 @@ WorkspaceView::WorkspaceView(std::function<void(const ReachableTips&)> found,
   grid->addWidget(number_, 0, 3);
   grid->addWidget(plot_, 1, 0, 1, 4);
   grid->addWidget(state_, 2, 0, 1, 4);
-  plot_->setMinimumHeight(110);
+  plot_->setMinimumHeight(90);
   plot_->setCanvasBackground(Qt::white);
   QFont small = font();
   small.setPointSizeF(0.8 * small.pointSizeF());

@@ -22,8 +22,8 @@ struct SimulatedHold {
   Eigen::Vector3d mean(int marker, double from_s, double to_s) const;
 };
 
-// Of all poses, one after the other, from rest; in steps of 1/30 s until the drives stand, then of 0.25 s. Throws
-// std::runtime_error where a step does not converge.
+// Of all poses, one after the other, from rest; in the scene's own steps until the drives have stood for a while, then
+// of 0.25 s. Throws std::runtime_error where a step does not converge.
 std::vector<SimulatedHold> simulate_holds(const std::string& scene, const SceneOptions& options,
                                           const std::vector<MeasuredPose>& poses,
                                           const std::map<std::string, double>& backlash_m);

@@ -207,6 +207,15 @@ FitNumber FitParameters::with_bounds(FitNumber number, const FitParameter& asked
   return number;
 }
 
+std::vector<FitNumber> FitParameters::numbers_in_time() const {
+  std::vector<FitNumber> all = numbers_;
+  for (FitNumber number : creep_) {
+    for (double* value : {&number.start, &number.min, &number.max}) *value = std::log(*value);
+    all.push_back(std::move(number));
+  }
+  return all;
+}
+
 Overrides FitParameters::overrides(const Eigen::VectorXd& values) const {
   Overrides overrides = base_overrides_;
   std::optional<double> modulus_pa, density_kg_m3;
@@ -282,6 +291,8 @@ Eigen::Matrix3Xd FitParameters::measured_jacobian(const Eigen::VectorXd& values,
       all.col(column) = number.size * turn * by_model.col(model_column++);
     }
   }
+  for (auto column = static_cast<Eigen::Index>(numbers_.size()); column < values.size(); ++column)
+    all.col(column) = turn * by_model.col(model_column++);
   return all;
 }
 

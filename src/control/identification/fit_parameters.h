@@ -40,12 +40,13 @@ class FitParameters {
   // Where asked for; not among the numbers.
   const std::optional<FitNumber>& damping() const { return damping_; }
   const std::vector<FitNumber>& creep() const { return creep_; }  // stiffness ratio and relaxation time, or none
+  std::vector<FitNumber> numbers_in_time() const;                 // the numbers, and the logarithms of both of creep
 
   Overrides overrides(const Eigen::VectorXd& values) const;  // with those of the scene's options
   Eigen::Isometry3d measured_from_base(const Eigen::VectorXd& values) const;
   std::map<std::string, double> backlash_m(const Eigen::VectorXd& values) const;  // by cable
   // d measured marker / d number, each in its `size`, at a point of robot_base; `by_model` are the columns of the
-  // model's numbers, 3 x model_columns().
+  // model's numbers, 3 x model_columns(), and of values after these, in their own units.
   Eigen::Matrix3Xd measured_jacobian(const Eigen::VectorXd& values, const Eigen::Vector3d& point_m,
                                      const Eigen::Matrix3Xd& by_model) const;
   // Columns of the numbers that are of the model, and what they are there; cables are actuators of the same names.

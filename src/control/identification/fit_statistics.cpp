@@ -85,6 +85,32 @@ double residual_variance(const std::vector<double>& residuals, Eigen::Index unkn
   return std::max(1.0, squares / static_cast<double>(std::max<Eigen::Index>(1, count - unknowns)));
 }
 
+ModelGap gap_of(const std::vector<MeasuredPose>& poses, const MarkerPlace& modelled) {
+  ModelGap gap;
+  std::map<std::string, int> counts;
+  int count = 0;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    for (std::size_t m = 0; m < poses[p].markers.size(); ++m) {
+      const MeasuredMarker& marker = poses[p].markers[m];
+      const double squared = (modelled(p, static_cast<Eigen::Index>(m)) - marker.position_m).squaredNorm();
+      gap.rms_m += squared;
+      gap.marker_rms_m[marker.name] += squared;
+      ++counts[marker.name];
+      ++count;
+    }
+  }
+  gap.rms_m = std::sqrt(gap.rms_m / std::max(1, count));
+  for (auto& [name, rms] : gap.marker_rms_m) rms = std::sqrt(rms / counts[name]);
+  return gap;
+}
+
+std::vector<double> pose_gaps_m(const std::vector<MeasuredPose>& poses, const MarkerPlace& modelled) {
+  std::vector<double> gaps_m;
+  for (std::size_t p = 0; p < poses.size(); ++p)
+    gaps_m.push_back(gap_of({poses[p]}, [&](std::size_t, Eigen::Index m) { return modelled(p, m); }).rms_m);
+  return gaps_m;
+}
+
 Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix) {
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(matrix.num_rows, matrix.num_cols);
   for (int row = 0; row < matrix.num_rows; ++row)

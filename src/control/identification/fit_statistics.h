@@ -2,6 +2,7 @@
 // How sure a fit is, and what its data cannot identify.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <ceres/crs_matrix.h>
@@ -19,6 +20,12 @@ Eigen::VectorXd bound_widths(const std::vector<FitNumber>& numbers);
 
 // Of residuals in standard deviations, which so many unknowns were fitted to; at least the one expected.
 double residual_variance(const std::vector<double>& residuals, Eigen::Index unknowns);
+
+// Where a pose's marker is, as measured, by a model.
+using MarkerPlace = std::function<Eigen::Vector3d(std::size_t pose, Eigen::Index marker)>;
+ModelGap gap_of(const std::vector<MeasuredPose>& poses, const MarkerPlace& modelled);
+std::vector<double> pose_gaps_m(const std::vector<MeasuredPose>& poses,
+                                const MarkerPlace& modelled);  // 0 without markers
 
 Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix);
 

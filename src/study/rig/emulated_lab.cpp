@@ -42,6 +42,17 @@ void give_backlash(const PlantSettings& plant, const RigSettings& rig, Testbench
   }
 }
 
+MeasuredMarker mean_of(const std::string& name, const std::vector<MarkerObservation>& sights) {
+  MeasuredMarker mean{name, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
+  for (const MarkerObservation& sight : sights) {
+    mean.position_m += sight.position_m;
+    mean.covariance_m2 += sight.covariance_m2;
+  }
+  mean.position_m /= static_cast<double>(sights.size());
+  mean.covariance_m2 /= static_cast<double>(sights.size());
+  return mean;
+}
+
 }  // namespace
 
 EmulatedLab::EmulatedLab(const EmulatedLabSettings& settings, const SceneOptions& options)
@@ -120,25 +131,26 @@ void EmulatedLab::calibrate(const BallPlacement& placement) {
     believed_[found.pose.name] = found.pose.world_from_camera;
 }
 
-MeasuredMarkers EmulatedLab::measure(const MarkerPlaces& expected_m) {
+std::vector<MeasuredMarker> EmulatedLab::observe(const MarkerPlaces& expected_m) {
   Tracker tracker(settings_.tracker, tracked(plant_.simulation()));
   for (const RigCamera& camera : settings_.cameras.cameras)
     tracker.set_camera({camera.pose.name, camera.model, believed_.at(camera.pose.name)});
   std::vector<Eigen::Vector3d> expected;
   for (const Marker& marker : plant_.simulation().markers()) expected.push_back(expected_m.at(marker.name()));
   tracker.set_simulated(expected);
-  std::map<std::string, std::pair<Eigen::Vector3d, int>> sums;
-  for (int i = 0; i < settings_.frames; ++i) {
-    for (const MarkerObservation& marker : tracker.update(take(recorder_).frames).markers) {
-      if (marker.source != MarkerSource::seen) continue;
-      auto& [sum_m, count] = sums.try_emplace(marker.name, Eigen::Vector3d::Zero(), 0).first->second;
-      sum_m += marker.position_m;
-      ++count;
-    }
-  }
-  MeasuredMarkers mean_m;
-  for (const auto& [name, sum] : sums) mean_m[name] = sum.first / sum.second;
-  return mean_m;
+  std::map<std::string, std::vector<MarkerObservation>> seen;
+  for (int i = 0; i < settings_.frames; ++i)
+    for (MarkerObservation& marker : tracker.update(take(recorder_).frames).markers)
+      if (marker.source == MarkerSource::seen) seen[marker.name].push_back(std::move(marker));
+  std::vector<MeasuredMarker> means;
+  for (const auto& [name, sights] : seen) means.push_back(mean_of(name, sights));
+  return means;
+}
+
+MeasuredMarkers EmulatedLab::measure(const MarkerPlaces& expected_m) {
+  MeasuredMarkers positions_m;
+  for (const MeasuredMarker& marker : observe(expected_m)) positions_m[marker.name] = marker.position_m;
+  return positions_m;
 }
 
 }  // namespace soft_robot_lab

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "soft_robot_lab/control/closed_loop.h"
+#include "soft_robot_lab/control/identification/fit_model.h"
 #include "session/report/frame_recorder.h"
 #include "hardware/motor/rig_settings.h"
 #include "hardware/plant/plant.h"
@@ -55,8 +56,10 @@ class EmulatedLab {
   void wait(double duration_s);
 
   // Films the resting robot and tracks it, as if it were seen for the first time; of each marker the mean of the frames
-  // that show it. `expected_m`: where a simulation has every marker, which shows which is which.
-  MeasuredMarkers measure(const MarkerPlaces& expected_m);
+  // that show it, and the mean of their covariances: errors of frames of one place are alike, so the mean is not much
+  // surer than a frame. `expected_m`: where a simulation has every marker, which shows which is which.
+  std::vector<MeasuredMarker> observe(const MarkerPlaces& expected_m);
+  MeasuredMarkers measure(const MarkerPlaces& expected_m);  // the positions alone
 
   const Plant& plant() const { return plant_; }
   double time_s() const;

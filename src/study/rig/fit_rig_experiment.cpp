@@ -17,7 +17,7 @@ namespace {
 struct FitRigSettings {
   LabFiles files;
   std::vector<Configuration> configurations, unseen;
-  double held_s = 0.0, deviation_m = 0.0;
+  double held_s = 0.0;
   std::vector<double> film_at_s = {};  // since the command, rising
   Overrides known = {};                // what is measured otherwise
   FitRequest request = {};
@@ -28,7 +28,6 @@ FitRigSettings read_settings(const ExperimentContext& context) {
   FitRigSettings settings{read_lab_files(node, context), read_configurations(node),
                           read_configurations(node.child("unseen"))};
   settings.held_s = node.number("held_s", AllowedRange::positive());
-  settings.deviation_m = node.number("deviation_m", AllowedRange::positive());
   for (const YamlNode& time : node.sequence("film_at_s"))
     settings.film_at_s.push_back(time.as_number({0.0, settings.held_s}));
   settings.known = Overrides(node.child("overrides"));
@@ -78,8 +77,7 @@ class Recorder {
   MarkersAt film(double start_s) {
     const double from_s = lab_.time_s();
     MarkersAt seen;
-    for (const auto& [name, position_m] : lab_.measure(marker_places(*model_.simulation)))
-      seen.markers.push_back({name, position_m, std::pow(settings_.deviation_m, 2) * Eigen::Matrix3d::Identity()});
+    seen.markers = lab_.observe(marker_places(*model_.simulation));
     seen.time_s = 0.5 * (from_s + lab_.time_s()) - start_s;
     return seen;
   }

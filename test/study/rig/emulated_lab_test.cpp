@@ -73,6 +73,20 @@ TEST_F(EmulatedLabTest, MeasuresAndRepeatsToTheLastDigit) {
   EXPECT_EQ(farthest_m(record.true_m, records.back().true_m), 0.0);
 }
 
+TEST_F(EmulatedLabTest, ObservesMarkersWithinTheirCovarianceWhichIsLeastAcrossTheSight) {
+  EmulatedLabSettings noisy = settings();
+  noisy.film.sensor.reset();  // that of the rig: D415
+  EmulatedLab lab(noisy, options());
+  const MarkerPlaces true_m = lab.plant().markers_m();
+  const std::vector<MeasuredMarker> observed = lab.observe(true_m);
+  EXPECT_EQ(observed.size(), 6u);
+  for (const MeasuredMarker& marker : observed) {
+    const Eigen::Vector3d off_m = marker.position_m - true_m.at(marker.name);
+    EXPECT_LT(off_m.dot(marker.covariance_m2.inverse() * off_m), 16.3) << marker.name;  // 99.9 % of three numbers
+    EXPECT_LT(marker.covariance_m2(0, 0), 0.25 * marker.covariance_m2(1, 1)) << marker.name;
+  }
+}
+
 TEST_F(EmulatedLabTest, PressesSyringesAsFarAsTheirSpindlesTurn) {
   EmulatedLabSettings air = settings();
   air.rig = load_rig(kConfig + "robots/bubblefinger/motors.yaml");

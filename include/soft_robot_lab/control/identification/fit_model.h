@@ -11,8 +11,7 @@
 //   backlash_m            one for each cable that commands a length: so much further its drive turns before it pays out
 //   camera_to_base        six: measured = R p + t of a point p of robot_base, t [m] and R's rotation vector [rad]
 //   creep                 two: body.hysteresis.stiffness_ratio and .relaxation_time_s, by how markers go on moving
-//   while a
-//                         command is held. What is left of it then is taken out of the rest states
+//                         while a command is held. All numbers are then fitted together, to the robot in time
 //   damping               body.damping.rayleigh_stiffness_s: swings die away by it, and by what the integrator damps in
 //                         the scene's own time step. Left as it is, with a warning, where nothing swings
 #pragma once

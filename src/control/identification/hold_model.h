@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a scene says about poses in time: it goes through them as the robot did, and creeps while commands are held.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "creep_model.h"
+#include "fit_parameters.h"
+#include "pose_model.h"
+
+namespace soft_robot_lab {
+
+class HoldModel {
+ public:
+  HoldModel(std::string scene, SceneOptions options, const std::vector<MeasuredPose>& poses,
+            const FitParameters& parameters);
+
+  // `values` of FitParameters::numbers_in_time. Predictions of all poses' markers, then of what was seen meanwhile,
+  // pose by pose. Derivatives are differences, as whether a cable sticks depends on the whole way. Throws
+  // std::runtime_error where a step does not converge.
+  std::vector<PosePrediction> predict(const Eigen::VectorXd& values, bool derivatives) const;
+
+  std::vector<SimulatedHold> holds(const Eigen::VectorXd& values) const;
+  Overrides overrides(const Eigen::VectorXd& values) const;
+
+ private:
+  std::vector<Eigen::Matrix3Xd> places(const Eigen::VectorXd& values) const;  // of each prediction
+  Eigen::Matrix3Xd places_of(const std::vector<MeasuredMarker>& markers,
+                             const std::function<Eigen::Vector3d(int marker)>& place) const;
+
+  std::string scene_;
+  SceneOptions options_;
+  const std::vector<MeasuredPose>& poses_;
+  const FitParameters& parameters_;
+  std::map<std::string, int> markers_;
+};
+
+}  // namespace soft_robot_lab

@@ -11,6 +11,8 @@ namespace soft_robot_lab::constants {
 
 inline constexpr std::size_t kOldFactorSteps = 5;   // by an old factor between two new ones, in one solve
 inline constexpr double kWorthwhileDecrease = 0.9;  // of the residual, by such a step
+// Residual of an equilibrium below which the last factor leads to it: each step by it leaves a tenth or less.
+inline constexpr double kNearRest = 1e-2;
 // Of a constraint in the merit function, over its stiffness 1 / |B' A^-1 B|. Where A has one negative eigenvalue, as in
 // a body that buckled, A + penalty B B' is singular at just 1; with several constraints more is needed.
 inline constexpr double kPenaltyOfBuckled = 10.0;

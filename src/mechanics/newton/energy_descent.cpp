@@ -138,7 +138,7 @@ double NewtonSolver::potential_rise_j(const NewtonTask& task, const NewtonState&
 bool NewtonSolver::linearise_blend(const NewtonTask& task, const NewtonState& state,
                                    const Eigen::VectorXd& volumetric_strain, double convexity) {
   if (convexity > 1.0) return linearise(state, task.inertia_per_s2, task.strain_target, true);
-  linearisation_.reset();
+  forget_factor();
   const auto size = static_cast<Eigen::Index>(9 * matrix_.rows().size());
   Eigen::Map<Eigen::VectorXd> values(matrix_.block(0), size);
   matrix_.set_zero();
@@ -164,7 +164,7 @@ bool NewtonSolver::linearise_downhill(const NewtonTask& task, const NewtonState&
   for (convexity = lowered(convexity);; convexity = raised(convexity)) {
     ++report.factorisations;
     const bool positive = linearise_blend(task, state, volumetric_strain, convexity) && factor().negative_pivots() == 0;
-    linearisation_.reset();
+    forget_factor();
     if (positive || convexity > 1.0) return positive;
     ++report.convexified;
   }

@@ -9,7 +9,7 @@ namespace soft_robot_lab {
 
 bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
                              const std::shared_ptr<const StrainTarget>& strain_target, bool convex, Slip slip) {
-  linearisation_.reset();
+  forget_factor();
   turns_.resize(3, 0);
   matrix_.set_zero();
   elements_.add_hessian(state.positions_m, state.element_multipliers_pa, convex, matrix_);
@@ -26,7 +26,7 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   }
   if (!add_rest_and_factorise(state, inertia_per_s2, convex)) return false;
   if (!convex && slip == Slip::tangent)
-    linearisation_ = std::make_shared<Linearisation>(
+    linearisation_ = factorised_ = std::make_shared<Linearisation>(
         Linearisation{state, inertia_per_s2, strain_target, with_skin_ ? with_skin_->pattern : nullptr});
   return true;
 }
@@ -116,10 +116,28 @@ bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2
 }
 
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
-  if (linearisation == linearisation_) return;
-  linearisation_.reset();
+  linearisation_ = linearisation;
   if (linearisation && linearisation->contact_pattern) contact_pattern_ = linearisation->contact_pattern;
-  if (linearisation) linearise(linearisation->at, linearisation->inertia_per_s2, linearisation->strain_target, false);
+}
+
+void NewtonSolver::forget_factor() {
+  linearisation_.reset();
+  factorised_.reset();
+}
+
+bool NewtonSolver::make_factor() {
+  if (linearisation_ == factorised_) return true;
+  const std::shared_ptr<const Linearisation> asked = linearisation_;
+  if (!linearise(asked->at, asked->inertia_per_s2, asked->strain_target, false)) return false;
+  linearisation_ = factorised_ = asked;
+  return true;
+}
+
+bool NewtonSolver::has_factor_at(const NewtonState& state, double inertia_per_s2,
+                                 const std::shared_ptr<const StrainTarget>& strain_target) {
+  if (!linearised_at(state, inertia_per_s2, strain_target) || !make_factor()) return false;
+  turns_.resize(3, 0);
+  return true;
 }
 
 Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {

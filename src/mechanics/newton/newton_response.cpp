@@ -59,7 +59,7 @@ Eigen::MatrixXd NewtonSolver::solve_exactly(const Eigen::MatrixXd& right_hand_si
 bool NewtonSolver::linearise_held(const NewtonState& state) {
   std::vector<ContactTouch> touches = contact_.sums(state.positions_m, state.contact).touches;
   if (std::none_of(touches.begin(), touches.end(), [](const ContactTouch& touch) { return touch.at_limit(); }))
-    return linearised_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false);
+    return has_factor_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false);
   return linearise(state, 0.0, nullptr, false, Slip::held);
 }
 

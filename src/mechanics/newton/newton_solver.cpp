@@ -16,6 +16,9 @@ double relative_violation(const ConstraintLaw& law, double y, double value) {
   return violation(law, y) / std::max(std::abs(value), 1e-300);
 }
 
+// The last factor, for the next step of a solve with this residual.
+bool may_reuse(const NewtonTask& task, double residual) { return task.reuse_factor || residual < task.reuse_below; }
+
 }  // namespace
 
 NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
@@ -260,7 +263,7 @@ Turns NewtonSolver::turns_since_linearisation(const Eigen::Matrix3Xd& positions_
 bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
                                   AndersonMixing& mixing) {
   if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
-      (linearisation_->strain_target == nullptr) != (task.strain_target == nullptr) ||
+      (linearisation_->strain_target == nullptr) != (task.strain_target == nullptr) || !make_factor() ||
       !ContactTerm::same_set(touches_, here.contact.touches) ||
       !RigidContact::same_set(rigid_touches_, here.contact.rigid))
     return false;
@@ -312,7 +315,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     mixing.clear();
     Step step;
     const auto fresh_step = [&] {
-      if (!convex && slip == Slip::tangent && linearised_at(state, task.inertia_per_s2, task.strain_target))
+      if (!convex && slip == Slip::tangent && has_factor_at(state, task.inertia_per_s2, task.strain_target))
         return find_step(state, here, step);
       ++report.factorisations;
       return linearise(state, task.inertia_per_s2, task.strain_target, convex, slip) && find_step(state, here, step);
@@ -334,7 +337,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     convex = !accepted || (convex && length < 1.0);
     if (convex && task.only_through_stable) return finish("no step lowers the energy");
     slip = convex || length < 1.0 ? cautious : Slip::tangent;
-    old_factor = accepted && task.reuse_factor && !convex && slip == Slip::tangent;
+    old_factor = accepted && may_reuse(task, here.relative_residual) && !convex && slip == Slip::tangent;
   }
   return finish(here.relative_residual <= task.tolerance ? "" : "iteration limit");
 }
@@ -345,7 +348,7 @@ double NewtonSolver::rest_residual(const NewtonState& state) const {
 }
 
 bool NewtonSolver::stable_at_rest(const NewtonState& state) {
-  if (!linearised_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return false;
+  if (!has_factor_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return false;
   const bool stable = constraint_count() > 0
                           ? stable_under(problem_at(state, solve_exactly(border_)), state.constraint_multipliers)
                           : factor().negative_pivots() == 0;

@@ -67,6 +67,7 @@ struct NewtonTask {
   int max_iterations = 60;
   bool only_through_stable = false;  // give up where the matrix is not convex, rather than shift it
   bool reuse_factor = false;         // first try what the last factor can still do
+  double reuse_below = 0.0;          // a residual, below which the factor of the step before ends the solve
 };
 
 struct NewtonReport {
@@ -175,7 +176,8 @@ class NewtonSolver {
   // How far the constraints are from their laws, relative to their values; costs no pass over the body.
   double worst_violation(const NewtonState& state) const;
 
-  // The last linearisation, or nullptr where it cannot be reused; and making it again.
+  // The last linearisation, or nullptr where it cannot be reused; and taking up another one. Its factor is made again
+  // where something asks for it, which an equilibrium elsewhere does not.
   const std::shared_ptr<const Linearisation>& linearisation() const { return linearisation_; }
   void restore(const std::shared_ptr<const Linearisation>& linearisation);
 
@@ -239,6 +241,10 @@ class NewtonSolver {
   const BlockMatrix& whole_matrix() const { return with_skin_ ? with_skin_->matrix : matrix_; }
   bool linearised_at(const NewtonState& state, double inertia_per_s2,
                      const std::shared_ptr<const StrainTarget>& strain_target) const;
+  bool make_factor();  // of linearisation_, where factor_ holds that of another
+  bool has_factor_at(const NewtonState& state, double inertia_per_s2,
+                     const std::shared_ptr<const StrainTarget>& strain_target);  // and makes it, where it is not yet
+  void forget_factor();
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
   ConstraintLaw law_at(const NewtonState& state, int constraint) const;
   std::vector<FrictionContactBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
@@ -292,11 +298,12 @@ class NewtonSolver {
   StrainSprings springs_;
   bool soft_contact_ = false;  // while descending
 
-  // The last linearisation: its factor is in factor_, its volume gradients are in elements_.
-  std::shared_ptr<const Linearisation> linearisation_;  // null where it was convex or failed
-  Eigen::MatrixXd border_, border_solved_;              // B and A^-1 B, over 3*node + axis
-  std::vector<ContactTouch> touches_;                   // of which the matrix was made
-  RigidTouches rigid_touches_;                          // the same
+  // The last linearisation, and that whose factor is in factor_ and whose volume gradients are in elements_: another
+  // one after restore().
+  std::shared_ptr<const Linearisation> linearisation_, factorised_;  // null where it was convex or failed
+  Eigen::MatrixXd border_, border_solved_;                           // B and A^-1 B, over 3*node + axis
+  std::vector<ContactTouch> touches_;                                // of which the matrix was made
+  RigidTouches rigid_touches_;                                       // the same
   FreeBorder free_border_;
   Turns turns_;  // of the nodes since then, by which the old factor turns with them
 

@@ -19,6 +19,7 @@ NewtonTask rest_task(const SimulationParts& parts) {
   NewtonTask task;
   task.tolerance = parts.options.tolerance;
   task.max_iterations = std::min(parts.options.max_iterations, constants::kStageIterations);
+  task.reuse_below = constants::kNearRest;
   return task;
 }
 

@@ -107,6 +107,10 @@ std::string ReducedSearch::correct(ReducedForwardModel& model, ReachProblem& tra
   const Eigen::MatrixXd jacobian = audit_.sensitivities(model.state(), audit);
   if (jacobian.size() == 0) return "the full model is not stable at the search's end";
   model.correct(summary.commands, audit.markers_m, jacobian);
+  const SimulationState here = full_state(*reduced_.model, model.state(), {});
+  lack_.positions_m = audit.positions_m - here.positions_m;
+  lack_.element_multipliers_pa = audit.element_multipliers_pa - here.element_multipliers_pa;
+  lack_.constraint_multipliers = audit.constraint_multipliers - here.constraint_multipliers;
   trained.start = summary.commands;
   const OptimisationSummary first = summary;
   if (first.stop_reason == "cancelled") return "";
@@ -129,7 +133,11 @@ std::string ReducedSearch::require_one_end(const std::vector<double>& start, con
 
 std::string ReducedSearch::settle(const ReducedForwardModel& model, const std::vector<std::string>& markers,
                                   OptimisationSummary& summary) {
-  simulation_.set_state(full_state(*reduced_.model, model.state(), simulation_.state()));
+  SimulationState there = full_state(*reduced_.model, model.state(), simulation_.state());
+  there.positions_m += lack_.positions_m;
+  there.element_multipliers_pa += lack_.element_multipliers_pa;
+  there.constraint_multipliers += lack_.constraint_multipliers;
+  simulation_.set_state(there);
   const SolveReport report = simulation_.solve_equilibrium();
   if (!report.converged) return "no equilibrium at the search's end: " + report.message;
   const Eigen::Matrix3Xd expected_m = summary.markers_m;

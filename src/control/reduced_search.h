@@ -36,7 +36,8 @@ class ReducedSearch {
   Simulation& simulation_;
   const ReducedChoice& reduced_;
   Audit audit_;
-  double limit_m_;  // beyond which the model is not trusted
+  double limit_m_;        // beyond which the model is not trusted
+  SimulationState lack_;  // of the model against the full one at the audit: positions and multipliers alone
 };
 
 }  // namespace soft_robot_lab

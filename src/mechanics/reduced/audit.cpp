@@ -5,6 +5,7 @@
 
 #include "mechanics/newton/newton_solver.h"
 #include "mechanics/simulation/workspace.h"
+#include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 constexpr double kInertia_per_s2 = 1.0;
 // Relative to the largest force: with more left the last step may be half of the way only.
 constexpr double kResidual = 1e-4;
-constexpr int kIterations = 3;
+constexpr int kIterations = 6;
 
 Eigen::Matrix3Xd as_columns(const Eigen::VectorXd& vector) {
   return Eigen::Map<const Eigen::Matrix3Xd>(vector.data(), 3, vector.size() / 3);
@@ -68,6 +69,7 @@ AuditResult Audit::iterate(const ReducedState& state, const Eigen::VectorXd* acc
   task.tolerance = kResidual;
   task.min_iterations = 1;
   task.max_iterations = kIterations;
+  task.reuse_below = constants::kNearRest;
   if (acceleration) {
     predicted_m = start_m - as_columns(reduced_.basis.modes * *acceleration) / kInertia_per_s2;
     task.inertia_per_s2 = kInertia_per_s2;

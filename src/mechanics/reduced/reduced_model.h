@@ -25,6 +25,11 @@ struct ReducedError {
   double rms_m = 0.0, max_m = 0.0;
 };
 
+// Rest states that training came to from the rest shape, one a column.
+struct KnownRests {
+  Eigen::MatrixXd commands, q, pressures, multipliers;  // of actuators, modes, elements, constraints
+};
+
 // It never changes once trained; simulations in several threads share one.
 struct ReducedModel {
   std::shared_ptr<const Model> full;
@@ -33,6 +38,7 @@ struct ReducedModel {
   ReducedEnergy energy;
   ReducedConstraints constraints;
   Eigen::VectorXd point_factors;  // as kept; empty where every point is
+  KnownRests rests;
   double mass_kg;
   int snapshots = 0, failed_solves = 0;  // of the training
 

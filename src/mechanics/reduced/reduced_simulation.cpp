@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kShortestPart = 1.0 / 64.0;  // of a time step
 constexpr int kNearIterations = 15;           // of Newton; with more it may have found another branch than that nearby
+constexpr int kKnownRests = 3;                // that an equilibrium may start from
 constexpr int kContinuationSteps = 200;
 constexpr double kFirstArtificialStep_s = 0.02, kLongestArtificialStep_s = 100.0, kShortestArtificialStep_s = 1e-5;
 
@@ -120,6 +121,33 @@ bool ReducedSimulation::relax(int most_iterations, ReducedReport& report) {
   return true;
 }
 
+bool ReducedSimulation::at_rest_commands() const {
+  for (std::size_t i = 0; i < state_.drives.size(); ++i)
+    if (state_.drives[i].actuated_command != model_->full->actuators()[i]->limits().rest) return false;
+  return true;
+}
+
+// A body that buckles may do so to either side. The full model has gone to one of them from its rest shape.
+bool ReducedSimulation::relax_beside_known_rests(ReducedReport& report) {
+  const KnownRests& rests = model_->rests;
+  Eigen::VectorXd far = Eigen::VectorXd::Zero(rests.commands.cols());
+  for (std::size_t i = 0; i < state_.drives.size() && far.size() > 0; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const double range = model_->box.max[i] - model_->box.min[i];
+    far += ((rests.commands.row(row).array() - state_.drives[i].command) / range).square().matrix().transpose();
+  }
+  const ReducedUnknowns before = state_.at;
+  for (int tries = 0; tries < kKnownRests && tries < far.size(); ++tries) {
+    Eigen::Index nearest = 0;
+    far.minCoeff(&nearest);
+    far[nearest] = std::numeric_limits<double>::infinity();
+    state_.at = {rests.q.col(nearest), rests.pressures.col(nearest), rests.multipliers.col(nearest)};
+    if (relax(kNearIterations, report)) return true;
+  }
+  state_.at = before;
+  return false;
+}
+
 SimulationState full_state(const ReducedModel& model, const ReducedState& state, SimulationState base) {
   const Eigen::VectorXd velocities = model.basis.modes * state.velocity;
   base.time_s = state.time_s;
@@ -134,12 +162,13 @@ SimulationState full_state(const ReducedModel& model, const ReducedState& state,
 
 ReducedReport ReducedSimulation::solve_equilibrium() {
   ReducedReport report;
+  const bool from_rest = at_rest_commands();
   for (std::size_t i = 0; i < state_.drives.size(); ++i)
     model_->full->actuators()[i]->advance(std::numeric_limits<double>::infinity(), state_.drives[i]);
   state_.velocity.setZero();
   state_.previous_velocity.setZero();
   state_.previous_step_s = 0.0;
-  report.converged = relax(kNearIterations, report);
+  report.converged = relax(kNearIterations, report) || (from_rest && relax_beside_known_rests(report));
   // Down the energy with a proximal term that fades (pseudo-transient continuation, Kelley & Keyes 1998), but not so
   // fast that a step has more than one end: it would stay on a saddle, where a slower one leaves it.
   double h = kFirstArtificialStep_s;

@@ -39,7 +39,8 @@ class ReducedSimulation {
   // the state stays as it was, but for the commands.
   ReducedReport step();
 
-  // The stable rest state near the present one; otherwise not converged, and the state is the furthest it came.
+  // The stable rest state near the present one; where there is none, and the actuators come from their rest commands,
+  // that on the side to which training went from there. Otherwise not converged, and the state is the furthest it came.
   ReducedReport solve_equilibrium();
 
   // Rms displacement of the last Newton iteration, > 0; smaller than the model's error is of no use.
@@ -63,6 +64,8 @@ class ReducedSimulation {
   // The part of a step of length h from one share of it to another.
   bool advance(double h, const CommandPath& path, double from, double to, ReducedReport& report);
   bool relax(int most_iterations, ReducedReport& report);
+  bool at_rest_commands() const;
+  bool relax_beside_known_rests(ReducedReport& report);
 
   std::shared_ptr<const ReducedModel> model_;
   ReducedState state_;

@@ -39,12 +39,38 @@ ReducedBasis basis_of(const std::vector<Snapshot>& snapshots, const Model& model
   return basis;
 }
 
+// A snapshot in the model's modes.
+ReducedUnknowns projected(const ReducedModel& model, const Snapshot& at, const Eigen::VectorXd& masses_kg,
+                          const Eigen::VectorXd& volumes_m3) {
+  return {model.basis.modes.transpose() * masses_kg.cwiseProduct(at.displacement_m),
+          model.basis.pressures.transpose() * volumes_m3.cwiseProduct(at.multipliers_pa), at.constraint_multipliers};
+}
+
+KnownRests rests_of(const std::vector<Snapshot>& snapshots, const ReducedModel& model) {
+  std::vector<const Snapshot*> rests;
+  for (const Snapshot& snapshot : snapshots)
+    if (snapshot.inertia_per_s2 == 0.0) rests.push_back(&snapshot);
+  const auto count = static_cast<Eigen::Index>(rests.size());
+  const auto actuators = static_cast<Eigen::Index>(model.box.min.size());
+  KnownRests all{Eigen::MatrixXd(actuators, count), Eigen::MatrixXd(model.energy.modes(), count),
+                 Eigen::MatrixXd(model.energy.pressures(), count),
+                 Eigen::MatrixXd(static_cast<Eigen::Index>(model.constraints.count()), count)};
+  const Eigen::VectorXd masses_kg = masses_of_axes_kg(model.full->body());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Snapshot& at = *rests[static_cast<std::size_t>(i)];
+    for (Eigen::Index a = 0; a < actuators; ++a) all.commands(a, i) = at.drives[static_cast<std::size_t>(a)].command;
+    const ReducedUnknowns unknowns = projected(model, at, masses_kg, element_volumes_m3(*model.full));
+    all.q.col(i) = unknowns.q;
+    all.pressures.col(i) = unknowns.pressures;
+    all.multipliers.col(i) = unknowns.multipliers;
+  }
+  return all;
+}
+
 // How each point moves the body, rms in m, in the first Newton step at a snapshot's projection.
 Eigen::MatrixXd point_motions(const ReducedModel& model, const Snapshot& at, const Eigen::VectorXd& masses_kg,
                               const Eigen::VectorXd& volumes_m3) {
-  const ReducedUnknowns unknowns{model.basis.modes.transpose() * masses_kg.cwiseProduct(at.displacement_m),
-                                 model.basis.pressures.transpose() * volumes_m3.cwiseProduct(at.multipliers_pa),
-                                 at.constraint_multipliers};
+  const ReducedUnknowns unknowns = projected(model, at, masses_kg, volumes_m3);
   const ReducedConstraints::Values constraints = model.constraints.at(unknowns.q, unknowns.multipliers, at.drives);
   const Eigen::MatrixXd inner = reduced_matrix(model, unknowns, constraints, at.inertia_per_s2);
   const Eigen::Index n = unknowns.q.size();
@@ -75,6 +101,7 @@ std::shared_ptr<const ReducedModel> train_on(const TrainingSet& set, const std::
   auto reduced = std::make_shared<ReducedModel>(model, training.box, basis_of(set.snapshots, *model, training.modes));
   reduced->snapshots = static_cast<int>(set.snapshots.size());
   reduced->failed_solves = set.failed;
+  reduced->rests = rests_of(set.snapshots, *reduced);
   if (training.cubature_tolerance_m > 0.0) choose_points(set.snapshots, training.cubature_tolerance_m, *reduced);
   return reduced;
 }

@@ -15,7 +15,7 @@ namespace {
 using Kept = nlohmann::json;
 
 // Part of every key: raise it when another model would be trained for the same scene.
-constexpr const char* kVersion = "soft_robot_lab reduced 1";
+constexpr const char* kVersion = "soft_robot_lab reduced 2";
 constexpr const char* kEnding = ".reduced.cbor";
 
 ContentCache cache_of(const SceneOptions& options) { return ContentCache(cache_folder(mesher_options(options))); }
@@ -39,6 +39,17 @@ Eigen::MatrixXd matrix_from(const Kept& json, Eigen::Index rows) {
   return Eigen::Map<const Eigen::MatrixXd>(numbers.data(), rows, size / rows);
 }
 
+Kept kept_rests(const KnownRests& rests) {
+  return {matrix_json(rests.commands), matrix_json(rests.q), matrix_json(rests.pressures),
+          matrix_json(rests.multipliers)};
+}
+
+KnownRests rests_from(const Kept& json, const ReducedModel& model) {
+  return {matrix_from(json.at(0), static_cast<Eigen::Index>(model.box.min.size())),
+          matrix_from(json.at(1), model.energy.modes()), matrix_from(json.at(2), model.energy.pressures()),
+          matrix_from(json.at(3), static_cast<Eigen::Index>(model.constraints.count()))};
+}
+
 Kept kept_error(const ReducedError& e) { return {e.states, e.unsolved, e.rms_m, e.max_m}; }
 
 ReducedError error_from(const Kept& json) {
@@ -52,6 +63,7 @@ ReducedChoice choice_from(const Kept& json, const std::shared_ptr<const Model>& 
   auto reduced = std::make_shared<ReducedModel>(model, box, basis);
   reduced->keep_points(
       matrix_from(json.at("point_factors"), static_cast<Eigen::Index>(reduced->energy.points().size())));
+  reduced->rests = rests_from(json.at("rests"), *reduced);
   reduced->snapshots = json.at("snapshots").get<int>();
   reduced->failed_solves = json.at("failed_solves").get<int>();
   return {reduced, error_from(json.at("equilibria")), error_from(json.at("transient")), json.at("cpu_s").get<double>()};
@@ -97,6 +109,7 @@ void keep_reduction(const std::string& key, const ReducedChoice& choice, const S
   const Kept json = {{"modes", matrix_json(model.basis.modes)},
                      {"pressures", matrix_json(model.basis.pressures)},
                      {"point_factors", matrix_json(model.point_factors)},
+                     {"rests", kept_rests(model.rests)},
                      {"snapshots", model.snapshots},
                      {"failed_solves", model.failed_solves},
                      {"equilibria", kept_error(choice.equilibria)},

@@ -193,8 +193,8 @@ class ReducedColumn : public ::testing::Test {
   }
   static void TearDownTestSuite() { model_.reset(); }
 
-  static ReducedSimulation pulled() {
-    ReducedSimulation simulation(model_);
+  static ReducedSimulation pulled(const std::shared_ptr<const ReducedModel>& model = model_) {
+    ReducedSimulation simulation(model);
     simulation.set_command("left", 0.955);
     simulation.set_command("right", 0.955);
     return simulation;
@@ -203,8 +203,29 @@ class ReducedColumn : public ::testing::Test {
 };
 std::shared_ptr<const ReducedModel> ReducedColumn::model_;
 
+TEST_F(ReducedColumn, ComesFromRestToTheSideThatTheFullModelTakes) {
+  Simulation full(model_->full);
+  ReducedSimulation fast(model_);
+  for (const double left : {0.952, 0.96, 0.97}) {
+    for (const double right : {0.955, 0.965}) {
+      full.reset();
+      fast.reset();
+      command({left, right}, full);
+      command({left, right}, fast);
+      ASSERT_TRUE(full.solve_equilibrium().converged);
+      const ReducedReport report = fast.solve_equilibrium();
+      ASSERT_TRUE(report.converged);
+      EXPECT_LE(report.steps, 4);  // it starts beside a rest state that training found, and does not search
+      EXPECT_LT((fast.positions_m() - full.state().positions_m).colwise().norm().maxCoeff(), 1e-3) << left << right;
+    }
+  }
+}
+
+// Without the rest states of its training.
 TEST_F(ReducedColumn, LeavesTheSaddleForAMinimumOnOneSide) {
-  ReducedSimulation simulation = pulled();
+  auto bare = std::make_shared<ReducedModel>(*model_);
+  bare->rests = {};
+  ReducedSimulation simulation = pulled(bare);
   ASSERT_TRUE(simulation.solve_equilibrium().converged);
   const Eigen::Matrix3Xd moved = simulation.positions_m() - model_->full->body().mesh().nodes_m;
   EXPECT_GT(moved.row(2).cwiseAbs().maxCoeff(), 0.01);

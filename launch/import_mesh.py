@@ -144,7 +144,7 @@ gravity_m_s2: [0, 0, -9.81]
         text += 'chambers:                        # its hollows; beta: amount of gas over that at rest\n'
         text += ''.join('  - {name: %s, surface: %s, max_beta: 2}\n' % (one, one) for one in cavities)
     else:
-        text += '# cables: [{name: pull, points_m: [[...], [...]], plug_radius_m: 0.002}]   # from the drive to the plug, inside the body\n'
+        text += '# cables: [{name: pull, path_m: [[...], [...]], plug_radius_m: 0.002}]   # from the drive to the plug, inside the body\n'
     text += 'markers:\n  - {name: tip, position_m: %s}\n' % number(tip)
     return text + 'run: {mode: equilibrium%s}\n' % (', commands: [{time_s: 0, %s: 1.2}]' % cavities[0] if cavities else '')
 

@@ -98,7 +98,7 @@ std::vector<StabilityCell> run(const Arguments& arguments, const std::string& ta
         const bool known = std::any_of(cells.begin(), cells.end(), [&](const StabilityCell& cell) {
           return cell.body == body.name && cell.method == method.name && cell.hard_case == hard_case.name;
         });
-        if (known || !method.fits(body) || hard_case.commands(body).empty()) continue;
+        if (known || !fits(body, method, hard_case)) continue;
         cells.push_back(bench.run(body, method, hard_case));
         write_file(table, stability_csv(cells));
       }

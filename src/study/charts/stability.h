@@ -31,6 +31,9 @@ struct StabilityBody {
   std::string scene;     // file below config/
   Overrides overrides;   // over it
   bool chamber = false;  // driven by a chamber's beta; else by cables
+  // Where obstacles come near: the middle of what may move, and from there along y to the skin.
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+  double half_depth_m = 0.0;
 };
 
 struct StabilityMethod {
@@ -47,10 +50,6 @@ struct StabilityMethod {
   const Overrides& drive_changes(const StabilityBody& body) const {
     return body.chamber ? chamber_changes : cable_changes;
   }
-  // Another coupling of cables is for bodies with cables.
-  bool fits(const StabilityBody& body) const {
-    return (cable_changes.empty() && chamber_changes.empty()) || !drive_changes(body).empty();
-  }
 };
 
 // What all bodies and methods go through. Commands are given at once, actuator by actuator; the rest stay at rest. No
@@ -61,12 +60,17 @@ struct HardCase {
   std::vector<double> betas;
   Overrides overrides;      // over the scene
   Overrides drive_changes;  // over each cable or chamber
-  bool unique = true;       // false: there are several rest states; any stable one without inverted elements counts
+  // Over the scene: obstacles, for our solver alone.
+  std::function<Overrides(const StabilityBody&)> touches = nullptr;
+  bool unique = true;  // false: there are several rest states; any stable one without inverted elements counts
   std::function<void(TetMesh&)> change_mesh = nullptr;
   std::function<void(const Body&, Eigen::Matrix3Xd&)> start_from = nullptr;  // moves the nodes before the start
 
   const std::vector<double>& commands(const StabilityBody& body) const { return body.chamber ? betas : contractions; }
 };
+
+// Whether there is such a square: another coupling of cables is for bodies with cables.
+bool fits(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case);
 
 // The lists of the chart (src/study/charts/stability_lists.cpp): a body, a method or a case more is one entry there.
 // `quick`: coarse bodies where these bear all cases, fewer cases, and our solver alone: the others take ten times as

@@ -106,6 +106,11 @@ const char* name_of(Outcome outcome) {
   return kNames[static_cast<int>(outcome)];
 }
 
+bool fits(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) {
+  if (hard_case.commands(body).empty() || (hard_case.touches && !method.ours)) return false;
+  return (method.cable_changes.empty() && method.chamber_changes.empty()) || !method.drive_changes(body).empty();
+}
+
 StabilityBench::StabilityBench(SceneOptions options, std::string config_folder)
     : options_(std::move(options)), config_folder_(std::move(config_folder)) {}
 
@@ -114,7 +119,9 @@ Scene StabilityBench::load(const StabilityBody& body, const StabilityMethod& met
   SceneOptions options = options_;
   options.overrides = changed_drives(file, body.chamber ? "chambers" : "cables",
                                      Overrides(method.drive_changes(body)).lay(hard_case.drive_changes));
-  for (const Overrides& more : {body.overrides, hard_case.overrides, method.body_overrides, method.solver_overrides})
+  const Overrides touching = hard_case.touches ? hard_case.touches(body) : Overrides();
+  for (const Overrides& more :
+       {body.overrides, hard_case.overrides, touching, method.body_overrides, method.solver_overrides})
     options.overrides.lay(more);
   options.change_mesh = hard_case.change_mesh;
   return load_scene(file, options);

@@ -64,11 +64,58 @@ HardCase with_slivers(const std::string& height) {
   return hard_case;
 }
 
-// Bodies whose parts have passed through one another may come to rest so: nothing here knows of contact.
+// Bodies whose parts have passed through one another may come to rest so: skin does not touch skin here.
 HardCase from(const std::string& name, const Start& start, bool driven) {
   HardCase hard_case = moderate(name);
   if (!driven) hard_case.contractions = hard_case.betas = {1.0};
   hard_case.start_from = start;
+  hard_case.unique = false;
+  return hard_case;
+}
+
+using Motion = std::vector<std::pair<double, double>>;  // time [s], way along y [m]
+
+// Of one obstacle.
+Overrides obstacle(const std::string& shape, const Overrides& sizes, const Motion& motion) {
+  Overrides one;
+  one.set({"name"}, "obstacle").set({shape}, sizes);
+  std::vector<OverrideValue> poses;
+  for (const auto& [time_s, way_m] : motion)
+    poses.emplace_back(Overrides().set({"time_s"}, time_s).set({"translation_m"}, Eigen::Vector3d(0.0, way_m, 0.0)));
+  if (!poses.empty()) one.set({"motion"}, poses);
+  return Overrides().set({"contact", "obstacles"}, std::vector<OverrideValue>{one}).set({"contact", "friction"}, 0.3);
+}
+
+constexpr double kBall_m = 0.012;  // radius
+
+// It stands before the body and moves into it.
+HardCase with_ball(const std::string& name, double before_m, double into_m, double duration_s) {
+  HardCase hard_case = moderate(name);
+  hard_case.unique = false;
+  hard_case.touches = [=](const StabilityBody& body) {
+    const Eigen::Vector3d at_m = body.middle_m - (body.half_depth_m + kBall_m + before_m) * Eigen::Vector3d::UnitY();
+    return obstacle("sphere", Overrides().set({"center_m"}, at_m).set({"radius_m"}, kBall_m),
+                    {{0.0, 0.0}, {duration_s, before_m + into_m}});
+  };
+  return hard_case;
+}
+
+// Just behind the body.
+Overrides wall(const StabilityBody& body) {
+  const Eigen::Vector3d at_m(0.0, -body.half_depth_m - 0.0005, 0.0);
+  return obstacle("plane", Overrides().set({"point_m"}, at_m).set({"normal"}, Eigen::Vector3d(0, 1, 0)), {});
+}
+
+HardCase with_wall(HardCase hard_case) {
+  hard_case.name += ", at a wall";
+  hard_case.touches = wall;
+  return hard_case;
+}
+
+HardCase dropped_on_wall() {
+  HardCase hard_case = moderate("dropped on a wall by 3 g");
+  hard_case.overrides.set({"gravity_m_s2"}, Eigen::Vector3d(0, -29.43, 0));
+  hard_case.touches = wall;
   hard_case.unique = false;
   return hard_case;
 }
@@ -78,10 +125,11 @@ HardCase from(const std::string& name, const Start& start, bool driven) {
 std::vector<StabilityBody> stability_bodies(bool quick) {
   Overrides coarse;
   if (quick) coarse.set({"body", "element_size_m"}, 0.03);
-  return {{"cantilever", "scenes/cantilever_cables.yaml", coarse},
-          {"Hammerbot", "robots/hammerbot/robot.yaml", {}},  // pulled to its half, elements of 30 mm turn over
-          {"Spinebot", "robots/spinebot/robot.yaml", {}},
-          {"cuboid", "scenes/hollow_cuboid.yaml", coarse, true}};
+  return {{"cantilever", "scenes/cantilever_cables.yaml", coarse, false, {0.09, 0, 0}, 0.01},
+          // Pulled to its half, elements of 30 mm turn over.
+          {"Hammerbot", "robots/hammerbot/robot.yaml", {}, false, {0, 0, -0.0925}, 0.01},
+          {"Spinebot", "robots/spinebot/robot.yaml", {}, false, {0, 0, -0.0805}, 0.008},
+          {"cuboid", "scenes/hollow_cuboid.yaml", coarse, true, {0, 0, 0}, 0.015}};
 }
 
 std::vector<StabilityMethod> stability_methods(bool quick) {
@@ -128,6 +176,11 @@ std::vector<HardCase> hard_cases(bool quick) {
   cases.push_back(from("turned inside out", mirror, false));
   cases.push_back(from("cable spans of no length", collapse_spans, true));
   cases.back().betas.clear();
+  cases.push_back(with_ball("pressed by a ball, 8 mm", 0.001, 0.008, 0.5));
+  cases.push_back(with_ball("hit by a ball at 3 m/s", 0.042, 0.008, 0.0167));
+  cases.push_back(dropped_on_wall());
+  cases.push_back(with_wall(from("scrambled nodes", scramble, false)));
+  if (!quick) cases.push_back(with_wall(from("collapsed to a point", collapse_to_point, false)));
   return cases;
 }
 

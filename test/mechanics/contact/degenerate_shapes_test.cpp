@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Shapes on which contact has no clear normal (after Erleben 2018, "Methodology for assessing mesh-based contact point
+// methods"): spikes, ridges, a crack, a cliff's edge. One soft body falls on another of such a shape.
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "contact_bodies.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Height = std::function<double(double x_m, double z_m)>;  // of the top, above the bottom
+
+constexpr double kLow_m = 0.006, kHigh_m = 0.02;
+
+double flat(double /*x_m*/, double /*z_m*/) { return kHigh_m; }
+double ridge(double x_m, double /*z_m*/) { return std::abs(x_m) < 1e-9 ? kHigh_m : kLow_m; }
+double crossed_ridge(double /*x_m*/, double z_m) { return std::abs(z_m) < 1e-9 ? kHigh_m : kLow_m; }
+double crack(double x_m, double /*z_m*/) { return std::abs(x_m) < 1e-9 ? kLow_m : kHigh_m; }
+double spike(double x_m, double z_m) { return std::abs(x_m) + std::abs(z_m) < 1e-9 ? kHigh_m : kLow_m; }
+
+// 24 x 24 mm, its bottom at y = 0.
+TetMesh shape(const Height& height_m) {
+  TetMesh mesh = box_mesh({-0.012, 0, -0.012}, {0.012, kHigh_m, 0.012}, {2, 1, 2}, false);
+  for (int node = 0; node < mesh.node_count(); ++node)
+    if (mesh.nodes_m(1, node) > 0.0) mesh.nodes_m(1, node) = height_m(mesh.nodes_m(0, node), mesh.nodes_m(2, node));
+  return mesh;
+}
+
+// Upside down, its lowest point 0.2 mm above the highest of the lower shape.
+TetMesh hanging(const Height& height_m, double aside_m, double lowest_m) {
+  TetMesh mesh = shape(height_m);
+  mesh.nodes_m.row(1) = (lowest_m + kHigh_m - mesh.nodes_m.row(1).array()).matrix();
+  mesh.nodes_m.row(2) *= -1.0;  // turned, not mirrored
+  mesh.nodes_m.row(0).array() += aside_m;
+  return mesh;
+}
+
+struct Fall {
+  std::string name;
+  Height lower, upper;
+  double aside_m;
+  double lowest_m = kHigh_m + 0.0002;
+};
+
+Simulation falling(const Fall& fall, double gravity_m_s2) {
+  TetMesh mesh = make_quadratic(shape(fall.lower));
+  add_body("upper", make_quadratic(hanging(fall.upper, fall.aside_m, fall.lowest_m)), mesh);
+  Body body(std::move(mesh), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1, 1e-9, 1}, {true, true, true});
+  body.set_gravity({0, -gravity_m_s2, 0});
+  body.let_skin_touch({{0, 1, 0.3}});
+  SolverOptions options;
+  options.time_step_s = 0.005;
+  return Simulation(std::move(body), {}, {}, options);
+}
+
+void expect_clean(const Fall& fall, double gravity_m_s2) {
+  SCOPED_TRACE(fall.name + ", " + std::to_string(gravity_m_s2) + " m/s2");
+  Simulation simulation = falling(fall, gravity_m_s2);
+  simulation.keep_energy_ledger();
+  double deepest_m = 0.0, pressed_n = 0.0; int failed = 0, iterations = 0, inverted = 0;
+  for (int i = 0; i < 40; ++i) {
+    const SolveReport report = simulation.step();
+    if (!report.converged) { ++failed; if (failed == 1) std::cerr << "  first failure " << i << ": " << report.message << "\n"; if (failed > 2) break; }
+    iterations += report.iterations; inverted += report.inverted_elements;
+    if (simulation.contacts().empty()) continue;
+    deepest_m = std::max(deepest_m, simulation.contacts().back().largest_penetration_m);
+    pressed_n = std::max(pressed_n, simulation.contacts().back().normal_force_n);
+  }
+  ASSERT_TRUE(simulation.state().positions_m.allFinite());
+  EXPECT_GT(pressed_n, 0.0) << "they meet";
+  EXPECT_LE(deepest_m, 1e-4);
+  const EnergyLedger& ledger = *simulation.energy_ledger();
+  EXPECT_LE(std::abs(ledger.closure_error_j), 0.01 * ledger.turned_over_j);
+  EXPECT_GE(ledger.integrator_j, -0.01 * ledger.turned_over_j) << "it gives no energy";
+  std::cerr << fall.name << " " << gravity_m_s2 << " failed " << failed << " inverted " << inverted << " iterations " << iterations << " " << deepest_m << " " << pressed_n << " " << ledger.closure_error_j / ledger.turned_over_j
+            << " " << ledger.integrator_j / ledger.turned_over_j << "\n";
+}
+
+TEST(DegenerateShapes, MeetWithoutPassingThroughOrGainingEnergy) {
+  for (const Fall& fall :
+       {Fall{"spike on spike", spike, spike, 0.0}, Fall{"spike beside spike", spike, spike, 0.001},
+        Fall{"spike on ridge", ridge, spike, 0.0}, Fall{"spike on cliff", flat, spike, 0.012},
+        Fall{"ridge on ridge", ridge, ridge, 0.0}, Fall{"ridge across ridge", ridge, crossed_ridge, 0.0},
+        Fall{"ridge in crack", crack, ridge, 0.0, kLow_m + 0.0002},
+        Fall{"spike in crack", crack, spike, 0.0, kLow_m + 0.0002}, Fall{"edge on edge", flat, flat, 0.024},
+        Fall{"block over a cliff", flat, flat, 0.008}}) {
+    expect_clean(fall, 9.81);
+    expect_clean(fall, 49.05);
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

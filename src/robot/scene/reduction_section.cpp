@@ -10,7 +10,7 @@ bool asks_for_reduced(const YamlNode& scene) {
 }
 
 // A range of each actuator, and of nothing else.
-CommandBox read_commands(const YamlNode& solver, const Simulation& simulation) {
+CommandBox read_command_box(const YamlNode& solver, const Simulation& simulation) {
   CommandBox box;
   const YamlNode node = solver.child("commands");
   for (const auto& actuator : simulation.actuators()) {
@@ -47,7 +47,7 @@ std::optional<ReducedRequest> read_reduced(const YamlNode& settings, const Scene
   request.tolerance_m = solver.number_or("tolerance_m", request.tolerance_m, AllowedRange::positive());
   request.audit_every_s = solver.number_or("audit_every_s", request.audit_every_s, AllowedRange::positive());
   if (solver.has("modes")) request.modes = solver.integer("modes", 1, 40);
-  request.box = read_commands(solver, *scene.simulation);
+  request.box = read_command_box(solver, *scene.simulation);
   return request;
 }
 

@@ -131,24 +131,6 @@ TEST(Sizes, ImplausibleOnesAreWarnedOf) {
   EXPECT_TRUE(load_scene(folder.path("bar.yaml"), with_mesher()).warnings.empty());
 }
 
-// The silicone bends around a cable that has no points in it.
-TEST(Sizes, AStraightCableInSiliconeIsWarnedOf) {
-  const SceneFolder folder;
-  const auto warnings = [&](const std::string& path) {
-    const std::string text = "include: bar.yaml\ncables: [{name: left, plug_radius_m: 0.002, " + path + "}]\n";
-    return load_scene(folder.write("pulled.yaml", text), with_mesher()).warnings;
-  };
-  const std::vector<SolveWarning> straight = warnings("points_m: [[0.005, 0, 0.005], [0.095, 0, 0.005]]");
-  ASSERT_EQ(straight.size(), 1u);
-  EXPECT_EQ(straight[0].kind, "straight_in_silicone");
-  EXPECT_NE(straight[0].text.find("cable left is straight for 90 mm of silicone after its point 0"), std::string::npos)
-      << straight[0].text;
-  for (const std::string path :
-       {"points_m: [[0.005, 0, 0.005], [0.095, 0, 0.005]], via_points: per_element",
-        "path_m: [[0.005, 0, 0.005], [0.095, 0, 0.005]]", "points_m: [[0.005, 0, 0.005], [0.025, 0, 0.005]]"})
-    EXPECT_TRUE(warnings(path).empty()) << path;
-}
-
 TEST(Sizes, WarningsReachTheReportOfARun) {
   const SceneFolder folder;
   Scene scene = load_scene(

@@ -76,6 +76,8 @@ WorstAlong tightest_arc(const SheathPath& path, double step_m) {
 
 WorstAlong tightest_moved_bend(Simulation& simulation, const RayTree& solid, const std::vector<SheathPath>& sheaths) {
   WorstAlong worst;
+  for (const auto& actuator : simulation.actuators())
+    if (!actuator->why_no_equilibrium().empty()) return worst;
   simulation.reset();
   const std::vector<Embedded> pieces = embedded_pieces(simulation, solid, sheaths);
   for (const auto& actuator : simulation.actuators()) {

@@ -82,6 +82,16 @@ TEST(CastRobot, KnowsHowItsSheathsBendInUse) {
   EXPECT_GT(bend.worst_m, 0.85 * circle_m);
 }
 
+// Its bends in use are not known then, and the rest is judged all the same.
+TEST(CastRobot, MayHaveActuatorsWithoutAnEquilibrium) {
+  const SceneFolder folder;
+  const std::string springs =
+      "cables: {left: {model: springs, integration: explicit, coupling: pseudo_inverse, stiffness_n_m: 1000}, "
+      "right: {model: springs, integration: explicit, coupling: pseudo_inverse, stiffness_n_m: 1000}}\n";
+  const CastRobotFile file = load_cast_robot(folder.write("robot.yaml", "include: bar.yaml\n" + springs), options());
+  EXPECT_FALSE(std::isfinite(file.robot.moved_bend.worst_m));
+}
+
 TEST(TightestArc, IsACirclesRadius) {
   SheathPath path{"left", {}, 0.001};
   EXPECT_FALSE(std::isfinite(tightest_arc(path, 0.003).worst_m));

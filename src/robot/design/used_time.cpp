@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 
@@ -12,25 +11,9 @@
 namespace soft_robot_lab {
 namespace {
 
-struct Activity {
-  bool can_run = false;      // runs, or waits for a core
-  double processor_s = 0.0;  // with that of children that it has waited for
-};
-
-// proc(5): after the name in brackets come state, ten numbers, then utime, stime, cutime, cstime. A process that is
-// gone does nothing.
 Activity activity_of(const std::string& process) {
   std::ifstream file("/proc/" + process + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::size_t name_end = text.rfind(')');
-  if (name_end == std::string::npos) return {};
-  std::istringstream rest(text.substr(name_end + 1));
-  std::string state, skipped;
-  rest >> state;
-  for (int i = 0; i < 10; ++i) rest >> skipped;
-  double ticks = 0.0, part = 0.0;
-  for (int i = 0; i < 4 && rest >> part; ++i) ticks += part;
-  return {state == "R", ticks / static_cast<double>(sysconf(_SC_CLK_TCK))};
+  return read_activity(file);
 }
 
 Activity activity_with_descendants(const std::string& process) {
@@ -45,6 +28,21 @@ Activity activity_with_descendants(const std::string& process) {
 }
 
 }  // namespace
+
+Activity read_activity(std::istream& stat) {
+  std::ostringstream all;
+  all << stat.rdbuf();  // fails without an exception where the process ended after the file was opened
+  const std::string text = all.str();
+  const std::size_t name_end = text.rfind(')');
+  if (name_end == std::string::npos) return {};
+  std::istringstream rest(text.substr(name_end + 1));
+  std::string state, skipped;
+  rest >> state;
+  for (int i = 0; i < 10; ++i) rest >> skipped;
+  double ticks = 0.0, part = 0.0;
+  for (int i = 0; i < 4 && rest >> part; ++i) ticks += part;
+  return {state == "R", ticks / static_cast<double>(sysconf(_SC_CLK_TCK))};
+}
 
 void UsedTime::look() {
   const auto now = std::chrono::steady_clock::now();

@@ -4,8 +4,18 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <istream>
 
 namespace soft_robot_lab {
+
+struct Activity {
+  bool can_run = false;      // runs, or waits for a core
+  double processor_s = 0.0;  // with that of children that it has waited for
+};
+
+// From /proc/PROCESS/stat, proc(5): after the name in brackets come state, ten numbers, then utime, stime, cutime,
+// cstime. A process that is gone does nothing.
+Activity read_activity(std::istream& stat);
 
 // How long a process and those it started ran or slept, without what they waited for a core, as on a machine with more
 // work than cores. Each look adds the time since the last one: all of it where none could run, otherwise at most the

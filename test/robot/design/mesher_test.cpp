@@ -24,6 +24,7 @@
 
 #include "robot/design/content_cache.h"
 #include "robot/design/content_hash.h"
+#include "robot/design/used_time.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
@@ -206,6 +207,19 @@ TEST_F(MeshFileFor, DoesNotCountHowLongTheMesherWaitsForACore) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_NO_THROW(mesh_file_for(request_, options_));
   EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1000)) << "nothing kept it waiting";
+}
+
+// A child may end, and another thread wait for it, between opening its file and reading it.
+TEST(ReadActivity, FindsNothingWhereTheProcessEnded) {
+  const pid_t process = fork();
+  if (process == 0) {
+    pause();
+    _exit(0);
+  }
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  kill(process, SIGKILL);
+  waitpid(process, nullptr, 0);
+  EXPECT_FALSE(read_activity(file).can_run);
 }
 
 // However a program ends that meshes: its mesher ends with it, and the next one clears up.

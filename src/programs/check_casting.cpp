@@ -50,7 +50,8 @@ int check(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
-  const CastRobotFile file = (arguments.surface_alone ? load_cast_surface : load_cast_robot)(arguments.robot, options);
+  const auto load = arguments.surface_alone ? load_cast_surface : load_cast_robot_in_use;
+  const CastRobotFile file = load(arguments.robot, options);
   const CastingVerdict verdict = with_allowed_moulds(file, check_casting(file));
   if (!arguments.result.empty()) write_file(arguments.result, verdict_json(verdict));
   if (!arguments.page.empty())

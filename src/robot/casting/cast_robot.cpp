@@ -87,6 +87,19 @@ CastRobotFile read_blocks(const YamlNode& settings, const SceneOptions& options)
   return file;
 }
 
+CastRobotFile cast_robot_of(const Scene& scene, const std::string& path, const SceneOptions& options) {
+  const Body& body = scene.simulation->body();
+  const YamlNode settings = with_overrides(YamlNode::load_file(path), options.overrides);
+  const YamlNode section = settings.child("body");
+  if (!body.one_material() || body.mesh().bodies.size() > 1) refuse_several(section);
+  CastRobotFile file = read_blocks(settings, options);
+  file.robot.surface = in_section(
+      section, [&] { return file.solid ? surface_of_body(*file.solid, file.mesher) : surface_of_mesh(body.mesh()); });
+  take_material(body.material(), file.robot);
+  file.robot.mesh_qualities = volume_length_qualities(body.mesh().nodes_m, body.mesh().tets);
+  return file;
+}
+
 // Blocks of a scene that casting does not look into.
 void refuse_unknown_blocks(const YamlNode& settings) {
   const std::vector<std::string> known{"actuators", "bodies",  "body",       "cables",       "casting",
@@ -100,16 +113,12 @@ void refuse_unknown_blocks(const YamlNode& settings) {
 }  // namespace
 
 CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& options) {
+  return cast_robot_of(load_scene(path, options), path, options);
+}
+
+CastRobotFile load_cast_robot_in_use(const std::string& path, const SceneOptions& options) {
   const Scene scene = load_scene(path, options);
-  const Body& body = scene.simulation->body();
-  const YamlNode settings = with_overrides(YamlNode::load_file(path), options.overrides);
-  const YamlNode section = settings.child("body");
-  if (!body.one_material() || body.mesh().bodies.size() > 1) refuse_several(section);
-  CastRobotFile file = read_blocks(settings, options);
-  file.robot.surface = in_section(
-      section, [&] { return file.solid ? surface_of_body(*file.solid, file.mesher) : surface_of_mesh(body.mesh()); });
-  take_material(body.material(), file.robot);
-  file.robot.mesh_qualities = volume_length_qualities(body.mesh().nodes_m, body.mesh().tets);
+  CastRobotFile file = cast_robot_of(scene, path, options);
   file.robot.moved_bend = tightest_moved_bend(*scene.simulation, RayTree(file.robot.surface), file.robot.sheaths);
   return file;
 }

@@ -92,7 +92,7 @@ class DesignNode {
   void check(const CheckDesign::Request& request, CheckDesign::Response& response) {
     const std::string& path = request.robot.empty() ? scene_ : request.robot;
     if (path.empty()) throw std::invalid_argument("robot: empty, and no scene runs; give the path of a robot's file");
-    const CastRobotFile file = load_cast_robot(path, options_);
+    const CastRobotFile file = load_cast_robot_in_use(path, options_);
     const CastingVerdict verdict = with_allowed_moulds(file, check_casting(file));
     fill(verdict, response);
     skin_.publish(request.show ? skin_of(verdict, file.settings.min_thickness_m) : no_skin(kSkin));

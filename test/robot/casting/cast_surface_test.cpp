@@ -70,7 +70,7 @@ TEST(CastRobot, KnowsHowItsSheathsBendInUse) {
                    "  - {name: side, points_m: [[0, 0.005, 0], [0.05, 0.005, 0], [0.09, 0.005, 0]],"
                    " via_points: per_element, min_contraction: 0.9}\n"
                    "  - {name: middle, points_m: [[0, 0, 0], [0.09, 0, 0]], min_contraction: 0.95}\n");
-  const WorstAlong bend = load_cast_robot(bar, options()).robot.moved_bend;
+  const WorstAlong bend = load_cast_robot_in_use(bar, options()).robot.moved_bend;
   EXPECT_EQ(bend.other, "side") << "the other one leaves the bar straight";
   const Scene scene = load_scene(bar, options());
   Simulation& simulation = *scene.simulation;
@@ -88,7 +88,8 @@ TEST(CastRobot, MayHaveActuatorsWithoutAnEquilibrium) {
   const std::string springs =
       "cables: {left: {model: springs, integration: explicit, coupling: pseudo_inverse, stiffness_n_m: 1000}, "
       "right: {model: springs, integration: explicit, coupling: pseudo_inverse, stiffness_n_m: 1000}}\n";
-  const CastRobotFile file = load_cast_robot(folder.write("robot.yaml", "include: bar.yaml\n" + springs), options());
+  const std::string robot = folder.write("robot.yaml", "include: bar.yaml\n" + springs);
+  const CastRobotFile file = load_cast_robot_in_use(robot, options());
   EXPECT_FALSE(std::isfinite(file.robot.moved_bend.worst_m));
 }
 

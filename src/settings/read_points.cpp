@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "read_points.h"
 
-#include <sstream>
+#include "point_text.h"
 
 namespace soft_robot_lab {
 
@@ -11,11 +11,8 @@ std::vector<Eigen::Vector3d> read_points(const YamlNode& owner, const std::strin
   for (const YamlNode& item : owner.sequence(key)) {
     const Eigen::VectorXd point = item.as_numbers();
     if (point.size() != 3) item.fail("a point is [x, y, z] in m");
-    if (!points_m.empty() && (points_m.back() - point).norm() < kNear_m) {
-      std::ostringstream text;
-      text << "repeats the point before it, (" << point[0] << ", " << point[1] << ", " << point[2] << ") m";
-      item.fail(text.str());
-    }
+    if (!points_m.empty() && (points_m.back() - point).norm() < kNear_m)
+      item.fail("repeats the point before it, " + point_text(points_m.back()));
     points_m.emplace_back(point);
   }
   return points_m;

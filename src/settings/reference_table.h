@@ -4,11 +4,12 @@
 
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "csv_cells.h"
 
 namespace soft_robot_lab {
 
@@ -26,18 +27,12 @@ class ReferenceRow {
 // Throws std::runtime_error where there is no such table.
 inline std::vector<ReferenceRow> read_reference(const std::string& folder, const std::string& name) {
   std::ifstream file(folder + "/" + name + ".csv");
-  const auto cells_of = [](const std::string& line) {
-    std::istringstream fields(line.substr(0, line.find('\r')));
-    std::vector<std::string> cells;
-    for (std::string cell; std::getline(fields, cell, ',');) cells.push_back(cell);
-    return cells;
-  };
   std::string line;
   if (!std::getline(file, line)) throw std::runtime_error("no reference table " + name + " in " + folder);
-  const std::vector<std::string> columns = cells_of(line);
+  const std::vector<std::string> columns = csv_cells(line);
   std::vector<ReferenceRow> rows;
   while (std::getline(file, line)) {
-    const std::vector<std::string> cells = cells_of(line);
+    const std::vector<std::string> cells = csv_cells(line);
     std::map<std::string, std::string> row;
     for (std::size_t i = 0; i < columns.size(); ++i) row[columns[i]] = cells.at(i);
     rows.emplace_back(std::move(row));

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "mechanics/mesh/point_text.h"
+#include "settings/point_text.h"
 
 namespace soft_robot_lab {
 namespace {

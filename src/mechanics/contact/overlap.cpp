@@ -7,7 +7,7 @@
 #include "contact_points.h"
 #include "gap.h"
 #include "rigid_contact.h"
-#include "mechanics/mesh/point_text.h"
+#include "settings/point_text.h"
 #include "mechanics/mesh/skin.h"
 #include "soft_robot_lab/mechanics/embedding.h"
 

@@ -13,7 +13,7 @@
 
 #include "mechanics/contact/gap.h"
 #include "mechanics/contact/overlap.h"
-#include "point_text.h"
+#include "settings/point_text.h"
 #include "shape_functions.h"
 
 namespace soft_robot_lab {

@@ -13,7 +13,7 @@
 
 #include <Eigen/Dense>
 
-#include "point_text.h"
+#include "settings/point_text.h"
 #include "tet_faces.h"
 #include "shape_functions.h"
 

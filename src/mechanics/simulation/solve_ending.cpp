@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "mechanics/mesh/point_text.h"
+#include "settings/point_text.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -2,12 +2,12 @@
 #include "soft_robot_lab/robot/design/solid.h"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <tuple>
 #include <utility>
 
 #include "settings/read_points.h"
+#include "solid_kind_names.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -18,18 +18,10 @@ constexpr int kMostCopies = 1000;
 constexpr AllowedRange kScale{1e-3, 1e3};
 constexpr double kFarAway_m = 1e3;  // from any robot
 
-// In the order of Kind.
-const std::vector<std::string>& kind_names() {
-  static const std::vector<std::string> names = {"box",    "sphere",     "cylinder",     "cone",   "extrude",   "sweep",
-                                                 "union",  "difference", "intersection", "rotate", "translate", "scale",
-                                                 "mirror", "array",      "fillet",       "step",   "stl"};
-  return names;
-}
-
 // The one key of the node that names a shape.
 Kind read_kind(const YamlNode& node) {
   if (!node.is_map()) node.fail("must be a solid such as {box: {size_m: [...], center_m: [...]}}");
-  const std::vector<std::string>& names = kind_names();
+  const std::vector<std::string>& names = solid_kind_names();
   std::string all;
   std::vector<size_t> found;
   for (size_t i = 0; i < names.size(); ++i) {
@@ -229,81 +221,6 @@ std::string read_file(const YamlNode& node) {
   return file.string();
 }
 
-std::string number_text(double value) {
-  char text[40];
-  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 17).ptr};
-}
-
-template <typename Vector>
-std::string vector_text(const Vector& vector) {
-  std::string text;
-  for (Eigen::Index i = 0; i < vector.size(); ++i) text += (i == 0 ? "" : ", ") + number_text(vector[i]);
-  return "[" + text + "]";
-}
-
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += (c == '"' || c == '\\' ? std::string("\\") : std::string()) + c;
-  return result + "\"";
-}
-
-std::string moved_text(const Solid& solid) {
-  const std::string inner = "{solid: " + to_yaml(solid.parts[0]), center = ", center_m: " + vector_text(solid.center_m);
-  const std::string axis = vector_text(solid.axis), by = ", by_m: " + vector_text(solid.by_m);
-  const std::string angle = ", angle_deg: " + number_text(solid.angle_deg);
-  if (solid.kind == Kind::rotate) return inner + ", axis: " + axis + angle + center + "}";
-  if (solid.kind == Kind::translate) return inner + by + "}";
-  if (solid.kind == Kind::scale) return inner + ", factor: " + number_text(solid.factor) + center + "}";
-  if (solid.kind == Kind::mirror) return inner + ", normal: " + axis + center + "}";
-  return inner + ", count: " + std::to_string(solid.count) + by + ", axis: " + axis + angle + center + "}";
-}
-
-template <typename Points>
-std::string list_text(const Points& points) {
-  std::string list;
-  for (const auto& point : points) list += (list.empty() ? "" : ", ") + vector_text(point);
-  return "[" + list + "]";
-}
-
-std::string sweep_text(const Solid& solid) {
-  const std::string start = "{spline_m: " + list_text(solid.spline_m);
-  if (solid.polygon_m.empty()) return start + ", radius_m: " + number_text(solid.radius_m) + "}";
-  return start + ", polygon_m: " + list_text(solid.polygon_m) + ", x_axis: " + vector_text(solid.axis) + "}";
-}
-
-std::string shape_text(const Solid& solid) {
-  if (solid.moves()) return moved_text(solid);
-  const std::string center = "center_m: " + vector_text(solid.center_m);
-  const std::string radius = "radius_m: " + number_text(solid.radius_m);
-  const std::string axis = "start_m: " + vector_text(solid.start_m) + ", end_m: " + vector_text(solid.end_m);
-  std::string list;
-  switch (solid.kind) {
-    case Kind::box:
-      return "{size_m: " + vector_text(solid.size_m) + ", " + center + "}";
-    case Kind::sphere:
-      return "{" + radius + ", " + center + "}";
-    case Kind::cylinder:
-      return "{" + axis + ", " + radius + "}";
-    case Kind::cone:
-      return "{" + axis + ", " + radius + ", end_radius_m: " + number_text(solid.end_radius_m) + "}";
-    case Kind::extrude:
-      return "{polygon_m: " + list_text(solid.polygon_m) + ", z_m: " + vector_text(solid.z_m) + "}";
-    case Kind::sweep:
-      return sweep_text(solid);
-    case Kind::fillet:
-      return "{solid: " + to_yaml(solid.parts[0]) + ", " + radius +
-             ", edges_in: {min_m: " + vector_text(solid.start_m) + ", max_m: " + vector_text(solid.end_m) + "}}";
-    case Kind::union_of:
-    case Kind::difference:
-    case Kind::intersection:
-      for (const Solid& part : solid.parts) list += (list.empty() ? "" : ", ") + to_yaml(part);
-      return "[" + list + "]";
-    default:
-      break;
-  }
-  return quoted(solid.file);
-}
-
 // Returns how many files there are.
 int scale_files_by(double factor, Solid& solid) {
   int files = 0;
@@ -347,7 +264,7 @@ Solid read_solid(const YamlNode& node) {
                                      read_translate, read_scale,  read_mirror,   read_array, read_fillet};
   Solid solid;
   solid.kind = read_kind(node);
-  const YamlNode shape = node.child(kind_names()[static_cast<size_t>(solid.kind)]);
+  const YamlNode shape = node.child(solid_kind_names()[static_cast<size_t>(solid.kind)]);
   solid.name = read_name(node, shape);
   solid.material = node.optional_child("material");
   if (solid.material && solid.name.empty()) solid.material->fail("belongs to a solid without a name; give it one");
@@ -380,11 +297,6 @@ bool same_solid(const Solid& a, const Solid& b) {
                     one.factor, one.count, one.file);
   };
   return shape(a) == shape(b) && std::equal(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end(), same_solid);
-}
-
-std::string to_yaml(const Solid& solid) {
-  const std::string name = solid.name.empty() ? "" : ", name: " + quoted(solid.name);
-  return "{" + kind_names()[static_cast<size_t>(solid.kind)] + ": " + shape_text(solid) + name + "}";
 }
 
 std::vector<Solid> named_solids(const Solid& solid) {

@@ -10,6 +10,7 @@
 #include "mechanics/simulation/require.h"
 #include "npz.h"
 #include "robot/scene/reduction.h"
+#include "settings/csv_cells.h"
 #include "settings/read_file.h"
 #include "settings/words.h"
 
@@ -23,27 +24,18 @@ constexpr std::size_t kMostRollouts = 1000000;
   throw std::invalid_argument(where + ": " + why);
 }
 
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells(1);
-  for (const char letter : line) {
-    if (letter == ',') cells.emplace_back();
-    if (letter != ',' && letter != ' ' && letter != '\r') cells.back() += letter;
-  }
-  return cells;
-}
-
 // A table, read line by line.
 class CommandTable {
  public:
   CommandTable(const std::string& file, const std::string& header, const Model& model)
-      : file_(file), columns_(cells_of(header)), model_(model) {
+      : file_(file), columns_(csv_cells(header)), model_(model) {
     for (const std::string& column : columns_)
       if (column != "rollout" && column != "time_s") model.actuator_index(column);
   }
 
   void add(const std::string& line, std::size_t number, std::vector<RolloutCommands>& all) const {
     const std::string where = file_ + ":" + std::to_string(number);
-    const std::vector<std::string> cells = cells_of(line);
+    const std::vector<std::string> cells = csv_cells(line);
     if (cells.size() != columns_.size())
       fail(where, std::to_string(cells.size()) + " cells, must be " + std::to_string(columns_.size()));
     double rollout = 0.0;

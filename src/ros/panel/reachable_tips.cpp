@@ -8,26 +8,12 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "settings/csv_cells.h"
+
 namespace soft_robot_lab {
 namespace {
 
 using Cells = std::vector<std::string>;
-
-// A cell in double quotes may hold commas; two quotes stand for one.
-Cells cells_of(const std::string& line) {
-  Cells cells(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') quoted = !quoted;
-    if (c == '"' || c == '\r') continue;
-    if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
-}
 
 class Columns {
  public:
@@ -88,7 +74,7 @@ ReachableTips read_reachable_tips(const std::string& csv, const std::string& mar
   std::istringstream lines(csv);
   std::string line;
   if (!std::getline(lines, line)) throw std::invalid_argument("results.csv is empty");
-  const Columns columns(cells_of(line));
+  const Columns columns(csv_cells(line));
   const std::string place = "markers." + marker + ".position_m.";
   const std::size_t at[3] = {columns.index(place + "x"), columns.index(place + "y"), columns.index(place + "z")};
   const std::size_t task = columns.index("task"), state = columns.index("state");
@@ -98,7 +84,7 @@ ReachableTips read_reachable_tips(const std::string& csv, const std::string& mar
   for (std::size_t i = task + 1; i < state; ++i) all.actuators.push_back(columns.name(i));
   const std::vector<std::size_t> efforts = effort_columns(columns, all.effort);
   while (std::getline(lines, line)) {
-    const Cells row = cells_of(line);
+    const Cells row = csv_cells(line);
     if (row.size() != columns.size()) throw std::invalid_argument("results.csv: a row of another length");
     if (row[state] != "good") continue;
     ReachableTip tip;

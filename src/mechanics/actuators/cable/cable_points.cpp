@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "cable_route.h"
-#include "mechanics/mesh/point_text.h"
+#include "settings/point_text.h"
 
 namespace soft_robot_lab {
 namespace {

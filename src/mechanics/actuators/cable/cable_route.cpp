@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "element_crossings.h"
-#include "mechanics/mesh/point_text.h"
+#include "settings/point_text.h"
 
 namespace soft_robot_lab {
 namespace {

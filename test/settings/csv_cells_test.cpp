@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "settings/csv_cells.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Cells = std::vector<std::string>;
+
+TEST(CsvCells, HaveNoBlanksAtTheirEnds) {
+  EXPECT_EQ(csv_cells("time_s, left ,right\r"), (Cells{"time_s", "left", "right"}));
+  EXPECT_EQ(csv_cells("0,1 2,"), (Cells{"0", "1 2", ""}));
+  EXPECT_EQ(csv_cells(""), (Cells{""}));
+}
+
+TEST(CsvCells, MayHoldCommasAndQuotesInQuotes) {
+  EXPECT_EQ(csv_cells(R"("a, b",c)"), (Cells{"a, b", "c"}));
+  EXPECT_EQ(csv_cells(R"("said ""no""",2)"), (Cells{R"(said "no")", "2"}));
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// session_rviz auto|true|false ARGUMENTS...: rviz, with smooth edges or without. `auto`: without where software draws,
+// as smoothing them takes most of its time there, and the window answers late.
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <QGuiApplication>
+#include <QOffscreenSurface>
+#include <QOpenGLContext>
+#include <QOpenGLFunctions>
+#include <unistd.h>
+
+namespace {
+
+// Mesa's names for it.
+bool software_draws(int argc, char** argv) {
+  const QGuiApplication application(argc, argv);
+  QOffscreenSurface surface;
+  surface.create();
+  QOpenGLContext context;
+  if (!context.create() || !context.makeCurrent(&surface)) return false;
+  const std::string drawer = reinterpret_cast<const char*>(context.functions()->glGetString(GL_RENDERER));
+  for (const char* name : {"llvmpipe", "softpipe", "swrast"})
+    if (drawer.find(name) != std::string::npos) return true;
+  return false;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string smooth = argc > 1 ? argv[1] : "";
+  if (smooth != "auto" && smooth != "true" && smooth != "false") {
+    std::fprintf(stderr, "session_rviz: smooth_edges: '%s', must be auto, true or false\n", smooth.c_str());
+    return 2;
+  }
+  std::vector<char*> arguments = {const_cast<char*>("rviz")};
+  if (smooth == "false" || (smooth == "auto" && software_draws(argc, argv)))
+    arguments.push_back(const_cast<char*>("--disable-anti-aliasing"));
+  arguments.insert(arguments.end(), argv + 2, argv + argc + 1);  // with the null at their end
+  execvp("rviz", arguments.data());
+  std::perror("session_rviz: rviz");
+  return 127;
+}

@@ -53,6 +53,8 @@ ReducedConstraints::ReducedConstraints(const Model& model, const Eigen::MatrixXd
     refuse_memory(actuator);
     for (const Constraint* constraint : actuator.constraints()) {
       if (const auto* length = dynamic_cast<const PathLength*>(constraint)) {
+        if (length->path().finds_its_way())
+          throw std::invalid_argument("actuator '" + actuator.name() + "': a reduced model knows no cable with around");
         add_cable(*length, rest_m, modes);
       } else if (const auto* volume = dynamic_cast<const ChamberVolume*>(constraint)) {
         chambers_.push_back({static_cast<Eigen::Index>(count()), volume->volume_m3(rest_m)});

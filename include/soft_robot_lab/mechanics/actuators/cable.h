@@ -25,8 +25,11 @@ struct DriveCommand;
 //   via_points: given, those above alone (default of points_m); or per_element (of path_m and spline_m), beside them
 //     one in the middle of the cable's way through every element of the mesh that it crosses and that holds none of
 //     them
+//   around: [name, ...] of the body's obstacles that stand still: spans in the air lie on them and slide along them. In
+//     place of a name {obstacle: name, by_m: [x, y, z]}, where by_m says on which side of it
 //   model: sliding (one tension along the path), friction (tension falls by exp(-friction_coefficient * angle) at each
-//     point, against the slip), or springs (one unilateral spring from point to point, as the thesis has it)
+//     point, against the slip; on obstacles by friction_on_obstacles, which is the same unless given), or springs (one
+//     unilateral spring from point to point, as the thesis has it)
 //   command: contraction (commanded length / rest length), length_m or tension_n
 //   compliance_m_n >= 0 of the whole cable (0: inextensible); of springs stiffness_n_m > 0 of each, damping_n_s_m >= 0,
 //     integration: implicit, or explicit (forces of the step's start), coupling: transpose, or pseudo_inverse (explicit

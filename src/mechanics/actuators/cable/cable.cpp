@@ -2,10 +2,12 @@
 #include "soft_robot_lab/mechanics/actuators/cable.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "cable_model.h"
 #include "cable_points.h"
+#include "cable_strings.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -27,26 +29,28 @@ std::unique_ptr<CableModel> read_springs(const YamlNode& settings, const Points&
   return make_spring_cable(points, rest_positions_m, std::move(command), springs);
 }
 
-std::unique_ptr<CableModel> read_model(const YamlNode& settings, const Points& points,
-                                       const Eigen::Matrix3Xd& rest_positions_m, CommandReader command) {
+CableFriction read_friction(const YamlNode& settings) {
+  CableFriction friction{settings.number("friction_coefficient", {0.0, 2.0}), std::nullopt};
+  if (!settings.has("friction_on_obstacles")) return friction;
+  if (!settings.has("around")) settings.child("friction_on_obstacles").fail("is of obstacles; list them as around");
+  friction.on_obstacles = settings.number("friction_on_obstacles", {0.0, 2.0});
+  return friction;
+}
+
+std::unique_ptr<CableModel> read_model(const YamlNode& settings, const Body& body, const MeshLocator& locator,
+                                       const Points& points, CommandReader command) {
+  const Eigen::Matrix3Xd& rest_positions_m = body.mesh().nodes_m;
   const std::string model = settings.choice_or("model", "sliding", {"sliding", "friction", "springs"});
-  if (model == "springs") return read_springs(settings, points, rest_positions_m, std::move(command));
+  if (model == "springs") {
+    if (settings.has("around")) settings.child("around").fail("model springs knows no obstacles; must be another");
+    return read_springs(settings, points, rest_positions_m, std::move(command));
+  }
+  std::vector<SpanString> strings = read_strings(settings, body, locator, points);
   const double compliance_m_n = settings.number_or("compliance_m_n", 1.0e-5, AllowedRange::not_negative());
-  if (model == "sliding") return make_sliding_cable(points, rest_positions_m, std::move(command), compliance_m_n);
-  return make_friction_cable(points, rest_positions_m, std::move(command), compliance_m_n,
-                             settings.number("friction_coefficient", {0.0, 2.0}));
-}
-
-std::vector<Eigen::Vector3d> places_of(const Points& points, const Eigen::Matrix3Xd& positions_m) {
-  std::vector<Eigen::Vector3d> places;
-  for (const EmbeddedPoint& point : points) places.push_back(point.at(positions_m));
-  return places;
-}
-
-double length_of(const std::vector<Eigen::Vector3d>& path_m) {
-  double sum = 0.0;
-  for (std::size_t i = 1; i < path_m.size(); ++i) sum += (path_m[i] - path_m[i - 1]).norm();
-  return sum;
+  if (model == "sliding")
+    return make_sliding_cable(points, rest_positions_m, std::move(command), compliance_m_n, std::move(strings));
+  return make_friction_cable(points, rest_positions_m, std::move(command), compliance_m_n, read_friction(settings),
+                             std::move(strings));
 }
 
 }  // namespace
@@ -59,8 +63,9 @@ void Cable::on_initialise(const YamlNode& settings, const Body& body, const Mesh
   CablePoints read = read_cable_points(settings, body, locator);
   points_ = std::move(read.points);
   path_changes_ = std::move(read.changes);
-  rest_length_m_ = length_of(places_of(points_, rest_positions_m));
-  model_ = read_model(settings, points_, rest_positions_m, [this](double command) { return drive_command(command); });
+  model_ = read_model(settings, body, locator, points_, [this](double command) { return drive_command(command); });
+  rest_length_m_ = model_->path().length_m(rest_positions_m);
+  if (!std::isfinite(rest_length_m_)) settings.child("around").fail("no taut way around them was found at rest");
 
   const std::string command = settings.choice_or("command", "contraction", {"contraction", "length_m", "tension_n"});
   kind_ = command == "contraction" ? Command::contraction : command == "length_m" ? Command::length : Command::tension;
@@ -119,8 +124,8 @@ std::optional<LawChange> Cable::law_change(const std::string& key, const Eigen::
 ActuatorReading Cable::observe(const Eigen::Matrix3Xd& positions_m, const std::vector<double>& multipliers,
                                const DriveState& drive) const {
   ActuatorReading state;
-  state.path_m = places_of(points_, positions_m);
-  state.length_m = length_of(state.path_m);
+  state.path_m = model_->path().polyline_m(positions_m);
+  state.length_m = model_->path().length_m(positions_m);
   state.rest_length_m = rest_length_m_;
   const std::vector<double> tensions_n = model_->tensions_n(multipliers, drive);
   state.tension_n = tensions_n.front();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "path_length.h"
 #include "soft_robot_lab/mechanics/actuator.h"
 
 namespace soft_robot_lab {
@@ -45,17 +46,24 @@ class CableModel {
   // Tensions from the first span on; one value where it is the same along the cable.
   virtual std::vector<double> tensions_n(const std::vector<double>& multipliers, const DriveState& drive) const = 0;
   virtual double compliance_m_n() const = 0;  // of the whole cable
+  virtual const Path& path() const = 0;
 };
 
-// Frictionless, one tension.
+// Frictionless, one tension. `strings`: of the spans that find their way around obstacles, as of Path.
 std::unique_ptr<CableModel> make_sliding_cable(const std::vector<EmbeddedPoint>& points,
                                                const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
-                                               double compliance_m_n);
+                                               double compliance_m_n, std::vector<SpanString> strings = {});
 
-// Friction on the points as on capstans.
+struct CableFriction {
+  double coefficient = 0.0;            // on the points
+  std::optional<double> on_obstacles;  // none: the same
+};
+
+// Friction on the points as on capstans, and on the obstacles.
 std::unique_ptr<CableModel> make_friction_cable(const std::vector<EmbeddedPoint>& points,
                                                 const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
-                                                double compliance_m_n, double friction_coefficient);
+                                                double compliance_m_n, const CableFriction& friction,
+                                                std::vector<SpanString> strings = {});
 
 struct SpringSettings {
   double stiffness_n_m = 0.0;  // of each spring, > 0

@@ -8,10 +8,11 @@ namespace {
 class SlidingCable : public CableModel {
  public:
   SlidingCable(const std::vector<EmbeddedPoint>& points, const Eigen::Matrix3Xd& rest_positions_m,
-               CommandReader command, double compliance_m_n)
+               CommandReader command, double compliance_m_n, std::vector<SpanString> strings)
       : command_(std::move(command)),
         compliance_m_n_(compliance_m_n),
-        path_(points, rest_positions_m, [this](const DriveState& drive) { return law(drive); }) {}
+        path_(
+            points, rest_positions_m, [this](const DriveState& drive) { return law(drive); }, std::move(strings)) {}
 
   std::vector<const Constraint*> constraints() const override { return {&path_}; }
   std::optional<LawChange> law_change(const std::string& key, const Eigen::Matrix3Xd& /*positions_m*/,
@@ -24,6 +25,7 @@ class SlidingCable : public CableModel {
     return multipliers;
   }
   double compliance_m_n() const override { return compliance_m_n_; }
+  const Path& path() const override { return path_.path(); }
 
  private:
   CableLaw law(const DriveState& drive) const {
@@ -41,8 +43,9 @@ class SlidingCable : public CableModel {
 
 std::unique_ptr<CableModel> make_sliding_cable(const std::vector<EmbeddedPoint>& points,
                                                const Eigen::Matrix3Xd& rest_positions_m, CommandReader command,
-                                               double compliance_m_n) {
-  return std::make_unique<SlidingCable>(points, rest_positions_m, std::move(command), compliance_m_n);
+                                               double compliance_m_n, std::vector<SpanString> strings) {
+  return std::make_unique<SlidingCable>(points, rest_positions_m, std::move(command), compliance_m_n,
+                                        std::move(strings));
 }
 
 }  // namespace soft_robot_lab

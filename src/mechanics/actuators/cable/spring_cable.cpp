@@ -92,6 +92,7 @@ class SpringCable : public CableModel {
     return {multipliers.begin(), multipliers.begin() + static_cast<std::ptrdiff_t>(springs_.size())};
   }
   double compliance_m_n() const override { return static_cast<double>(springs_.size()) / settings_.stiffness_n_m; }
+  const Path& path() const override { return path_; }
 
  private:
   // Forces that stay as they are over a step, whatever the body does: C = -f . x, whose multiplier is held at 1; at 0

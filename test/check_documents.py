@@ -29,7 +29,7 @@ SECTIONS = {
                    'robot/scene/parameters.cpp', 'robot/scene/reduction_section.cpp', 'robot/scene/run_section.cpp', 'robot/scene/solver_section.cpp'],
         'loose': ['robot/scene/choose_fidelity.cpp', 'robot/scene/fidelity_report.cpp', 'robot/scene/scene_cables.cpp',
                   'robot/scene/scene_file.cpp', 'robot/design/mesher.cpp', 'robot/design/surface_file.cpp',
-                  'robot/casting/cast_robot.cpp', 'programs/export_solid.cpp'],
+                  'robot/casting/cast_robot.cpp', 'robot/scene/cable_warnings.cpp', 'programs/export_solid.cpp'],
     },
     'Material preset': {'config': ['materials']},
     'Motor rig': {'config': ['robots/*/motors.yaml', 'motors'], 'strict': ['hardware/motor/rig_settings.cpp']},

@@ -9,7 +9,7 @@
 
 namespace soft_robot_lab {
 
-// With a bar where a reduced model is trained.
+// With a bar where a reduced model is trained, or a mesh is judged.
 inline Scene load_with_bar(const std::string& program, const std::string& file, SceneOptions options) {
   std::optional<ProgressBar> bar;
   options.knows_reduced = true;

@@ -49,6 +49,12 @@ double coarsest_size_m(const TetMesh& outline) {
   return three_digits(8.0 * volume(whole) / surface_m2);
 }
 
+void show_progress(const SceneOptions& options, double fraction, const std::string& what) {
+  if (options.progress) options.progress(fraction, "fidelity: " + what);
+}
+
+std::string judging(const TetMesh& mesh) { return "judges a mesh of " + std::to_string(mesh.node_count()) + " nodes"; }
+
 struct Rung {
   FidelityChoice choice;
   TetMesh mesh;
@@ -76,6 +82,7 @@ class Ladder {
       if (rung.mesh.node_count() > request_.max_nodes) return beyond_limit(std::move(rung));
       if (rung.mesh.node_count() < kWorthTrying * last_nodes_) continue;
       last_nodes_ = rung.mesh.node_count();
+      show_progress(options_, static_cast<double>(last_nodes_) / request_.max_nodes, judging(rung.mesh));
       if (!judged(scene, rung)) continue;
       scene.require_all_read();
       return rung;
@@ -153,6 +160,7 @@ FidelityReport choose(const YamlNode& settings, const FidelityRequest& request, 
   Ladder ladder(settings, request, options);
   while (const std::optional<Rung> rung = ladder.next()) {
     const bool known = rung->error.expected_m.has_value();
+    if (known && !time && dynamic) show_progress(options, 0.0, "judges time steps");
     // The error of a time step hardly depends on the mesh, so that the coarsest will do.
     if (known && !time)
       time = !dynamic ? TimeError{}
@@ -175,8 +183,10 @@ FidelityReport choose(const YamlNode& settings, const FidelityRequest& request, 
 FidelityReport judge(const YamlNode& settings, bool dynamic, const SceneOptions& options) {
   FidelityReport report;
   const TetMesh mesh = read_mesh(settings, options);
+  show_progress(options, 0.0, judging(mesh));
   const MeshError error = estimate_mesh_error(settings, mesh, options);
   const bool moves = dynamic && error.expected_m;
+  if (moves) show_progress(options, 0.5, "judges time steps");
   take({{}, mesh, error}, moves ? estimate_time_error(settings, mesh, options) : TimeError{}, report);
   report.choice.reset();
   return report;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/robot/scene/scene.h"
 
+#include "cable_warnings.h"
 #include "fidelity.h"
 #include "parameters.h"
 #include "plausible_sizes.h"
@@ -24,6 +25,7 @@ Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& op
 
   Scene scene;
   scene.warnings = implausible_sizes(body, locator, markers);
+  for (SolveWarning& warning : cable_warnings(settings, body, locator)) scene.warnings.push_back(std::move(warning));
   scene.simulation = in_section(settings, [&] {
     return std::make_unique<Simulation>(std::move(body), std::move(actuators), std::move(markers), solver);
   });

@@ -15,7 +15,7 @@ class CabledBar : public SceneFolder {
   CabledBar() {
     write("coarse.yaml", R"(include: bar.yaml
 body: {element_size_m: 0.03}
-cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], sheath_radius_m: 0.001, plug_radius_m: 0.003}]
+cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], via_points: given, sheath_radius_m: 0.001, plug_radius_m: 0.003}]
 )");
   }
 

@@ -244,9 +244,9 @@ TEST(RunScene, WritesTheFrequenciesOfTheRestShape) {
 }
 
 TEST(RunScene, WarnsOfACommandThatTheDriveHasNotReached) {
-  const Outcome outcome =
-      run("cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], pull_speed_m_s: 0.02}]\n"
-          "run: {mode: dynamic, duration_s: 0.1, commands: [{left: 0.9}]}\n");
+  const Outcome outcome = run(
+      "cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], via_points: given, pull_speed_m_s: 0.02}]\n"
+      "run: {mode: dynamic, duration_s: 0.1, commands: [{left: 0.9}]}\n");
   const Json& warnings = outcome.json["solver"]["warnings"];
   ASSERT_EQ(warnings.size(), 1u) << warnings.dump(2);
   EXPECT_EQ(warnings[0]["kind"], "command_not_reached");

@@ -25,8 +25,8 @@ class SceneFolder {
   fixed: [{box: {min_m: [-1, -1, -1], max_m: [1.0e-6, 1, 1]}}]
 gravity_m_s2: [0, -9.81, 0]
 cables:
-  - {name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], sheath_radius_m: 0.001, plug_radius_m: 0.003}
-  - {name: right, points_m: [[0, 0.007, 0], [0.1, 0.007, 0]], sheath_radius_m: 0.001, plug_radius_m: 0.003}
+  - {name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], via_points: given, sheath_radius_m: 0.001, plug_radius_m: 0.003}
+  - {name: right, points_m: [[0, 0.007, 0], [0.1, 0.007, 0]], via_points: given, sheath_radius_m: 0.001, plug_radius_m: 0.003}
 markers:
   - {name: tip, position_m: [0.1, 0, 0]}
   - {name: middle, position_m: [0.05, 0, 0]}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files in millimetres, and sizes that show that somebody wrote millimetres or megapascals.
+// Files in millimetres, sizes that show that somebody wrote millimetres or megapascals, and odd cables.
 #include <string>
 #include <vector>
 
@@ -129,6 +129,30 @@ TEST(Sizes, ImplausibleOnesAreWarnedOf) {
     EXPECT_NE(scene.warnings[0].text.find(each.words), std::string::npos) << scene.warnings[0].text;
   }
   EXPECT_TRUE(load_scene(folder.path("bar.yaml"), with_mesher()).warnings.empty());
+}
+
+// The silicone bends around a cable that has no points in it, and snaps over a plug on its skin.
+TEST(Sizes, CablesThatAreSeldomMeantSoAreWarnedOf) {
+  const SceneFolder folder;
+  const auto warnings = [&](const std::string& path) {
+    const std::string text = "include: bar.yaml\ncables: [{name: left, plug_radius_m: 0.002, " + path + "}]\n";
+    return load_scene(folder.write("pulled.yaml", text), with_mesher()).warnings;
+  };
+  const std::string straight = "points_m: [[0.005, 0, 0.005], [0.095, 0, 0.005]]";
+  const std::vector<std::vector<std::string>> table = {
+      {straight, "straight_in_silicone", "cable left is straight for 90 mm of silicone after its point 0"},
+      {"path_m: [[0.005, 0, 0.005], [0.1, 0, 0.005]]", "plug_on_skin",
+       "the plug of cable left lies on the skin at (0.1, 0, 0.005) m"}};
+  for (const auto& each : table) {
+    const std::vector<SolveWarning> seen = warnings(each[0]);
+    ASSERT_EQ(seen.size(), 1u) << each[0];
+    EXPECT_EQ(seen[0].kind, each[1]);
+    EXPECT_NE(seen[0].text.find(each[2]), std::string::npos) << seen[0].text;
+  }
+  for (const std::string& path : {straight + ", via_points: per_element", straight + ", via_points: given",
+                                  std::string("path_m: [[0.005, 0, 0.005], [0.095, 0, 0.005]]"),
+                                  std::string("points_m: [[0.005, 0, 0.005], [0.025, 0, 0.005]]")})
+    EXPECT_TRUE(warnings(path).empty()) << path;
 }
 
 TEST(Sizes, WarningsReachTheReportOfARun) {

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "cable_route.h"
+#include "mechanics/mesh/held.h"
 #include "settings/point_text.h"
 
 namespace soft_robot_lab {
@@ -39,12 +40,6 @@ std::vector<PathPoint> path_points(const YamlNode& settings, const Body& body, c
     return routed(path, body.mesh(), locator, {tolerance_m, per_element}, settings);
   }
   return per_element ? with_point_per_element(path.points_m, body.mesh(), locator) : as_given(path.points_m);
-}
-
-bool held(const EmbeddedPoint& point, const FixedAxes& fixed) {
-  for (std::size_t k = 0; k < point.nodes.size(); ++k)
-    if (std::abs(point.weights[k]) > 1e-9 && !fixed.col(point.nodes[k]).all()) return false;
-  return true;
 }
 
 // Points on the frame, each carried by a held node of its own, the nearest ones to the first point in the silicone: so

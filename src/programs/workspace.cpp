@@ -11,6 +11,7 @@
 #include "settings/command_line.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/scene.h"
+#include "study/workspace/refinement.h"
 #include "study/workspace/workspace_report.h"
 #include "study/workspace/workspace_run.h"
 
@@ -39,6 +40,9 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(2, 1000))
       ->capture_default_str();
   app.add_option("--samples", settings.samples, "so many points of Sobol's sequence instead of a grid")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--refine", settings.refine, "so many points more, where neighbouring tips are farthest apart")
       ->type_name("N")
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", settings.seed, "of the samples")->type_name("N")->capture_default_str();
@@ -74,12 +78,19 @@ int show_workspace(const Arguments& arguments) {
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.settings.robot, arguments.settings.set);
   const Scene scene = load_scene(arguments.settings.robot, options);
-  const WorkspacePlan plan = plan_workspace(arguments.settings, *scene.simulation, program_version("workspace"));
+  const std::string version = program_version("workspace");
+  WorkspacePlan plan = plan_workspace(arguments.settings, *scene.simulation, version);
   Journal journal(arguments.output);
   journal.set_tasks(plan.study, plan.tasks);
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
-  find_points(arguments, plan, scene.simulation->model(), journal);
+  const std::shared_ptr<const Model> model = scene.simulation->model();
+  find_points(arguments, plan, model, journal);
+  if (arguments.settings.refine > 0 && interrupted == 0) {
+    refine_workspace(plan, *model, arguments.settings.refine, version, journal);
+    journal.set_tasks(plan.study, plan.tasks);
+    find_points(arguments, plan, model, journal);
+  }
   const ResultsTable table = workspace_table(plan, journal);
   write_results(table, arguments.output);
   std::cout << workspace_summary(plan, table);

@@ -9,6 +9,7 @@
 
 #include "ros/panel/calls.h"
 #include "ros/panel/framing.h"
+#include "geometry/convex_hull.h"
 #include "ros/panel/history.h"
 #include "ros/panel/lamps.h"
 #include "ros/panel/poses.h"

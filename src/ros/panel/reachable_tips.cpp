@@ -6,8 +6,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <opencv2/imgproc.hpp>
-
 #include "settings/csv_cells.h"
 
 namespace soft_robot_lab {
@@ -95,15 +93,6 @@ ReachableTips read_reachable_tips(const std::string& csv, const std::string& mar
     all.tips.push_back(std::move(tip));
   }
   return all;
-}
-
-std::vector<std::size_t> convex_hull(const std::vector<Eigen::Vector2d>& points) {
-  std::vector<cv::Point2f> all;
-  for (const Eigen::Vector2d& point : points)
-    all.emplace_back(static_cast<float>(point.x()), static_cast<float>(point.y()));
-  std::vector<int> hull;
-  if (!all.empty()) cv::convexHull(all, hull, false, false);
-  return {hull.begin(), hull.end()};
 }
 
 }  // namespace soft_robot_lab

@@ -2,7 +2,6 @@
 // Where a robot's marker rests over all its commands, as the program `workspace` writes it. Knows no window.
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -29,8 +28,5 @@ struct ReachableTips {
 // From results.csv: only the commands that have a rest state. Throws std::invalid_argument where it is no such table,
 // or has no such marker.
 ReachableTips read_reachable_tips(const std::string& csv, const std::string& marker);
-
-// The corners of the convex hull in single precision, counter-clockwise, as indices; of points on a line its ends.
-std::vector<std::size_t> convex_hull(const std::vector<Eigen::Vector2d>& points);
 
 }  // namespace soft_robot_lab

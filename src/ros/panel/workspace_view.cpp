@@ -24,6 +24,7 @@
 #include <qwt_symbol.h>
 #include <qwt_text.h>
 
+#include "geometry/convex_hull.h"
 #include "ros/plasma.h"
 
 namespace soft_robot_lab {

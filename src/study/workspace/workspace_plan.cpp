@@ -99,9 +99,10 @@ void find_starts(const Simulation& robot, WorkspacePlan& plan) {
 
 void require_known(const WorkspaceSettings& settings, const Simulation& robot) {
   if (robot.actuators().empty()) throw std::invalid_argument("the robot has no actuators, so nothing moves it");
-  if (settings.samples > kMostSamples)
-    throw std::invalid_argument("--samples " + std::to_string(settings.samples) + ", must be at most " +
-                                std::to_string(kMostSamples));
+  for (const auto& [option, count] :
+       {std::pair("--samples ", settings.samples), std::pair("--refine ", settings.refine)})
+    if (count > kMostSamples)
+      throw std::invalid_argument(option + std::to_string(count) + ", must be at most " + std::to_string(kMostSamples));
   for (const auto& range : settings.range) robot.actuator_index(std::get<0>(range));
 }
 
@@ -114,6 +115,7 @@ WorkspacePlan plan_workspace(const WorkspaceSettings& settings, const Simulation
   plan.study = study_of(settings, robot);
   plan.study.arguments = arguments_of(settings, plan);
   plan.tasks = make_tasks(plan.study, version);
+  plan.even = plan.tasks.size();
   const auto count = static_cast<Eigen::Index>(plan.study.parameters.size());
   plan.ranges.resize(count);
   for (Eigen::Index i = 0; i < count; ++i) {

@@ -21,6 +21,7 @@ struct WorkspaceSettings {
   int steps = 21;                                              // of each command, its limits among them
   int samples = 0;                                             // > 0: so many points of Sobol's sequence instead
   int seed = 1;                                                // of samples
+  int refine = 0;                                              // so many points more, once these are found
   std::vector<std::tuple<std::string, double, double>> range;  // actuator, least and largest command
 };
 
@@ -32,6 +33,7 @@ struct WorkspacePlan {
   std::vector<NeighbourPair> neighbours;  // whose shapes are compared
   std::string marker;
   Eigen::VectorXd ranges;  // of the commands
+  std::size_t even = 0;    // so many points lie on the grid, or are samples; the others are between them
 };
 
 // Throws std::invalid_argument: a marker or an actuator that the robot does not have, a range beyond its limits, too

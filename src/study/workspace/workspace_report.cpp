@@ -8,6 +8,7 @@
 #include <limits>
 #include <sstream>
 
+#include "geometry/convex_hull.h"
 #include "session/report/html_page.h"
 #include "session/report/plot.h"
 #include "settings/words.h"
@@ -118,6 +119,21 @@ void add_crosses(const Numbers& x, const Numbers& y, const Tips& tips, Plot& plo
   if (!crosses.x.empty()) plot.series.push_back(std::move(crosses));
 }
 
+// Around all tips, as it is seen.
+Series hull_of(const Numbers& x, const Numbers& y) {
+  std::vector<Eigen::Vector2d> seen;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (is_finite(x[i]) && is_finite(y[i])) seen.emplace_back(x[i], y[i]);
+  std::vector<std::size_t> corners = convex_hull(seen);
+  if (!corners.empty()) corners.push_back(corners.front());
+  Series hull{"convex hull", {}, {}, SeriesStyle::lines, 0};
+  for (const std::size_t i : corners) {
+    hull.x.push_back(seen[i].x());
+    hull.y.push_back(seen[i].y());
+  }
+  return hull;
+}
+
 Plot tip_plot(const WorkspacePlan& plan, const Tips& tips, const Quantity& quantity, std::size_t a, std::size_t b) {
   Plot plot;
   plot.name = std::string("workspace_") + kAxes[a] + kAxes[b];
@@ -127,7 +143,8 @@ Plot tip_plot(const WorkspacePlan& plan, const Tips& tips, const Quantity& quant
   plot.equal_scale = true;
   plot.height_px = 760;
   plot.colour_bar = quantity.label;
-  plot.series = {places(tips.at_mm[a], tips.at_mm[b], quantity.values, SeriesStyle::points)};
+  plot.series = {hull_of(tips.at_mm[a], tips.at_mm[b]),
+                 places(tips.at_mm[a], tips.at_mm[b], quantity.values, SeriesStyle::points)};
   add_crosses(tips.at_mm[a], tips.at_mm[b], tips, plot);
   return plot;
 }
@@ -149,9 +166,13 @@ Plot command_plot(const WorkspacePlan& plan, const Tips& tips, const Quantity& q
   plot.colour_bar = quantity.label;
   const Numbers x = commands_of(plan, 0), y = commands_of(plan, 1);
   const bool grid = plan.study.method == SamplingMethod::grid;
-  plot.series = {places(x, y, quantity.values, grid ? SeriesStyle::squares : SeriesStyle::points)};
+  Numbers even(quantity.values), between(quantity.values);
+  std::fill(even.begin() + std::ptrdiff_t(plan.even), even.end(), kNothing);
+  std::fill(between.begin(), between.begin() + std::ptrdiff_t(plan.even), kNothing);
+  plot.series = {places(x, y, even, grid ? SeriesStyle::squares : SeriesStyle::points)};
   const auto half_step = [](const StudyParameter& p) { return 0.5 * (p.max - p.min) / std::max(1, p.steps - 1); };
   plot.series[0].half_size = {half_step(parameters[0]), half_step(parameters[1])};
+  if (plan.even < between.size()) plot.series.push_back(places(x, y, between, SeriesStyle::points));
   add_crosses(x, y, tips, plot);
   return plot;
 }

@@ -2,7 +2,6 @@
 #include "workspace_run.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "control/workspace/walk.h"
 
@@ -36,27 +35,6 @@ TaskOutcome outcome_of(const WorkspacePoint& point, const StudyTask& task, const
   return {task.hash, TaskOutcome::State::good, "", json_of(point, plan, model).dump(), 0.0};
 }
 
-// Of one point, as its result has them.
-struct Reached {
-  Eigen::Vector3d marker_m;
-  Eigen::MatrixXd jacobian_m;
-};
-
-std::optional<Reached> reached(const WorkspacePlan& plan, const StudyTask& task, const Journal& journal) {
-  const std::optional<TaskOutcome> outcome = journal.find(task.hash);
-  if (!outcome || outcome->result.empty()) return std::nullopt;
-  const Json result = Json::parse(outcome->result);
-  const auto vector = [](const Json& numbers) {
-    return Eigen::Vector3d(numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>());
-  };
-  Reached point{vector(result.at("markers").at(plan.marker).at("position_m")),
-                Eigen::MatrixXd(3, plan.commands.rows())};
-  for (Eigen::Index a = 0; a < plan.commands.rows(); ++a)
-    point.jacobian_m.col(a) =
-        vector(result.at("actuators").at(plan.study.parameters[std::size_t(a)].name).at("jacobian_m"));
-  return point;
-}
-
 std::vector<bool> folded_points(const WorkspacePlan& plan, const Journal& journal) {
   std::vector<std::optional<Reached>> points;
   for (const StudyTask& task : plan.tasks) points.push_back(reached(plan, task, journal));
@@ -73,6 +51,21 @@ std::vector<bool> folded_points(const WorkspacePlan& plan, const Journal& journa
 }
 
 }  // namespace
+
+std::optional<Reached> reached(const WorkspacePlan& plan, const StudyTask& task, const Journal& journal) {
+  const std::optional<TaskOutcome> outcome = journal.find(task.hash);
+  if (!outcome || outcome->result.empty()) return std::nullopt;
+  const Json result = Json::parse(outcome->result);
+  const auto vector = [](const Json& numbers) {
+    return Eigen::Vector3d(numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>());
+  };
+  Reached point{vector(result.at("markers").at(plan.marker).at("position_m")),
+                Eigen::MatrixXd(3, plan.commands.rows())};
+  for (Eigen::Index a = 0; a < plan.commands.rows(); ++a)
+    point.jacobian_m.col(a) =
+        vector(result.at("actuators").at(plan.study.parameters[std::size_t(a)].name).at("jacobian_m"));
+  return point;
+}
 
 void run_workspace(const WorkspacePlan& plan, const std::shared_ptr<const Model>& model, int threads, Journal& journal,
                    const std::function<bool(const WorkspaceProgress&)>& report) {

@@ -8,6 +8,7 @@
 #include <sqlite3.h>
 
 #include "run_program.h"
+#include "study/workspace/refinement.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -70,6 +71,29 @@ TEST(WorkspaceProgram, AsksSamplesOfSobolsSequence) {
   EXPECT_EQ(lines(contents(folder.path("samples/results.csv"))), 11);
 }
 
+TEST(Refinement, GivesEachPointToTheGapWhosePartsAreLongest) {
+  EXPECT_EQ(points_between({1.0, 4.0, 0.0, 1.5}, 2), (std::vector<int>{0, 2, 0, 0}));
+  EXPECT_EQ(points_between({1.0, 4.0, 0.0, 1.5}, 5), (std::vector<int>{1, 3, 0, 1}));
+  EXPECT_EQ(points_between({9.0, 0.0}, 100), (std::vector<int>{kMostBetween, 0})) << "a snap does not take them all";
+}
+
+// `right` moves the tip no less than `left` does, and a pull after a pull moves it farther.
+TEST(WorkspaceProgram, AsksMoreWhereNeighbouringTipsAreFarthestApart) {
+  const SceneFolder folder;
+  write_robot(folder);
+  const std::string even = "--range left 0.99 1 --range right 0.9 1 --steps 3 ";
+  ASSERT_EQ(run_workspace(folder, "even", even).exit_status, 0);
+  const Outcome refined = run_workspace(folder, "even", even + "--refine 6 --threads 3");
+  ASSERT_EQ(refined.exit_status, 0) << refined.err;
+  EXPECT_NE(refined.out.find("15 commands: 15 with a rest state"), std::string::npos) << refined.out;
+  EXPECT_EQ(refined.err.find("0 of 9 commands"), std::string::npos) << "goes on from the grid";
+  const std::string csv = contents(folder.path("even/results.csv"));
+  ASSERT_EQ(run_workspace(folder, "at_once", even + "--refine 6 --threads 1").exit_status, 0);
+  EXPECT_EQ(contents(folder.path("at_once/results.csv")), csv);
+  for (const std::string between : {",0.99,0.925,", ",0.99,0.975,", ",1.0,0.925,", ",1.0,0.975,"})
+    EXPECT_NE(csv.find(between), std::string::npos) << between << csv;
+}
+
 TEST(WorkspaceProgram, RefusesWhatTheRobotDoesNotHave) {
   const SceneFolder folder;
   write_robot(folder);
@@ -82,6 +106,7 @@ TEST(WorkspaceProgram, RefusesWhatTheRobotDoesNotHave) {
   EXPECT_NE(refusal("--range top 0.9 1").find("top"), std::string::npos);
   EXPECT_NE(refusal("--range left 0.9 9").find("must rise and lie in"), std::string::npos);
   EXPECT_NE(refusal("--samples 999999").find("must be at most 50000"), std::string::npos);
+  EXPECT_NE(refusal("--refine 999999").find("must be at most 50000"), std::string::npos);
   EXPECT_NE(refusal("--steps 1").find("--steps"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder.path("refused")));
 }

@@ -11,7 +11,6 @@
 #include <QGridLayout>
 #include <QGroupBox>
 #include <QLineEdit>
-#include <QScrollArea>
 #include <QSignalBlocker>
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/package.h>
@@ -29,6 +28,7 @@ namespace {
 
 constexpr double pose_duration_s = 1.0;
 constexpr int refresh_period_ms = 20;  // a slider that is drawn sends as often
+constexpr int rows_at_once = 3;        // of actuators
 
 const char* colour_of(Lamp::Level level) {
   switch (level) {
@@ -45,9 +45,9 @@ const char* colour_of(Lamp::Level level) {
 }
 
 QString lamp_text(const Lamp& lamp) {
-  return QString("<span style='color:%1'>&#9679;</span>&nbsp;%2&nbsp;%3")
-      .arg(colour_of(lamp.level), QString::fromStdString(lamp.name).replace(" ", "&nbsp;"),
-           QString::fromStdString(lamp.value).replace(" ", "&nbsp;"));
+  const std::string text = lamp.value.empty() ? lamp.name : lamp.name + " " + lamp.value;
+  return QString("<span style='color:%1'>&#9679;</span>&nbsp;%2")
+      .arg(colour_of(lamp.level), QString::fromStdString(text).replace(" ", "&nbsp;"));
 }
 
 void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int columns) {
@@ -60,8 +60,12 @@ void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int colum
 
 SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
   auto* column = new QVBoxLayout(this);
+  column->setSpacing(4);
   lamps_ = new QLabel(this);
   lamps_->setWordWrap(true);
+  QFont small = font();
+  small.setPointSizeF(0.88 * small.pointSizeF());  // so that those of a session with contact stand in a line
+  lamps_->setFont(small);
   message_ = new QLabel("Waits for a session.", this);
   message_->setWordWrap(true);
   message_->setMinimumHeight(3 * message_->fontMetrics().lineSpacing());
@@ -98,24 +102,24 @@ QWidget* SessionPanel::make_chooser() {
 }
 
 QWidget* SessionPanel::make_actuators() {
-  auto* area = new QScrollArea(this);
-  area->setWidgetResizable(true);
-  area->setFrameShape(QFrame::NoFrame);
-  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  area->setMinimumHeight(110);  // of two
-  auto* inside = new QWidget(area);
+  area_ = new QScrollArea(this);
+  area_->setWidgetResizable(true);
+  area_->setFrameShape(QFrame::NoFrame);
+  area_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  auto* inside = new QWidget(area_);
   rows_ = new QVBoxLayout(inside);
   rows_->setContentsMargins(0, 0, 4, 0);
   empty_ = new QLabel("No actuators yet.", inside);
   rows_->addWidget(empty_);
   rows_->addStretch(1);
-  area->setWidget(inside);
-  return area;
+  area_->setWidget(inside);
+  return area_;
 }
 
 QWidget* SessionPanel::make_target() {
   auto* box = new QGroupBox("Target [mm, robot_base]", this);
   auto* grid = new QGridLayout(box);
+  grid->setContentsMargins(4, 2, 4, 2);
   marker_ = new QComboBox(box);
   marker_->setToolTip("The marker that shall reach the target");
   method_ = new QComboBox(box);
@@ -268,10 +272,19 @@ void SessionPanel::refresh_rows() {
       rows_->insertWidget(rows_->count() - 1, editors_.back());
     }
     empty_->setVisible(editors_.empty());
+    show_whole_rows();
     shown_revision_ = values.revision();
     if (!editors_.empty()) message_->setText("Move a slider, or type a number.");
   }
   for (std::size_t i = 0; i < editors_.size(); ++i) editors_[i]->show_row(values.rows()[i]);
+}
+
+// No row is cut where there is no need to scroll, nor the last one that fits.
+void SessionPanel::show_whole_rows() {
+  if (editors_.empty()) return;
+  const int rows = std::min(rows_at_once, static_cast<int>(editors_.size()));
+  const int row_px = editors_.front()->sizeHint().height() + rows_->spacing();
+  area_->setMinimumHeight(rows * row_px);
 }
 
 // Follows what runs.

@@ -9,6 +9,7 @@
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QPushButton>
+#include <QScrollArea>
 #include <QTabWidget>
 #include <QTimer>
 #include <QVBoxLayout>
@@ -46,6 +47,7 @@ class SessionPanel : public rviz::Panel {
   void refresh_lamps();
   void watch_turns();
   void refresh_rows();
+  void show_whole_rows();
   void refresh_scene();
   void refresh_view();
   void refresh_plot();
@@ -75,6 +77,7 @@ class SessionPanel : public rviz::Panel {
   TurnWatch turns_;
   double diagnosed_s_ = 0.0;  // when the window was
   QLabel *lamps_ = nullptr, *message_ = nullptr, *empty_ = nullptr;
+  QScrollArea* area_ = nullptr;
   QVBoxLayout* rows_ = nullptr;
   std::vector<ActuatorEditor*> editors_;
   PlotView* plot_ = nullptr;

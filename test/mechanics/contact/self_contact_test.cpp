@@ -103,6 +103,26 @@ TEST(SelfContact, ASlotIsPressedShutAsInTheReference) {
   }
 }
 
+// R9. Just below the traction of the first touch nothing presses, just above it something does; 3 % are asked.
+TEST(SelfContact, FirstTouchIsWhereTheReferenceHasIt) {
+  const auto touches = [](Simulation simulation) {
+    const SolveReport report = simulation.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    return simulation.contacts().back().normal_force_n > 0.0;
+  };
+  const auto first_touch_pa = [](const std::string& table) {
+    for (const ReferenceRow& row : read_reference(table))
+      if (row.text("law") == "design" && row.number("nu") == 0.49 && row.text("state") == "first_touch")
+        return row.number("traction_Pa");
+    throw std::runtime_error("no such row");
+  };
+  const double slot_pa = first_touch_pa("r9_slot_selfcontact"), clip_pa = first_touch_pa("r9_clip_selfcontact");
+  EXPECT_FALSE(touches(pressed_slot(0.97 * slot_pa)));
+  EXPECT_TRUE(touches(pressed_slot(1.03 * slot_pa)));
+  EXPECT_FALSE(touches(pressed_clip({30, 14, 2}, 0.97 * clip_pa)));
+  EXPECT_TRUE(touches(pressed_clip({30, 14, 2}, 1.03 * clip_pa)));
+}
+
 // By symmetry nothing rubs there, so friction must not change it. The corners touch first, where points inside the
 // faces alone miss 28 % of the force at 400 Pa. Of force and tips 2 % is asked. Without friction corner on corner is no
 // firm stand on this mesh: both legs sway to one side, at 400 Pa by 185 um (3 %), at the others by 81 um at most, so

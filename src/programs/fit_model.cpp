@@ -7,7 +7,11 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
+#include "robot/scene/parameters.h"
 #include "settings/command_line.h"
+#include "settings/write_file.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "ros/recorded_session.h"
 #include "session/rest_periods.h"
@@ -17,7 +21,8 @@ namespace {
 using namespace soft_robot_lab;
 
 struct Arguments {
-  std::string bag, scene, output = "fitted.yaml";
+  std::string bag, scene, output = "fitted.yaml", result;
+  std::vector<std::string> set;
   std::optional<double> from_s, to_s;
   FitRequest request;
 };
@@ -40,6 +45,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--scene", arguments.scene, "the robot's file, where it is not the one that the recording names")
       ->type_name("FILE");
   app.add_option("--output", arguments.output, "where the fitted scene goes")->type_name("FILE")->capture_default_str();
+  app.add_option("--result", arguments.result, "values, deviations, gap and warnings (.json)")->type_name("FILE");
+  add_set_option(app, arguments.set);
   app.add_option("--from", arguments.from_s, "leave out what was before, since the first markers")
       ->type_name("SECONDS");
   app.add_option("--to", arguments.to_s,
@@ -57,8 +64,30 @@ void declare(CLI::App& app, Arguments& arguments) {
       "arguments.");
 }
 
-int print_gap(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses) {
+using Json = nlohmann::ordered_json;
+
+Json gap_json(const ModelGap& gap) { return {{"rms_m", gap.rms_m}, {"markers", gap.marker_rms_m}}; }
+
+Json fit_json(const FitResult& fit) {
+  Json result = {{"converged", fit.converged}, {"iterations", fit.iterations}, {"cpu_s", fit.cpu_s}};
+  for (const FittedValue& value : fit.values)
+    result["values"][value.name] = {{"start", value.start},         {"value", value.value},
+                                    {"deviation", value.deviation}, {"low", value.low},
+                                    {"high", value.high},           {"identifiable", value.identifiable}};
+  result["before"] = gap_json(fit.before);
+  result["after"] = gap_json(fit.after);
+  result["warnings"] = fit.warnings;
+  return result;
+}
+
+void write_result(const Arguments& arguments, const Json& result) {
+  if (!arguments.result.empty()) write_file(arguments.result, result.dump(2) + "\n");
+}
+
+int print_gap(const Arguments& arguments, const std::string& scene, const SceneOptions& options,
+              const std::vector<MeasuredPose>& poses) {
   const ModelGap gap = model_gap(scene, options, poses);
+  write_result(arguments, {{"before", gap_json(gap)}});
   std::cout << std::setprecision(3) << "rms gap " << 1e3 * gap.rms_m << " mm\n";
   for (const auto& [marker, rms_m] : gap.marker_rms_m) std::cout << "  " << marker << ": " << 1e3 * rms_m << " mm\n";
   return kGood;
@@ -77,8 +106,9 @@ int fit(const Arguments& arguments) {
   if (scene.empty()) throw std::invalid_argument("the recording names no scene; give --scene");
   SceneOptions options;
   options.actuator_factory = make_actuator;
+  options.overrides = parameter_overrides(scene, arguments.set);
   const std::vector<MeasuredPose> poses = measured_poses(recording);
-  if (!fits) return print_gap(scene, options, poses);
+  if (!fits) return print_gap(arguments, scene, options, poses);
   FitRequest request = arguments.request;
   request.progress = [](int iteration, double rms_gap_m) {
     std::cerr << "iteration " << iteration << ": rms gap " << 1e3 * rms_gap_m << " mm\n";
@@ -87,6 +117,7 @@ int fit(const Arguments& arguments) {
   const FitResult result = fit_model(scene, options, poses, request, measured_swings(recording));
   std::cout << summary(result);
   write_fitted_scene(result, scene, arguments.output);
+  write_result(arguments, fit_json(result));
   std::cout << "written: " << arguments.output << "\n";
   return result.converged ? kGood : kNotGood;
 }

@@ -29,7 +29,7 @@ volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
-  std::string robot, commands, output;
+  std::string robot, commands, output, result;
   int random = 0;
   double duration_s = 10.0, hold_s = 0.5, record_every_s = 0.0;
   unsigned seed = 1;
@@ -44,9 +44,11 @@ void declare(CLI::App& app, Arguments& arguments) {
   source->add_option("--commands", arguments.commands, "a table (.csv), or arrays of NumPy (.npz)")->type_name("FILE");
   source->add_option("--random", arguments.random, "so many rollouts of random commands")->type_name("N");
   source->require_option(1);
-  app.add_option("--output", arguments.output, "what the rollouts did, as arrays of NumPy (.npz)")
-      ->type_name("FILE")
-      ->required();
+  CLI::Option_group* const files = app.add_option_group("Results", "one of, or both");
+  files->add_option("--output", arguments.output, "what the rollouts did, as arrays of NumPy (.npz)")
+      ->type_name("FILE");
+  files->add_option("--result", arguments.result, "the same in a few numbers (.json)")->type_name("FILE");
+  files->require_option(1, 2);
   app.add_option("--duration", arguments.duration_s, "of each rollout")->type_name("S")->capture_default_str();
   app.add_option("--hold", arguments.hold_s, "of each command, with --random and .npz")
       ->type_name("S")
@@ -131,11 +133,12 @@ int make_rollouts(const Arguments& arguments) {
   const std::vector<RunReport> reports = run(arguments, scene, plan);
   const double cpu_s = cpu_time_s() - cpu_start_s;
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write_file(arguments.output, rollouts_npz(scene, reports));
+  if (!arguments.output.empty()) write_file(arguments.output, rollouts_npz(scene, reports));
+  if (!arguments.result.empty()) write_file(arguments.result, rollouts_json(scene, reports));
   std::printf("%zu rollouts of %g s in %.2f s, %.2f s CPU: %.0f times real time a core; %s\n", reports.size(),
               arguments.duration_s, wall_s, cpu_s,
               static_cast<double>(reports.size()) * arguments.duration_s / std::max(cpu_s, 1e-9),
-              arguments.output.c_str());
+              (arguments.output.empty() ? arguments.result : arguments.output).c_str());
   return warn(reports) ? kNotGood : kGood;
 }
 

@@ -133,6 +133,28 @@ TEST_F(Session, FindsWhatFollowedEachMove) {
   EXPECT_EQ(swings[1].commands.size(), 1u);
 }
 
+#ifdef SOFT_ROBOT_LAB_STUDY_PROGRAM
+TEST_F(Session, IsFittedByTheTasksOfAStudy) {
+  write_bag(true);
+  std::ofstream(folder_ / "study.yaml")
+      << "program: fit_model\nscene: " << bar()
+      << "\narguments: [session.bag, --parameters, length_offset_m.left, --model-error, '0.1']\n"
+         "parameters: {body.material.youngs_modulus_pa: {values: [2.0e+5, 3.0e+5]}}\n";
+  const std::string found = folder_ / "found", command = SOFT_ROBOT_LAB_STUDY_PROGRAM " " +
+                                                         (folder_ / "study.yaml").string() + " --output " + found +
+                                                         " >" + (folder_ / "log").string() + " 2>&1";
+  const int status = std::system(command.c_str());
+  ASSERT_LT(WEXITSTATUS(status), 2) << "1: a fit that did not converge has a result too";
+  std::ifstream file(found + "/results.csv");
+  std::string header, first;
+  std::getline(file, header);
+  std::getline(file, first);
+  for (const std::string name : {"values.length_offset_m.left.value", "after.rms_m", "converged"})
+    EXPECT_NE(header.find("," + name), std::string::npos) << header;
+  EXPECT_EQ(first.find(",failed,"), std::string::npos) << first;
+}
+#endif
+
 TEST_F(Session, RefusesWhatIsNoRecordingOfASession) {
   const auto refusal = [](const std::string& path) {
     try {

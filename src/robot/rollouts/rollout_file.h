@@ -18,4 +18,8 @@ namespace soft_robot_lab {
 // Rollouts that were not started are left out.
 std::string rollouts_npz(const Scene& scene, const std::vector<RunReport>& reports);
 
+// The same in a few numbers, as JSON: how many rollouts were run, converged and stayed on a reduced model, and of each
+// marker the mean, the least and the largest coordinates over all of them.
+std::string rollouts_json(const Scene& scene, const std::vector<RunReport>& reports);
+
 }  // namespace soft_robot_lab

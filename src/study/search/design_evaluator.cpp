@@ -44,7 +44,7 @@ DesignEvaluator::DesignEvaluator(const SearchSettings& search, Journal& journal,
 
 DesignEvaluator::DesignStep DesignEvaluator::step(const std::string& program,
                                                   const std::vector<std::string>& arguments) const {
-  return {study_of(search_, program, arguments), program_version(program), scene_hash(search_.robot)};
+  return {study_of(search_, program, arguments), program_version(program), scene_hash(search_.robot, arguments)};
 }
 
 DesignEvaluator::Key DesignEvaluator::rounded(const DesignPoint& point) {

@@ -118,10 +118,25 @@ std::vector<std::string> read_words(const YamlNode& file, const std::string& key
 }
 
 // The runner sets these itself.
-void refuse_own_arguments(const YamlNode& file) {
+void refuse_own_arguments(const YamlNode& file, const std::string& program) {
+  std::vector<std::string> all = {"--result", "--set", "--seed", "--policy"};
+  if (program == "rollouts") all.insert(all.end(), {"--output", "--threads"});
+  if (program == "fit_model") all.insert(all.end(), {"--output", "--scene"});
   for (const YamlNode& item : file.optional_sequence("arguments"))
-    for (const std::string own : {"--result", "--set", "--seed", "--policy"})
+    for (const std::string& own : all)
       if (item.as_text().rfind(own, 0) == 0) item.fail("'" + own + "' is set by the study itself");
+}
+
+// Files are named beside the study, as a recording, wherever its tasks run.
+std::vector<std::string> read_arguments(const YamlNode& file, const std::string& program) {
+  refuse_own_arguments(file, program);
+  std::vector<std::string> arguments = read_words(file, "arguments");
+  for (std::string& argument : arguments) {
+    const fs::path path = fs::absolute(fs::path(file.source()).parent_path() / argument).lexically_normal();
+    std::error_code ignored;
+    if (path.has_extension() && fs::is_regular_file(path, ignored)) argument = path.string();
+  }
+  return arguments;
 }
 
 }  // namespace
@@ -146,11 +161,10 @@ std::vector<StudyParameter> read_study_parameters(const YamlNode& file, Sampling
 StudySettings read_study(const std::string& path) {
   const YamlNode file = YamlNode::load_file(path);
   StudySettings study;
-  study.program = file.choice("program", {"simulate", "optimise", "check_casting"});
+  study.program = file.choice("program", {"simulate", "optimise", "check_casting", "rollouts", "fit_model"});
   study.scene = read_scene_path(file, "scene");
   const YamlNode scene = load_settings(study.scene);
-  study.arguments = read_words(file, "arguments");
-  refuse_own_arguments(file);
+  study.arguments = read_arguments(file, study.program);
   study.method = read_method(file);
   if (study.method != SamplingMethod::grid) study.samples = file.integer("samples", 1, kMostTasks);
   if (study.method == SamplingMethod::grid && file.has("samples"))

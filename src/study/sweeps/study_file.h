@@ -27,9 +27,9 @@ struct StudyParameter {
 };
 
 struct StudySettings {
-  std::string program;  // simulate, optimise, check_casting
-  std::string scene;    // absolute
-  std::vector<std::string> arguments;
+  std::string program;                 // simulate, optimise, check_casting, rollouts, fit_model
+  std::string scene;                   // absolute
+  std::vector<std::string> arguments;  // those that name a file beside the study are absolute
   std::vector<StudyParameter> parameters;
   SamplingMethod method = SamplingMethod::grid;
   int samples = 0;  // of methods but grid; of sobol_indices: base points

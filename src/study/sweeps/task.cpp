@@ -18,14 +18,13 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kLargestProgram_bytes = std::uintmax_t{4} << 30;
+constexpr std::uintmax_t kLargestFile_bytes = std::uintmax_t{4} << 30;
 
-// Our libraries that the programs of tasks may load; not those of this runner.
-bool counts(const std::string& library) {
+// Our libraries that the programs of tasks may load; not those of this runner. Recordings are read by ROS.
+bool counts(const std::string& library, const std::string& program) {
   if (library.rfind("libsrl_", 0) != 0) return false;
-  for (const std::string other : {"libsrl_ros", "libsrl_study", "libsrl_sweeps"})
-    if (library.rfind(other, 0) == 0) return false;
-  return true;
+  if (library.rfind("libsrl_ros", 0) == 0) return program == "fit_model";
+  return library.rfind("libsrl_study", 0) != 0 && library.rfind("libsrl_sweeps", 0) != 0;
 }
 
 std::vector<std::string> libraries_beside(const fs::path& program) {
@@ -33,7 +32,7 @@ std::vector<std::string> libraries_beside(const fs::path& program) {
   std::error_code ignored;
   for (const fs::path& folder : {program.parent_path(), program.parent_path().parent_path()})
     for (const auto& file : fs::directory_iterator(folder, ignored))
-      if (counts(file.path().filename().string())) files.push_back(file.path().string());
+      if (counts(file.path().filename().string(), program.filename().string())) files.push_back(file.path().string());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -54,6 +53,8 @@ void add_named_files(const YamlNode& node, ContentHash& hash) {
   add_file(fs::path(config_folder()) / "materials" / (node.as_text() + ".yaml"), hash);
 }
 
+bool has_random_numbers(const std::string& program) { return program == "optimise" || program == "rollouts"; }
+
 }  // namespace
 
 std::string name_of(TaskOutcome::State state) {
@@ -71,19 +72,23 @@ std::string program_version(const std::string& name) {
   const std::string program = find_program(name);
   if (program.empty()) throw std::runtime_error("the program " + name + " is neither beside this one nor on PATH");
   ContentHash hash;
-  hash.add_large(read_regular_file(program, kLargestProgram_bytes));
+  hash.add_large(read_regular_file(program, kLargestFile_bytes));
   for (const std::string& library : libraries_beside(program))
-    hash.add_large(read_regular_file(library, kLargestProgram_bytes));
+    hash.add_large(read_regular_file(library, kLargestFile_bytes));
   if (const std::string mesher = find_program("mesh_robot"); !mesher.empty())
-    hash.add_large(read_regular_file(mesher, kLargestProgram_bytes));
+    hash.add_large(read_regular_file(mesher, kLargestFile_bytes));
   return hash.hex();
 }
 
-std::string scene_hash(const std::string& scene) {
+std::string scene_hash(const std::string& scene, const std::vector<std::string>& arguments) {
   const YamlNode settings = load_settings(scene);
   ContentHash hash;
   hash.add(settings.dump());
   add_named_files(settings, hash);
+  std::error_code ignored;
+  for (const std::string& argument : arguments)
+    if (fs::path(argument).is_absolute() && fs::is_regular_file(argument, ignored))
+      hash.add_large(read_regular_file(argument, kLargestFile_bytes));
   return hash.hex();
 }
 
@@ -103,10 +108,10 @@ std::string request_hash(const Json& request, const std::string& scene_hash, con
 }
 
 std::vector<StudyTask> make_tasks(const StudySettings& study, const std::string& version) {
-  const std::string scene = scene_hash(study.scene);
+  const std::string scene = scene_hash(study.scene, study.arguments);
   std::vector<StudyTask> tasks;
   for (std::vector<double>& values : sample(study)) {
-    StudyTask task{"", std::move(values), study.program == "optimise" ? study.seed : 0};
+    StudyTask task{"", std::move(values), has_random_numbers(study.program) ? study.seed : 0};
     task.hash = request_hash(task_request(study, task), scene, version);
     tasks.push_back(std::move(task));
   }

@@ -33,8 +33,8 @@ TaskOutcome::State state_named(const std::string& name);  // throws std::invalid
 // Throws std::runtime_error where the program is not found.
 std::string program_version(const std::string& program);
 
-// Of a scene with what it includes, and of the files that it names. Throws SettingsError.
-std::string scene_hash(const std::string& scene);
+// Of a scene with what it includes, and of the files that it or the program's arguments name. Throws SettingsError.
+std::string scene_hash(const std::string& scene, const std::vector<std::string>& arguments);
 
 // In the order of the samples.
 std::vector<StudyTask> make_tasks(const StudySettings& study, const std::string& version);

@@ -39,9 +39,16 @@ std::string last_line(std::string text) {
   return text.substr(text.rfind('\n') + 1);  // npos + 1 is 0
 }
 
-std::vector<std::string> command_of(const Json& task, const std::string& result) {
-  std::vector<std::string> command = {find_program(task.at("program").get<std::string>()),
-                                      task.at("scene").get<std::string>(), "--result", result};
+std::vector<std::string> command_of(const Json& task, const std::string& result, const WorkFolder& folder) {
+  const std::string program = task.at("program"), scene = task.at("scene");
+  std::vector<std::string> command = {find_program(program)};
+  if (program == "fit_model")
+    command.insert(command.end(), {"--scene", scene, "--output", folder.file("fitted.yaml")});
+  else
+    command.push_back(scene);
+  for (const Json& argument : task.at("arguments")) command.push_back(argument.get<std::string>());
+  if (program == "rollouts") command.insert(command.end(), {"--threads", "1"});
+  command.insert(command.end(), {"--result", result});
   for (const Json& set : task.at("set")) {
     command.emplace_back("--set");
     command.push_back(set.at(0).get<std::string>() + "=" + set.at(1).dump());
@@ -50,7 +57,6 @@ std::vector<std::string> command_of(const Json& task, const std::string& result)
     command.emplace_back("--seed");
     command.push_back(std::to_string(seed));
   }
-  for (const Json& argument : task.at("arguments")) command.push_back(argument.get<std::string>());
   return command;
 }
 
@@ -100,7 +106,7 @@ Json judge(Json answer, const Json& task, const ProcessEnd& end, const std::stri
 
 Json run_task(const Json& task, const std::string& version, const WorkFolder& folder) {
   Json answer = {{"hash", task.at("hash")}};
-  if (request_hash(task, scene_hash(task.at("scene")), version) != task.at("hash")) {
+  if (request_hash(task, scene_hash(task.at("scene"), task.at("arguments")), version) != task.at("hash")) {
     answer["refused"] =
         task.at("scene").get<std::string>() + ", or a file that it names, is not what the study began with";
     return answer;
@@ -108,7 +114,7 @@ Json run_task(const Json& task, const std::string& version, const WorkFolder& fo
   const std::string result = folder.file("result.json"), errors = folder.file("errors");
   fs::remove(result);
   const auto begin = std::chrono::steady_clock::now();
-  const ProcessEnd end = run_with_limit(command_of(task, result), errors, task.at("time_limit_s"));
+  const ProcessEnd end = run_with_limit(command_of(task, result, folder), errors, task.at("time_limit_s"));
   answer["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return judge(std::move(answer), task, end, text_of(result), last_line(text_of(errors)));
 }

@@ -94,6 +94,31 @@ TEST(Study, HasTheDistancesOfAPolicy) {
   EXPECT_GT(std::atof(distance.c_str()), 0.0) << distance << outcome.out;
 }
 
+TEST(Study, HasWhereMarkersWereInRollouts) {
+  const SceneFolder folder;
+  folder.write("short.yaml", "include: bar.yaml\nbody: {element: linear}\n");
+  const std::string text =
+      "program: rollouts\nscene: short.yaml\nseed: 4\narguments: [--commands, table.csv, --duration, '0.1']\n"
+      "parameters: {body.material.youngs_modulus_pa: {values: [2.0e+5, 4.0e+5]}}\n";
+  const std::string table = folder.write("table.csv", "rollout,time_s,left\n0,0,0.9\n1,0,0.95\n");
+  const Outcome outcome = run_study(folder, text, "found", "");
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  const std::string csv = contents(folder.path("found/results.csv"));
+  const Outcome alone = run_program(SOFT_ROBOT_LAB_ROLLOUTS, folder,
+                                    folder.path("short.yaml") + " --commands " + table +
+                                        " --duration 0.1 --set body.material.youngs_modulus_pa=4e5 --result " +
+                                        folder.path("alone.json"));
+  ASSERT_EQ(alone.exit_status, 0) << alone.err;
+  const Json result = Json::parse(contents(folder.path("alone.json")));
+  EXPECT_EQ(result["rollouts"], 2);
+  EXPECT_EQ(cell(csv, 2, "markers.tip.mean_m.z"), result["markers"]["tip"]["mean_m"][2].dump());
+  EXPECT_EQ(cell(csv, 2, "converged"), "2");
+  EXPECT_NE(cell(csv, 1, "markers.tip.least_m.x"), cell(csv, 2, "markers.tip.least_m.x"));
+  folder.write("table.csv", "rollout,time_s,left\n0,0,0.8\n");  // another study, though its text is the same
+  ASSERT_EQ(run_study(folder, text, "found", "").exit_status, 0);
+  EXPECT_EQ(cell(contents(folder.path("found/results.csv")), 2, "rollouts"), "1");
+}
+
 TEST(Study, RunsOnHostsThroughARemoteShell) {
   const SceneFolder folder;
   short_scene(folder);

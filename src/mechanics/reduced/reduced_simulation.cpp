@@ -169,10 +169,11 @@ ReducedReport ReducedSimulation::solve_equilibrium() {
   state_.previous_velocity.setZero();
   state_.previous_step_s = 0.0;
   report.converged = relax(kNearIterations, report) || (from_rest && relax_beside_known_rests(report));
+  const bool searches = !from_rest || model_->rests.commands.cols() == 0;
   // Down the energy with a proximal term that fades (pseudo-transient continuation, Kelley & Keyes 1998), but not so
   // fast that a step has more than one end: it would stay on a saddle, where a slower one leaves it.
   double h = kFirstArtificialStep_s;
-  for (int i = 0; i < kContinuationSteps && !report.converged && h >= kShortestArtificialStep_s; ++i) {
+  for (int i = 0; searches && i < kContinuationSteps && !report.converged && h >= kShortestArtificialStep_s; ++i) {
     ReducedUnknowns trial = state_.at;
     const double inertia_per_s2 = 1.0 / (h * h);
     const ReducedEnd end = newton_.solve(*model_, {inertia_per_s2, trial.q, 1e-6}, state_.drives, trial);

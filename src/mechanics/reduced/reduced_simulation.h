@@ -40,7 +40,8 @@ class ReducedSimulation {
   ReducedReport step();
 
   // The stable rest state near the present one; where there is none, and the actuators come from their rest commands,
-  // that on the side to which training went from there. Otherwise not converged, and the state is the furthest it came.
+  // that beside one to which training went from there. Where none of those leads to one it has not converged, as which
+  // of several sides a search takes is chance. From elsewhere it searches; the state is the furthest it came.
   ReducedReport solve_equilibrium();
 
   // Rms displacement of the last Newton iteration, > 0; smaller than the model's error is of no use.

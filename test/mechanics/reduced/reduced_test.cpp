@@ -221,6 +221,15 @@ TEST_F(ReducedColumn, ComesFromRestToTheSideThatTheFullModelTakes) {
   }
 }
 
+TEST_F(ReducedColumn, LeavesItsSideToTheFullModelWhereNoKnownRestStateIsNear) {
+  auto straight = std::make_shared<ReducedModel>(*model_);
+  straight->rests = {Eigen::MatrixXd::Ones(2, 1), Eigen::MatrixXd::Zero(model_->energy.modes(), 1),
+                     Eigen::MatrixXd::Zero(model_->energy.pressures(), 1),
+                     Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(model_->constraints.count()), 1)};
+  ReducedSimulation simulation = pulled(straight);
+  EXPECT_FALSE(simulation.solve_equilibrium().converged);  // a search would take one by chance
+}
+
 // Without the rest states of its training.
 TEST_F(ReducedColumn, LeavesTheSaddleForAMinimumOnOneSide) {
   auto bare = std::make_shared<ReducedModel>(*model_);

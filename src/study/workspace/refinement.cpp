@@ -60,7 +60,7 @@ std::vector<int> points_between(const std::vector<double>& lengths, int count) {
 void refine_workspace(WorkspacePlan& plan, const Model& model, int count, const std::string& version,
                       const Journal& journal) {
   const std::vector<int> between = points_between(gaps_m(plan, journal), count);
-  const std::string scene = scene_hash(plan.study.scene);
+  const std::string scene = scene_hash(plan.study.scene, plan.study.arguments);
   StudySettings study = plan.study;  // the way to a point is part of its name
   study.arguments.insert(study.arguments.end(), {"--refine", std::to_string(count)});
   std::vector<NeighbourPair> neighbours;

@@ -14,8 +14,7 @@ namespace soft_robot_lab {
 // - `straight_in_silicone`: between two `points_m` a cable is straight. Where silicone lies all along such a span of
 //   more than three elements the body bends around it and the cable does not. Its longest span is named; none where
 //   `via_points: given` says that it is meant.
-// - `plug_on_skin`: a path_m or spline_m ends on the skin, where silicone snaps over the plug, and steps in time are
-// slow.
+// - `plug_on_skin`: a path_m or spline_m ends on the skin. Silicone snaps over the plug there: steps in time are slow.
 std::vector<SolveWarning> cable_warnings(const YamlNode& scene, const Body& body, const MeshLocator& locator);
 
 }  // namespace soft_robot_lab

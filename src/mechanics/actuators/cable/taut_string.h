@@ -30,8 +30,8 @@ class TautString {
     double turned_rad;                    // sum of the angles at the joints that press
     Eigen::Matrix<double, 6, 1> turned_gradient;
 
-    double share_at(
-        const Eigen::Vector3d& position_m) const;  // where it is nearest to a place, as a share of the length
+    // Where it is nearest to a place, as a share of the length.
+    double share_at(const Eigen::Vector3d& position_m) const;
   };
   std::shared_ptr<const Shape> between(const Eigen::Vector3d& first_m, const Eigen::Vector3d& last_m) const;
 

@@ -237,9 +237,10 @@ void ContactTerm::add_hessian(const std::vector<ContactTouch>& touches, bool con
   }
 }
 
-bool ContactTerm::same_set(const std::vector<ContactTouch>& a, const std::vector<ContactTouch>& b) {
-  const auto next_closed = [](auto at, auto end) {
-    return std::find_if(at, end, [](const ContactTouch& touch) { return touch.closed; });
+bool ContactTerm::same_set(const std::vector<ContactTouch>& a, const std::vector<ContactTouch>& b, bool with_skin) {
+  const auto next_closed = [&](auto at, auto end) {
+    return std::find_if(at, end,
+                        [&](const ContactTouch& touch) { return touch.closed && (with_skin || !touch.on_skin()); });
   };
   auto i = next_closed(a.begin(), a.end()), j = next_closed(b.begin(), b.end());
   for (; i != a.end() && j != b.end(); i = next_closed(i + 1, a.end()), j = next_closed(j + 1, b.end())) {
@@ -267,9 +268,10 @@ std::vector<Eigen::Vector3d> ContactTerm::mismatch_forces_n(const std::vector<Co
 }
 
 void ContactTerm::add_mismatch_forces(const std::vector<ContactTouch>& linearised, const ContactSums& here,
-                                      Eigen::Matrix3Xd& forces_n) const {
+                                      bool with_skin, Eigen::Matrix3Xd& forces_n) const {
   const std::vector<Eigen::Vector3d> of_touches = mismatch_forces_n(linearised, here);
-  for (std::size_t i = 0; i < of_touches.size(); ++i) add_at(here.touches[i], of_touches[i], forces_n);
+  for (std::size_t i = 0; i < of_touches.size(); ++i)
+    if (with_skin || !here.touches[i].on_skin()) add_at(here.touches[i], of_touches[i], forces_n);
 }
 
 FreeColumns ContactTerm::free_mismatch_forces_n(const std::vector<ContactTouch>& linearised,
@@ -282,17 +284,39 @@ FreeColumns ContactTerm::free_mismatch_forces_n(const std::vector<ContactTouch>&
 }
 
 Eigen::VectorXd ContactTerm::next_pressures_pa(const std::vector<ContactTouch>& linearised, const ContactSums& here,
-                                               const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const {
+                                               bool with_skin, const Eigen::Matrix3Xd& motion_m,
+                                               const FreeColumns& free_motion) const {
   Eigen::VectorXd next = Eigen::VectorXd::Zero(pair_count());
   auto made = linearised.begin();
   for (const ContactTouch& touch : here.touches) {
-    if (!touch.closed) continue;
+    if (!touch.closed || (touch.on_skin() && !with_skin)) continue;
     while (made != linearised.end() && made->pair < touch.pair) ++made;
     const Eigen::Vector3d& normal = made != linearised.end() && made->pair == touch.pair ? made->normal : touch.normal;
     next[touch.pair] =
         law(touch.pair).pressure_pa(touch.gap_m + normal.dot(relative_motion_m(touch, motion_m, free_motion)));
   }
   return next;
+}
+
+ConstraintLaw ContactTerm::law_of(const ContactTouch& touch) const {
+  ConstraintLaw law;
+  law.offset = -touch.gap_m;
+  law.compliance = this->law(touch.pair).compliance_m_pa / weight_m2(touch.pair);
+  law.min_multiplier = 0.0;
+  return law;
+}
+
+std::vector<ContactTouch> ContactTerm::met_by(const Eigen::Matrix3Xd& motion_m, const ContactSums& end,
+                                              const std::vector<ContactTouch>& known) const {
+  std::vector<ContactTouch> met;
+  for (const ContactTouch& touch : end.touches) {
+    const auto same = [&](const ContactTouch& other) { return other.pair == touch.pair; };
+    if (!touch.on_skin() || std::any_of(known.begin(), known.end(), same)) continue;
+    met.push_back(touch);
+    met.back().gap_m -= touch.normal.dot(skin_.relative_m(touch, motion_m));
+    met.back().pressure_pa = 0.0;
+  }
+  return met;
 }
 
 void ContactTerm::add_slip(const ContactTouch& touch, Eigen::Matrix3Xd& residual_n) const {

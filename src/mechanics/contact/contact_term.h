@@ -73,14 +73,25 @@ class ContactTerm {
 
   // Whether the matrix of these touches may serve others: the same are closed, on the same faces. What sticks and what
   // slips may differ.
-  static bool same_set(const std::vector<ContactTouch>& a, const std::vector<ContactTouch>& b);
+  static bool same_set(const std::vector<ContactTouch>& a, const std::vector<ContactTouch>& b, bool with_skin);
 
-  // What condensation adds to the residual; `linearised`: the touches the matrix was made of.
-  void add_mismatch_forces(const std::vector<ContactTouch>& linearised, const ContactSums& here,
+  // What condensation adds to the residual; `linearised`: the touches the matrix was made of. `with_skin`: those of
+  // skin on skin are in it; else they are constraints of the step.
+  void add_mismatch_forces(const std::vector<ContactTouch>& linearised, const ContactSums& here, bool with_skin,
                            Eigen::Matrix3Xd& forces_n) const;
   FreeColumns free_mismatch_forces_n(const std::vector<ContactTouch>& linearised, const ContactSums& here) const;
   Eigen::VectorXd next_pressures_pa(const std::vector<ContactTouch>& linearised, const ContactSums& here,
-                                    const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const;
+                                    bool with_skin, const Eigen::Matrix3Xd& motion_m,
+                                    const FreeColumns& free_motion) const;
+
+  // Of a touch as a constraint of the step (SkinGradient), and its push [N].
+  ConstraintLaw law_of(const ContactTouch& touch) const;
+  double push_n(const ContactTouch& touch) const { return weight_m2(touch.pair) * touch.pressure_pa; }
+  double pressure_pa(const ContactTouch& touch, double push_n) const { return push_n / weight_m2(touch.pair); }
+  // What a motion of the nodes would lead into: skin that touches at its end and is not among `known`; with the gap
+  // that this leaves where the motion begins.
+  std::vector<ContactTouch> met_by(const Eigen::Matrix3Xd& motion_m, const ContactSums& end,
+                                   const std::vector<ContactTouch>& known) const;
   // Of a touch at the limit of friction. What the residual gains where slip takes a unit [Pa] off the tie's traction;
   // and by how much a motion of the nodes takes that traction beyond its limit, which follows the pressure [Pa].
   void add_slip(const ContactTouch& touch, Eigen::Matrix3Xd& residual_n) const;

@@ -129,6 +129,24 @@ Eigen::MatrixXd SkinContact::hessian(const ContactTouch& touch, bool convex, boo
   return sum;
 }
 
+double SkinGradient::dot(const double* columns) const {
+  double sum = 0.0;
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    for (int axis = 0; axis < 3; ++axis)
+      sum += at_nodes(axis, static_cast<Eigen::Index>(a)) * columns[3 * nodes[a] + axis];
+  return sum;
+}
+
+SkinGradient SkinContact::gradient(const ContactTouch& touch) const {
+  const int nodes = points_.nodes_per_face(), point = point_of(touch);
+  SkinGradient gradient{touch.pair, touch.met.face, pairs_.nodes(faces_of(touch)), Eigen::Matrix3Xd(3, 2 * nodes)};
+  for (int a = 0; a < nodes; ++a) {
+    gradient.at_nodes.col(a) = -points_.shape(point)[a] * touch.normal;
+    gradient.at_nodes.col(nodes + a) = touch.met.shape[a] * touch.normal;
+  }
+  return gradient;
+}
+
 Eigen::Vector3d SkinContact::relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const {
   Eigen::Vector3d relative_m = points_.at(point_of(touch), columns);
   for (int a = 0; a < points_.nodes_per_face(); ++a)

@@ -19,6 +19,15 @@
 
 namespace soft_robot_lab {
 
+// A touch as a constraint C = -g of a Newton step, whose multiplier is the push w l: its gradient.
+struct SkinGradient {
+  int pair = 0, face = 0;  // ContactTouch::pair, and the face that it meets
+  std::vector<int> nodes;
+  Eigen::Matrix3Xd at_nodes;
+
+  double dot(const double* columns) const;  // 3 a node
+};
+
 class SkinContact {
  public:
   SkinContact() = default;  // none
@@ -49,6 +58,7 @@ class SkinContact {
   // led too deep, what turns with the skin is left out: such pressures would make the matrix indefinite.
   Eigen::MatrixXd hessian(const ContactTouch& touch, bool convex, bool soft) const;
 
+  SkinGradient gradient(const ContactTouch& touch) const;
   // Of the point and the place that it meets, by what the nodes' columns say of both.
   Eigen::Vector3d relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const;
   void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;

@@ -25,6 +25,7 @@ constexpr double kAlong = 0.6;      // cosine: faces bend less than to turn such
 constexpr double kAgainst = 0.2;    // cosine: skin that meets skin faces it at least so much
 constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
 constexpr int kMostIterations = 12;
+constexpr std::size_t kMostPairs = 4000000;  // of faces of which it is kept whether they count
 
 // The area vector of a face's corners.
 Eigen::Vector3d corner_normal(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
@@ -171,6 +172,8 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
   for (Eigen::Matrix3Xd* columns : {&low_m_, &high_m_, &deep_low_m_, &deep_high_m_, &normals_, &farthest_m_})
     columns->resize(3, count);
   sideways_.resize(3, 3 * count);
+  around_m_.resize(3, faces_.rows() * count);
+  reach_.resize(same_.size());
   lowest_m_.resize(count);
   top_m_.resize(count);
   for (int face = 0; face < points.face_count(); ++face) {
@@ -179,6 +182,8 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
       if (points.guards(point) && (besides.empty() || besides.back() != points.beside(point)))
         besides.push_back(points.beside(point));
   }
+  const std::size_t pairs = same_.size() * static_cast<std::size_t>(count);
+  if (pairs <= kMostPairs) counts_.assign(pairs, -1);
   largest_size_m_ = sizes_m_.maxCoeff();
   deepest_m_ = kDeepest * sizes_m_;
   for (const auto& [a, b] : overlapping(faces_, rest_m_, 0.5 * kDeepest * largest_size_m_)) {
@@ -193,8 +198,9 @@ bool SkinPairs::counts(int face, int other) const {
   if (pair_of(face, other) < 0) return false;
   if (body_[static_cast<std::size_t>(same)] != body_[static_cast<std::size_t>(other)]) return true;
   const auto mine = faces_.col(same), theirs = faces_.col(other);
-  for (Eigen::Index a = 0; a < mine.size(); ++a)
-    if (std::find(theirs.begin(), theirs.end(), mine[a]) != theirs.end()) return false;
+  for (Eigen::Index a = 0; a < 3; ++a)  // what shares a node shares a corner
+    for (Eigen::Index b = 0; b < 3; ++b)
+      if (mine[a] == theirs[b]) return false;
   if (rest_normals_.col(same).dot(rest_normals_.col(other)) > kOneSide) return true;
   const Eigen::Vector3d between_m = rest_middles_m_.col(same) - rest_middles_m_.col(other);
   if (between_m.norm() > kBehind * largest_size_m_) return true;
@@ -216,6 +222,7 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
                            (positions_m - near_at_m_).colwise().squaredNorm().maxCoeff() < 0.25 * margin_m_ * margin_m_;
   if (!near_enough) find_near(positions_m);
   for (const int face : in_reach_) prepare_face(face, positions_m);
+  for (Reach& reach : reach_) reach.known = false;
   // Along a long body most are apart, so that axis is looked at first.
   std::array<int, 3> axes{0, 1, 2};
   const Eigen::Vector3d extent_m = positions_m.rowwise().maxCoeff() - positions_m.rowwise().minCoeff();
@@ -229,13 +236,15 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
       const auto meets = [&](int axis) {
         return other_low_m[axis] <= high_m[axis] && other_high_m[axis] >= low_m[axis];
       };
-      if (meets(axes[0]) && meets(axes[1]) && meets(axes[2]) && may_face(face, other)) overlaps_[face].push_back(other);
+      if (meets(axes[0]) && meets(axes[1]) && meets(axes[2]) && may_face(face, other) && goes_below(face, other))
+        overlaps_[face].push_back(other);
     }
   }
 }
 
 void SkinPairs::prepare_face(int face, const Eigen::Matrix3Xd& positions_m) {
   const FaceNodes around = control_points(nodes_of(faces_, face, positions_m));
+  around_m_.middleCols(around.cols() * face, around.cols()) = around;
   const Eigen::Vector3d normal = corner_normal(faces_, face, positions_m).normalized();
   Eigen::Vector3d low_m = around.col(0), high_m = low_m;
   Eigen::Vector2d heights_m = Eigen::Vector2d::Constant(normal.dot(low_m));
@@ -265,6 +274,31 @@ void SkinPairs::prepare_face(int face, const Eigen::Matrix3Xd& positions_m) {
   deep_high_m_.col(face) = (high_m + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
 }
 
+bool SkinPairs::goes_below(std::size_t face, int other) const {
+  const Eigen::Index first = faces_.rows() * same_[face];
+  const double top_m = top_m_[other] + kOverEdge * sizes_m_[other];
+  for (Eigen::Index a = 0; a < faces_.rows(); ++a)
+    if (normals_.col(other).dot(around_m_.col(first + a)) < top_m) return true;
+  return false;
+}
+
+bool SkinPairs::out_of_reach(std::size_t face, int other) const {
+  const int same = same_[face];
+  const double deepest_m = deepest_m_[other];
+  return (low_m_.col(other) - high_m_.col(same)).maxCoeff() > deepest_m ||
+         (low_m_.col(same) - high_m_.col(other)).maxCoeff() > deepest_m;
+}
+
+const std::vector<int>& SkinPairs::in_reach_of(int face) const {
+  Reach& reach = reach_[static_cast<std::size_t>(face)];
+  if (reach.known) return reach.others;
+  reach.known = true;
+  reach.others.clear();
+  for (const int other : near_[static_cast<std::size_t>(face)])
+    if (!out_of_reach(static_cast<std::size_t>(face), other)) reach.others.push_back(other);
+  return reach.others;
+}
+
 bool SkinPairs::may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
   if (normals_.col(other).dot(outward) > kAlong * outward.norm()) return false;
   const double height_m = normals_.col(other).dot(point_m), deepest_m = deepest_m_[other];
@@ -288,7 +322,14 @@ void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
     mine[static_cast<std::size_t>(same_[face])] = static_cast<int>(face);
   const auto add = [&](int face, int other) {
     const int own = mine[static_cast<std::size_t>(face)];
-    if (own >= 0 && counts(own, other)) near_[static_cast<std::size_t>(own)].push_back(other);
+    if (own < 0) return;
+    signed char unknown = -1;
+    signed char& known = counts_.empty()
+                             ? unknown
+                             : counts_[static_cast<std::size_t>(own) * static_cast<std::size_t>(faces_.cols()) +
+                                       static_cast<std::size_t>(other)];
+    if (known < 0) known = counts(own, other) ? 1 : 0;
+    if (known == 1) near_[static_cast<std::size_t>(own)].push_back(other);
   };
   const double wider_m = 0.5 * (margin_m_ + kDeepest * largest_size_m_) + 1e-6 * positions_m.cwiseAbs().maxCoeff();
   for (const auto& [a, b] : overlapping(faces_, positions_m, wider_m)) {
@@ -362,7 +403,7 @@ double SkinPairs::least_distance_m(int other, const Eigen::Vector3d& point_m) co
 // The one that may be nearest first, as then most others need no closer look.
 std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                        const Eigen::Matrix3Xd& positions_m) const {
-  const std::vector<int>& near = near_[static_cast<std::size_t>(face)];
+  const std::vector<int>& near = in_reach_of(face);
   int first = -1;
   double least_m = 0.0;
   for (const int other : near) {

@@ -100,6 +100,11 @@ class SkinPairs {
   // False where both look the same way at the positions of prepare().
   bool may_face(std::size_t face, int other) const;
   double least_distance_m(int other, const Eigen::Vector3d& point_m) const;  // a bound of it
+  // Whether any of this face of the points lies lower than the top of another; and whether all of it is farther from
+  // that than counts.
+  bool goes_below(std::size_t face, int other) const;
+  bool out_of_reach(std::size_t face, int other) const;
+  const std::vector<int>& in_reach_of(int face) const;  // those of near_ that a point of it may meet
   // False where one look shows that a point with this normal does not meet the face.
   bool may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
   struct Meeting {
@@ -121,6 +126,7 @@ class SkinPairs {
   std::vector<int> same_;                 // of each face of the points, the mesh's
   std::vector<int> body_;                 // of each of the mesh's
   std::vector<std::vector<int>> beside_;  // of each face of the points, the mesh's beyond its guarded edges
+  std::vector<signed char> counts_;       // of both, where it is known; empty where that would be too many
   TouchingPairs touching_;
   double largest_size_m_ = 0.0, margin_m_ = 0.0;
 
@@ -135,6 +141,13 @@ class SkinPairs {
   Eigen::VectorXd lowest_m_, top_m_;  // and how far along these the faces reach
   Eigen::Matrix3Xd sideways_;         // three a face: in its plane, square to its sides,
   Eigen::Matrix3Xd farthest_m_;       // and how far along these it reaches
+  Eigen::Matrix3Xd around_m_;         // the face's nodes each: points that it lies between
+  // Per face of the points, where it was asked for at the present positions.
+  struct Reach {
+    bool known = false;
+    std::vector<int> others;
+  };
+  mutable std::vector<Reach> reach_;
 };
 
 }  // namespace soft_robot_lab

@@ -192,6 +192,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
   NewtonReport report;
   const SofterBulk softer(elements_);
   const SofterContact softer_contact(soft_contact_);
+  skin_in_border_ = false;
   const ContactState contact = state.contact;
   const double no_slope = constants::kNoSlope * body_.material().lame_mu_pa() * elements_.rest_volumes_m3().sum();
   const int count = constraint_count();

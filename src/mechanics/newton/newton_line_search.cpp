@@ -20,7 +20,7 @@ void NewtonSolver::prepare_merit(const NewtonState& state, const Evaluation& her
     step.slope -= step.penalties[i] * std::pow(violation(step.laws[i], step.constraint_multipliers[i]), 2);
     step.laws[i].offset -= here.values[i];
   }
-  step.slope += contact_.slope_change_j(here.contact, step.contact_pressures_pa, step.motion_m, step.free_motion);
+  step.slope += contact_.slope_change_j(step.contact_start, step.contact_pressures_pa, step.motion_m, step.free_motion);
   if (free_border_.empty()) return;
   step.slope += here.free_residual.cwiseProduct(step.free_motion).sum() +
                 contact_.rigid().slope_change_j(here.contact.rigid, step.rigid_forces_n, step.free_motion);
@@ -69,6 +69,7 @@ double NewtonSolver::first_length(const Step& step) const {
 // Goes along the step as far as the merit function falls; false where it does not.
 bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonState& state, Evaluation& here,
                                double& length) const {
+  if (skin_in_border_) here.contact = step.contact_start;
   const double start = merit(here, step);
   length = std::min(first_length(step), contact_.skin().first_length(state.positions_m, step.motion_m));
   for (int halving = 0; halving <= constants::kLineSearchHalvings; ++halving, length *= 0.5) {

@@ -17,6 +17,7 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   if (!soft_contact_) {
     ContactSums sums = contact_.sums(state.positions_m, state.contact);
     touches_ = std::move(sums.touches);
+    skin_in_border_ = inertia_per_s2 > 0.0 && may_be_in_border(touches_, kMostInBorder);
     rigid_touches_ = std::move(sums.rigid);
     for (ContactTouch& touch : touches_) {
       touch.friction.secant = slip == Slip::secant;
@@ -26,8 +27,12 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
   }
   if (!add_rest_and_factorise(state, inertia_per_s2, convex)) return false;
   if (!convex && slip == Slip::tangent)
-    linearisation_ = factorised_ = std::make_shared<Linearisation>(
-        Linearisation{state, inertia_per_s2, strain_target, with_skin_ ? with_skin_->pattern : nullptr});
+    linearisation_ = factorised_ =
+        std::make_shared<Linearisation>(Linearisation{std::make_shared<const NewtonState>(state),
+                                                      inertia_per_s2,
+                                                      strain_target,
+                                                      with_skin_ ? with_skin_->pattern : nullptr,
+                                                      {}});
   return true;
 }
 
@@ -72,10 +77,16 @@ void NewtonSolver::border_free_obstacles(const NewtonState& state, bool convex) 
       FreeBorder(std::move(columns), std::move(solved), std::move(own), free, body_.material().youngs_modulus_pa);
 }
 
+// Of skin that is a constraint of the steps only what turns with it is in the matrix, and only where it is pressed
+// hard.
 bool NewtonSolver::factorise(bool convex) {
+  const double hard_pa = kHardPressed * body_.material().youngs_modulus_pa;
+  const auto joins_matrix = [&](const ContactTouch& touch) {
+    return touch.closed && touch.on_skin() && (!skin_in_border_ || (!convex && touch.pressure_pa > hard_pa));
+  };
   std::vector<FacePair> closed;
   for (const ContactTouch& touch : touches_)
-    if (touch.closed && touch.on_skin()) closed.push_back(contact_.skin().faces_of(touch));
+    if (joins_matrix(touch)) closed.push_back(contact_.skin().faces_of(touch));
   if (closed.empty()) {
     with_skin_.reset();
     matrix_.hold(body_.fixed());
@@ -86,12 +97,21 @@ bool NewtonSolver::factorise(bool convex) {
     with_skin_ = std::make_unique<ContactMatrix>(contact_pattern_);
   contact_pattern_->copy(matrix_, with_skin_->matrix);
   CliqueAdder pairs(with_skin_->matrix, contact_pattern_->places());
-  for (const ContactTouch& touch : touches_)
-    if (touch.closed && touch.on_skin())
-      pairs.add_dense(contact_pattern_->index_of(contact_.skin().faces_of(touch)),
-                      contact_.skin().hessian(touch, convex, soft_contact_));
+  for (const ContactTouch& touch : touches_) {
+    if (!joins_matrix(touch)) continue;
+    Eigen::MatrixXd hessian = contact_.skin().hessian(touch, convex, soft_contact_);
+    if (skin_in_border_) hessian -= contact_.skin().hessian(touch, true, soft_contact_);
+    pairs.add_dense(contact_pattern_->index_of(contact_.skin().faces_of(touch)), hessian);
+  }
   with_skin_->matrix.hold(body_.fixed());
   return with_skin_->factor.factorise(with_skin_->matrix);
+}
+
+// Each costs a solution with the factor. What slips is no constraint; nor may skin be one that a free obstacle moves.
+bool NewtonSolver::may_be_in_border(const std::vector<ContactTouch>& touches, int most) const {
+  const SkinContact& skin = contact_.skin();
+  return skin.pair_count() > 0 && !skin.rubs() && contact_.free().count() == 0 &&
+         std::count_if(touches.begin(), touches.end(), [](const auto& touch) { return touch.on_skin(); }) <= most;
 }
 
 // Only what touches: with what soon may, one factorisation took as long as many new patterns.
@@ -109,10 +129,10 @@ void NewtonSolver::include_in_pattern(std::vector<FacePair> closed) {
 bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2,
                                  const std::shared_ptr<const StrainTarget>& strain_target) const {
   return linearisation_ && linearisation_->inertia_per_s2 == inertia_per_s2 &&
-         linearisation_->strain_target == strain_target && linearisation_->at.positions_m == state.positions_m &&
-         linearisation_->at.element_multipliers_pa == state.element_multipliers_pa &&
-         linearisation_->at.constraint_multipliers == state.constraint_multipliers &&
-         linearisation_->at.contact == state.contact && linearisation_->at.free_inertia == state.free_inertia;
+         linearisation_->strain_target == strain_target && linearisation_->at->positions_m == state.positions_m &&
+         linearisation_->at->element_multipliers_pa == state.element_multipliers_pa &&
+         linearisation_->at->constraint_multipliers == state.constraint_multipliers &&
+         linearisation_->at->contact == state.contact && linearisation_->at->free_inertia == state.free_inertia;
 }
 
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
@@ -123,13 +143,16 @@ void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisa
 void NewtonSolver::forget_factor() {
   linearisation_.reset();
   factorised_.reset();
+  skin_columns_.clear();
 }
 
 bool NewtonSolver::make_factor() {
   if (linearisation_ == factorised_) return true;
   const std::shared_ptr<const Linearisation> asked = linearisation_;
-  if (!linearise(asked->at, asked->inertia_per_s2, asked->strain_target, false)) return false;
+  const bool same = factorised_ && factorised_->at == asked->at;
+  if (!same && !linearise(*asked->at, asked->inertia_per_s2, asked->strain_target, false)) return false;
   linearisation_ = factorised_ = asked;
+  skin_columns_ = asked->skin_columns;
   return true;
 }
 

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -18,6 +21,52 @@ double relative_violation(const ConstraintLaw& law, double y, double value) {
 
 // The last factor, for the next step of a solve with this residual.
 bool may_reuse(const NewtonTask& task, double residual) { return task.reuse_factor || residual < task.reuse_below; }
+
+constexpr int kRoundsAhead = 4;  // of a step, in which it learns what skin it would lead into
+constexpr int kHalves = 2;       // of a step by an old factor: the skin's forces turn more than its matrix knows
+
+std::vector<ContactTouch> on_skin(const ContactSums& contact) {
+  std::vector<ContactTouch> found;
+  std::copy_if(contact.touches.begin(), contact.touches.end(), std::back_inserter(found),
+               [](const ContactTouch& touch) { return touch.on_skin(); });
+  return found;
+}
+
+ContactSums with_ahead(ContactSums contact, const std::vector<ContactTouch>& ahead) {
+  if (ahead.empty()) return contact;
+  contact.touches.insert(contact.touches.end(), ahead.begin(), ahead.end());
+  std::sort(contact.touches.begin(), contact.touches.end(),
+            [](const ContactTouch& a, const ContactTouch& b) { return a.pair < b.pair; });
+  return contact;
+}
+
+// From one state to another.
+NewtonState halfway(const NewtonState& from, NewtonState to) {
+  to.positions_m = 0.5 * (from.positions_m + to.positions_m);
+  to.element_multipliers_pa = 0.5 * (from.element_multipliers_pa + to.element_multipliers_pa);
+  to.constraint_multipliers = 0.5 * (from.constraint_multipliers + to.constraint_multipliers);
+  to.slips_m = 0.5 * (from.slips_m + to.slips_m);
+  to.contact.pressures_pa = 0.5 * (from.contact.pressures_pa + to.contact.pressures_pa);
+  return to;
+}
+
+std::vector<Eigen::Index> pressed(const Eigen::VectorXd& pressures_pa) {
+  std::vector<Eigen::Index> found;
+  for (Eigen::Index i = 0; i < pressures_pa.size(); ++i)
+    if (pressures_pa[i] > 0.0) found.push_back(i);
+  return found;
+}
+
+std::vector<Eigen::Index> all_of(const Eigen::VectorXd& pressures_pa) {
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(pressures_pa.size()));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+// Whether any point presses at one of them alone.
+bool other_set(const Eigen::VectorXd& one_pa, const Eigen::VectorXd& other_pa) {
+  return ((one_pa.array() > 0.0) != (other_pa.array() > 0.0)).any();
+}
 
 }  // namespace
 
@@ -131,7 +180,7 @@ FreeColumns NewtonSolver::free_load(const Evaluation& here) const {
 // (Haynsworth 1968: the inertia of the bordered matrix).
 bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const {
   if (factor().negative_pivots() == 0) return true;
-  const int count = constraint_count();
+  const int count = static_cast<int>(problem.laws.size());
   const std::vector<int> group = slipping_groups(problem, multipliers);
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, count);
   int size = 0;
@@ -151,13 +200,53 @@ bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::V
 Eigen::VectorXd NewtonSolver::condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const {
   if (contact_.empty()) return as_vector(residual_n);
   Eigen::Matrix3Xd condensed_n = Eigen::Matrix3Xd::Zero(3, residual_n.cols());
-  contact_.add_mismatch_forces(touches_, here.contact, condensed_n);
+  contact_.add_mismatch_forces(touches_, here.contact, !skin_in_border_, condensed_n);
   release(condensed_n);
   return as_vector(residual_n) + as_vector(condensed_n);
 }
 
-bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, Step& step) const {
+// The multipliers where a step leads. `motion`: without any change of them.
+bool NewtonSolver::find_multipliers(const NewtonState& state, const Evaluation& here, const Eigen::VectorXd& motion,
+                                    Step& step) const {
   const int count = constraint_count();
+  const auto touching = static_cast<Eigen::Index>(step.skin.size());
+  step.penalties.resize(count);
+  step.slips_m.resize(friction_contact_count());
+  MultiplierProblem problem;
+  Eigen::VectorXd before = state.constraint_multipliers;
+  if (count > 0) {
+    problem.delassus = border_.transpose() * border_solved_;
+    problem.excess = border_.transpose() * motion + problem.delassus * state.constraint_multipliers;
+    problem.laws = here.laws;
+    problem.friction_contacts = here.friction_contacts;
+    const double penalty = factor().negative_pivots() > 0 ? constants::kPenaltyOfBuckled : 1.0;
+    for (int i = 0; i < count; ++i) {
+      step.penalties[i] = penalty / std::max(std::abs(problem.delassus(i, i)) + here.laws[i].compliance, 1e-300);
+      problem.delassus(i, i) += here.laws[i].compliance;
+      problem.excess[i] += here.laws[i].offset;
+    }
+  }
+  if (touching > 0) {
+    std::vector<ConstraintLaw> laws;
+    before.conservativeResize(count + touching);
+    for (std::size_t k = 0; k < step.skin.size(); ++k) {
+      before[count + static_cast<Eigen::Index>(k)] = contact_.push_n(step.skin[k]);
+      laws.push_back(contact_.law_of(step.skin[k]));
+    }
+    add_skin(step.skin_columns, laws, border_solved_, motion, before, problem);
+  }
+  step.constraint_multipliers.resize(0);
+  if (problem.laws.empty()) return factor().negative_pivots() == 0;
+  Multipliers solved = solve_multipliers(problem, before);
+  if (!solved.found) return false;
+  if (friction_contact_count() > 0) step.slips_m = std::move(solved.slips_m);
+  step.skin_changes_n = (solved.y - before).tail(touching);
+  step.constraint_multipliers = solved.y.head(count);
+  return stable_under(problem, solved.y);
+}
+
+bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, const std::vector<ContactTouch>& ahead,
+                             Step& step) {
   const Eigen::VectorXd mismatch = elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa);
   Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   elements_.add_mismatch_forces(mismatch, gradient);
@@ -172,42 +261,47 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
     free_load = this->free_load(here);
     motion += free_border_.nodal_motion(free_load);
   }
-  step.constraint_multipliers.resize(count);
-  step.penalties.resize(count);
-  step.slips_m.resize(friction_contact_count());
-  if (count > 0) {
-    MultiplierProblem problem;
-    problem.delassus = border_.transpose() * border_solved_;
-    problem.excess = border_.transpose() * motion + problem.delassus * state.constraint_multipliers;
-    problem.laws = here.laws;
-    problem.friction_contacts = here.friction_contacts;
-    const double penalty = factor().negative_pivots() > 0 ? constants::kPenaltyOfBuckled : 1.0;
-    for (int i = 0; i < count; ++i) {
-      step.penalties[i] = penalty / std::max(std::abs(problem.delassus(i, i)) + here.laws[i].compliance, 1e-300);
-      problem.delassus(i, i) += here.laws[i].compliance;
-      problem.excess[i] += here.laws[i].offset;
-    }
-    Multipliers solved = solve_multipliers(problem, state.constraint_multipliers);
-    if (!solved.found) return false;
-    step.constraint_multipliers = std::move(solved.y);
-    if (friction_contact_count() > 0) step.slips_m = std::move(solved.slips_m);
-    if (!stable_under(problem, step.constraint_multipliers)) return false;
+  step.contact_start = with_ahead(here.contact, ahead);
+  step.skin = skin_in_border_ ? on_skin(step.contact_start) : std::vector<ContactTouch>();
+  if (static_cast<int>(step.skin.size()) > kMostInBorder) return false;
+  step.skin_columns = columns_of(step.skin);
+  if (!find_multipliers(state, here, motion, step)) return false;
+  if (constraint_count() > 0) {
     motion -= border_solved_ * (step.constraint_multipliers - state.constraint_multipliers);
     if (!free_border_.empty()) load -= border_ * (step.constraint_multipliers - state.constraint_multipliers);
   }
+  for (std::size_t k = 0; k < step.skin.size(); ++k)
+    motion -= step.skin_changes_n[static_cast<Eigen::Index>(k)] * step.skin_columns[k]->solved;
   step.free_motion = free_border_.motion(free_load, load);
-  if (count == 0 && factor().negative_pivots() > 0) return false;
   if (!motion.allFinite()) return false;
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
   step.element_multipliers_pa = elements_.updated_multipliers(here.elements.volumetric_strain, step.motion_m);
-  step.contact_pressures_pa = contact_.next_pressures_pa(touches_, here.contact, step.motion_m, step.free_motion);
+  step.contact_pressures_pa =
+      contact_.next_pressures_pa(touches_, here.contact, !skin_in_border_, step.motion_m, step.free_motion);
+  for (std::size_t k = 0; k < step.skin.size(); ++k)
+    step.contact_pressures_pa[step.skin[k].pair] =
+        std::max(0.0, step.skin[k].pressure_pa +
+                          contact_.pressure_pa(step.skin[k], step.skin_changes_n[static_cast<Eigen::Index>(k)]));
   if (!free_border_.empty())
     step.rigid_forces_n = contact_.rigid().next_forces_n(rigid_touches_, here.contact.rigid, step.free_motion);
-  step.contact_start = here.contact;
 
   prepare_merit(state, here, gradient, step);
   step.motion_m = turned(turns_, step.motion_m);
   return std::isfinite(step.slope);
+}
+
+bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, Step& step) {
+  std::vector<ContactTouch> ahead;
+  for (int round = 0;; ++round) {
+    if (!find_step(state, here, ahead, step)) return false;
+    if (!skin_in_border_ || round == kRoundsAhead) return true;
+    ContactState there = state.contact;
+    there.pressures_pa = step.contact_pressures_pa;
+    const ContactSums end = contact_.sums(state.positions_m + step.motion_m, there);
+    const std::vector<ContactTouch> more = contact_.met_by(step.motion_m, end, step.contact_start.touches);
+    if (more.empty()) return true;
+    ahead.insert(ahead.end(), more.begin(), more.end());
+  }
 }
 
 // The step of an old factor, corrected by what the last such steps have taught. All unknowns and residuals as one
@@ -216,8 +310,10 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
                               AndersonMixing& mixing) const {
   ContactState contact = after(state, step, 1.0);
   contact.pressures_pa = step.contact_pressures_pa;
-  if (friction_contact_count() > 0 ||
-      contact_.free().count() > 0)  // what sticks and what slips changes at once; no model of it is linear
+  const bool other = skin_in_border_ && other_set(state.contact.pressures_pa, contact.pressures_pa);
+  if (other) mixing.clear();
+  if (other || friction_contact_count() > 0 ||
+      contact_.free().count() > 0)  // what presses, sticks and slips changes at once; no model of it is linear
     return {state.positions_m + step.motion_m,
             step.element_multipliers_pa,
             step.constraint_multipliers,
@@ -225,20 +321,27 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
             state.drives,
             std::move(contact),
             state.free_inertia};
+  // Of skin that is a constraint, only what presses; which of it does is the same meanwhile.
+  const std::vector<Eigen::Index> pressing =
+      skin_in_border_ ? pressed(contact.pressures_pa) : all_of(contact.pressures_pa);
   const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
-                     constraints = state.constraint_multipliers.size(), touching = contact.pressures_pa.size();
+                     constraints = state.constraint_multipliers.size(),
+                     touching = static_cast<Eigen::Index>(pressing.size());
   Eigen::VectorXd at(nodes + elements + constraints + touching), change(at.size()), residual(at.size());
   at << as_vector(state.positions_m), state.element_multipliers_pa, state.constraint_multipliers,
-      state.contact.pressures_pa;
+      state.contact.pressures_pa(pressing);
   change << as_vector(step.motion_m), step.element_multipliers_pa - state.element_multipliers_pa,
-      step.constraint_multipliers - state.constraint_multipliers, contact.pressures_pa - state.contact.pressures_pa;
+      step.constraint_multipliers - state.constraint_multipliers,
+      contact.pressures_pa(pressing) - state.contact.pressures_pa(pressing);
   residual << as_vector(here.residual_n) / here.force_scale_n,
       elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa), Eigen::VectorXd(constraints),
-      contact_.mismatches(here.contact);
+      contact_.mismatches(here.contact)(pressing);
   for (int i = 0; i < constraint_count(); ++i)
     residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
+  const bool first = mixing.size() == 0;
   const Eigen::VectorXd next = mixing.next(std::move(at), std::move(change), std::move(residual));
-  contact.pressures_pa = next.tail(touching).cwiseMax(0.0);
+  const double least_pa = skin_in_border_ ? std::numeric_limits<double>::min() : 0.0;  // what presses goes on to
+  if (!first || !skin_in_border_) contact.pressures_pa(pressing) = next.tail(touching).cwiseMax(least_pa);
   NewtonState mixed{Eigen::Map<const Eigen::Matrix3Xd>(next.data(), 3, state.positions_m.cols()),
                     next.segment(nodes, elements),
                     next.segment(nodes + elements, constraints),
@@ -251,11 +354,17 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
   return mixed;
 }
 
+bool NewtonSolver::any_in_matrix(const std::vector<ContactTouch>& touches) const {
+  if (!skin_in_border_) return !touches.empty();
+  return std::any_of(touches.begin(), touches.end(),
+                     [](const ContactTouch& touch) { return touch.closed && !touch.on_skin(); });
+}
+
 // Obstacles that touched did not turn with the body.
 Turns NewtonSolver::turns_since_linearisation(const Eigen::Matrix3Xd& positions_m) const {
-  const bool touched = !touches_.empty() || !free_border_.empty();
-  if (touched || positions_m == linearisation_->at.positions_m) return {};
-  return tables_->turns.between(linearisation_->at.positions_m, positions_m);
+  const bool touched = any_in_matrix(touches_) || !free_border_.empty();
+  if (touched || positions_m == linearisation_->at->positions_m) return {};
+  return tables_->turns.between(linearisation_->at->positions_m, positions_m);
 }
 
 // One step by the last factor, kept only where it brings the residual down. Volume and constraint multipliers stay
@@ -264,18 +373,22 @@ bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Ev
                                   AndersonMixing& mixing) {
   if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
       (linearisation_->strain_target == nullptr) != (task.strain_target == nullptr) || !make_factor() ||
-      !ContactTerm::same_set(touches_, here.contact.touches) ||
+      !ContactTerm::same_set(touches_, here.contact.touches, !skin_in_border_) ||
       !RigidContact::same_set(rigid_touches_, here.contact.rigid))
     return false;
   if (mixing.size() == 0)
-    turns_ = here.contact.touches.empty() ? turns_since_linearisation(state.positions_m) : Turns(3, 0);
+    turns_ = any_in_matrix(here.contact.touches) ? Turns(3, 0) : turns_since_linearisation(state.positions_m);
   Step step;
   if (!find_step(state, here, step)) return false;
   NewtonState trial = mix(state, here, step, mixing);
   Evaluation there = evaluate(task, trial);
-  if (!there.finite ||
-      there.relative_residual > std::max(task.tolerance, constants::kWorthwhileDecrease * here.relative_residual))
-    return false;
+  const double enough = std::max(task.tolerance, constants::kWorthwhileDecrease * here.relative_residual);
+  const auto falls = [&] { return there.finite && there.relative_residual <= enough; };
+  for (int half = 0; half < kHalves && !step.skin.empty() && !falls(); ++half) {
+    trial = halfway(state, std::move(trial));
+    there = evaluate(task, trial);
+  }
+  if (!falls()) return false;
   state = std::move(trial);
   here = std::move(there);
   return true;

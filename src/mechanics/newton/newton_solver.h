@@ -26,6 +26,7 @@
 #include "free_border.h"
 #include "multiplier_problem.h"
 #include "newton_tables.h"
+#include "skin_border.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/constraint.h"
 #include "mechanics/elements/strain_springs.h"
@@ -51,10 +52,11 @@ struct NewtonState {
 // Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never
 // stopped.
 struct Linearisation {
-  NewtonState at;
+  std::shared_ptr<const NewtonState> at;
   double inertia_per_s2 = 0.0;
   std::shared_ptr<const StrainTarget> strain_target;
-  std::shared_ptr<const ContactPattern> contact_pattern;  // null where no skin touched skin
+  std::shared_ptr<const ContactPattern> contact_pattern;  // null where it has no skin on skin
+  SkinColumns skin_columns;                               // that the factor was asked for since
 };
 
 // minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)  +  energy of the pull
@@ -207,10 +209,13 @@ class NewtonSolver {
     Eigen::VectorXd element_multipliers_pa, constraint_multipliers, slips_m;
     Eigen::VectorXd contact_pressures_pa, rigid_forces_n;
     FreeColumns free_motion;
-    ContactSums contact_start;        // where the step starts
+    ContactSums contact_start;        // where the step starts, with the skin that it would lead into
     Eigen::VectorXd penalties;        // per constraint, for the merit function
     std::vector<ConstraintLaw> laws;  // as linearised where the step starts, with offsets at C = 0, after the slips
     double slope = 0.0;               // of the merit function along the step
+    std::vector<ContactTouch> skin;   // that is a constraint of it,
+    SkinColumns skin_columns;
+    Eigen::VectorXd skin_changes_n;  // and of its pushes
   };
 
   struct EnergyAt {
@@ -236,6 +241,8 @@ class NewtonSolver {
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2,
                               bool convex);  // what is not of the elements
   bool factorise(bool convex);               // with skin on skin
+  // Whether skin on skin may be a constraint of each step, where no more points of it than that touch.
+  bool may_be_in_border(const std::vector<ContactTouch>& touches, int most) const;
   void include_in_pattern(std::vector<FacePair> closed);
   const BlockCholesky& factor() const { return with_skin_ ? with_skin_->factor : factor_; }
   const BlockMatrix& whole_matrix() const { return with_skin_ ? with_skin_->matrix : matrix_; }
@@ -253,7 +260,16 @@ class NewtonSolver {
   ContactState after(const NewtonState& state, const Step& step, double length) const;
   double first_length(const Step& step) const;
   Eigen::VectorXd condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const;
-  bool find_step(const NewtonState& state, const Evaluation& here, Step& step) const;
+  // With all skin that it would lead into among its constraints; and with that which is given.
+  bool find_step(const NewtonState& state, const Evaluation& here, Step& step);
+  bool find_step(const NewtonState& state, const Evaluation& here, const std::vector<ContactTouch>& ahead, Step& step);
+  // Of skin that touches, by the last factor.
+  SkinGradient released_gradient(const ContactTouch& touch) const;
+  SkinColumns columns_of(const std::vector<ContactTouch>& touches);
+  void keep_skin_columns();
+  bool find_multipliers(const NewtonState& state, const Evaluation& here, const Eigen::VectorXd& motion,
+                        Step& step) const;
+  bool any_in_matrix(const std::vector<ContactTouch>& touches) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing);
   Turns turns_since_linearisation(const Eigen::Matrix3Xd& positions_m) const;
@@ -296,7 +312,8 @@ class NewtonSolver {
   std::shared_ptr<const ContactPattern> contact_pattern_;  // the last one
   Elements elements_;
   StrainSprings springs_;
-  bool soft_contact_ = false;  // while descending
+  bool soft_contact_ = false;    // while descending
+  bool skin_in_border_ = false;  // skin on skin is not in the matrix, but a constraint of each step
 
   // The last linearisation, and that whose factor is in factor_ and whose volume gradients are in elements_: another
   // one after restore().
@@ -305,7 +322,8 @@ class NewtonSolver {
   std::vector<ContactTouch> touches_;                                // of which the matrix was made
   RigidTouches rigid_touches_;                                       // the same
   FreeBorder free_border_;
-  Turns turns_;  // of the nodes since then, by which the old factor turns with them
+  Turns turns_;               // of the nodes since then, by which the old factor turns with them
+  SkinColumns skin_columns_;  // of that factor
 
   // Where the last solve ended.
   struct End {

@@ -19,7 +19,7 @@ bool needs_new_factor(const SimulationParts& parts, const SolveReport& report) {
   const auto& made = parts.workspace.newton.linearisation();
   if (!made || report.residual < constants::kMuchLeft * parts.options.dynamic_tolerance) return false;
   const Eigen::Matrix3Xd& here = parts.state.positions_m;
-  return (made->at.positions_m - here).colwise().norm().maxCoeff() > constants::kFar * parts.body.size_m();
+  return (made->at->positions_m - here).colwise().norm().maxCoeff() > constants::kFar * parts.body.size_m();
 }
 
 // Points at the limit of friction stick and slip by turns within a time step's tolerance. A rest state so near that

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "mechanics/simulation/limit_hint.h"
 #include "refuse.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
@@ -38,10 +39,10 @@ void validate_step(const CommandPolicy& policy, size_t index, const CommandLimit
     refuse("policy.steps[", index, "].values: ", step.values.size(), " values for ", policy.names.size(), " names");
   }
   for (size_t i = 0; i < step.values.size(); ++i) {
-    const CommandLimits& range = limits.at(policy.names[i]);
+    const CommandRange& range = limits.at(policy.names[i]);
     if (!(step.values[i] >= range.min && step.values[i] <= range.max)) {
       refuse("policy.steps[", index, "].values: ", step.values[i], " for '", policy.names[i], "' is not in [",
-             range.min, ", ", range.max, "]");
+             range.min, ", ", range.max, "]", step.values[i] < range.min ? range.min_hint : range.max_hint);
     }
   }
 }
@@ -56,7 +57,10 @@ std::string quoted(const std::string& text) {
 
 CommandLimitsByName limits_of(const Simulation& simulation) {
   CommandLimitsByName limits;
-  for (const auto& actuator : simulation.actuators()) limits[actuator->name()] = actuator->limits();
+  for (int i = 0; i < static_cast<int>(simulation.actuators().size()); ++i) {
+    const Actuator& actuator = *simulation.actuators()[static_cast<size_t>(i)];
+    limits[actuator.name()] = {actuator.limits(), limit_hint(simulation, i, true), limit_hint(simulation, i, false)};
+  }
   return limits;
 }
 

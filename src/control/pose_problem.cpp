@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mechanics/simulation/limit_hint.h"
 #include "refuse.h"
 
 namespace soft_robot_lab {
@@ -28,11 +29,14 @@ void require_goal(const Simulation& simulation, const MarkerGoal& goal) {
 }
 
 void require_bounds(const Simulation& simulation, const ActuatorBounds& asked) {
-  const CommandLimits& own =
-      simulation.actuators()[static_cast<size_t>(simulation.actuator_index(asked.actuator))]->limits();
+  const int index = simulation.actuator_index(asked.actuator);
+  const CommandLimits& own = simulation.actuators()[static_cast<size_t>(index)]->limits();
   if (!(asked.min >= own.min && asked.min < asked.max && asked.max <= own.max)) {
     refuse("limits: [", asked.min, ", ", asked.max, "] for '", asked.actuator, "' is not an interval within [", own.min,
-           ", ", own.max, "]");
+           ", ", own.max, "]",
+           asked.min < own.min   ? limit_hint(simulation, index, true)
+           : asked.max > own.max ? limit_hint(simulation, index, false)
+                                 : "");
   }
   if (!(asked.max_tension_n > 0.0))
     refuse("limits: max_tension_n ", asked.max_tension_n, " for '", asked.actuator, "' is not in (0, inf]");

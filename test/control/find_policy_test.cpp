@@ -117,6 +117,27 @@ TEST(FindPolicy, AnswersWithNumbersUpToItsLimits) {
     for (const double value : step.values) EXPECT_TRUE(std::isfinite(value));
 }
 
+// Whoever asks for more finds what to change.
+TEST(CommandLimits, NameTheKeyThatMovesThem) {
+  Simulation simulation = bar();
+  CommandPolicy policy{{"left"}, {{1.0, {0.4}}}};
+  const auto refusal = [](const auto& action) -> std::string {
+    try {
+      action();
+      return "taken";
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  };
+  const std::string hint = "; min_contraction of 'left' moves that limit";
+  EXPECT_EQ(refusal([&] { simulation.set_command("left", 0.4); }),
+            "command of actuator 'left': 0.4 is out of range [0.5, 1.5]" + hint);
+  const auto judge = [&] { validate(policy, limits_of(simulation)); };
+  EXPECT_EQ(refusal(judge), "policy.steps[0].values: 0.4 for 'left' is not in [0.5, 1.5]" + hint);
+  policy.steps[0].values[0] = 1.6;
+  EXPECT_EQ(refusal(judge), "policy.steps[0].values: 1.6 for 'left' is not in [0.5, 1.5]") << "no key moves it";
+}
+
 TEST(FindPolicy, RefusesWhatItCannotDo) {
   struct Case {
     const char* words;
@@ -135,7 +156,7 @@ TEST(FindPolicy, RefusesWhatItCannotDo) {
       {"weight of tip: -1", [](PolicyTask& t) { t.poses[0].goals[0].weight = -1.0; }},
       {"duration_s: 0", [](PolicyTask& t) { t.poses[0].duration_s = 0.0; }},
       {"unknown actuator 'top'", [](PolicyTask& t) { t.poses[0].actuators = {"top"}; }},
-      {"limits: [-1, 1] for 'left'",
+      {"limits: [-1, 1] for 'left' is not an interval within [0.5, 1.5]; min_contraction of 'left' moves that limit",
        [](PolicyTask& t) {
          t.bounds.push_back({"left", -1.0, 1.0});
        }},

@@ -25,7 +25,11 @@ struct CommandPolicy {
   std::vector<TimedCommandValues> steps;  // in order of time
 };
 
-using CommandLimitsByName = std::map<std::string, CommandLimits>;
+// What a command may be; and how a message about one beyond that ends: which key of the scene moves the limit.
+struct CommandRange : CommandLimits {
+  std::string min_hint, max_hint;
+};
+using CommandLimitsByName = std::map<std::string, CommandRange>;
 CommandLimitsByName limits_of(const Simulation& simulation);
 
 // Throws std::invalid_argument naming field, value and allowed range: no actuator or step, unknown or repeated names,

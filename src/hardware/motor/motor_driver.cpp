@@ -243,7 +243,9 @@ void MotorDriver::check(int index, double value) const {
   const MotorSettings& motor = rig_.motors[static_cast<std::size_t>(index)];
   if (!(value >= motor.min_value && value <= motor.max_value)) {
     throw std::invalid_argument(motor.name + ": " + std::to_string(value) + " is not in [" +
-                                std::to_string(motor.min_value) + ", " + std::to_string(motor.max_value) + "]");
+                                std::to_string(motor.min_value) + ", " + std::to_string(motor.max_value) + "]; " +
+                                (value < motor.min_value ? motor.min_key : motor.max_key) +
+                                " of its rig's file moves that limit");
   }
   const std::string fault = fault_of(index);
   if (!fault.empty()) throw std::invalid_argument(motor.name + ": " + fault);

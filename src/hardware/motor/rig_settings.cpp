@@ -38,6 +38,8 @@ void read_cable(const YamlNode& node, MotorSettings& motor) {
   motor.step_m = node.number_or("step_m", 6.25e-5, AllowedRange::positive());
   motor.rest_value = 1.0;
   motor.steps_per_value = -rest_length_m / motor.step_m;
+  motor.min_key = "min_contraction";
+  motor.max_key = "max_contraction";
   motor.min_value = node.number("min_contraction", {0.0, 1.0});
   motor.max_value = node.number("max_contraction", {1.0, 2.0});
 }
@@ -45,6 +47,8 @@ void read_cable(const YamlNode& node, MotorSettings& motor) {
 void read_syringe(const YamlNode& node, MotorSettings& motor) {
   motor.rest_value = node.number_or("rest_ml", 0.0);
   motor.steps_per_value = 1.0 / node.number("step_ml", AllowedRange::positive());
+  motor.min_key = "min_ml";
+  motor.max_key = "max_ml";
   motor.min_value = node.number("min_ml");
   motor.max_value = node.number("max_ml", {motor.min_value, INFINITY});
 }

@@ -29,9 +29,10 @@ struct MotorSettings {
   double steps_per_value = 0.0;
   double min_value = 0.0;
   double max_value = 0.0;
-  double step_m = 0.0;          // cable pulled per full step; 0 for a syringe
-  int direction = 1;            // 1 or -1: which way the shaft turns to pull, or to press
-  double backlash_steps = 0.0;  // the shaft turns so far before the spool follows
+  std::string min_key, max_key;  // of the rig's file, which set them
+  double step_m = 0.0;           // cable pulled per full step; 0 for a syringe
+  int direction = 1;             // 1 or -1: which way the shaft turns to pull, or to press
+  double backlash_steps = 0.0;   // the shaft turns so far before the spool follows
   DriveSettings drive;
 };
 

@@ -6,6 +6,7 @@
 
 #include "actuator_warnings.h"
 #include "equilibrium.h"
+#include "limit_hint.h"
 #include "mechanics/newton/parameter_response.h"
 #include "rest.h"
 #include "simulation_parts.h"
@@ -72,7 +73,12 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 
 void Simulation::set_command(const std::string& actuator, double command) {
   const int index = actuator_index(actuator);
-  parts_->actuators[index]->set_command(command, parts_->state.drives[index]);
+  try {
+    parts_->actuators[index]->set_command(command, parts_->state.drives[index]);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(error.what() +
+                                limit_hint(*this, index, command < parts_->actuators[index]->limits().min));
+  }
 }
 
 SolveReport Simulation::step() {

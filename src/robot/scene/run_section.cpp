@@ -2,30 +2,20 @@
 #include <sstream>
 
 #include "sections.h"
+#include "mechanics/simulation/limit_hint.h"
 #include "mechanics/simulation/modal.h"
 
 namespace soft_robot_lab {
 namespace {
-
-// Which key of the actuator moves that limit; empty where none does.
-std::string limit_key(const ActuatorReading& reading, const std::string& unit, bool lower) {
-  if (unit == "ml") return lower ? "max_pull_ml, or min_offset_ml," : "syringe_volume_ml, or max_offset_ml,";
-  if (unit == "Pa") return lower ? "min_gauge_pressure_pa" : "max_gauge_pressure_pa";
-  if (unit == "N") return lower ? "" : "max_tension_n";
-  if (reading.volume_m3) return lower ? "min_beta" : "max_beta";
-  return lower ? "min_contraction" : "";
-}
 
 double read_command(const YamlNode& node, const Simulation& simulation, const Actuator& actuator) {
   const CommandLimits& limits = actuator.limits();
   const AllowedRange range{limits.min, limits.max};
   const double value = node.number(actuator.name());
   if (range.contains(value)) return value;
-  const ActuatorReading reading = simulation.actuator_state(simulation.actuator_index(actuator.name()));
-  const std::string key = limit_key(reading, limits.unit, value < range.min);
   const YamlNode command = node.child(actuator.name());
   command.fail(command.as_text() + " is out of range " + range.to_string() +
-               (key.empty() ? "" : "; " + key + " of '" + actuator.name() + "' moves that limit"));
+               limit_hint(simulation, simulation.actuator_index(actuator.name()), value < range.min));
 }
 
 // `time_s`, and any actuator by its name.

@@ -297,12 +297,14 @@ INSTANTIATE_TEST_SUITE_P(All, RigFault,
 
 TEST_F(Rig, RefusesWhatLiesBeyondLimitsOrComesTooFast) {
   start();
-  EXPECT_EQ(refusal(session, {"left"}, {0.4}), "left: 0.400000 is not in [0.500000, 1.200000]");
+  EXPECT_EQ(refusal(session, {"left"}, {0.4}),
+            "left: 0.400000 is not in [0.500000, 1.200000]; min_contraction of its rig's file moves that limit");
   EXPECT_TRUE(contains(refusal(session, {"left"}, {NAN}), "is not in"));
   EXPECT_EQ(refusal(session, {"middle"}, {0.9}), "'middle' is not one of left, right");
   EXPECT_TRUE(contains(refusal(session, {"left", "left"}, {0.9, 0.9}), "named twice"));
   EXPECT_TRUE(contains(refusal(session, {"left"}, {}), "1 and 0"));
-  EXPECT_EQ(refusal(session, {"left", "right"}, {0.9, 0.4}), "right: 0.400000 is not in [0.500000, 1.200000]");
+  EXPECT_EQ(refusal(session, {"left", "right"}, {0.9, 0.4}),
+            "right: 0.400000 is not in [0.500000, 1.200000]; min_contraction of its rig's file moves that limit");
   session.run(0.1);
   EXPECT_TRUE(session.at_rest());
   EXPECT_EQ(session.shaft(left), 0);

@@ -44,7 +44,7 @@ struct Scene {
   std::string file;
   std::unique_ptr<Simulation> simulation;
   RunSettings run;
-  std::vector<SolveWarning> warnings;      // of sizes that no robot has; run_scene reports them with its own
+  std::vector<SolveWarning> warnings;      // of odd sizes and cables; run_scene reports them with its own
   std::optional<FidelityReport> fidelity;  // where the scene or its options ask for it
   // With solver.method reduced: run_scene moves the simulation by it. Null otherwise.
   std::shared_ptr<const SceneReduction> reduction;
@@ -56,7 +56,7 @@ struct SceneOptions {
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;
   bool knows_reduced = false;  // runs the scene by run_scene; otherwise method reduced is refused
-  std::function<void(double, const std::string&)> progress;  // of training, 0 to 1; may be empty
+  std::function<void(double, const std::string&)> progress;  // of training, and of judging a mesh, 0 to 1; may be empty
   bool estimate_error = false;                               // judge the scene as it is (scene/fidelity.h)
   Overrides overrides;                                       // laid over the file, as a file that includes it would be
   std::function<void(TetMesh&)> change_mesh;                 // applied before anything binds to the mesh; may be empty

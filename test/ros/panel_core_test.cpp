@@ -249,10 +249,11 @@ TEST(TurnWatch, KeepsTheLongestGapAndTheMostWork) {
 
 const std::string kTable =
     "task,left,right,state,reason,snapped,markers.tip.position_m.x,markers.tip.position_m.y,markers.tip.position_m.z,"
-    "actuators.left.tension_n,actuators.right.tension_n,folded\n"
-    "a,0.8,1,good,,false,0.01,0,-0.09,2.5,0,false\n"
-    "b,0.8,0.9,failed,\"no rest state, at all\",,,,,,,\n"
-    "c,1,0.8,good,,false,-0.01,0.001,-0.09,0,3.5,true\n";
+    "actuators.left.tension_n,actuators.right.tension_n,folded,"
+    "least_singular_value_m\n"
+    "a,0.8,1,good,,false,0.01,0,-0.09,2.5,0,false,0.004\n"
+    "b,0.8,0.9,failed,\"no rest state, at all\",,,,,,,,\n"
+    "c,1,0.8,good,,false,-0.01,0.001,-0.09,0,3.5,true,0.001\n";
 
 TEST(ReachableTips, AreTheRestStatesOfATable) {
   const ReachableTips found = read_reachable_tips(kTable, "tip");
@@ -262,18 +263,24 @@ TEST(ReachableTips, AreTheRestStatesOfATable) {
   EXPECT_EQ(found.tips[0].position_m, Eigen::Vector3d(0.01, 0, -0.09));
   EXPECT_EQ(found.tips[1].commands, (std::vector<double>{1.0, 0.8}));
   EXPECT_EQ(found.tips[1].effort, 3.5);
-  EXPECT_EQ(found.largest_effort(), 3.5);
   EXPECT_FALSE(found.tips[0].snaps);
   EXPECT_TRUE(found.tips[1].snaps);
+  const std::vector<TipQuantity> quantities = quantities_of(found);
+  ASSERT_EQ(quantities.size(), 2u);
+  EXPECT_EQ(quantities[0].largest(), 3.5);
+  EXPECT_EQ(quantities[1].label, "least motion [mm]");
+  EXPECT_EQ(quantities[1].values, (std::vector<double>{4.0, 1.0}));
+  ASSERT_EQ(quantities_of({}).size(), 1u) << "where no effort is measured";
+  EXPECT_GT(quantities_of({})[0].largest(), 0.0) << "of no tips too";
 }
 
 TEST(ReachableTips, RefuseWhatIsNoSuchTable) {
   const std::string head = kTable.substr(0, kTable.find('\n') + 1);
   EXPECT_THROW(read_reachable_tips(kTable, "nose"), std::invalid_argument);
   for (const std::string& text : {std::string(), std::string("a,b\n"), head + "a,0.8,1,good\n",
-                                  head + "a,0.8,1,good,,false,nan,0,-0.09,2.5,0,false\n",
-                                  head + "a,0.8,1,good,,false,0.01x,0,-0.09,2.5,0,false\n",
-                                  head + "a,0.8,1,good,,false,east,0,-0.09,2.5,0,false\n"})
+                                  head + "a,0.8,1,good,,false,nan,0,-0.09,2.5,0,false,0.004\n",
+                                  head + "a,0.8,1,good,,false,0.01x,0,-0.09,2.5,0,false,0.004\n",
+                                  head + "a,0.8,1,good,,false,east,0,-0.09,2.5,0,false,0.004\n"})
     EXPECT_THROW(read_reachable_tips(text, "tip"), std::invalid_argument) << text;
 }
 

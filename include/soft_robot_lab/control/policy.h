@@ -27,7 +27,7 @@ struct CommandPolicy {
 
 // What a command may be; and how a message about one beyond that ends: which key of the scene moves the limit.
 struct CommandRange : CommandLimits {
-  std::string min_hint, max_hint;
+  std::string min_hint = {}, max_hint = {};
 };
 using CommandLimitsByName = std::map<std::string, CommandRange>;
 CommandLimitsByName limits_of(const Simulation& simulation);

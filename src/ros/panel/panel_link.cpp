@@ -189,7 +189,7 @@ void PanelLink::optimise(const std::string& method, const std::string& marker, c
   });
 }
 
-void PanelLink::show_tips(const ReachableTips& tips) {
+void PanelLink::show_tips(const ReachableTips& tips, const TipQuantity& coloured_by) {
   visualization_msgs::Marker cloud;
   cloud.header.frame_id = markers_.header.frame_id;
   cloud.ns = "reachable_tips";
@@ -197,15 +197,15 @@ void PanelLink::show_tips(const ReachableTips& tips) {
   cloud.type = visualization_msgs::Marker::SPHERE_LIST;
   cloud.pose.orientation.w = 1.0;
   cloud.scale.x = cloud.scale.y = cloud.scale.z = 0.0012;
-  const double largest = std::max(1e-9, tips.largest_effort());
-  for (const ReachableTip& tip : tips.tips) {
-    const auto [red, green, blue] = plasma(tip.effort / largest);
+  const double largest = coloured_by.largest();
+  for (std::size_t i = 0; i < tips.tips.size(); ++i) {
+    const auto [red, green, blue] = plasma(coloured_by.values[i] / largest);
     std_msgs::ColorRGBA rgba;
     rgba.r = red;
     rgba.g = green;
     rgba.b = blue;
     rgba.a = 1.0f;
-    cloud.points.push_back(point_message(tip.position_m));
+    cloud.points.push_back(point_message(tips.tips[i].position_m));
     cloud.colors.push_back(rgba);
   }
   tips_.publish(cloud);

@@ -51,7 +51,8 @@ class PanelLink {
 
   void optimise(const std::string& method, const std::string& marker, const Eigen::Vector3d& target_m);
   void execute();                             // what was found last
-  void show_tips(const ReachableTips& tips);  // in rviz's scene; none take those away that are there
+  // In rviz's scene; none take those away that are there.
+  void show_tips(const ReachableTips& tips, const TipQuantity& coloured_by);
   void diagnose(const TurnGap& longest);      // of the window, in the last second
   void play(const Policy& policy);
   void stop();                                         // all: searches, policies, drives

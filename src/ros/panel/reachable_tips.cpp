@@ -62,10 +62,20 @@ double largest(const Cells& row, const std::vector<std::size_t>& columns) {
 
 }  // namespace
 
-double ReachableTips::largest_effort() const {
-  double most = 0.0;
-  for (const ReachableTip& tip : tips) most = std::max(most, tip.effort);
+double TipQuantity::largest() const {
+  double most = 1e-9;
+  for (const double value : values) most = std::max(most, value);
   return most;
+}
+
+std::vector<TipQuantity> quantities_of(const ReachableTips& tips) {
+  TipQuantity effort{tips.effort, {}}, motion{"least motion [mm]", {}};
+  for (const ReachableTip& tip : tips.tips) {
+    effort.values.push_back(tip.effort);
+    motion.values.push_back(1e3 * tip.least_motion_m);
+  }
+  if (tips.effort.empty()) return {motion};
+  return {effort, motion};
 }
 
 ReachableTips read_reachable_tips(const std::string& csv, const std::string& marker) {
@@ -77,6 +87,7 @@ ReachableTips read_reachable_tips(const std::string& csv, const std::string& mar
   const std::size_t at[3] = {columns.index(place + "x"), columns.index(place + "y"), columns.index(place + "z")};
   const std::size_t task = columns.index("task"), state = columns.index("state");
   const std::size_t snapped = columns.index("snapped"), folded = columns.index("folded");
+  const std::size_t motion = columns.index("least_singular_value_m");
   ReachableTips all;
   all.marker = marker;
   for (std::size_t i = task + 1; i < state; ++i) all.actuators.push_back(columns.name(i));
@@ -88,6 +99,7 @@ ReachableTips read_reachable_tips(const std::string& csv, const std::string& mar
     ReachableTip tip;
     for (int axis = 0; axis < 3; ++axis) tip.position_m[axis] = number(row[at[axis]]);
     tip.effort = largest(row, efforts);
+    tip.least_motion_m = number(row[motion]);
     tip.snaps = row[snapped] == "true" || row[folded] == "true";
     for (std::size_t i = task + 1; i < state; ++i) tip.commands.push_back(number(row[i]));
     all.tips.push_back(std::move(tip));

@@ -187,8 +187,8 @@ QWidget* SessionPanel::make_views() {
   auto* tabs = new QTabWidget(this);
   plot_ = new PlotView(tabs);
   workspace_ = new WorkspaceView(
-      [this](const ReachableTips& tips) {
-        if (link_) link_->show_tips(tips);
+      [this](const ReachableTips& tips, const TipQuantity& coloured_by) {
+        if (link_) link_->show_tips(tips, coloured_by);
       },
       [this](const ReachableTip& tip) { reach(tip); }, tabs);
   tabs->addTab(plot_, "P&lot");

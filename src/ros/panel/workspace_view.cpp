@@ -78,19 +78,21 @@ void add_ring(const Eigen::Vector2d& place, QwtPlot* plot) {
 
 }  // namespace
 
-WorkspaceView::WorkspaceView(std::function<void(const ReachableTips&)> found,
-                             std::function<void(const ReachableTip&)> chosen, QWidget* parent)
+WorkspaceView::WorkspaceView(Shown shown, std::function<void(const ReachableTip&)> chosen, QWidget* parent)
     : QWidget(parent),
-      found_(std::move(found)),
+      shown_(std::move(shown)),
       chosen_(std::move(chosen)),
       find_(new QPushButton("F&ind tips", this)),
       view_(new QComboBox(this)),
+      colour_(new QComboBox(this)),
       number_(new QSpinBox(this)),
       state_(new QLabel("Where does the marker reach?", this)),
       plot_(new QwtPlot(this)) {
   find_->setToolTip("Finds where the marker rests over all commands, beside the session; goes on from what is there");
   view_->addItems({"x, z", "y, z", "x, y"});
   view_->setToolTip("Axes of robot_base that are seen [mm]");
+  colour_->setToolTip(
+      "What colours mean. Least motion: by the commands' whole range in the direction in which they move the tip least");
   number_->setToolTip("A tip by its number. Or click at one: the ghost shows how it is reached, Execute goes there");
   auto* label = new QLabel("Poi&nt", this);
   label->setBuddy(number_);
@@ -100,10 +102,11 @@ WorkspaceView::WorkspaceView(std::function<void(const ReachableTips&)> found,
   grid->setSpacing(2);
   grid->addWidget(find_, 0, 0);
   grid->addWidget(view_, 0, 1);
-  grid->addWidget(label, 0, 2);
-  grid->addWidget(number_, 0, 3);
-  grid->addWidget(plot_, 1, 0, 1, 4);
-  grid->addWidget(state_, 2, 0, 1, 4);
+  grid->addWidget(colour_, 0, 2);
+  grid->addWidget(label, 0, 3);
+  grid->addWidget(number_, 0, 4);
+  grid->addWidget(plot_, 1, 0, 1, 5);
+  grid->addWidget(state_, 2, 0, 1, 5);
   plot_->setMinimumHeight(90);
   plot_->setCanvasBackground(Qt::white);
   QFont small = font();
@@ -119,11 +122,12 @@ WorkspaceView::WorkspaceView(std::function<void(const ReachableTips&)> found,
           [this](const QPointF& place) { choose_nearest(place); });
   connect(find_, &QPushButton::clicked, this, [this] { toggle(); });
   connect(view_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this] { show_tips(); });
+  connect(colour_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this] { recolour(); });
   connect(number_, QOverload<int>::of(&QSpinBox::valueChanged), this, [this](int number) { choose(number); });
   connect(&process_, &QProcess::readyReadStandardError, this, [this] { read_progress(); });
   connect(&process_, QOverload<int, QProcess::ExitStatus>::of(&QProcess::finished), this,
           [this](int status) { finish(status); });
-  show_tips();
+  take({});
 }
 
 // The search ends, and keeps what it has.
@@ -140,9 +144,7 @@ void WorkspaceView::follow(const QString& scene, const QString& marker, int actu
   scene_ = scene;
   marker_ = marker;
   process_.terminate();
-  tips_ = {};
-  found_(tips_);
-  show_tips();
+  take({});
 }
 
 void WorkspaceView::toggle() {
@@ -194,8 +196,27 @@ void WorkspaceView::finish(int status) {
 void WorkspaceView::load() {
   QFile file(folder_ + "/results.csv");
   if (!file.open(QIODevice::ReadOnly)) throw std::runtime_error("cannot read " + file.fileName().toStdString());
-  tips_ = read_reachable_tips(file.readAll().toStdString(), marker_.toStdString());
-  found_(tips_);
+  take(read_reachable_tips(file.readAll().toStdString(), marker_.toStdString()));
+}
+
+// The colours mean what they meant before, where they still can.
+void WorkspaceView::take(ReachableTips tips) {
+  tips_ = std::move(tips);
+  quantities_ = quantities_of(tips_);
+  const QSignalBlocker quiet(colour_);
+  const QString before = colour_->currentText();
+  colour_->clear();
+  for (const TipQuantity& quantity : quantities_) colour_->addItem(QString::fromStdString(quantity.label));
+  colour_->setCurrentText(before);
+  recolour();
+}
+
+const TipQuantity& WorkspaceView::coloured_by() const {
+  return quantities_[static_cast<std::size_t>(colour_->currentIndex())];
+}
+
+void WorkspaceView::recolour() {
+  shown_(tips_, coloured_by());
   show_tips();
 }
 
@@ -216,17 +237,18 @@ void WorkspaceView::show_tips() {
   std::vector<Eigen::Vector2d> places;
   QVector<QwtPoint3D> cloud;
   QVector<QPointF> snaps, corners;
-  for (const ReachableTip& tip : tips_.tips) {
-    places.push_back(seen_mm(tip));
-    cloud << QwtPoint3D(places.back().x(), places.back().y(), tip.effort);
-    if (tip.snaps) snaps << QPointF(places.back().x(), places.back().y());
+  const TipQuantity& quantity = coloured_by();
+  for (std::size_t i = 0; i < tips_.tips.size(); ++i) {
+    places.push_back(seen_mm(tips_.tips[i]));
+    cloud << QwtPoint3D(places.back().x(), places.back().y(), quantity.values[i]);
+    if (tips_.tips[i].snaps) snaps << QPointF(places.back().x(), places.back().y());
   }
   for (const std::size_t i : convex_hull(places)) corners << QPointF(places[i].x(), places[i].y());
   if (!corners.isEmpty()) corners << corners.first();
-  const double largest = std::max(1e-9, tips_.largest_effort());
-  plot_->enableAxis(QwtPlot::yRight, count > 0 && !tips_.effort.empty());
+  const double largest = quantity.largest();
+  plot_->enableAxis(QwtPlot::yRight, count > 0);
   plot_->setAxisScale(QwtPlot::yRight, 0.0, largest);
-  QwtText title(QString::fromStdString(tips_.effort));
+  QwtText title(QString::fromStdString(quantity.label));
   title.setFont(plot_->axisFont(QwtPlot::yRight));
   plot_->setAxisTitle(QwtPlot::yRight, title);
   plot_->axisWidget(QwtPlot::yRight)->setColorBarEnabled(true);

@@ -25,9 +25,10 @@ namespace soft_robot_lab {
 class WorkspaceView : public QWidget {
   Q_OBJECT
  public:
-  // `found` is called with all tips, also with none; `chosen` with one of them.
-  WorkspaceView(std::function<void(const ReachableTips&)> found, std::function<void(const ReachableTip&)> chosen,
-                QWidget* parent);
+  using Shown = std::function<void(const ReachableTips&, const TipQuantity& coloured_by)>;
+
+  // `shown` is called with all tips, also with none; `chosen` with one of them.
+  WorkspaceView(Shown shown, std::function<void(const ReachableTip&)> chosen, QWidget* parent);
   ~WorkspaceView() override;
 
   // What a search would be about. Of another robot or marker nothing is shown that was found before.
@@ -42,21 +43,25 @@ class WorkspaceView : public QWidget {
   void read_progress();
   void finish(int status);
   void load();
+  void take(ReachableTips tips);
+  void recolour();
   void show_tips();
   void frame(const std::vector<Eigen::Vector2d>& places);  // so that all are seen
   void choose(int number);
   void choose_nearest(const QPointF& place_mm);
   Eigen::Vector2d seen_mm(const ReachableTip& tip) const;  // in the view that is chosen
+  const TipQuantity& coloured_by() const;
 
-  std::function<void(const ReachableTips&)> found_;
+  Shown shown_;
   std::function<void(const ReachableTip&)> chosen_;
   QString scene_, marker_;
   int actuators_ = 0, steps_ = 21;
   QString folder_, log_;  // of the search; its last line
   ReachableTips tips_;
+  std::vector<TipQuantity> quantities_;
   QProcess process_;
   QPushButton* find_;
-  QComboBox* view_;
+  QComboBox *view_, *colour_;
   QSpinBox* number_;
   QLabel* state_;
   QwtPlot* plot_;

@@ -122,7 +122,10 @@ WorkspaceView::WorkspaceView(Shown shown, std::function<void(const ReachableTip&
           [this](const QPointF& place) { choose_nearest(place); });
   connect(find_, &QPushButton::clicked, this, [this] { toggle(); });
   connect(view_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this] { show_tips(); });
-  connect(colour_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this] { recolour(); });
+  connect(colour_, QOverload<int>::of(&QComboBox::activated), this, [this] {
+    wanted_colour_ = colour_->currentText();
+    recolour();
+  });
   connect(number_, QOverload<int>::of(&QSpinBox::valueChanged), this, [this](int number) { choose(number); });
   connect(&process_, &QProcess::readyReadStandardError, this, [this] { read_progress(); });
   connect(&process_, QOverload<int, QProcess::ExitStatus>::of(&QProcess::finished), this,
@@ -199,15 +202,13 @@ void WorkspaceView::load() {
   take(read_reachable_tips(file.readAll().toStdString(), marker_.toStdString()));
 }
 
-// The colours mean what they meant before, where they still can.
+// The colours mean what was chosen, where they can.
 void WorkspaceView::take(ReachableTips tips) {
   tips_ = std::move(tips);
   quantities_ = quantities_of(tips_);
-  const QSignalBlocker quiet(colour_);
-  const QString before = colour_->currentText();
   colour_->clear();
   for (const TipQuantity& quantity : quantities_) colour_->addItem(QString::fromStdString(quantity.label));
-  colour_->setCurrentText(before);
+  colour_->setCurrentText(wanted_colour_);
   recolour();
 }
 

@@ -54,7 +54,7 @@ class WorkspaceView : public QWidget {
 
   Shown shown_;
   std::function<void(const ReachableTip&)> chosen_;
-  QString scene_, marker_;
+  QString scene_, marker_, wanted_colour_;
   int actuators_ = 0, steps_ = 21;
   QString folder_, log_;  // of the search; its last line
   ReachableTips tips_;

@@ -50,10 +50,10 @@ class PanelLink {
   std::vector<CallOutcome> take_outcomes();
 
   void optimise(const std::string& method, const std::string& marker, const Eigen::Vector3d& target_m);
-  void execute();                             // what was found last
+  void execute();  // what was found last
   // In rviz's scene; none take those away that are there.
   void show_tips(const ReachableTips& tips, const TipQuantity& coloured_by);
-  void diagnose(const TurnGap& longest);      // of the window, in the last second
+  void diagnose(const TurnGap& longest);  // of the window, in the last second
   void play(const Policy& policy);
   void stop();                                         // all: searches, policies, drives
   const std::string& scene() const { return scene_; }  // path of what runs; empty: not known

@@ -11,9 +11,9 @@ namespace soft_robot_lab {
 
 struct ReachableTip {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  double effort = 0.0;         // of the hardest working actuator
+  double effort = 0.0;          // of the hardest working actuator
   double least_motion_m = 0.0;  // by the commands' whole range in the direction in which they move it least
-  bool snaps = false;          // the body snaps here, or towards a neighbour
+  bool snaps = false;           // the body snaps here, or towards a neighbour
   std::vector<double> commands;
 };
 
@@ -22,7 +22,6 @@ struct ReachableTips {
   std::string effort;                  // what `effort` is, with its unit; empty where nothing is measured
   std::vector<std::string> actuators;  // of the commands
   std::vector<ReachableTip> tips;
-
 };
 
 // A number of each tip, to colour it by.

@@ -92,7 +92,8 @@ WorkspaceView::WorkspaceView(Shown shown, std::function<void(const ReachableTip&
   view_->addItems({"x, z", "y, z", "x, y"});
   view_->setToolTip("Axes of robot_base that are seen [mm]");
   colour_->setToolTip(
-      "What colours mean. Least motion: by the commands' whole range in the direction in which they move the tip least");
+      "What colours mean. Least motion: by the commands' whole range in the direction in which they move the tip "
+      "least");
   number_->setToolTip("A tip by its number. Or click at one: the ghost shows how it is reached, Execute goes there");
   auto* label = new QLabel("Poi&nt", this);
   label->setBuddy(number_);

@@ -135,7 +135,7 @@ TEST(ContactTerm, ItsMatrixIsTheDerivativeOfItsForces) {
       // l = -g / a follows the gap: what condensation stands for.
       for (const ContactTouch& touch : sums.touches)
         if (!touch.closed) ADD_FAILURE() << "a point is open";
-      term.add_mismatch_forces(sums.touches, sums, sum);
+      term.add_mismatch_forces(sums.touches, sums, true, sum);
       return sum;
     };
     // With pressure -g / a, which the matrix takes at its present value in its geometric part only.

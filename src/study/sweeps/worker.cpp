@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <iostream>
 #include <set>
+#include <sstream>
 #include <thread>
 #include <vector>
 
@@ -37,6 +38,15 @@ std::string text_of(const std::string& file) {
 std::string last_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   return text.substr(text.rfind('\n') + 1);  // npos + 1 is 0
+}
+
+// The last line that the program begins with its name: after it stands at most how it is used.
+std::string last_complaint(const std::string& program, const std::string& text) {
+  std::istringstream lines(text);
+  std::string found;
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind(program + ": ", 0) == 0) found = line;
+  return found.empty() ? last_line(text) : found;
 }
 
 std::vector<std::string> command_of(const Json& task, const std::string& result, const WorkFolder& folder) {
@@ -116,7 +126,7 @@ Json run_task(const Json& task, const std::string& version, const WorkFolder& fo
   const auto begin = std::chrono::steady_clock::now();
   const ProcessEnd end = run_with_limit(command_of(task, result, folder), errors, task.at("time_limit_s"));
   answer["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return judge(std::move(answer), task, end, text_of(result), last_line(text_of(errors)));
+  return judge(std::move(answer), task, end, text_of(result), last_complaint(task.at("program"), text_of(errors)));
 }
 
 }  // namespace

@@ -81,6 +81,17 @@ TEST(Study, SaysWhyARobotCannotBeCast) {
   EXPECT_NE(outcome.out.find("reason thickness: "), std::string::npos) << outcome.out;
 }
 
+TEST(Study, SaysWhichArgumentItsProgramRefused) {
+  const SceneFolder folder;
+  short_scene(folder);
+  const Outcome outcome = run_study(folder,
+                                    "program: rollouts\nscene: short.yaml\narguments: [--rollouts, '2']\n"
+                                    "parameters: {body.material.density_kg_m3: {values: [1000]}}\n",
+                                    "found", "");
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
+  EXPECT_NE(outcome.out.find("reason rollouts: "), std::string::npos) << outcome.out;
+}
+
 TEST(Study, HasTheDistancesOfAPolicy) {
   const SceneFolder folder;
   folder.write("short.yaml", "include: bar.yaml\nbody: {element: linear}\n");

@@ -107,7 +107,7 @@ FitResult fit_in_time(const FitParameters& parameters, const std::string& scene,
                       const std::vector<MeasuredPose>& poses, const FitRequest& request, std::vector<double> unknowns) {
   require_seen_while_held(poses);
   unknowns.resize(unknowns.size() + 2, 0.0);
-  const HoldModel model(scene, options, poses, parameters);
+  HoldModel model(scene, options, poses, parameters);
   SightFit fit(
       parameters, parameters.numbers_in_time(),
       [&](const Eigen::VectorXd& values, bool derivatives) { return model.predict(values, derivatives); }, unknowns);

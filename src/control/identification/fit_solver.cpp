@@ -47,6 +47,8 @@ ceres::Solver::Options solver_options(const FitRequest& request) {
   options.initial_trust_region_radius = 1e2;
   options.max_trust_region_radius = 1e4;
   options.parameter_tolerance = 1e-4;
+  // A search along each step would ask for derivatives where no step ends: shorter steps are found without them.
+  options.max_num_line_search_step_size_iterations = 0;
   options.logging_type = ceres::SILENT;
   options.update_state_every_iteration = true;
   return options;

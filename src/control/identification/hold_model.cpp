@@ -68,29 +68,28 @@ std::vector<Eigen::Matrix3Xd> HoldModel::places(const Eigen::VectorXd& values) c
   return all;
 }
 
-std::vector<PosePrediction> HoldModel::predict(const Eigen::VectorXd& values, bool derivatives) const {
+std::vector<PosePrediction> HoldModel::predict(const Eigen::VectorXd& values, bool derivatives) {
+  if (last_.at.size() != values.size() || last_.at != values) last_ = {values, places(values)};
   const std::vector<FitNumber> numbers = parameters_.numbers_in_time();
   std::vector<std::size_t> columns;
   if (derivatives) {
     columns = parameters_.model_columns();
     for (std::size_t i = parameters_.numbers().size(); i < numbers.size(); ++i) columns.push_back(i);
   }
-  std::vector<std::vector<Eigen::Matrix3Xd>> moved(columns.size() + 1);  // the last not at all
+  std::vector<std::vector<Eigen::Matrix3Xd>> moved(columns.size());
   std::vector<double> steps(columns.size());
   for_all(moved.size(), [&](std::size_t i) {
     Eigen::VectorXd there = values;
-    if (i < columns.size()) {
-      const FitNumber& number = numbers[columns[i]];
-      const double size = kStepOfSize * number.size;
-      double& value = there[static_cast<Eigen::Index>(columns[i])];
-      steps[i] = value + size > number.max ? -size : size;
-      value += steps[i];
-    }
+    const FitNumber& number = numbers[columns[i]];
+    const double size = kStepOfSize * number.size;
+    double& value = there[static_cast<Eigen::Index>(columns[i])];
+    steps[i] = value + size > number.max ? -size : size;
+    value += steps[i];
     moved[i] = places(there);
   });
   std::vector<PosePrediction> predictions;
-  for (std::size_t s = 0; s < moved.back().size(); ++s) {
-    PosePrediction prediction{moved.back()[s], {}};
+  for (std::size_t s = 0; s < last_.places.size(); ++s) {
+    PosePrediction prediction{last_.places[s], {}};
     prediction.jacobian.resize(derivatives ? prediction.markers_m.size() : 0, static_cast<Eigen::Index>(steps.size()));
     for (std::size_t i = 0; i < steps.size(); ++i)
       prediction.jacobian.col(static_cast<Eigen::Index>(i)) =

@@ -19,7 +19,7 @@ class HoldModel {
   // `values` of FitParameters::numbers_in_time. Predictions of all poses' markers, then of what was seen meanwhile,
   // pose by pose. Derivatives are differences, as whether a cable sticks depends on the whole way. Throws
   // std::runtime_error where a step does not converge.
-  std::vector<PosePrediction> predict(const Eigen::VectorXd& values, bool derivatives) const;
+  std::vector<PosePrediction> predict(const Eigen::VectorXd& values, bool derivatives);
 
   std::vector<SimulatedHold> holds(const Eigen::VectorXd& values) const;
   Overrides overrides(const Eigen::VectorXd& values) const;
@@ -34,6 +34,11 @@ class HoldModel {
   const std::vector<MeasuredPose>& poses_;
   const FitParameters& parameters_;
   std::map<std::string, int> markers_;
+  struct Point {
+    Eigen::VectorXd at;
+    std::vector<Eigen::Matrix3Xd> places;
+  };
+  Point last_;  // predicted: derivatives are asked for where the gap was looked at before
 };
 
 }  // namespace soft_robot_lab

@@ -2,6 +2,7 @@
 // Fitting to rest states, on a coarse bar with two cables whose truth is known.
 #include "soft_robot_lab/control/identification/fit_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -166,15 +167,16 @@ TEST(FitModel, StopsWhereStepsAreInVain) {
   FitRequest request;
   request.parameters = {{"friction_coefficient", {}, {}, {}}, {"length_offset_m", {}, {}, {}}};
   double last_m = -1.0;
-  int in_vain = 0;
-  request.progress = [&](int, double rms_gap_m) {
-    in_vain = rms_gap_m == last_m ? in_vain + 1 : 0;
+  int in_vain = 0, most_in_vain = 0;
+  request.progress = [&](int iteration, double rms_gap_m) {
+    in_vain = iteration > 0 && rms_gap_m == last_m ? in_vain + 1 : 0;
+    most_in_vain = std::max(most_in_vain, in_vain);
     last_m = rms_gap_m;
     return true;
   };
   const std::vector<MeasuredPose> poses = measure(kLying, kWay, Eigen::Isometry3d::Identity(), 2e-4, 2);
   EXPECT_TRUE(fit_model(kScene, options_with(scene), poses, request).converged);
-  EXPECT_EQ(in_vain, 4);
+  EXPECT_EQ(most_in_vain, 4);
 }
 
 TEST(FitModel, TakesThePlaceThatDrivesReallyReached) {

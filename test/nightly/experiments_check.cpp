@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -114,6 +115,25 @@ void check_grasp(const Json& result) {
   EXPECT_LT(longest["slip_m"].get<double>(), 1e-5);
 }
 
+void check_fit_rig(const Json& result) {
+  for (const auto& [name, within] : std::map<std::string, double>{{"youngs_modulus_pa", 0.01},
+                                                                  {"friction_coefficient", 0.2},
+                                                                  {"compliance_m_n", 0.2},
+                                                                  {"backlash_m.left", 0.2},
+                                                                  {"backlash_m.right", 0.2},
+                                                                  {"creep.stiffness_ratio", 0.2},
+                                                                  {"creep.relaxation_time_s", 0.2}}) {
+    const double hidden = result["hidden"][name];
+    EXPECT_NEAR(result["values"][name]["found"].get<double>(), hidden, within * hidden) << name;
+  }
+  EXPECT_LT(result["unseen_gap_m"][1].get<double>(), 0.15e-3);
+}
+
+void check_design(const Json& result) {
+  EXPECT_EQ(result["designs"], 200);
+  EXPECT_GT(result["ratio"].get<double>(), 1.2);
+}
+
 void check_configurations(const Json& result, std::size_t count) {
   ASSERT_EQ(result["configurations"].size(), count);
   for (std::size_t i = 0; i < count; ++i)
@@ -133,6 +153,8 @@ void check_numbers(const std::string& name, const Json& result) {
   if (name == "tentacle") check_tentacle(result);
   if (name == "demoulding") check_demoulding(result);
   if (name == "grasp") check_grasp(result);
+  if (name == "fit_rig") check_fit_rig(result);
+  if (name == "design_spinebot") check_design(result);
 }
 
 struct Row {

@@ -228,7 +228,7 @@ TEST_F(Panel, FindsReachableTipsAndTheGhostOfOneThatIsChosen) {
       }));
   rviz_->press("alt+w");
   ASSERT_TRUE(press_until(
-      "alt+i", [&] { return !tips.empty(); }, 30.0))
+      "alt+i", [&] { return !tips.empty(); }, 120.0))
       << "pressed again it would stop";
   EXPECT_GT(tips.size(), 20u);
   const auto is_a_tip = [&](const Eigen::Vector3d& place_m) {

@@ -16,6 +16,8 @@ inline constexpr double kNearRest = 1e-2;
 // Of a constraint in the merit function, over its stiffness 1 / |B' A^-1 B|. Where A has one negative eigenvalue, as in
 // a body that buckled, A + penalty B B' is singular at just 1; with several constraints more is needed.
 inline constexpr double kPenaltyOfBuckled = 10.0;
+// Steps by the secant of friction, before it is tried whether all sticks: near the limit each leaves most of the way.
+inline constexpr int kSecants = 4;
 inline constexpr double kTieStiffness = 1e3;   // of a carried point, over E * size
 inline constexpr double kPenaltyOverMu = 5.0;  // stiffness of the merit function against volume mismatch
 inline constexpr int kLineSearchHalvings = 8;  // of a step; then a convex stiffness is tried

@@ -346,6 +346,16 @@ void ContactTerm::add_turned_ties(const std::vector<ContactTouch>& touches, cons
   }
 }
 
+void ContactTerm::add_beyond(const std::vector<ContactTouch>& touches, Eigen::Matrix3Xd& residual_n,
+                             FreeColumns& free) const {
+  for (const ContactTouch& touch : touches) {
+    if (!touch.friction.held) continue;
+    const Eigen::Vector3d force_n = weight_m2(touch.pair) * touch.friction.beyond_pa(touch.away_m);
+    add_at(touch, force_n, residual_n);
+    if (touch.free >= 0) add_back(touch, force_n, free);
+  }
+}
+
 Eigen::VectorXd ContactTerm::mismatches(const ContactSums& at) const {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(pair_count());
   for (const ContactTouch& touch : at.touches)

@@ -103,6 +103,9 @@ class ContactTerm {
   void add_turned_ties(const std::vector<ContactTouch>& touches, const Eigen::Matrix3Xd& motion_m,
                        Eigen::Matrix3Xd& residual_n) const;
 
+  // Of touches that are `held`: what the residual lacks for that.
+  void add_beyond(const std::vector<ContactTouch>& touches, Eigen::Matrix3Xd& residual_n, FreeColumns& free) const;
+
   // Per pair: NormalLaw::mismatch_m over the size of the face.
   Eigen::VectorXd mismatches(const ContactSums& at) const;
 

@@ -31,6 +31,11 @@ struct FrictionLaw {
     return limit_pa / away_m.norm() * away_m;
   }
 
+  // What the tie would pull more than that if it held.
+  Eigen::Vector3d beyond_pa(const Eigen::Vector3d& away_m) const {
+    return away_m / compliance_m_pa - traction_pa(away_m);
+  }
+
   double potential_j_m2(const Eigen::Vector3d& away_m) const {
     if (!slips(away_m)) return 0.5 * away_m.squaredNorm() / compliance_m_pa;
     return limit_pa * (away_m.norm() - 0.5 * limit_pa * compliance_m_pa);

@@ -175,6 +175,11 @@ void RigidContact::add_mismatch_forces(const RigidTouches& linearised, const Rig
   }
 }
 
+void RigidContact::add_beyond(const RigidTouches& at, FreeColumns& residual) const {
+  for (std::size_t i = 0; i < at.size(); ++i)
+    if (at[i].friction.held) add_at(pairs_[i], at[i], at[i].friction.beyond_pa(at[i].along(at[i].off_m)), residual);
+}
+
 void RigidContact::add_hessian(const RigidTouches& at, bool convex, Eigen::MatrixXd& matrix) const {
   for (std::size_t i = 0; i < at.size(); ++i) {
     const RigidTouch& touch = at[i];

@@ -59,6 +59,7 @@ class RigidContact {
   // What stands in the residual, and what condensation adds to it.
   void add_forces(const RigidTouches& at, FreeColumns& residual) const;
   void add_mismatch_forces(const RigidTouches& linearised, const RigidTouches& here, FreeColumns& residual) const;
+  void add_beyond(const RigidTouches& at, FreeColumns& residual) const;
   void add_hessian(const RigidTouches& at, bool convex, Eigen::MatrixXd& matrix) const;  // over the free columns
   static bool same_set(const RigidTouches& a, const RigidTouches& b);
 

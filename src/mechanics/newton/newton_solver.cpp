@@ -19,6 +19,18 @@ double relative_violation(const ConstraintLaw& law, double y, double value) {
   return violation(law, y) / std::max(std::abs(value), 1e-300);
 }
 
+template <class Evaluation>
+void tell_end(const Evaluation& here, double tolerance, std::string reason, NewtonReport& report) {
+  report.residual = here.relative_residual;
+  report.inverted_elements = here.elements.inverted;
+  report.worst_element = here.elements.worst_element;
+  report.smallest_determinant = here.elements.smallest_determinant;
+  report.tolerance = tolerance;
+  here.residual_n.colwise().squaredNorm().maxCoeff(&report.worst_node);
+  report.converged = reason.empty();
+  report.reason = std::move(reason);
+}
+
 // The last factor, for the next step of a solve with this residual.
 bool may_reuse(const NewtonTask& task, double residual) { return task.reuse_factor || residual < task.reuse_below; }
 
@@ -196,6 +208,17 @@ bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::V
   return (eigenvalues.array() < 0.0).count() == factor().negative_pivots();
 }
 
+// Where all that rubs is to stick, its ties pull without a limit.
+void NewtonSolver::subtract_beyond(Eigen::VectorXd& load, FreeColumns& free_load) const {
+  Eigen::Matrix3Xd beyond_n = Eigen::Matrix3Xd::Zero(3, load.size() / 3);
+  FreeColumns free_n = FreeColumns::Zero(3, free_load.cols());
+  contact_.add_beyond(touches_, beyond_n, free_n);
+  contact_.rigid().add_beyond(rigid_touches_, free_n);
+  release(beyond_n);
+  load -= as_vector(beyond_n);
+  free_load -= free_n;
+}
+
 // With what condensation of the contact pressures adds.
 Eigen::VectorXd NewtonSolver::condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const {
   if (contact_.empty()) return as_vector(residual_n);
@@ -255,12 +278,13 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, c
 
   // The residual holds the forces of the old multipliers already, so the border answers only for their change.
   Eigen::VectorXd load = -condensed_residual(here, gradient);
-  Eigen::VectorXd motion = solve(load);
   FreeColumns free_load(3, 0);
   if (!free_border_.empty()) {
     free_load = this->free_load(here);
-    motion += free_border_.nodal_motion(free_load);
+    subtract_beyond(load, free_load);
   }
+  Eigen::VectorXd motion = solve(load);
+  if (!free_border_.empty()) motion += free_border_.nodal_motion(free_load);
   step.contact_start = with_ahead(here.contact, ahead);
   step.skin = skin_in_border_ ? on_skin(step.contact_start) : std::vector<ContactTouch>();
   if (static_cast<int>(step.skin.size()) > kMostInBorder) return false;
@@ -403,14 +427,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     return report;
   }
   const auto finish = [&](std::string reason) {
-    report.residual = here.relative_residual;
-    report.inverted_elements = here.elements.inverted;
-    report.worst_element = here.elements.worst_element;
-    report.smallest_determinant = here.elements.smallest_determinant;
-    report.tolerance = task.tolerance;
-    here.residual_n.colwise().squaredNorm().maxCoeff(&report.worst_node);
-    report.converged = reason.empty();
-    report.reason = std::move(reason);
+    tell_end(here, task.tolerance, std::move(reason), report);
     end_ = {state.positions_m, state.element_multipliers_pa, std::move(here)};
     return report;
   };
@@ -419,6 +436,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   const Slip cautious = contact_.free().count() > 0 ? Slip::secant : Slip::tangent;
   Slip slip = cautious;
   bool convex = false, old_factor = task.reuse_factor;
+  int secants = 0;
   AndersonMixing mixing(constants::kOldFactorSteps);
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
@@ -427,12 +445,15 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     old_factor = false;
     mixing.clear();
     Step step;
+    if (slip == Slip::secant && ++secants % constants::kSecants == 0) slip = Slip::stuck;
+    if (slip == Slip::stuck) convex = false;
     const auto fresh_step = [&] {
       if (!convex && slip == Slip::tangent && has_factor_at(state, task.inertia_per_s2, task.strain_target))
         return find_step(state, here, step);
       ++report.factorisations;
       return linearise(state, task.inertia_per_s2, task.strain_target, convex, slip) && find_step(state, here, step);
     };
+    const bool sticks = slip == Slip::stuck;
     bool found = fresh_step();
     if (!convex && (!found || step.slope > 0.0)) {
       if (task.only_through_stable) return finish("the way leads through an unstable shape");
@@ -447,7 +468,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     const bool accepted = search_line(task, step, state, here, length);
     if (length < 1.0) ++report.shortened;
     if (!accepted && convex) return finish("no step lowers the energy");
-    convex = !accepted || (convex && length < 1.0);
+    convex = (!accepted && !sticks) || (convex && length < 1.0);
     if (convex && task.only_through_stable) return finish("no step lowers the energy");
     slip = convex || length < 1.0 ? cautious : Slip::tangent;
     old_factor = accepted && may_reuse(task, here.relative_residual) && !convex && slip == Slip::tangent;

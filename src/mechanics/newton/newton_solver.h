@@ -229,9 +229,9 @@ class NewtonSolver {
 
   Evaluation evaluate(const NewtonTask& task, const NewtonState& state) const;
   void add_free_obstacles(const NewtonState& state, Evaluation& result) const;
-  // The stiffness of friction: of what slips its tangent or its secant, or what is at the limit sticks. No further step
-  // is taken by a factor but with the tangent.
-  enum class Slip { tangent, secant, held };
+  // The stiffness of friction: of what slips its tangent or its secant, or what is at the limit sticks, or all that
+  // rubs on obstacles goes back to where it stuck. No further step is taken by a factor but with the tangent.
+  enum class Slip { tangent, secant, held, stuck };
   bool linearise(const NewtonState& state, double inertia_per_s2,
                  const std::shared_ptr<const StrainTarget>& strain_target, bool convex, Slip slip = Slip::tangent);
   bool linearise_held(const NewtonState& state);  // at rest, where all that is at the limit of friction sticks
@@ -260,6 +260,7 @@ class NewtonSolver {
   ContactState after(const NewtonState& state, const Step& step, double length) const;
   double first_length(const Step& step) const;
   Eigen::VectorXd condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const;
+  void subtract_beyond(Eigen::VectorXd& load, FreeColumns& free_load) const;
   // With all skin that it would lead into among its constraints; and with that which is given.
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step);
   bool find_step(const NewtonState& state, const Evaluation& here, const std::vector<ContactTouch>& ahead, Step& step);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "mechanics/box_mesh.h"
+#include "mechanics/actuators/cable/taut_string.h"
 #include "mechanics/mesh/cable_path.h"
 #include "mechanics/mesh/skin.h"
 #include "soft_robot_lab/mechanics/actuators/cable.h"
@@ -222,6 +223,24 @@ TEST(CableRoute, ComesToWhatManyHandSetPointsSay) {
   EXPECT_NEAR(tension_n(path, cells), many_n, 0.003 * many_n);
   // Mouths alone do not see that the silicone between them bends.
   EXPECT_GT(std::abs(tension_n(path + ", via_points: given", cells) - many_n), 0.01 * many_n);
+}
+
+// Around a post, led over one point above it: a turn of up to 200 degrees, by the shortest way on that side.
+TEST(TautString, StaysOnTheSideThatItIsLedOver) {
+  constexpr double kRadius_m = 0.01;
+  for (const double far : {1.5, 3.0, 6.0})  // of the ends, over the radius
+    for (const double above : {1.05, 1.5, 4.0})
+      for (const double turn_deg : {60.0, 100.0, 120.0, 140.0, 160.0, 180.0, 200.0}) {
+        const double half = 0.5 * turn_deg * M_PI / 180.0, angle = half + std::acos(1.0 / far);
+        if (angle > 0.97 * M_PI) continue;  // the ends are nearly one
+        const Eigen::Vector3d end_m = far * kRadius_m * Eigen::Vector3d(std::sin(angle), std::cos(angle), 0.0);
+        const Eigen::Vector3d other_m(-end_m.x(), end_m.y(), 0.0);
+        const TautString string({Cylinder{{0, 0, -1}, {0, 0, 1}, kRadius_m, 0.001}}, {{0.0, above * kRadius_m, 0.0}},
+                                2.0 * (end_m - Eigen::Vector3d(0.0, above * kRadius_m, 0.0)).norm());
+        const auto shape = string.between(end_m, other_m);
+        const double length_m = 2.0 * kRadius_m * (std::sqrt(far * far - 1.0) + half);
+        EXPECT_NEAR(shape->length_m, length_m, 2e-3 * length_m) << far << " " << above << " " << turn_deg;
+      }
 }
 
 }  // namespace

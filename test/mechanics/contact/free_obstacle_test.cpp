@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "contact_bodies.h"
+#include "mechanics/contact/gap.h"
 #include "mechanics/contact/rigid_contact.h"
 
 namespace soft_robot_lab {
@@ -215,42 +216,85 @@ TEST(FreeObstacle, ACollisionWithoutGravityKeepsMomentum) {
   }
 }
 
+// Speeds up along x from a time on, with a pose at each step of 5 ms, after other poses.
+std::vector<ObstaclePose> speeding_up(double start_s, double acceleration_m_s2, std::vector<ObstaclePose> poses) {
+  const Vector3d from_m = poses.back().translation_m;
+  for (int i = 0; i <= 60; ++i) {
+    const double since_s = 0.005 * i, way_m = 0.5 * acceleration_m_s2 * since_s * since_s;
+    poses.push_back({start_s + since_s, from_m + Vector3d(way_m, 0, 0), kZero});
+  }
+  return poses;
+}
+
+// In the frame of the first obstacle.
+double along_x_m(const Simulation& simulation) {
+  return center_m(simulation).x() -
+         pose_at(simulation.body().obstacles()[0], simulation.state().time_s).translation().x();
+}
+
+// How far a block slides back on a table that has sped up for 100 and for 200 ms.
+Eigen::Vector2d slid_on_table_m(double friction, double acceleration_m_s2) {
+  Obstacle block{"block", RoundedBox{{0.2, 0, 0}, {0.02, 0.02, 0.02}, 0.001}, {}, 0.0};
+  block.mass_kg = 0.1;
+  block.friction_on["table"] = friction;
+  const Obstacle table{"table", RoundedBox{{0.3, -0.02, 0}, {0.4, 0.02, 0.2}, 0.002},
+                       speeding_up(0.05, acceleration_m_s2, {{0.0}}), 0.0};
+  Simulation simulation = with(pad({2, 1, 2}), {table, block}, steps_of(0.005));
+  run(simulation, 0.15);
+  const double first_m = 0.2 - along_x_m(simulation);
+  run(simulation, 0.1);
+  return {first_m, 0.2 - along_x_m(simulation)};
+}
+
+TEST(FreeObstacle, ATableThatSpeedsUpTakesABlockAlongWhileFrictionBearsIt) {
+  for (const double share : {0.3, 0.8, 0.9, 0.98})
+    EXPECT_LT(slid_on_table_m(0.5, share * 0.5 * kGravity).cwiseAbs().maxCoeff(), 1e-6) << share;
+  const double more_m_s2 = 0.05 * 0.5 * kGravity;
+  const Eigen::Vector2d slid_m = slid_on_table_m(0.5, 0.5 * kGravity + more_m_s2);
+  EXPECT_NEAR(slid_m[1] - slid_m[0], 0.5 * more_m_s2 * (0.04 - 0.01), 0.05 * 0.5 * more_m_s2 * 0.03);
+}
+
 // A block of 100 g between a pad and a lid that rub on it, with its weight along both. How far it slides in them during
-// the last 50 ms, and the force with which they press.
+// the last 50 ms, and the force with which they press. From 50 ms on both may speed up.
 struct Grip {
   double slid_m, squeeze_n;
 };
 
-Grip grip_block(double friction, double gravity_m_s2) {
+Grip grip_block(double friction, double gravity_m_s2, double acceleration_m_s2 = 0.0) {
   Body body(box_mesh({-0.01, -0.01, -0.01}, {0.01, 0, 0.01}, {2, 1, 2}), kSilicone);
-  body.fix_nodes({-1, -1, -1}, {1, -0.01 + 1e-6, 1}, {true, true, true});
+  body.fix_nodes({-1, -1, -1}, {1, -0.01 + 1e-6, 1}, {true, true, true}, speeding_up(0.05, acceleration_m_s2, {{0.0}}),
+                 "base");
   body.set_gravity({-gravity_m_s2, 0, 0});
   Obstacle block{"block", RoundedBox{{0, 0.01, 0}, {0.06, 0.02, 0.06}, 0.002}, {}, friction};
   block.mass_kg = 0.1;
   block.friction_on["lid"] = friction;
   const std::vector<ObstaclePose> pressed{{0.0, kZero, kZero}, {0.005, {0, -0.0005, 0}, kZero}};
-  Simulation simulation =
-      with(std::move(body), {{"lid", RoundedBox{{0, 0.03, 0}, {0.1, 0.02, 0.1}, 0.002}, pressed, 0.0}, block},
-           steps_of(0.005));
-  run(simulation, 0.3);
-  const double before_m = center_m(simulation).x();
+  const Obstacle lid{"lid", RoundedBox{{0, 0.03, 0}, {0.1, 0.02, 0.1}, 0.002},
+                     speeding_up(0.05, acceleration_m_s2, pressed), 0.0};
+  Simulation simulation = with(std::move(body), {lid, block}, steps_of(0.005));
+  run(simulation, 0.2);
+  const double before_m = along_x_m(simulation);
   run(simulation, 0.05);
-  return {before_m - center_m(simulation).x(), simulation.contacts()[1].normal_force_n};
+  return {before_m - along_x_m(simulation), simulation.contacts()[1].normal_force_n};
 }
 
-// It holds while 2 mu N > m (g + a), some 3 % on either side of that; to speed up by a is to weigh more.
-TEST(FreeObstacle, AGripHoldsWhatItsFrictionBearsAndDropsMore) {
-  constexpr double kLoad_m_s2 = kGravity + 5.0, kLoad_n = 0.1 * kLoad_m_s2;
-  const double limit = kLoad_n / (2.0 * grip_block(1.1 * kLoad_n / 13.9, kLoad_m_s2).squeeze_n);
-  const Grip held = grip_block(1.03 * limit, kLoad_m_s2), lost = grip_block(0.97 * limit, kLoad_m_s2);
-  const double held_ratio = 2.0 * 1.03 * limit * held.squeeze_n / kLoad_n,
-               lost_ratio = 2.0 * 0.97 * limit * lost.squeeze_n / kLoad_n;
+// It holds while 2 mu N > m (g + a), some 3 % on either side of that.
+void expect_grip(double gravity_m_s2, double acceleration_m_s2) {
+  const double load_n = 0.1 * (gravity_m_s2 + acceleration_m_s2);
+  const auto grip = [&](double friction) { return grip_block(friction, gravity_m_s2, acceleration_m_s2); };
+  const double limit = load_n / (2.0 * grip(1.1 * load_n / 13.9).squeeze_n);
+  const Grip held = grip(1.03 * limit), lost = grip(0.97 * limit);
+  const double held_ratio = 2.0 * 1.03 * limit * held.squeeze_n / load_n,
+               lost_ratio = 2.0 * 0.97 * limit * lost.squeeze_n / load_n;
   EXPECT_GT(held_ratio, 1.0);
   EXPECT_LT(held_ratio, 1.06);
   EXPECT_LT(std::abs(held.slid_m), 1e-6) << held_ratio;
   EXPECT_LT(lost_ratio, 1.0);
   EXPECT_GT(lost.slid_m, 2e-3) << lost_ratio;
 }
+
+TEST(FreeObstacle, AGripHoldsWhatItsFrictionBearsAndDropsMore) { expect_grip(kGravity + 5.0, 0.0); }
+TEST(FreeObstacle, AGripThatSpeedsUpHoldsWhatItsFrictionBearsAndDropsMore) { expect_grip(kGravity, 5.0); }
 
 // On a rigid floor, beside the pad.
 std::vector<Obstacle> on_floor(Obstacle one, double friction) {

@@ -67,6 +67,9 @@ inline constexpr int kSettling = 12;      // iterations that a body which fricti
 
 inline constexpr int kXpbdThreads = 2;  // on meshes large enough to be worth it
 inline constexpr int kBatchesWorthAThread = 16;
+// An element's matrix is made again where C = F^T F since then is off the identity by more, or its pressure by more
+// times mu.
+inline constexpr double kStaleStrain = 0.1, kStalePressure = 0.2;
 inline constexpr int kDoublings = 4;                // of the substeps of a step that creates energy
 inline constexpr double kMostCreatedEnergy = 0.05;  // good steps stay below 0.01, others exceed 0.3 at once
 inline constexpr int kRelaxationSteps = 600;        // time steps in which it must come to rest

@@ -140,6 +140,7 @@ bool NewtonSolver::linearised_at(const NewtonState& state, double inertia_per_s2
 }
 
 void NewtonSolver::restore(const std::shared_ptr<const Linearisation>& linearisation) {
+  if (linearisation && !linearisation->at) return restore(nullptr);  // xpbd's
   linearisation_ = linearisation;
   if (linearisation && linearisation->contact_pattern) contact_pattern_ = linearisation->contact_pattern;
 }

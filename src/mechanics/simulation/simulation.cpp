@@ -163,7 +163,9 @@ void Simulation::reset() { parts_->reset(); }
 const SimulationState& Simulation::state() const { return parts_->state; }
 
 // The state knows where the solver's factor was made, so that a copy of it goes on to the last bit.
-void Simulation::take_along_linearisation() { parts_->state.linearisation = parts_->workspace.newton.linearisation(); }
+void Simulation::take_along_linearisation() {
+  if (!parts_->workspace.xpbd) parts_->state.linearisation = parts_->workspace.newton.linearisation();
+}
 
 void Simulation::set_state(const SimulationState& state) {
   check_state(state, parts_->state);
@@ -173,7 +175,7 @@ void Simulation::set_state(const SimulationState& state) {
   // A state may have been changed since it slept.
   std::optional<double>& residual = parts_->state.rest_residual;
   if (residual && (!state.velocities_m_s.isZero(0.0) || residual_at_rest(*parts_) != *residual)) residual.reset();
-  parts_->workspace.newton.restore(state.linearisation);
+  if (!parts_->workspace.xpbd) parts_->workspace.newton.restore(state.linearisation);
 }
 
 const std::shared_ptr<const Model>& Simulation::model() const { return parts_->model; }

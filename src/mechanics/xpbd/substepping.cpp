@@ -29,7 +29,9 @@ NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdRep
 // One time step of xpbd; kept only where it is finite, else the drives go back to `drives_before` too.
 XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, const DriveStates& drives_before,
                                bool at_rest, SolveReport& report) {
-  XpbdState moving{parts.unknowns(), parts.state.velocities_m_s, parts.state.element_forces_n};
+  const auto& made = parts.state.linearisation;
+  XpbdState moving{parts.unknowns(), parts.state.velocities_m_s, parts.state.element_forces_n,
+                   made && !made->at ? std::static_pointer_cast<const KeptSolves>(made) : nullptr};
   const XpbdReport done = parts.workspace.xpbd->advance_stably(task, moving);
   ++report.steps;
   report.iterations += done.sweeps;
@@ -40,6 +42,7 @@ XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, con
     parts.accept(std::move(moving.unknowns));
     parts.state.velocities_m_s = std::move(moving.velocities_m_s);
     parts.state.element_forces_n = std::move(moving.element_forces_n);
+    parts.state.linearisation = std::move(moving.kept);
     found = measure(parts, task, done, at_rest);
   } else {
     parts.state.drives = drives_before;

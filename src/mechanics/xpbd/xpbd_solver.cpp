@@ -35,12 +35,6 @@ ElementBatches coloured_batches(const Body& body, Colouring colouring, std::vect
   return {body, std::move(colouring.lanes), rank};
 }
 
-ElementStep element_step(double h, const Eigen::Matrix3Xd& root_inverse_masses, NewtonState& state,
-                         Batches& multipliers) {
-  return {h, root_inverse_masses.data(), state.positions_m.data(), multipliers.data(),
-          state.element_multipliers_pa.data()};
-}
-
 }  // namespace
 
 XpbdTables::XpbdTables(const Body& body_in, std::vector<DrivenConstraint> constraints_in)
@@ -64,6 +58,8 @@ XpbdSolver::XpbdSolver(std::shared_ptr<const XpbdTables> tables, int thread_coun
       batches_(tables_->batches),
       thread_count_(thread_count),
       multipliers_(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0)),
+      pushed_m_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())),
+      solves_(batches_, root_inverse_masses_.data()),
       energies_(static_cast<std::size_t>(batches_.count()), splat(0.0)),
       gradient_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())) {}
 
@@ -92,12 +88,37 @@ ConstraintLaw XpbdSolver::law_at(std::size_t constraint, const NewtonState& stat
   return of.law(of.value(state.positions_m, state.drives), y, state.drives);
 }
 
+ElementStep XpbdSolver::element_step(double h, NewtonState& state) {
+  return {h, root_inverse_masses_.data(), state.positions_m.data(), multipliers_.data(),
+          state.element_multipliers_pa.data()};
+}
+
+void XpbdSolver::take_up(const std::shared_ptr<const KeptSolves>& kept, double h) {
+  const bool same_step = kept && kept->time_step_s == h && kept->positions_m.size() == solves_.made.positions_m.size();
+  if (!same_step || solves_.made.time_step_s != h)
+    std::fill(solves_.known.begin(), solves_.known.end(), ElementSolves::kNone);
+  if (same_step && (kept != kept_ || solves_.made.time_step_s != h)) solves_.restore(*kept);
+  solves_.made.time_step_s = h;
+  std::fill(solves_.fresh.begin(), solves_.fresh.end(), 0);
+  kept_ = kept;
+}
+
+void XpbdSolver::let_go(std::shared_ptr<const KeptSolves>& kept) {
+  if (std::find(solves_.fresh.begin(), solves_.fresh.end(), 1) != solves_.fresh.end())
+    kept = kept_ = std::make_shared<const KeptSolves>(solves_.made);
+}
+
 // l = -h^2 M^-1/2 f; the forces on held nodes, where M^-1/2 is zero, are not needed and not kept.
 void XpbdSolver::load_multipliers(const Eigen::VectorXd& forces_n, double h) {
   for (std::size_t place = 0; place < multipliers_.size(); ++place)
     for (int lane = 0; lane < kLanes; ++lane)
       multipliers_[place][lane] =
           -h * h * root_inverse_mass(place, lane) * forces_n[static_cast<Eigen::Index>(place) * kLanes + lane];
+  pushed_m_.setZero();
+  for (std::size_t place = 0; place < multipliers_.size(); ++place)
+    for (int lane = 0; lane < kLanes; ++lane)
+      if (batches_.element[place / element_size() * kLanes + lane] >= 0)
+        pushed_m_.data()[coordinate(place, lane)] += root_inverse_mass(place, lane) * multipliers_[place][lane];
 }
 
 void XpbdSolver::save_multipliers(double h, Eigen::VectorXd& forces_n) const {
@@ -115,6 +136,7 @@ Eigen::VectorXd XpbdSolver::forces_of(NewtonState state) {
   constexpr double no_time_s = 1e-10;
   Eigen::VectorXd forces_n = Eigen::VectorXd::Zero(force_count());
   std::fill(multipliers_.begin(), multipliers_.end(), splat(0.0));
+  take_up(nullptr, no_time_s);
   sweep_elements(no_time_s, state);
   save_multipliers(no_time_s, forces_n);
   return forces_n;
@@ -125,12 +147,9 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
   Eigen::Matrix3Xd motion = h * state.velocities_m_s + h * h * inverse_masses_.cwiseProduct(loads_n_);
   if (task.multipliers_from_zero) {
     std::fill(multipliers_.begin(), multipliers_.end(), splat(0.0));
-  } else {
-    for (std::size_t place = 0; place < multipliers_.size(); ++place)
-      for (int lane = 0; lane < kLanes; ++lane)
-        if (batches_.element[place / element_size() * kLanes + lane] >= 0)
-          motion.data()[coordinate(place, lane)] += root_inverse_mass(place, lane) * multipliers_[place][lane];
+    pushed_m_.setZero();
   }
+  motion += pushed_m_;
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
     double& y = state.unknowns.constraint_multipliers[static_cast<Eigen::Index>(i)];
     const ConstraintLaw law = law_at(i, state.unknowns);
@@ -143,8 +162,10 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
 }
 
 void XpbdSolver::sweep_elements(double h, NewtonState& state) {
-  const ElementStep step = element_step(h, root_inverse_masses_, state, multipliers_);
-  for_colours([&](int first, int last) { move_elements(batches_, first, last, step); });
+  const ElementStep step = element_step(h, state);
+  pushed_m_ -= state.positions_m;
+  for_colours([&](int first, int last) { move_elements(batches_, first, last, step, solves_); });
+  pushed_m_ += state.positions_m;
 }
 
 // Eq. 18 with y = -lambda / h^2, the force: the correction is dy = (o - a y) / (a + h^2 grad C . M^-1 grad C).
@@ -193,6 +214,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   double work = 0.0, moved_energy = 0.0;
   const double slowing = 1.0 / (1.0 + body_.viscosity().rayleigh_mass_per_s * h);
 
+  take_up(state.kept, h);
   load_multipliers(state.element_forces_n, h);
   for (int substep = 0; substep < task.substep_count; ++substep) {
     if (task.drives_at) unknowns.drives = task.drives_at((substep + 1.0) / task.substep_count);
@@ -218,6 +240,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
     moved_energy += std::abs(brought);
   }
   save_multipliers(h, state.element_forces_n);
+  let_go(state.kept);
 
   report.kinetic_energy_j = kinetic_energy(state.velocities_m_s);
   const double energy_after = report.kinetic_energy_j + stored_energy(unknowns.positions_m);

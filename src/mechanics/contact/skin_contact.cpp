@@ -65,6 +65,7 @@ void SkinContact::add_touch(int point, const Eigen::Matrix3Xd& positions_m, cons
   touch.pressure_pa = state.pressures_pa[touch.pair];
   const int face = points_.face_of(point);
   const Eigen::Vector3d at_m = points_.at(point, positions_m);
+  if (touch.pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m)) return;
   const Eigen::Vector3d out = outward(point, positions_m);
   if (touch.pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m, out)) return;
   const std::optional<SkinGap> met = pairs_.meet(face, at_m, out, positions_m);
@@ -167,6 +168,7 @@ double SkinContact::deepest(const Eigen::Matrix3Xd& positions_m) const {
     if (!pairs_.may_be_inside(face)) continue;
     for (int point = points_.first_point(face); point < points_.first_point(face + 1); ++point) {
       const Eigen::Vector3d at_m = points_.at(point, positions_m);
+      if (!pairs_.may_be_inside(face, at_m)) continue;
       const Eigen::Vector3d out = outward(point, positions_m);
       if (!pairs_.may_be_inside(face, at_m, out)) continue;
       const std::optional<SkinGap> met = pairs_.meet(face, at_m, out, positions_m);

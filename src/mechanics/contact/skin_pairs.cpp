@@ -19,11 +19,14 @@ constexpr double kDeepest = 0.5;    // of a face's size: deeper is the other sid
 constexpr double kBehind = 4.0;     // of the largest face's size: walls are looked for so near
 constexpr double kInFront = 1e-9;   // of the same: a face that has no corner so far in front of another lies behind it
 constexpr double kMargin = 0.02;    // of the body's size: what near faces are looked for within
+constexpr double kSlack = 0.001;    // of the same: which of them may overlap is looked for once nodes have moved so far
 constexpr double kOneSide = 0.5;    // cosine: faces whose normals agree so at rest are one side of a wall; it may fold
 constexpr double kOneWay = 0.9;     // cosine: neither face meets the other, nor do the guards at its edges
 constexpr double kAlong = 0.6;      // cosine: faces bend less than to turn such normals against one another
 constexpr double kAgainst = 0.2;    // cosine: skin that meets skin faces it at least so much
 constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
+constexpr double kSteepest = 1e3;   // as a tangent: normals of a face that tilt so far may tilt any way
+constexpr double kStillConvex = 0.1;  // of a flat face's determinant
 constexpr int kMostIterations = 12;
 constexpr std::size_t kMostPairs = 4000000;  // of faces of which it is kept whether they count
 
@@ -57,6 +60,24 @@ Eigen::Vector2d into_triangle(Eigen::Vector2d local) {
   return local / std::max(1.0, local.sum());
 }
 
+// Normals of a quadratic face lie between products of its derivatives at corners, of one along r and one along s.
+double largest_tilt(const Eigen::Vector3d& normal, const Eigen::Matrix<double, 3, 6>& around_m) {
+  const auto& p = around_m;
+  Eigen::Matrix3d r, s;
+  r << p.col(3) - p.col(0), p.col(1) - p.col(3), p.col(4) - p.col(5);
+  s << p.col(5) - p.col(0), p.col(4) - p.col(3), p.col(2) - p.col(5);
+  double largest = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const Eigen::Vector3d product = r.col(i).cross(s.col(j)) + r.col(j).cross(s.col(i));
+      const double along = product.dot(normal);
+      if (along * kSteepest <= product.norm()) return kSteepest;
+      largest = std::max(largest, product.squaredNorm() / (along * along) - 1.0);
+    }
+  }
+  return std::sqrt(largest);
+}
+
 // A face as a polynomial of its coordinates, of terms 1, r, s, r^2, r s, s^2.
 class FacePolynomial {
  public:
@@ -74,18 +95,30 @@ class FacePolynomial {
   Eigen::Vector3d at(double r, double s) const { return corner_ + r * (r_ + r * rr_ + s * rs_) + s * (s_ + s * ss_); }
   Eigen::Vector3d along_r(double r, double s) const { return r_ + 2.0 * r * rr_ + s * rs_; }
   Eigen::Vector3d along_s(double r, double s) const { return s_ + r * rs_ + 2.0 * s * ss_; }
+  // Second derivatives along a direction: by r, by s, by both.
+  Eigen::Vector3d bends(const Eigen::Vector3d& along) const {
+    return {2.0 * rr_.dot(along), 2.0 * ss_.dot(along), rs_.dot(along)};
+  }
 
  private:
   Eigen::Vector3d corner_, r_, s_, rr_, rs_, ss_;
 };
 
-// Coordinates of the closest place, by Gauss and Newton's method, kept on the face.
+// Coordinates of the closest place, by Newton's method, kept on the face; by Gauss and Newton's where the distance has
+// no minimum nearby.
 Eigen::Vector2d closest(const FacePolynomial& face, const Eigen::Vector3d& point_m) {
   Eigen::Vector2d local = Eigen::Vector2d::Constant(1.0 / 3.0);
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     const Eigen::Vector3d r = face.along_r(local.x(), local.y()), s = face.along_s(local.x(), local.y());
     const Eigen::Vector3d off_m = point_m - face.at(local.x(), local.y());
-    const double rr = r.dot(r), rs = r.dot(s), ss = s.dot(s), by_r = r.dot(off_m), by_s = s.dot(off_m);
+    double rr = r.dot(r), rs = r.dot(s), ss = s.dot(s);
+    const double by_r = r.dot(off_m), by_s = s.dot(off_m), flat = rr * ss - rs * rs;
+    const Eigen::Vector3d bends = face.bends(off_m);
+    if ((rr - bends[0]) * (ss - bends[1]) - (rs - bends[2]) * (rs - bends[2]) > kStillConvex * flat && rr > bends[0]) {
+      rr -= bends[0];
+      ss -= bends[1];
+      rs -= bends[2];
+    }
     const double scale = 1.0 / (rr * ss - rs * rs);
     const Eigen::Vector2d change(scale * (ss * by_r - rs * by_s), scale * (rr * by_s - rs * by_r));
     const Eigen::Vector2d next = into_triangle(local + change);
@@ -156,7 +189,8 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
       same_(points.mesh_faces()),
       body_(bodies_of_faces(body)),
       touching_(body),
-      margin_m_(kMargin * body.size_m()) {
+      margin_m_(kMargin * body.size_m()),
+      slack_m_(kSlack * body.size_m()) {
   const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
   rest_m_ = nodes_m;
   const auto count = static_cast<int>(faces_.cols());
@@ -169,19 +203,11 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
     rest_normals_.col(face) = area_m2.normalized();
     sizes_m_[face] = std::sqrt(area_m2.norm());
   }
-  for (Eigen::Matrix3Xd* columns : {&low_m_, &high_m_, &deep_low_m_, &deep_high_m_, &normals_, &farthest_m_})
-    columns->resize(3, count);
-  sideways_.resize(3, 3 * count);
-  around_m_.resize(3, faces_.rows() * count);
+  present_.resize(static_cast<std::size_t>(count));
+  known_.resize(static_cast<std::size_t>(count));
   reach_.resize(same_.size());
-  lowest_m_.resize(count);
-  top_m_.resize(count);
-  for (int face = 0; face < points.face_count(); ++face) {
-    std::vector<int>& besides = beside_.emplace_back();
-    for (int point = points.first_point(face); point < points.first_point(face + 1); ++point)
-      if (points.guards(point) && (besides.empty() || besides.back() != points.beside(point)))
-        besides.push_back(points.beside(point));
-  }
+  close_.resize(same_.size());
+  overlaps_.resize(same_.size());
   const std::size_t pairs = same_.size() * static_cast<std::size_t>(count);
   if (pairs <= kMostPairs) counts_.assign(pairs, -1);
   largest_size_m_ = sizes_m_.maxCoeff();
@@ -211,82 +237,107 @@ bool SkinPairs::counts(int face, int other) const {
   return foremost_m > kInFront * largest_size_m_;
 }
 
-bool SkinPairs::may_face(std::size_t face, int other) const {
-  return normals_.col(same_[face]).dot(normals_.col(other)) < kOneWay;
-}
-
 void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   if (prepared_at_m_.cols() == positions_m.cols() && prepared_at_m_ == positions_m) return;
   prepared_at_m_ = positions_m;
-  const bool near_enough = near_at_m_.cols() == positions_m.cols() &&
-                           (positions_m - near_at_m_).colwise().squaredNorm().maxCoeff() < 0.25 * margin_m_ * margin_m_;
-  if (!near_enough) find_near(positions_m);
-  for (const int face : in_reach_) prepare_face(face, positions_m);
+  std::fill(known_.begin(), known_.end(), 0);
   for (Reach& reach : reach_) reach.known = false;
-  // Along a long body most are apart, so that axis is looked at first.
-  std::array<int, 3> axes{0, 1, 2};
-  const Eigen::Vector3d extent_m = positions_m.rowwise().maxCoeff() - positions_m.rowwise().minCoeff();
-  std::sort(axes.begin(), axes.end(), [&](int a, int b) { return extent_m[a] > extent_m[b]; });
-  overlaps_.resize(near_.size());
-  for (std::size_t face = 0; face < near_.size(); ++face) {
-    const double *low_m = &low_m_(0, same_[face]), *high_m = &high_m_(0, same_[face]);
-    overlaps_[face].clear();
-    for (const int other : near_[face]) {
-      const double *other_low_m = &deep_low_m_(0, other), *other_high_m = &deep_high_m_(0, other);
-      const auto meets = [&](int axis) {
-        return other_low_m[axis] <= high_m[axis] && other_high_m[axis] >= low_m[axis];
-      };
-      if (meets(axes[0]) && meets(axes[1]) && meets(axes[2]) && may_face(face, other) && goes_below(face, other))
-        overlaps_[face].push_back(other);
-    }
+  const auto has_moved = [&](const Eigen::Matrix3Xd& from_m, double by_m) {
+    return from_m.cols() != positions_m.cols() ||
+           (positions_m - from_m).colwise().squaredNorm().maxCoeff() >= by_m * by_m;
+  };
+  if (has_moved(near_at_m_, 0.5 * margin_m_)) {
+    find_near(positions_m);
+    close_at_m_.resize(3, 0);
+  }
+  if (has_moved(close_at_m_, slack_m_)) find_close(positions_m);
+  for (const int face : any_close_) {
+    std::vector<int>& overlaps = overlaps_[static_cast<std::size_t>(face)];
+    overlaps.clear();
+    for (const int other : close_[static_cast<std::size_t>(face)])
+      if (may_overlap(face, other, false)) overlaps.push_back(other);
   }
 }
 
-void SkinPairs::prepare_face(int face, const Eigen::Matrix3Xd& positions_m) {
+void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
+  close_at_m_ = positions_m;
+  for (const int face : any_close_) overlaps_[static_cast<std::size_t>(face)].clear();
+  any_close_.clear();
+  for (std::size_t face = 0; face < near_.size(); ++face) {
+    close_[face].clear();
+    for (const int other : near_[face])
+      if (may_overlap(static_cast<int>(face), other, true)) close_[face].push_back(other);
+    if (!close_[face].empty()) any_close_.push_back(static_cast<int>(face));
+  }
+}
+
+void SkinPairs::look_at(int face) const {
+  present_[static_cast<std::size_t>(face)] = face_at(face, prepared_at_m_);
+  known_[static_cast<std::size_t>(face)] = 1;
+}
+
+SkinPairs::Present SkinPairs::face_at(int face, const Eigen::Matrix3Xd& positions_m) const {
   const FaceNodes around = control_points(nodes_of(faces_, face, positions_m));
-  around_m_.middleCols(around.cols() * face, around.cols()) = around;
-  const Eigen::Vector3d normal = corner_normal(faces_, face, positions_m).normalized();
-  Eigen::Vector3d low_m = around.col(0), high_m = low_m;
-  Eigen::Vector2d heights_m = Eigen::Vector2d::Constant(normal.dot(low_m));
-  std::array<Eigen::Vector3d, 3> sideways;
-  Eigen::Vector3d farthest_m;
+  Present at;
+  at.around_m.leftCols(around.cols()) = around;
+  const Eigen::Vector3d along = around.col(1) - around.col(0), across = around.col(2) - around.col(0);
+  const Eigen::Vector3d area_m2 = along.cross(across);
+  at.normal = area_m2.normalized();
+  // Two edges move by twice the way, so their product by so much of itself.
+  const double change = 2.0 * slack_m_ * (along.norm() + across.norm()) / area_m2.norm();
+  at.turn = change < 0.8 ? std::sqrt(2.0) * change * (1.0 + 0.25 * change) : 2.0;
+  at.low_m = at.high_m = around.col(0);
+  at.lowest_m = at.top_m = at.normal.dot(around.col(0));
   for (int side = 0; side < 3; ++side) {
-    sideways[side] = (around.col((side + 1) % 3) - around.col(side)).cross(normal).normalized();
-    farthest_m[side] = sideways[side].dot(low_m);
+    at.sideways.col(side) = (around.col((side + 1) % 3) - around.col(side)).cross(at.normal).normalized();
+    at.farthest_m[side] = at.sideways.col(side).dot(around.col(0));
   }
   for (Eigen::Index a = 1; a < around.cols(); ++a) {
     const Eigen::Vector3d at_m = around.col(a);
-    const double height_m = normal.dot(at_m);
-    low_m = low_m.cwiseMin(at_m);
-    high_m = high_m.cwiseMax(at_m);
-    heights_m = {std::min(heights_m[0], height_m), std::max(heights_m[1], height_m)};
-    for (int side = 0; side < 3; ++side) farthest_m[side] = std::max(farthest_m[side], sideways[side].dot(at_m));
+    const double height_m = at.normal.dot(at_m);
+    at.low_m = at.low_m.cwiseMin(at_m);
+    at.high_m = at.high_m.cwiseMax(at_m);
+    at.lowest_m = std::min(at.lowest_m, height_m);
+    at.top_m = std::max(at.top_m, height_m);
+    at.farthest_m = at.farthest_m.cwiseMax(at.sideways.transpose() * at_m);
   }
-  normals_.col(face) = normal;
-  lowest_m_[face] = heights_m[0];
-  top_m_[face] = heights_m[1];
-  low_m_.col(face) = low_m;
-  high_m_.col(face) = high_m;
-  farthest_m_.col(face) = farthest_m;
-  for (int side = 0; side < 3; ++side) sideways_.col(3 * face + side) = sideways[side];
-  const Eigen::Vector3d behind_m = -deepest_m_[face] * normal;
-  deep_low_m_.col(face) = (low_m + behind_m.cwiseMin(0.0)).array() - kOverEdge * sizes_m_[face];
-  deep_high_m_.col(face) = (high_m + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
+  const Eigen::Vector3d behind_m = -deepest_m_[face] * at.normal;
+  at.deep_low_m = (at.low_m + behind_m.cwiseMin(0.0)).array() - kOverEdge * sizes_m_[face];
+  at.deep_high_m = (at.high_m + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
+  return at;
 }
 
-bool SkinPairs::goes_below(std::size_t face, int other) const {
-  const Eigen::Index first = faces_.rows() * same_[face];
-  const double top_m = top_m_[other] + kOverEdge * sizes_m_[other];
-  for (Eigen::Index a = 0; a < faces_.rows(); ++a)
-    if (normals_.col(other).dot(around_m_.col(first + a)) < top_m) return true;
+double SkinPairs::Present::farthest_from_m(const Eigen::Vector3d& point_m) const {
+  return (point_m - low_m).cwiseMax(high_m - point_m).norm();
+}
+
+// Where nodes move, points that a face lies between move by three times as much, and its normal turns.
+bool SkinPairs::may_overlap(int face, int other, bool soon) const {
+  const Present &mine = present(same_[static_cast<std::size_t>(face)]), &theirs = present(other);
+  const double moved_m = soon ? 6.0 * slack_m_ : 0.0, turn = soon ? theirs.turn : 0.0;
+  const double wider_m = moved_m + turn * deepest_m_[other];
+  if ((theirs.deep_low_m - mine.high_m).maxCoeff() > wider_m || (mine.low_m - theirs.deep_high_m).maxCoeff() > wider_m)
+    return false;
+  if (mine.normal.dot(theirs.normal) >= kOneWay + (soon ? turn + mine.turn : 0.0)) return false;
+  const double top_m = theirs.top_m + kOverEdge * sizes_m_[other] + moved_m;
+  for (Eigen::Index a = 0; a < faces_.rows(); ++a) {
+    const Eigen::Vector3d at_m = mine.around_m.col(a);
+    const double turned_m = soon ? turn * (theirs.farthest_from_m(at_m) + moved_m) : 0.0;
+    if (theirs.normal.dot(at_m) < top_m + turned_m) return true;
+  }
   return false;
 }
 
-bool SkinPairs::out_of_reach(std::size_t face, int other) const {
-  const int same = same_[face];
-  const double deepest_m = deepest_m_[other];
-  return (low_m_.col(other) - high_m_.col(same)).maxCoeff() > deepest_m ||
-         (low_m_.col(same) - high_m_.col(other)).maxCoeff() > deepest_m;
+double SkinPairs::tilt(int face) const {
+  double& tilt = present_[static_cast<std::size_t>(face)].tilt;
+  if (tilt < 0.0) tilt = faces_.rows() == 6 ? largest_tilt(present(face).normal, present(face).around_m) : 0.0;
+  return tilt;
+}
+
+bool SkinPairs::out_of_reach(int face, int other) const {
+  const Present &mine = present(same_[static_cast<std::size_t>(face)]), &theirs = present(other);
+  return (theirs.low_m - mine.high_m).maxCoeff() > deepest_m_[other] ||
+         (mine.low_m - theirs.high_m).maxCoeff() > deepest_m_[other];
 }
 
 const std::vector<int>& SkinPairs::in_reach_of(int face) const {
@@ -295,23 +346,33 @@ const std::vector<int>& SkinPairs::in_reach_of(int face) const {
   reach.known = true;
   reach.others.clear();
   for (const int other : near_[static_cast<std::size_t>(face)])
-    if (!out_of_reach(static_cast<std::size_t>(face), other)) reach.others.push_back(other);
+    if (!out_of_reach(face, other)) reach.others.push_back(other);
   return reach.others;
 }
 
 bool SkinPairs::may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
-  if (normals_.col(other).dot(outward) > kAlong * outward.norm()) return false;
-  const double height_m = normals_.col(other).dot(point_m), deepest_m = deepest_m_[other];
-  return height_m > lowest_m_[other] - deepest_m && height_m < top_m_[other] + deepest_m;
+  const Present& theirs = present(other);
+  if (theirs.normal.dot(outward) > kAlong * outward.norm()) return false;
+  const double height_m = theirs.normal.dot(point_m), deepest_m = deepest_m_[other];
+  return height_m > theirs.lowest_m - deepest_m && height_m < theirs.top_m + deepest_m;
+}
+
+bool SkinPairs::is_behind(int other, const Eigen::Vector3d& point_m) const {
+  const Present& theirs = present(other);
+  return (theirs.deep_low_m.array() <= point_m.array()).all() &&
+         (theirs.deep_high_m.array() >= point_m.array()).all() &&
+         theirs.normal.dot(point_m) < theirs.top_m + kOverEdge * sizes_m_[other];
+}
+
+bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m) const {
+  const std::vector<int>& all = overlaps_[static_cast<std::size_t>(face)];
+  return std::any_of(all.begin(), all.end(), [&](int other) { return is_behind(other, point_m); });
 }
 
 bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
   const std::vector<int>& all = overlaps_[static_cast<std::size_t>(face)];
-  return std::any_of(all.begin(), all.end(), [&](int other) {
-    return (deep_low_m_.col(other).array() <= point_m.array()).all() &&
-           (deep_high_m_.col(other).array() >= point_m.array()).all() && may_meet(other, point_m, outward) &&
-           normals_.col(other).dot(point_m) < top_m_[other] + kOverEdge * sizes_m_[other];
-  });
+  return std::any_of(all.begin(), all.end(),
+                     [&](int other) { return is_behind(other, point_m) && may_meet(other, point_m, outward); });
 }
 
 void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
@@ -341,16 +402,6 @@ void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
     std::sort(of_face.begin(), of_face.end());
     of_face.erase(std::unique(of_face.begin(), of_face.end()), of_face.end());
   }
-  std::vector<bool> in_reach(static_cast<std::size_t>(faces_.cols()), false);
-  for (std::size_t face = 0; face < near_.size(); ++face) {
-    if (near_[face].empty()) continue;
-    in_reach[static_cast<std::size_t>(same_[face])] = true;
-    for (const int other : near_[face]) in_reach[static_cast<std::size_t>(other)] = true;
-    for (const int other : beside_[face]) in_reach[static_cast<std::size_t>(other)] = true;
-  }
-  in_reach_.clear();
-  for (std::size_t face = 0; face < in_reach.size(); ++face)
-    if (in_reach[face]) in_reach_.push_back(static_cast<int>(face));
 }
 
 // What a point finds on one face, where it is in front of it, or not deeper inside than counts.
@@ -391,34 +442,38 @@ SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_
 }
 
 // By its box, by the planes that it lies between, and by those along its sides.
-double SkinPairs::least_distance_m(int other, const Eigen::Vector3d& point_m) const {
-  const double height_m = normals_.col(other).dot(point_m);
-  double least_m = std::max({(low_m_.col(other) - point_m).maxCoeff(), (point_m - high_m_.col(other)).maxCoeff(),
-                             height_m - top_m_[other], lowest_m_[other] - height_m});
-  for (int side = 0; side < 3; ++side)
-    least_m = std::max(least_m, sideways_.col(3 * other + side).dot(point_m) - farthest_m_(side, other));
-  return least_m;
+SkinPairs::Candidate SkinPairs::candidate(int other, const Eigen::Vector3d& point_m) const {
+  const Present& theirs = present(other);
+  const double height_m = theirs.normal.dot(point_m);
+  const double beside_m = (theirs.sideways.transpose() * point_m - theirs.farthest_m).maxCoeff();
+  return {other,
+          std::max({(theirs.low_m - point_m).maxCoeff(), (point_m - theirs.high_m).maxCoeff(), height_m - theirs.top_m,
+                    theirs.lowest_m - height_m, beside_m}),
+          beside_m};
+}
+
+// What is met lies along a normal of the face, which leads beside it no farther than it tilts.
+bool SkinPairs::meets_within(const Candidate& candidate, double reach_m) const {
+  if (candidate.least_m > reach_m) return false;
+  const double over_m = kOverEdge * sizes_m_[candidate.face];
+  return candidate.beside_m <= over_m || candidate.beside_m <= over_m + reach_m * tilt(candidate.face);
 }
 
 // The one that may be nearest first, as then most others need no closer look.
 std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                        const Eigen::Matrix3Xd& positions_m) const {
-  const std::vector<int>& near = in_reach_of(face);
-  int first = -1;
-  double least_m = 0.0;
-  for (const int other : near) {
-    const double distance_m = least_distance_m(other, point_m);
-    if (distance_m > deepest_m_[other] || (first >= 0 && distance_m >= least_m) || !may_meet(other, point_m, outward))
-      continue;
-    first = other;
-    least_m = distance_m;
+  candidates_.clear();
+  for (const int other : in_reach_of(face)) {
+    const Candidate found = candidate(other, point_m);
+    if (meets_within(found, deepest_m_[other]) && may_meet(other, point_m, outward)) candidates_.push_back(found);
   }
-  if (first < 0) return std::nullopt;
-  std::optional<Meeting> best = meeting(first, point_m, outward, positions_m);
-  for (const int other : near) {
-    const double reach_m = best ? std::abs(best->gap_m) : deepest_m_[other];
-    if (other == first || least_distance_m(other, point_m) > reach_m || !may_meet(other, point_m, outward)) continue;
-    const std::optional<Meeting> met = meeting(other, point_m, outward, positions_m);
+  const auto first = std::min_element(candidates_.begin(), candidates_.end(),
+                                      [](const Candidate& a, const Candidate& b) { return a.least_m < b.least_m; });
+  if (first == candidates_.end()) return std::nullopt;
+  std::optional<Meeting> best = meeting(first->face, point_m, outward, positions_m);
+  for (auto other = candidates_.begin(); other != candidates_.end(); ++other) {
+    if (other == first || (best && !meets_within(*other, std::abs(best->gap_m)))) continue;
+    const std::optional<Meeting> met = meeting(other->face, point_m, outward, positions_m);
     if (met && (!best || std::abs(met->gap_m) < std::abs(best->gap_m))) best = met;
   }
   if (!best) return std::nullopt;
@@ -431,9 +486,9 @@ std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& poi
   double best_m = 0.0;
   for (const int other : near_[static_cast<std::size_t>(face)]) {
     const double reach_m = best ? best_m : sizes_m_[other];
-    if ((point_m - low_m_.col(other)).minCoeff() < -reach_m || (high_m_.col(other) - point_m).minCoeff() < -reach_m)
-      continue;
-    if (normals_.col(other).dot(outward) > -kAgainst * outward.norm()) continue;
+    const Present& theirs = present(other);
+    if ((point_m - theirs.low_m).minCoeff() < -reach_m || (theirs.high_m - point_m).minCoeff() < -reach_m) continue;
+    if (theirs.normal.dot(outward) > -kAgainst * outward.norm()) continue;
     const FaceNodes nodes = nodes_of(faces_, other, positions_m);
     const Eigen::Vector2d local = closest(FacePolynomial(nodes), point_m);
     const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());

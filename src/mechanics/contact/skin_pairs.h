@@ -72,8 +72,10 @@ class SkinPairs {
   }
 
   bool any_near(int face) const { return !near_[static_cast<std::size_t>(face)].empty(); }
-  // Whether anything of this face may be inside the body, by boxes; and whether this point of it may be.
+  // Whether anything of this face may be inside the body, by boxes; and whether this point of it may be, by those, and
+  // by where out of the skin is there.
   bool may_be_inside(int face) const { return !overlaps_[static_cast<std::size_t>(face)].empty(); }
+  bool may_be_inside(int face, const Eigen::Vector3d& point_m) const;
   bool may_be_inside(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
   // The closest skin that a point of this face meets at this place, or none within the depth that counts.
   std::optional<SkinGap> meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
@@ -87,7 +89,7 @@ class SkinPairs {
   // How deep behind it skin still counts as inside: half its size, or all of the wall behind it.
   double deepest_m(int face) const { return deepest_m_[face]; }
   // Of the face's corners, at the positions of prepare().
-  auto normal(int face) const { return normals_.col(face); }
+  const Eigen::Vector3d& normal(int face) const { return present(face).normal; }
   double smallest_size_m() const { return sizes_m_.minCoeff(); }
   // Where a place of a face is.
   Eigen::Vector3d at(int face, double r, double s, const Eigen::Matrix3Xd& positions_m) const;
@@ -96,15 +98,43 @@ class SkinPairs {
   std::vector<int> nodes(const FacePair& pair) const;                    // of both faces
 
  private:
+  // A face of the mesh at the positions of prepare().
+  struct Present {
+    Eigen::Vector3d normal;  // of its corners,
+    double lowest_m, top_m;  // and how far along this it reaches
+    // Corners of a box around it, and around it with what lies behind it to the depth that counts.
+    Eigen::Vector3d low_m, high_m, deep_low_m, deep_high_m;
+    Eigen::Matrix3d sideways;              // in its plane, square to its sides,
+    Eigen::Vector3d farthest_m;            // and how far along these it reaches
+    Eigen::Matrix<double, 3, 6> around_m;  // points that it lies between; the last are not used for 3 nodes
+    double turn;         // how far the normal may turn, as a change of it, where nodes move by slack_m_
+    double tilt = -1.0;  // how far normals of the face tilt at most, as a tangent; -1: not known yet
+
+    double farthest_from_m(const Eigen::Vector3d& point_m) const;  // a bound
+  };
+  const Present& present(int face) const {
+    if (!known_[static_cast<std::size_t>(face)]) look_at(face);
+    return present_[static_cast<std::size_t>(face)];
+  }
+  void look_at(int face) const;
+  double tilt(int face) const;
+  Present face_at(int face, const Eigen::Matrix3Xd& positions_m) const;
   bool counts(int face, int other) const;
-  // False where both look the same way at the positions of prepare().
-  bool may_face(std::size_t face, int other) const;
-  double least_distance_m(int other, const Eigen::Vector3d& point_m) const;  // a bound of it
-  // Whether any of this face of the points lies lower than the top of another; and whether all of it is farther from
-  // that than counts.
-  bool goes_below(std::size_t face, int other) const;
-  bool out_of_reach(std::size_t face, int other) const;
-  const std::vector<int>& in_reach_of(int face) const;  // those of near_ that a point of it may meet
+  // Whether a point of this face of the points may be inside the body behind another face: their boxes meet, they do
+  // not look the same way, and any of it lies lower than the top of the other. `soon`: or that may be so before a node
+  // has moved by slack_m_.
+  bool may_overlap(int face, int other, bool soon) const;
+  // A face that a point may meet.
+  struct Candidate {
+    int face;
+    double least_m;   // bound of the distance
+    double beside_m;  // how far beside the face along its plane, at least; negative above it
+  };
+  Candidate candidate(int other, const Eigen::Vector3d& point_m) const;
+  bool meets_within(const Candidate& candidate, double reach_m) const;  // false: there is no such meeting
+  bool out_of_reach(int face, int other) const;                         // whether all of it is farther away than counts
+  const std::vector<int>& in_reach_of(int face) const;                  // those of near_ that a point of it may meet
+  bool is_behind(int other, const Eigen::Vector3d& point_m) const;      // or in front of it, but not above all of it
   // False where one look shows that a point with this normal does not meet the face.
   bool may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
   struct Meeting {
@@ -117,31 +147,26 @@ class SkinPairs {
                                  const Eigen::Matrix3Xd& positions_m) const;
   SkinGap gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_m) const;
   void find_near(const Eigen::Matrix3Xd& positions_m);
-  void prepare_face(int face, const Eigen::Matrix3Xd& positions_m);
+  void find_close(const Eigen::Matrix3Xd& positions_m);
 
   Eigen::MatrixXi faces_;    // nodes x faces, of the whole mesh
   Eigen::Matrix3Xd rest_m_;  // nodes
   Eigen::Matrix3Xd rest_middles_m_, rest_normals_;
   Eigen::VectorXd sizes_m_, deepest_m_;
-  std::vector<int> same_;                 // of each face of the points, the mesh's
-  std::vector<int> body_;                 // of each of the mesh's
-  std::vector<std::vector<int>> beside_;  // of each face of the points, the mesh's beyond its guarded edges
-  std::vector<signed char> counts_;       // of both, where it is known; empty where that would be too many
+  std::vector<int> same_;            // of each face of the points, the mesh's
+  std::vector<int> body_;            // of each of the mesh's
+  std::vector<signed char> counts_;  // of both, where it is known; empty where that would be too many
   TouchingPairs touching_;
-  double largest_size_m_ = 0.0, margin_m_ = 0.0;
+  double largest_size_m_ = 0.0, margin_m_ = 0.0, slack_m_ = 0.0;
 
-  Eigen::Matrix3Xd prepared_at_m_, near_at_m_;  // where near_ was found
-  std::vector<std::vector<int>> near_;
-  std::vector<int> in_reach_;  // faces of the mesh that are near others, and those beyond their edges
-  // Of these, at the present positions: corners of a box around each face, and around it with what lies behind it to
-  // the depth that counts; and per face of the points those of near_ whose second box its own overlaps.
-  Eigen::Matrix3Xd low_m_, high_m_, deep_low_m_, deep_high_m_;
-  std::vector<std::vector<int>> overlaps_;
-  Eigen::Matrix3Xd normals_;          // of the faces' corners,
-  Eigen::VectorXd lowest_m_, top_m_;  // and how far along these the faces reach
-  Eigen::Matrix3Xd sideways_;         // three a face: in its plane, square to its sides,
-  Eigen::Matrix3Xd farthest_m_;       // and how far along these it reaches
-  Eigen::Matrix3Xd around_m_;         // the face's nodes each: points that it lies between
+  // Per face of the points: those near it, until a node has moved by half of margin_m_ from near_at_m_; of these the
+  // ones that may overlap it, until a node has moved by slack_m_ from close_at_m_; and those that may now.
+  Eigen::Matrix3Xd prepared_at_m_, near_at_m_, close_at_m_;
+  std::vector<std::vector<int>> near_, close_, overlaps_;
+  std::vector<int> any_close_;            // faces of the points
+  mutable std::vector<Present> present_;  // of the mesh, where it was asked for at the present positions
+  mutable std::vector<char> known_;
+  mutable std::vector<Candidate> candidates_;  // of one point
   // Per face of the points, where it was asked for at the present positions.
   struct Reach {
     bool known = false;

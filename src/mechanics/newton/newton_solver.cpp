@@ -34,8 +34,7 @@ void tell_end(const Evaluation& here, double tolerance, std::string reason, Newt
 // The last factor, for the next step of a solve with this residual.
 bool may_reuse(const NewtonTask& task, double residual) { return task.reuse_factor || residual < task.reuse_below; }
 
-constexpr int kRoundsAhead = 4;  // of a step, in which it learns what skin it would lead into
-constexpr int kHalves = 2;       // of a step by an old factor: the skin's forces turn more than its matrix knows
+constexpr int kHalves = 2;  // of a step by an old factor: the skin's forces turn more than its matrix knows
 
 std::vector<ContactTouch> on_skin(const ContactSums& contact) {
   std::vector<ContactTouch> found;
@@ -268,35 +267,39 @@ bool NewtonSolver::find_multipliers(const NewtonState& state, const Evaluation& 
   return stable_under(problem, solved.y);
 }
 
-bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, const std::vector<ContactTouch>& ahead,
-                             Step& step) {
+// The residual holds the forces of the old multipliers already, so the border answers only for their change.
+NewtonSolver::StepLoad NewtonSolver::step_load(const NewtonState& state, const Evaluation& here) const {
+  StepLoad load;
   const Eigen::VectorXd mismatch = elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa);
-  Eigen::Matrix3Xd gradient = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
-  elements_.add_mismatch_forces(mismatch, gradient);
-  release(gradient);
-  gradient += turned_back(turns_, here.residual_n);
-
-  // The residual holds the forces of the old multipliers already, so the border answers only for their change.
-  Eigen::VectorXd load = -condensed_residual(here, gradient);
-  FreeColumns free_load(3, 0);
+  load.gradient_n = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
+  elements_.add_mismatch_forces(mismatch, load.gradient_n);
+  release(load.gradient_n);
+  load.gradient_n += turned_back(turns_, here.residual_n);
+  load.load_n = -condensed_residual(here, load.gradient_n);
   if (!free_border_.empty()) {
-    free_load = this->free_load(here);
-    subtract_beyond(load, free_load);
+    load.free_n = free_load(here);
+    subtract_beyond(load.load_n, load.free_n);
   }
-  Eigen::VectorXd motion = solve(load);
-  if (!free_border_.empty()) motion += free_border_.nodal_motion(free_load);
+  load.motion = solve(load.load_n);
+  if (!free_border_.empty()) load.motion += free_border_.nodal_motion(load.free_n);
+  return load;
+}
+
+bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, const StepLoad& from,
+                             const std::vector<ContactTouch>& ahead, Step& step) {
   step.contact_start = with_ahead(here.contact, ahead);
   step.skin = skin_in_border_ ? on_skin(step.contact_start) : std::vector<ContactTouch>();
-  if (static_cast<int>(step.skin.size()) > kMostInBorder) return false;
+  if (static_cast<int>(step.skin.size()) > kMostAhead) return false;
   step.skin_columns = columns_of(step.skin);
-  if (!find_multipliers(state, here, motion, step)) return false;
+  if (!find_multipliers(state, here, from.motion, step)) return false;
+  Eigen::VectorXd load = from.load_n, motion = from.motion;
   if (constraint_count() > 0) {
     motion -= border_solved_ * (step.constraint_multipliers - state.constraint_multipliers);
     if (!free_border_.empty()) load -= border_ * (step.constraint_multipliers - state.constraint_multipliers);
   }
   for (std::size_t k = 0; k < step.skin.size(); ++k)
     motion -= step.skin_changes_n[static_cast<Eigen::Index>(k)] * step.skin_columns[k]->solved;
-  step.free_motion = free_border_.motion(free_load, load);
+  step.free_motion = free_border_.motion(from.free_n, load);
   if (!motion.allFinite()) return false;
   step.motion_m = Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
   step.element_multipliers_pa = elements_.updated_multipliers(here.elements.volumetric_strain, step.motion_m);
@@ -309,16 +312,17 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, c
   if (!free_border_.empty())
     step.rigid_forces_n = contact_.rigid().next_forces_n(rigid_touches_, here.contact.rigid, step.free_motion);
 
-  prepare_merit(state, here, gradient, step);
+  prepare_merit(state, here, from.gradient_n, step);
   step.motion_m = turned(turns_, step.motion_m);
   return std::isfinite(step.slope);
 }
 
-bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, Step& step) {
+bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, Step& step, int rounds) {
+  const StepLoad load = step_load(state, here);
   std::vector<ContactTouch> ahead;
   for (int round = 0;; ++round) {
-    if (!find_step(state, here, ahead, step)) return false;
-    if (!skin_in_border_ || round == kRoundsAhead) return true;
+    if (!find_step(state, here, load, ahead, step)) return false;
+    if (!skin_in_border_ || round == rounds) return true;
     ContactState there = state.contact;
     there.pressures_pa = step.contact_pressures_pa;
     const ContactSums end = contact_.sums(state.positions_m + step.motion_m, there);
@@ -403,7 +407,7 @@ bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Ev
   if (mixing.size() == 0)
     turns_ = any_in_matrix(here.contact.touches) ? Turns(3, 0) : turns_since_linearisation(state.positions_m);
   Step step;
-  if (!find_step(state, here, step)) return false;
+  if (!find_step(state, here, step, mixing.size() == 0 ? kRoundsAhead : 0)) return false;
   NewtonState trial = mix(state, here, step, mixing);
   Evaluation there = evaluate(task, trial);
   const double enough = std::max(task.tolerance, constants::kWorthwhileDecrease * here.relative_residual);
@@ -463,7 +467,6 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
     }
     if (convex) ++report.convexified;
     if (!found) return finish("the stiffness matrix could not be factorised");
-
     double length = 1.0;
     const bool accepted = search_line(task, step, state, here, length);
     if (length < 1.0) ++report.shortened;

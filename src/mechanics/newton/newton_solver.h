@@ -218,6 +218,13 @@ class NewtonSolver {
     Eigen::VectorXd skin_changes_n;  // and of its pushes
   };
 
+  // Of a step, before any multiplier changes.
+  struct StepLoad {
+    Eigen::Matrix3Xd gradient_n;
+    Eigen::VectorXd load_n, motion;  // condensed, and A^-1 of it, with that of free obstacles
+    FreeColumns free_n = FreeColumns(3, 0);
+  };
+
   struct EnergyAt {
     double energy = 0.0;
     Eigen::Matrix3Xd gradient_n;
@@ -261,9 +268,12 @@ class NewtonSolver {
   double first_length(const Step& step) const;
   Eigen::VectorXd condensed_residual(const Evaluation& here, const Eigen::Matrix3Xd& residual_n) const;
   void subtract_beyond(Eigen::VectorXd& load, FreeColumns& free_load) const;
-  // With all skin that it would lead into among its constraints; and with that which is given.
-  bool find_step(const NewtonState& state, const Evaluation& here, Step& step);
-  bool find_step(const NewtonState& state, const Evaluation& here, const std::vector<ContactTouch>& ahead, Step& step);
+  // With all skin that it would lead into among its constraints, looked for so many times; and with that which is
+  // given.
+  bool find_step(const NewtonState& state, const Evaluation& here, Step& step, int rounds = kRoundsAhead);
+  bool find_step(const NewtonState& state, const Evaluation& here, const StepLoad& load,
+                 const std::vector<ContactTouch>& ahead, Step& step);
+  StepLoad step_load(const NewtonState& state, const Evaluation& here) const;
   // Of skin that touches, by the last factor.
   SkinGradient released_gradient(const ContactTouch& touch) const;
   SkinColumns columns_of(const std::vector<ContactTouch>& touches);

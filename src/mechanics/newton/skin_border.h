@@ -19,6 +19,8 @@
 namespace soft_robot_lab {
 
 constexpr int kMostInBorder = 48;  // points of skin on skin; where more touch they are in the matrix
+constexpr int kMostAhead = 96;     // the same, with those that a step would lead into
+constexpr int kRoundsAhead = 4;    // of a step, in which it learns what these are
 // Of Young's modulus: how skin that is pressed so hard turns its pressure is in the matrix.
 constexpr double kHardPressed = 0.02;
 

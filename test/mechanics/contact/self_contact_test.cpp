@@ -262,6 +262,34 @@ TEST(SelfContact, FrictionTiesSkinToSkinUpToItsLimit) {
   EXPECT_GT(forces_n.cwiseProduct(moved(1.0) - x).sum(), 0.0);
 }
 
+// Legs that come nearer in steps of 6 um until they overlap by 40 um, while the body swings. What was found on the way
+// serves as long as nothing has moved far, and changes nothing.
+TEST(SelfContact, WhatTouchesDoesNotDependOnTheWayThere) {
+  Body body(clip_mesh({6, 14, 1}), kSilicone);
+  body.let_touch_itself();
+  const ContactTerm all_the_way(body);
+  const ContactState untouched = all_the_way.untouched(body.mesh().nodes_m, 0.0);
+  std::vector<std::size_t> touching;
+  for (int step = 0; step < 30; ++step) {
+    Eigen::Matrix3Xd x = body.mesh().nodes_m;
+    for (Eigen::Index node = 0; node < x.cols(); ++node) {
+      const double nearer_m = 0.00586 + 6e-6 * step + 4e-6 * std::sin(97.0 * double(node));
+      if (x(0, node) > 0.02 && std::abs(x(1, node)) > 0.005) x(1, node) -= std::copysign(nearer_m, x(1, node));
+    }
+    x = Eigen::AngleAxisd(1e-3 * step, Vector3d::UnitZ()).toRotationMatrix() * x;
+    const std::vector<ContactTouch> found = all_the_way.sums(x, untouched).touches;
+    const std::vector<ContactTouch> anew = ContactTerm(body).sums(x, untouched).touches;
+    ASSERT_EQ(found.size(), anew.size()) << step;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].pair, anew[i].pair) << step;
+      EXPECT_EQ(found[i].met.face, anew[i].met.face) << step;
+      EXPECT_EQ(found[i].gap_m, anew[i].gap_m) << step;
+    }
+    touching.push_back(found.size());
+  }
+  EXPECT_GT(touching.back(), touching.front() + 20);
+}
+
 // A strip that is folded right over, its legs 0.2 mm into one another: of what lies in one plane at rest its inner side
 // meets itself, its outer side does not, though the strip is thin.
 TEST(SelfContact, AFoldedStripTouchesItselfInsideAndNotOutside) {

@@ -57,8 +57,8 @@ printf '127.0.0.1 1\nlocalhost 1\n' >"$run/hosts"
 "$study" "$run/study.yaml" --output "$run/by_ssh" --hosts "$run/hosts" --ssh "$ssh" >"$run/by_ssh.log" 2>&1 &
 master=$!
 killed=0
-for _ in 1 2 3; do
-  sleep 3
+while ((killed < 3)) && kill -0 "$master" 2>/dev/null; do
+  sleep 0.3
   # A worker on the far side: a child of this sshd.
   victim=$(pgrep -f "study --worker simulate" | while read -r pid; do
     parent=$pid

@@ -2,7 +2,6 @@
 #include "skin_pairs.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -428,10 +428,10 @@ void move_elements(const ElementBatches& batches, int first, int last, const Ele
 
 void ElementSolves::restore(const KeptSolves& kept) {
   if (known.empty()) return;
-  const std::size_t size = made.positions_m.size() / known.size() * sizeof(Batch);
+  const std::size_t size = made.positions_m.size() / known.size();
   for (std::size_t batch = 0; batch < known.size(); ++batch) {
-    const std::size_t place = batch * (made.positions_m.size() / known.size());
-    const bool same = std::memcmp(&made.positions_m[place], &kept.positions_m[place], size) == 0 &&
+    const std::size_t place = batch * size;
+    const bool same = std::memcmp(&made.positions_m[place], &kept.positions_m[place], size * sizeof(Batch)) == 0 &&
                       std::memcmp(&made.multipliers_pa[batch], &kept.multipliers_pa[batch], sizeof(Batch)) == 0;
     if (known[batch] != kMade || !same) known[batch] = kAsked;
   }

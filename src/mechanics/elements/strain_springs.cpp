@@ -171,6 +171,20 @@ SpringArrays arrays(const ElementBatches& batches, const std::vector<int>& slots
 
 }  // namespace
 
+Eigen::VectorXd numbers_of(const Strains& strains) {
+  Eigen::VectorXd numbers(static_cast<Eigen::Index>(strains.size()) * kLanes);
+  for (std::size_t i = 0; i < strains.size(); ++i)
+    for (int lane = 0; lane < kLanes; ++lane) numbers[static_cast<Eigen::Index>(i) * kLanes + lane] = strains[i][lane];
+  return numbers;
+}
+
+Strains strains_of(const Eigen::VectorXd& numbers) {
+  Strains result(static_cast<std::size_t>(numbers.size()) / kLanes);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    for (int lane = 0; lane < kLanes; ++lane) result[i][lane] = numbers[static_cast<Eigen::Index>(i) * kLanes + lane];
+  return result;
+}
+
 Strains StrainSprings::strains(const Eigen::Matrix3Xd& positions_m) const {
   Strains result(static_cast<std::size_t>(batches_.count()) * batches_.point_count * kComponents);
   (batches_.node_count == 10 ? quadratic_strains : linear_strains)(arrays(batches_, slots_), positions_m.data(),

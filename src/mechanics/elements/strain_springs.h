@@ -16,6 +16,10 @@ namespace soft_robot_lab {
 // E of all quadrature points: batch x Q x (xx, yy, zz, xy, xz, yz).
 using Strains = Batches;
 
+// As plain numbers, lane after lane, for states.
+Eigen::VectorXd numbers_of(const Strains& strains);
+Strains strains_of(const Eigen::VectorXd& numbers);
+
 struct StrainTarget {
   double stiffness_pa = 0.0;  // kappa of Body::material; other silicone has it by the ratio of their mu
   Strains target;             // E*

@@ -13,20 +13,6 @@ Strains combined(double a, const Strains& x, double b, const Strains& y) {
   return result;
 }
 
-Strains from_state(const Eigen::VectorXd& numbers) {
-  Strains result(static_cast<std::size_t>(numbers.size()) / kLanes);
-  for (std::size_t i = 0; i < result.size(); ++i)
-    for (int lane = 0; lane < kLanes; ++lane) result[i][lane] = numbers[static_cast<Eigen::Index>(i) * kLanes + lane];
-  return result;
-}
-
-Eigen::VectorXd to_state(const Strains& strains) {
-  Eigen::VectorXd numbers(static_cast<Eigen::Index>(strains.size()) * kLanes);
-  for (std::size_t i = 0; i < strains.size(); ++i)
-    for (int lane = 0; lane < kLanes; ++lane) numbers[static_cast<Eigen::Index>(i) * kLanes + lane] = strains[i][lane];
-  return numbers;
-}
-
 // How the strain changes in a time at the velocity of now: strains are quadratic in the positions, so the central
 // difference is their rate to the last bit.
 Strains strain_change(const NewtonSolver& solver, const SimulationState& state, double time_s) {
@@ -56,7 +42,7 @@ std::shared_ptr<const StrainTarget> viscosity_now(const Body& body, const Newton
     springs->target =
         combined(1.0, springs->target, -1.0, strain_change(solver, state, viscosity.rayleigh_stiffness_s));
   if (viscosity.hysteresis_ratio > 0.0)
-    springs->target = combined(1.0, springs->target, -1.0 / springs->stiffness_pa, from_state(state.branch_stress_pa));
+    springs->target = combined(1.0, springs->target, -1.0 / springs->stiffness_pa, strains_of(state.branch_stress_pa));
   return springs;
 }
 
@@ -74,7 +60,7 @@ ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const Sim
   if (viscosity.hysteresis_ratio > 0.0) {
     const double steps = h / viscosity.relaxation_time_s;
     branch_stiffness_pa_ = viscosity.hysteresis_ratio * twice_mu_pa * -std::expm1(-steps) / steps;
-    branch_from_ = combined(1.0, start, -std::exp(-steps) / branch_stiffness_pa_, from_state(state.branch_stress_pa));
+    branch_from_ = combined(1.0, start, -std::exp(-steps) / branch_stiffness_pa_, strains_of(state.branch_stress_pa));
     const double both_pa = strain_target->stiffness_pa + branch_stiffness_pa_;
     strain_target->target = strain_target->stiffness_pa > 0.0
                                 ? combined(strain_target->stiffness_pa / both_pa, strain_target->target,
@@ -87,7 +73,7 @@ ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const Sim
 
 Eigen::VectorXd ViscousStep::branch_stress_pa(const NewtonSolver& solver, const Eigen::Matrix3Xd& positions_m) const {
   if (branch_from_.empty()) return {};
-  return to_state(combined(branch_stiffness_pa_, solver.strains(positions_m), -branch_stiffness_pa_, branch_from_));
+  return numbers_of(combined(branch_stiffness_pa_, solver.strains(positions_m), -branch_stiffness_pa_, branch_from_));
 }
 
 }  // namespace soft_robot_lab

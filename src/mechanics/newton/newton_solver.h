@@ -186,6 +186,7 @@ class NewtonSolver {
   int element_multiplier_count() const { return tables_->element_multiplier_count(); }
   Eigen::Index strain_count() const { return static_cast<Eigen::Index>(springs_.batch_count()) * kLanes; }
   Strains strains(const Eigen::Matrix3Xd& positions_m) const { return springs_.strains(positions_m); }
+  const StrainSprings& springs() const { return springs_; }
   int constraint_count() const { return static_cast<int>(constraints_.size()); }
   int friction_contact_count() const { return static_cast<int>(shared_.size()); }
   const ContactTerm& contact() const { return contact_; }

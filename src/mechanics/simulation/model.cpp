@@ -29,10 +29,6 @@ void refuse_beyond_xpbd(const Body& body) {
         "body.linear_volume: vertex_averaged is not for solver.method xpbd, which corrects one element at a "
         "time; "
         "choose element, or method newton");
-  if (body.viscosity().of_strain())
-    throw std::invalid_argument(
-        "body.damping.rayleigh_stiffness_s and body.hysteresis are not for solver.method xpbd; choose "
-        "rayleigh_mass_per_s, or method newton");
 }
 
 void refuse_equal_names(const std::string& kind, const std::vector<std::string>& all) {

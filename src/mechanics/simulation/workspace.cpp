@@ -2,8 +2,6 @@
 #include "workspace.h"
 #include "mechanics/solver_constants.h"
 
-#include <stdexcept>
-
 namespace soft_robot_lab {
 namespace {
 
@@ -16,15 +14,12 @@ std::vector<DrivenConstraint> constraints_of(const Actuators& actuators) {
   return all;
 }
 
-std::vector<SharedLength> shared_lengths_of(const Actuators& actuators, SolverOptions::Method method) {
+std::vector<SharedLength> shared_lengths_of(const Actuators& actuators) {
   std::vector<SharedLength> all;
   int offset = 0;
   for (const auto& actuator : actuators) {
     for (const FrictionContact* contact : actuator->friction_contacts())
       all.push_back({contact, offset + contact->first, offset + contact->second});
-    if (!all.empty() && method == SolverOptions::Method::xpbd)
-      throw std::invalid_argument("actuator '" + actuator->name() +
-                                  "' has friction, which solver.method xpbd does not know; must be newton");
     offset += static_cast<int>(actuator->constraints().size());
   }
   return all;
@@ -33,9 +28,9 @@ std::vector<SharedLength> shared_lengths_of(const Actuators& actuators, SolverOp
 }  // namespace
 
 SolverTables::SolverTables(const Body& body, const Actuators& actuators, SolverOptions::Method method)
-    : newton(
-          std::make_shared<const NewtonTables>(body, constraints_of(actuators), shared_lengths_of(actuators, method))) {
-  if (method == SolverOptions::Method::xpbd) xpbd = std::make_shared<const XpbdTables>(body, constraints_of(actuators));
+    : newton(std::make_shared<const NewtonTables>(body, constraints_of(actuators), shared_lengths_of(actuators))) {
+  if (method == SolverOptions::Method::xpbd)
+    xpbd = std::make_shared<const XpbdTables>(body, constraints_of(actuators), shared_lengths_of(actuators));
 }
 
 Workspace::Workspace(const SolverTables& tables)

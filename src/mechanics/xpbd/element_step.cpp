@@ -198,8 +198,20 @@ struct Shape {
   Batch volumetric_strain;           // Jbar - 1
 };
 
+// Stress against the change of the strain since the substep began, 2 mu b / h F (E - E0).
+template <int Nodes>
+inline void add_dashpot(const BatchMatrix& f, const Batch* start, const Batch* g, Batch stiffness,
+                        BatchMatrix& stress) {
+  const BatchMatrix here = strain_of(f), before = strain_of(deformation_gradient<Nodes>(start, g));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) stress.m[i][j] += 0.5 * stiffness * f.m[i][k] * (here.m[k][j] - before.m[k][j]);
+}
+
+// `start`: null without dashpots, of which the stiffness is.
 template <int Nodes, int Points, class Law>
-inline void find_shape(const BatchArrays& e, const Law& law, const Batch* x, Batch p, Shape<Nodes>& shape) {
+inline void find_shape(const BatchArrays& e, const Law& law, const Batch* x, Batch p, const Batch* start,
+                       Batch stiffness, Shape<Nodes>& shape) {
   const Batch share = 1.0 / volume_of<Points>(e);
   for (int i = 0; i < 3 * Nodes; ++i) shape.gradient[i] = shape.volume_gradient[i] = splat(0.0);
   for (int i = 0; i < 3; ++i)
@@ -219,6 +231,7 @@ inline void find_shape(const BatchArrays& e, const Law& law, const Batch* x, Bat
         stress.m[i][k] = w * point.along_f * f.m[i][k] + (point.along_cofactor + p) * volume_stress.m[i][k];
       }
     add_rest_of_stress(law, f, w, stress);
+    if (start) add_dashpot<Nodes>(f, start, g, w * stiffness, stress);
     for (int a = 0; a < Nodes; ++a) {
       const BatchVector force = multiply(stress, g + 3 * a), along = multiply(volume_stress, g + 3 * a);
       for (int i = 0; i < 3; ++i) {
@@ -229,13 +242,36 @@ inline void find_shape(const BatchArrays& e, const Law& law, const Batch* x, Bat
   }
 }
 
+// The convex part of their Hessian, w kappa / 2 (grad a . grad b F F^T + b a^T) with a = F grad a.
+template <int Nodes, int Points>
+inline void add_dashpots(const BatchArrays& e, const Batch* x, Batch stiffness, Batch* blocks) {
+  for (int q = 0; q < Points; ++q) {
+    const Batch* g = e.gradients + 3 * Nodes * q;
+    const BatchMatrix f = deformation_gradient<Nodes>(x, g), b = times_transposed(f);
+    const Batch half = 0.5 * stiffness * e.weights[q];
+    BatchVector along[Nodes];
+    for (int a = 0; a < Nodes; ++a) along[a] = multiply(f, g + 3 * a);
+    int pair = 0;
+    for (int a = 0; a < Nodes; ++a)
+      for (int c = 0; c <= a; ++c, ++pair) {
+        const Batch *ga = g + 3 * a, *gc = g + 3 * c;
+        const Batch both = half * (ga[0] * gc[0] + ga[1] * gc[1] + ga[2] * gc[2]);
+        for (int k = 0; k < 3; ++k)
+          for (int i = 0; i < 3; ++i)
+            blocks[9 * pair + 3 * k + i] += both * b.m[i][k] + half * along[c].v[i] * along[a].v[k];
+      }
+  }
+}
+
 template <int Nodes, int Points, class Law>
-inline void make_solve(const BatchArrays& e, const Law& law, const Batch* s, double h, const SolveArrays& kept) {
+inline void make_solve(const BatchArrays& e, const Law& law, const Batch* s, double h, Batch dashpots,
+                       bool any_dashpots, const SolveArrays& kept) {
   constexpr int kSize = 3 * Nodes;
   Batch blocks[9 * Nodes * (Nodes + 1) / 2], matrix[triangle_size(kSize)], volume_gradient[kSize];
   for (const bool convex : {false, true}) {
     batch_hessian<Nodes, Points>(kept.positions_m, e.gradients, e.weights, e.laplacian, law, splat(0.0),
                                  *kept.multipliers_pa, convex, blocks, volume_gradient);
+    if (any_dashpots) add_dashpots<Nodes, Points>(e, kept.positions_m, dashpots, blocks);
     scale_hessian<Nodes>(blocks, s, h, matrix);
     const Batch pivot = invert_negated<kSize>(matrix);
     bool positive = true;
@@ -275,7 +311,7 @@ inline bool is_stale(const BatchArrays& e, const BatchMatrix& since, Batch p, co
 // How the elements have turned since their matrices were made, which are made again where they no longer serve.
 template <int Nodes, int Points, class Law>
 inline BatchMatrix turn_of(const BatchArrays& e, const Law& law, const Batch* x, const BatchMatrix& mean,
-                           const Batch* s, Batch p, double h, const SolveArrays& kept) {
+                           const Batch* s, Batch p, const ElementStep& step, const SolveArrays& kept) {
   BatchMatrix since = identity();
   for (bool again = false;;) {
     if (*kept.known == ElementSolves::kNone) {
@@ -284,7 +320,9 @@ inline BatchMatrix turn_of(const BatchArrays& e, const Law& law, const Batch* x,
       *kept.fresh = 1;
       again = true;
     }
-    if (*kept.known != ElementSolves::kMade) make_solve<Nodes, Points>(e, law, s, h, kept);
+    if (*kept.known != ElementSolves::kMade)
+      make_solve<Nodes, Points>(e, law, s, step.time_step_s, 2.0 * step.dashpot * *e.mu_pa, step.start_m != nullptr,
+                                kept);
     *kept.known = ElementSolves::kMade;
     if (again) return identity();
     since = product(mean, kept.unstrained);
@@ -302,7 +340,7 @@ template <int Nodes, int Points, class Law>
 inline void move_batches(const BatchArrays& all, const Law* laws, int first, int last, const ElementStep& step,
                          ElementSolves& solves) {
   constexpr int kSize = 3 * Nodes;
-  Batch x[kSize], s[kSize], load[kSize], motion[kSize], answer[kSize];
+  Batch x[kSize], s[kSize], load[kSize], motion[kSize], answer[kSize], start[kSize];
   Shape<Nodes> shape;
   const double h = step.time_step_s;
   for (int batch = first; batch < last; ++batch) {
@@ -315,8 +353,9 @@ inline void move_batches(const BatchArrays& all, const Law* laws, int first, int
     Batch p = splat(0.0);
     for (int lane = 0; lane < kLanes; ++lane)
       if (e.element[lane] >= 0) p[lane] = step.volume_multipliers_pa[e.element[lane]];
-    find_shape<Nodes, Points>(e, law, x, p, shape);
-    const BatchMatrix turned = turn_of<Nodes, Points>(e, law, x, shape.mean, s, p, h, kept);
+    if (step.start_m) gather(step.start_m, e.nodes, Nodes, start);
+    find_shape<Nodes, Points>(e, law, x, p, step.start_m ? start : nullptr, 2.0 * step.dashpot * *e.mu_pa, shape);
+    const BatchMatrix turned = turn_of<Nodes, Points>(e, law, x, shape.mean, s, p, step, kept);
     for (int i = 0; i < kSize; ++i) {
       load[i] = -h * h * s[i] * shape.gradient[i] - multipliers[i];
       answer[i] = kept.answer[i];

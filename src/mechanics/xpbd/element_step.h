@@ -16,9 +16,9 @@ namespace soft_robot_lab {
 // Where the matrices of elements were made: all that decides what is kept of them. It stands in a state where newton's
 // linearisation would, and says of that nothing.
 struct KeptSolves : Linearisation {
-  double time_step_s = 0.0;
-  Batches positions_m;     // batch x 3 P
-  Batches multipliers_pa;  // batch
+  double time_step_s = 0.0, dashpot = 0.0;  // as ElementStep's
+  Batches positions_m;                      // batch x 3 P
+  Batches multipliers_pa;                   // batch
 };
 
 // What is kept, and one thread's own.
@@ -43,6 +43,9 @@ struct ElementStep {
   double* positions_m;                // 3 * node + axis
   Batch* multipliers;                 // batch x 3 P: minus the nodes' forces, times h^2 / sqrt(mass) [m kg^1/2]
   double* volume_multipliers_pa;      // per element: p, in and out
+  // Of Kelvin-Voigt (viscosity.h): where the substep began, null without any; and b / h.
+  const double* start_m = nullptr;
+  double dashpot = 0.0;
 };
 
 // Batches of one colour, from `first` up to `last`, moved one step towards their own equilibrium.

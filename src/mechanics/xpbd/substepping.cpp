@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "mechanics/simulation/solve_ending.h"
 #include "mechanics/solver_constants.h"
@@ -12,15 +13,15 @@ namespace soft_robot_lab {
 namespace {
 
 // The residual is that of a body at rest or of the last substep.
-NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdReport& done, bool at_rest) {
+NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdReport& done) {
   NewtonTask residual;
   residual.max_iterations = 0;
   residual.tolerance = parts.options.tolerance;
   residual.predicted_m = &done.predicted_m;
-  residual.inertia_per_s2 = at_rest ? 0.0 : std::pow(done.substeps / task.time_step_s, 2);
+  residual.inertia_per_s2 = task.at_rest ? 0.0 : std::pow(done.substeps / task.time_step_s, 2);
   NewtonState measured = parts.unknowns();
   NewtonReport found = parts.workspace.newton.solve(residual, measured);
-  if (at_rest) return found;
+  if (task.at_rest) return found;
   found.converged = done.stable;
   found.reason = done.stable ? "" : "the step created energy with " + std::to_string(done.substeps) + " substeps too";
   return found;
@@ -28,9 +29,10 @@ NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdRep
 
 // One time step of xpbd; kept only where it is finite, else the drives go back to `drives_before` too.
 XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, const DriveStates& drives_before,
-                               bool at_rest, SolveReport& report) {
+                               SolveReport& report) {
   const auto& made = parts.state.linearisation;
   XpbdState moving{parts.unknowns(), parts.state.velocities_m_s, parts.state.element_forces_n,
+                   parts.state.branch_stress_pa,
                    made && !made->at ? std::static_pointer_cast<const KeptSolves>(made) : nullptr};
   const XpbdReport done = parts.workspace.xpbd->advance_stably(task, moving);
   ++report.steps;
@@ -42,8 +44,9 @@ XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, con
     parts.accept(std::move(moving.unknowns));
     parts.state.velocities_m_s = std::move(moving.velocities_m_s);
     parts.state.element_forces_n = std::move(moving.element_forces_n);
+    parts.state.branch_stress_pa = std::move(moving.branch_stress_pa);
     parts.state.linearisation = std::move(moving.kept);
-    found = measure(parts, task, done, at_rest);
+    found = measure(parts, task, done);
   } else {
     parts.state.drives = drives_before;
     found.residual = 1.0;
@@ -70,22 +73,26 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
   parts.advance_actuators(parts.options.time_step_s);
   const std::vector<double> to = parts.state.actuated_commands();
   XpbdTask task = substepping(parts);
+  SubstepHysteresis hysteresis(parts.body, parts.workspace.newton.springs());
+  if (parts.body.viscosity().hysteresis_ratio > 0.0) task.hysteresis = &hysteresis;
   task.drives_at = [&](double fraction) {  // also a command without a speed limit takes the whole time step to arrive
     parts.place_actuators(from, to, fraction);
     return std::make_shared<const DriveStates>(parts.state.drives);
   };
-  if (!advance_in_substeps(parts, task, before, false, report).finite) return;
+  if (!advance_in_substeps(parts, task, before, report).finite) return;
   parts.state.time_s += task.time_step_s;
 }
 
 void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
-  const DriveStates before = parts.state.drives;
   const std::vector<double> from = parts.state.actuated_commands(), to = parts.state.commands();
+  const DriveStates start = parts.state.drives;  // what slips does so from here: no swing on the way is remembered
   XpbdTask task = substepping(parts);
+  task.at_rest = true;
   double last_kinetic_energy = 0.0;
   for (int step = 1; step <= constants::kRelaxationSteps; ++step) {
+    const DriveStates before = std::exchange(parts.state.drives, start);
     parts.place_actuators(from, to, std::min(1.0, static_cast<double>(step) / constants::kPullSteps));
-    const XpbdReport done = advance_in_substeps(parts, task, before, true, report);
+    const XpbdReport done = advance_in_substeps(parts, task, before, report);
     if (!done.finite) break;
     if (done.kinetic_energy_j < last_kinetic_energy) parts.state.velocities_m_s.setZero();
     last_kinetic_energy = done.kinetic_energy_j;

@@ -37,9 +37,11 @@ ElementBatches coloured_batches(const Body& body, Colouring colouring, std::vect
 
 }  // namespace
 
-XpbdTables::XpbdTables(const Body& body_in, std::vector<DrivenConstraint> constraints_in)
+XpbdTables::XpbdTables(const Body& body_in, std::vector<DrivenConstraint> constraints_in,
+                       std::vector<SharedLength> shared_in)
     : body(body_in),
       constraints(std::move(constraints_in)),
+      shared(std::move(shared_in)),
       loads_n(body.external_forces_n()),
       batches(coloured_batches(body, lay_out(body.mesh()), colour_start)) {
   inverse_masses = body.node_masses_kg().cwiseInverse().transpose().replicate(3, 1);
@@ -88,17 +90,24 @@ ConstraintLaw XpbdSolver::law_at(std::size_t constraint, const NewtonState& stat
   return of.law(of.value(state.positions_m, state.drives), y, state.drives);
 }
 
-ElementStep XpbdSolver::element_step(double h, NewtonState& state) {
-  return {h, root_inverse_masses_.data(), state.positions_m.data(), multipliers_.data(),
-          state.element_multipliers_pa.data()};
+ElementStep XpbdSolver::element_step(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m) {
+  return {h,
+          root_inverse_masses_.data(),
+          state.positions_m.data(),
+          multipliers_.data(),
+          state.element_multipliers_pa.data(),
+          start_m ? start_m->data() : nullptr,
+          start_m ? body_.viscosity().rayleigh_stiffness_s / h : 0.0};
 }
 
-void XpbdSolver::take_up(const std::shared_ptr<const KeptSolves>& kept, double h) {
-  const bool same_step = kept && kept->time_step_s == h && kept->positions_m.size() == solves_.made.positions_m.size();
-  if (!same_step || solves_.made.time_step_s != h)
+void XpbdSolver::take_up(const std::shared_ptr<const KeptSolves>& kept, double h, double dashpot) {
+  const auto of_this_step = [&](const KeptSolves& made) { return made.time_step_s == h && made.dashpot == dashpot; };
+  const bool same_step = kept && of_this_step(*kept) && kept->positions_m.size() == solves_.made.positions_m.size();
+  if (!same_step || !of_this_step(solves_.made))
     std::fill(solves_.known.begin(), solves_.known.end(), ElementSolves::kNone);
-  if (same_step && (kept != kept_ || solves_.made.time_step_s != h)) solves_.restore(*kept);
+  if (same_step && (kept != kept_ || !of_this_step(solves_.made))) solves_.restore(*kept);
   solves_.made.time_step_s = h;
+  solves_.made.dashpot = dashpot;
   std::fill(solves_.fresh.begin(), solves_.fresh.end(), 0);
   kept_ = kept;
 }
@@ -136,7 +145,7 @@ Eigen::VectorXd XpbdSolver::forces_of(NewtonState state) {
   constexpr double no_time_s = 1e-10;
   Eigen::VectorXd forces_n = Eigen::VectorXd::Zero(force_count());
   std::fill(multipliers_.begin(), multipliers_.end(), splat(0.0));
-  take_up(nullptr, no_time_s);
+  take_up(nullptr, no_time_s, 0.0);
   sweep_elements(no_time_s, state);
   save_multipliers(no_time_s, forces_n);
   return forces_n;
@@ -150,6 +159,7 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
     pushed_m_.setZero();
   }
   motion += pushed_m_;
+  if (task.hysteresis) motion -= h * h * inverse_masses_.cwiseProduct(task.hysteresis->gradient_n());
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
     double& y = state.unknowns.constraint_multipliers[static_cast<Eigen::Index>(i)];
     const ConstraintLaw law = law_at(i, state.unknowns);
@@ -161,15 +171,16 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
   positions += inverse_masses_.cwiseSign().cwiseProduct(motion);
 }
 
-void XpbdSolver::sweep_elements(double h, NewtonState& state) {
-  const ElementStep step = element_step(h, state);
+void XpbdSolver::sweep_elements(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m) {
+  const ElementStep step = element_step(h, state, start_m);
   pushed_m_ -= state.positions_m;
   for_colours([&](int first, int last) { move_elements(batches_, first, last, step, solves_); });
   pushed_m_ += state.positions_m;
 }
 
 // Eq. 18 with y = -lambda / h^2, the force: the correction is dy = (o - a y) / (a + h^2 grad C . M^-1 grad C).
-void XpbdSolver::sweep_constraints(double h, NewtonState& state) {
+void XpbdSolver::sweep_constraints(const XpbdTask& task, double h, NewtonState& state) {
+  if (!tables_->shared.empty()) return solve_constraints(task, h, state);
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
     double& y = state.constraint_multipliers[static_cast<Eigen::Index>(i)];
     const ConstraintLaw law = law_at(i, state);
@@ -187,6 +198,65 @@ void XpbdSolver::sweep_constraints(double h, NewtonState& state) {
   }
 }
 
+void XpbdSolver::find_gradients(const NewtonState& state) {
+  gradients_.resize(constraints_.size());
+  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    gradients_[i].nodes = touched_by(constraints_[i], state);
+    gradients_[i].columns = gradient_(Eigen::all, touched_);
+  }
+}
+
+// A constraint that nothing can move keeps its multiplier.
+MultiplierProblem XpbdSolver::problem_at(double h, const NewtonState& state, bool slips_go_on) {
+  const auto count = static_cast<Eigen::Index>(constraints_.size());
+  MultiplierProblem problem{Eigen::MatrixXd(count, count), Eigen::VectorXd(count), {}, {}};
+  for (std::size_t i = 0; i < constraints_.size(); ++i) problem.laws.push_back(law_at(i, state));
+  for (const SharedLength& shared : tables_->shared)
+    problem.friction_contacts.push_back({shared.first, shared.second, shared.contact->ratio(state.positions_m)});
+  if (slips_go_on) problem.laws = after_flows(std::move(problem.laws), problem.friction_contacts, state.slips_m);
+  for (const int node : touched_) gradient_.col(node).setZero();
+  touched_.clear();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const NodeGradient& of = gradients_[static_cast<std::size_t>(i)];
+    gradient_(Eigen::all, of.nodes) = h * h * inverse_masses_(Eigen::all, of.nodes).cwiseProduct(of.columns);
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      const NodeGradient& other = gradients_[static_cast<std::size_t>(j)];
+      double sum = 0.0;
+      for (std::size_t k = 0; k < other.nodes.size(); ++k)
+        sum += gradient_.col(other.nodes[k]).dot(other.columns.col(static_cast<Eigen::Index>(k)));
+      problem.delassus(i, j) = problem.delassus(j, i) = sum;
+    }
+    for (const int node : of.nodes) gradient_.col(node).setZero();
+  }
+  const Eigen::VectorXd& y = state.constraint_multipliers;
+  problem.excess = problem.delassus * y;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    ConstraintLaw& law = problem.laws[static_cast<std::size_t>(i)];
+    problem.excess[i] += law.offset;
+    problem.delassus(i, i) += law.compliance;
+    if (problem.delassus(i, i) > 0.0) continue;
+    problem.delassus(i, i) = 1.0;
+    law.min_multiplier = law.max_multiplier = y[i];
+  }
+  return problem;
+}
+
+void XpbdSolver::solve_constraints(const XpbdTask& task, double h, NewtonState& state) {
+  find_gradients(state);
+  const Multipliers next = solve_multipliers(problem_at(h, state, !task.at_rest), state.constraint_multipliers);
+  if (!next.found) return;
+  for (std::size_t i = 0; i < gradients_.size(); ++i) {
+    const NodeGradient& of = gradients_[i];
+    const auto row = static_cast<Eigen::Index>(i);
+    const double change = next.y[row] - state.constraint_multipliers[row];
+    for (std::size_t k = 0; k < of.nodes.size(); ++k)
+      state.positions_m.col(of.nodes[k]) -=
+          h * h * change * inverse_masses_.col(of.nodes[k]).cwiseProduct(of.columns.col(static_cast<Eigen::Index>(k)));
+  }
+  state.constraint_multipliers = next.y;
+  state.slips_m = task.at_rest ? next.slips_m : Eigen::VectorXd(state.slips_m + next.slips_m);
+}
+
 double XpbdSolver::kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const {
   return 0.5 * velocities_m_s.colwise().squaredNorm().dot(body_.node_masses_kg());
 }
@@ -199,22 +269,52 @@ double XpbdSolver::stored_energy(const Eigen::Matrix3Xd& positions_m) {
   return sum;
 }
 
+XpbdSolver::Account XpbdSolver::open_account(const XpbdTask& task, const XpbdState& state) {
+  Account account;
+  for (const DrivenConstraint& of : constraints_)
+    account.values.push_back(of.value(state.unknowns.positions_m, state.unknowns.drives));
+  account.before_j = kinetic_energy(state.velocities_m_s) + stored_energy(state.unknowns.positions_m);
+  if (task.hysteresis) account.before_j += task.hysteresis->energy_j();
+  return account;
+}
+
+void XpbdSolver::add_work(const Eigen::Matrix3Xd& motion_m, const NewtonState& state, Account& account) const {
+  double brought_j = loads_n_.cwiseProduct(motion_m).sum();
+  for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    const double value = constraints_[i].value(state.positions_m, state.drives);
+    brought_j -= state.constraint_multipliers[static_cast<Eigen::Index>(i)] * (value - account.values[i]);
+    account.values[i] = value;
+  }
+  account.work_j += brought_j;
+  account.moved_j += std::abs(brought_j);
+}
+
+void XpbdSolver::close_account(const XpbdTask& task, const Account& account, const XpbdState& state,
+                               XpbdReport& report) {
+  const NewtonState& unknowns = state.unknowns;
+  report.kinetic_energy_j = kinetic_energy(state.velocities_m_s);
+  double after_j = report.kinetic_energy_j + stored_energy(unknowns.positions_m);
+  if (task.hysteresis) after_j += task.hysteresis->energy_j();
+  const double least_j =
+      1e-9 * body_.material().youngs_modulus_pa * body_.node_masses_kg().sum() / body_.material().density_kg_m3;
+  report.created_energy =
+      (after_j - account.before_j - account.work_j) / (account.before_j + account.moved_j + least_j);
+  report.finite = std::isfinite(report.created_energy) && state.element_forces_n.allFinite() &&
+                  state.branch_stress_pa.allFinite() && unknowns.element_multipliers_pa.allFinite() &&
+                  unknowns.constraint_multipliers.allFinite() && unknowns.slips_m.allFinite();
+  report.stable = report.finite && report.created_energy <= constants::kMostCreatedEnergy;
+}
+
 XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   XpbdReport report;
   report.substeps = task.substep_count;
   const double h = task.time_step_s / task.substep_count;
-  const auto count = static_cast<Eigen::Index>(constraints_.size());
   NewtonState& unknowns = state.unknowns;
-  Eigen::VectorXd values(count);
-  const auto measure = [&](Eigen::Index i) {
-    return constraints_[static_cast<std::size_t>(i)].value(unknowns.positions_m, unknowns.drives);
-  };
-  for (Eigen::Index i = 0; i < count; ++i) values[i] = measure(i);
-  const double energy_before = kinetic_energy(state.velocities_m_s) + stored_energy(unknowns.positions_m);
-  double work = 0.0, moved_energy = 0.0;
   const double slowing = 1.0 / (1.0 + body_.viscosity().rayleigh_mass_per_s * h);
-
-  take_up(state.kept, h);
+  const bool dashpots = body_.viscosity().rayleigh_stiffness_s > 0.0 && !task.at_rest;
+  if (task.hysteresis) task.hysteresis->begin(unknowns.positions_m, state.branch_stress_pa);
+  Account account = open_account(task, state);
+  take_up(state.kept, h, dashpots ? body_.viscosity().rayleigh_stiffness_s / h : 0.0);
   load_multipliers(state.element_forces_n, h);
   for (int substep = 0; substep < task.substep_count; ++substep) {
     if (task.drives_at) unknowns.drives = task.drives_at((substep + 1.0) / task.substep_count);
@@ -223,33 +323,20 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
     if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;
     predict(task, h, state);
     for (int iteration = 0; iteration < task.iteration_count; ++iteration) {
-      sweep_elements(h, unknowns);
-      sweep_constraints(h, unknowns);
+      sweep_elements(h, unknowns, dashpots ? &before : nullptr);
+      sweep_constraints(task, h, unknowns);
       ++report.sweeps;
     }
     const Eigen::Matrix3Xd motion = unknowns.positions_m - before;
     state.velocities_m_s = motion / h;
     if (!state.velocities_m_s.allFinite()) return report;
-    double brought = loads_n_.cwiseProduct(motion).sum();
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const double value = measure(i);
-      brought -= unknowns.constraint_multipliers[i] * (value - values[i]);
-      values[i] = value;
-    }
-    work += brought;
-    moved_energy += std::abs(brought);
+    add_work(motion, unknowns, account);
+    if (task.hysteresis) task.hysteresis->follow(unknowns.positions_m, h);
   }
   save_multipliers(h, state.element_forces_n);
   let_go(state.kept);
-
-  report.kinetic_energy_j = kinetic_energy(state.velocities_m_s);
-  const double energy_after = report.kinetic_energy_j + stored_energy(unknowns.positions_m);
-  const double least =
-      1e-9 * body_.material().youngs_modulus_pa * body_.node_masses_kg().sum() / body_.material().density_kg_m3;
-  report.created_energy = (energy_after - energy_before - work) / (energy_before + moved_energy + least);
-  report.finite = std::isfinite(report.created_energy) && state.element_forces_n.allFinite() &&
-                  unknowns.element_multipliers_pa.allFinite() && unknowns.constraint_multipliers.allFinite();
-  report.stable = report.finite && report.created_energy <= constants::kMostCreatedEnergy;
+  if (task.hysteresis) state.branch_stress_pa = task.hysteresis->stress_pa();
+  close_account(task, account, state, report);
   return report;
 }
 

@@ -26,7 +26,9 @@
 #include <Eigen/Core>
 
 #include "element_step.h"
+#include "mechanics/newton/multiplier_problem.h"
 #include "mechanics/newton/newton_solver.h"
+#include "substep_hysteresis.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/constraint.h"
 
@@ -39,12 +41,16 @@ struct XpbdTask {
   bool multipliers_from_zero = false;  // in each substep, as in the paper
   // What the actuators do in a substep, by the share of the step that is over at its end; empty: what they did before.
   std::function<SharedDrives(double)> drives_at;
+  SubstepHysteresis* hysteresis = nullptr;  // null: there is none, or a rest state is sought
+  // A rest state is sought: there is no viscosity, and what slips does so from where the search began.
+  bool at_rest = false;
 };
 
 struct XpbdState {
   NewtonState unknowns;
   Eigen::Matrix3Xd velocities_m_s;
-  Eigen::VectorXd element_forces_n;  // multipliers, in an order of the solver's own; force_count() numbers
+  Eigen::VectorXd element_forces_n;       // multipliers, in an order of the solver's own; force_count() numbers
+  Eigen::VectorXd branch_stress_pa = {};  // of hysteresis; as SimulationState has it
   std::shared_ptr<const KeptSolves> kept = nullptr;  // null: none are
 };
 
@@ -62,10 +68,11 @@ struct XpbdReport {
 // What it works out once about a body and its constraints; solvers in several threads share it.
 struct XpbdTables {
   // Body and constraints outlive this.
-  XpbdTables(const Body& body, std::vector<DrivenConstraint> constraints);
+  XpbdTables(const Body& body, std::vector<DrivenConstraint> constraints, std::vector<SharedLength> shared = {});
 
   const Body& body;
   std::vector<DrivenConstraint> constraints;
+  std::vector<SharedLength> shared;
   Eigen::Matrix3Xd loads_n;
   Eigen::Matrix3Xd inverse_masses, root_inverse_masses;  // 3 x nodes; zero where held
   std::vector<int> colour_start;                         // first batch of each colour, and the end
@@ -93,14 +100,26 @@ class XpbdSolver {
   Eigen::Index force_count() const { return static_cast<Eigen::Index>(multipliers_.size()) * kLanes; }
 
  private:
-  ElementStep element_step(double h, NewtonState& state);
-  void take_up(const std::shared_ptr<const KeptSolves>& kept, double h);
+  ElementStep element_step(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m = nullptr);
+  void take_up(const std::shared_ptr<const KeptSolves>& kept, double h, double dashpot);
   void let_go(std::shared_ptr<const KeptSolves>& kept);
   void load_multipliers(const Eigen::VectorXd& forces_n, double h);
   void save_multipliers(double h, Eigen::VectorXd& forces_n) const;
   void predict(const XpbdTask& task, double h, XpbdState& state);
-  void sweep_elements(double h, NewtonState& state);
-  void sweep_constraints(double h, NewtonState& state);
+  // `start_m`: where the substep began, for viscosity; null: without any.
+  void sweep_elements(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m = nullptr);
+  void sweep_constraints(const XpbdTask& task, double h, NewtonState& state);
+  void solve_constraints(const XpbdTask& task, double h, NewtonState& state);  // all at once, where friction joins them
+  void find_gradients(const NewtonState& state);
+  MultiplierProblem problem_at(double h, const NewtonState& state, bool slips_go_on);
+  // What a step does to the energy.
+  struct Account {
+    double before_j = 0.0, work_j = 0.0, moved_j = 0.0;
+    std::vector<double> values;  // of the constraints
+  };
+  Account open_account(const XpbdTask& task, const XpbdState& state);
+  void add_work(const Eigen::Matrix3Xd& motion_m, const NewtonState& state, Account& account) const;
+  void close_account(const XpbdTask& task, const Account& account, const XpbdState& state, XpbdReport& report);
   ConstraintLaw law_at(std::size_t constraint, const NewtonState& state) const;
   double kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const;
   double stored_energy(const Eigen::Matrix3Xd& positions_m);
@@ -132,6 +151,11 @@ class XpbdSolver {
   Batches energies_;                        // per batch
   Eigen::Matrix3Xd gradient_;               // of one constraint; zero between uses
   std::vector<int> touched_;                // its nodes
+  struct NodeGradient {
+    std::vector<int> nodes;
+    Eigen::Matrix3Xd columns;
+  };
+  std::vector<NodeGradient> gradients_;  // of all constraints, where friction joins them
 };
 
 }  // namespace soft_robot_lab

@@ -306,6 +306,19 @@ ConstraintLaw ContactTerm::law_of(const ContactTouch& touch) const {
   return law;
 }
 
+int ContactTerm::nodes_of(const ContactTouch& touch, std::array<int, 12>& nodes, std::array<double, 12>& shares) const {
+  const ContactPoints& points = points_of(touch.pair);
+  const int point = point_of(touch.pair), face = points.face_of(point), per_face = points.nodes_per_face();
+  int count = 0;
+  const auto add = [&](int node, double share) {
+    nodes[static_cast<std::size_t>(count)] = node;
+    shares[static_cast<std::size_t>(count++)] = share;
+  };
+  for (int a = 0; a < per_face; ++a) add(points.node(face, a), points.shape(point)[a]);
+  for (int a = 0; touch.on_skin() && a < per_face; ++a) add(skin_.pairs().node(touch.met.face, a), -touch.met.shape[a]);
+  return count;
+}
+
 std::vector<ContactTouch> ContactTerm::met_by(const Eigen::Matrix3Xd& motion_m, const ContactSums& end,
                                               const std::vector<ContactTouch>& known) const {
   std::vector<ContactTouch> met;
@@ -398,8 +411,7 @@ double ContactTerm::soft_energy(const Eigen::Matrix3Xd& positions_m, const Eigen
     state.pressures_pa[touch.pair] = touch.pressure_pa;
     sum += 0.5 * weight_m2(touch.pair) * soft_m_pa * touch.pressure_pa * touch.pressure_pa;
     if (!touch.rubs()) continue;
-    touch.friction.limit_pa =
-        (touch.on_skin() ? skin_.friction(touch) : obstacle_of(touch.pair).friction) * limits_pa[touch.pair];
+    touch.friction.limit_pa = friction_of(touch) * limits_pa[touch.pair];
     sum += weight_m2(touch.pair) * touch.friction.potential_j_m2(touch.away_m);
   }
   return sum;

@@ -13,6 +13,7 @@
 // the couplings of the two are columns of a border (FreeBorder).
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Core>
@@ -88,6 +89,13 @@ class ContactTerm {
   ConstraintLaw law_of(const ContactTouch& touch) const;
   double push_n(const ContactTouch& touch) const { return weight_m2(touch.pair) * touch.pressure_pa; }
   double pressure_pa(const ContactTouch& touch, double push_n) const { return push_n / weight_m2(touch.pair); }
+  double weight_m2(int pair) const { return points_of(pair).weight_m2(point_of(pair)); }
+  double friction_of(const ContactTouch& touch) const {  // Coulomb's coefficient
+    return touch.on_skin() ? skin_.friction(touch) : obstacle_of(touch.pair).friction;
+  }
+  // The nodes of the face, and of skin that it meets, with their shares of how the point moves against that; their
+  // number.
+  int nodes_of(const ContactTouch& touch, std::array<int, 12>& nodes, std::array<double, 12>& shares) const;
   // What a motion of the nodes would lead into: skin that touches at its end and is not among `known`; with the gap
   // that this leaves where the motion begins.
   std::vector<ContactTouch> met_by(const Eigen::Matrix3Xd& motion_m, const ContactSums& end,
@@ -139,7 +147,6 @@ class ContactTerm {
   int point_of(int pair) const { return of_skin(pair) ? pair - obstacle_pairs() : pair % points_.count(); }
   int face_of(int pair) const { return points_of(pair).face_of(point_of(pair)); }
   double slack_m(int pair) const { return of_skin(pair) ? skin_.slack_m(point_of(pair)) : 0.0; }
-  double weight_m2(int pair) const { return points_of(pair).weight_m2(point_of(pair)); }
   const Obstacle& obstacle_of(int pair) const { return obstacles_[static_cast<std::size_t>(pair / points_.count())]; }
   Eigen::Matrix3Xd all_points(const Eigen::Matrix3Xd& positions_m) const;
   void find_touches(int obstacle, const ContactState& state, ContactSums& sums) const;

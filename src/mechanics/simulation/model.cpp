@@ -21,8 +21,12 @@ int index_of(const std::string& kind, const std::string& name, const Items& item
 }
 
 void refuse_beyond_xpbd(const Body& body) {
-  if (!body.obstacles().empty() || body.touches_itself())
-    throw std::invalid_argument("contact is not for solver.method xpbd; choose newton");
+  for (const Obstacle& obstacle : body.obstacles())
+    if (obstacle.is_free())
+      throw std::invalid_argument("contact.obstacles: mass_kg of '" + obstacle.name +
+                                  "': free obstacles are not for solver.method xpbd; choose newton");
+  if (body.touches_itself())
+    throw std::invalid_argument("contact of skin with skin is not for solver.method xpbd; choose newton");
   if (body.holds_move()) throw std::invalid_argument("body.fixed: motion is not for solver.method xpbd; choose newton");
   if (body.linear_volume() == LinearVolume::vertex_averaged)
     throw std::invalid_argument(

@@ -27,9 +27,14 @@ NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdRep
   return found;
 }
 
-// One time step of xpbd; kept only where it is finite, else the drives go back to `drives_before` too.
-XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, const DriveStates& drives_before,
-                               SolveReport& report) {
+// What a step that is undone must give back besides the shape.
+struct Past {
+  DriveStates drives;
+  Eigen::Matrix3Xd anchors_m;
+};
+
+// One time step of xpbd; kept only where it is finite.
+XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, const Past& before, SolveReport& report) {
   const auto& made = parts.state.linearisation;
   XpbdState moving{parts.unknowns(), parts.state.velocities_m_s, parts.state.element_forces_n,
                    parts.state.branch_stress_pa,
@@ -48,7 +53,8 @@ XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, con
     parts.state.linearisation = std::move(moving.kept);
     found = measure(parts, task, done);
   } else {
-    parts.state.drives = drives_before;
+    parts.state.drives = before.drives;
+    parts.state.contact.anchors_m = before.anchors_m;
     found.residual = 1.0;
     found.reason = "the step went non-finite and was undone";
   }
@@ -61,13 +67,15 @@ XpbdTask substepping(const SimulationParts& parts) {
   task.time_step_s = parts.options.time_step_s;
   task.substep_count = parts.options.substep_count;
   task.iteration_count = parts.options.iteration_count;
+  if (!parts.workspace.newton.contact().empty()) task.contact = &parts.workspace.newton.contact();
+  task.until_s = parts.state.contact.time_s + task.time_step_s;
   return task;
 }
 
 }  // namespace
 
 void step_in_substeps(SimulationParts& parts, SolveReport& report) {
-  const DriveStates before = parts.state.drives;
+  const Past before{parts.state.drives, parts.state.contact.anchors_m};
   const std::vector<double> from = parts.state.actuated_commands();
   parts.begin_step(parts.options.time_step_s);
   parts.advance_actuators(parts.options.time_step_s);
@@ -85,13 +93,19 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
 
 void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
   const std::vector<double> from = parts.state.actuated_commands(), to = parts.state.commands();
-  const DriveStates start = parts.state.drives;  // what slips does so from here: no swing on the way is remembered
+  // What slips does so from here: no swing on the way is remembered.
+  const Past start{parts.state.drives, parts.state.contact.anchors_m};
   XpbdTask task = substepping(parts);
   task.at_rest = true;
+  const double from_s = parts.state.contact.time_s,
+               until_s = std::max(from_s, parts.workspace.newton.contact().end_of_motion_s());
   double last_kinetic_energy = 0.0;
   for (int step = 1; step <= constants::kRelaxationSteps; ++step) {
-    const DriveStates before = std::exchange(parts.state.drives, start);
-    parts.place_actuators(from, to, std::min(1.0, static_cast<double>(step) / constants::kPullSteps));
+    const Past before{std::exchange(parts.state.drives, start.drives),
+                      std::exchange(parts.state.contact.anchors_m, start.anchors_m)};
+    const double way = std::min(1.0, static_cast<double>(step) / constants::kPullSteps);
+    parts.place_actuators(from, to, way);
+    task.until_s = from_s + way * (until_s - from_s);
     const XpbdReport done = advance_in_substeps(parts, task, before, report);
     if (!done.finite) break;
     if (done.kinetic_energy_j < last_kinetic_energy) parts.state.velocities_m_s.setZero();

@@ -168,7 +168,9 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
     for (const int node : touched_by(constraints_[i], state.unknowns))
       motion.col(node) -= h * h * y * inverse_masses_.col(node).cwiseProduct(gradient_.col(node));
   }
+  if (contact_) contact_->add_motion(h, motion);
   positions += inverse_masses_.cwiseSign().cwiseProduct(motion);
+  if (contact_) contact_->find(positions, state.unknowns.contact);
 }
 
 void XpbdSolver::sweep_elements(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m) {
@@ -196,6 +198,13 @@ void XpbdSolver::sweep_constraints(const XpbdTask& task, double h, NewtonState& 
       state.positions_m.col(node) -= h * h * (next - y) * inverse_masses_.col(node).cwiseProduct(gradient_.col(node));
     y = next;
   }
+}
+
+void XpbdSolver::sweep(const XpbdTask& task, double h, const Eigen::Matrix3Xd& start_m, NewtonState& state) {
+  const bool dashpots = body_.viscosity().rayleigh_stiffness_s > 0.0 && !task.at_rest;
+  sweep_elements(h, state, dashpots ? &start_m : nullptr);
+  sweep_constraints(task, h, state);
+  if (contact_) contact_->sweep(h, state.positions_m);
 }
 
 void XpbdSolver::find_gradients(const NewtonState& state) {
@@ -285,8 +294,7 @@ void XpbdSolver::add_work(const Eigen::Matrix3Xd& motion_m, const NewtonState& s
     brought_j -= state.constraint_multipliers[static_cast<Eigen::Index>(i)] * (value - account.values[i]);
     account.values[i] = value;
   }
-  account.work_j += brought_j;
-  account.moved_j += std::abs(brought_j);
+  account.bring(brought_j);
 }
 
 void XpbdSolver::close_account(const XpbdTask& task, const Account& account, const XpbdState& state,
@@ -301,7 +309,8 @@ void XpbdSolver::close_account(const XpbdTask& task, const Account& account, con
       (after_j - account.before_j - account.work_j) / (account.before_j + account.moved_j + least_j);
   report.finite = std::isfinite(report.created_energy) && state.element_forces_n.allFinite() &&
                   state.branch_stress_pa.allFinite() && unknowns.element_multipliers_pa.allFinite() &&
-                  unknowns.constraint_multipliers.allFinite() && unknowns.slips_m.allFinite();
+                  unknowns.constraint_multipliers.allFinite() && unknowns.slips_m.allFinite() &&
+                  unknowns.contact.pressures_pa.allFinite();
   report.stable = report.finite && report.created_energy <= constants::kMostCreatedEnergy;
 }
 
@@ -316,20 +325,25 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   Account account = open_account(task, state);
   take_up(state.kept, h, dashpots ? body_.viscosity().rayleigh_stiffness_s / h : 0.0);
   load_multipliers(state.element_forces_n, h);
+  contact_.reset();
+  if (task.contact) contact_.emplace(*task.contact, inverse_masses_, unknowns.positions_m, unknowns.contact);
+  const double from_s = unknowns.contact.time_s;
   for (int substep = 0; substep < task.substep_count; ++substep) {
-    if (task.drives_at) unknowns.drives = task.drives_at((substep + 1.0) / task.substep_count);
+    const double over = (substep + 1.0) / task.substep_count;
+    if (task.drives_at) unknowns.drives = task.drives_at(over);
+    if (contact_) unknowns.contact.time_s = from_s + over * (task.until_s - from_s);
     const Eigen::Matrix3Xd before = unknowns.positions_m;
     if (slowing < 1.0) state.velocities_m_s *= slowing;
     if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;
     predict(task, h, state);
     for (int iteration = 0; iteration < task.iteration_count; ++iteration) {
-      sweep_elements(h, unknowns, dashpots ? &before : nullptr);
-      sweep_constraints(task, h, unknowns);
+      sweep(task, h, before, unknowns);
       ++report.sweeps;
     }
     const Eigen::Matrix3Xd motion = unknowns.positions_m - before;
     state.velocities_m_s = motion / h;
     if (!state.velocities_m_s.allFinite()) return report;
+    if (contact_) account.bring(contact_->finish(before, unknowns.positions_m, !task.at_rest, unknowns.contact));
     add_work(motion, unknowns, account);
     if (task.hysteresis) task.hysteresis->follow(unknowns.positions_m, h);
   }

@@ -19,12 +19,15 @@
 // S = I + h^2 M^-1/2 K M^-1/2 is not inverted anew for each element in each sweep; see element_step.h.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "contact_sweep.h"
 #include "element_step.h"
 #include "mechanics/newton/multiplier_problem.h"
 #include "mechanics/newton/newton_solver.h"
@@ -44,6 +47,8 @@ struct XpbdTask {
   SubstepHysteresis* hysteresis = nullptr;  // null: there is none, or a rest state is sought
   // A rest state is sought: there is no viscosity, and what slips does so from where the search began.
   bool at_rest = false;
+  const ContactTerm* contact = nullptr;  // null: nothing touches
+  double until_s = 0.0;                  // of obstacles' motion, from ContactState::time_s on
 };
 
 struct XpbdState {
@@ -106,6 +111,8 @@ class XpbdSolver {
   void load_multipliers(const Eigen::VectorXd& forces_n, double h);
   void save_multipliers(double h, Eigen::VectorXd& forces_n) const;
   void predict(const XpbdTask& task, double h, XpbdState& state);
+  // `start_m`: where the substep began.
+  void sweep(const XpbdTask& task, double h, const Eigen::Matrix3Xd& start_m, NewtonState& state);
   // `start_m`: where the substep began, for viscosity; null: without any.
   void sweep_elements(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m = nullptr);
   void sweep_constraints(const XpbdTask& task, double h, NewtonState& state);
@@ -116,6 +123,11 @@ class XpbdSolver {
   struct Account {
     double before_j = 0.0, work_j = 0.0, moved_j = 0.0;
     std::vector<double> values;  // of the constraints
+
+    void bring(double by_j) {
+      work_j += by_j;
+      moved_j += std::abs(by_j);
+    }
   };
   Account open_account(const XpbdTask& task, const XpbdState& state);
   void add_work(const Eigen::Matrix3Xd& motion_m, const NewtonState& state, Account& account) const;
@@ -156,6 +168,7 @@ class XpbdSolver {
     Eigen::Matrix3Xd columns;
   };
   std::vector<NodeGradient> gradients_;  // of all constraints, where friction joins them
+  std::optional<ContactSweep> contact_;  // of a step
 };
 
 }  // namespace soft_robot_lab

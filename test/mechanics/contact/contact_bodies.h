@@ -26,6 +26,15 @@ inline Body loose_block(const Eigen::Vector3i& cells = {4, 2, 4}) {
   return Body(box_mesh({-0.02, 0, -0.02}, {0.02, 0.02, 0.02}, cells), kSilicone);
 }
 
+inline SolverOptions xpbd(int substep_count, double time_step_s = 1.0 / 60.0) {
+  SolverOptions options;
+  options.method = SolverOptions::Method::xpbd;
+  options.substep_count = substep_count;
+  options.time_step_s = time_step_s;
+  options.tolerance = 1e-4;
+  return options;
+}
+
 inline Eigen::Vector3d middle_m(const Simulation& simulation) {
   const Eigen::VectorXd& masses_kg = simulation.body().node_masses_kg();
   return simulation.state().positions_m * masses_kg / masses_kg.sum();

@@ -282,6 +282,76 @@ TEST(Contact, AFallingBlockComesToLieWithItsWeightOnTheFloor) {
   }
 }
 
+// A coarse bar that sags onto a post, which then rises and draws it along.
+TEST(Contact, WithXpbdABarRestsOnAPostAsWithTheGlobalSolver) {
+  for (const double friction : {0.0, 0.5}) {
+    const auto rest = [&](const SolverOptions& options) {
+      Body body(box_mesh({0, -0.01, 0}, {0.1, 0.01, 0.01}, {8, 2, 1}), kSilicone);
+      body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, true, true});
+      body.set_gravity({0, -9.81, 0});
+      const std::vector<ObstaclePose> motion = {{0.0, kZero, kZero}, {1.0, {-0.002, 0.006, 0}, kZero}};
+      body.set_obstacles({{"post", Cylinder{{0.06, -0.022, -1}, {0.06, -0.022, 1}, 0.01, 0.001}, motion, friction}});
+      Simulation simulation(std::move(body), {}, {}, options);
+      const SolveReport report = simulation.solve_equilibrium();
+      EXPECT_TRUE(report.converged) << report.message;
+      return simulation;
+    };
+    const Simulation newton = rest({}), local = rest(xpbd(30));
+    const Eigen::Matrix3Xd &expected_m = newton.state().positions_m, &found_m = local.state().positions_m;
+    const double way_m = (expected_m - newton.body().mesh().nodes_m).colwise().norm().maxCoeff();
+    EXPECT_GT(way_m, 1e-3);
+    EXPECT_LT((found_m - expected_m).colwise().norm().maxCoeff(), 0.01 * way_m) << friction;
+    const Vector3d expected_n = newton.contacts()[0].force_n;
+    EXPECT_LT((local.contacts()[0].force_n - expected_n).norm(), 0.01 * expected_n.norm()) << friction;
+  }
+}
+
+TEST(Contact, WithXpbdAFallingBlockComesToLieWithItsWeightOnTheFloor) {
+  Body body = loose_block({3, 2, 3});
+  body.set_obstacles({{"floor", Plane{{0, -0.005, 0}, {0, 1, 0}}, {}, 0.3}});
+  body.set_viscosity({10.0, 0.002, 0.0, 1.0});
+  const double weight_n = 9.81 * body.node_masses_kg().sum();
+  body.set_gravity({0, -9.81, 0});
+  Simulation simulation(std::move(body), {}, {}, xpbd(50, 0.01));
+  for (int i = 0; i < 60; ++i) {
+    const SolveReport report = simulation.step();
+    ASSERT_TRUE(report.converged) << report.message;
+  }
+  EXPECT_NEAR(simulation.contacts()[0].force_n.y(), weight_n, 0.01 * weight_n);
+  EXPECT_NEAR(middle_m(simulation).y(), -0.005 + 0.01 - 0.0054e-3, 2e-6);
+}
+
+TEST(Contact, WithXpbdARestoredStateGoesOnAsIfItHadNeverStopped) {
+  const auto falling = [] {
+    Body body = loose_block({2, 1, 2});
+    body.set_obstacles({{"floor", Plane{{0, -0.003, 0}, {0.1, 1, 0}}, {}, 0.1}});
+    body.set_gravity({0, -9.81, 0});
+    return Simulation(std::move(body), {}, {}, xpbd(60, 0.01));
+  };
+  Simulation one = falling(), other = falling();
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(one.step().converged);
+  other.set_state(one.state());
+  for (int i = 0; i < 4; ++i) {
+    one.step();
+    other.step();
+  }
+  EXPECT_GT(one.contacts()[0].normal_force_n, 0.0);
+  EXPECT_TRUE(one.state() == other.state());
+}
+
+TEST(Contact, XpbdRefusesFreeObstaclesByName) {
+  Body body = loose_block({1, 1, 1});
+  Obstacle ball{"ball", Sphere{{0, 0.1, 0}, 0.01}, {}, 0.0};
+  ball.mass_kg = 0.01;
+  body.set_obstacles({ball});
+  try {
+    Simulation(std::move(body), {}, {}, xpbd(1));
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("mass_kg of 'ball'"), std::string::npos) << error.what();
+  }
+}
+
 // Faces that touch may have held nodes: what presses there is held too.
 TEST(Contact, HoldsCarryWhatGravityAndObstaclesLeave) {
   Body body(box_mesh({-0.02, 0, -0.01}, {0.02, 0.02, 0.01}, {4, 2, 2}), kSilicone);

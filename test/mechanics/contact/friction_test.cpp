@@ -60,6 +60,28 @@ TEST(Friction, ASlopeHoldsABlockAtItsCoefficientAndNotBelow) {
 }
 
 // While all of its foot slips, x_cm + mu y_cm moves as a point does, whatever the body's stiffness.
+TEST(Friction, WithXpbdASlopeHoldsABlockAtItsCoefficientAndNotBelow) {
+  const auto on_slope = [](double friction) {
+    Body body = loose_block({2, 1, 2});
+    body.set_gravity(kGravity * Vector3d(std::sin(kSlope), -std::cos(kSlope), 0));
+    body.set_viscosity({0.0, 0.002, 0.0, 1.0});
+    body.set_obstacles({{"slope", Plane{{0, 0, 0}, {0, 1, 0}}, {}, friction}});
+    return Simulation(std::move(body), {}, {}, xpbd(40, 0.005));
+  };
+  Simulation sticks = on_slope(0.55);
+  run(sticks, 0.2);
+  const double settled_m = middle_m(sticks).x();
+  run(sticks, 0.2);
+  EXPECT_NEAR(middle_m(sticks).x(), settled_m, 1e-6);
+
+  Simulation slides = on_slope(0.4);
+  run(slides, 0.1);
+  const double before_m_s = speed_m_s(slides);
+  run(slides, 0.2);
+  const double acceleration = kGravity * (std::sin(kSlope) - 0.4 * std::cos(kSlope));
+  EXPECT_NEAR((speed_m_s(slides) - before_m_s) / 0.2, acceleration, 0.02 * acceleration);
+}
+
 TEST(Friction, ASlidingBlockMovesAsAPointDoes) {
   const double mu = 0.4, angle_rad = 35.0 / 180.0 * M_PI;
   Simulation simulation = block_on_slope(mu, angle_rad, steps_of(0.005, Integrator::bdf2));

@@ -58,37 +58,42 @@ void SkinContact::search(const Eigen::Matrix3Xd& positions_m, const ContactState
 }
 
 // A point that has lost the skin it pressed against is a face's size away from it: open.
-void SkinContact::add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
-                            std::vector<ContactTouch>& touches) const {
-  ContactTouch touch;
+bool SkinContact::find_touch(int point, double pressure_pa, const Eigen::Matrix3Xd& positions_m,
+                             ContactTouch& touch) const {
   touch.pair = first_pair_ + point;
-  touch.pressure_pa = state.pressures_pa[touch.pair];
+  touch.pressure_pa = pressure_pa;
   const int face = points_.face_of(point);
   const Eigen::Vector3d at_m = points_.at(point, positions_m);
-  if (touch.pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m)) return;
+  if (pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m)) return false;
   const Eigen::Vector3d out = outward(point, positions_m);
-  if (touch.pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m, out)) return;
+  if (pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m, out)) return false;
   const std::optional<SkinGap> met = pairs_.meet(face, at_m, out, positions_m);
   touch.gap_m = met ? met->gap_m + slack_m(point) : points_.face_size_m(point);
-  touch.closed = met && law(point).closed(touch.gap_m, touch.pressure_pa);
-  if (!touch.closed && touch.pressure_pa == 0.0) return;
+  touch.closed = met && law(point).closed(touch.gap_m, pressure_pa);
   if (met) {
     touch.normal = met->normal;
     touch.bend = met->curvature_per_m;
     touch.met = met->at;
-    if (rubs_ && friction(touch) > 0.0) add_friction(at_m, positions_m, state, touch);
   }
+  return touch.closed || pressure_pa != 0.0;
+}
+
+void SkinContact::add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                            std::vector<ContactTouch>& touches) const {
+  ContactTouch touch;
+  if (!find_touch(point, state.pressures_pa[first_pair_ + point], positions_m, touch)) return;
+  if (rubs_ && touch.on_skin() && friction(touch) > 0.0) add_friction(positions_m, state, touch);
   touches.push_back(std::move(touch));
 }
 
-void SkinContact::add_friction(const Eigen::Vector3d& at_m, const Eigen::Matrix3Xd& positions_m,
-                               const ContactState& state, ContactTouch& touch) const {
+void SkinContact::add_friction(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                               ContactTouch& touch) const {
   const Eigen::Vector3d anchor = state.anchors_m.col(first_anchor_ + point_of(touch));
   if (anchor.z() < 0.0) return;
   touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point_of(touch)), youngs_modulus_pa_),
                     friction(touch) * touch.pressure_pa};
   touch.anchor_m = pairs_.at(static_cast<int>(anchor.z()), anchor.x(), anchor.y(), positions_m);
-  touch.set_away_m(at_m - touch.anchor_m);
+  touch.set_away_m(points_.at(point_of(touch), positions_m) - touch.anchor_m);
 }
 
 int SkinContact::side_of(const ContactTouch& touch) const {

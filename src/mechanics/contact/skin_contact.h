@@ -54,6 +54,12 @@ class SkinContact {
   void find_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                     std::vector<ContactTouch>& touches) const;
 
+  // Of these pairs alone (SkinPairs): the same of all points of a face, by their pressures, without friction. prepare()
+  // must come before, at the same positions.
+  void restrict_to(const std::vector<FacePair>& pairs) { pairs_.restrict_to(pairs); }
+  void prepare(const Eigen::Matrix3Xd& positions_m) const { pairs_.prepare(positions_m); }
+  bool find_touch(int point, double pressure_pa, const Eigen::Matrix3Xd& positions_m, ContactTouch& touch) const;
+
   // Of one that is closed, over the nodes of both faces. Where pressure and gap do not fit at all, as after a step that
   // led too deep, what turns with the skin is left out: such pressures would make the matrix indefinite.
   Eigen::MatrixXd hessian(const ContactTouch& touch, bool convex, bool soft) const;
@@ -78,8 +84,7 @@ class SkinContact {
   void add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                  std::vector<ContactTouch>& touches) const;
   // Of a point that has an anchor on some skin.
-  void add_friction(const Eigen::Vector3d& at_m, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
-                    ContactTouch& touch) const;
+  void add_friction(const Eigen::Matrix3Xd& positions_m, const ContactState& state, ContactTouch& touch) const;
   Eigen::Vector3d new_anchor(int point, const ContactTouch* slipped, const Eigen::Matrix3Xd& positions_m) const;
   double deepest(const Eigen::Matrix3Xd& positions_m) const;  // over the size of the face that it is in
   bool far_from_law(const ContactTouch& touch) const;

@@ -236,6 +236,14 @@ bool SkinPairs::counts(int face, int other) const {
   return foremost_m > kInFront * largest_size_m_;
 }
 
+void SkinPairs::restrict_to(const std::vector<FacePair>& pairs) {
+  restricted_ = true;
+  counts_.clear();
+  near_.assign(same_.size(), {});
+  for (const auto& [face, other] : pairs)
+    if (counts(face, other)) near_[static_cast<std::size_t>(face)].push_back(other);
+}
+
 void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   if (prepared_at_m_.cols() == positions_m.cols() && prepared_at_m_ == positions_m) return;
   prepared_at_m_ = positions_m;
@@ -245,7 +253,7 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
     return from_m.cols() != positions_m.cols() ||
            (positions_m - from_m).colwise().squaredNorm().maxCoeff() >= by_m * by_m;
   };
-  if (has_moved(near_at_m_, 0.5 * margin_m_)) {
+  if (!restricted_ && has_moved(near_at_m_, 0.5 * margin_m_)) {
     find_near(positions_m);
     close_at_m_.resize(3, 0);
   }

@@ -61,6 +61,9 @@ class SkinPairs {
   SkinPairs() = default;  // none
   SkinPairs(const Body& body, const ContactPoints& points);
 
+  // Looks at these pairs alone from now on, whatever is near; other nodes may stand anywhere then.
+  void restrict_to(const std::vector<FacePair>& pairs);
+
   // Must come before the next three, at the same positions. What it finds serves until a node has moved far; so an
   // object serves one thread.
   void prepare(const Eigen::Matrix3Xd& positions_m);
@@ -158,6 +161,7 @@ class SkinPairs {
   std::vector<signed char> counts_;  // of both, where it is known; empty where that would be too many
   TouchingPairs touching_;
   double largest_size_m_ = 0.0, margin_m_ = 0.0, slack_m_ = 0.0;
+  bool restricted_ = false;
 
   // Per face of the points: those near it, until a node has moved by half of margin_m_ from near_at_m_; of these the
   // ones that may overlap it, until a node has moved by slack_m_ from close_at_m_; and those that may now.

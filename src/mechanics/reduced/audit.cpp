@@ -43,7 +43,7 @@ Eigen::MatrixXd Audit::sensitivities(const ReducedState& state, const AuditResul
                        found.constraint_multipliers,
                        {},
                        std::make_shared<const DriveStates>(state.drives),
-                       newton_->contact().untouched(found.positions_m, state.time_s)};
+                       contact_at(found.positions_m, state)};
   const Eigen::MatrixXd motions_m = newton_->sensitivities(at);
   if (motions_m.size() == 0) return {};
   const auto& markers = full_->markers();
@@ -59,11 +59,17 @@ Eigen::MatrixXd Audit::sensitivities(const ReducedState& state, const AuditResul
   return result;
 }
 
+ContactState Audit::contact_at(const Eigen::Matrix3Xd& positions_m, const ReducedState& state) const {
+  ContactState contact = newton_->contact().untouched(positions_m, state.time_s);
+  if (reduced_.skin.places() > 0) reduced_.skin.add_pressures(state.at.pushes_n, contact.pressures_pa);
+  return contact;
+}
+
 AuditResult Audit::iterate(const ReducedState& state, const Eigen::VectorXd* acceleration) {
   const Eigen::Matrix3Xd start_m = reduced_.positions_m(state.at.q);
   NewtonState at{
       start_m, reduced_.basis.pressures * state.at.pressures,     state.at.multipliers,
-      {},      std::make_shared<const DriveStates>(state.drives), newton_->contact().untouched(start_m, state.time_s)};
+      {},      std::make_shared<const DriveStates>(state.drives), contact_at(start_m, state)};
   Eigen::Matrix3Xd predicted_m;
   NewtonTask task;
   task.tolerance = kResidual;

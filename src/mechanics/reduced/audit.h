@@ -44,6 +44,7 @@ class Audit {
   Eigen::MatrixXd sensitivities(const ReducedState& state, const AuditResult& found);
 
  private:
+  ContactState contact_at(const Eigen::Matrix3Xd& positions_m, const ReducedState& state) const;
   AuditResult iterate(const ReducedState& state, const Eigen::VectorXd* acceleration);
 
   const ReducedModel& reduced_;

@@ -127,6 +127,16 @@ ReducedConstraints::Values ReducedConstraints::at(const Eigen::VectorXd& q, cons
   return result;
 }
 
+void ReducedConstraints::Values::add(const std::vector<ReducedSkin::Touch>& touches) {
+  const Eigen::Index own = gradients.cols();
+  gradients.conservativeResize(Eigen::NoChange, own + static_cast<Eigen::Index>(touches.size()));
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    gradients.col(own + static_cast<Eigen::Index>(i)) = touches[i].gradient;
+    laws.push_back(touches[i].law);
+    touching.push_back(touches[i].place);
+  }
+}
+
 Eigen::MatrixXd ReducedConstraints::hessian(const Eigen::VectorXd& q, const Values& values,
                                             const Eigen::VectorXd& multipliers) const {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(modes_, modes_);

@@ -9,6 +9,7 @@
 #include "mechanics/actuators/cable/path_length.h"
 #include "soft_robot_lab/mechanics/actuators/chamber.h"
 #include "soft_robot_lab/mechanics/model.h"
+#include "reduced_skin.h"
 #include "volume_polynomials.h"
 
 namespace soft_robot_lab {
@@ -22,9 +23,12 @@ class ReducedConstraints {
   ReducedConstraints(const Model& model, const Eigen::MatrixXd& modes);
 
   struct Values {
-    Eigen::MatrixXd gradients;  // modes x constraints: d length / dq, d volume / dq
+    Eigen::MatrixXd gradients;  // modes x constraints: d value / dq
     std::vector<ConstraintLaw> laws;
     std::vector<std::vector<Path::Span>> spans;  // per cable
+    std::vector<Eigen::Index> touching;          // places of ReducedSkin, which are constraints after the others
+
+    void add(const std::vector<ReducedSkin::Touch>& touches);
   };
   // Multipliers: tensions [N], and gauge pressures below zero [Pa].
   Values at(const Eigen::VectorXd& q, const Eigen::VectorXd& multipliers, const DriveStates& drives) const;

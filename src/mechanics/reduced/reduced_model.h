@@ -10,6 +10,7 @@
 
 #include "reduced_constraints.h"
 #include "reduced_energy.h"
+#include "reduced_skin.h"
 #include "soft_robot_lab/mechanics/model.h"
 
 namespace soft_robot_lab {
@@ -37,6 +38,7 @@ struct ReducedModel {
   ReducedBasis basis;
   ReducedEnergy energy;
   ReducedConstraints constraints;
+  ReducedSkin skin;
   Eigen::VectorXd point_factors;  // as kept; empty where every point is
   KnownRests rests;
   double mass_kg;
@@ -49,6 +51,8 @@ struct ReducedModel {
         energy(full->body(), basis),
         constraints(*full, basis.modes),
         mass_kg(full->body().node_masses_kg().sum()) {}
+
+  void let_touch(const std::vector<FacePair>& pairs) { skin = ReducedSkin(full->body(), basis.modes, pairs); }
 
   void keep_points(const Eigen::VectorXd& factors) {
     energy.keep_points(factors);

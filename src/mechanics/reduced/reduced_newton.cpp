@@ -16,6 +16,7 @@ namespace {
 constexpr int kMostIterations = 60;
 constexpr double kLeastShare = 1.0 / 64.0;  // of a step
 constexpr double kSlow = 0.3;               // a step more than this of the last one asks for a new factor
+constexpr int kMostRounds = 4;             // in which a step learns what skin it leads into
 constexpr double kLongestStep = 0.05;       // of the body's size, rms: further out Newton's model means nothing
 
 // Multipliers at which every constraint obeys its law after the step d0 - response * multipliers.
@@ -35,9 +36,20 @@ Eigen::VectorXd multipliers_after(const ReducedConstraints::Values& constraints,
 }
 
 ReducedUnknowns moved(const ReducedUnknowns& from, const Eigen::VectorXd& step, const Eigen::VectorXd& multipliers,
-                      double share) {
+                      const Eigen::VectorXd& pushes_n, double share) {
   return {from.q + share * step.head(from.q.size()), from.pressures + share * step.tail(from.pressures.size()),
-          from.multipliers + share * multipliers};
+          from.multipliers + share * multipliers, from.pushes_n + share * pushes_n};
+}
+
+// Skin that touches at the end of a motion and is not among `here`, as it would be seen from where that begins.
+std::vector<ReducedSkin::Touch> met_by(const Eigen::VectorXd& motion, std::vector<ReducedSkin::Touch> end,
+                                       const ReducedConstraints::Values& here) {
+  const auto known = [&](const ReducedSkin::Touch& touch) {
+    return std::find(here.touching.begin(), here.touching.end(), touch.place) != here.touching.end();
+  };
+  end.erase(std::remove_if(end.begin(), end.end(), known), end.end());
+  for (ReducedSkin::Touch& touch : end) touch.law.offset -= touch.gradient.dot(motion);
+  return end;
 }
 
 }  // namespace
@@ -53,6 +65,12 @@ Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns&
   matrix.bottomLeftCorner(r, n) = matrix.topRightCorner(n, r).transpose();
   matrix.bottomRightCorner(r, r) = Eigen::MatrixXd::Identity(r, r) / -model.energy.lambda_pa();
   return matrix;
+}
+
+Eigen::VectorXd all_multipliers(const ReducedUnknowns& at, const ReducedConstraints::Values& constraints) {
+  Eigen::VectorXd all(static_cast<Eigen::Index>(constraints.laws.size()));
+  all << at.multipliers, at.pushes_n(constraints.touching);
+  return all;
 }
 
 Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints::Values& constraints,
@@ -71,15 +89,21 @@ Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints:
   return matrix;
 }
 
+ReducedConstraints::Values ReducedNewton::constraints_at(const ReducedUnknowns& at, const DriveStates& drives) {
+  ReducedConstraints::Values values = model_->constraints.at(at.q, at.multipliers, drives);
+  if (skin_.places() > 0) values.add(skin_.at(at.q, at.pushes_n));
+  return values;
+}
+
 ReducedNewton::Point ReducedNewton::point_at(const Problem& problem, ReducedUnknowns at) {
-  ReducedConstraints::Values constraints = problem.model.constraints.at(at.q, at.multipliers, problem.drives);
-  ReducedEnergy::Sums sums = problem.model.energy.sums(at.q, at.pressures);
+  ReducedConstraints::Values constraints = constraints_at(at, problem.drives);
+  ReducedEnergy::Sums sums = model_->energy.sums(at.q, at.pressures);
   return {std::move(at), std::move(constraints), std::move(sums)};
 }
 
 void ReducedNewton::factorise(const Problem& problem, const Point& here, ReducedEnd& end) {
   const double inertia_per_s2 = problem.task.inertia_per_s2;
-  inverse_ = reduced_matrix(problem.model, here.at, here.constraints, inertia_per_s2).inverse();
+  inverse_ = reduced_matrix(*model_, here.at, here.constraints, inertia_per_s2).inverse();
   inverse_inertia_ = inertia_per_s2;
   fresh_ = true;
   ++end.factorisations;
@@ -87,28 +111,31 @@ void ReducedNewton::factorise(const Problem& problem, const Point& here, Reduced
 
 ReducedNewton::Step ReducedNewton::step_from(const Problem& problem, const Point& here, ReducedEnd& end) const {
   ++end.iterations;
-  const Eigen::Index n = here.at.q.size(), r = here.at.pressures.size(), y = here.at.multipliers.size();
-  Eigen::MatrixXd sides = Eigen::MatrixXd::Zero(n + r, 1 + y);
+  const ReducedConstraints::Values& constraints = here.constraints;
+  const Eigen::Index n = here.at.q.size(), r = here.at.pressures.size(), own = here.at.multipliers.size();
+  const Eigen::VectorXd before = all_multipliers(here.at, constraints);
+  Eigen::MatrixXd sides = Eigen::MatrixXd::Zero(n + r, 1 + before.size());
   sides.col(0).head(n) = -(here.sums.force + problem.task.inertia_per_s2 * (here.at.q - problem.task.from));
   sides.col(0).tail(r) = -here.sums.mismatch;
-  sides.topRightCorner(n, y) = here.constraints.gradients;
+  sides.topRightCorner(n, before.size()) = constraints.gradients;
   Step step;
   step.size_m = std::numeric_limits<double>::infinity();
   const Eigen::MatrixXd solved = inverse_ * sides;
   if (!solved.allFinite()) return step;
-  const Eigen::MatrixXd response = solved.rightCols(y);
+  const Eigen::MatrixXd response = solved.rightCols(before.size());
   const Eigen::VectorXd after =
-      multipliers_after(here.constraints, solved.col(0).head(n), response.topRows(n), here.at.multipliers);
-  if (after.size() != y || !after.allFinite()) return step;
+      multipliers_after(constraints, solved.col(0).head(n), response.topRows(n), before);
+  if (after.size() != before.size() || !after.allFinite()) return step;
   step.nodes_and_pressures = solved.col(0) - response * after;
-  step.multipliers = after - here.at.multipliers;
-  step.size_m = step.nodes_and_pressures.head(n).norm() / std::sqrt(problem.model.mass_kg);
+  step.multipliers = after.head(own) - here.at.multipliers;
+  step.pushes_n = -here.at.pushes_n;
+  step.pushes_n(constraints.touching) += after.tail(after.size() - own);
+  step.size_m = step.nodes_and_pressures.head(n).norm() / std::sqrt(model_->mass_kg);
   return step;
 }
 
-ReducedEnd ReducedNewton::solve(const ReducedModel& model, const ReducedTask& task, const DriveStates& drives,
-                                ReducedUnknowns& unknowns) {
-  const Problem problem{model, task, drives};
+ReducedEnd ReducedNewton::solve(const ReducedTask& task, const DriveStates& drives, ReducedUnknowns& unknowns) {
+  const Problem problem{task, drives};
   ReducedEnd end;
   Point here = point_at(problem, unknowns);
   fresh_ = false;
@@ -117,15 +144,30 @@ ReducedEnd ReducedNewton::solve(const ReducedModel& model, const ReducedTask& ta
   while (end.iterations < kMostIterations && std::isfinite(step.size_m) && step.size_m >= task.tolerance_m)
     if (!go(problem, here, step, end)) break;
   end.converged = step.size_m < task.tolerance_m;
-  unknowns = end.converged ? moved(here.at, step.nodes_and_pressures, step.multipliers, 1.0) : here.at;
+  unknowns = end.converged ? moved(here.at, step.nodes_and_pressures, step.multipliers, step.pushes_n, 1.0) : here.at;
   if (!end.converged) inverse_inertia_ = -1.0;
   return end;
 }
 
+ReducedNewton::Point ReducedNewton::end_of(const Problem& problem, double share, Point& here, Step& step,
+                                           ReducedEnd& end) {
+  for (int round = 0;; ++round) {
+    ReducedUnknowns there = moved(here.at, step.nodes_and_pressures, step.multipliers, step.pushes_n, share);
+    if (skin_.places() == 0 || round == kMostRounds) return point_at(problem, std::move(there));
+    const Eigen::VectorXd motion = there.q - here.at.q;
+    const std::vector<ReducedSkin::Touch> met = met_by(motion, skin_.at(there.q, there.pushes_n), here.constraints);
+    if (met.empty()) return point_at(problem, std::move(there));
+    here.constraints.add(met);
+    Step heeding = step_from(problem, here, end);
+    if (!std::isfinite(heeding.size_m)) return point_at(problem, std::move(there));
+    step = std::move(heeding);
+  }
+}
+
 bool ReducedNewton::go(const Problem& problem, Point& here, Step& step, ReducedEnd& end) {
-  const double longest = std::min(1.0, kLongestStep * problem.model.full->body().size_m() / step.size_m);
+  const double longest = std::min(1.0, kLongestStep * model_->full->body().size_m() / step.size_m);
   for (double share = longest; share >= kLeastShare * longest && end.iterations < kMostIterations; share *= 0.5) {
-    Point there = point_at(problem, moved(here.at, step.nodes_and_pressures, step.multipliers, share));
+    Point there = end_of(problem, share, here, step, end);
     Step next = step_from(problem, there, end);
     if (next.size_m <= (1.0 - 0.25 * share) * step.size_m) {
       const bool slow = next.size_m > kSlow * step.size_m && next.size_m >= problem.task.tolerance_m;
@@ -147,15 +189,17 @@ bool ReducedNewton::go(const Problem& problem, Point& here, Step& step, ReducedE
 }
 
 // By the inertia of the bordered matrix (Haynsworth 1968): a negative eigenvalue per constraint, and no more.
-bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at, double inertia_per_s2) {
-  const ReducedConstraints::Values constraints = model.constraints.at(at.q, at.multipliers, drives);
-  const Eigen::Index n = at.q.size(), r = at.pressures.size(), y = at.multipliers.size();
-  const Eigen::MatrixXd inner = reduced_matrix(model, at, constraints, inertia_per_s2);
+bool ReducedNewton::stable(const DriveStates& drives, const ReducedUnknowns& at, double inertia_per_s2) {
+  const ReducedConstraints::Values constraints = constraints_at(at, drives);
+  const Eigen::VectorXd multipliers = all_multipliers(at, constraints);
+  const Eigen::Index n = at.q.size(), r = at.pressures.size();
+  const Eigen::MatrixXd inner = reduced_matrix(*model_, at, constraints, inertia_per_s2);
   const Eigen::MatrixXd volumes = inner.topRightCorner(n, r);
   const Eigen::MatrixXd stiffness =
-      inner.topLeftCorner(n, n) + model.energy.lambda_pa() * volumes * volumes.transpose();
-  const Eigen::MatrixXd matrix = bordered(stiffness, constraints, at.multipliers);
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues()[y] > 0.0;
+      inner.topLeftCorner(n, n) + model_->energy.lambda_pa() * volumes * volumes.transpose();
+  const Eigen::MatrixXd matrix = bordered(stiffness, constraints, multipliers);
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
+             .eigenvalues()[multipliers.size()] > 0.0;
 }
 
 }  // namespace soft_robot_lab

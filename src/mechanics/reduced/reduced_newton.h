@@ -9,6 +9,7 @@ namespace soft_robot_lab {
 
 struct ReducedUnknowns {
   Eigen::VectorXd q, pressures, multipliers;  // of modes, of elements, of constraints
+  Eigen::VectorXd pushes_n;                   // of ReducedSkin
 };
 
 // Inertia inertia_per_s2 / 2 |q - from|^2, on top of the energy: 1/h^2 of a time step, zero of an equilibrium.
@@ -28,6 +29,9 @@ struct ReducedEnd {
 Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
                                const ReducedConstraints::Values& constraints, double inertia_per_s2);
 
+// Those of the model's constraints, and then of the skin that touches in `constraints`.
+Eigen::VectorXd all_multipliers(const ReducedUnknowns& at, const ReducedConstraints::Values& constraints);
+
 // A matrix whose first rows and columns are q's, with a row and column for each constraint below: its gradient where
 // it acts, scaled to the matrix, and a negative pivot alone where it does not, as a slack cable.
 Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints::Values& constraints,
@@ -36,15 +40,21 @@ Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints:
 // Newton's method on q, pressures and multipliers together; the constraints are a border (MultiplierProblem). A step is
 // cut until the next one by the same inverse is shorter (natural monotonicity test, Deuflhard 2004, 3.3). An inverse
 // serves, also in further solves, as long as each step is less than 0.3 of the one before.
+// What a step would lead into of skin is learnt before it is taken.
 class ReducedNewton {
  public:
+  explicit ReducedNewton(const ReducedModel& model) : model_(&model), skin_(model.skin) {}  // which outlives it
+
   // Changes `unknowns` in any case.
-  ReducedEnd solve(const ReducedModel& model, const ReducedTask& task, const DriveStates& drives,
-                   ReducedUnknowns& unknowns);
+  ReducedEnd solve(const ReducedTask& task, const DriveStates& drives, ReducedUnknowns& unknowns);
+
+  // Whether the constraints hold q in a minimum of the energy with this inertia, and not on a saddle.
+  bool stable(const DriveStates& drives, const ReducedUnknowns& at, double inertia_per_s2 = 0.0);
+
+  ReducedConstraints::Values constraints_at(const ReducedUnknowns& at, const DriveStates& drives);
 
  private:
   struct Problem {
-    const ReducedModel& model;
     const ReducedTask& task;
     const DriveStates& drives;
   };
@@ -54,22 +64,22 @@ class ReducedNewton {
     ReducedEnergy::Sums sums;
   };
   struct Step {
-    Eigen::VectorXd nodes_and_pressures, multipliers;  // changes
-    double size_m = 0.0;                               // rms; infinity: none found
+    Eigen::VectorXd nodes_and_pressures, multipliers, pushes_n;  // changes
+    double size_m = 0.0;                                         // rms; infinity: none found
   };
-  static Point point_at(const Problem& problem, ReducedUnknowns at);
+  Point point_at(const Problem& problem, ReducedUnknowns at);
   void factorise(const Problem& problem, const Point& here, ReducedEnd& end);
   Step step_from(const Problem& problem, const Point& here, ReducedEnd& end) const;
+  // Where a share of the step leads. The step heeds the skin that it leads into: in rounds, as it leads elsewhere then.
+  Point end_of(const Problem& problem, double share, Point& here, Step& step, ReducedEnd& end);
   // Goes along the step, which becomes the next one; false where no share of it passes.
   bool go(const Problem& problem, Point& here, Step& step, ReducedEnd& end);
 
+  const ReducedModel* model_;
+  ReducedSkin skin_;
   Eigen::MatrixXd inverse_;
   double inverse_inertia_ = -1.0;  // none yet
   bool fresh_ = false;             // the inverse is of the present point
 };
-
-// Whether the constraints hold q in a minimum of the energy with this inertia, and not on a saddle.
-bool stable(const ReducedModel& model, const DriveStates& drives, const ReducedUnknowns& at,
-            double inertia_per_s2 = 0.0);
 
 }  // namespace soft_robot_lab

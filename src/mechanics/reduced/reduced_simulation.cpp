@@ -27,12 +27,15 @@ void count(const ReducedEnd& end, ReducedReport& report) {
 
 }  // namespace
 
-ReducedSimulation::ReducedSimulation(std::shared_ptr<const ReducedModel> model) : model_(std::move(model)) { reset(); }
+ReducedSimulation::ReducedSimulation(std::shared_ptr<const ReducedModel> model) : model_(std::move(model)), newton_(*model_) {
+  reset();
+}
 
 void ReducedSimulation::reset() {
   state_ = {};
   state_.at = {Eigen::VectorXd::Zero(model_->energy.modes()), Eigen::VectorXd::Zero(model_->energy.pressures()),
-               Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model_->constraints.count()))};
+               Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model_->constraints.count())),
+               Eigen::VectorXd::Zero(model_->skin.places())};
   state_.velocity = state_.previous_velocity = Eigen::VectorXd::Zero(model_->energy.modes());
   for (const auto& actuator : model_->full->actuators()) state_.drives.push_back(actuator->rest_state());
 }
@@ -98,7 +101,7 @@ bool ReducedSimulation::advance(double h, const CommandPath& path, double from, 
     model_->full->actuators()[i]->place(path.from[i] + to * (path.to[i] - path.from[i]), state_.drives[i]);
   state_.at.q = predicted(part_s);
   const ReducedTask task{1.0 / (part_s * part_s), before.at.q + part_s * before.velocity, step_tolerance_m_};
-  const ReducedEnd end = newton_.solve(*model_, task, state_.drives, state_.at);
+  const ReducedEnd end = newton_.solve(task, state_.drives, state_.at);
   count(end, report);
   if (end.converged) {
     state_.previous_velocity = before.velocity;
@@ -114,9 +117,9 @@ bool ReducedSimulation::advance(double h, const CommandPath& path, double from, 
 
 bool ReducedSimulation::relax(int most_iterations, ReducedReport& report) {
   ReducedUnknowns trial = state_.at;
-  const ReducedEnd end = newton_.solve(*model_, {0.0, trial.q, rest_tolerance_m_}, state_.drives, trial);
+  const ReducedEnd end = newton_.solve({0.0, trial.q, rest_tolerance_m_}, state_.drives, trial);
   count(end, report);
-  if (!end.converged || end.iterations > most_iterations || !stable(*model_, state_.drives, trial)) return false;
+  if (!end.converged || end.iterations > most_iterations || !newton_.stable(state_.drives, trial)) return false;
   state_.at = trial;
   return true;
 }
@@ -141,7 +144,8 @@ bool ReducedSimulation::relax_beside_known_rests(ReducedReport& report) {
     Eigen::Index nearest = 0;
     far.minCoeff(&nearest);
     far[nearest] = std::numeric_limits<double>::infinity();
-    state_.at = {rests.q.col(nearest), rests.pressures.col(nearest), rests.multipliers.col(nearest)};
+    state_.at = {rests.q.col(nearest), rests.pressures.col(nearest), rests.multipliers.col(nearest),
+                 Eigen::VectorXd::Zero(model_->skin.places())};
     if (relax(kNearIterations, report)) return true;
   }
   state_.at = before;
@@ -156,6 +160,10 @@ SimulationState full_state(const ReducedModel& model, const ReducedState& state,
   base.element_multipliers_pa = model.basis.pressures * state.at.pressures;
   base.constraint_multipliers = state.at.multipliers;
   base.drives = state.drives;
+  if (model.skin.places() > 0) {
+    base.contact = model.full->tables().newton->contact.untouched(base.positions_m, state.time_s);
+    model.skin.add_pressures(state.at.pushes_n, base.contact.pressures_pa);
+  }
   base.rest_residual.reset();
   return base;
 }
@@ -176,9 +184,9 @@ ReducedReport ReducedSimulation::solve_equilibrium() {
   for (int i = 0; searches && i < kContinuationSteps && !report.converged && h >= kShortestArtificialStep_s; ++i) {
     ReducedUnknowns trial = state_.at;
     const double inertia_per_s2 = 1.0 / (h * h);
-    const ReducedEnd end = newton_.solve(*model_, {inertia_per_s2, trial.q, 1e-6}, state_.drives, trial);
+    const ReducedEnd end = newton_.solve({inertia_per_s2, trial.q, 1e-6}, state_.drives, trial);
     count(end, report);
-    const bool down = end.converged && stable(*model_, state_.drives, trial, inertia_per_s2);
+    const bool down = end.converged && newton_.stable(state_.drives, trial, inertia_per_s2);
     if (down) state_.at = trial;
     h = down ? std::min(2.0 * h, kLongestArtificialStep_s) : 0.25 * h;
     if (down && h > 1.0) report.converged = relax(std::numeric_limits<int>::max(), report);

@@ -43,7 +43,8 @@ ReducedBasis basis_of(const std::vector<Snapshot>& snapshots, const Model& model
 ReducedUnknowns projected(const ReducedModel& model, const Snapshot& at, const Eigen::VectorXd& masses_kg,
                           const Eigen::VectorXd& volumes_m3) {
   return {model.basis.modes.transpose() * masses_kg.cwiseProduct(at.displacement_m),
-          model.basis.pressures.transpose() * volumes_m3.cwiseProduct(at.multipliers_pa), at.constraint_multipliers};
+          model.basis.pressures.transpose() * volumes_m3.cwiseProduct(at.multipliers_pa), at.constraint_multipliers,
+          Eigen::VectorXd()};
 }
 
 KnownRests rests_of(const std::vector<Snapshot>& snapshots, const ReducedModel& model) {
@@ -102,6 +103,7 @@ std::shared_ptr<const ReducedModel> train_on(const TrainingSet& set, const std::
   reduced->snapshots = static_cast<int>(set.snapshots.size());
   reduced->failed_solves = set.failed;
   reduced->rests = rests_of(set.snapshots, *reduced);
+  if (!set.met.empty()) reduced->let_touch(with_neighbours(set.met, model->body()));
   if (training.cubature_tolerance_m > 0.0) choose_points(set.snapshots, training.cubature_tolerance_m, *reduced);
   return reduced;
 }

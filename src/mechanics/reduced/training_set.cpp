@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "training_set.h"
 
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
+#include "mechanics/contact/contact_term.h"
 #include "mechanics/simulation/require.h"
 #include "reduced_constraints.h"
 
@@ -18,7 +20,9 @@ constexpr unsigned kTrainingSeed = 1;
 void require_supported(const Model& model) {
   const Body& body = model.body();
   const char* what = nullptr;
-  if (!body.obstacles().empty() || body.touches_itself()) what = "contact";
+  if (!body.obstacles().empty()) what = "contact with obstacles";
+  for (const TouchingBodies& pair : body.touching_bodies())
+    if (pair.friction > 0.0) what = "friction of skin on skin";
   if (body.holds_move()) what = "held regions that move";
   if (body.viscosity().rayleigh_mass_per_s > 0.0 || body.viscosity().of_strain()) what = "viscosity";
   if (!body.one_material()) what = "several materials";
@@ -58,17 +62,36 @@ void require_valid(const Model& model, const ReducedTraining& training) {
   require(training.cubature_tolerance_m >= 0.0, "cubature_tolerance_m", training.cubature_tolerance_m, ">= 0");
 }
 
-void add_ramp(const std::vector<double>& target, Simulation& simulation, TrainingSet& all) {
+// Which faces of the skin meet.
+class MetSkin {
+ public:
+  explicit MetSkin(const Body& body) : contact_(body) {}
+
+  void look(const SimulationState& at) {
+    if (contact_.empty()) return;
+    for (const ContactTouch& touch : contact_.sums(at.positions_m, at.contact).touches)
+      if (touch.on_skin()) met_.insert(contact_.skin().faces_of(touch));
+  }
+  std::vector<FacePair> pairs() const { return {met_.begin(), met_.end()}; }
+
+ private:
+  ContactTerm contact_;
+  std::set<FacePair> met_;
+};
+
+void add_ramp(const std::vector<double>& target, Simulation& simulation, MetSkin& skin, TrainingSet& all) {
   simulation.reset();
   const std::vector<double> rest = simulation.state().commands();
   for (int stage = 1; stage <= kStages; ++stage) {
     std::vector<double> commands = rest;
     for (std::size_t a = 0; a < rest.size(); ++a) commands[a] += (target[a] - rest[a]) * stage / kStages;
     command(commands, simulation);
-    if (simulation.solve_equilibrium().converged)
+    if (simulation.solve_equilibrium().converged) {
       all.snapshots.push_back(snapshot_of(simulation, 0.0));
-    else
+      skin.look(simulation.state());
+    } else {
       ++all.failed;
+    }
   }
 }
 
@@ -84,17 +107,20 @@ TrainingSet collect_training(const std::shared_ptr<const Model>& model, const Re
   };
   TrainingSet all;
   Simulation simulation(model);
+  MetSkin skin(model->body());
   for (int i = 0; i < training.ramps; ++i) {
     show(kShareOfRamps * i / training.ramps, "equilibria to train with");
-    add_ramp(commands_in(training.box, static_cast<std::size_t>(i)), simulation, all);
+    add_ramp(commands_in(training.box, static_cast<std::size_t>(i)), simulation, skin, all);
   }
   const double h = model->options().time_step_s;
   run_transient(training.box, training.transient_s, kTrainingSeed, simulation, [&](int i, bool converged) {
     show(kShareOfRamps + (1.0 - kShareOfRamps) * i * h / training.transient_s, "motion to train with");
     if (!converged) ++all.failed;
+    if (converged) skin.look(simulation.state());
     if (converged && i % kStepsPerSnapshot == 0) all.snapshots.push_back(snapshot_of(simulation, 1.0 / (h * h)));
   });
   if (all.snapshots.empty()) throw std::invalid_argument("no solve of a reduced model's training converged");
+  all.met = skin.pairs();
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "mechanics/contact/skin_pairs.h"
 #include "snapshots.h"
 #include "train.h"
 
@@ -14,7 +15,8 @@ namespace soft_robot_lab {
 // States of the full model, from which a reduced one is made.
 struct TrainingSet {
   std::vector<Snapshot> snapshots;
-  int failed = 0;  // solves
+  int failed = 0;             // solves
+  std::vector<FacePair> met;  // of skin
 };
 
 // From 0 to 1, and what is done.

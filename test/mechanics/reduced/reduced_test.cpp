@@ -238,21 +238,21 @@ TEST_F(ReducedColumn, LeavesTheSaddleForAMinimumOnOneSide) {
   ASSERT_TRUE(simulation.solve_equilibrium().converged);
   const Eigen::Matrix3Xd moved = simulation.positions_m() - model_->full->body().mesh().nodes_m;
   EXPECT_GT(moved.row(2).cwiseAbs().maxCoeff(), 0.01);
-  EXPECT_TRUE(stable(*model_, simulation.state().drives, simulation.state().at));
+  EXPECT_TRUE(ReducedNewton(*model_).stable(simulation.state().drives, simulation.state().at));
 }
 
 TEST_F(ReducedColumn, KnowsASaddleFromTheMinimumOnEitherSide) {
   ReducedSimulation simulation = pulled();
   ASSERT_TRUE(simulation.solve_equilibrium().converged);
   const DriveStates& drives = simulation.state().drives;
-  EXPECT_TRUE(stable(*model_, drives, simulation.state().at));
+  EXPECT_TRUE(ReducedNewton(*model_).stable(drives, simulation.state().at));
   // From the straight shape Newton's method goes to the equilibrium nearby, which is the saddle.
   ReducedUnknowns straight = ReducedSimulation(model_).state().at;
-  ReducedNewton newton;
-  ASSERT_TRUE(newton.solve(*model_, {0.0, straight.q, 1e-9}, drives, straight).converged);
+  ReducedNewton newton(*model_);
+  ASSERT_TRUE(newton.solve({0.0, straight.q, 1e-9}, drives, straight).converged);
   EXPECT_GT((model_->positions_m(straight.q) - simulation.positions_m()).cwiseAbs().maxCoeff(), 0.005);
-  EXPECT_FALSE(stable(*model_, drives, straight));
-  EXPECT_TRUE(stable(*model_, drives, straight, 1e6));  // the inertia of a short step holds it
+  EXPECT_FALSE(ReducedNewton(*model_).stable(drives, straight));
+  EXPECT_TRUE(ReducedNewton(*model_).stable(drives, straight, 1e6));  // the inertia of a short step holds it
 }
 
 TEST_F(ReducedColumn, NewtonsMethodCutsStepsThatLeadTooFarAndEndsWhereItDoesFromNearby) {
@@ -262,7 +262,7 @@ TEST_F(ReducedColumn, NewtonsMethodCutsStepsThatLeadTooFarAndEndsWhereItDoesFrom
   const auto solved = [&](double share, ReducedUnknowns& at) {
     at = rest.at;
     at.q = share * buckled.state().at.q;
-    return ReducedNewton().solve(*model_, {1e5, buckled.state().at.q, 1e-9}, rest.drives, at);
+    return ReducedNewton(*model_).solve({1e5, buckled.state().at.q, 1e-9}, rest.drives, at);
   };
   ReducedUnknowns near, far;
   const ReducedEnd from_near = solved(1.0, near), from_far = solved(2.0, far);

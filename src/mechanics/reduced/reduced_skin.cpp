@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduced_skin.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace soft_robot_lab {
+namespace {
+
+template <class T>
+void sort_out(std::vector<T>& all) {
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+}
+
+// Of each face of the mesh, those that share a corner with it, and itself.
+std::vector<std::vector<int>> faces_around(const Eigen::MatrixXi& faces) {
+  std::map<int, std::vector<int>> at_corner;
+  for (int face = 0; face < faces.cols(); ++face)
+    for (int corner = 0; corner < 3; ++corner) at_corner[faces(corner, face)].push_back(face);
+  std::vector<std::vector<int>> around(static_cast<std::size_t>(faces.cols()));
+  for (std::size_t face = 0; face < around.size(); ++face) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::vector<int>& here = at_corner[faces(corner, static_cast<Eigen::Index>(face))];
+      around[face].insert(around[face].end(), here.begin(), here.end());
+    }
+    sort_out(around[face]);
+  }
+  return around;
+}
+
+}  // namespace
+
+std::vector<FacePair> with_neighbours(const std::vector<FacePair>& pairs, const Body& body) {
+  const ContactPoints points(body, PointSpread::dense);
+  const std::vector<std::vector<int>> around = faces_around(body.mesh().faces);
+  std::vector<int> of_points(around.size(), -1);
+  for (int face = 0; face < points.face_count(); ++face)
+    of_points[static_cast<std::size_t>(points.mesh_faces()[static_cast<std::size_t>(face)])] = face;
+  std::set<FacePair> all;
+  for (const auto& [face, other] : pairs) {
+    for (const int near : around[static_cast<std::size_t>(other)]) all.emplace(face, near);
+    for (const int near : around[static_cast<std::size_t>(points.mesh_faces()[static_cast<std::size_t>(face)])])
+      if (const int own = of_points[static_cast<std::size_t>(near)]; own >= 0) all.emplace(own, other);
+  }
+  return {all.begin(), all.end()};
+}
+
+ReducedSkin::ReducedSkin(const Body& body, const Eigen::MatrixXd& modes, const std::vector<FacePair>& pairs)
+    : pairs_(pairs), skin_(body, 0, 0), positions_m_(body.mesh().nodes_m) {
+  skin_.restrict_to(pairs);
+  const ContactPoints& points = skin_.points();
+  std::vector<int> faces;
+  for (const FacePair& pair : pairs) {
+    faces.push_back(pair.first);
+    const std::vector<int> both = skin_.pairs().nodes(pair);
+    nodes_.insert(nodes_.end(), both.begin(), both.end());
+  }
+  sort_out(faces);
+  sort_out(nodes_);
+  for (const int face : faces) {
+    faces_.push_back({face, places()});
+    for (int point = points.first_point(face); point < points.first_point(face + 1); ++point) points_.push_back(point);
+  }
+  row_of_.assign(static_cast<std::size_t>(positions_m_.cols()), -1);
+  rest_m_.resize(3 * static_cast<Eigen::Index>(nodes_.size()));
+  modes_.resize(rest_m_.size(), modes.cols());
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(3 * i);
+    row_of_[static_cast<std::size_t>(nodes_[i])] = static_cast<int>(row);
+    rest_m_.segment<3>(row) = positions_m_.col(nodes_[i]);
+    modes_.middleRows<3>(row) = modes.middleRows<3>(3 * nodes_[i]);
+  }
+}
+
+std::vector<ReducedSkin::Touch> ReducedSkin::at(const Eigen::VectorXd& q, const Eigen::VectorXd& pushes_n) {
+  std::vector<Touch> touches;
+  if (faces_.empty()) return touches;
+  const Eigen::VectorXd places_m = rest_m_ + modes_ * q;
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    positions_m_.col(nodes_[i]) = places_m.segment<3>(static_cast<Eigen::Index>(3 * i));
+  skin_.prepare(positions_m_);
+  const ContactPoints& points = skin_.points();
+  for (const auto& [face, first] : faces_) {
+    const int from = points.first_point(face), count = points.first_point(face + 1) - from;
+    if (!skin_.pairs().may_be_inside(face) && pushes_n.segment(first, count).isZero(0.0)) continue;
+    for (int i = 0; i < count; ++i) {
+      ContactTouch found;
+      if (skin_.find_touch(from + i, pushes_n[first + i] / points.weight_m2(from + i), positions_m_, found) &&
+          found.on_skin())
+        touches.push_back(touch_of(first + i, found));
+    }
+  }
+  return touches;
+}
+
+ReducedSkin::Touch ReducedSkin::touch_of(Eigen::Index place, const ContactTouch& found) const {
+  const int point = points_[static_cast<std::size_t>(place)];
+  Touch touch{place, in_modes(skin_.gradient(found)), {}};
+  touch.law.offset = -found.gap_m;
+  touch.law.compliance = skin_.law(point).compliance_m_pa / skin_.points().weight_m2(point);
+  touch.law.min_multiplier = 0.0;
+  return touch;
+}
+
+Eigen::VectorXd ReducedSkin::in_modes(const SkinGradient& gradient) const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(modes_.cols());
+  for (std::size_t a = 0; a < gradient.nodes.size(); ++a)
+    sum.noalias() += modes_.middleRows<3>(row_of_[static_cast<std::size_t>(gradient.nodes[a])]).transpose() *
+                     gradient.at_nodes.col(static_cast<Eigen::Index>(a));
+  return sum;
+}
+
+void ReducedSkin::add_pressures(const Eigen::VectorXd& pushes_n, Eigen::VectorXd& pressures_pa) const {
+  for (Eigen::Index place = 0; place < places(); ++place) {
+    const int point = points_[static_cast<std::size_t>(place)];
+    pressures_pa[point] = pushes_n[place] / skin_.points().weight_m2(point);
+  }
+}
+
+Eigen::VectorXd ReducedSkin::pushes_n(const Eigen::VectorXd& pressures_pa) const {
+  Eigen::VectorXd pushes(places());
+  for (Eigen::Index place = 0; place < places(); ++place) {
+    const int point = points_[static_cast<std::size_t>(place)];
+    pushes[place] = pressures_pa[point] * skin_.points().weight_m2(point);
+  }
+  return pushes;
+}
+
+}  // namespace soft_robot_lab

@@ -128,6 +128,7 @@ ReducedConstraints::Values ReducedConstraints::at(const Eigen::VectorXd& q, cons
 }
 
 void ReducedConstraints::Values::add(const std::vector<ReducedSkin::Touch>& touches) {
+  if (touches.empty()) return;
   const Eigen::Index own = gradients.cols();
   gradients.conservativeResize(Eigen::NoChange, own + static_cast<Eigen::Index>(touches.size()));
   for (std::size_t i = 0; i < touches.size(); ++i) {

@@ -42,14 +42,15 @@ ReducedUnknowns moved(const ReducedUnknowns& from, const Eigen::VectorXd& step, 
 }
 
 // Skin that touches at the end of a motion and is not among `here`, as it would be seen from where that begins.
-std::vector<ReducedSkin::Touch> met_by(const Eigen::VectorXd& motion, std::vector<ReducedSkin::Touch> end,
+std::vector<ReducedSkin::Touch> met_by(const Eigen::VectorXd& motion, const std::vector<ReducedSkin::Touch>& end,
                                        const ReducedConstraints::Values& here) {
-  const auto known = [&](const ReducedSkin::Touch& touch) {
-    return std::find(here.touching.begin(), here.touching.end(), touch.place) != here.touching.end();
-  };
-  end.erase(std::remove_if(end.begin(), end.end(), known), end.end());
-  for (ReducedSkin::Touch& touch : end) touch.law.offset -= touch.gradient.dot(motion);
-  return end;
+  std::vector<ReducedSkin::Touch> met;
+  for (const ReducedSkin::Touch& touch : end) {
+    if (std::find(here.touching.begin(), here.touching.end(), touch.place) != here.touching.end()) continue;
+    met.push_back(touch);
+    met.back().law.offset -= touch.gradient.dot(motion);
+  }
+  return met;
 }
 
 }  // namespace
@@ -91,12 +92,14 @@ Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints:
 
 ReducedConstraints::Values ReducedNewton::constraints_at(const ReducedUnknowns& at, const DriveStates& drives) {
   ReducedConstraints::Values values = model_->constraints.at(at.q, at.multipliers, drives);
-  if (skin_.places() > 0) values.add(skin_.at(at.q, at.pushes_n));
+  values.add(skin_.at(at.q, at.pushes_n));
   return values;
 }
 
-ReducedNewton::Point ReducedNewton::point_at(const Problem& problem, ReducedUnknowns at) {
-  ReducedConstraints::Values constraints = constraints_at(at, problem.drives);
+ReducedNewton::Point ReducedNewton::point_at(const Problem& problem, ReducedUnknowns at,
+                                             const std::vector<ReducedSkin::Touch>& touches) const {
+  ReducedConstraints::Values constraints = model_->constraints.at(at.q, at.multipliers, problem.drives);
+  constraints.add(touches);
   ReducedEnergy::Sums sums = model_->energy.sums(at.q, at.pressures);
   return {std::move(at), std::move(constraints), std::move(sums)};
 }
@@ -137,7 +140,7 @@ ReducedNewton::Step ReducedNewton::step_from(const Problem& problem, const Point
 ReducedEnd ReducedNewton::solve(const ReducedTask& task, const DriveStates& drives, ReducedUnknowns& unknowns) {
   const Problem problem{task, drives};
   ReducedEnd end;
-  Point here = point_at(problem, unknowns);
+  Point here = point_at(problem, unknowns, skin_.at(unknowns.q, unknowns.pushes_n));
   fresh_ = false;
   if (task.inertia_per_s2 != inverse_inertia_) factorise(problem, here, end);
   Step step = step_from(problem, here, end);
@@ -153,13 +156,12 @@ ReducedNewton::Point ReducedNewton::end_of(const Problem& problem, double share,
                                            ReducedEnd& end) {
   for (int round = 0;; ++round) {
     ReducedUnknowns there = moved(here.at, step.nodes_and_pressures, step.multipliers, step.pushes_n, share);
-    if (skin_.places() == 0 || round == kMostRounds) return point_at(problem, std::move(there));
-    const Eigen::VectorXd motion = there.q - here.at.q;
-    const std::vector<ReducedSkin::Touch> met = met_by(motion, skin_.at(there.q, there.pushes_n), here.constraints);
-    if (met.empty()) return point_at(problem, std::move(there));
+    const std::vector<ReducedSkin::Touch> touches = skin_.at(there.q, there.pushes_n);
+    const std::vector<ReducedSkin::Touch> met = met_by(there.q - here.at.q, touches, here.constraints);
+    if (met.empty() || round == kMostRounds) return point_at(problem, std::move(there), touches);
     here.constraints.add(met);
     Step heeding = step_from(problem, here, end);
-    if (!std::isfinite(heeding.size_m)) return point_at(problem, std::move(there));
+    if (!std::isfinite(heeding.size_m)) return point_at(problem, std::move(there), touches);
     step = std::move(heeding);
   }
 }

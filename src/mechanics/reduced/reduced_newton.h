@@ -67,7 +67,7 @@ class ReducedNewton {
     Eigen::VectorXd nodes_and_pressures, multipliers, pushes_n;  // changes
     double size_m = 0.0;                                         // rms; infinity: none found
   };
-  Point point_at(const Problem& problem, ReducedUnknowns at);
+  Point point_at(const Problem& problem, ReducedUnknowns at, const std::vector<ReducedSkin::Touch>& touches) const;
   void factorise(const Problem& problem, const Point& here, ReducedEnd& end);
   Step step_from(const Problem& problem, const Point& here, ReducedEnd& end) const;
   // Where a share of the step leads. The step heeds the skin that it leads into: in rounds, as it leads elsewhere then.

@@ -15,7 +15,7 @@ namespace {
 using Kept = nlohmann::json;
 
 // Part of every key: raise it when another model would be trained for the same scene.
-constexpr const char* kVersion = "soft_robot_lab reduced 2";
+constexpr const char* kVersion = "soft_robot_lab reduced 3";
 constexpr const char* kEnding = ".reduced.cbor";
 
 ContentCache cache_of(const SceneOptions& options) { return ContentCache(cache_folder(mesher_options(options))); }
@@ -64,6 +64,7 @@ ReducedChoice choice_from(const Kept& json, const std::shared_ptr<const Model>& 
   reduced->keep_points(
       matrix_from(json.at("point_factors"), static_cast<Eigen::Index>(reduced->energy.points().size())));
   reduced->rests = rests_from(json.at("rests"), *reduced);
+  reduced->let_touch(json.at("skin").get<std::vector<FacePair>>());
   reduced->snapshots = json.at("snapshots").get<int>();
   reduced->failed_solves = json.at("failed_solves").get<int>();
   return {reduced, error_from(json.at("equilibria")), error_from(json.at("transient")), json.at("cpu_s").get<double>()};
@@ -110,6 +111,7 @@ void keep_reduction(const std::string& key, const ReducedChoice& choice, const S
                      {"pressures", matrix_json(model.basis.pressures)},
                      {"point_factors", matrix_json(model.point_factors)},
                      {"rests", kept_rests(model.rests)},
+                     {"skin", model.skin.pairs()},
                      {"snapshots", model.snapshots},
                      {"failed_solves", model.failed_solves},
                      {"equilibria", kept_error(choice.equilibria)},

@@ -24,7 +24,8 @@ constexpr double kOneWay = 0.9;     // cosine: neither face meets the other, nor
 constexpr double kAlong = 0.6;      // cosine: faces bend less than to turn such normals against one another
 constexpr double kAgainst = 0.2;    // cosine: skin that meets skin faces it at least so much
 constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
-constexpr double kBeside = 0.1;     // in a face's coordinates: a point so far beyond its edge does not meet it
+constexpr double kClearly = 2.0;   // times that: a point so far beyond it does not, however the face bends
+constexpr int kLooksBeside = 3;
 constexpr double kSteepest = 1e3;   // as a tangent: normals of a face that tilt so far may tilt any way
 constexpr double kStillConvex = 0.1;  // of a flat face's determinant
 constexpr int kMostIterations = 12;
@@ -106,28 +107,38 @@ class FacePolynomial {
 
 const Eigen::Vector2d kMiddle(1.0 / 3.0, 1.0 / 3.0);
 
-// From these coordinates towards the closest place, by Newton's method; by Gauss and Newton's where the distance has no
-// minimum nearby.
-Eigen::Vector2d towards_closest(const FacePolynomial& face, const Eigen::Vector3d& point_m,
-                                const Eigen::Vector2d& local) {
-  const Eigen::Vector3d r = face.along_r(local.x(), local.y()), s = face.along_s(local.x(), local.y());
-  const Eigen::Vector3d off_m = point_m - face.at(local.x(), local.y());
-  double rr = r.dot(r), rs = r.dot(s), ss = s.dot(s);
-  const double by_r = r.dot(off_m), by_s = s.dot(off_m), flat = rr * ss - rs * rs;
-  const Eigen::Vector3d bends = face.bends(off_m);
-  if ((rr - bends[0]) * (ss - bends[1]) - (rs - bends[2]) * (rs - bends[2]) > kStillConvex * flat && rr > bends[0]) {
-    rr -= bends[0];
-    ss -= bends[1];
-    rs -= bends[2];
+// A step towards the closest place, by Newton's method; by Gauss and Newton's where the distance has no minimum nearby.
+struct StepOnFace {
+  Eigen::Vector2d change;
+  Eigen::Vector3d r, s;  // the face's derivatives where it starts
+
+  StepOnFace(const FacePolynomial& face, const Eigen::Vector3d& point_m, const Eigen::Vector2d& local)
+      : r(face.along_r(local.x(), local.y())), s(face.along_s(local.x(), local.y())) {
+    const Eigen::Vector3d off_m = point_m - face.at(local.x(), local.y());
+    double rr = r.dot(r), rs = r.dot(s), ss = s.dot(s);
+    const double by_r = r.dot(off_m), by_s = s.dot(off_m), flat = rr * ss - rs * rs;
+    const Eigen::Vector3d bends = face.bends(off_m);
+    if ((rr - bends[0]) * (ss - bends[1]) - (rs - bends[2]) * (rs - bends[2]) > kStillConvex * flat && rr > bends[0]) {
+      rr -= bends[0];
+      ss -= bends[1];
+      rs -= bends[2];
+    }
+    const double scale = 1.0 / (rr * ss - rs * rs);
+    change = {scale * (ss * by_r - rs * by_s), scale * (rr * by_s - rs * by_r)};
   }
-  const double scale = 1.0 / (rr * ss - rs * rs);
-  return {scale * (ss * by_r - rs * by_s), scale * (rr * by_s - rs * by_r)};
-}
+
+  // How far such coordinates are beyond an edge, as if the face went on straight; less how far the step was.
+  double surely_beyond_m(const Eigen::Vector2d& local) const {
+    const double beside_r = -local.x() / s.norm(), beside_s = -local.y() / r.norm();
+    const double across = (local.sum() - 1.0) / (r - s).norm();
+    return r.cross(s).norm() * std::max({beside_r, beside_s, across}) - (change.x() * r + change.y() * s).norm();
+  }
+};
 
 // Coordinates of the closest place, from others on the face.
 Eigen::Vector2d closest(const FacePolynomial& face, const Eigen::Vector3d& point_m, Eigen::Vector2d local = kMiddle) {
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const Eigen::Vector2d next = into_triangle(local + towards_closest(face, point_m, local));
+    const Eigen::Vector2d next = into_triangle(local + StepOnFace(face, point_m, local).change);
     const double moved = (next - local).cwiseAbs().maxCoeff();
     local = next;
     if (!(moved > 1e-13)) break;
@@ -135,14 +146,15 @@ Eigen::Vector2d closest(const FacePolynomial& face, const Eigen::Vector3d& point
   return local;
 }
 
-// The same of a point that is above or below the face, or nearly; none of others, where the face goes on so.
-std::optional<Eigen::Vector2d> closest_above(const FacePolynomial& face, const Eigen::Vector3d& point_m) {
+// The same of a point that is above or below the face; none of one that is clearly more than `most_m` beside it.
+std::optional<Eigen::Vector2d> closest_above(const FacePolynomial& face, const Eigen::Vector3d& point_m,
+                                             double most_m) {
   Eigen::Vector2d local = kMiddle;
-  for (int iteration = 0; iteration < 3; ++iteration) {
-    const Eigen::Vector2d change = towards_closest(face, point_m, local);
-    local += change;
-    if (std::min(local.minCoeff(), 1.0 - local.sum()) > -kBeside) break;
-    if (change.cwiseAbs().maxCoeff() < 0.2 * kBeside) return std::nullopt;
+  for (int iteration = 0; iteration < kLooksBeside; ++iteration) {
+    const StepOnFace step(face, point_m, local);
+    local += step.change;
+    if (local.minCoeff() >= 0.0 && local.sum() <= 1.0) break;
+    if (step.surely_beyond_m(local) > most_m) return std::nullopt;
   }
   return closest(face, point_m, into_triangle(local));
 }
@@ -437,7 +449,7 @@ std::optional<SkinPairs::Meeting> SkinPairs::meeting(int other, const Eigen::Vec
   const FacePolynomial face(nodes_of(faces_, other, positions_m));
   Meeting met;
   met.face = other;
-  const std::optional<Eigen::Vector2d> local = closest_above(face, point_m);
+  const std::optional<Eigen::Vector2d> local = closest_above(face, point_m, kClearly * kOverEdge * sizes_m_[other]);
   if (!local) return std::nullopt;
   met.local = *local;
   const double r = met.local.x(), s = met.local.y();

@@ -63,6 +63,7 @@ class SkinContact {
   // Of one that is closed, over the nodes of both faces. Where pressure and gap do not fit at all, as after a step that
   // led too deep, what turns with the skin is left out: such pressures would make the matrix indefinite.
   Eigen::MatrixXd hessian(const ContactTouch& touch, bool convex, bool soft) const;
+  bool far_from_law(const ContactTouch& touch) const;
 
   SkinGradient gradient(const ContactTouch& touch) const;
   // Of the point and the place that it meets, by what the nodes' columns say of both.
@@ -87,7 +88,6 @@ class SkinContact {
   void add_friction(const Eigen::Matrix3Xd& positions_m, const ContactState& state, ContactTouch& touch) const;
   Eigen::Vector3d new_anchor(int point, const ContactTouch* slipped, const Eigen::Matrix3Xd& positions_m) const;
   double deepest(const Eigen::Matrix3Xd& positions_m) const;  // over the size of the face that it is in
-  bool far_from_law(const ContactTouch& touch) const;
 
   // What was searched for last, as a matrix or a reading is mostly asked for where the residual was.
   struct Found {

@@ -127,15 +127,21 @@ ReducedConstraints::Values ReducedConstraints::at(const Eigen::VectorXd& q, cons
   return result;
 }
 
-void ReducedConstraints::Values::add(const std::vector<ReducedSkin::Touch>& touches) {
-  if (touches.empty()) return;
-  const Eigen::Index own = gradients.cols();
-  gradients.conservativeResize(Eigen::NoChange, own + static_cast<Eigen::Index>(touches.size()));
-  for (std::size_t i = 0; i < touches.size(); ++i) {
-    gradients.col(own + static_cast<Eigen::Index>(i)) = touches[i].gradient;
-    laws.push_back(touches[i].law);
-    touching.push_back(touches[i].place);
+void ReducedConstraints::Values::add(const std::vector<ReducedSkin::Touch>& more) {
+  if (more.empty()) return;
+  const Eigen::Index before = gradients.cols();
+  gradients.conservativeResize(Eigen::NoChange, before + static_cast<Eigen::Index>(more.size()));
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    gradients.col(before + static_cast<Eigen::Index>(i)) = more[i].gradient;
+    laws.push_back(more[i].law);
+    touches.push_back(more[i]);
   }
+}
+
+std::vector<Eigen::Index> ReducedConstraints::Values::touching() const {
+  std::vector<Eigen::Index> places;
+  for (const ReducedSkin::Touch& touch : touches) places.push_back(touch.place);
+  return places;
 }
 
 Eigen::MatrixXd ReducedConstraints::hessian(const Eigen::VectorXd& q, const Values& values,

@@ -26,9 +26,10 @@ class ReducedConstraints {
     Eigen::MatrixXd gradients;  // modes x constraints: d value / dq
     std::vector<ConstraintLaw> laws;
     std::vector<std::vector<Path::Span>> spans;  // per cable
-    std::vector<Eigen::Index> touching;          // places of ReducedSkin, which are constraints after the others
+    std::vector<ReducedSkin::Touch> touches;     // constraints after the others
 
-    void add(const std::vector<ReducedSkin::Touch>& touches);
+    void add(const std::vector<ReducedSkin::Touch>& more);
+    std::vector<Eigen::Index> touching() const;  // places of `touches`
   };
   // Multipliers: tensions [N], and gauge pressures below zero [Pa].
   Values at(const Eigen::VectorXd& q, const Eigen::VectorXd& multipliers, const DriveStates& drives) const;

@@ -41,7 +41,7 @@ struct ReducedModel {
   ReducedSkin skin;
   Eigen::VectorXd point_factors;  // as kept; empty where every point is
   KnownRests rests;
-  double mass_kg;
+  double mass_kg, size_m;  // of the body
   int snapshots = 0, failed_solves = 0;  // of the training
 
   ReducedModel(std::shared_ptr<const Model> model, CommandBox commands, ReducedBasis modes)
@@ -50,7 +50,8 @@ struct ReducedModel {
         basis(std::move(modes)),
         energy(full->body(), basis),
         constraints(*full, basis.modes),
-        mass_kg(full->body().node_masses_kg().sum()) {}
+        mass_kg(full->body().node_masses_kg().sum()),
+        size_m(full->body().size_m()) {}
 
   void let_touch(const std::vector<FacePair>& pairs) { skin = ReducedSkin(full->body(), basis.modes, pairs); }
 

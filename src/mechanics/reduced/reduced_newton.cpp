@@ -46,9 +46,11 @@ std::vector<ReducedSkin::Touch> met_by(const Eigen::VectorXd& motion, const std:
                                        const ReducedConstraints::Values& here) {
   std::vector<ReducedSkin::Touch> met;
   for (const ReducedSkin::Touch& touch : end) {
-    if (std::find(here.touching.begin(), here.touching.end(), touch.place) != here.touching.end()) continue;
+    const auto same = [&](const ReducedSkin::Touch& other) { return other.place == touch.place; };
+    if (std::any_of(here.touches.begin(), here.touches.end(), same)) continue;
     met.push_back(touch);
     met.back().law.offset -= touch.gradient.dot(motion);
+    met.back().found.pressure_pa = 0.0;
   }
   return met;
 }
@@ -70,7 +72,7 @@ Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns&
 
 Eigen::VectorXd all_multipliers(const ReducedUnknowns& at, const ReducedConstraints::Values& constraints) {
   Eigen::VectorXd all(static_cast<Eigen::Index>(constraints.laws.size()));
-  all << at.multipliers, at.pushes_n(constraints.touching);
+  all << at.multipliers, at.pushes_n(constraints.touching());
   return all;
 }
 
@@ -132,7 +134,7 @@ ReducedNewton::Step ReducedNewton::step_from(const Problem& problem, const Point
   step.nodes_and_pressures = solved.col(0) - response * after;
   step.multipliers = after.head(own) - here.at.multipliers;
   step.pushes_n = -here.at.pushes_n;
-  step.pushes_n(constraints.touching) += after.tail(after.size() - own);
+  step.pushes_n(constraints.touching()) += after.tail(after.size() - own);
   step.size_m = step.nodes_and_pressures.head(n).norm() / std::sqrt(model_->mass_kg);
   return step;
 }
@@ -167,7 +169,7 @@ ReducedNewton::Point ReducedNewton::end_of(const Problem& problem, double share,
 }
 
 bool ReducedNewton::go(const Problem& problem, Point& here, Step& step, ReducedEnd& end) {
-  const double longest = std::min(1.0, kLongestStep * model_->full->body().size_m() / step.size_m);
+  const double longest = std::min(1.0, kLongestStep * model_->size_m / step.size_m);
   for (double share = longest; share >= kLeastShare * longest && end.iterations < kMostIterations; share *= 0.5) {
     Point there = end_of(problem, share, here, step, end);
     Step next = step_from(problem, there, end);
@@ -197,8 +199,8 @@ bool ReducedNewton::stable(const DriveStates& drives, const ReducedUnknowns& at,
   const Eigen::Index n = at.q.size(), r = at.pressures.size();
   const Eigen::MatrixXd inner = reduced_matrix(*model_, at, constraints, inertia_per_s2);
   const Eigen::MatrixXd volumes = inner.topRightCorner(n, r);
-  const Eigen::MatrixXd stiffness =
-      inner.topLeftCorner(n, n) + model_->energy.lambda_pa() * volumes * volumes.transpose();
+  Eigen::MatrixXd stiffness = inner.topLeftCorner(n, n) + model_->energy.lambda_pa() * volumes * volumes.transpose();
+  if (!constraints.touches.empty()) stiffness += skin_.hessian(constraints.touches);
   const Eigen::MatrixXd matrix = bordered(stiffness, constraints, multipliers);
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
              .eigenvalues()[multipliers.size()] > 0.0;

@@ -25,7 +25,8 @@ struct ReducedEnd {
   int shortened = 0;                       // steps cut by the line search
 };
 
-// The matrix of all but the constraints, [K + inertia, G; G', -1/lambda]; G: ReducedEnergy::volume_gradients.
+// The matrix of all but the constraints, [K + inertia, G; G', -1/lambda]; G: ReducedEnergy::volume_gradients. How
+// pushes of the skin turn with it (ReducedSkin::hessian) is not in it: steps need it as little as they gain by it.
 Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
                                const ReducedConstraints::Values& constraints, double inertia_per_s2);
 

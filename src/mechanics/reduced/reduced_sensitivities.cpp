@@ -18,8 +18,9 @@ ReducedSensitivities reduced_sensitivities(const ReducedModel& model, const Redu
                      count = multipliers.size();
   Eigen::MatrixXd sides = Eigen::MatrixXd::Zero(n + r, count);
   sides.topRows(n) = constraints.gradients;
-  const Eigen::MatrixXd solved =
-      reduced_matrix(model, state.at, constraints, 0.0).partialPivLu().solve(sides).topRows(n);
+  Eigen::MatrixXd inner = reduced_matrix(model, state.at, constraints, 0.0);
+  if (!constraints.touches.empty()) inner.topLeftCorner(n, n) += model.skin.hessian(constraints.touches);
+  const Eigen::MatrixXd solved = inner.partialPivLu().solve(sides).topRows(n);
   Eigen::MatrixXd matrix = constraints.gradients.transpose() * solved;
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(state.drives.size()));
   for (Eigen::Index i = 0; i < count; ++i) {

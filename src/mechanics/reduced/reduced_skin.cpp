@@ -96,19 +96,34 @@ std::vector<ReducedSkin::Touch> ReducedSkin::at(const Eigen::VectorXd& q, const 
 }
 
 ReducedSkin::Touch ReducedSkin::touch_of(Eigen::Index place, const ContactTouch& found) const {
-  const int point = points_[static_cast<std::size_t>(place)];
-  Touch touch{place, in_modes(skin_.gradient(found)), {}};
+  const ContactPoints& points = skin_.points();
+  const int point = points_[static_cast<std::size_t>(place)], face = points.face_of(point);
+  Touch touch{place, found, Eigen::Matrix3Xd::Zero(3, modes_.cols()), {}, {}};
+  for (int a = 0; a < points.nodes_per_face(); ++a) {
+    touch.relative += points.shape(point)[a] * motion_of(points.node(face, a));
+    touch.relative -= found.met.shape[a] * motion_of(skin_.pairs().node(found.met.face, a));
+  }
+  touch.gradient = touch.relative.transpose() * -found.normal;
   touch.law.offset = -found.gap_m;
-  touch.law.compliance = skin_.law(point).compliance_m_pa / skin_.points().weight_m2(point);
+  touch.law.compliance = skin_.law(point).compliance_m_pa / points.weight_m2(point);
   touch.law.min_multiplier = 0.0;
   return touch;
 }
 
-Eigen::VectorXd ReducedSkin::in_modes(const SkinGradient& gradient) const {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(modes_.cols());
-  for (std::size_t a = 0; a < gradient.nodes.size(); ++a)
-    sum.noalias() += modes_.middleRows<3>(row_of_[static_cast<std::size_t>(gradient.nodes[a])]).transpose() *
-                     gradient.at_nodes.col(static_cast<Eigen::Index>(a));
+// As in SkinContact::hessian.
+Eigen::MatrixXd ReducedSkin::hessian(const std::vector<Touch>& touches) const {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(modes_.cols(), modes_.cols());
+  for (const Touch& touch : touches) {
+    if (touch.found.pressure_pa == 0.0 || skin_.far_from_law(touch.found)) continue;
+    Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(2, modes_.cols());
+    for (int a = 0; a < skin_.points().nodes_per_face(); ++a)
+      turn += touch.found.met.slopes.row(a).transpose() *
+              (touch.found.normal.transpose() * motion_of(skin_.pairs().node(touch.found.met.face, a)));
+    const Eigen::MatrixXd turned = turn.transpose() * (touch.found.met.dual_per_m.transpose() * touch.relative);
+    const int point = points_[static_cast<std::size_t>(touch.place)];
+    sum += touch.found.pressure_pa * skin_.points().weight_m2(point) *
+           (turned + turned.transpose() + touch.relative.transpose() * touch.found.bend * touch.relative);
+  }
   return sum;
 }
 

@@ -20,12 +20,17 @@ class ReducedSkin {
 
   // A point that touches as a constraint C = -gap, whose multiplier is its push [N].
   struct Touch {
-    Eigen::Index place;        // among places()
-    Eigen::VectorXd gradient;  // d C / d q
+    Eigen::Index place;         // among places()
+    ContactTouch found;         // by the full model
+    Eigen::Matrix3Xd relative;  // d (point less the place that it meets) / d q
+    Eigen::VectorXd gradient;   // d C / d q
     ConstraintLaw law;
   };
   // All that touch or push; `pushes_n`: of all places. It keeps what it finds nearby, so an object serves one thread.
   std::vector<Touch> at(const Eigen::VectorXd& q, const Eigen::VectorXd& pushes_n);
+
+  // Of the pushes where these touches were found, as they turn with the skin.
+  Eigen::MatrixXd hessian(const std::vector<Touch>& touches) const;
 
   const std::vector<FacePair>& pairs() const { return pairs_; }
   Eigen::Index places() const { return static_cast<Eigen::Index>(points_.size()); }
@@ -38,7 +43,7 @@ class ReducedSkin {
     int face;            // of the points
     Eigen::Index first;  // place of its first point
   };
-  Eigen::VectorXd in_modes(const SkinGradient& gradient) const;
+  auto motion_of(int node) const { return modes_.middleRows<3>(row_of_[static_cast<std::size_t>(node)]); }
   Touch touch_of(Eigen::Index place, const ContactTouch& found) const;
 
   std::vector<FacePair> pairs_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // benchmark_reduced [ROBOT [MODES...]]: trains reduced models of a robot of config/robots (or of its scene SCENE:
-// ROBOT/SCENE), and prints a row for each: error on what it was not trained with, and CPU time beside that of newton on the same motion, in one process. One
-// thread: OPENBLAS_NUM_THREADS=1.
+// ROBOT/SCENE), and prints a row for each: error on what it was not trained with, and CPU time beside that of newton on
+// the same motion, in one process. One thread: OPENBLAS_NUM_THREADS=1.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -33,7 +33,9 @@ Scene robot(const std::string& name) {
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.cache_folder = SOFT_ROBOT_LAB_CACHE;
   options.actuator_factory = make_actuator;
-  return load_scene(std::string(SOFT_ROBOT_LAB_SOURCE) + "/config/robots/" + name + (name.find('/') == std::string::npos ? "/robot" : "") + ".yaml", options);
+  return load_scene(std::string(SOFT_ROBOT_LAB_SOURCE) + "/config/robots/" + name +
+                        (name.find('/') == std::string::npos ? "/robot" : "") + ".yaml",
+                    options);
 }
 
 // Of cables contractions as they are used; of chambers from rest to their largest command.

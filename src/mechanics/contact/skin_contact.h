@@ -54,10 +54,10 @@ class SkinContact {
   void find_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                     std::vector<ContactTouch>& touches) const;
 
-  // Of these pairs alone (SkinPairs): the same of all points of a face, by their pressures, without friction. prepare()
-  // must come before, at the same positions.
+  // Looks at these pairs alone (SkinPairs).
   void restrict_to(const std::vector<FacePair>& pairs) { pairs_.restrict_to(pairs); }
   void prepare(const Eigen::Matrix3Xd& positions_m) const { pairs_.prepare(positions_m); }
+  // The same of one point, by its pressure, without friction. prepare() must come before, at the same positions.
   bool find_touch(int point, double pressure_pa, const Eigen::Matrix3Xd& positions_m, ContactTouch& touch) const;
 
   // Of one that is closed, over the nodes of both faces. Where pressure and gap do not fit at all, as after a step that

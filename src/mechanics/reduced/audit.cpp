@@ -15,7 +15,7 @@ namespace {
 constexpr double kInertia_per_s2 = 1.0;
 // Relative to the largest force: with more left the last step may be half of the way only.
 constexpr double kResidual = 1e-4;
-constexpr int kIterations = 6;
+constexpr int kIterations = 6, kIterationsOfSkin = 15;  // where skin may touch, which is found by iterating
 
 Eigen::Matrix3Xd as_columns(const Eigen::VectorXd& vector) {
   return Eigen::Map<const Eigen::Matrix3Xd>(vector.data(), 3, vector.size() / 3);
@@ -67,14 +67,13 @@ ContactState Audit::contact_at(const Eigen::Matrix3Xd& positions_m, const Reduce
 
 AuditResult Audit::iterate(const ReducedState& state, const Eigen::VectorXd* acceleration) {
   const Eigen::Matrix3Xd start_m = reduced_.positions_m(state.at.q);
-  NewtonState at{
-      start_m, reduced_.basis.pressures * state.at.pressures,     state.at.multipliers,
-      {},      std::make_shared<const DriveStates>(state.drives), contact_at(start_m, state)};
+  NewtonState at{start_m, reduced_.basis.pressures * state.at.pressures,     state.at.multipliers,
+                 {},      std::make_shared<const DriveStates>(state.drives), contact_at(start_m, state)};
   Eigen::Matrix3Xd predicted_m;
   NewtonTask task;
   task.tolerance = kResidual;
   task.min_iterations = 1;
-  task.max_iterations = kIterations;
+  task.max_iterations = reduced_.skin.places() > 0 ? kIterationsOfSkin : kIterations;
   task.reuse_below = constants::kNearRest;
   if (acceleration) {
     predicted_m = start_m - as_columns(reduced_.basis.modes * *acceleration) / kInertia_per_s2;

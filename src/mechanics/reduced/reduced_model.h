@@ -41,7 +41,7 @@ struct ReducedModel {
   ReducedSkin skin;
   Eigen::VectorXd point_factors;  // as kept; empty where every point is
   KnownRests rests;
-  double mass_kg, size_m;  // of the body
+  double mass_kg, size_m;                // of the body
   int snapshots = 0, failed_solves = 0;  // of the training
 
   ReducedModel(std::shared_ptr<const Model> model, CommandBox commands, ReducedBasis modes)

@@ -16,7 +16,8 @@ namespace {
 constexpr int kMostIterations = 60;
 constexpr double kLeastShare = 1.0 / 64.0;  // of a step
 constexpr double kSlow = 0.3;               // a step more than this of the last one asks for a new factor
-constexpr int kMostRounds = 4;             // in which a step learns what skin it leads into
+constexpr int kMostJumps = 3;               // where skin comes to lie elsewhere, and no share of a step is nearer
+constexpr int kMostRounds = 4;              // in which a step learns what skin it leads into
 constexpr double kLongestStep = 0.05;       // of the body's size, rms: further out Newton's model means nothing
 
 // Multipliers at which every constraint obeys its law after the step d0 - response * multipliers.
@@ -108,7 +109,11 @@ ReducedNewton::Point ReducedNewton::point_at(const Problem& problem, ReducedUnkn
 
 void ReducedNewton::factorise(const Problem& problem, const Point& here, ReducedEnd& end) {
   const double inertia_per_s2 = problem.task.inertia_per_s2;
-  inverse_ = reduced_matrix(*model_, here.at, here.constraints, inertia_per_s2).inverse();
+  const Eigen::Index n = here.at.q.size();
+  Eigen::MatrixXd matrix = reduced_matrix(*model_, here.at, here.constraints, inertia_per_s2);
+  if (inertia_per_s2 == 0.0 && !here.constraints.touches.empty())
+    matrix.topLeftCorner(n, n) += skin_.hessian(here.constraints.touches);
+  inverse_ = matrix.inverse();
   inverse_inertia_ = inertia_per_s2;
   fresh_ = true;
   ++end.factorisations;
@@ -128,8 +133,7 @@ ReducedNewton::Step ReducedNewton::step_from(const Problem& problem, const Point
   const Eigen::MatrixXd solved = inverse_ * sides;
   if (!solved.allFinite()) return step;
   const Eigen::MatrixXd response = solved.rightCols(before.size());
-  const Eigen::VectorXd after =
-      multipliers_after(constraints, solved.col(0).head(n), response.topRows(n), before);
+  const Eigen::VectorXd after = multipliers_after(constraints, solved.col(0).head(n), response.topRows(n), before);
   if (after.size() != before.size() || !after.allFinite()) return step;
   step.nodes_and_pressures = solved.col(0) - response * after;
   step.multipliers = after.head(own) - here.at.multipliers;
@@ -146,12 +150,22 @@ ReducedEnd ReducedNewton::solve(const ReducedTask& task, const DriveStates& driv
   fresh_ = false;
   if (task.inertia_per_s2 != inverse_inertia_) factorise(problem, here, end);
   Step step = step_from(problem, here, end);
+  int jumps = 0;
   while (end.iterations < kMostIterations && std::isfinite(step.size_m) && step.size_m >= task.tolerance_m)
-    if (!go(problem, here, step, end)) break;
+    if (!go(problem, here, step, end)) {
+      if (here.constraints.touches.empty() || ++jumps > kMostJumps) break;
+      here = end_of(problem, longest_share(step), here, step, end);
+      factorise(problem, here, end);
+      step = step_from(problem, here, end);
+    }
   end.converged = step.size_m < task.tolerance_m;
   unknowns = end.converged ? moved(here.at, step.nodes_and_pressures, step.multipliers, step.pushes_n, 1.0) : here.at;
   if (!end.converged) inverse_inertia_ = -1.0;
   return end;
+}
+
+double ReducedNewton::longest_share(const Step& step) const {
+  return std::min(1.0, kLongestStep * model_->size_m / step.size_m);
 }
 
 ReducedNewton::Point ReducedNewton::end_of(const Problem& problem, double share, Point& here, Step& step,
@@ -163,13 +177,14 @@ ReducedNewton::Point ReducedNewton::end_of(const Problem& problem, double share,
     if (met.empty() || round == kMostRounds) return point_at(problem, std::move(there), touches);
     here.constraints.add(met);
     Step heeding = step_from(problem, here, end);
+    --end.iterations;  // it goes from where the last one does
     if (!std::isfinite(heeding.size_m)) return point_at(problem, std::move(there), touches);
     step = std::move(heeding);
   }
 }
 
 bool ReducedNewton::go(const Problem& problem, Point& here, Step& step, ReducedEnd& end) {
-  const double longest = std::min(1.0, kLongestStep * model_->size_m / step.size_m);
+  const double longest = longest_share(step);
   for (double share = longest; share >= kLeastShare * longest && end.iterations < kMostIterations; share *= 0.5) {
     Point there = end_of(problem, share, here, step, end);
     Step next = step_from(problem, there, end);

@@ -26,7 +26,7 @@ struct ReducedEnd {
 };
 
 // The matrix of all but the constraints, [K + inertia, G; G', -1/lambda]; G: ReducedEnergy::volume_gradients. How
-// pushes of the skin turn with it (ReducedSkin::hessian) is not in it: steps need it as little as they gain by it.
+// pushes of the skin turn with it (ReducedSkin::hessian) is not in it; time steps gain nothing by that.
 Eigen::MatrixXd reduced_matrix(const ReducedModel& model, const ReducedUnknowns& at,
                                const ReducedConstraints::Values& constraints, double inertia_per_s2);
 
@@ -41,7 +41,8 @@ Eigen::MatrixXd bordered(const Eigen::MatrixXd& inner, const ReducedConstraints:
 // Newton's method on q, pressures and multipliers together; the constraints are a border (MultiplierProblem). A step is
 // cut until the next one by the same inverse is shorter (natural monotonicity test, Deuflhard 2004, 3.3). An inverse
 // serves, also in further solves, as long as each step is less than 0.3 of the one before.
-// What a step would lead into of skin is learnt before it is taken.
+// What a step would lead into of skin is learnt before it is taken. Where no share of a step passes, as skin comes to
+// lie on another face, the step is taken all the same, a few times.
 class ReducedNewton {
  public:
   explicit ReducedNewton(const ReducedModel& model) : model_(&model), skin_(model.skin) {}  // which outlives it
@@ -71,6 +72,7 @@ class ReducedNewton {
   Point point_at(const Problem& problem, ReducedUnknowns at, const std::vector<ReducedSkin::Touch>& touches) const;
   void factorise(const Problem& problem, const Point& here, ReducedEnd& end);
   Step step_from(const Problem& problem, const Point& here, ReducedEnd& end) const;
+  double longest_share(const Step& step) const;
   // Where a share of the step leads. The step heeds the skin that it leads into: in rounds, as it leads elsewhere then.
   Point end_of(const Problem& problem, double share, Point& here, Step& step, ReducedEnd& end);
   // Goes along the step, which becomes the next one; false where no share of it passes.

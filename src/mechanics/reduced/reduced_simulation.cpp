@@ -27,7 +27,8 @@ void count(const ReducedEnd& end, ReducedReport& report) {
 
 }  // namespace
 
-ReducedSimulation::ReducedSimulation(std::shared_ptr<const ReducedModel> model) : model_(std::move(model)), newton_(*model_) {
+ReducedSimulation::ReducedSimulation(std::shared_ptr<const ReducedModel> model)
+    : model_(std::move(model)), newton_(*model_) {
   reset();
 }
 

@@ -40,9 +40,12 @@ std::vector<FacePair> with_neighbours(const std::vector<FacePair>& pairs, const 
     of_points[static_cast<std::size_t>(points.mesh_faces()[static_cast<std::size_t>(face)])] = face;
   std::set<FacePair> all;
   for (const auto& [face, other] : pairs) {
-    for (const int near : around[static_cast<std::size_t>(other)]) all.emplace(face, near);
-    for (const int near : around[static_cast<std::size_t>(points.mesh_faces()[static_cast<std::size_t>(face)])])
-      if (const int own = of_points[static_cast<std::size_t>(near)]; own >= 0) all.emplace(own, other);
+    const int same = points.mesh_faces()[static_cast<std::size_t>(face)];
+    for (const int mine : around[static_cast<std::size_t>(same)]) {
+      const int own = of_points[static_cast<std::size_t>(mine)];
+      for (const int theirs : around[static_cast<std::size_t>(other)])
+        if (own >= 0) all.emplace(own, theirs);
+    }
   }
   return {all.begin(), all.end()};
 }
@@ -87,8 +90,8 @@ std::vector<ReducedSkin::Touch> ReducedSkin::at(const Eigen::VectorXd& q, const 
     if (!skin_.pairs().may_be_inside(face) && pushes_n.segment(first, count).isZero(0.0)) continue;
     for (int i = 0; i < count; ++i) {
       ContactTouch found;
-      if (skin_.find_touch(from + i, pushes_n[first + i] / points.weight_m2(from + i), positions_m_, found) &&
-          found.on_skin())
+      const double pressure_pa = pushes_n[first + i] / points.weight_m2(from + i);
+      if (skin_.find_touch(from + i, pressure_pa, positions_m_, found) && found.on_skin())
         touches.push_back(touch_of(first + i, found));
     }
   }

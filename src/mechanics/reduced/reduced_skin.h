@@ -48,16 +48,16 @@ class ReducedSkin {
 
   std::vector<FacePair> pairs_;
   std::vector<Face> faces_;
-  std::vector<int> points_;     // of each place
-  std::vector<int> nodes_;      // of all these faces
-  std::vector<int> row_of_;     // of each node of the body, in modes_; -1: not among nodes_
-  Eigen::VectorXd rest_m_;      // 3*index + axis, of nodes_
-  Eigen::MatrixXd modes_;       // the same x modes
+  std::vector<int> points_;  // of each place
+  std::vector<int> nodes_;   // of all these faces
+  std::vector<int> row_of_;  // of each node of the body, in modes_; -1: not among nodes_
+  Eigen::VectorXd rest_m_;   // 3*index + axis, of nodes_
+  Eigen::MatrixXd modes_;    // the same x modes
   SkinContact skin_;
   Eigen::Matrix3Xd positions_m_;  // of all nodes; of others as at rest
 };
 
-// Each pair also with the faces around one or the other of the two.
+// All pairs of the faces around both of a pair.
 std::vector<FacePair> with_neighbours(const std::vector<FacePair>& pairs, const Body& body);
 
 }  // namespace soft_robot_lab

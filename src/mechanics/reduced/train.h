@@ -19,8 +19,9 @@ struct ReducedTraining {
 // The method: displacements and element multipliers by POD, polynomials exact in the reduced coordinates, and
 // non-negative point weights chosen for their effect on displacements (energy-conserving sampling and weighting,
 // Farhat et al. 2014, with rows of the inverse tangent in place of forces). Deterministic. Throws
-// std::invalid_argument with field, value and range, and for a model with contact, moving holds, viscosity, another
-// material than neo_hookean, vertex-averaged volumes, or an actuator that ReducedConstraints does not know.
+// std::invalid_argument with field, value and range, and for a model with obstacles, skin that rubs, moving holds,
+// viscosity, another material than neo_hookean, vertex-averaged volumes, or an actuator that ReducedConstraints does
+// not know.
 std::shared_ptr<const ReducedModel> train(const std::shared_ptr<const Model>& model, const ReducedTraining& training);
 
 // The same from states that were collected with the same box, for several numbers of modes.

@@ -9,8 +9,10 @@
 #include "mechanics/actuators/hollow_mesh.h"
 #include "mechanics/actuators/test_bar.h"
 #include "mechanics/box_mesh.h"
+#include "mechanics/carved_mesh.h"
 #include "mechanics/reduced/audit.h"
 #include "mechanics/reduced/held_out.h"
+#include "mechanics/reduced/reduced_sensitivities.h"
 #include "mechanics/reduced/reduced_simulation.h"
 #include "mechanics/reduced/train.h"
 #include "soft_robot_lab/mechanics/actuators/chamber.h"
@@ -294,6 +296,96 @@ std::string refusal(const std::function<void()>& action) {
   return "";
 }
 
+// Two legs of 6 mm, 6 mm apart, the lower one shorter. A cable across pulls them together until its end meets the
+// other leg.
+Simulation clip(double friction = 0.0) {
+  Body body(carved({0, -0.009, 0}, {0.06, 0.009, 0.01}, {15, 6, 1},
+                   [](const Eigen::Vector3d& at) {
+                     return at.x() < 0.008 || at.y() > 0.003 || (at.y() < -0.003 && at.x() < 0.048);
+                   }),
+            Material{264200.0, 0.49, 1070.0});
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  body.set_gravity({0, -9.81, 0});
+  body.let_touch_itself(friction);
+  const MeshLocator locator(body.mesh());
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  actuators.push_back(std::make_unique<Cable>());
+  actuators.back()->initialise(YamlNode::parse("{name: cable, points_m: [[0.04, 0.007, 0.005], [0.04, -0.007, 0.005]], "
+                                               "sheath_radius_m: 0.001, plug_radius_m: 0.002, pull_speed_m_s: 0.02}",
+                                               "clip"),
+                               body, locator);
+  std::vector<Marker> markers;
+  markers.emplace_back("upper", Eigen::Vector3d(0.06, 0.009, 0.005), body.mesh(), locator);
+  markers.emplace_back("lower", Eigen::Vector3d(0.048, -0.009, 0.005), body.mesh(), locator);
+  return Simulation(std::move(body), std::move(actuators), std::move(markers), SolverOptions{});
+}
+
+class ReducedClip : public ::testing::Test {
+ protected:
+  static ReducedTraining training() {
+    ReducedTraining training;
+    training.box = {{0.5}, {1.0}};
+    training.modes = 20;
+    training.ramps = 8;
+    training.transient_s = 2.0;
+    return training;
+  }
+  static void SetUpTestSuite() { model_ = train(clip().model(), training()); }
+  static void TearDownTestSuite() { model_.reset(); }
+  // At rest, from `near`, or from the rest shape.
+  static ReducedState pulled_to(double command, const ReducedState* near = nullptr) {
+    ReducedSimulation simulation(model_);
+    simulation.set_tolerance_m(3e-6, 1e-11);
+    if (near) simulation.set_state(*near);
+    simulation.set_command("cable", command);
+    EXPECT_TRUE(simulation.solve_equilibrium().converged) << command;
+    return simulation.state();
+  }
+  static std::shared_ptr<const ReducedModel> model_;
+};
+std::shared_ptr<const ReducedModel> ReducedClip::model_;
+
+TEST_F(ReducedClip, ItsLegsMeetAsThoseOfTheFullModel) {
+  const HeldOut held_out(model_->full, model_->box, 5, 1.5);
+  for (const ReducedError& error : {held_out.equilibria(model_), held_out.transient(model_)}) {
+    EXPECT_EQ(error.unsolved, 0);
+    EXPECT_LT(error.rms_m, 0.1e-3);
+    EXPECT_LT(error.max_m, 0.5e-3);
+    RecordProperty("rms_um", std::to_string(1e6 * error.rms_m));
+  }
+}
+
+// Where an edge is about to slip off a face an audit may find nothing.
+TEST_F(ReducedClip, ItsLegsPressAsHardAsThoseOfTheFullModelAndGoOnFromThere) {
+  int audited = 0;
+  for (const double pull : {0.6, 0.65, 0.7}) {
+    Simulation full(model_->full), after(model_->full);
+    const ReducedState rest = pulled_to(pull);
+    full.set_command("cable", pull);
+    ASSERT_TRUE(full.solve_equilibrium().converged);
+    after.set_state(full_state(*model_, rest, after.state()));
+    const double force_n = full.contacts().back().normal_force_n;
+    EXPECT_GT(force_n, 0.0);
+    EXPECT_NEAR(after.contacts().back().normal_force_n, force_n, 0.1 * force_n) << pull;
+    const AuditResult audit = Audit(*model_, model_->full).at_rest(rest);
+    if (!audit.found) continue;
+    ++audited;
+    EXPECT_LT((audit.markers_m.col(0) - full.marker_position(0)).norm(), 1e-6);
+  }
+  EXPECT_GE(audited, 1);
+}
+
+TEST_F(ReducedClip, SensitivitiesHeedHowTheSkinTurnsItsPush) {
+  const ReducedState rest = pulled_to(0.6);
+  ASSERT_GT(rest.at.pushes_n.maxCoeff(), 0.0);
+  const ReducedSensitivities found = reduced_sensitivities(*model_, rest);
+  ASSERT_TRUE(found.stable);
+  constexpr double kStep = 1e-5;
+  const Eigen::VectorXd difference =
+      (pulled_to(0.6 + kStep, &rest).at.q - pulled_to(0.6 - kStep, &rest).at.q) / (2.0 * kStep);
+  EXPECT_LT((found.q.col(0) - difference).norm(), 2e-3 * difference.norm());
+}
+
 TEST_F(ReducedBar, RefusesCommandsOutsideWhatItWasTrainedFor) {
   ReducedSimulation simulation(model_);
   for (const double command : {0.84, 1.01, std::nan("")}) {
@@ -302,6 +394,12 @@ TEST_F(ReducedBar, RefusesCommandsOutsideWhatItWasTrainedFor) {
     EXPECT_NE(words.find("[0.85, 1]"), std::string::npos) << words;
   }
   EXPECT_EQ(simulation.state().drives[0].command, 1.0);
+}
+
+TEST(ReducedTrainingInput, RefusesSkinThatRubs) {
+  const Simulation rough = clip(0.3);
+  EXPECT_NE(refusal([&] { train(rough.model(), small_training()); }).find("friction of skin on skin"),
+            std::string::npos);
 }
 
 TEST(ReducedTrainingInput, RefusesWhatItDoesNotKnow) {

@@ -19,7 +19,8 @@ inline TetMesh carved(const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m
   std::vector<int> nodes;
   for (int tet = 0; tet < whole.tets.cols(); ++tet) {
     const int first = 6 * (tet / 6);  // the first and last corner of a cell's first tetrahedron are opposite
-    const Eigen::Vector3d middle_m = 0.5 * (whole.nodes_m.col(whole.tets(0, first)) + whole.nodes_m.col(whole.tets(3, first)));
+    const Eigen::Vector3d middle_m =
+        0.5 * (whole.nodes_m.col(whole.tets(0, first)) + whole.nodes_m.col(whole.tets(3, first)));
     if (!kept(middle_m)) continue;
     tets.push_back(tet);
     for (int corner = 0; corner < 4; ++corner) {

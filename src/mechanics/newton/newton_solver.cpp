@@ -34,7 +34,9 @@ void tell_end(const Evaluation& here, double tolerance, std::string reason, Newt
 // The last factor, for the next step of a solve with this residual.
 bool may_reuse(const NewtonTask& task, double residual) { return task.reuse_factor || residual < task.reuse_below; }
 
-constexpr int kHalves = 2;  // of a step by an old factor: the skin's forces turn more than its matrix knows
+constexpr int kOldStepsTried = 2;   // by an old factor, before its residual must have fallen
+constexpr double kBearable = 10.0;  // times the residual: what the first of them may leave
+constexpr int kHalves = 2;          // of a step by an old factor: the skin's forces turn more than its matrix knows
 
 std::vector<ContactTouch> on_skin(const ContactSums& contact) {
   std::vector<ContactTouch> found;
@@ -395,31 +397,47 @@ Turns NewtonSolver::turns_since_linearisation(const Eigen::Matrix3Xd& positions_
   return tables_->turns.between(linearisation_->at->positions_m, positions_m);
 }
 
-// One step by the last factor, kept only where it brings the residual down. Volume and constraint multipliers stay
+bool NewtonSolver::may_try_old_factor(const NewtonTask& task, const Evaluation& here) {
+  return linearisation_ && linearisation_->inertia_per_s2 == task.inertia_per_s2 &&
+         (linearisation_->strain_target == nullptr) == (task.strain_target == nullptr) && make_factor() &&
+         ContactTerm::same_set(touches_, here.contact.touches, !skin_in_border_) &&
+         RigidContact::same_set(rigid_touches_, here.contact.rigid);
+}
+
+// A step by the last factor, kept only where it brings the residual down; where it does not, but by little, one more
+// from there, as the forces' norm need not fall where the shape comes nearer. Volume and constraint multipliers stay
 // unknowns of their own, so it converges as fast as the body has turned little, however incompressible it is.
 bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here,
                                   AndersonMixing& mixing) {
-  if (!linearisation_ || linearisation_->inertia_per_s2 != task.inertia_per_s2 ||
-      (linearisation_->strain_target == nullptr) != (task.strain_target == nullptr) || !make_factor() ||
-      !ContactTerm::same_set(touches_, here.contact.touches, !skin_in_border_) ||
-      !RigidContact::same_set(rigid_touches_, here.contact.rigid))
-    return false;
+  if (!may_try_old_factor(task, here)) return false;
   if (mixing.size() == 0)
     turns_ = any_in_matrix(here.contact.touches) ? Turns(3, 0) : turns_since_linearisation(state.positions_m);
-  Step step;
-  if (!find_step(state, here, step, mixing.size() == 0 ? kRoundsAhead : 0)) return false;
-  NewtonState trial = mix(state, here, step, mixing);
-  Evaluation there = evaluate(task, trial);
   const double enough = std::max(task.tolerance, constants::kWorthwhileDecrease * here.relative_residual);
-  const auto falls = [&] { return there.finite && there.relative_residual <= enough; };
-  for (int half = 0; half < kHalves && !step.skin.empty() && !falls(); ++half) {
-    trial = halfway(state, std::move(trial));
-    there = evaluate(task, trial);
+  NewtonState reached;
+  Evaluation at_reached;
+  for (int tried = 0; tried < kOldStepsTried; ++tried) {
+    const NewtonState& from = tried == 0 ? state : reached;
+    const Evaluation& at_from = tried == 0 ? here : at_reached;
+    Step step;
+    if (!find_step(from, at_from, step, mixing.size() == 0 ? kRoundsAhead : 0)) return false;
+    NewtonState trial = mix(from, at_from, step, mixing);
+    Evaluation there = evaluate(task, trial);
+    const auto falls = [&] { return there.finite && there.relative_residual <= enough; };
+    for (int half = 0; half < kHalves && !step.skin.empty() && !falls(); ++half) {
+      trial = halfway(from, std::move(trial));
+      there = evaluate(task, trial);
+    }
+    if (falls()) {
+      state = std::move(trial);
+      here = std::move(there);
+      return true;
+    }
+    const bool bearable = there.finite && there.relative_residual <= kBearable * here.relative_residual;
+    if (!bearable || !step.skin.empty() || mixing.size() >= constants::kOldFactorSteps) return false;
+    reached = std::move(trial);
+    at_reached = std::move(there);
   }
-  if (!falls()) return false;
-  state = std::move(trial);
-  here = std::move(there);
-  return true;
+  return false;
 }
 
 NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {

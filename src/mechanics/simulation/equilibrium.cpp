@@ -43,17 +43,26 @@ struct Start {
   }
 };
 
+// Down to a stable shape at these commands.
+bool fall(SimulationParts& parts, SolveReport& report) {
+  return relax_from_below(parts, report) || descend(parts, report);
+}
+
 // By Newton, in stages of the command change where one is too far; the share of it that was reached. A stage whose way
 // leads through an unstable shape, as where a body buckles, hardly ever converges: it is cut before it costs anything.
+// Skin that may touch goes through such shapes in the smallest stages too: a fall with the whole change lets joints
+// fold, or press so hard into one another that no way leads on.
 double follow_commands(SimulationParts& parts, const Start& from, const EquilibriumOptions& options,
                        SolveReport& report) {
+  const bool may_fall = parts.body.touches_itself() && !options.only_through_stable && !held_by_friction_alone(parts);
   double done = 0.0, stage = 1.0;
   while (done < 1.0 && stage * constants::kSmallestStage >= 1.0 && within_budget(parts, report)) {
     const double fraction = std::min(1.0, done + stage);
     from.move(parts, fraction);
     const bool cuttable =
         parts.state.actuated_commands() != from.commands && 0.5 * stage * constants::kSmallestStage >= 1.0;
-    const bool found = relax(parts, report, {options.tolerance, options.only_through_stable || cuttable});
+    bool found = relax(parts, report, {options.tolerance, options.only_through_stable || cuttable});
+    if (!found && !cuttable && may_fall) found = fall(parts, report);
     if (found) done = fraction;
     if (options.only_through_stable || (!found && !from.moves_anything(parts))) break;
     stage *= found ? 2.0 : 0.5;
@@ -87,7 +96,7 @@ void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options,
     tell_unfinished(done, report);
     return;
   }
-  if (!options.only_through_stable && (relax_from_below(parts, report) || descend(parts, report))) return;
+  if (!options.only_through_stable && fall(parts, report)) return;
   tell_unfinished(done, report);
 }
 

@@ -27,7 +27,6 @@ void refuse_beyond_xpbd(const Body& body) {
                                   "': free obstacles are not for solver.method xpbd; choose newton");
   if (body.touches_itself())
     throw std::invalid_argument("contact of skin with skin is not for solver.method xpbd; choose newton");
-  if (body.holds_move()) throw std::invalid_argument("body.fixed: motion is not for solver.method xpbd; choose newton");
   if (body.linear_volume() == LinearVolume::vertex_averaged)
     throw std::invalid_argument(
         "body.linear_volume: vertex_averaged is not for solver.method xpbd, which corrects one element at a "

@@ -62,13 +62,21 @@ XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, con
   return done;
 }
 
+// `until_s`: of what moves by itself.
+void move_by_itself(const SimulationParts& parts, double until_s, XpbdTask& task) {
+  task.until_s = until_s;
+  task.reactions_n = nullptr;
+  if (parts.body.holds_move_between(parts.state.contact.time_s, until_s))
+    task.reactions_n = [&parts](const NewtonState& at) { return parts.workspace.newton.reaction_forces_n(at); };
+}
+
 XpbdTask substepping(const SimulationParts& parts) {
   XpbdTask task;
   task.time_step_s = parts.options.time_step_s;
   task.substep_count = parts.options.substep_count;
   task.iteration_count = parts.options.iteration_count;
   if (!parts.workspace.newton.contact().empty()) task.contact = &parts.workspace.newton.contact();
-  task.until_s = parts.state.contact.time_s + task.time_step_s;
+  move_by_itself(parts, parts.state.contact.time_s + task.time_step_s, task);
   return task;
 }
 
@@ -98,14 +106,15 @@ void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
   XpbdTask task = substepping(parts);
   task.at_rest = true;
   const double from_s = parts.state.contact.time_s,
-               until_s = std::max(from_s, parts.workspace.newton.contact().end_of_motion_s());
+               until_s = std::max(
+                   {from_s, parts.workspace.newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s()});
   double last_kinetic_energy = 0.0;
   for (int step = 1; step <= constants::kRelaxationSteps; ++step) {
     const Past before{std::exchange(parts.state.drives, start.drives),
                       std::exchange(parts.state.contact.anchors_m, start.anchors_m)};
     const double way = std::min(1.0, static_cast<double>(step) / constants::kPullSteps);
     parts.place_actuators(from, to, way);
-    task.until_s = from_s + way * (until_s - from_s);
+    move_by_itself(parts, from_s + way * (until_s - from_s), task);
     const XpbdReport done = advance_in_substeps(parts, task, before, report);
     if (!done.finite) break;
     if (done.kinetic_energy_j < last_kinetic_energy) parts.state.velocities_m_s.setZero();

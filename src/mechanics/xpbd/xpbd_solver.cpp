@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "element_colours.h"
@@ -63,7 +64,8 @@ XpbdSolver::XpbdSolver(std::shared_ptr<const XpbdTables> tables, int thread_coun
       pushed_m_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())),
       solves_(batches_, root_inverse_masses_.data()),
       energies_(static_cast<std::size_t>(batches_.count()), splat(0.0)),
-      gradient_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())) {}
+      gradient_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())),
+      nodes_(constraints_.size()) {}
 
 template <class Work>
 void XpbdSolver::for_colours(Work work) const {
@@ -75,12 +77,23 @@ void XpbdSolver::for_colours(Work work) const {
   }
 }
 
-const std::vector<int>& XpbdSolver::touched_by(const DrivenConstraint& constraint, const NewtonState& state) {
+// What a constraint acts on at any time: what it acts on now, and what it couples.
+const std::vector<int>& XpbdSolver::touched_by(std::size_t constraint, const NewtonState& state) {
   for (const int node : touched_) gradient_.col(node).setZero();
-  touched_.clear();
-  constraint.add_gradient(state.positions_m, state.drives, 1.0, gradient_);
-  for (Eigen::Index node = 0; node < gradient_.cols(); ++node)
-    if (!gradient_.col(node).isZero(0.0)) touched_.push_back(static_cast<int>(node));
+  const DrivenConstraint& of = constraints_[constraint];
+  of.add_gradient(state.positions_m, state.drives, 1.0, gradient_);
+  std::vector<int>& nodes = nodes_[constraint];
+  if (nodes.empty()) {
+    for (Eigen::Index node = 0; node < gradient_.cols(); ++node)
+      if (!gradient_.col(node).isZero(0.0)) nodes.push_back(static_cast<int>(node));
+    for (const EmbeddedPoint& point : of.constraint->carried_points())
+      nodes.insert(nodes.end(), point.nodes.begin(), point.nodes.end());
+    for (const Clique& clique : of.constraint->cliques())
+      std::copy_if(clique.begin(), clique.end(), std::back_inserter(nodes), [](int node) { return node >= 0; });
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  }
+  touched_ = nodes;
   return touched_;
 }
 
@@ -165,11 +178,12 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
     const ConstraintLaw law = law_at(i, state.unknowns);
     y = std::clamp(task.multipliers_from_zero ? 0.0 : y, law.min_multiplier, law.max_multiplier);
     if (y == 0.0) continue;
-    for (const int node : touched_by(constraints_[i], state.unknowns))
+    for (const int node : touched_by(i, state.unknowns))
       motion.col(node) -= h * h * y * inverse_masses_.col(node).cwiseProduct(gradient_.col(node));
   }
   if (contact_) contact_->add_motion(h, motion);
   positions += inverse_masses_.cwiseSign().cwiseProduct(motion);
+  if (task.reactions_n) body_.place_held_nodes(state.unknowns.contact.time_s, positions);
   if (contact_) contact_->find(positions, state.unknowns.contact);
 }
 
@@ -188,7 +202,7 @@ void XpbdSolver::sweep_constraints(const XpbdTask& task, double h, NewtonState& 
     const ConstraintLaw law = law_at(i, state);
     if (law.prescribed()) continue;
     double weight = 0.0;
-    for (const int node : touched_by(constraints_[i], state))
+    for (const int node : touched_by(i, state))
       weight += gradient_.col(node).cwiseAbs2().dot(inverse_masses_.col(node));
     const double delassus = law.compliance + h * h * weight;
     if (!(delassus > 0.0)) continue;  // rigid between held nodes: nothing can move
@@ -210,7 +224,7 @@ void XpbdSolver::sweep(const XpbdTask& task, double h, const Eigen::Matrix3Xd& s
 void XpbdSolver::find_gradients(const NewtonState& state) {
   gradients_.resize(constraints_.size());
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
-    gradients_[i].nodes = touched_by(constraints_[i], state);
+    gradients_[i].nodes = touched_by(i, state);
     gradients_[i].columns = gradient_(Eigen::all, touched_);
   }
 }
@@ -267,7 +281,12 @@ void XpbdSolver::solve_constraints(const XpbdTask& task, double h, NewtonState& 
 }
 
 double XpbdSolver::kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const {
-  return 0.5 * velocities_m_s.colwise().squaredNorm().dot(body_.node_masses_kg());
+  // Not of what is held: holds that move bring that themselves.
+  return 0.5 * inverse_masses_.cwiseSign()
+                   .cwiseProduct(velocities_m_s.cwiseAbs2())
+                   .colwise()
+                   .sum()
+                   .dot(body_.node_masses_kg());
 }
 
 double XpbdSolver::stored_energy(const Eigen::Matrix3Xd& positions_m) {
@@ -287,8 +306,10 @@ XpbdSolver::Account XpbdSolver::open_account(const XpbdTask& task, const XpbdSta
   return account;
 }
 
-void XpbdSolver::add_work(const Eigen::Matrix3Xd& motion_m, const NewtonState& state, Account& account) const {
+void XpbdSolver::add_work(const XpbdTask& task, const Eigen::Matrix3Xd& motion_m, const NewtonState& state,
+                          Account& account) const {
   double brought_j = loads_n_.cwiseProduct(motion_m).sum();
+  if (task.reactions_n) brought_j += task.reactions_n(state).cwiseProduct(motion_m).sum();
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
     const double value = constraints_[i].value(state.positions_m, state.drives);
     brought_j -= state.constraint_multipliers[static_cast<Eigen::Index>(i)] * (value - account.values[i]);
@@ -331,7 +352,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   for (int substep = 0; substep < task.substep_count; ++substep) {
     const double over = (substep + 1.0) / task.substep_count;
     if (task.drives_at) unknowns.drives = task.drives_at(over);
-    if (contact_) unknowns.contact.time_s = from_s + over * (task.until_s - from_s);
+    unknowns.contact.time_s = from_s + over * (task.until_s - from_s);
     const Eigen::Matrix3Xd before = unknowns.positions_m;
     if (slowing < 1.0) state.velocities_m_s *= slowing;
     if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;
@@ -344,7 +365,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
     state.velocities_m_s = motion / h;
     if (!state.velocities_m_s.allFinite()) return report;
     if (contact_) account.bring(contact_->finish(before, unknowns.positions_m, !task.at_rest, unknowns.contact));
-    add_work(motion, unknowns, account);
+    add_work(task, motion, unknowns, account);
     if (task.hysteresis) task.hysteresis->follow(unknowns.positions_m, h);
   }
   save_multipliers(h, state.element_forces_n);

@@ -48,7 +48,9 @@ struct XpbdTask {
   // A rest state is sought: there is no viscosity, and what slips does so from where the search began.
   bool at_rest = false;
   const ContactTerm* contact = nullptr;  // null: nothing touches
-  double until_s = 0.0;                  // of obstacles' motion, from ContactState::time_s on
+  double until_s = 0.0;                  // of the motion of obstacles and holds, from ContactState::time_s on
+  // What holds that move in this step add to the loads (NewtonSolver::reaction_forces_n); empty: none moves.
+  std::function<Eigen::Matrix3Xd(const NewtonState&)> reactions_n;
 };
 
 struct XpbdState {
@@ -130,12 +132,13 @@ class XpbdSolver {
     }
   };
   Account open_account(const XpbdTask& task, const XpbdState& state);
-  void add_work(const Eigen::Matrix3Xd& motion_m, const NewtonState& state, Account& account) const;
+  void add_work(const XpbdTask& task, const Eigen::Matrix3Xd& motion_m, const NewtonState& state,
+                Account& account) const;
   void close_account(const XpbdTask& task, const Account& account, const XpbdState& state, XpbdReport& report);
   ConstraintLaw law_at(std::size_t constraint, const NewtonState& state) const;
   double kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const;
   double stored_energy(const Eigen::Matrix3Xd& positions_m);
-  const std::vector<int>& touched_by(const DrivenConstraint& constraint, const NewtonState& state);
+  const std::vector<int>& touched_by(std::size_t constraint, const NewtonState& state);
   // A place among the multipliers: a coordinate of a node of four elements.
   std::size_t element_size() const { return static_cast<std::size_t>(batches_.node_count) * 3; }
   int coordinate(std::size_t place, int lane) const {
@@ -163,6 +166,7 @@ class XpbdSolver {
   Batches energies_;                        // per batch
   Eigen::Matrix3Xd gradient_;               // of one constraint; zero between uses
   std::vector<int> touched_;                // its nodes
+  std::vector<std::vector<int>> nodes_;     // per constraint, from when it was first asked; empty: not yet
   struct NodeGradient {
     std::vector<int> nodes;
     Eigen::Matrix3Xd columns;

@@ -34,9 +34,9 @@ void tell_end(const Evaluation& here, double tolerance, std::string reason, Newt
 // The last factor, for the next step of a solve with this residual.
 bool may_reuse(const NewtonTask& task, double residual) { return task.reuse_factor || residual < task.reuse_below; }
 
-constexpr int kOldStepsTried = 2;   // by an old factor, before its residual must have fallen
-constexpr double kBearable = 10.0;  // times the residual: what the first of them may leave
-constexpr int kHalves = 2;          // of a step by an old factor: the skin's forces turn more than its matrix knows
+constexpr int kOldStepsTried = 2;  // by an old factor, before its residual must have fallen
+constexpr double kBearable = 3.0;  // times the residual: what the first of them may leave
+constexpr int kHalves = 2;         // of a step by an old factor: the skin's forces turn more than its matrix knows
 
 std::vector<ContactTouch> on_skin(const ContactSums& contact) {
   std::vector<ContactTouch> found;

@@ -57,17 +57,21 @@ void SkinContact::search(const Eigen::Matrix3Xd& positions_m, const ContactState
   }
 }
 
+std::optional<SkinGap> SkinContact::met_by(int point, bool pressed, const Eigen::Matrix3Xd& positions_m) const {
+  const int face = points_.face_of(point);
+  const Eigen::Vector3d at_m = points_.at(point, positions_m);
+  if (!pressed && !pairs_.may_be_inside(face, at_m)) return std::nullopt;
+  const Eigen::Vector3d out = outward(point, positions_m);
+  if (!pressed && !pairs_.may_be_inside(face, at_m, out)) return std::nullopt;
+  return pairs_.meet(face, at_m, out, pressed, positions_m);
+}
+
 // A point that has lost the skin it pressed against is a face's size away from it: open.
 bool SkinContact::find_touch(int point, double pressure_pa, const Eigen::Matrix3Xd& positions_m,
                              ContactTouch& touch) const {
   touch.pair = first_pair_ + point;
   touch.pressure_pa = pressure_pa;
-  const int face = points_.face_of(point);
-  const Eigen::Vector3d at_m = points_.at(point, positions_m);
-  if (pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m)) return false;
-  const Eigen::Vector3d out = outward(point, positions_m);
-  if (pressure_pa == 0.0 && !pairs_.may_be_inside(face, at_m, out)) return false;
-  const std::optional<SkinGap> met = pairs_.meet(face, at_m, out, positions_m);
+  const std::optional<SkinGap> met = met_by(point, pressure_pa != 0.0, positions_m);
   touch.gap_m = met ? met->gap_m + slack_m(point) : points_.face_size_m(point);
   touch.closed = met && law(point).closed(touch.gap_m, pressure_pa);
   if (met) {
@@ -88,12 +92,13 @@ void SkinContact::add_touch(int point, const Eigen::Matrix3Xd& positions_m, cons
 
 void SkinContact::add_friction(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                                ContactTouch& touch) const {
-  const Eigen::Vector3d anchor = state.anchors_m.col(first_anchor_ + point_of(touch));
+  const int point = point_of(touch);
+  const Eigen::Vector3d anchor = state.anchors_m.col(first_anchor_ + point);
   if (anchor.z() < 0.0) return;
-  touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point_of(touch)), youngs_modulus_pa_),
+  touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point), youngs_modulus_pa_),
                     friction(touch) * touch.pressure_pa};
   touch.anchor_m = pairs_.at(static_cast<int>(anchor.z()), anchor.x(), anchor.y(), positions_m);
-  touch.set_away_m(points_.at(point_of(touch), positions_m) - touch.anchor_m);
+  touch.set_away_m(points_.at(point, positions_m) - touch.anchor_m);
 }
 
 int SkinContact::side_of(const ContactTouch& touch) const {
@@ -172,11 +177,7 @@ double SkinContact::deepest(const Eigen::Matrix3Xd& positions_m) const {
   for (int face = 0; face < points_.face_count(); ++face) {
     if (!pairs_.may_be_inside(face)) continue;
     for (int point = points_.first_point(face); point < points_.first_point(face + 1); ++point) {
-      const Eigen::Vector3d at_m = points_.at(point, positions_m);
-      if (!pairs_.may_be_inside(face, at_m)) continue;
-      const Eigen::Vector3d out = outward(point, positions_m);
-      if (!pairs_.may_be_inside(face, at_m, out)) continue;
-      const std::optional<SkinGap> met = pairs_.meet(face, at_m, out, positions_m);
+      const std::optional<SkinGap> met = met_by(point, false, positions_m);
       if (met) deepest = std::max(deepest, -met->gap_m / pairs_.deepest_m(met->at.face));
     }
   }

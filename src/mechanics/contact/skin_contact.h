@@ -6,6 +6,7 @@
 // Both sides push, each by its own points.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -84,6 +85,8 @@ class SkinContact {
   void search(const Eigen::Matrix3Xd& positions_m, const ContactState& state, std::vector<ContactTouch>& touches) const;
   void add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                  std::vector<ContactTouch>& touches) const;
+  // What a point meets where it may be inside the body, or wherever it is, if it was `pressed`.
+  std::optional<SkinGap> met_by(int point, bool pressed, const Eigen::Matrix3Xd& positions_m) const;
   // Of a point that has an anchor on some skin.
   void add_friction(const Eigen::Matrix3Xd& positions_m, const ContactState& state, ContactTouch& touch) const;
   Eigen::Vector3d new_anchor(int point, const ContactTouch* slipped, const Eigen::Matrix3Xd& positions_m) const;

@@ -26,6 +26,7 @@ constexpr double kAgainst = 0.2;    // cosine: skin that meets skin faces it at 
 constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
 constexpr double kClearly = 2.0;    // times that: a point so far beyond it does not, however the face bends
 constexpr int kLooksBeside = 3;
+constexpr double kJustOn = 1e-6;      // of the same: so high above a face a point may just touch it
 constexpr double kSteepest = 1e3;     // as a tangent: normals of a face that tilt so far may tilt any way
 constexpr double kStillConvex = 0.1;  // of a flat face's determinant
 constexpr int kMostIterations = 12;
@@ -297,39 +298,43 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   }
 }
 
+// Boxes first, side by side in memory: most pairs need no closer look.
 void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
   close_at_m_ = positions_m;
+  Eigen::Matrix3Xd low_m(3, faces_.cols()), high_m(3, faces_.cols()), soon_low_m(3, faces_.cols()),
+      soon_high_m(3, faces_.cols());
+  for (int face = 0; face < faces_.cols(); ++face) {
+    const Present& at = present(face);
+    const double wider_m = 6.0 * slack_m_ + turn(face) * deepest_m_[face];
+    low_m.col(face) = at.low_m;
+    high_m.col(face) = at.high_m;
+    soon_low_m.col(face) = at.deep_low_m.array() - wider_m;
+    soon_high_m.col(face) = at.deep_high_m.array() + wider_m;
+  }
   for (const int face : any_close_) overlaps_[static_cast<std::size_t>(face)].clear();
   any_close_.clear();
   for (std::size_t face = 0; face < near_.size(); ++face) {
     close_[face].clear();
+    const Eigen::Array3d low = low_m.col(same_[face]), high = high_m.col(same_[face]);
     for (const int other : near_[face])
-      if (may_overlap(static_cast<int>(face), other, true)) close_[face].push_back(other);
+      if ((soon_low_m.col(other).array() <= high).all() && (low <= soon_high_m.col(other).array()).all() &&
+          may_overlap(static_cast<int>(face), other, true))
+        close_[face].push_back(other);
     if (!close_[face].empty()) any_close_.push_back(static_cast<int>(face));
   }
 }
 
 void SkinPairs::look_at(int face) const {
-  present_[static_cast<std::size_t>(face)] = face_at(face, prepared_at_m_);
   known_[static_cast<std::size_t>(face)] = 1;
-}
-
-SkinPairs::Present SkinPairs::face_at(int face, const Eigen::Matrix3Xd& positions_m) const {
-  const FaceNodes around = control_points(nodes_of(faces_, face, positions_m));
-  Present at;
+  Present& at = present_[static_cast<std::size_t>(face)];
+  at.turn = at.tilt = -1.0;
+  at.knows_sides = false;
+  const FaceNodes around = control_points(nodes_of(faces_, face, prepared_at_m_));
   at.around_m.leftCols(around.cols()) = around;
-  const Eigen::Vector3d along = around.col(1) - around.col(0), across = around.col(2) - around.col(0);
-  const Eigen::Vector3d area_m2 = along.cross(across);
-  at.normal = area_m2.normalized();
-  // Two edges move by twice the way, so their product by so much of itself.
-  const double change = 2.0 * slack_m_ * (along.norm() + across.norm()) / area_m2.norm();
-  at.turn = change < 0.8 ? std::sqrt(2.0) * change * (1.0 + 0.25 * change) : 2.0;
+  if (around.cols() == 3) at.around_m.rightCols<3>() = around;
+  at.normal = (around.col(1) - around.col(0)).cross(around.col(2) - around.col(0)).normalized();
   at.low_m = at.high_m = around.col(0);
   at.lowest_m = at.top_m = at.normal.dot(around.col(0));
-  for (int side = 0; side < 3; ++side) {
-    at.sideways.col(side) = (around.col((side + 1) % 3) - around.col(side)).cross(at.normal).normalized();
-    at.farthest_m[side] = at.sideways.col(side).dot(around.col(0));
-  }
   for (Eigen::Index a = 1; a < around.cols(); ++a) {
     const Eigen::Vector3d at_m = around.col(a);
     const double height_m = at.normal.dot(at_m);
@@ -337,33 +342,63 @@ SkinPairs::Present SkinPairs::face_at(int face, const Eigen::Matrix3Xd& position
     at.high_m = at.high_m.cwiseMax(at_m);
     at.lowest_m = std::min(at.lowest_m, height_m);
     at.top_m = std::max(at.top_m, height_m);
-    at.farthest_m = at.farthest_m.cwiseMax(at.sideways.transpose() * at_m);
   }
   const Eigen::Vector3d behind_m = -deepest_m_[face] * at.normal;
   at.deep_low_m = (at.low_m + behind_m.cwiseMin(0.0)).array() - kOverEdge * sizes_m_[face];
   at.deep_high_m = (at.high_m + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
-  return at;
 }
 
 double SkinPairs::Present::farthest_from_m(const Eigen::Vector3d& point_m) const {
   return (point_m - low_m).cwiseMax(high_m - point_m).norm();
 }
 
+// Two edges move by twice the way, so their product by so much of itself.
+double SkinPairs::turn(int face) const {
+  const auto& around = present(face).around_m;
+  double& turn = present_[static_cast<std::size_t>(face)].turn;
+  if (turn >= 0.0) return turn;
+  const Eigen::Vector3d along = around.col(1) - around.col(0), across = around.col(2) - around.col(0);
+  const double change = 2.0 * slack_m_ * (along.norm() + across.norm()) / along.cross(across).norm();
+  return turn = change < 0.8 ? std::sqrt(2.0) * change * (1.0 + 0.25 * change) : 2.0;
+}
+
+const SkinPairs::Present& SkinPairs::with_sides(int face) const {
+  present(face);
+  Present& at = present_[static_cast<std::size_t>(face)];
+  if (at.knows_sides) return at;
+  for (int side = 0; side < 3; ++side)
+    at.sideways.row(side) = (at.around_m.col((side + 1) % 3) - at.around_m.col(side)).cross(at.normal).normalized();
+  at.farthest_m = (at.sideways * at.around_m).rowwise().maxCoeff();
+  at.knows_sides = true;
+  return at;
+}
+
 // Where nodes move, points that a face lies between move by three times as much, and its normal turns.
 bool SkinPairs::may_overlap(int face, int other, bool soon) const {
-  const Present &mine = present(same_[static_cast<std::size_t>(face)]), &theirs = present(other);
-  const double moved_m = soon ? 6.0 * slack_m_ : 0.0, turn = soon ? theirs.turn : 0.0;
+  const int same = same_[static_cast<std::size_t>(face)];
+  const Present &mine = present(same), &theirs = present(other);
+  const double moved_m = soon ? 6.0 * slack_m_ : 0.0, turn = soon ? this->turn(other) : 0.0;
   const double wider_m = moved_m + turn * deepest_m_[other];
   if ((theirs.deep_low_m - mine.high_m).maxCoeff() > wider_m || (mine.low_m - theirs.deep_high_m).maxCoeff() > wider_m)
     return false;
-  if (mine.normal.dot(theirs.normal) >= kOneWay + (soon ? turn + mine.turn : 0.0)) return false;
+  if (mine.normal.dot(theirs.normal) >= kOneWay + (soon ? turn + this->turn(same) : 0.0)) return false;
   const double top_m = theirs.top_m + kOverEdge * sizes_m_[other] + moved_m;
-  for (Eigen::Index a = 0; a < faces_.rows(); ++a) {
+  const auto lower = [&](Eigen::Index a) {
     const Eigen::Vector3d at_m = mine.around_m.col(a);
     const double turned_m = soon ? turn * (theirs.farthest_from_m(at_m) + moved_m) : 0.0;
-    if (theirs.normal.dot(at_m) < top_m + turned_m) return true;
-  }
+    return theirs.normal.dot(at_m) < top_m + turned_m;
+  };
+  for (Eigen::Index a = 0; a < faces_.rows(); ++a)
+    if (lower(a)) return soon || !lies_beside(same, other);
   return false;
+}
+
+// Farther than a place on the other face may be beside it.
+bool SkinPairs::lies_beside(int mine, int other) const {
+  const Present& theirs = with_sides(other);
+  const double most_m = kOverEdge * sizes_m_[other] + deepest_m_[other] * tilt(other);
+  const Eigen::Vector3d beside_m = (theirs.sideways * present(mine).around_m).rowwise().minCoeff();
+  return ((beside_m - theirs.farthest_m).array() > most_m).any();
 }
 
 double SkinPairs::tilt(int face) const {
@@ -390,16 +425,19 @@ const std::vector<int>& SkinPairs::in_reach_of(int face) const {
 
 bool SkinPairs::may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
   const Present& theirs = present(other);
-  if (theirs.normal.dot(outward) > kAlong * outward.norm()) return false;
+  // No normal of the face is farther from that of its corners than it tilts.
+  if (theirs.normal.dot(outward) > std::min(kAlong, tilt(other) - kAgainst) * outward.norm()) return false;
   const double height_m = theirs.normal.dot(point_m), deepest_m = deepest_m_[other];
   return height_m > theirs.lowest_m - deepest_m && height_m < theirs.top_m + deepest_m;
 }
 
+// A place beyond an edge lies above the face where that tilts.
 bool SkinPairs::is_behind(int other, const Eigen::Vector3d& point_m) const {
   const Present& theirs = present(other);
   return (theirs.deep_low_m.array() <= point_m.array()).all() &&
          (theirs.deep_high_m.array() >= point_m.array()).all() &&
-         theirs.normal.dot(point_m) < theirs.top_m + kOverEdge * sizes_m_[other];
+         theirs.normal.dot(point_m) <
+             theirs.top_m + sizes_m_[other] * (kJustOn + kOverEdge * std::min(1.0, tilt(other)));
 }
 
 bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m) const {
@@ -409,8 +447,10 @@ bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m) const {
 
 bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
   const std::vector<int>& all = overlaps_[static_cast<std::size_t>(face)];
-  return std::any_of(all.begin(), all.end(),
-                     [&](int other) { return is_behind(other, point_m) && may_meet(other, point_m, outward); });
+  return std::any_of(all.begin(), all.end(), [&](int other) {
+    return is_behind(other, point_m) && may_meet(other, point_m, outward) &&
+           meets_within(candidate(other, point_m), deepest_m_[other]);
+  });
 }
 
 void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
@@ -483,9 +523,9 @@ SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_
 
 // By its box, by the planes that it lies between, and by those along its sides.
 SkinPairs::Candidate SkinPairs::candidate(int other, const Eigen::Vector3d& point_m) const {
-  const Present& theirs = present(other);
+  const Present& theirs = with_sides(other);
   const double height_m = theirs.normal.dot(point_m);
-  const double beside_m = (theirs.sideways.transpose() * point_m - theirs.farthest_m).maxCoeff();
+  const double beside_m = (theirs.sideways * point_m - theirs.farthest_m).maxCoeff();
   return {other,
           std::max({(theirs.low_m - point_m).maxCoeff(), (point_m - theirs.high_m).maxCoeff(), height_m - theirs.top_m,
                     theirs.lowest_m - height_m, beside_m}),
@@ -501,22 +541,23 @@ bool SkinPairs::meets_within(const Candidate& candidate, double reach_m) const {
 
 // The one that may be nearest first, as then most others need no closer look.
 std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
-                                       const Eigen::Matrix3Xd& positions_m) const {
+                                       bool outside_too, const Eigen::Matrix3Xd& positions_m) const {
   candidates_.clear();
   for (const int other : in_reach_of(face)) {
     const Candidate found = candidate(other, point_m);
     if (meets_within(found, deepest_m_[other]) && may_meet(other, point_m, outward)) candidates_.push_back(found);
   }
-  const auto first = std::min_element(candidates_.begin(), candidates_.end(),
-                                      [](const Candidate& a, const Candidate& b) { return a.least_m < b.least_m; });
-  if (first == candidates_.end()) return std::nullopt;
-  std::optional<Meeting> best = meeting(first->face, point_m, outward, positions_m);
-  for (auto other = candidates_.begin(); other != candidates_.end(); ++other) {
-    if (other == first || (best && !meets_within(*other, std::abs(best->gap_m)))) continue;
-    const std::optional<Meeting> met = meeting(other->face, point_m, outward, positions_m);
+  const auto nearest = std::min_element(candidates_.begin(), candidates_.end(),
+                                        [](const Candidate& a, const Candidate& b) { return a.least_m < b.least_m; });
+  if (nearest == candidates_.end()) return std::nullopt;
+  std::iter_swap(candidates_.begin(), nearest);
+  std::optional<Meeting> best;
+  for (const Candidate& other : candidates_) {
+    if (best && !meets_within(other, std::abs(best->gap_m))) continue;
+    const std::optional<Meeting> met = meeting(other.face, point_m, outward, positions_m);
     if (met && (!best || std::abs(met->gap_m) < std::abs(best->gap_m))) best = met;
   }
-  if (!best) return std::nullopt;
+  if (!best || (!outside_too && best->gap_m > kJustOn * sizes_m_[best->face])) return std::nullopt;
   return gap_at(*best, positions_m);
 }
 

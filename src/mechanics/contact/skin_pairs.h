@@ -80,9 +80,10 @@ class SkinPairs {
   bool may_be_inside(int face) const { return !overlaps_[static_cast<std::size_t>(face)].empty(); }
   bool may_be_inside(int face, const Eigen::Vector3d& point_m) const;
   bool may_be_inside(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
-  // The closest skin that a point of this face meets at this place, or none within the depth that counts.
+  // The closest skin that a point of this face meets at this place, or none within the depth that counts;
+  // `outside_too`: also where the point is not inside.
   std::optional<SkinGap> meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
-                              const Eigen::Matrix3Xd& positions_m) const;
+                              bool outside_too, const Eigen::Matrix3Xd& positions_m) const;
 
   // Where friction ties a point of this face to: on the nearest face that faces it, or beyond an edge of that in its
   // plane, where the point is about to be covered. None where nothing is within a face's size.
@@ -107,11 +108,13 @@ class SkinPairs {
     double lowest_m, top_m;  // and how far along this it reaches
     // Corners of a box around it, and around it with what lies behind it to the depth that counts.
     Eigen::Vector3d low_m, high_m, deep_low_m, deep_high_m;
-    Eigen::Matrix3d sideways;              // in its plane, square to its sides,
-    Eigen::Vector3d farthest_m;            // and how far along these it reaches
     Eigen::Matrix<double, 3, 6> around_m;  // points that it lies between; the last are not used for 3 nodes
-    double turn;         // how far the normal may turn, as a change of it, where nodes move by slack_m_
-    double tilt = -1.0;  // how far normals of the face tilt at most, as a tangent; -1: not known yet
+    // What few faces are asked for; -1 or false: not known yet.
+    double turn = -1.0;  // how far the normal may turn, as a change of it, where nodes move by slack_m_
+    double tilt = -1.0;  // how far normals of the face tilt at most, as a tangent
+    bool knows_sides = false;
+    Eigen::Matrix3d sideways;    // rows, in its plane, square to its sides,
+    Eigen::Vector3d farthest_m;  // and how far along these it reaches
 
     double farthest_from_m(const Eigen::Vector3d& point_m) const;  // a bound
   };
@@ -119,14 +122,16 @@ class SkinPairs {
     if (!known_[static_cast<std::size_t>(face)]) look_at(face);
     return present_[static_cast<std::size_t>(face)];
   }
+  const Present& with_sides(int face) const;
   void look_at(int face) const;
+  double turn(int face) const;
   double tilt(int face) const;
-  Present face_at(int face, const Eigen::Matrix3Xd& positions_m) const;
   bool counts(int face, int other) const;
   // Whether a point of this face of the points may be inside the body behind another face: their boxes meet, they do
   // not look the same way, and any of it lies lower than the top of the other. `soon`: or that may be so before a node
   // has moved by slack_m_.
   bool may_overlap(int face, int other, bool soon) const;
+  bool lies_beside(int mine, int other) const;  // both of the mesh; all of mine
   // A face that a point may meet.
   struct Candidate {
     int face;

@@ -270,7 +270,7 @@ bool NewtonSolver::find_multipliers(const NewtonState& state, const Evaluation& 
 }
 
 // The residual holds the forces of the old multipliers already, so the border answers only for their change.
-NewtonSolver::StepLoad NewtonSolver::step_load(const NewtonState& state, const Evaluation& here) const {
+NewtonSolver::StepLoad NewtonSolver::step_load(const NewtonState& state, const Evaluation& here) {
   StepLoad load;
   const Eigen::VectorXd mismatch = elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa);
   load.gradient_n = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
@@ -282,7 +282,7 @@ NewtonSolver::StepLoad NewtonSolver::step_load(const NewtonState& state, const E
     load.free_n = free_load(here);
     subtract_beyond(load.load_n, load.free_n);
   }
-  load.motion = solve(load.load_n);
+  load.motion = skin_in_border_ ? solve_with(load.load_n, without_column(on_skin(here.contact))) : solve(load.load_n);
   if (!free_border_.empty()) load.motion += free_border_.nodal_motion(load.free_n);
   return load;
 }
@@ -338,7 +338,7 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
 // vector; the residuals as the convergence test takes them.
 NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
                               AndersonMixing& mixing) const {
-  ContactState contact = after(state, step, 1.0);
+  ContactState contact = free_border_.empty() ? state.contact : after(state, step, 1.0);
   contact.pressures_pa = step.contact_pressures_pa;
   const bool other = skin_in_border_ && other_set(state.contact.pressures_pa, contact.pressures_pa);
   if (other) mixing.clear();

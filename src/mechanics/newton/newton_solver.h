@@ -274,9 +274,11 @@ class NewtonSolver {
   bool find_step(const NewtonState& state, const Evaluation& here, Step& step, int rounds = kRoundsAhead);
   bool find_step(const NewtonState& state, const Evaluation& here, const StepLoad& load,
                  const std::vector<ContactTouch>& ahead, Step& step);
-  StepLoad step_load(const NewtonState& state, const Evaluation& here) const;
-  // Of skin that touches, by the last factor.
+  StepLoad step_load(const NewtonState& state, const Evaluation& here);
+  // Of skin that touches, by the last factor. One pass of that solves for loads and for all columns that are missing.
   SkinGradient released_gradient(const ContactTouch& touch) const;
+  std::vector<SkinGradient> without_column(const std::vector<ContactTouch>& touches) const;
+  Eigen::MatrixXd solve_with(Eigen::MatrixXd loads, std::vector<SkinGradient> missing);
   SkinColumns columns_of(const std::vector<ContactTouch>& touches);
   void keep_skin_columns();
   bool find_multipliers(const NewtonState& state, const Evaluation& here, const Eigen::VectorXd& motion,

@@ -70,29 +70,41 @@ SkinGradient NewtonSolver::released_gradient(const ContactTouch& touch) const {
   return gradient;
 }
 
-SkinColumns NewtonSolver::columns_of(const std::vector<ContactTouch>& touches) {
-  SkinColumns found;
+std::vector<SkinGradient> NewtonSolver::without_column(const std::vector<ContactTouch>& touches) const {
   std::vector<SkinGradient> missing;
   for (const ContactTouch& touch : touches) {
     SkinGradient gradient = released_gradient(touch);
-    found.push_back(find_column(skin_columns_, gradient));
-    if (!found.back()) missing.push_back(std::move(gradient));
+    if (!find_column(skin_columns_, gradient)) missing.push_back(std::move(gradient));
   }
-  if (missing.empty()) return found;
-  Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(3 * layout_.node_count, static_cast<Eigen::Index>(missing.size()));
-  for (std::size_t k = 0; k < missing.size(); ++k)
-    for (std::size_t a = 0; a < missing[k].nodes.size(); ++a)
-      loads.col(static_cast<Eigen::Index>(k)).segment<3>(3 * missing[k].nodes[a]) +=
-          missing[k].at_nodes.col(static_cast<Eigen::Index>(a));
+  return missing;
+}
+
+Eigen::MatrixXd NewtonSolver::solve_with(Eigen::MatrixXd loads, std::vector<SkinGradient> missing) {
+  const Eigen::Index own = loads.cols(), more = static_cast<Eigen::Index>(missing.size());
+  if (more == 0) return solve(loads);
+  loads.conservativeResize(3 * layout_.node_count, own + more);
+  loads.rightCols(more).setZero();
+  for (Eigen::Index k = 0; k < more; ++k) {
+    const SkinGradient& gradient = missing[static_cast<std::size_t>(k)];
+    for (std::size_t a = 0; a < gradient.nodes.size(); ++a)
+      loads.col(own + k).segment<3>(3 * gradient.nodes[a]) += gradient.at_nodes.col(static_cast<Eigen::Index>(a));
+  }
   const Eigen::MatrixXd solved = solve(loads);
-  std::size_t next = 0;
-  for (auto& column : found) {
-    if (column) continue;
-    const auto k = static_cast<Eigen::Index>(next);
-    column = std::make_shared<const SkinColumn>(SkinColumn{std::move(missing[next++]), solved.col(k)});
-    keep_column(column, skin_columns_);
-  }
-  if (skin_columns_.size() > 4 * kMostInBorder) skin_columns_ = found;
+  for (Eigen::Index k = 0; k < more; ++k)
+    keep_column(std::make_shared<const SkinColumn>(
+                    SkinColumn{std::move(missing[static_cast<std::size_t>(k)]), solved.col(own + k)}),
+                skin_columns_);
+  return solved.leftCols(own);
+}
+
+SkinColumns NewtonSolver::columns_of(const std::vector<ContactTouch>& touches) {
+  if (touches.empty()) return {};
+  std::vector<SkinGradient> missing = without_column(touches);
+  const bool any_missing = !missing.empty();
+  if (any_missing) solve_with(Eigen::MatrixXd(3 * layout_.node_count, 0), std::move(missing));
+  SkinColumns found;
+  for (const ContactTouch& touch : touches) found.push_back(find_column(skin_columns_, released_gradient(touch)));
+  if (any_missing && skin_columns_.size() > 4 * kMostInBorder) skin_columns_ = found;
   keep_skin_columns();
   return found;
 }

@@ -14,17 +14,18 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kDeepest = 0.5;    // of a face's size: deeper is the other side of a wall, as is deeper than a wall
-constexpr double kBehind = 4.0;     // of the largest face's size: walls are looked for so near
-constexpr double kInFront = 1e-9;   // of the same: a face that has no corner so far in front of another lies behind it
-constexpr double kMargin = 0.02;    // of the body's size: what near faces are looked for within
-constexpr double kSlack = 0.001;    // of the same: which of them may overlap is looked for once nodes have moved so far
-constexpr double kOneSide = 0.5;    // cosine: faces whose normals agree so at rest are one side of a wall; it may fold
-constexpr double kOneWay = 0.9;     // cosine: neither face meets the other, nor do the guards at its edges
-constexpr double kAlong = 0.6;      // cosine: faces bend less than to turn such normals against one another
-constexpr double kAgainst = 0.2;    // cosine: skin that meets skin faces it at least so much
-constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
-constexpr double kClearly = 2.0;    // times that: a point so far beyond it does not, however the face bends
+constexpr double kDeepest = 0.5;   // of a face's size: deeper is the other side of a wall, as is deeper than a wall
+constexpr double kBehind = 4.0;    // of the largest face's size: walls are looked for so near
+constexpr double kInFront = 1e-9;  // of the same: a face that has no corner so far in front of another lies behind it
+constexpr double kMargin = 0.02;   // of the body's size: what near faces are looked for within
+constexpr double kSlack = 0.001;   // of the same: which of them may overlap is looked for once nodes have moved so far
+constexpr double kWiderSlack = 0.5;  // of that margin, where few pairs are looked at
+constexpr double kOneSide = 0.5;     // cosine: faces whose normals agree so at rest are one side of a wall; it may fold
+constexpr double kOneWay = 0.9;      // cosine: neither face meets the other, nor do the guards at its edges
+constexpr double kAlong = 0.6;       // cosine: faces bend less than to turn such normals against one another
+constexpr double kAgainst = 0.2;     // cosine: skin that meets skin faces it at least so much
+constexpr double kOverEdge = 0.01;   // of a face's size: a point so far beyond its edge still meets it
+constexpr double kClearly = 2.0;     // times that: a point so far beyond it does not, however the face bends
 constexpr int kLooksBeside = 3;
 constexpr double kJustOn = 1e-6;      // of the same: so high above a face a point may just touch it
 constexpr double kSteepest = 1e3;     // as a tangent: normals of a face that tilt so far may tilt any way
@@ -270,6 +271,7 @@ bool SkinPairs::counts(int face, int other) const {
 
 void SkinPairs::restrict_to(const std::vector<FacePair>& pairs) {
   restricted_ = true;
+  slack_m_ = kWiderSlack * margin_m_;
   counts_.clear();
   near_.assign(same_.size(), {});
   for (const auto& [face, other] : pairs)

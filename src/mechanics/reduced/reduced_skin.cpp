@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace soft_robot_lab {
 namespace {
@@ -14,18 +15,20 @@ void sort_out(std::vector<T>& all) {
   all.erase(std::unique(all.begin(), all.end()), all.end());
 }
 
-// Of each face of the mesh, those that share a corner with it, and itself.
+// Of each face of the mesh, those that share an edge with it, and itself.
 std::vector<std::vector<int>> faces_around(const Eigen::MatrixXi& faces) {
-  std::map<int, std::vector<int>> at_corner;
+  std::map<std::pair<int, int>, std::vector<int>> at_edge;
+  const auto edge = [&](int face, int side) { return std::minmax(faces(side, face), faces((side + 1) % 3, face)); };
   for (int face = 0; face < faces.cols(); ++face)
-    for (int corner = 0; corner < 3; ++corner) at_corner[faces(corner, face)].push_back(face);
+    for (int side = 0; side < 3; ++side) at_edge[edge(face, side)].push_back(face);
   std::vector<std::vector<int>> around(static_cast<std::size_t>(faces.cols()));
-  for (std::size_t face = 0; face < around.size(); ++face) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::vector<int>& here = at_corner[faces(corner, static_cast<Eigen::Index>(face))];
-      around[face].insert(around[face].end(), here.begin(), here.end());
+  for (int face = 0; face < faces.cols(); ++face) {
+    std::vector<int>& all = around[static_cast<std::size_t>(face)];
+    for (int side = 0; side < 3; ++side) {
+      const std::vector<int>& here = at_edge[edge(face, side)];
+      all.insert(all.end(), here.begin(), here.end());
     }
-    sort_out(around[face]);
+    sort_out(all);
   }
   return around;
 }

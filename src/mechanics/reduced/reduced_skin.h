@@ -57,7 +57,7 @@ class ReducedSkin {
   Eigen::Matrix3Xd positions_m_;  // of all nodes; of others as at rest
 };
 
-// All pairs of the faces around both of a pair.
+// All pairs of two faces and of those across their edges.
 std::vector<FacePair> with_neighbours(const std::vector<FacePair>& pairs, const Body& body);
 
 }  // namespace soft_robot_lab

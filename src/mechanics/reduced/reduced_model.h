@@ -53,7 +53,9 @@ struct ReducedModel {
         mass_kg(full->body().node_masses_kg().sum()),
         size_m(full->body().size_m()) {}
 
-  void let_touch(const std::vector<FacePair>& pairs) { skin = ReducedSkin(full->body(), basis.modes, pairs); }
+  void let_touch(const std::vector<FacePair>& pairs) {
+    if (!pairs.empty()) skin = ReducedSkin(full->body(), basis.modes, pairs);
+  }
 
   void keep_points(const Eigen::VectorXd& factors) {
     energy.keep_points(factors);

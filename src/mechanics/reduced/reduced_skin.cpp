@@ -134,19 +134,12 @@ Eigen::MatrixXd ReducedSkin::hessian(const std::vector<Touch>& touches) const {
 }
 
 void ReducedSkin::add_pressures(const Eigen::VectorXd& pushes_n, Eigen::VectorXd& pressures_pa) const {
+  const Eigen::Index first = pressures_pa.size() - skin_.points().count();  // after those of obstacles
+  if (first < 0) return;
   for (Eigen::Index place = 0; place < places(); ++place) {
     const int point = points_[static_cast<std::size_t>(place)];
-    pressures_pa[point] = pushes_n[place] / skin_.points().weight_m2(point);
+    pressures_pa[first + point] = pushes_n[place] / skin_.points().weight_m2(point);
   }
-}
-
-Eigen::VectorXd ReducedSkin::pushes_n(const Eigen::VectorXd& pressures_pa) const {
-  Eigen::VectorXd pushes(places());
-  for (Eigen::Index place = 0; place < places(); ++place) {
-    const int point = points_[static_cast<std::size_t>(place)];
-    pushes[place] = pressures_pa[point] * skin_.points().weight_m2(point);
-  }
-  return pushes;
 }
 
 }  // namespace soft_robot_lab

@@ -34,9 +34,8 @@ class ReducedSkin {
 
   const std::vector<FacePair>& pairs() const { return pairs_; }
   Eigen::Index places() const { return static_cast<Eigen::Index>(points_.size()); }
-  // Into ContactState::pressures_pa of the full model, and back.
+  // Into ContactState::pressures_pa of a full model with the same skin; nothing where that does not touch itself.
   void add_pressures(const Eigen::VectorXd& pushes_n, Eigen::VectorXd& pressures_pa) const;
-  Eigen::VectorXd pushes_n(const Eigen::VectorXd& pressures_pa) const;
 
  private:
   struct Face {

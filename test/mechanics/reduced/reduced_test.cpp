@@ -375,6 +375,19 @@ TEST_F(ReducedClip, ItsLegsPressAsHardAsThoseOfTheFullModelAndGoOnFromThere) {
   EXPECT_GE(audited, 1);
 }
 
+// As an audit may be by a model with obstacles, or by one that does not touch itself.
+TEST_F(ReducedClip, ItsPressuresComeAfterThoseOfObstacles) {
+  const ReducedState rest = pulled_to(0.65);
+  const Eigen::VectorXd own = full_state(*model_, rest, Simulation(model_->full).state()).contact.pressures_pa;
+  ASSERT_GT(own.maxCoeff(), 0.0);
+  Eigen::VectorXd after_others = Eigen::VectorXd::Zero(own.size() + 7), others = Eigen::VectorXd::Zero(7);
+  model_->skin.add_pressures(rest.at.pushes_n, after_others);
+  model_->skin.add_pressures(rest.at.pushes_n, others);
+  EXPECT_EQ(after_others.tail(own.size()), own);
+  EXPECT_TRUE(after_others.head(7).isZero(0.0));
+  EXPECT_TRUE(others.isZero(0.0));
+}
+
 TEST_F(ReducedClip, SensitivitiesHeedHowTheSkinTurnsItsPush) {
   const ReducedState rest = pulled_to(0.6);
   ASSERT_GT(rest.at.pushes_n.maxCoeff(), 0.0);

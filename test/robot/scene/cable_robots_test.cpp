@@ -42,14 +42,18 @@ TEST(CableRobots, TakeAFifthOfTheirLengthInFewIterations) {
   expect_easy_pull("finger_a2", 1.3, 3);
 }
 
-// Where the matrix of a step does not serve, half the step does: the way down the energy took up to seconds. What
-// touches changes nearly every step, and took a new factor each time.
-TEST(CableRobots, SpinebotsVertebraeMeetByFewFactorsAndNoWayDownTheEnergy) {
+Scene touching(const std::string& robot) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
   options.overrides = overrides_from("contact: {self: true}");
-  const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/spinebot/robot.yaml", options);
+  return load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/" + robot + "/robot.yaml", options);
+}
+
+// Where the matrix of a step does not serve, half the step does: the way down the energy took up to seconds. What
+// touches changes nearly every step, and took a new factor each time.
+TEST(CableRobots, SpinebotsVertebraeMeetByFewFactorsAndNoWayDownTheEnergy) {
+  const Scene scene = touching("spinebot");
   Simulation& simulation = *scene.simulation;
   for (const char* cable : {"left", "right"}) simulation.set_command(cable, 0.8);
   int factorisations = 0;
@@ -68,11 +72,7 @@ TEST(CableRobots, SpinebotsVertebraeMeetByFewFactorsAndNoWayDownTheEnergy) {
 // Past the shape that buckles it falls at that shape's commands; with the whole pull it folded its beam within two
 // elements, and then found nothing in 42 s.
 TEST(CableRobots, HammerbotBucklesAndDoesNotFoldWhereBothCablesPull) {
-  SceneOptions options;
-  options.mesher = SOFT_ROBOT_LAB_MESHER;
-  options.actuator_factory = make_actuator;
-  options.overrides = overrides_from("contact: {self: true}");
-  const Scene scene = load_scene(SOFT_ROBOT_LAB_SOURCE "/config/robots/hammerbot/robot.yaml", options);
+  const Scene scene = touching("hammerbot");
   Simulation& simulation = *scene.simulation;
   for (const char* cable : {"left", "right"}) simulation.set_command(cable, 0.6);
   const SolveReport report = simulation.solve_equilibrium();

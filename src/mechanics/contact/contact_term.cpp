@@ -149,7 +149,7 @@ void ContactTerm::add_friction(const Eigen::Isometry3d& pose, int obstacle, cons
   touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point), youngs_modulus_pa_),
                     obstacle_of(touch.pair).friction * touch.pressure_pa};
   touch.anchor_m = pose * state.anchors_m.col(first_anchor_[static_cast<std::size_t>(obstacle)] + point);
-  touch.set_away_m(sums.points_m.col(point) - touch.anchor_m);
+  touch.set_way_m(sums.points_m.col(point) - touch.anchor_m);
 }
 
 void ContactTerm::add_at(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const {
@@ -338,21 +338,26 @@ void ContactTerm::add_slip(const ContactTouch& touch, Eigen::Matrix3Xd& residual
 
 double ContactTerm::beyond_limit_pa(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const {
   const Eigen::Vector3d way_m = relative_motion_m(touch, motion_m, {});
+  const Eigen::Vector3d away_m = touch.on_skin() ? skin_.away_motion_m(touch, motion_m) : way_m;
   const double coefficient = touch.friction.limit_pa / touch.pressure_pa;
-  return touch.away_m.normalized().dot(way_m) / touch.friction.compliance_m_pa +
+  return touch.away_m.normalized().dot(away_m) / touch.friction.compliance_m_pa +
          coefficient * touch.normal.dot(way_m) / law(touch.pair).compliance_m_pa;
 }
 
 bool ContactTerm::any_turns(const std::vector<ContactTouch>& touches) const {
   return std::any_of(touches.begin(), touches.end(), [](const ContactTouch& touch) {
-    return touch.closed && touch.rubs() && touch.free < 0 && !touch.on_skin() && !touch.bend.isZero(0.0);
+    return touch.closed && touch.rubs() && touch.free < 0 && (touch.on_skin() || !touch.bend.isZero(0.0));
   });
 }
 
 void ContactTerm::add_turned_ties(const std::vector<ContactTouch>& touches, const Eigen::Matrix3Xd& motion_m,
                                   Eigen::Matrix3Xd& residual_n) const {
   for (const ContactTouch& touch : touches) {
-    if (!touch.closed || !touch.rubs() || touch.free >= 0 || touch.on_skin()) continue;
+    if (!touch.closed || !touch.rubs() || touch.free >= 0) continue;
+    if (touch.on_skin()) {
+      skin_.add_turned_tie(touch, motion_m, residual_n);
+      continue;
+    }
     const Eigen::Vector3d turned = touch.bend * points_.at(point_of(touch.pair), motion_m);
     const Eigen::Vector3d traction_pa = touch.friction.traction_pa(touch.away_m);
     add_at(touch, -weight_m2(touch.pair) * turned.dot(traction_pa) * touch.normal, residual_n);

@@ -21,14 +21,19 @@ struct ContactTouch {
   Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();  // from that one's centre
   // Of friction; without any the limit is negative.
   FrictionLaw friction{0.0, -1.0};
-  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();  // where the obstacle, or the other skin, now has it
-  Eigen::Vector3d away_m = Eigen::Vector3d::Zero();    // from there, along the surface
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();     // where the obstacle, or the other skin, now has it
+  Eigen::Vector3d anchored_at = Eigen::Vector3d::Zero();  // of skin: ContactState::anchors_m
+  Eigen::Vector3d away_m = Eigen::Vector3d::Zero();       // from there, along the surface
+  double above_m = 0.0;                                   // and square to it
 
   bool rubs() const { return friction.limit_pa >= 0.0; }
   bool on_skin() const { return met.face >= 0; }
   // Whether it slips on or sticks is decided by what comes next. Not of free obstacles.
   bool at_limit() const { return closed && free < 0 && friction.limit_pa > 0.0 && friction.at_limit(away_m); }
-  void set_away_m(const Eigen::Vector3d& way_m) { away_m = way_m - normal * normal.dot(way_m); }
+  void set_way_m(const Eigen::Vector3d& from_anchor_m) {
+    above_m = normal.dot(from_anchor_m);
+    away_m = from_anchor_m - normal * above_m;
+  }
 };
 
 }  // namespace soft_robot_lab

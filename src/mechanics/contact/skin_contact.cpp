@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace soft_robot_lab {
 namespace {
@@ -12,6 +13,7 @@ constexpr double kShortWay = 0.2, kPartOfWay = 1.0, kMostParts = 8.0;
 constexpr double kTooDeep = 0.4;      // of the depth that counts
 constexpr double kDeeper = 1.1;       // times where the step starts
 constexpr double kGuarded = 5e-4;     // of a face's size: guards hold only what sinks in deeper
+constexpr int kAnchorings = 3;        // looks for where a point that slipped is tied to
 constexpr double kFarFromLaw = 1e-3;  // of a face's size: pressures that mean little, nor how they turn with the skin
 
 }  // namespace
@@ -97,8 +99,9 @@ void SkinContact::add_friction(const Eigen::Matrix3Xd& positions_m, const Contac
   if (anchor.z() < 0.0) return;
   touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point), youngs_modulus_pa_),
                     friction(touch) * touch.pressure_pa};
-  touch.anchor_m = pairs_.at(static_cast<int>(anchor.z()), anchor.x(), anchor.y(), positions_m);
-  touch.set_away_m(points_.at(point, positions_m) - touch.anchor_m);
+  touch.anchored_at = anchor;
+  touch.anchor_m = at_anchor(anchor, positions_m);
+  touch.set_way_m(points_.at(point, positions_m) - touch.anchor_m);
 }
 
 int SkinContact::side_of(const ContactTouch& touch) const {
@@ -131,8 +134,8 @@ Eigen::MatrixXd SkinContact::hessian(const ContactTouch& touch, bool convex, boo
   if (touch.rubs()) tie += weight_m2 * touch.friction.stiffness_pa_m(touch.away_m, touch.normal);
   if (!convex && !far_from_law(touch)) {
     const double push_n = weight_m2 * touch.pressure_pa;
-    const Eigen::MatrixXd turned = turn.transpose() * local;
-    sum += push_n * (turned + turned.transpose());
+    const Eigen::MatrixXd turned = turn.transpose() * local, tilts = touch.met.dual_per_m * turn;
+    sum += push_n * (turned + turned.transpose() + touch.met.above_m * tilts.transpose() * tilts);
     tie += push_n * touch.bend;
   }
   for (int a = 0; a < 2 * nodes; ++a)
@@ -163,6 +166,38 @@ Eigen::Vector3d SkinContact::relative_m(const ContactTouch& touch, const Eigen::
   for (int a = 0; a < points_.nodes_per_face(); ++a)
     relative_m -= touch.met.shape[a] * columns.col(pairs_.node(touch.met.face, a));
   return relative_m;
+}
+
+Eigen::Vector2d SkinContact::tilt(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const {
+  Eigen::Vector2d tilt = Eigen::Vector2d::Zero();
+  for (int a = 0; a < points_.nodes_per_face(); ++a)
+    tilt += touch.met.slopes.row(a).transpose() * touch.normal.dot(motion_m.col(pairs_.node(touch.met.face, a)));
+  return tilt;
+}
+
+// As the normal turns: dn = -dual n.(slopes dx) - bend d(x - y).
+Eigen::Vector3d SkinContact::away_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const {
+  const Eigen::Vector3d turn = -touch.met.dual_per_m * tilt(touch, motion_m) - touch.bend * relative_m(touch, motion_m);
+  const Eigen::Vector3d way_m = points_.at(point_of(touch), motion_m) - at_anchor(touch.anchored_at, motion_m);
+  return way_m - touch.normal * (touch.normal.dot(way_m) + turn.dot(touch.away_m)) - turn * touch.above_m;
+}
+
+void SkinContact::add_turned_tie(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                                 Eigen::Matrix3Xd& residual_n) const {
+  const double weight_m2 = points_.weight_m2(point_of(touch));
+  const Eigen::Vector3d relative_m = this->relative_m(touch, motion_m);
+  const Eigen::Vector3d in_matrix_pa = touch.friction.stiffness_pa_m(touch.away_m, touch.normal) * relative_m;
+  const Eigen::Vector3d change_pa = away_motion_m(touch, motion_m) / touch.friction.compliance_m_pa - in_matrix_pa;
+  const auto shape = points_.shape(point_of(touch));
+  const int face = points_.face_of(point_of(touch));
+  for (int a = 0; a < points_.nodes_per_face(); ++a)
+    residual_n.col(points_.node(face, a)) += weight_m2 * shape[a] * change_pa;
+  add_back(touch, weight_m2 * change_pa, residual_n);
+  const Eigen::Vector2d along = touch.met.dual_per_m.transpose() *
+                                (relative_m + touch.met.above_m * touch.met.dual_per_m * tilt(touch, motion_m));
+  const Eigen::Vector3d traction_pa = touch.friction.traction_pa(touch.away_m);
+  for (int a = 0; a < points_.nodes_per_face(); ++a)
+    residual_n.col(pairs_.node(touch.met.face, a)) -= weight_m2 * touch.met.slopes.row(a).dot(along) * traction_pa;
 }
 
 void SkinContact::add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n,
@@ -215,10 +250,25 @@ Eigen::Vector3d SkinContact::new_anchor(int point, const ContactTouch* slipped,
   const Eigen::Vector3d none(0.0, 0.0, -1.0);
   const int face = points_.face_of(point);
   if (!pairs_.any_near(face)) return none;
-  Eigen::Vector3d at_m = points_.at(point, positions_m);
-  if (slipped) at_m -= slipped->friction.compliance_m_pa * slipped->friction.traction_pa(slipped->away_m);
-  const std::optional<SkinAnchor> anchor = pairs_.anchor(face, at_m, outward(point, positions_m), positions_m);
-  return anchor ? Eigen::Vector3d(anchor->r, anchor->s, anchor->face) : none;
+  const Eigen::Vector3d point_m = points_.at(point, positions_m), out = outward(point, positions_m);
+  Eigen::Vector3d tied_m = Eigen::Vector3d::Zero();
+  if (slipped) tied_m = slipped->friction.compliance_m_pa * slipped->friction.traction_pa(slipped->away_m);
+  Eigen::Vector3d at_m = point_m - tied_m, anchor = none;
+  double least_off_m = std::numeric_limits<double>::infinity();
+  // The skin there does not quite lie in the plane of where the point meets it.
+  for (int i = 0; i < (slipped ? kAnchorings : 1); ++i) {
+    const std::optional<SkinAnchor> found = pairs_.anchor(face, at_m, out, positions_m);
+    if (!found) break;
+    const Eigen::Vector3d next(found->r, found->s, found->face);
+    const Eigen::Vector3d way_m = point_m - at_anchor(next, positions_m);
+    Eigen::Vector3d off_m = way_m - tied_m;
+    if (slipped) off_m -= slipped->normal * slipped->normal.dot(off_m);
+    if (!(off_m.norm() < least_off_m)) break;
+    least_off_m = off_m.norm();
+    anchor = next;
+    at_m += off_m;
+  }
+  return anchor;
 }
 
 }  // namespace soft_robot_lab

@@ -70,6 +70,10 @@ class SkinContact {
   // Of the point and the place that it meets, by what the nodes' columns say of both.
   Eigen::Vector3d relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const;
   void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
+  // How a motion of the nodes changes ContactTouch::away_m. And what the matrix, which is symmetric and ties the point
+  // to the place that it meets, lacks of how the tie's pull changes then.
+  Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const;
+  void add_turned_tie(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m, Eigen::Matrix3Xd& residual_n) const;
 
   // How much of this step may be taken at first: where skin is carried so deep into skin that it might not be seen any
   // more, or come out on the other side, only a part of it.
@@ -89,6 +93,11 @@ class SkinContact {
   std::optional<SkinGap> met_by(int point, bool pressed, const Eigen::Matrix3Xd& positions_m) const;
   // Of a point that has an anchor on some skin.
   void add_friction(const Eigen::Matrix3Xd& positions_m, const ContactState& state, ContactTouch& touch) const;
+  // How the nodes of the face that is met move along its normal, along its two coordinates.
+  Eigen::Vector2d tilt(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const;
+  Eigen::Vector3d at_anchor(const Eigen::Vector3d& anchor, const Eigen::Matrix3Xd& columns) const {
+    return pairs_.at(static_cast<int>(anchor.z()), anchor.x(), anchor.y(), columns);
+  }
   Eigen::Vector3d new_anchor(int point, const ContactTouch* slipped, const Eigen::Matrix3Xd& positions_m) const;
   double deepest(const Eigen::Matrix3Xd& positions_m) const;  // over the size of the face that it is in
 

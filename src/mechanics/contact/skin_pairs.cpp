@@ -14,8 +14,9 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kDeepest = 0.5;   // of a face's size: deeper is the other side of a wall, as is deeper than a wall
-constexpr double kBehind = 4.0;    // of the largest face's size: walls are looked for so near
+constexpr double kLeastAbove = 0.25;  // of its square, what is left of a face's size as seen from a point
+constexpr double kDeepest = 0.5;      // of a face's size: deeper is the other side of a wall, as is deeper than a wall
+constexpr double kBehind = 4.0;       // of the largest face's size: walls are looked for so near
 constexpr double kInFront = 1e-9;  // of the same: a face that has no corner so far in front of another lies behind it
 constexpr double kMargin = 0.02;   // of the body's size: what near faces are looked for within
 constexpr double kSlack = 0.001;   // of the same: which of them may overlap is looked for once nodes have moved so far
@@ -516,10 +517,15 @@ SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_
   gap.at.s = met.local.y();
   gap.at.shape.head(nodes.cols()) = shape.values;
   gap.at.slopes.topRows(nodes.cols()) = shape.slopes.transpose();
-  gap.at.dual_per_m = tangents * Eigen::Matrix2d(tangents.transpose() * tangents).inverse();
+  gap.at.above_m = gap.gap_m;
   const Eigen::Vector3d bends = (nodes * face_bends(nodes.cols())).transpose() * gap.normal;
   const Eigen::Matrix2d curvature = (Eigen::Matrix2d() << bends[0], bends[2], bends[2], bends[1]).finished();
-  gap.curvature_per_m = gap.at.dual_per_m * curvature * gap.at.dual_per_m.transpose();
+  const Eigen::Matrix2d metric = tangents.transpose() * tangents;
+  // Above a face that bends the closest place moves less, or more, than the point. Not where that has no meaning.
+  Eigen::Matrix2d above = metric - gap.gap_m * curvature;
+  if (above.determinant() < kLeastAbove * metric.determinant()) above = metric;
+  gap.at.dual_per_m = tangents * above.inverse();
+  gap.curvature_per_m = tangents * metric.inverse() * curvature * gap.at.dual_per_m.transpose();
   return gap;
 }
 

@@ -27,13 +27,14 @@ struct SkinPlace {
   double r = 0.0, s = 0.0;                       // coordinates on it
   Table<6, 1> shape = Table<6, 1>::Zero();       // functions of the face's nodes; the last are zero for 3 nodes
   Table<6, 2> slopes = Table<6, 2>::Zero();      // their derivatives along the face's two coordinates
-  Table<3, 2> dual_per_m = Table<3, 2>::Zero();  // dual tangents: d coordinate / d position
+  Table<3, 2> dual_per_m = Table<3, 2>::Zero();  // dual tangents: d coordinate / d position of the point
+  double above_m = 0.0;                          // the gap
 };
 
 struct SkinGap {
   double gap_m = 0.0;  // negative: the point is inside
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d curvature_per_m = Eigen::Matrix3d::Zero();  // of the face, n . d2y
+  Eigen::Matrix3d curvature_per_m = Eigen::Matrix3d::Zero();  // n . d2y, as the point above has it
   SkinPlace at;
 };
 

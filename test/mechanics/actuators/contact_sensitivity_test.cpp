@@ -38,6 +38,22 @@ TEST(ContactSensitivity, FollowsThePostAsDifferencesDo) {
   EXPECT_LT((exact - measured).norm(), 1e-5 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
 }
 
+// Of the tip, by the cable's command where that changes so. Returns how far off it is where that changes back.
+Eigen::Vector3d expect_as_differences(Simulation& simulation, double command, double change) {
+  const Eigen::Vector3d exact = simulation.marker_sensitivities(), here_m = simulation.marker_position(0);
+  SimulationState start = simulation.state();
+  start.linearisation = nullptr;
+  const auto slope_m = [&](double by) -> Eigen::Vector3d {
+    simulation.set_state(start);
+    simulation.set_command("cable", command + by);
+    EXPECT_TRUE(simulation.solve_equilibrium().converged);
+    return (simulation.marker_position(0) - here_m) / by;
+  };
+  const Eigen::Vector3d measured = 2.0 * slope_m(change) - slope_m(2.0 * change);
+  EXPECT_LT((exact - measured).norm(), 1e-5 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
+  return exact - slope_m(-change);
+}
+
 // On both sides of the bar, and moved in.
 std::vector<Obstacle> pair_of(const ObstacleShape& left, const ObstacleShape& right, double in_m, double friction) {
   return {{"left", left, {{0.0}, {1.0, {in_m, 0, 0}, Eigen::Vector3d::Zero()}}, friction},
@@ -73,59 +89,48 @@ TEST(ContactSensitivity, FollowsWhatSticksAndWhatSlipsOnAsDifferencesDo) {
     }
     EXPECT_GT(slipping_m2, 0.0);
     EXPECT_EQ(sticking_m2 == 0.0, all_slips);
-    const Eigen::Vector3d exact = simulation.marker_sensitivities(), here_m = simulation.marker_position(0);
-    SimulationState start = simulation.state();
-    start.linearisation = nullptr;
-    const auto moved_m = [&](double change) -> Eigen::Vector3d {
-      simulation.set_state(start);
-      simulation.set_command("cable", 0.95 + change);
-      EXPECT_TRUE(simulation.solve_equilibrium().converged);
-      return simulation.marker_position(0) - here_m;
-    };
-    const double further = -1e-7;
-    const Eigen::Vector3d measured = (4.0 * moved_m(further) - moved_m(2.0 * further)) / (2.0 * further),
-                          back = moved_m(-further) / -further;
-    EXPECT_LT((exact - measured).norm(), 1e-5 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
-    EXPECT_GT((exact - back).norm(), 0.05 * measured.norm());
+    const Eigen::Vector3d exact = simulation.marker_sensitivities();
+    const Eigen::Vector3d off_way_back = expect_as_differences(simulation, 0.95, -1e-7);
+    EXPECT_GT(off_way_back.norm(), 0.05 * exact.norm());
   }
 }
 
-// Against a soft pad: anchors on other skin are at the limit to 6e-5 only, and count as slipping all the same. How a
-// tie turns with that skin is left out of the derivative.
-TEST(ContactSensitivity, FollowsWhatSlipsOnSkin) {
-  TetMesh mesh = box_mesh({-0.01, -0.1, -0.01}, {0.01, 0, 0.01}, {2, 6, 2});
-  add_body("pad", box_mesh({0.01, -0.075, -0.012}, {0.02, -0.055, 0.012}, {1, 2, 2}), mesh);
-  Body body(std::move(mesh), {264200.0, 0.49, 1070.0});
-  body.fix_nodes({-1, -1e-6, -1}, {1, 1, 1}, {true, true, true});
-  body.fix_nodes({0.0199, -1, -1}, {1, 1, 1}, {true, true, true});
-  body.let_skin_touch({{0, 1, 0.1}});
-  const MeshLocator locator(body.mesh());
-  std::vector<std::unique_ptr<Actuator>> actuators;
-  actuators.push_back(std::make_unique<Cable>());
-  actuators.back()->initialise(
-      YamlNode::parse("{name: cable, points_m: [[0.006, 0, 0], [0.006, -0.05, 0], [0.006, -0.095, 0]]}", "bar"), body,
-      locator);
-  std::vector<Marker> markers;
-  markers.emplace_back("tip", Eigen::Vector3d(0, -0.1, 0), body.mesh(), locator);
-  SolverOptions options;
-  options.tolerance = 1e-10;
-  Simulation simulation(std::move(body), std::move(actuators), std::move(markers), options);
-  const auto tip_at = [&](double command) -> Eigen::Vector3d {
-    simulation.set_command("cable", command);
-    EXPECT_TRUE(simulation.solve_equilibrium().converged);
-    return simulation.marker_position(0);
+// Against a soft pad whose edge dents the bar: all slip on, all stick on the way back, and some then slip back.
+TEST(ContactSensitivity, FollowsWhatTouchesSkinAsDifferencesDo) {
+  struct Case {
+    double friction, last_command, change;
+    bool slips;
   };
-  tip_at(0.98);
-  tip_at(0.95);
-  const ContactReading contact = simulation.contacts().back();
-  EXPECT_GT(contact.area_m2, 0.0);
-  EXPECT_NEAR(contact.slipping_area_m2, contact.area_m2, 1e-12);
-  const Eigen::Vector3d exact = simulation.marker_sensitivities();
-  const SimulationState start = simulation.state();
-  const Eigen::Vector3d near_m = tip_at(0.95 - 1e-6);
-  simulation.set_state(start);
-  const Eigen::Vector3d measured = (tip_at(0.95 - 1e-5) - near_m) / -9e-6;
-  EXPECT_LT((exact - measured).norm(), 0.01 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
+  for (const auto& [friction, last_command, change, slips] :
+       {Case{0.0, 0.95, -1e-7, false}, Case{0.1, 0.95, -1e-7, true}, Case{0.1, 0.9501, -1e-7, false},
+        Case{0.1, 0.9505, 1e-7, true}}) {
+    SCOPED_TRACE(last_command);
+    TetMesh mesh = box_mesh({-0.01, -0.1, -0.01}, {0.01, 0, 0.01}, {2, 6, 2});
+    add_body("pad", box_mesh({0.01, -0.075, -0.011}, {0.02, -0.055, 0.013}, {1, 2, 2}), mesh);
+    Body body(std::move(mesh), {264200.0, 0.49, 1070.0});
+    body.fix_nodes({-1, -1e-6, -1}, {1, 1, 1}, {true, true, true});
+    body.fix_nodes({0.0199, -1, -1}, {1, 1, 1}, {true, true, true});
+    body.let_skin_touch({{0, 1, friction}});
+    const MeshLocator locator(body.mesh());
+    std::vector<std::unique_ptr<Actuator>> actuators;
+    actuators.push_back(std::make_unique<Cable>());
+    actuators.back()->initialise(
+        YamlNode::parse("{name: cable, points_m: [[0.006, 0, 0], [0.006, -0.05, 0], [0.006, -0.095, 0]]}", "bar"), body,
+        locator);
+    std::vector<Marker> markers;
+    markers.emplace_back("tip", Eigen::Vector3d(0, -0.1, 0), body.mesh(), locator);
+    SolverOptions options;
+    options.tolerance = 1e-12;
+    Simulation simulation(std::move(body), std::move(actuators), std::move(markers), options);
+    for (const double command : {0.98, 0.965, 0.95, last_command}) {
+      simulation.set_command("cable", command);
+      ASSERT_TRUE(simulation.solve_equilibrium().converged);
+    }
+    const ContactReading contact = simulation.contacts().back();
+    EXPECT_GT(contact.area_m2, 0.0);
+    EXPECT_EQ(contact.slipping_area_m2 > 0.0, slips);
+    expect_as_differences(simulation, last_command, change);
+  }
 }
 
 // Three points, each of which gives way to the others: those that stick stay below their limit.

@@ -102,14 +102,15 @@ class ContactTerm {
                                    const std::vector<ContactTouch>& known) const;
   // Of a touch at the limit of friction. What the residual gains where slip takes a unit [Pa] off the tie's traction;
   // and by how much a motion of the nodes takes that traction beyond its limit, which follows the pressure [Pa].
-  void add_slip(const ContactTouch& touch, Eigen::Matrix3Xd& residual_n) const;
-  double beyond_limit_pa(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const;
+  void add_slip(const ContactTouch& touch, Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const;
+  double beyond_limit_pa(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                         const FreeColumns& free_motion) const;
   double limit_n(const ContactTouch& touch) const { return weight_m2(touch.pair) * touch.friction.limit_pa; }
   // A tie's traction turns with the surface of an obstacle that is not flat: what the matrix, which is symmetric,
   // lacks.
   bool any_turns(const std::vector<ContactTouch>& touches) const;
   void add_turned_ties(const std::vector<ContactTouch>& touches, const Eigen::Matrix3Xd& motion_m,
-                       Eigen::Matrix3Xd& residual_n) const;
+                       const FreeColumns& free_motion, Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const;
 
   // Of touches that are `held`: what the residual lacks for that.
   void add_beyond(const std::vector<ContactTouch>& touches, Eigen::Matrix3Xd& residual_n, FreeColumns& free) const;
@@ -163,6 +164,8 @@ class ContactTerm {
   // How a point moves against what it touches.
   Eigen::Vector3d relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
                                     const FreeColumns& free_motion) const;
+  Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                                const FreeColumns& free_motion) const;  // of ContactTouch::away_m
   static void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces);
 
   std::vector<Obstacle> obstacles_;

@@ -28,8 +28,12 @@ struct ContactTouch {
 
   bool rubs() const { return friction.limit_pa >= 0.0; }
   bool on_skin() const { return met.face >= 0; }
-  // Whether it slips on or sticks is decided by what comes next. Not of free obstacles.
-  bool at_limit() const { return closed && free < 0 && friction.limit_pa > 0.0 && friction.at_limit(away_m); }
+  // Whether it slips on or sticks is decided by what comes next.
+  bool at_limit() const { return closed && friction.limit_pa > 0.0 && friction.at_limit(away_m); }
+  // How away_m changes where the point moves so from its anchor and the normal turns.
+  Eigen::Vector3d along_surface(const Eigen::Vector3d& way_m, const Eigen::Vector3d& turn) const {
+    return way_m - normal * (normal.dot(way_m) + turn.dot(away_m)) - turn * above_m;
+  }
   void set_way_m(const Eigen::Vector3d& from_anchor_m) {
     above_m = normal.dot(from_anchor_m);
     away_m = from_anchor_m - normal * above_m;

@@ -179,25 +179,16 @@ Eigen::Vector2d SkinContact::tilt(const ContactTouch& touch, const Eigen::Matrix
 Eigen::Vector3d SkinContact::away_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const {
   const Eigen::Vector3d turn = -touch.met.dual_per_m * tilt(touch, motion_m) - touch.bend * relative_m(touch, motion_m);
   const Eigen::Vector3d way_m = points_.at(point_of(touch), motion_m) - at_anchor(touch.anchored_at, motion_m);
-  return way_m - touch.normal * (touch.normal.dot(way_m) + turn.dot(touch.away_m)) - turn * touch.above_m;
+  return touch.along_surface(way_m, turn);
 }
 
-void SkinContact::add_turned_tie(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
-                                 Eigen::Matrix3Xd& residual_n) const {
-  const double weight_m2 = points_.weight_m2(point_of(touch));
-  const Eigen::Vector3d relative_m = this->relative_m(touch, motion_m);
-  const Eigen::Vector3d in_matrix_pa = touch.friction.stiffness_pa_m(touch.away_m, touch.normal) * relative_m;
-  const Eigen::Vector3d change_pa = away_motion_m(touch, motion_m) / touch.friction.compliance_m_pa - in_matrix_pa;
-  const auto shape = points_.shape(point_of(touch));
-  const int face = points_.face_of(point_of(touch));
+void SkinContact::add_back_moved(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                                 const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const {
+  const Eigen::Vector3d along_m =
+      relative_m(touch, motion_m) + touch.met.above_m * touch.met.dual_per_m * tilt(touch, motion_m);
+  const Eigen::Vector2d along = touch.met.dual_per_m.transpose() * along_m;
   for (int a = 0; a < points_.nodes_per_face(); ++a)
-    residual_n.col(points_.node(face, a)) += weight_m2 * shape[a] * change_pa;
-  add_back(touch, weight_m2 * change_pa, residual_n);
-  const Eigen::Vector2d along = touch.met.dual_per_m.transpose() *
-                                (relative_m + touch.met.above_m * touch.met.dual_per_m * tilt(touch, motion_m));
-  const Eigen::Vector3d traction_pa = touch.friction.traction_pa(touch.away_m);
-  for (int a = 0; a < points_.nodes_per_face(); ++a)
-    residual_n.col(pairs_.node(touch.met.face, a)) -= weight_m2 * touch.met.slopes.row(a).dot(along) * traction_pa;
+    forces_n.col(pairs_.node(touch.met.face, a)) -= touch.met.slopes.row(a).dot(along) * force_n;
 }
 
 void SkinContact::add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n,

@@ -70,10 +70,10 @@ class SkinContact {
   // Of the point and the place that it meets, by what the nodes' columns say of both.
   Eigen::Vector3d relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const;
   void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
-  // How a motion of the nodes changes ContactTouch::away_m. And what the matrix, which is symmetric and ties the point
-  // to the place that it meets, lacks of how the tie's pull changes then.
+  // How a motion of the nodes changes ContactTouch::away_m, and add_back() of a force, whose place on the skin moves.
   Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const;
-  void add_turned_tie(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m, Eigen::Matrix3Xd& residual_n) const;
+  void add_back_moved(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m, const Eigen::Vector3d& force_n,
+                      Eigen::Matrix3Xd& forces_n) const;
 
   // How much of this step may be taken at first: where skin is carried so deep into skin that it might not be seen any
   // more, or come out on the other side, only a part of it.

@@ -76,20 +76,20 @@ FreeBorder::FreeBorder(Eigen::MatrixXd border, Eigen::MatrixXd solved, Eigen::Ma
 
 FreeColumns FreeBorder::motion(const FreeColumns& free_load, const Eigen::VectorXd& nodal_load) const {
   if (empty()) return FreeColumns::Zero(3, free_load.cols());
-  const Eigen::VectorXd all = inverse_ * (as_column(free_load) - solved_.transpose() * nodal_load);
+  const Eigen::VectorXd all = motions(as_column(free_load), nodal_load);
   return Eigen::Map<const FreeColumns>(all.data(), 3, free_load.cols());
+}
+
+Eigen::MatrixXd FreeBorder::motions(const Eigen::MatrixXd& free_loads, const Eigen::MatrixXd& nodal_loads) const {
+  return inverse_ * (free_loads - solved_.transpose() * nodal_loads);
 }
 
 void FreeBorder::complete(const Eigen::MatrixXd& nodal_loads, Eigen::MatrixXd& motions) const {
   if (!empty()) motions += solved_ * (inverse_ * (solved_.transpose() * nodal_loads));
 }
 
-Eigen::VectorXd FreeBorder::nodal_motion(const FreeColumns& free_load) const {
-  return -solved_ * (inverse_ * as_column(free_load));
-}
-
-Eigen::MatrixXd FreeBorder::nodal_forces(const Eigen::MatrixXd& nodal_loads) const {
-  return -border_ * (inverse_ * (solved_.transpose() * nodal_loads));
+Eigen::MatrixXd FreeBorder::nodal_motions(const Eigen::MatrixXd& free_loads) const {
+  return -solved_ * (inverse_ * free_loads);
 }
 
 }  // namespace soft_robot_lab

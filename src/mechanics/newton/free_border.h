@@ -45,13 +45,14 @@ class FreeBorder {
   bool empty() const { return solved_.size() == 0; }
   bool stable() const { return stable_; }  // but for directions along which nothing happens
 
-  // dq under loads f and r.
+  // dq under loads f and r; the second a column each, of six rows per obstacle.
   FreeColumns motion(const FreeColumns& free_load, const Eigen::VectorXd& nodal_load) const;
+  Eigen::MatrixXd motions(const Eigen::MatrixXd& free_loads, const Eigen::MatrixXd& nodal_loads) const;
   // From A^-1 r to dx where f = 0; what f adds to dx.
   void complete(const Eigen::MatrixXd& nodal_loads, Eigen::MatrixXd& motions) const;
-  Eigen::VectorXd nodal_motion(const FreeColumns& free_load) const;
-  // B dq of loads r.
-  Eigen::MatrixXd nodal_forces(const Eigen::MatrixXd& nodal_loads) const;
+  Eigen::MatrixXd nodal_motions(const Eigen::MatrixXd& free_loads) const;
+  // B dq.
+  Eigen::MatrixXd nodal_forces(const Eigen::MatrixXd& free_motions) const { return border_ * free_motions; }
 
  private:
   Eigen::MatrixXd border_, solved_, inverse_;

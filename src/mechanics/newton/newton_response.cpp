@@ -15,12 +15,13 @@ ConstraintLaw NewtonSolver::law_at(const NewtonState& state, int constraint) con
   return of.law(of.value(state.positions_m, state.drives), state.constraint_multipliers[constraint], state.drives);
 }
 
-Eigen::MatrixXd NewtonSolver::exact_forces_n(const Eigen::MatrixXd& motions_m) const {
-  Eigen::MatrixXd forces_n(motions_m.rows(), motions_m.cols());
+NewtonSolver::ExactMotions NewtonSolver::exact_forces_n(const ExactMotions& motions) const {
+  const Eigen::Index rows = motions.motions_m.rows(), free_rows = motions.free.rows();
+  ExactMotions forces{Eigen::MatrixXd(rows, motions.motions_m.cols()), Eigen::MatrixXd(free_rows, motions.free.cols())};
   Eigen::Matrix3Xd all = Eigen::Matrix3Xd::Zero(3, layout_.node_count + layout_.point_count);
-  for (Eigen::Index column = 0; column < motions_m.cols(); ++column) {
+  for (Eigen::Index column = 0; column < motions.motions_m.cols(); ++column) {
     all.leftCols(layout_.node_count) =
-        Eigen::Map<const Eigen::Matrix3Xd>(motions_m.col(column).data(), 3, layout_.node_count);
+        Eigen::Map<const Eigen::Matrix3Xd>(motions.motions_m.col(column).data(), 3, layout_.node_count);
     for (int point = 0; point < layout_.point_count; ++point) {
       const auto& [nodes, weights] = std::tie(layout_.ties[point], layout_.tie_coefficients[point]);
       auto place = all.col(layout_.node_count + point);
@@ -33,27 +34,46 @@ Eigen::MatrixXd NewtonSolver::exact_forces_n(const Eigen::MatrixXd& motions_m) c
       for (std::size_t k = 0; k + 1 < layout_.ties[point].size(); ++k)
         nodal_n.col(layout_.ties[point][k]) +=
             layout_.tie_coefficients[point][k] * pulls_n.col(layout_.node_count + point);
-    contact_.add_turned_ties(touches_, all.leftCols(layout_.node_count), nodal_n);
+    FreeColumns free = FreeColumns::Zero(3, free_rows / 3);
+    contact_.add_turned_ties(touches_, all.leftCols(layout_.node_count),
+                             motions.free.col(column).reshaped(3, free_rows / 3), nodal_n, free);
     release(nodal_n);
-    forces_n.col(column) = as_vector(nodal_n);
+    forces.motions_m.col(column) = as_vector(nodal_n);
+    forces.free.col(column) = free.reshaped();
   }
-  return forces_n;
+  return forces;
 }
 
-Eigen::MatrixXd NewtonSolver::solve_exactly(const Eigen::MatrixXd& right_hand_sides) const {
-  Eigen::MatrixXd solved = solve(right_hand_sides);
-  if (layout_.point_count == 0 && !contact_.any_turns(touches_)) return solved;
-  double left_before = right_hand_sides.norm();
-  Eigen::MatrixXd loads = right_hand_sides;
+NewtonSolver::ExactMotions NewtonSolver::solve_exactly(const Eigen::MatrixXd& loads_n,
+                                                       const Eigen::MatrixXd& free_loads) const {
+  const bool free = !free_border_.empty();
+  Eigen::MatrixXd on_free = free_loads;
+  if (on_free.size() == 0) on_free.setZero(6 * (free ? contact_.free().count() : 0), loads_n.cols());
+  const auto solved = [&](const Eigen::MatrixXd& of_nodes, const Eigen::MatrixXd& of_free) {
+    ExactMotions motions{solve(of_nodes), of_free};
+    if (!free) return motions;
+    motions.motions_m += free_border_.nodal_motions(of_free);
+    motions.free = free_border_.motions(of_free, of_nodes);
+    return motions;
+  };
+  ExactMotions motions = solved(loads_n, on_free);
+  if (layout_.point_count == 0 && !contact_.any_turns(touches_)) return motions;
+  double left_before = loads_n.norm() + on_free.norm();
+  Eigen::MatrixXd free_sum = on_free;
   for (int i = 0; i < constants::kRefinements; ++i) {
-    Eigen::MatrixXd left = right_hand_sides - exact_forces_n(solved);
-    if (!free_border_.empty()) left -= free_border_.nodal_forces(loads);
-    if (!(left.norm() < left_before)) break;
-    left_before = left.norm();
-    solved += solve(left);
-    loads += left;
+    const ExactMotions forces = exact_forces_n(motions);
+    Eigen::MatrixXd left = loads_n - forces.motions_m;
+    if (free) left -= free_border_.nodal_forces(motions.free);
+    const Eigen::MatrixXd free_left = on_free - free_sum - forces.free;
+    const double norm = left.norm() + free_left.norm();
+    if (!(norm < left_before)) break;
+    left_before = norm;
+    const ExactMotions more = solved(left, free_left);
+    motions.motions_m += more.motions_m;
+    motions.free += more.free;
+    free_sum += free_left;
   }
-  return solved;
+  return motions;
 }
 
 bool NewtonSolver::linearise_held(const NewtonState& state) {
@@ -80,13 +100,17 @@ NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const std::vector
     return wide;
   };
   NewtonDrive wide{widened(drive.forces_n, 3 * layout_.node_count), widened(drive.offsets, constraint_count()),
-                   widened(drive.multipliers, constraint_count()), widened(drive.log_ratios, friction_contact_count())};
+                   widened(drive.multipliers, constraint_count()), widened(drive.log_ratios, friction_contact_count()),
+                   widened(drive.free_forces, 6 * contact_.free().count())};
   Eigen::Matrix3Xd force_n(3, layout_.node_count);
+  FreeColumns free(3, 2 * contact_.free().count());
   for (Eigen::Index i = 0; i < slips; ++i) {
     force_n.setZero();
-    contact_.add_slip(at_limit[static_cast<std::size_t>(i)], force_n);
+    free.setZero();
+    contact_.add_slip(at_limit[static_cast<std::size_t>(i)], force_n, free);
     release(force_n);
     wide.forces_n.col(columns + i) = as_vector(force_n);
+    wide.free_forces.col(columns + i) = free.reshaped();
   }
   return wide;
 }
@@ -108,7 +132,8 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
     const ContactTouch& touch = at_limit[static_cast<std::size_t>(i)];
     for (Eigen::Index column = 0; column < beyond_pa.cols(); ++column)
       beyond_pa(i, column) = contact_.beyond_limit_pa(
-          touch, Eigen::Map<const Eigen::Matrix3Xd>(all.motions_m.col(column).data(), 3, layout_.node_count));
+          touch, Eigen::Map<const Eigen::Matrix3Xd>(all.motions_m.col(column).data(), 3, layout_.node_count),
+          all.free_motions.col(column).reshaped(3, all.free_motions.rows() / 3));
     pull_n[i] = contact_.limit_n(touch);
   }
   const Eigen::MatrixXd coupling = beyond_pa.rightCols(slips);
@@ -121,7 +146,12 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
   const auto together = [&](const Eigen::MatrixXd& of) -> Eigen::MatrixXd {
     return of.leftCols(columns) + of.rightCols(slips) * rates_pa;
   };
-  return {true, together(all.motions_m), together(all.multipliers), together(all.slips_m), static_cast<int>(slips)};
+  return {true,
+          together(all.motions_m),
+          together(all.multipliers),
+          together(all.slips_m),
+          together(all.free_motions),
+          static_cast<int>(slips)};
 }
 
 // S dy + D dq = d offset - B' A^-1 d force on active constraints, dy given on the others; at a contact dq = 0, or
@@ -129,15 +159,21 @@ NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive
 NewtonResponse NewtonSolver::respond_held(const NewtonState& state, const NewtonDrive& drive) const {
   const int count = constraint_count(), friction_contacts = friction_contact_count();
   const Eigen::VectorXd& y = state.constraint_multipliers;
-  const Eigen::MatrixXd border_solved = solve_exactly(border_);
+  const auto& [border_solved, border_free] = solve_exactly(border_);
   const MultiplierProblem problem = problem_at(state, border_solved);
   if (!stable_under(problem, y)) return {};
 
   const bool forced = drive.forces_n.size() > 0;
   NewtonResponse response;
   response.stable = true;
-  response.motions_m = forced ? Eigen::MatrixXd(-solve_exactly(drive.forces_n))
-                              : Eigen::MatrixXd::Zero(state.positions_m.size(), drive.offsets.cols());
+  if (forced) {
+    ExactMotions motions = solve_exactly(-drive.forces_n, -drive.free_forces);
+    response.motions_m = std::move(motions.motions_m);
+    response.free_motions = std::move(motions.free);
+  } else {
+    response.motions_m.setZero(state.positions_m.size(), drive.offsets.cols());
+    response.free_motions.setZero(border_free.rows(), drive.offsets.cols());
+  }
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count + friction_contacts, count + friction_contacts);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count + friction_contacts, drive.offsets.cols());
   for (int i = 0; i < count; ++i) {
@@ -175,6 +211,7 @@ NewtonResponse NewtonSolver::respond_held(const NewtonState& state, const Newton
   response.multipliers = solved.topRows(count);
   response.slips_m = solved.bottomRows(friction_contacts);
   response.motions_m -= border_solved * response.multipliers;
+  response.free_motions -= border_free * response.multipliers;
   return response;
 }
 

@@ -283,7 +283,7 @@ NewtonSolver::StepLoad NewtonSolver::step_load(const NewtonState& state, const E
     subtract_beyond(load.load_n, load.free_n);
   }
   load.motion = skin_in_border_ ? solve_with(load.load_n, without_column(on_skin(here.contact))) : solve(load.load_n);
-  if (!free_border_.empty()) load.motion += free_border_.nodal_motion(load.free_n);
+  if (!free_border_.empty()) load.motion += free_border_.nodal_motions(load.free_n.reshaped());
   return load;
 }
 
@@ -504,9 +504,9 @@ double NewtonSolver::rest_residual(const NewtonState& state) const {
 
 bool NewtonSolver::stable_at_rest(const NewtonState& state) {
   if (!has_factor_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return false;
-  const bool stable = constraint_count() > 0
-                          ? stable_under(problem_at(state, solve_exactly(border_)), state.constraint_multipliers)
-                          : factor().negative_pivots() == 0;
+  const bool stable = constraint_count() > 0 ? stable_under(problem_at(state, solve_exactly(border_).motions_m),
+                                                            state.constraint_multipliers)
+                                             : factor().negative_pivots() == 0;
   return stable && free_border_.stable();
 }
 

@@ -92,13 +92,14 @@ struct NewtonReport {
 // of the friction_contacts' ratios (may be empty); all at fixed unknowns.
 struct NewtonDrive {
   Eigen::MatrixXd forces_n, offsets, multipliers, log_ratios;
+  Eigen::MatrixXd free_forces = {};  // on free obstacles, six rows each; may be empty
 };
 
 // What follows from it, column by column.
 struct NewtonResponse {
   bool stable =
       false;  // false: the tangent is not positive definite, there is no stable equilibrium; all else is empty
-  Eigen::MatrixXd motions_m, multipliers, slips_m;
+  Eigen::MatrixXd motions_m, multipliers, slips_m, free_motions;
   int at_limit = 0;  // points of the skin of which it depends on the direction whether they slip or stick
 };
 
@@ -307,8 +308,13 @@ class NewtonSolver {
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides) const;  // of the nodes, by the last factor
   Eigen::MatrixXd border(const NewtonState& state) const;
   // The same where carried points are just where their nodes carry them; the ties of the matrix let them give way.
-  Eigen::MatrixXd solve_exactly(const Eigen::MatrixXd& right_hand_sides) const;
-  Eigen::MatrixXd exact_forces_n(const Eigen::MatrixXd& motions_m) const;
+  // And with free obstacles: a column each, their rows as FreeBorder has them.
+  struct ExactMotions {
+    Eigen::MatrixXd motions_m, free;
+  };
+  ExactMotions solve_exactly(const Eigen::MatrixXd& loads_n, const Eigen::MatrixXd& free_loads = {}) const;
+  // What the motions add to the residuals, but for the coupling of free obstacles that the matrix has.
+  ExactMotions exact_forces_n(const ExactMotions& motions) const;
   ElementSums sums_at(const Eigen::Matrix3Xd& positions_m) const;  // but for the gradient
   double volumetric_energy_j(const ElementSums& sums) const;
 

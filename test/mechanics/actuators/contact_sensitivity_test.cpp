@@ -133,6 +133,37 @@ TEST(ContactSensitivity, FollowsWhatTouchesSkinAsDifferencesDo) {
   }
 }
 
+// A box lies on a bar that its cable lifts. Some points of it slip on where the cable lets go a little.
+TEST(ContactSensitivity, FollowsAFreeObstacleAsDifferencesDo) {
+  Body body(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {6, 2, 2}), {264200.0, 0.49, 1070.0});
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  body.set_gravity({0, -9.81, 0});
+  Obstacle box{"box", RoundedBox{{0.07, 0.0205, 0.001}, {0.03, 0.02, 0.012}, 0.001}, {}, 0.2};
+  box.mass_kg = 0.004;
+  body.set_obstacles({box});
+  const MeshLocator locator(body.mesh());
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  actuators.push_back(std::make_unique<Cable>());
+  actuators.back()->initialise(
+      YamlNode::parse("{name: cable, points_m: [[0, 0.006, 0], [0.05, 0.006, 0], [0.095, 0.006, 0]]}", "bar"), body,
+      locator);
+  std::vector<Marker> markers;
+  markers.emplace_back("tip", Eigen::Vector3d(0.1, 0, 0), body.mesh(), locator);
+  SolverOptions options;
+  options.tolerance = 1e-12;
+  Simulation simulation(std::move(body), std::move(actuators), std::move(markers), options);
+  for (const double command : {1.0, 0.985}) {
+    simulation.set_command("cable", command);
+    ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  }
+  const ContactReading contact = simulation.contacts()[0];
+  EXPECT_GT(contact.slipping_area_m2, 0.0);
+  EXPECT_GT(contact.sticking_area_m2, 0.0);
+  const Eigen::Vector3d exact = simulation.marker_sensitivities();
+  const Eigen::Vector3d off_way_back = expect_as_differences(simulation, 0.985, 1e-7);
+  EXPECT_GT(off_way_back.norm(), 0.01 * exact.norm());
+}
+
 // Three points, each of which gives way to the others: those that stick stay below their limit.
 TEST(SlipRates, SolveTheComplementarityProblem) {
   const Eigen::Matrix3d coupling = (Eigen::Matrix3d() << 0.8, 0.1, 0, 0.15, 0.7, 0.1, 0, 0.2, 0.6).finished();

@@ -8,7 +8,7 @@ if ! getent ahostsv4 localhost >/dev/null; then # as in a bare chroot; roslaunch
   exit 1
 fi
 packages=(
-  g++ make cmake git catkin ros-message-generation
+  g++ make ninja-build cmake git catkin ros-message-generation
   libroscpp-dev libroslib-dev pluginlib-dev librosbag-dev libdiagnostic-updater-dev libtf2-ros-dev
   libstd-msgs-dev libgeometry-msgs-dev libvisualization-msgs-dev libdiagnostic-msgs-dev libstd-srvs-dev
   libros-rosgraph-msgs-dev libdynamic-reconfigure-config-init-mutex-dev python3-dynamic-reconfigure

@@ -14,6 +14,7 @@ case "${1-}" in
   *) echo "usage: run.sh [--all]" >&2; exit 2 ;;
 esac
 "$package/launch/install_dependencies.sh" ${all:+--all}
+export CMAKE_GENERATOR=${CMAKE_GENERATOR-Ninja} # of new folders; it waits for no library before it compiles what links it
 
 # The parts without ROS are tested under the sanitisers; with --all also as they are used.
 errors=-DSOFT_ROBOT_LAB_WARNINGS_ARE_ERRORS=${WARNINGS_ARE_ERRORS:-OFF}

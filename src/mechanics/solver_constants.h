@@ -73,6 +73,7 @@ inline constexpr double kStaleStrain = 0.1, kStalePressure = 0.2;
 inline constexpr int kDoublings = 4;                // of the substeps of a step that creates energy
 inline constexpr double kMostCreatedEnergy = 0.05;  // good steps stay below 0.01, others exceed 0.3 at once
 inline constexpr int kContactPasses = 4;            // over all that touches, in a sweep
+inline constexpr double kRecovery = 0.01;           // of sqrt(E / density): so fast deep skin comes out of other skin
 inline constexpr int kRelaxationSteps = 600;        // time steps in which it must come to rest
 inline constexpr int kRelaxationPatience =
     100;                               // of which it takes so many before it doubles its substeps, four times at most

@@ -74,7 +74,11 @@ class RigidContact {
   // One for each free obstacle and each other that it touches.
   std::vector<ContactReading> readings(const ContactState& state) const;
 
+  // Of a pair: who among the free presses on whom (-1: on one that is not free), and by which laws.
   int free_of(Eigen::Index pair) const { return pairs_[static_cast<std::size_t>(pair)].free; }
+  int other_free_of(Eigen::Index pair) const { return pairs_[static_cast<std::size_t>(pair)].other_free; }
+  NormalLaw law_of(Eigen::Index pair) const { return law(pairs_[static_cast<std::size_t>(pair)]); }
+  double friction_of(Eigen::Index pair) const { return pairs_[static_cast<std::size_t>(pair)].friction; }
   // Throws std::invalid_argument where a free obstacle is inside another one at the start: which, how deep.
   void refuse_overlap() const;
 

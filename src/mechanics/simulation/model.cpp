@@ -21,12 +21,6 @@ int index_of(const std::string& kind, const std::string& name, const Items& item
 }
 
 void refuse_beyond_xpbd(const Body& body) {
-  for (const Obstacle& obstacle : body.obstacles())
-    if (obstacle.is_free())
-      throw std::invalid_argument("contact.obstacles: mass_kg of '" + obstacle.name +
-                                  "': free obstacles are not for solver.method xpbd; choose newton");
-  if (body.touches_itself())
-    throw std::invalid_argument("contact of skin with skin is not for solver.method xpbd; choose newton");
   if (body.linear_volume() == LinearVolume::vertex_averaged)
     throw std::invalid_argument(
         "body.linear_volume: vertex_averaged is not for solver.method xpbd, which corrects one element at a "

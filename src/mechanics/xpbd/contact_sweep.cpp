@@ -2,6 +2,7 @@
 #include "contact_sweep.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "mechanics/solver_constants.h"
@@ -15,110 +16,176 @@ Eigen::Vector3d ContactSweep::Point::at(const Eigen::Matrix3Xd& columns) const {
   return sum;
 }
 
-void ContactSweep::Point::move(const Eigen::Vector3d& force_n, double h, const Eigen::Matrix3Xd& inverse_masses,
-                               Eigen::Matrix3Xd& positions_m) const {
-  for (int a = 0; a < node_count; ++a) {
-    const int node = nodes[static_cast<std::size_t>(a)];
-    positions_m.col(node) +=
-        h * h * shares[static_cast<std::size_t>(a)] * inverse_masses.col(node).cwiseProduct(force_n);
-  }
-}
+ContactSweep::ContactSweep(const ContactTerm& contact, const Body& body, const Eigen::Matrix3Xd& inverse_masses_per_kg,
+                           const Eigen::Matrix3Xd& positions_m, const ContactState& state)
+    : contact_(contact),
+      inverse_masses_(inverse_masses_per_kg),
+      recovery_m_s_(constants::kRecovery *
+                    std::sqrt(body.material().youngs_modulus_pa / body.material().density_kg_m3)),
+      skin_pairs_(static_cast<int>(state.pressures_pa.size())),
+      free_(contact.free()),
+      points_(touching(positions_m, state)) {}
 
-Eigen::Vector3d ContactSweep::Point::off_m(const Eigen::Matrix3Xd& positions_m) const {
-  return along(away_m - slipped_m + at(positions_m) - position_m);
+std::vector<ContactSweep::Point> ContactSweep::touching(const Eigen::Matrix3Xd& positions_m,
+                                                        const ContactState& state) const {
+  std::vector<Point> points;
+  const ContactSums sums = contact_.sums(positions_m, state);
+  for (const ContactTouch& touch : sums.touches)
+    if (!touch.normal.isZero(0.0)) points.push_back(point_of(touch, positions_m));
+  for (std::size_t i = 0; i < sums.rigid.size(); ++i)
+    if (sums.rigid[i].closed || sums.rigid[i].force_n > 0.0)
+      points.push_back(point_of(static_cast<Eigen::Index>(i), sums.rigid[i]));
+  return points;
 }
 
 ContactSweep::Point ContactSweep::point_of(const ContactTouch& touch, const Eigen::Matrix3Xd& positions_m) const {
   Point point;
   point.pair = touch.pair;
+  point.on_skin = touch.on_skin();
   point.node_count = contact_.nodes_of(touch, point.nodes, point.shares);
+  point.pushing = touch.free;
+  point.pushing_arm_m = touch.arm_m;
   point.weight_m2 = contact_.weight_m2(touch.pair);
   point.gap_m = touch.gap_m;
   point.compliance_m_n = contact_.law_of(touch).compliance;
   point.push_n = contact_.push_n(touch);
   point.normal = touch.normal;
   point.position_m = point.at(positions_m);
-  point.inverse_mass_per_kg.setZero();
-  for (int a = 0; a < point.node_count; ++a)
-    point.inverse_mass_per_kg += point.shares[static_cast<std::size_t>(a)] * point.shares[static_cast<std::size_t>(a)] *
-                                 inverse_masses_.col(point.nodes[static_cast<std::size_t>(a)]);
   if (!touch.rubs()) return point;
   point.friction = contact_.friction_of(touch);
   point.tie_m_n = touch.friction.compliance_m_pa / point.weight_m2;
   point.away_m = touch.away_m;
+  point.pull_n = point.weight_m2 * touch.friction.traction_pa(touch.away_m);
   return point;
 }
 
-ContactSweep::ContactSweep(const ContactTerm& contact, const Eigen::Matrix3Xd& inverse_masses_per_kg,
-                           const Eigen::Matrix3Xd& positions_m, const ContactState& state)
-    : contact_(contact), inverse_masses_(inverse_masses_per_kg) {
-  for (const ContactTouch& touch : contact.sums(positions_m, state).touches) {
-    if (touch.normal.isZero(0.0)) continue;
-    points_.push_back(point_of(touch, positions_m));
-    if (touch.rubs()) points_.back().pull_n = points_.back().weight_m2 * touch.friction.traction_pa(touch.away_m);
-  }
+ContactSweep::Point ContactSweep::point_of(Eigen::Index rigid_pair, const RigidTouch& touch) const {
+  const RigidContact& rigid = contact_.rigid();
+  Point point;
+  point.pair = skin_pairs_ + static_cast<int>(rigid_pair);
+  point.pushed = rigid.free_of(rigid_pair);
+  point.pushed_arm_m = touch.arm_m;
+  point.pushing = rigid.other_free_of(rigid_pair);
+  point.pushing_arm_m = touch.other_arm_m;
+  point.gap_m = touch.gap_m;
+  point.compliance_m_n = rigid.law_of(rigid_pair).compliance_m_pa;
+  point.push_n = touch.force_n;
+  point.normal = touch.normal;
+  if (!touch.rubs()) return point;
+  point.friction = rigid.friction_of(rigid_pair);
+  point.tie_m_n = touch.friction.compliance_m_pa;
+  point.away_m = touch.along(touch.off_m);
+  point.pull_n = touch.traction_n();
+  return point;
 }
 
-void ContactSweep::add_motion(double h, Eigen::Matrix3Xd& motion_m) const {
-  for (const Point& point : points_) point.move(point.force_n(), h, inverse_masses_, motion_m);
+void ContactSweep::weigh(Point& point) const {
+  point.inverse_mass_per_kg.setZero();
+  for (int a = 0; a < point.node_count; ++a)
+    point.inverse_mass_per_kg.diagonal() += point.shares[static_cast<std::size_t>(a)] *
+                                            point.shares[static_cast<std::size_t>(a)] *
+                                            inverse_masses_.col(point.nodes[static_cast<std::size_t>(a)]);
+  if (point.pushed >= 0) point.inverse_mass_per_kg += free_.inverse_mass_per_kg(point.pushed, point.pushed_arm_m);
+  if (point.pushing >= 0) point.inverse_mass_per_kg += free_.inverse_mass_per_kg(point.pushing, point.pushing_arm_m);
+}
+
+Eigen::Vector3d ContactSweep::way_m(const Point& point, const Eigen::Matrix3Xd& positions_m) const {
+  Eigen::Vector3d way_m = point.at(positions_m) - point.position_m;
+  if (point.pushed >= 0) way_m += free_.way_m(point.pushed, point.pushed_arm_m);
+  if (point.pushing >= 0) way_m -= free_.way_m(point.pushing, point.pushing_arm_m);
+  return way_m;
+}
+
+Eigen::Vector3d ContactSweep::off_m(const Point& point, const Eigen::Matrix3Xd& positions_m) const {
+  return point.along(point.away_m - point.slipped_m + way_m(point, positions_m));
+}
+
+// By a force, in the substep.
+void ContactSweep::move(const Point& point, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& positions_m) {
+  for (int a = 0; a < point.node_count; ++a) {
+    const int node = point.nodes[static_cast<std::size_t>(a)];
+    positions_m.col(node) +=
+        h_ * h_ * point.shares[static_cast<std::size_t>(a)] * inverse_masses_.col(node).cwiseProduct(force_n);
+  }
+  if (point.pushed >= 0) free_.push(point.pushed, point.pushed_arm_m, force_n);
+  if (point.pushing >= 0) free_.push(point.pushing, point.pushing_arm_m, -force_n);
+}
+
+void ContactSweep::begin(double h, const ContactState& state, const FreeVelocities& velocities,
+                         Eigen::Matrix3Xd& motion_m) {
+  h_ = h;
+  free_.begin(h, state.free, velocities);
+  for (const Point& point : points_) move(point, point.force_n(), motion_m);
 }
 
 // What touches for the first time in this step is tied to where it does.
-void ContactSweep::find(const Eigen::Matrix3Xd& positions_m, const ContactState& state) {
-  const std::vector<Point> before = std::exchange(points_, {});
+void ContactSweep::carry_over(const Point& before, Point& point) const {
+  const bool known = before.pair == point.pair;
+  point.slipped_m = known ? before.slipped_m : point.away_m;
+  point.pull_n = known ? point.along(before.pull_n) : Eigen::Vector3d::Zero();
+}
+
+void ContactSweep::find(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd& positions_m, ContactState& state) {
+  if (contact_.free().count() > 0) state.free = free_.place();
+  const std::vector<Point> before = std::exchange(points_, touching(positions_m, state));
+  Point none;
+  none.pair = -1;
   auto known = before.begin();
-  for (const ContactTouch& touch : contact_.sums(positions_m, state).touches) {
-    if (touch.normal.isZero(0.0)) continue;
-    Point point = point_of(touch, positions_m);
-    while (known != before.end() && known->pair < touch.pair) ++known;
-    if (known != before.end() && known->pair == touch.pair) {
-      point.slipped_m = known->slipped_m;
-      point.pull_n = point.along(known->pull_n);
-    } else {
-      point.slipped_m = point.away_m;
-    }
-    points_.push_back(point);
+  for (Point& point : points_) {
+    weigh(point);
+    while (known != before.end() && known->pair < point.pair) ++known;
+    carry_over(known != before.end() ? *known : none, point);
+    if (!point.on_skin) continue;
+    const double gap_before_m = point.gap_m + point.normal.dot(way_m(point, start_m));
+    point.gap_m += std::max(0.0, -gap_before_m - h_ * recovery_m_s_);
   }
 }
 
-void ContactSweep::push(Point& point, double h, Eigen::Matrix3Xd& positions_m) const {
-  const double weight = h * h * point.inverse_mass_per_kg.dot(point.normal.cwiseAbs2()) + point.compliance_m_n;
-  const double gap_m = point.gap_m + point.normal.dot(point.at(positions_m) - point.position_m);
+void ContactSweep::push(Point& point, Eigen::Matrix3Xd& positions_m) {
+  const double weight = h_ * h_ * point.normal.dot(point.inverse_mass_per_kg * point.normal) + point.compliance_m_n;
+  const double gap_m = point.gap_m + point.normal.dot(way_m(point, positions_m));
   const double next_n = std::max(0.0, point.push_n - (gap_m + point.compliance_m_n * point.push_n) / weight);
-  point.move((next_n - point.push_n) * point.normal, h, inverse_masses_, positions_m);
+  move(point, (next_n - point.push_n) * point.normal, positions_m);
   point.push_n = next_n;
 }
 
-void ContactSweep::rub(Point& point, double h, Eigen::Matrix3Xd& positions_m) const {
-  const double weight = h * h * point.inverse_mass_per_kg.maxCoeff() + point.tie_m_n;
-  Eigen::Vector3d next_n = point.pull_n + (point.off_m(positions_m) - point.tie_m_n * point.pull_n) / weight;
+void ContactSweep::rub(Point& point, Eigen::Matrix3Xd& positions_m) {
+  const double most_per_kg = point.inverse_mass_per_kg.cwiseAbs().rowwise().sum().maxCoeff();
+  const double weight = h_ * h_ * most_per_kg + point.tie_m_n;
+  Eigen::Vector3d next_n = point.pull_n + (off_m(point, positions_m) - point.tie_m_n * point.pull_n) / weight;
   const double limit_n = point.friction * point.push_n, wanted_n = next_n.norm();
   if (wanted_n > limit_n) next_n *= limit_n / wanted_n;
-  point.move(point.pull_n - next_n, h, inverse_masses_, positions_m);
+  move(point, point.pull_n - next_n, positions_m);
   point.pull_n = next_n;
 }
 
-void ContactSweep::sweep(double h, Eigen::Matrix3Xd& positions_m) {
+void ContactSweep::sweep(Eigen::Matrix3Xd& positions_m) {
   for (int pass = 0; pass < constants::kContactPasses; ++pass) {
     for (Point& point : points_) {
-      push(point, h, positions_m);
-      if (point.tie_m_n > 0.0) rub(point, h, positions_m);
+      push(point, positions_m);
+      if (point.tie_m_n > 0.0) rub(point, positions_m);
     }
   }
 }
 
 double ContactSweep::finish(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd& end_m, bool slips,
-                            ContactState& state) {
+                            ContactState& state, FreeVelocities& velocities) {
   double work_j = 0.0;
   state.pressures_pa.setZero();
+  state.rigid_forces_n.setZero();
   for (Point& point : points_) {
-    state.pressures_pa[point.pair] = point.push_n / point.weight_m2;
+    double& pressure =
+        point.pair < skin_pairs_ ? state.pressures_pa[point.pair] : state.rigid_forces_n[point.pair - skin_pairs_];
+    pressure = point.push_n / point.weight_m2;
     work_j += point.force_n().dot(point.at(end_m) - point.at(start_m));
     if (point.tie_m_n == 0.0) continue;
     const bool at_limit = point.pull_n.norm() >= (1.0 - 1e-12) * point.friction * point.push_n;
-    if (slips && at_limit) point.slipped_m += point.off_m(end_m) - point.tie_m_n * point.pull_n;
+    if (slips && at_limit) point.slipped_m += off_m(point, end_m) - point.tie_m_n * point.pull_n;
     if (!slips) point.slipped_m.setZero();
   }
+  if (contact_.free().count() == 0) return work_j;
+  state.free = free_.place();
+  velocities = free_.velocities(state.free);
   return work_j;
 }
 

@@ -20,6 +20,7 @@ NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdRep
   residual.predicted_m = &done.predicted_m;
   residual.inertia_per_s2 = task.at_rest ? 0.0 : std::pow(done.substeps / task.time_step_s, 2);
   NewtonState measured = parts.unknowns();
+  if (!task.at_rest) measured.free_inertia = done.free_inertia;
   NewtonReport found = parts.workspace.newton.solve(residual, measured);
   if (task.at_rest) return found;
   found.converged = done.stable;
@@ -30,15 +31,34 @@ NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdRep
 // What a step that is undone must give back besides the shape.
 struct Past {
   DriveStates drives;
-  Eigen::Matrix3Xd anchors_m;
+  ContactState contact;
+
+  explicit Past(const SimulationState& state) : drives(state.drives), contact(state.contact) {}
+  // What slips does so from here.
+  void begin_slip(SimulationState& state) const {
+    state.drives = drives;
+    state.contact.anchors_m = contact.anchors_m;
+    state.contact.rigid_ties_m = contact.rigid_ties_m;
+    state.contact.free_before = contact.free_before;
+    state.contact.before_s = contact.before_s;
+  }
 };
+
+void stand_still(SimulationState& state) {
+  state.velocities_m_s.setZero();
+  state.free_velocities.linear_m_s.setZero();
+  state.free_velocities.angular_rad_s.setZero();
+}
 
 // One time step of xpbd; kept only where it is finite.
 XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, const Past& before, SolveReport& report) {
   const auto& made = parts.state.linearisation;
-  XpbdState moving{parts.unknowns(), parts.state.velocities_m_s, parts.state.element_forces_n,
+  XpbdState moving{parts.unknowns(),
+                   parts.state.velocities_m_s,
+                   parts.state.element_forces_n,
                    parts.state.branch_stress_pa,
-                   made && !made->at ? std::static_pointer_cast<const KeptSolves>(made) : nullptr};
+                   made && !made->at ? std::static_pointer_cast<const KeptSolves>(made) : nullptr,
+                   parts.state.free_velocities};
   const XpbdReport done = parts.workspace.xpbd->advance_stably(task, moving);
   ++report.steps;
   report.iterations += done.sweeps;
@@ -51,10 +71,10 @@ XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, con
     parts.state.element_forces_n = std::move(moving.element_forces_n);
     parts.state.branch_stress_pa = std::move(moving.branch_stress_pa);
     parts.state.linearisation = std::move(moving.kept);
+    parts.state.free_velocities = std::move(moving.free_velocities);
     found = measure(parts, task, done);
   } else {
-    parts.state.drives = before.drives;
-    parts.state.contact.anchors_m = before.anchors_m;
+    before.begin_slip(parts.state);
     found.residual = 1.0;
     found.reason = "the step went non-finite and was undone";
   }
@@ -83,7 +103,7 @@ XpbdTask substepping(const SimulationParts& parts) {
 }  // namespace
 
 void step_in_substeps(SimulationParts& parts, SolveReport& report) {
-  const Past before{parts.state.drives, parts.state.contact.anchors_m};
+  const Past before(parts.state);
   const std::vector<double> from = parts.state.actuated_commands();
   parts.begin_step(parts.options.time_step_s);
   parts.advance_actuators(parts.options.time_step_s);
@@ -102,7 +122,7 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
 void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
   const std::vector<double> from = parts.state.actuated_commands(), to = parts.state.commands();
   // What slips does so from here: no swing on the way is remembered.
-  const Past start{parts.state.drives, parts.state.contact.anchors_m};
+  const Past start(parts.state);
   XpbdTask task = substepping(parts);
   task.at_rest = true;
   const double from_s = parts.state.contact.time_s,
@@ -110,20 +130,20 @@ void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
                    {from_s, parts.workspace.newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s()});
   double last_kinetic_energy = 0.0;
   for (int step = 1; step <= constants::kRelaxationSteps; ++step) {
-    const Past before{std::exchange(parts.state.drives, start.drives),
-                      std::exchange(parts.state.contact.anchors_m, start.anchors_m)};
+    const Past before(parts.state);
+    start.begin_slip(parts.state);
     const double way = std::min(1.0, static_cast<double>(step) / constants::kPullSteps);
     parts.place_actuators(from, to, way);
     move_by_itself(parts, from_s + way * (until_s - from_s), task);
     const XpbdReport done = advance_in_substeps(parts, task, before, report);
     if (!done.finite) break;
-    if (done.kinetic_energy_j < last_kinetic_energy) parts.state.velocities_m_s.setZero();
+    if (done.kinetic_energy_j < last_kinetic_energy) stand_still(parts.state);
     last_kinetic_energy = done.kinetic_energy_j;
     if (report.converged && step >= constants::kPullSteps) break;
     if (step % constants::kRelaxationPatience == 0 && step <= 4 * constants::kRelaxationPatience)
       task.substep_count *= 2;
   }
-  parts.state.velocities_m_s.setZero();
+  stand_still(parts.state);
   if (!report.converged)
     report.message = "not at rest after " + std::to_string(report.steps) + " time steps: " + report.message;
 }

@@ -166,6 +166,7 @@ Eigen::VectorXd XpbdSolver::forces_of(NewtonState state) {
 
 void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
   Eigen::Matrix3Xd& positions = state.unknowns.positions_m;
+  const Eigen::Matrix3Xd start_m = positions;
   Eigen::Matrix3Xd motion = h * state.velocities_m_s + h * h * inverse_masses_.cwiseProduct(loads_n_);
   if (task.multipliers_from_zero) {
     std::fill(multipliers_.begin(), multipliers_.end(), splat(0.0));
@@ -181,10 +182,10 @@ void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
     for (const int node : touched_by(i, state.unknowns))
       motion.col(node) -= h * h * y * inverse_masses_.col(node).cwiseProduct(gradient_.col(node));
   }
-  if (contact_) contact_->add_motion(h, motion);
+  if (contact_) contact_->begin(h, state.unknowns.contact, state.free_velocities, motion);
   positions += inverse_masses_.cwiseSign().cwiseProduct(motion);
   if (task.reactions_n) body_.place_held_nodes(state.unknowns.contact.time_s, positions);
-  if (contact_) contact_->find(positions, state.unknowns.contact);
+  if (contact_) contact_->find(start_m, positions, state.unknowns.contact);
 }
 
 void XpbdSolver::sweep_elements(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m) {
@@ -218,7 +219,7 @@ void XpbdSolver::sweep(const XpbdTask& task, double h, const Eigen::Matrix3Xd& s
   const bool dashpots = body_.viscosity().rayleigh_stiffness_s > 0.0 && !task.at_rest;
   sweep_elements(h, state, dashpots ? &start_m : nullptr);
   sweep_constraints(task, h, state);
-  if (contact_) contact_->sweep(h, state.positions_m);
+  if (contact_) contact_->sweep(state.positions_m);
 }
 
 void XpbdSolver::find_gradients(const NewtonState& state) {
@@ -335,6 +336,14 @@ void XpbdSolver::close_account(const XpbdTask& task, const Account& account, con
   report.stable = report.finite && report.created_energy <= constants::kMostCreatedEnergy;
 }
 
+void XpbdSolver::add_free_obstacles(const XpbdState& state, XpbdReport& report) const {
+  const FreePoses& poses = state.unknowns.contact.free;
+  report.finite = report.finite && poses.centers_m.allFinite() && poses.turns.allFinite();
+  report.stable = report.stable && report.finite;
+  report.kinetic_energy_j += free_kinetic_j(contact_->free(), poses, state.free_velocities);
+  report.free_inertia = contact_->free_inertia();
+}
+
 XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   XpbdReport report;
   report.substeps = task.substep_count;
@@ -347,7 +356,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   take_up(state.kept, h, dashpots ? body_.viscosity().rayleigh_stiffness_s / h : 0.0);
   load_multipliers(state.element_forces_n, h);
   contact_.reset();
-  if (task.contact) contact_.emplace(*task.contact, inverse_masses_, unknowns.positions_m, unknowns.contact);
+  if (task.contact) contact_.emplace(*task.contact, body_, inverse_masses_, unknowns.positions_m, unknowns.contact);
   const double from_s = unknowns.contact.time_s;
   for (int substep = 0; substep < task.substep_count; ++substep) {
     const double over = (substep + 1.0) / task.substep_count;
@@ -363,8 +372,11 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
     }
     const Eigen::Matrix3Xd motion = unknowns.positions_m - before;
     state.velocities_m_s = motion / h;
-    if (!state.velocities_m_s.allFinite()) return report;
-    if (contact_) account.bring(contact_->finish(before, unknowns.positions_m, !task.at_rest, unknowns.contact));
+    // A node that moves so far flies apart with its body, and looks for skin that it touches without end.
+    if (!(motion.colwise().norm().maxCoeff() < body_.size_m())) return report;
+    if (contact_)
+      account.bring(
+          contact_->finish(before, unknowns.positions_m, !task.at_rest, unknowns.contact, state.free_velocities));
     add_work(task, motion, unknowns, account);
     if (task.hysteresis) task.hysteresis->follow(unknowns.positions_m, h);
   }
@@ -372,6 +384,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   let_go(state.kept);
   if (task.hysteresis) state.branch_stress_pa = task.hysteresis->stress_pa();
   close_account(task, account, state, report);
+  if (contact_) add_free_obstacles(state, report);
   return report;
 }
 

@@ -59,17 +59,20 @@ struct XpbdState {
   Eigen::VectorXd element_forces_n;       // multipliers, in an order of the solver's own; force_count() numbers
   Eigen::VectorXd branch_stress_pa = {};  // of hysteresis; as SimulationState has it
   std::shared_ptr<const KeptSolves> kept = nullptr;  // null: none are
+  FreeVelocities free_velocities = {};               // of free obstacles
 };
 
 struct XpbdReport {
   bool finite = false;
   bool stable = false;          // finite, and hardly any energy came from nowhere
   double created_energy = 0.0;  // energy at the end that neither was there nor was brought by work, over what there was
-  double kinetic_energy_j = 0.0;  // at the end
+  double kinetic_energy_j = 0.0;  // at the end, with free obstacles
   int substeps = 0;               // of the step that was kept
   int sweeps = 0;                 // over all elements, of all attempts
   int rejected_steps = 0;
-  Eigen::Matrix3Xd predicted_m;  // where the last substep's inertia led, for its residual
+  // Where the last substep's inertia led, for its residual.
+  Eigen::Matrix3Xd predicted_m;
+  std::shared_ptr<const FreeInertia> free_inertia;
 };
 
 // What it works out once about a body and its constraints; solvers in several threads share it.
@@ -135,6 +138,7 @@ class XpbdSolver {
   void add_work(const XpbdTask& task, const Eigen::Matrix3Xd& motion_m, const NewtonState& state,
                 Account& account) const;
   void close_account(const XpbdTask& task, const Account& account, const XpbdState& state, XpbdReport& report);
+  void add_free_obstacles(const XpbdState& state, XpbdReport& report) const;
   ConstraintLaw law_at(std::size_t constraint, const NewtonState& state) const;
   double kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const;
   double stored_energy(const Eigen::Matrix3Xd& positions_m);

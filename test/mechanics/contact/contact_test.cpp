@@ -339,19 +339,6 @@ TEST(Contact, WithXpbdARestoredStateGoesOnAsIfItHadNeverStopped) {
   EXPECT_TRUE(one.state() == other.state());
 }
 
-TEST(Contact, XpbdRefusesFreeObstaclesByName) {
-  Body body = loose_block({1, 1, 1});
-  Obstacle ball{"ball", Sphere{{0, 0.1, 0}, 0.01}, {}, 0.0};
-  ball.mass_kg = 0.01;
-  body.set_obstacles({ball});
-  try {
-    Simulation(std::move(body), {}, {}, xpbd(1));
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("mass_kg of 'ball'"), std::string::npos) << error.what();
-  }
-}
-
 // Faces that touch may have held nodes: what presses there is held too.
 TEST(Contact, HoldsCarryWhatGravityAndObstaclesLeave) {
   Body body(box_mesh({-0.02, 0, -0.01}, {0.02, 0.02, 0.01}, {4, 2, 2}), kSilicone);

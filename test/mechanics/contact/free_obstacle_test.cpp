@@ -260,18 +260,20 @@ struct Grip {
   double slid_m, squeeze_n;
 };
 
-Grip grip_block(double friction, double gravity_m_s2, double acceleration_m_s2 = 0.0) {
+Grip grip_block(double friction, double gravity_m_s2, double acceleration_m_s2 = 0.0,
+                const SolverOptions& options = steps_of(0.005), const Viscosity& viscosity = {}) {
   Body body(box_mesh({-0.01, -0.01, -0.01}, {0.01, 0, 0.01}, {2, 1, 2}), kSilicone);
   body.fix_nodes({-1, -1, -1}, {1, -0.01 + 1e-6, 1}, {true, true, true}, speeding_up(0.05, acceleration_m_s2, {{0.0}}),
                  "base");
   body.set_gravity({-gravity_m_s2, 0, 0});
+  body.set_viscosity(viscosity);
   Obstacle block{"block", RoundedBox{{0, 0.01, 0}, {0.06, 0.02, 0.06}, 0.002}, {}, friction};
   block.mass_kg = 0.1;
   block.friction_on["lid"] = friction;
   const std::vector<ObstaclePose> pressed{{0.0, kZero, kZero}, {0.005, {0, -0.0005, 0}, kZero}};
   const Obstacle lid{"lid", RoundedBox{{0, 0.03, 0}, {0.1, 0.02, 0.1}, 0.002},
                      speeding_up(0.05, acceleration_m_s2, pressed), 0.0};
-  Simulation simulation = with(std::move(body), {lid, block}, steps_of(0.005));
+  Simulation simulation = with(std::move(body), {lid, block}, options);
   run(simulation, 0.2);
   const double before_m = along_x_m(simulation);
   run(simulation, 0.05);
@@ -362,6 +364,65 @@ TEST(FreeObstacle, ASavedStateGoesOnToTheLastBit) {
     run(other, 0.02);
     EXPECT_TRUE(other.state() == end);
   }
+}
+
+TEST(FreeObstacle, WithXpbdAGripHoldsABlockWhileFrictionBearsIt) {
+  const auto grip = [](double friction) {
+    return grip_block(friction, kGravity, 0.0, xpbd(100, 0.005), {20.0, 0.002, 0.0, 1.0});
+  };
+  const double limit = 0.1 * kGravity / (2.0 * grip(0.08).squeeze_n);
+  EXPECT_LT(std::abs(grip(1.05 * limit).slid_m), 2e-6);
+  EXPECT_GT(grip(0.95 * limit).slid_m, 1e-4);
+}
+
+// Pressed on askew, so that it tilts.
+TEST(FreeObstacle, WithXpbdABlockRestsOnASoftPadAsWithNewton) {
+  const auto rest = [](const SolverOptions& options) {
+    Obstacle block{"block", RoundedBox{{0.004, 0.008, -0.003}, {0.02, 0.016, 0.02}, 0.001}, {}, 0.5};
+    block.mass_kg = 0.1;
+    Simulation simulation = with(pad(), {block}, options);
+    const SolveReport report = simulation.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    return simulation;
+  };
+  const Simulation newton = rest({}), local = rest(xpbd(40));
+  const FreePoses &expected = newton.state().contact.free, &found = local.state().contact.free;
+  const Vector3d way_m = expected.centers_m.col(0) - Vector3d(0.004, 0.008, -0.003);
+  EXPECT_LT((found.centers_m - expected.centers_m).norm(), 0.01 * way_m.norm());
+  const Eigen::Vector4d none = Eigen::Vector4d::UnitW(), turn = expected.turns.col(0);
+  EXPECT_LT(turned_rad(turn, found.turns.col(0)).norm(), 0.01 * turned_rad(none, turn).norm());
+  const Vector3d expected_n = newton.contacts()[0].force_n;
+  EXPECT_NEAR(expected_n.y(), -0.1 * kGravity, 1e-5);
+  EXPECT_LT((local.contacts()[0].force_n - expected_n).norm(), 0.01 * expected_n.norm());
+}
+
+TEST(FreeObstacle, WithXpbdABoxFallsAndTumblesAsInAVacuum) {
+  Obstacle box{"box", RoundedBox{{0, 0.5, 0}, {0.01, 0.02, 0.04}, 0.001}, {}, 0.0};
+  box.mass_kg = kMass;
+  box.angular_velocity_rad_s = {0.1, 20, 0.1};
+  const Vector3d momentum = solid_inertia_kg_m2(box.shape, kMass) * box.angular_velocity_rad_s;
+  Simulation simulation = with(pad({1, 1, 1}), {box}, xpbd(40, 0.01));
+  run(simulation, 0.25);
+  EXPECT_NEAR(center_m(simulation).y(), 0.5 - 0.5 * kGravity * 0.0625, 1e-3);
+  EXPECT_NEAR(velocity_m_s(simulation).y(), -kGravity * 0.25, 1e-9);
+  const Eigen::Matrix3d turned =
+      Eigen::Quaterniond(Eigen::Vector4d(simulation.state().contact.free.turns.col(0))).toRotationMatrix();
+  const Vector3d now = turned * solid_inertia_kg_m2(box.shape, kMass) * turned.transpose() * spin_rad_s(simulation);
+  EXPECT_LT((now - momentum).norm(), 1e-9 * momentum.norm());
+  EXPECT_NEAR(spin_rad_s(simulation).dot(now), box.angular_velocity_rad_s.dot(momentum),
+              0.01 * box.angular_velocity_rad_s.dot(momentum));
+}
+
+TEST(FreeObstacle, WithXpbdARestoredStateGoesOnAsIfItHadNeverStopped) {
+  Simulation simulation = with(pad(), {ball({0.001, kRadius, 0.002}, 0.5)}, xpbd(40, 0.005));
+  run(simulation, 0.01);
+  EXPECT_GT(simulation.contacts()[0].normal_force_n, 0.0);
+  const SimulationState saved = simulation.state();
+  run(simulation, 0.02);
+  Simulation other(simulation.model());
+  other.set_state(saved);
+  run(other, 0.02);
+  EXPECT_TRUE(other.state() == simulation.state());
 }
 
 std::string refusal(std::vector<Obstacle> obstacles) {

@@ -21,9 +21,10 @@ void press(Body& body, const Vector3d& from_m, const Vector3d& to_m, double trac
   body.add_traction({from_m.x(), -to_m.y(), from_m.z()}, {to_m.x(), -from_m.y(), to_m.z()}, {0, traction_pa, 0});
 }
 
-// Elements of 2 mm.
-Simulation pressed_slot(double traction_pa) {
-  Body body(carved({-0.03, -0.012, 0}, {0.03, 0.012, 0.01}, {30, 16, 2},
+// Elements of 2 mm, unless others are asked for.
+Simulation pressed_slot(double traction_pa, const Eigen::Vector3i& cells = {30, 16, 2},
+                        const SolverOptions& options = {}) {
+  Body body(carved({-0.03, -0.012, 0}, {0.03, 0.012, 0.01}, cells,
                    [](const Vector3d& at) { return std::abs(at.x()) > 0.022 || std::abs(at.y()) > 0.003; }),
             kSilicone);
   body.fix_nodes({-1, -1, -1}, {-0.029999, 1, 1}, {true, true, true});
@@ -34,7 +35,7 @@ Simulation pressed_slot(double traction_pa) {
   std::vector<Marker> markers;
   markers.emplace_back("inner_mid", Vector3d(0, 0.003, 0.005), body.mesh(), MeshLocator(body.mesh()));
   markers.emplace_back("top_mid", Vector3d(0, 0.012, 0.005), body.mesh(), MeshLocator(body.mesh()));
-  return Simulation(std::move(body), {}, std::move(markers), SolverOptions{});
+  return Simulation(std::move(body), {}, std::move(markers), options);
 }
 
 TetMesh clip_mesh(const Eigen::Vector3i& cells) {
@@ -329,13 +330,20 @@ TEST(SelfContact, ARestoredStateGoesOnAsIfItHadNeverStopped) {
   EXPECT_TRUE(one.state() == other.state());
 }
 
-TEST(SelfContact, IsRefusedByTheSolverThatDoesNotKnowIt) {
-  Body body(clip_mesh({6, 14, 1}), kSilicone);
-  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
-  body.let_touch_itself();
-  SolverOptions options;
-  options.method = SolverOptions::Method::xpbd;
-  EXPECT_THROW(Simulation(std::move(body), {}, {}, options), std::invalid_argument);
+// The slot of R9, wider, as few elements have it.
+TEST(SelfContact, WithXpbdASlotIsPressedShutAsWithNewton) {
+  Simulation newton = pressed_slot(4000.0, {12, 4, 2}), local = pressed_slot(4000.0, {12, 4, 2}, xpbd(160));
+  for (Simulation* simulation : {&newton, &local}) {
+    const SolveReport report = simulation->solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+  }
+  const Eigen::Matrix3Xd &expected_m = newton.state().positions_m, &found_m = local.state().positions_m;
+  const double way_m = (expected_m - newton.body().mesh().nodes_m).colwise().norm().maxCoeff();
+  EXPECT_GT(way_m, 0.003);
+  EXPECT_LT((found_m - expected_m).colwise().norm().maxCoeff(), 0.01 * way_m);
+  const double push_n = newton.contacts().back().normal_force_n;
+  EXPECT_GT(push_n, 0.1);
+  EXPECT_NEAR(local.contacts().back().normal_force_n, push_n, 0.01 * push_n);
 }
 
 }  // namespace

@@ -64,16 +64,20 @@ TEST(SoftOnSoft, ACutColumnIsPressedEvenly) {
 constexpr double kGravity = 9.81;
 const double kSlope = std::atan(0.5);  // 26.565 degrees
 
+SolverOptions steps_of(double time_step_s) {
+  SolverOptions options;
+  options.time_step_s = time_step_s;
+  return options;
+}
+
 // A block on a bed as soft as itself, which is clamped below.
-Simulation block_on_bed(double friction, double angle_rad, double time_step_s) {
+Simulation block_on_bed(double friction, double angle_rad, const SolverOptions& options) {
   Body body(together(box_mesh({-0.04, -0.01, -0.03}, {0.06, 0, 0.03}, {5, 1, 3}),
                      box_mesh({-0.02, 0, -0.02}, {0.02, 0.02, 0.02}, {2, 1, 2})),
             kSilicone);
   body.fix_nodes({-1, -1, -1}, {1, -0.01 + 1e-9, 1}, {true, true, true});
   body.set_gravity(kGravity * Vector3d(std::sin(angle_rad), -std::cos(angle_rad), 0));
   body.let_skin_touch({{0, 1, friction}});
-  SolverOptions options;
-  options.time_step_s = time_step_s;
   return Simulation(std::move(body), {}, {}, options);
 }
 
@@ -96,13 +100,13 @@ void run(Simulation& simulation, double duration_s) {
 }
 
 TEST(SoftOnSoft, AnInclinedBedHoldsABlockAtItsCoefficientAndNotBelow) {
-  Simulation sticks = block_on_bed(0.50, 26.5 / 180.0 * M_PI, 0.01);
+  Simulation sticks = block_on_bed(0.50, 26.5 / 180.0 * M_PI, steps_of(0.01));
   run(sticks, 0.4);
   const double settled_m = block_m(sticks, sticks.state().positions_m).x();
   run(sticks, 0.4);
   EXPECT_NEAR(block_m(sticks, sticks.state().positions_m).x(), settled_m, 2e-6);
 
-  Simulation slides = block_on_bed(0.49, kSlope, 0.005);
+  Simulation slides = block_on_bed(0.49, kSlope, steps_of(0.005));
   run(slides, 0.1);  // gravity comes at once, so at first it bounces a little
   const double before_m_s = block_m(slides, slides.state().velocities_m_s).x();
   run(slides, 0.3);
@@ -111,6 +115,29 @@ TEST(SoftOnSoft, AnInclinedBedHoldsABlockAtItsCoefficientAndNotBelow) {
               0.02 * acceleration_m_s2);
   const ContactReading contact = slides.contacts().back();
   EXPECT_GT(contact.slipping_area_m2, 0.9 * contact.area_m2);
+}
+
+// At rest on a slope, held by friction; and in time, beyond what friction holds.
+TEST(SoftOnSoft, WithXpbdABlockLiesOnABedAsWithNewton) {
+  const double angle_rad = 20.0 / 180.0 * M_PI;
+  Simulation newton = block_on_bed(0.5, angle_rad, {}), local = block_on_bed(0.5, angle_rad, xpbd(100));
+  for (Simulation* simulation : {&newton, &local}) {
+    const SolveReport report = simulation->solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+  }
+  const Eigen::Matrix3Xd &expected_m = newton.state().positions_m, &found_m = local.state().positions_m;
+  const double way_m = (expected_m - newton.body().mesh().nodes_m).colwise().norm().maxCoeff();
+  EXPECT_LT((found_m - expected_m).colwise().norm().maxCoeff(), 0.01 * way_m);
+  const Vector3d expected_n = newton.contacts().back().force_n;
+  EXPECT_LT((local.contacts().back().force_n - expected_n).norm(), 0.01 * expected_n.norm());
+
+  Simulation slides = block_on_bed(0.3, angle_rad, xpbd(40, 0.005));
+  run(slides, 0.1);
+  const double before_m_s = block_m(slides, slides.state().velocities_m_s).x();
+  run(slides, 0.2);
+  const double acceleration_m_s2 = kGravity * (std::sin(angle_rad) - 0.3 * std::cos(angle_rad));
+  EXPECT_NEAR((block_m(slides, slides.state().velocities_m_s).x() - before_m_s) / 0.2, acceleration_m_s2,
+              0.02 * acceleration_m_s2);
 }
 
 TEST(SoftOnSoft, BodiesThatAreNotListedPassThroughOneAnother) {

@@ -185,6 +185,10 @@ double violation(const ConstraintLaw& law, double y) {
   return mismatch;
 }
 
+double relative_violation(const ConstraintLaw& law, double y, double value) {
+  return violation(law, y) / std::max(std::abs(value), 1e-300);
+}
+
 bool active(const ConstraintLaw& law, double y) { return y > law.min_multiplier && y < law.max_multiplier; }
 
 int slipping(const FrictionContactBound& contact, const Eigen::VectorXd& y) {

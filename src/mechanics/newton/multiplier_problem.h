@@ -39,6 +39,8 @@ bool active(const ConstraintLaw& law, double y);
 
 // How far a constraint is from its law at multiplier y: zero on a bound that holds it (a slack cable).
 double violation(const ConstraintLaw& law, double y);
+// Over the constraint's own value, so that lengths and volumes count alike.
+double relative_violation(const ConstraintLaw& law, double y, double value);
 
 // Whether a contact's multipliers are on a bound, so that length slips: 1 towards the first, -1 towards the second.
 int slipping(const FrictionContactBound& contact, const Eigen::VectorXd& y);

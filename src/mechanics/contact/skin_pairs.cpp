@@ -28,6 +28,11 @@ constexpr double kAgainst = 0.2;     // cosine: skin that meets skin faces it at
 constexpr double kOverEdge = 0.01;   // of a face's size: a point so far beyond its edge still meets it
 constexpr double kClearly = 2.0;     // times that: a point so far beyond it does not, however the face bends
 constexpr int kLooksBeside = 3;
+// Of a face's size: behind it by no more a point meets it, whatever nearer skin the point is in front of; and by no
+// more, whatever that is where it does not face the point.
+constexpr double kHeldOver = 1e-3, kDeepBehind = 1e-2;
+constexpr double kMuchNearer = 0.5;   // of the way to the face behind which it is: skin beside which it has come in
+constexpr double kSameWay = 1e-6;     // relative
 constexpr double kJustOn = 1e-6;      // of the same: so high above a face a point may just touch it
 constexpr double kSteepest = 1e3;     // as a tangent: normals of a face that tilt so far may tilt any way
 constexpr double kStillConvex = 0.1;  // of a flat face's determinant
@@ -500,6 +505,7 @@ std::optional<SkinPairs::Meeting> SkinPairs::meeting(int other, const Eigen::Vec
   if (!met.normal.allFinite() || met.normal.dot(outward) >= -kAgainst * outward.norm()) return std::nullopt;
   const Eigen::Vector3d off_m = point_m - face.at(r, s);
   met.gap_m = met.normal.dot(off_m);
+  met.way_m = off_m.norm();
   const double beyond_edge_m = (off_m - met.gap_m * met.normal).norm();
   if (std::abs(met.gap_m) > deepest_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other]) return std::nullopt;
   return met;
@@ -566,7 +572,37 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
     if (met && (!best || std::abs(met->gap_m) < std::abs(best->gap_m))) best = met;
   }
   if (!best || (!outside_too && best->gap_m > kJustOn * sizes_m_[best->face])) return std::nullopt;
+  if (comes_from_elsewhere(face, *best, point_m, outward, positions_m)) return std::nullopt;
   return gap_at(*best, positions_m);
+}
+
+// How deep it is behind a face says something only where it has come through that.
+bool SkinPairs::comes_from_elsewhere(int face, const Meeting& behind, const Eigen::Vector3d& point_m,
+                                     const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const {
+  if (behind.gap_m >= -kHeldOver * sizes_m_[behind.face]) return false;
+  const std::vector<int>& others = in_reach_of(face);
+  return std::any_of(others.begin(), others.end(), [&](int other) {
+    return other != behind.face && body_of(other) == body_of(behind.face) &&
+           is_outside(other, behind, point_m, outward, positions_m);
+  });
+}
+
+// Where the closest place of both is on an edge that they share, both together decide.
+bool SkinPairs::is_outside(int other, const Meeting& behind, const Eigen::Vector3d& point_m,
+                           const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const {
+  if (candidate(other, point_m).least_m > behind.way_m) return false;
+  const FacePolynomial skin(nodes_of(faces_, other, positions_m));
+  const Eigen::Vector2d at = closest(skin, point_m);
+  const Eigen::Vector3d off_m = point_m - skin.at(at.x(), at.y());
+  const double way_m = off_m.norm();
+  if (way_m > (1.0 + kSameWay) * behind.way_m) return false;
+  const Eigen::Vector3d normal = skin.along_r(at.x(), at.y()).cross(skin.along_s(at.x(), at.y())).normalized();
+  const double along = normal.dot(outward) / outward.norm();
+  const bool on_shared_edge = way_m > (1.0 - kSameWay) * behind.way_m;
+  const bool in_front = normal.dot(off_m) > (on_shared_edge ? -behind.gap_m : 0.0);
+  if (in_front && along < -kAgainst) return true;
+  const bool beside = along >= -kAgainst && along < kAlong && way_m < kMuchNearer * behind.way_m;
+  return behind.gap_m < -kDeepBehind * sizes_m_[behind.face] && (in_front || beside);
 }
 
 std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,

@@ -148,10 +148,16 @@ class SkinPairs {
   bool may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
   struct Meeting {
     int face = -1;
-    double gap_m = 0.0;
-    Eigen::Vector2d local;  // coordinates on it
+    double gap_m = 0.0, way_m = 0.0;  // along its normal, and to the place met
+    Eigen::Vector2d local;            // coordinates on it
     Eigen::Vector3d normal;
   };
+  // Whether a point of this face is behind another, but outside by skin that is nearer: as in front of the other side
+  // of a wedge.
+  bool comes_from_elsewhere(int face, const Meeting& behind, const Eigen::Vector3d& point_m,
+                            const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const;
+  bool is_outside(int other, const Meeting& behind, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                  const Eigen::Matrix3Xd& positions_m) const;
   std::optional<Meeting> meeting(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                  const Eigen::Matrix3Xd& positions_m) const;
   SkinGap gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_m) const;

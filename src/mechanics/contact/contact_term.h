@@ -51,6 +51,8 @@ class ContactTerm {
   std::vector<Clique> cliques() const;                     // for add_hessian: the faces
   const ContactPoints& points() const { return points_; }  // of obstacles
   const SkinContact& skin() const { return skin_; }
+  void keep_faces(const std::vector<ContactTouch>& touches) { skin_.keep_faces(touches); }
+  void let_faces_go() { skin_.let_faces_go(); }
   double face_size_m(const ContactTouch& touch) const {
     return points_of(touch.pair).face_size_m(point_of(touch.pair));
   }

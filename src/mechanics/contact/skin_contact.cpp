@@ -48,13 +48,29 @@ void SkinContact::find_touches(const Eigen::Matrix3Xd& positions_m, const Contac
   touches.insert(touches.end(), found_.touches.begin(), found_.touches.end());
 }
 
+void SkinContact::keep_faces(const std::vector<ContactTouch>& touches) {
+  if (kept_.empty()) kept_.assign(static_cast<std::size_t>(points_.count()), -1);
+  for (const ContactTouch& touch : touches)
+    if (touch.on_skin() && touch.closed) kept_[static_cast<std::size_t>(point_of(touch))] = touch.met.face;
+  found_ = {};
+}
+
+void SkinContact::let_faces_go() {
+  kept_.clear();
+  found_ = {};
+}
+
+bool SkinContact::keeps_any(int first, int end) const {
+  return keeps_faces() && std::any_of(kept_.begin() + first, kept_.begin() + end, [](int face) { return face >= 0; });
+}
+
 void SkinContact::search(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                          std::vector<ContactTouch>& touches) const {
   pairs_.prepare(positions_m);
   for (int face = 0; face < points_.face_count(); ++face) {
     const int first = points_.first_point(face), end = points_.first_point(face + 1);
     const bool pressed = !state.pressures_pa.segment(first_pair_ + first, end - first).isZero(0.0);
-    if (!pressed && !pairs_.may_be_inside(face)) continue;
+    if (!pressed && !pairs_.may_be_inside(face) && !keeps_any(first, end)) continue;
     for (int point = first; point < end; ++point) add_touch(point, positions_m, state, touches);
   }
 }
@@ -62,6 +78,11 @@ void SkinContact::search(const Eigen::Matrix3Xd& positions_m, const ContactState
 std::optional<SkinGap> SkinContact::met_by(int point, bool pressed, const Eigen::Matrix3Xd& positions_m) const {
   const int face = points_.face_of(point);
   const Eigen::Vector3d at_m = points_.at(point, positions_m);
+  if (keeps_any(point, point + 1)) {
+    const int kept = kept_[static_cast<std::size_t>(point)];
+    std::optional<SkinGap> met = pairs_.meet_again(kept, at_m, outward(point, positions_m), positions_m);
+    if (met) return met;
+  }
   if (!pressed && !pairs_.may_be_inside(face, at_m)) return std::nullopt;
   const Eigen::Vector3d out = outward(point, positions_m);
   if (!pressed && !pairs_.may_be_inside(face, at_m, out)) return std::nullopt;

@@ -55,6 +55,12 @@ class SkinContact {
   void find_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                     std::vector<ContactTouch>& touches) const;
 
+  // Points that press go on meeting the faces that they meet here, also a little beyond their edges, until these are
+  // let go.
+  void keep_faces(const std::vector<ContactTouch>& touches);
+  bool keeps_faces() const { return !kept_.empty(); }
+  void let_faces_go();
+
   // Looks at these pairs alone (SkinPairs).
   void restrict_to(const std::vector<FacePair>& pairs) { pairs_.restrict_to(pairs); }
   void prepare(const Eigen::Matrix3Xd& positions_m) const { pairs_.prepare(positions_m); }
@@ -86,6 +92,7 @@ class SkinContact {
   // A direction that points out of the skin: at a guard between both faces of its edge.
   Eigen::Vector3d outward(int point, const Eigen::Matrix3Xd& positions_m) const;
   int point_of(const ContactTouch& touch) const { return touch.pair - first_pair_; }
+  bool keeps_any(int first, int end) const;  // of these points
   void search(const Eigen::Matrix3Xd& positions_m, const ContactState& state, std::vector<ContactTouch>& touches) const;
   void add_touch(int point, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
                  std::vector<ContactTouch>& touches) const;
@@ -118,6 +125,7 @@ class SkinContact {
   ContactPoints points_;
   mutable SkinPairs pairs_;
   mutable Found found_;
+  std::vector<int> kept_;  // of each point the face that it keeps, -1: none; empty where none does
   std::vector<TouchingBodies> touching_;
   bool rubs_ = false;
   double youngs_modulus_pa_ = 1.0;

@@ -31,7 +31,9 @@ constexpr int kLooksBeside = 3;
 // Of a face's size: behind it by no more a point meets it, whatever nearer skin the point is in front of; and by no
 // more, whatever that is where it does not face the point.
 constexpr double kHeldOver = 1e-3, kDeepBehind = 1e-2;
-constexpr double kMuchNearer = 0.5;   // of the way to the face behind which it is: skin beside which it has come in
+constexpr double kMuchNearer = 0.5;  // of the way to the face behind which it is: skin beside which it has come in
+constexpr double kKeptBeyond = 0.1;  // coordinates: so far beyond its edge a face that a point keeps goes on
+constexpr int kStepsBeyond = 3;
 constexpr double kSameWay = 1e-6;     // relative
 constexpr double kJustOn = 1e-6;      // of the same: so high above a face a point may just touch it
 constexpr double kSteepest = 1e3;     // as a tangent: normals of a face that tilt so far may tilt any way
@@ -603,6 +605,22 @@ bool SkinPairs::is_outside(int other, const Meeting& behind, const Eigen::Vector
   if (in_front && along < -kAgainst) return true;
   const bool beside = along >= -kAgainst && along < kAlong && way_m < kMuchNearer * behind.way_m;
   return behind.gap_m < -kDeepBehind * sizes_m_[behind.face] && (in_front || beside);
+}
+
+std::optional<SkinGap> SkinPairs::meet_again(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                                             const Eigen::Matrix3Xd& positions_m) const {
+  const FacePolynomial face(nodes_of(faces_, other, positions_m));
+  Meeting met;
+  met.face = other;
+  met.local = closest(face, point_m);
+  for (int step = 0; step < kStepsBeyond; ++step) met.local += StepOnFace(face, point_m, met.local).change;
+  const double r = met.local.x(), s = met.local.y();
+  if (!(std::max({-r, -s, r + s - 1.0}) <= kKeptBeyond)) return std::nullopt;
+  met.normal = face.along_r(r, s).cross(face.along_s(r, s)).normalized();
+  if (!met.normal.allFinite() || met.normal.dot(outward) >= 0.0) return std::nullopt;
+  met.gap_m = met.normal.dot(point_m - face.at(r, s));
+  if (std::abs(met.gap_m) > deepest_m_[other]) return std::nullopt;
+  return gap_at(met, positions_m);
 }
 
 std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,

@@ -86,6 +86,10 @@ class SkinPairs {
   std::optional<SkinGap> meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                               bool outside_too, const Eigen::Matrix3Xd& positions_m) const;
 
+  // On a face that the point has met before: also beyond an edge of that, as if it went on, for a tenth of its size.
+  std::optional<SkinGap> meet_again(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                                    const Eigen::Matrix3Xd& positions_m) const;
+
   // Where friction ties a point of this face to: on the nearest face that faces it, or beyond an edge of that in its
   // plane, where the point is about to be covered. None where nothing is within a face's size.
   std::optional<SkinAnchor> anchor(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,

@@ -27,6 +27,10 @@ void tell_end(const Evaluation& here, double tolerance, std::string reason, Newt
 // The last factor, for the next step of a solve with this residual.
 bool may_reuse(const NewtonTask& task, double residual) { return task.reuse_factor || residual < task.reuse_below; }
 
+// Iterations of a time step after which a point of skin keeps the face that it meets: over a corner it might change it
+// in each, and the step would have no end.
+constexpr int kFreeToChange = 8;
+
 std::vector<ContactTouch> on_skin(const ContactSums& contact) {
   std::vector<ContactTouch> found;
   std::copy_if(contact.touches.begin(), contact.touches.end(), std::back_inserter(found),
@@ -305,6 +309,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   }
   const auto finish = [&](std::string reason) {
     tell_end(here, task.tolerance, std::move(reason), report);
+    let_faces_go();
     end_ = {state.positions_m, state.element_multipliers_pa, std::move(here)};
     return report;
   };
@@ -315,8 +320,10 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   bool convex = false, old_factor = task.reuse_factor;
   int secants = 0;
   AndersonMixing mixing(constants::kOldFactorSteps);
+  const bool may_keep_faces = task.inertia_per_s2 > 0.0 && contact_.skin().pair_count() > 0;
   while (report.iterations < task.max_iterations) {
     if (report.iterations >= task.min_iterations && here.relative_residual <= task.tolerance) return finish("");
+    if (may_keep_faces && report.iterations >= kFreeToChange) contact_.keep_faces(here.contact.touches);
     ++report.iterations;
     if (old_factor && mixing.size() < constants::kOldFactorSteps && try_old_factor(task, state, here, mixing)) continue;
     old_factor = false;

@@ -317,7 +317,7 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   // Little but friction holds a free obstacle: by the tangent of what slips it would go far past where it sticks.
   const Slip cautious = contact_.free().count() > 0 ? Slip::secant : Slip::tangent;
   Slip slip = cautious;
-  bool convex = false, old_factor = task.reuse_factor;
+  bool convex = false, old_factor = may_reuse(task, here.relative_residual);
   int secants = 0;
   AndersonMixing mixing(constants::kOldFactorSteps);
   const bool may_keep_faces = task.inertia_per_s2 > 0.0 && contact_.skin().pair_count() > 0;

@@ -8,6 +8,13 @@
 #include "soft_robot_lab/control/forward_model.h"
 
 namespace soft_robot_lab {
+namespace {
+
+constexpr int kStages = 4;              // of a trial that is too far for one
+constexpr std::size_t kRemembered = 8;  // equilibria
+constexpr const char* kNone = "the reduced model found no equilibrium";
+
+}  // namespace
 
 ReducedForwardModel::ReducedForwardModel(std::shared_ptr<const ReducedModel> model,
                                          const std::vector<std::string>& markers,
@@ -23,29 +30,58 @@ bool ReducedForwardModel::knows(const std::vector<double>& commands) const {
   return true;
 }
 
-void ReducedForwardModel::settle() {
-  if (!simulation_.solve_equilibrium().converged) throw ForwardModelError("the reduced model found no equilibrium");
-}
-
 void ReducedForwardModel::start_at(const std::vector<double>& commands) {
   simulation_.reset();
+  known_.clear();
   command(commands, simulation_);
-  settle();
+  if (!simulation_.solve_equilibrium().converged) throw ForwardModelError(kNone);
+}
+
+void ReducedForwardModel::move(const Eigen::VectorXd& commands) {
+  for (std::size_t i = 0; i < actuators_.size(); ++i)
+    simulation_.set_command(simulation_.actuators()[static_cast<std::size_t>(actuators_[i])]->name(),
+                            commands[static_cast<Eigen::Index>(i)]);
+}
+
+void ReducedForwardModel::follow(const Eigen::VectorXd& commands) {
+  Eigen::VectorXd from(commands.size());
+  for (Eigen::Index i = 0; i < commands.size(); ++i)
+    from[i] = simulation_.state().drives[static_cast<std::size_t>(actuators_[static_cast<std::size_t>(i)])].command;
+  for (int stage = 1; stage <= kStages; ++stage) {
+    move(stage == kStages ? commands : Eigen::VectorXd(from + (commands - from) * stage / kStages));
+    if (!simulation_.solve_nearby().converged) throw ForwardModelError(kNone);
+  }
 }
 
 Prediction ReducedForwardModel::predict(const Eigen::VectorXd& commands, bool with_derivatives) {
+  return answer(commands, with_derivatives, [&] {
+    move(commands);
+    if (!simulation_.solve_equilibrium().converged) throw ForwardModelError(kNone);
+  });
+}
+
+Prediction ReducedForwardModel::try_out(const Eigen::VectorXd& commands, bool with_derivatives) {
+  return answer(commands, with_derivatives, [&] {
+    const ReducedState before = simulation_.state();
+    move(commands);
+    if (simulation_.solve_nearby().converged) return;
+    simulation_.set_state(before);
+    follow(commands);
+  });
+}
+
+Prediction ReducedForwardModel::answer(const Eigen::VectorXd& commands, bool with_derivatives,
+                                       const std::function<void()>& settle) {
   const ReducedState before = simulation_.state();
   Prediction prediction;
   try {
-    for (std::size_t i = 0; i < actuators_.size(); ++i)
-      simulation_.set_command(simulation_.actuators()[static_cast<std::size_t>(actuators_[i])]->name(),
-                              commands[static_cast<Eigen::Index>(i)]);
-    settle();
+    if (!start_near(commands)) settle();
     if (with_derivatives) add_derivatives(prediction);
   } catch (...) {
     simulation_.set_state(before);
     throw;
   }
+  remember(commands);
   prediction.markers_m = markers_m();
   if (corrected_at_.size() > 0) prediction.markers_m.reshaped() += offsets_m_ + slopes_ * (commands - corrected_at_);
   const std::vector<ActuatorReading> all = readings(simulation_.state().at.multipliers);
@@ -59,6 +95,22 @@ Prediction ReducedForwardModel::predict(const Eigen::VectorXd& commands, bool wi
   return prediction;
 }
 
+bool ReducedForwardModel::start_near(const Eigen::VectorXd& commands) {
+  const auto nearest = std::min_element(known_.begin(), known_.end(), [&](const Known& a, const Known& b) {
+    return (a.commands - commands).norm() < (b.commands - commands).norm();
+  });
+  if (nearest == known_.end()) return false;
+  simulation_.set_state(nearest->state);
+  return nearest->commands == commands;
+}
+
+void ReducedForwardModel::remember(const Eigen::VectorXd& commands) {
+  const auto same = [&](const Known& known) { return known.commands == commands; };
+  if (std::any_of(known_.begin(), known_.end(), same)) return;
+  if (known_.size() == kRemembered) known_.erase(known_.begin());
+  known_.push_back({commands, simulation_.state()});
+}
+
 void ReducedForwardModel::answer_for(ReachProblem& problem) {
   for (std::size_t i = 0; i < actuators_.size(); ++i) {
     const auto own = static_cast<Eigen::Index>(i);
@@ -66,7 +118,9 @@ void ReducedForwardModel::answer_for(ReachProblem& problem) {
     problem.min[own] = std::max(problem.min[own], model_->box.min[trained]);
     problem.max[own] = std::min(problem.max[own], model_->box.max[trained]);
   }
-  problem.trial = {};
+  problem.trial = [this](const Eigen::VectorXd& commands, bool with_derivatives) {
+    return try_out(commands, with_derivatives);
+  };
   problem.model = [this](const Eigen::VectorXd& commands, bool with_derivatives) {
     return predict(commands, with_derivatives);
   };

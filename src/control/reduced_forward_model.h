@@ -3,6 +3,7 @@
 // times cheaper, and wrong by the reduced model's error.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,8 +29,12 @@ class ReducedForwardModel {
   // To rest at these commands of all actuators, from the rest shape; throws ForwardModelError.
   void start_at(const std::vector<double>& commands);
 
-  // Equilibrium from the last one found. Throws ForwardModelError where none was found; the model is then as before.
+  // Equilibrium from the nearest of the last ones found. Throws ForwardModelError where none was found; the model is
+  // then as before.
   Prediction predict(const Eigen::VectorXd& commands, bool with_derivatives);
+
+  // The same for a step of a search: throws ForwardModelError too where the body would buckle on the way.
+  Prediction try_out(const Eigen::VectorXd& commands, bool with_derivatives);
 
   // Cuts the bounds of a problem to the trained range, and makes itself its model; must outlive its use.
   void answer_for(ReachProblem& problem);
@@ -43,7 +48,16 @@ class ReducedForwardModel {
 
  private:
   Eigen::MatrixXd named(const Eigen::MatrixXd& jacobian) const;  // of these markers and actuators
-  void settle();
+  struct Known {
+    Eigen::VectorXd commands;
+    ReducedState state;
+  };
+
+  bool start_near(const Eigen::VectorXd& commands);  // whether that is at these commands already
+  void remember(const Eigen::VectorXd& commands);
+  void follow(const Eigen::VectorXd& commands);
+  void move(const Eigen::VectorXd& commands);
+  Prediction answer(const Eigen::VectorXd& commands, bool with_derivatives, const std::function<void()>& settle);
   std::vector<ActuatorReading> readings(const Eigen::VectorXd& multipliers) const;
   void add_derivatives(Prediction& prediction);
 
@@ -51,6 +65,7 @@ class ReducedForwardModel {
   ReducedSimulation simulation_;
   ReducedMarkers places_;
   std::vector<int> markers_, actuators_;
+  std::vector<Known> known_;      // the last equilibria
   Eigen::VectorXd corrected_at_;  // commands; empty: nothing is corrected
   Eigen::VectorXd offsets_m_;     // 3*marker + axis
   Eigen::MatrixXd slopes_;        // the same x commands

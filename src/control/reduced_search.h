@@ -10,9 +10,9 @@
 
 namespace soft_robot_lab {
 
-// Searches on a reduced model that end on the full one: the search's end is audited, the model is corrected by what the
-// audit says that markers and derivatives are wrong by there, the search goes on, and the simulation takes over the
-// shape found and comes to rest.
+// Searches on a reduced model that end on the full one: the simulation takes over the shape found and comes to rest,
+// the model is corrected by what its markers and derivatives are wrong by there, and the search goes on, until what is
+// left of the way is short.
 class ReducedSearch {
  public:
   ReducedSearch(Simulation& simulation, const ReducedChoice& reduced);
@@ -26,18 +26,21 @@ class ReducedSearch {
  private:
   std::string search(const Pose& pose, ReachProblem problem, const OptimiserOptions& options,
                      const ProgressCallback& progress, OptimisationSummary& summary);
-  std::string correct(ReducedForwardModel& model, ReachProblem& trained, const OptimiserOptions& options,
-                      const ProgressCallback& progress, OptimisationSummary& summary);
-  std::string require_one_end(const std::vector<double>& start, const OptimisationSummary& summary,
-                              ReducedForwardModel& model) const;
-  std::string settle(const ReducedForwardModel& model, const std::vector<std::string>& markers,
-                     OptimisationSummary& summary);
+  // The full model at rest beside the reduced one at the search's end.
+  std::string rest_beside(ReducedForwardModel& model, const std::vector<std::string>& markers,
+                          OptimisationSummary& summary);
+  // The reduced model takes over the markers and derivatives of the full one there, and the search goes on: until that
+  // leads only a short way on.
+  std::string refine(ReducedForwardModel& model, const std::vector<std::string>& markers, ReachProblem& trained,
+                     const OptimiserOptions& options, const ProgressCallback& progress, OptimisationSummary& summary);
+  std::string require_one_end(const SimulationState& start, const std::vector<std::string>& names,
+                              const std::vector<std::string>& markers, const OptimisationSummary& summary,
+                              ReducedForwardModel& model);
 
   Simulation& simulation_;
   const ReducedChoice& reduced_;
-  Audit audit_;
   double limit_m_;        // beyond which the model is not trusted
-  SimulationState lack_;  // of the model against the full one at the audit: positions and multipliers alone
+  SimulationState lack_;  // of the model against the full one where that rested: positions and multipliers alone
 };
 
 }  // namespace soft_robot_lab

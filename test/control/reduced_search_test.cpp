@@ -81,6 +81,34 @@ TEST_F(SearchOnAReducedBar, EndsWhereTheFullModelDoesAndLeavesTheSimulationAtRes
   }
 }
 
+TEST_F(SearchOnAReducedBar, EndsThereByARoughModelToo) {
+  ReducedRequest request;
+  request.box = reduced_->model->box;
+  request.tolerance_m = 0.01;
+  request.modes = 6;
+  const ReducedChoice rough = choose_modes(reduced_->model->full, request, {});
+  EXPECT_GT(rough.equilibria.rms_m, 1e-4);
+  for (const Eigen::Vector3d& target_m : {tip_at(0.92, 1.0), Eigen::Vector3d(0.09, -0.03, 0.01)}) {
+    Simulation by_newton(rough.model->full), by_reduced(rough.model->full);
+    PolicyTask task = reach(target_m);
+    task.bounds = {{"left", 0.9, 1.0}, {"right", 0.985, 1.0}};
+    const PolicyAnswer full = find_policy(by_newton, task, {}), fast = find_policy(by_reduced, task, {}, {}, &rough);
+    ASSERT_TRUE(full.success && fast.success);
+    EXPECT_EQ(fast.full_because, std::vector<std::string>{""});
+    EXPECT_LT((fast.summaries[0].markers_m - full.summaries[0].markers_m).norm(), 1e-4) << target_m.transpose();
+  }
+}
+
+TEST_F(SearchOnAReducedBar, IsNotHeldBackByTheRangeOfASlackCable) {
+  Simulation by_newton(reduced_->model->full), by_reduced(reduced_->model->full);
+  const PolicyTask task = reach(tip_at(1.1, 0.99));
+  const PolicyAnswer full = find_policy(by_newton, task, {}),
+                     fast = find_policy(by_reduced, task, {}, {}, reduced_.get());
+  ASSERT_TRUE(full.success && fast.success);
+  EXPECT_EQ(fast.full_because, std::vector<std::string>{""});
+  EXPECT_LT((fast.summaries[0].markers_m - full.summaries[0].markers_m).norm(), 2e-5);
+}
+
 TEST_F(SearchOnAReducedBar, LeavesToTheFullModelWhatItWasNotTrainedForAndSaysWhy) {
   Simulation by_newton(reduced_->model->full), by_reduced(reduced_->model->full);
   const PolicyTask task = reach(tip_at(0.83, 1.0));

@@ -37,28 +37,6 @@ AuditResult Audit::in_motion(const ReducedState& state) {
   return iterate(state, &acceleration);
 }
 
-Eigen::MatrixXd Audit::sensitivities(const ReducedState& state, const AuditResult& found) {
-  const NewtonState at{found.positions_m,
-                       found.element_multipliers_pa,
-                       found.constraint_multipliers,
-                       {},
-                       std::make_shared<const DriveStates>(state.drives),
-                       contact_at(found.positions_m, state)};
-  const Eigen::MatrixXd motions_m = newton_->sensitivities(at);
-  if (motions_m.size() == 0) return {};
-  const auto& markers = full_->markers();
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(markers.size()),
-                                                 static_cast<Eigen::Index>(state.drives.size()));
-  for (Eigen::Index i = 0; i < motions_m.cols(); ++i) {
-    const Eigen::Matrix3Xd motion_m = as_columns(motions_m.col(i));
-    const auto actuator = static_cast<Eigen::Index>(reduced_.constraints.actuator_of(static_cast<std::size_t>(i)));
-    for (std::size_t m = 0; m < markers.size(); ++m)
-      result.col(actuator).segment<3>(static_cast<Eigen::Index>(3 * m)) +=
-          markers[m].velocity(found.positions_m, motion_m);
-  }
-  return result;
-}
-
 ContactState Audit::contact_at(const Eigen::Matrix3Xd& positions_m, const ReducedState& state) const {
   ContactState contact = newton_->contact().untouched(positions_m, state.time_s);
   if (reduced_.skin.places() > 0) reduced_.skin.add_pressures(state.at.pushes_n, contact.pressures_pa);

@@ -39,10 +39,6 @@ class Audit {
   // against the stiffness alone, as modes that are left out are faster than those that move.
   AuditResult in_motion(const ReducedState& state);
 
-  // d marker / d command of the full model at the rest state that an audit found: 3*markers x actuators. Empty where it
-  // is not stable.
-  Eigen::MatrixXd sensitivities(const ReducedState& state, const AuditResult& found);
-
  private:
   ContactState contact_at(const Eigen::Matrix3Xd& positions_m, const ReducedState& state) const;
   AuditResult iterate(const ReducedState& state, const Eigen::VectorXd* acceleration);

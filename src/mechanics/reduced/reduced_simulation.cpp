@@ -169,14 +169,25 @@ SimulationState full_state(const ReducedModel& model, const ReducedState& state,
   return base;
 }
 
-ReducedReport ReducedSimulation::solve_equilibrium() {
-  ReducedReport report;
-  const bool from_rest = at_rest_commands();
+void ReducedSimulation::come_to_rest() {
   for (std::size_t i = 0; i < state_.drives.size(); ++i)
     model_->full->actuators()[i]->advance(std::numeric_limits<double>::infinity(), state_.drives[i]);
   state_.velocity.setZero();
   state_.previous_velocity.setZero();
   state_.previous_step_s = 0.0;
+}
+
+ReducedReport ReducedSimulation::solve_nearby() {
+  ReducedReport report;
+  come_to_rest();
+  report.converged = relax(kNearIterations, report);
+  return report;
+}
+
+ReducedReport ReducedSimulation::solve_equilibrium() {
+  ReducedReport report;
+  const bool from_rest = at_rest_commands();
+  come_to_rest();
   report.converged = relax(kNearIterations, report) || (from_rest && relax_beside_known_rests(report));
   const bool searches = !from_rest || model_->rests.commands.cols() == 0;
   // Down the energy with a proximal term that fades (pseudo-transient continuation, Kelley & Keyes 1998), but not so

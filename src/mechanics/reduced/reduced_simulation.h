@@ -44,6 +44,10 @@ class ReducedSimulation {
   // of several sides a search takes is chance. From elsewhere it searches; the state is the furthest it came.
   ReducedReport solve_equilibrium();
 
+  // The same by Newton's method alone: converges only to what is near. Where it does not the state stays as it was, but
+  // for the commands.
+  ReducedReport solve_nearby();
+
   // Rms displacement of the last Newton iteration, > 0; smaller than the model's error is of no use.
   void set_tolerance_m(double time_step_m, double equilibrium_m);
 
@@ -64,6 +68,7 @@ class ReducedSimulation {
   Eigen::VectorXd predicted(double h) const;
   // The part of a step of length h from one share of it to another.
   bool advance(double h, const CommandPath& path, double from, double to, ReducedReport& report);
+  void come_to_rest();
   bool relax(int most_iterations, ReducedReport& report);
   bool at_rest_commands() const;
   bool relax_beside_known_rests(ReducedReport& report);

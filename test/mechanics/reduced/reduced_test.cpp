@@ -232,6 +232,19 @@ TEST_F(ReducedColumn, LeavesItsSideToTheFullModelWhereNoKnownRestStateIsNear) {
   EXPECT_FALSE(simulation.solve_equilibrium().converged);  // a search would take one by chance
 }
 
+TEST_F(ReducedColumn, FindsNothingNearbyWhereItBucklesAndStaysAsItWas) {
+  ReducedSimulation simulation(model_);
+  ASSERT_TRUE(simulation.solve_nearby().converged);
+  const ReducedUnknowns before = simulation.state().at;
+  command({0.955, 0.955}, simulation);
+  EXPECT_FALSE(simulation.solve_nearby().converged);
+  EXPECT_EQ(simulation.state().at.q, before.q);
+  EXPECT_EQ(simulation.state().at.multipliers, before.multipliers);
+  command({0.998, 0.999}, simulation);
+  EXPECT_TRUE(simulation.solve_nearby().converged);
+  EXPECT_NE(simulation.state().at.q, before.q);
+}
+
 // Without the rest states of its training.
 TEST_F(ReducedColumn, LeavesTheSaddleForAMinimumOnOneSide) {
   auto bare = std::make_shared<ReducedModel>(*model_);

@@ -299,6 +299,13 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
   }
 }
 
+// The factor may be of faces that points kept, which a saved state does not know.
+void NewtonSolver::let_faces_go() {
+  if (!contact_.skin().keeps_faces()) return;
+  contact_.let_faces_go();
+  forget_factor();
+}
+
 NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
   NewtonReport report;
   Evaluation here = evaluate(task, state);

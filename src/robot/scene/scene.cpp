@@ -3,6 +3,7 @@
 
 #include "cable_warnings.h"
 #include "fidelity.h"
+#include "locking.h"
 #include "parameters.h"
 #include "plausible_sizes.h"
 #include "reduction.h"
@@ -25,7 +26,8 @@ Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& op
 
   Scene scene;
   scene.warnings = implausible_sizes(body, locator, markers);
-  for (SolveWarning& warning : cable_warnings(settings, body, locator)) scene.warnings.push_back(std::move(warning));
+  for (const auto& more : {cable_warnings(settings, body, locator), locking_warnings(body)})
+    scene.warnings.insert(scene.warnings.end(), more.begin(), more.end());
   scene.simulation = in_section(settings, [&] {
     return std::make_unique<Simulation>(std::move(body), std::move(actuators), std::move(markers), solver);
   });

@@ -17,9 +17,10 @@ enum class Outcome {
   survived,   // every solve converged, no element is inverted at the end, the markers are in the right place, the
               // ledger of energy closes, and the swing does not grow
   recovered,  // the same at the end, but on the way a solve failed, or the start was no shape at all
-  reported,   // failed, and said so
+  reported,   // failed, and said so: a solve did not converge, or the scene was warned of as it was loaded
   too_slow,   // no failure, but not done within the limit of CPU time
   silent,     // failed without a word: what survived asks for is not there, though the solver called it converged
+              // and nothing warned of the scene
   not_finite  // NaN or infinity left the solver
 };
 inline constexpr int kOutcomes = 6;
@@ -38,14 +39,15 @@ struct StabilityBody {
 
 struct StabilityMethod {
   std::string name;
-  Overrides body_overrides;     // over the scene: another element
-  Overrides solver_overrides;   // the same, without which the default solver works on the same elements
-  bool equilibrium = false;     // rest state at once; else in time
-  bool ours = false;            // the default solver, which must not fail
-  Overrides cable_changes{};    // over each cable
-  Overrides chamber_changes{};  // over each chamber
-  double duration_s = 2.0;      // in time: in which a body must have recovered
-  double cpu_limit_s = 60.0;    // of a cell
+  Overrides body_overrides;      // over the scene: another element
+  Overrides solver_overrides;    // the same, without which the default solver works on the same elements
+  bool equilibrium = false;      // rest state at once; else in time
+  bool ours = false;             // the default solver, which must not fail
+  Overrides cable_changes{};     // over each cable
+  Overrides chamber_changes{};   // over each chamber
+  double duration_s = 2.0;       // in time: in which a body must have recovered
+  double cpu_limit_s = 60.0;     // of a cell
+  bool meets_obstacles = false;  // besides the default solver, which does
 
   const Overrides& drive_changes(const StabilityBody& body) const {
     return body.chamber ? chamber_changes : cable_changes;
@@ -60,7 +62,7 @@ struct HardCase {
   std::vector<double> betas;
   Overrides overrides;      // over the scene
   Overrides drive_changes;  // over each cable or chamber
-  // Over the scene: obstacles, for our solver alone.
+  // Over the scene: obstacles, for methods that meet them.
   std::function<Overrides(const StabilityBody&)> touches = nullptr;
   bool unique = true;  // false: there are several rest states; any stable one without inverted elements counts
   std::function<void(TetMesh&)> change_mesh = nullptr;
@@ -110,7 +112,7 @@ class StabilityBench {
   const Reference& reference(const StabilityBody& body, const HardCase& hard_case);
   static bool go_through(const StabilityMethod& method, Simulation& simulation, Track& track, StabilityCell& cell,
                          SolveReport& last);
-  // The end of the run, its ledger, its swing.
+  // The end of the run, its ledger, its swing: of a run that converged.
   void judge(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case, const Simulation& end,
              const Track& track, StabilityCell& cell);
   // Empty, or what is wrong with where it rests.

@@ -107,7 +107,8 @@ const char* name_of(Outcome outcome) {
 }
 
 bool fits(const StabilityBody& body, const StabilityMethod& method, const HardCase& hard_case) {
-  if (hard_case.commands(body).empty() || (hard_case.touches && !method.ours)) return false;
+  if (hard_case.commands(body).empty()) return false;
+  if (hard_case.touches && !method.ours && !method.meets_obstacles) return false;
   return (method.cable_changes.empty() && method.chamber_changes.empty()) || !method.drive_changes(body).empty();
 }
 
@@ -242,6 +243,10 @@ StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMeth
     return cell;
   }
   judge(body, method, hard_case, simulation, track, cell);
+  if (cell.outcome == Outcome::silent && !scene.warnings.empty()) {
+    cell.outcome = Outcome::reported;
+    cell.message += "; the scene was warned of: " + scene.warnings.front().kind;
+  }
   return cell;
 }
 

@@ -145,8 +145,8 @@ std::vector<StabilityMethod> stability_methods(bool quick) {
           ours[1],
           ours[2],
           {"newton, linear elements", linear, {}, false, false, {}, {}, 2.0, 20.0},
-          {"xpbd", {}, substeps, false, false, {}, {}, kSlowDuration_s, 15.0},
-          {"xpbd, linear", linear, substeps, false, false, {}, {}, kSlowDuration_s, 10.0},
+          {"xpbd", {}, substeps, false, false, {}, {}, kSlowDuration_s, 15.0, true},
+          {"xpbd, linear", linear, substeps, false, false, {}, {}, kSlowDuration_s, 10.0, true},
           {"explicit coupling", {}, {}, false, false, {}, explicit_cables, kSlowDuration_s, 6.0}};
 }
 

@@ -131,6 +131,25 @@ TEST(Sizes, ImplausibleOnesAreWarnedOf) {
   EXPECT_TRUE(load_scene(folder.path("bar.yaml"), with_mesher()).warnings.empty());
 }
 
+// Every solver comes to a wrong shape there, and calls it converged.
+TEST(Sizes, LinearElementsThatLockAreWarnedOf) {
+  const SceneFolder folder;
+  const auto warnings = [&](const std::string& changes) {
+    return load_scene(folder.write("linear.yaml", "include: bar.yaml\nbody: {" + changes + "}\n"), with_mesher())
+        .warnings;
+  };
+  for (const std::string ratio : {"0.4", "0.4999"}) {
+    const std::vector<SolveWarning> seen = warnings("element: linear, material: {poissons_ratio: " + ratio + "}");
+    ASSERT_EQ(seen.size(), 1u) << ratio;
+    EXPECT_EQ(seen[0].kind, "locking_elements");
+    EXPECT_DOUBLE_EQ(seen[0].size, std::stod(ratio));
+    EXPECT_NE(seen[0].text.find("set body.element to quadratic"), std::string::npos) << seen[0].text;
+  }
+  for (const std::string changes : {"element: linear, material: {poissons_ratio: 0.3}", "element: quadratic",
+                                    "element: linear, linear_volume: vertex_averaged"})
+    EXPECT_TRUE(warnings(changes).empty()) << changes;
+}
+
 // The silicone bends around a cable that has no points in it, and snaps over a plug on its skin.
 TEST(Sizes, CablesThatAreSeldomMeantSoAreWarnedOf) {
   const SceneFolder folder;

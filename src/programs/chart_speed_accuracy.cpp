@@ -11,6 +11,7 @@
 #include "study/charts/speed_accuracy.h"
 #include "soft_robot_lab/settings/config_folder.h"
 #include "settings/find_program.h"
+#include "settings/words.h"
 
 namespace {
 
@@ -24,6 +25,9 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& arguments) {
   SpeedAccuracyOptions& options = arguments.options;
   app.add_flag("--quick", options.quick, "the coarsest rungs of the first problem");
+  app.add_option("--part", options.parts, "one of " + join(speed_parts()) + "; can be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
   app.add_option("--problem", options.problems, "cantilever, cook or cable_bar; can be repeated")
       ->allow_extra_args(false)
       ->type_name("NAME");
@@ -40,7 +44,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("FOLDER")
       ->capture_default_str();
   app.footer(
-      "Takes some 10 minutes of CPU time. Set OPENBLAS_NUM_THREADS=1 and OMP_NUM_THREADS=1 to measure one core.\n"
+      "Takes some 20 minutes of CPU time. Set OPENBLAS_NUM_THREADS=1 and OMP_NUM_THREADS=1 to measure one core.\n"
       "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or it could not run.");
 }
 

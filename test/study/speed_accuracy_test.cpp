@@ -10,7 +10,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "study/charts/field_chart.h"
 #include "study/charts/manufactured_problem.h"
+#include "study/charts/node_costs.h"
 #include "study/charts/speed_claims.h"
 #include "study/charts/speed_ladder.h"
 #include "study/charts/speed_measurement.h"
@@ -189,8 +191,9 @@ TEST(ChartSpeedAccuracy, DrawsItsQuickPart) {
   ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
   for (const std::string name :
        {"speed_accuracy_cantilever_0.45.svg", "speed_accuracy_cantilever_0.4999.png", "convergence_cantilever.csv",
-        "convergence_time.svg", "equilibrium_cantilever_0.45.svg", "cost_of_nodes_cantilever.svg",
-        "release_time_step.svg", "report.html"})
+        "convergence_time.svg", "equilibrium_cantilever_0.45.svg", "cost_of_nodes_motion.svg",
+        "cost_of_nodes_equilibrium.svg", "release_time_step.svg", "speed_accuracy_motion.svg", "rollouts_per_core.svg",
+        "against_the_field.svg", "report.html"})
     EXPECT_TRUE(std::filesystem::exists(charts + "/" + name)) << name;
   const Json result = Json::parse(std::ifstream(charts + "/speed_accuracy.json"));
   EXPECT_EQ(result["converged"], true) << result["message"];
@@ -213,6 +216,49 @@ TEST(ChartSpeedAccuracy, DrawsItsQuickPart) {
     for (const Json& point : result["cantilever"][nu]["elsewhere"])
       EXPECT_TRUE(point["ours"].is_object() || point["error_percent"] < 4.0) << point;
   }
+  for (const Json& run : result["motion"]) {
+    EXPECT_EQ(run["unsolved"], 0) << run;
+    EXPECT_EQ(run.contains("training_cpu_s"), run.contains("modes")) << run;
+    EXPECT_LT(run["rms_mm"].get<double>(), run.contains("modes") ? 20.0 : 2.0) << run;
+  }
+  int published = 0;
+  for (const Json& point : result["field"]) published += point.contains("source") ? 1 : 0;
+  EXPECT_EQ(published, static_cast<int>(package_ladder().published.size()));
+  EXPECT_EQ(result["rollouts"].size(), 2u);
+}
+
+TEST(NodeCosts, ExponentsAreOfFineMeshesAlone) {
+  std::vector<SpeedRun> runs;
+  for (const int nodes : {100, 1000, 2000, 4000}) {
+    runs.push_back(settled("0.499", false, 0.01, 0.0, nodes < 1000 ? 1.0 : 1e-6 * std::pow(nodes, 1.5)));
+    runs.back().nodes = nodes;
+  }
+  EXPECT_NEAR(exponent(runs, 1000).value(), 1.5, 1e-12);
+  EXPECT_FALSE(exponent(runs, 2000).has_value()) << "two meshes prove nothing";
+}
+
+TEST(FieldChart, TellsWhatRanHereFromWhatWasPublished) {
+  SpeedRun early = settled("0.45", true, 0.02, 0.1, 0.01), bullet = settled("0.45", true, 0.02, 0.5, 2.0);
+  early.own_equilibrium = false;
+  bullet.nodes = 100;
+  PublishedFigure rod{"rod", {}, 0.5, "1 s in 2 s", "a rod", "a paper"};
+  const std::vector<FieldPoint> points = field_points({bullet, early}, "0.45", {}, {rod});
+  ASSERT_EQ(points.size(), 2u) << "what stopped before its rest state is no answer";
+  EXPECT_EQ(points[0].group, "Bullet, run here: cantilever");
+  EXPECT_DOUBLE_EQ(points[0].times_real_time, 0.5);
+  EXPECT_DOUBLE_EQ(points[0].unknowns.value(), 300.0);
+  EXPECT_EQ(points[1].group, "published, not run here");
+  EXPECT_EQ(points[1].error, "none stated");
+  EXPECT_EQ(plot_field(points).series.size(), 1u) << "where unknowns are not stated there is no place in the picture";
+}
+
+TEST(ChartSpeedAccuracy, RefusesAPartItDoesNotKnow) {
+  const SceneFolder folder;
+  const Outcome outcome = run_program(SOFT_ROBOT_LAB_CHART, folder, "--part speed --output " + folder.path("charts"));
+  EXPECT_EQ(outcome.exit_status, 2);
+  EXPECT_NE(outcome.err.find("unknown part 'speed'; known: errors, convergence, nodes, motion, rollouts"),
+            std::string::npos)
+      << outcome.err;
 }
 
 TEST(ChartSpeedAccuracy, RefusesAProblemItDoesNotKnow) {

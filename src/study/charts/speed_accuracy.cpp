@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "convergence_chart.h"
+#include "field_chart.h"
+#include "node_costs.h"
 #include "release_chart.h"
 #include "speed_accuracy_plots.h"
 #include "speed_claims.h"
@@ -14,6 +17,7 @@
 #include "speed_measurement.h"
 #include "speed_runs_file.h"
 #include "settings/reference_table.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -143,7 +147,6 @@ void add_plots(const SpeedLadder& ladder, const std::vector<SpeedRun>& runs, std
     for (const std::string mode : {"settled", "equilibrium"}) {
       for (const std::string& nu : problem.poissons_ratios) add(plot_speed_accuracy(ladder, problem, nu, runs, mode));
     }
-    add(plot_cost_of_nodes(problem, runs));
   }
 }
 
@@ -160,27 +163,28 @@ nlohmann::ordered_json releases_json(const std::vector<ReleaseRun>& releases) {
   return json;
 }
 
-}  // namespace
+// What the chart has so far.
+struct Chart {
+  const ExperimentContext& context;
+  const SpeedLadder& ladder;
+  const MeasuringTools& tools;
+  ExperimentResult& result;
 
-ExperimentResult run_speed_accuracy(const ExperimentContext& context, const SpeedAccuracyOptions& options) {
-  SpeedLadder ladder = read_speed_ladder(context);
-  ladder = choose_problems(std::move(ladder), options.problems, options.poissons_ratios);
-  if (options.quick) ladder = quick_part(std::move(ladder));
-  MeasuringTools tools{context.mesher, options.bullet_program, ladder.time_step_s, ladder.judged_s,
-                       10.0 * ladder.stop_after_cpu_s};
-  const std::vector<SpeedRun> known = read_known(options);
-  const std::vector<SpeedRun> runs = run_all({context, ladder, tools, known});
+  void add_errors(const std::vector<SpeedRun>& runs) {
+    result.table = table_of(runs);
+    add_plots(ladder, runs, result.plots);
+    const SpeedClaims claims = check_claims(ladder, runs);
+    result.numbers = claims.numbers;
+    result.we_find = claims.words;
+    for (const SpeedRun& run : runs) {
+      if (!run.bullet && !run.ended)
+        fail(run.problem + " at " + run.poissons_ratio + ", " + run.rung + ": " + run.message);
+    }
+  }
 
-  ExperimentResult result;
-  result.title = "Error against CPU time";
-  result.table = table_of(runs);
-  add_plots(ladder, runs, result.plots);
-  const SpeedClaims claims = check_claims(ladder, runs);
-  result.numbers = claims.numbers;
-  result.we_find = claims.words;
-  if (ladder.problems.front().name == kCantilever) {
+  void add_convergence(bool quick) {
     context.report(1.0, "convergence");
-    const std::vector<ConvergenceSeries> convergence = run_convergence(context, ladder, options.quick);
+    const std::vector<ConvergenceSeries> convergence = run_convergence(context, ladder, quick);
     for (Plot& plot : plot_convergence(convergence)) result.plots.push_back(std::move(plot));
     result.numbers["convergence"] = convergence_json(convergence);
     context.report(1.0, "release");
@@ -188,11 +192,76 @@ ExperimentResult run_speed_accuracy(const ExperimentContext& context, const Spee
     result.plots.push_back(plot_releases(releases));
     result.numbers["release"] = releases_json(releases);
   }
-  for (const SpeedRun& run : runs) {
-    if (run.bullet || run.ended) continue;
-    result.converged = false;
-    result.message += run.problem + " at " + run.poissons_ratio + ", " + run.rung + ": " + run.message + "; ";
+
+  void add_nodes() {
+    const std::vector<SpeedRun> runs = run_node_costs(context, ladder.nodes, tools);
+    for (Plot& plot : plot_node_costs(ladder.nodes, runs)) result.plots.push_back(std::move(plot));
+    result.numbers["cost_of_nodes"] = node_costs_json(ladder.nodes, runs);
   }
+
+  std::vector<MotionRun> add_motion() {
+    std::vector<MotionRun> runs = run_motion(context, ladder.motion);
+    result.plots.push_back(plot_motion(ladder.motion, runs));
+    result.numbers["motion"] = motion_json(runs);
+    return runs;
+  }
+
+  void add_rollouts() {
+    const std::vector<RolloutRate> rates = run_rollouts(context, ladder.rollouts);
+    result.plots.push_back(plot_rollouts(ladder.rollouts, rates));
+    result.numbers["rollouts"] = rollouts_json(ladder.rollouts, rates);
+  }
+
+  void add_field(const std::vector<SpeedRun>& runs, const std::vector<MotionRun>& motion) {
+    const std::string& ratio = ladder.problems.front().poissons_ratios.front();
+    const std::vector<FieldPoint> points = field_points(runs, ratio, motion, ladder.published);
+    result.plots.push_back(plot_field(points));
+    result.numbers["field"] = field_json(points);
+  }
+
+ private:
+  void fail(const std::string& what) {
+    result.converged = false;
+    result.message += what + "; ";
+  }
+};
+
+bool wants(const SpeedAccuracyOptions& options, const std::string& part) {
+  return options.parts.empty() || std::count(options.parts.begin(), options.parts.end(), part) > 0;
+}
+
+void require_known_parts(const SpeedAccuracyOptions& options) {
+  const std::vector<std::string> known = speed_parts();
+  for (const std::string& part : options.parts) {
+    if (std::count(known.begin(), known.end(), part) == 0)
+      throw std::invalid_argument("unknown part '" + part + "'; known: " + join(known));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> speed_parts() { return {"errors", "convergence", "nodes", "motion", "rollouts"}; }
+
+ExperimentResult run_speed_accuracy(const ExperimentContext& context, const SpeedAccuracyOptions& options) {
+  require_known_parts(options);
+  SpeedLadder ladder = read_speed_ladder(context);
+  ladder = choose_problems(std::move(ladder), options.problems, options.poissons_ratios);
+  if (options.quick) ladder = quick_part(std::move(ladder));
+  const MeasuringTools tools{context.mesher, options.bullet_program, ladder.time_step_s, ladder.judged_s,
+                             10.0 * ladder.stop_after_cpu_s};
+  const std::vector<SpeedRun> known = read_known(options);
+  ExperimentResult result;
+  result.title = "Error against CPU time";
+  Chart chart{context, ladder, tools, result};
+  const std::vector<SpeedRun> runs =
+      wants(options, "errors") ? run_all({context, ladder, tools, known}) : std::vector<SpeedRun>{};
+  if (wants(options, "errors")) chart.add_errors(runs);
+  const bool cantilever = ladder.problems.front().name == kCantilever;
+  if (cantilever && wants(options, "convergence")) chart.add_convergence(options.quick);
+  if (cantilever && wants(options, "nodes")) chart.add_nodes();
+  const std::vector<MotionRun> motion = wants(options, "motion") ? chart.add_motion() : std::vector<MotionRun>{};
+  if (wants(options, "rollouts")) chart.add_rollouts();
+  if (!motion.empty()) chart.add_field(runs, motion);
   return result;
 }
 

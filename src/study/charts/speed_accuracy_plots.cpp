@@ -80,20 +80,4 @@ Plot plot_speed_accuracy(const SpeedLadder& ladder, const SpeedProblem& problem,
   return plot;
 }
 
-Plot plot_cost_of_nodes(const SpeedProblem& problem, const std::vector<SpeedRun>& runs) {
-  const std::string& nu = problem.poissons_ratios.back();
-  Plot plot{"cost_of_nodes_" + problem.name, problem.title + ", Poisson's ratio " + nu + ": cost over nodes", {}, {}};
-  plot.x = {"nodes", true};
-  plot.y = {"CPU-seconds per simulated second, 60 Hz", true};
-  plot.y.guides = {1.0};
-  plot.width_px = 1100;
-  for (const SpeedRun& run : runs) {
-    if (run.problem != problem.name || run.poissons_ratio != nu || run.mode != "settled" || !run.ended) continue;
-    Series& series = series_of(plot, (run.bullet ? "Bullet, " : "") + run.rung);
-    series.x.push_back(run.nodes);
-    series.y.push_back(run.cost);
-  }
-  return plot;
-}
-
 }  // namespace soft_robot_lab

@@ -12,7 +12,4 @@ namespace soft_robot_lab {
 Plot plot_speed_accuracy(const SpeedLadder& ladder, const SpeedProblem& problem, const std::string& poissons_ratio,
                          const std::vector<SpeedRun>& runs, const std::string& mode);
 
-// CPU time of a simulated second over nodes.
-Plot plot_cost_of_nodes(const SpeedProblem& problem, const std::vector<SpeedRun>& runs);
-
 }  // namespace soft_robot_lab

@@ -80,6 +80,15 @@ SpeedProblem read_problem(const ExperimentContext& context, const YamlNode& node
   return problem;
 }
 
+// At one of its Poisson's ratios.
+SpeedProblem only(const SpeedProblem& problem, std::size_t ratio) {
+  SpeedProblem part = problem;
+  part.poissons_ratios = {problem.poissons_ratios[ratio]};
+  part.references_m = {problem.references_m[ratio]};
+  part.curves_m = {problem.curves_m[ratio]};
+  return part;
+}
+
 SpeedRung read_rung(const YamlNode& node, bool bullet) {
   SpeedRung rung;
   rung.name = node.text("name");
@@ -99,6 +108,24 @@ SpeedRung read_rung(const YamlNode& node, bool bullet) {
     }
   }
   return rung;
+}
+
+NodeCosts read_nodes(const YamlNode& node, const std::vector<SpeedProblem>& problems) {
+  NodeCosts costs;
+  const std::string name = node.text("problem"), ratio = node.text("poissons_ratio");
+  for (const SpeedProblem& problem : problems) {
+    const auto& ratios = problem.poissons_ratios;
+    const auto place = std::find(ratios.begin(), ratios.end(), ratio) - ratios.begin();
+    if (problem.name != name || place == static_cast<std::ptrdiff_t>(ratios.size())) continue;
+    costs.problem = only(problem, static_cast<std::size_t>(place));
+  }
+  if (costs.problem.name.empty()) node.fail("no problem '" + name + "' at a Poisson's ratio of " + ratio);
+  costs.problem.duration_s = node.number("duration_s", AllowedRange::positive());
+  costs.stop_after_cpu_s = node.number("stop_after_cpu_s", AllowedRange::positive());
+  costs.from_nodes = node.integer("from_nodes", 1, 1000000);
+  for (const YamlNode& item : node.sequence("ladder")) costs.rungs.push_back(read_rung(item, false));
+  for (const YamlNode& item : node.sequence("bullet")) costs.rungs.push_back(read_rung(item, true));
+  return costs;
 }
 
 ReleaseProblem read_release(const ExperimentContext& context, const YamlNode& node) {
@@ -130,6 +157,10 @@ SpeedLadder read_speed_ladder(const ExperimentContext& context) {
     if (item.has("cost")) point.cost = item.number("cost", AllowedRange::positive());
     ladder.elsewhere.push_back(point);
   }
+  ladder.nodes = read_nodes(node.child("nodes"), ladder.problems);
+  ladder.motion = read_motion(context, node.child("motion"), ladder.time_step_s);
+  ladder.rollouts = read_rollouts(context, node.child("rollouts"));
+  ladder.published = read_published(node.sequence("published"));
   node.require_all_read();
   return ladder;
 }
@@ -190,6 +221,11 @@ SpeedLadder quick_part(SpeedLadder ladder) {
   for (ReleaseRung& rung : ladder.release.rungs) shorten(rung.steps_s);
   ladder.stop_after_cpu_s = 1.0;
   ladder.release.element_size_m *= 2.0;
+  ladder.nodes.rungs.erase(std::remove_if(ladder.nodes.rungs.begin(), ladder.nodes.rungs.end(), slow),
+                           ladder.nodes.rungs.end());
+  for (SpeedRung& rung : ladder.nodes.rungs) shorten(rung.sizes);
+  ladder.motion = quick_part(std::move(ladder.motion));
+  ladder.rollouts = quick_part(std::move(ladder.rollouts));
   return ladder;
 }
 

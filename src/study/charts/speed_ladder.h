@@ -8,6 +8,9 @@
 
 #include <Eigen/Core>
 
+#include "motion_chart.h"
+#include "published_figure.h"
+#include "rollout_rates.h"
 #include "study/experiment.h"
 
 namespace soft_robot_lab {
@@ -33,6 +36,14 @@ struct SpeedRung {
   bool quick = true;                  // run with --quick too
   std::vector<std::string> problems;  // empty: all
   std::vector<double> sizes;          // of the elements, as parts of the body's thickness; coarse to fine
+};
+
+// How costs grow with nodes: one problem at one Poisson's ratio, for a short time.
+struct NodeCosts {
+  SpeedProblem problem;
+  std::vector<SpeedRung> rungs;   // ours, then Bullet's
+  double stop_after_cpu_s = 0.0;  // a series goes no finer after a run that took longer
+  int from_nodes = 0;             // meshes that exponents are of
 };
 
 struct ReleaseRung {
@@ -64,6 +75,10 @@ struct SpeedLadder {
   std::vector<SpeedRung> rungs;  // ours, then Bullet's
   ReleaseProblem release;
   std::vector<ElsewherePoint> elsewhere;
+  NodeCosts nodes;
+  MotionProblem motion;
+  RolloutProblem rollouts;
+  std::vector<PublishedFigure> published;
 };
 
 // Throws SettingsError, or std::runtime_error where no table knows a problem's Poisson's ratio.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fitting the damping to swings, on a coarse bar with two cables whose truth is known.
+#include <unistd.h>
+
 #include <cmath>
 #include <filesystem>
 #include <random>
@@ -72,7 +74,8 @@ TEST(FitModel, FindsTheDampingBesideWhatRestTells) {
   EXPECT_NEAR(value_of(result, "damping.rayleigh_stiffness_s").value, 0.004, 0.1 * 0.004) << summary(result);
   EXPECT_EQ(result.correlations.rows(), 2);
 
-  const std::string file = (std::filesystem::temp_directory_path() / "soft_robot_lab_damped.yaml").string();
+  const std::string file =
+      std::filesystem::temp_directory_path().string() + "/soft_robot_lab_damped_" + std::to_string(getpid()) + ".yaml";
   write_fitted_scene(result, kScene, file);
   EXPECT_NEAR(load_scene(file, options_with("")).simulation->body().viscosity().rayleigh_stiffness_s,
               value_of(result, "damping.rayleigh_stiffness_s").value, 1e-12);

@@ -2,6 +2,8 @@
 // Fitting to rest states, on a coarse bar with two cables whose truth is known.
 #include "soft_robot_lab/control/identification/fit_model.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -42,7 +44,8 @@ TEST(FitModel, FindsWhatMadeTheData) {
   EXPECT_GT(result.after.rms_m, 0.5e-4);  // no more than the noise allows
 
   // Poses that it has not seen, with the scene that it writes.
-  const std::string file = (std::filesystem::temp_directory_path() / "soft_robot_lab_fitted.yaml").string();
+  const std::string file =
+      std::filesystem::temp_directory_path().string() + "/soft_robot_lab_fitted_" + std::to_string(getpid()) + ".yaml";
   write_fitted_scene(result, kScene, file);
   const std::vector<MeasuredPose> unseen = measure(truth, {{0.92, 0.98}, {0.97, 0.9}}, shifted, 0.0, 2);
   EXPECT_LT(model_gap(file, options_with(""), unseen, result.measured_from_base).rms_m,

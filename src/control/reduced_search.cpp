@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "mechanics/reduced/snapshots.h"
@@ -60,6 +61,13 @@ std::string held_back(const ReachProblem& asked, const ReachProblem& trained, co
              " that the reduced model was trained for";
   }
   return "";
+}
+
+std::string too_far(double distance_m, double limit_m) {
+  std::ostringstream text;
+  text << "the full model rests " << 1e3 * distance_m << " mm from the search's end, more than the " << 1e3 * limit_m
+       << " mm that the reduced model is trusted with";
+  return text.str();
 }
 
 }  // namespace
@@ -132,7 +140,8 @@ std::string ReducedSearch::rest_beside(ReducedForwardModel& model, const std::ve
     found = simulation_.solve_equilibrium().converged;
   }
   const double estimate_m = std::sqrt((markers_of(simulation_) - before_m).colwise().squaredNorm().mean());
-  if (!found || estimate_m > limit_m_) return "the reduced model failed its audit at the search's end";
+  if (!found) return "the full model found no rest state beside the search's end";
+  if (estimate_m > limit_m_) return too_far(estimate_m, limit_m_);
   const SimulationState& full = simulation_.state();
   lack_.positions_m = full.positions_m - reduced.positions_m;
   lack_.element_multipliers_pa = full.element_multipliers_pa - reduced.element_multipliers_pa;

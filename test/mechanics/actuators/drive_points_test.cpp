@@ -231,7 +231,10 @@ TEST(DrivePoints, AreRefusedWithPlaceAndReason) {
       refusal("drive_points_m: [[0, 0.05]], " + kPlug, held_bar()).find("drive_points_m[0]: a point is [x, y, z]"),
       std::string::npos);
   EXPECT_NE(refusal("drive_points_m: [[0, 0.05, 0], [0, 0.05, 0]], " + kPlug, held_bar())
-                .find("drive_points_m[1]: repeats the point beside it"),
+                .find("drive_points_m[1]: repeats the point before it"),
+            std::string::npos);
+  EXPECT_NE(refusal("drive_points_m: [[0.095, 0, 0]], " + kPlug, held_bar())
+                .find("drive_points_m[0]: repeats the point beside it"),
             std::string::npos);
   EXPECT_NE(refusal(kPlug, held_bar()).find("points_m: a cable needs at least two points"), std::string::npos);
 }

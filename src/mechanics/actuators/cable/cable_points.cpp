@@ -10,6 +10,7 @@
 #include "cable_route.h"
 #include "mechanics/mesh/held.h"
 #include "settings/point_text.h"
+#include "settings/read_points.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -54,16 +55,16 @@ std::vector<EmbeddedPoint> read_drive_points(const YamlNode& settings, const Bod
     if (body.fixed().col(node).all()) held_nodes.push_back(node);
   const auto distance_m = [&](int node) { return (nodes_m.col(node) - first_m).norm(); };
   std::stable_sort(held_nodes.begin(), held_nodes.end(), [&](int a, int b) { return distance_m(a) < distance_m(b); });
-  for (const YamlNode& item : settings.sequence("drive_points_m")) {
-    const Eigen::VectorXd at = item.as_numbers();
-    if (at.size() != 3) item.fail("a point is [x, y, z] in m");
-    if (points.size() == held_nodes.size())
-      item.fail("stands on the frame, which has no more than " + std::to_string(held_nodes.size()) +
-                " nodes of body.fixed with all axes to carry it");
+  const std::vector<YamlNode> items = settings.sequence("drive_points_m");
+  const std::vector<Eigen::Vector3d> places_m = read_points(settings, "drive_points_m");
+  if (!places_m.empty() && (places_m.front() - first_m).norm() < kNear_m)
+    items.front().fail("repeats the point beside it, " + point_text(first_m));
+  if (places_m.size() > held_nodes.size())
+    items[held_nodes.size()].fail("stands on the frame, which has no more than " + std::to_string(held_nodes.size()) +
+                                  " nodes of body.fixed with all axes to carry it");
+  for (const Eigen::Vector3d& at_m : places_m) {
     const int node = held_nodes[points.size()];
-    points.push_back({{node}, {1.0}, at - nodes_m.col(node)});
-    const Eigen::Vector3d before = points.size() > 1 ? points[points.size() - 2].at(nodes_m) : first_m;
-    if ((before - at).norm() < kNear_m) item.fail("repeats the point beside it, " + point_text(before));
+    points.push_back({{node}, {1.0}, at_m - nodes_m.col(node)});
   }
   return points;
 }

@@ -74,9 +74,18 @@ inline constexpr int kDoublings = 4;                // of the substeps of a step
 inline constexpr double kMostCreatedEnergy = 0.05;  // good steps stay below 0.01, others exceed 0.3 at once
 inline constexpr int kContactPasses = 4;            // over all that touches, in a sweep
 inline constexpr double kRecovery = 0.01;           // of sqrt(E / density): so fast deep skin comes out of other skin
-inline constexpr int kRelaxationSteps = 600;        // time steps in which it must come to rest
-inline constexpr int kRelaxationPatience =
-    100;                               // of which it takes so many before it doubles its substeps, four times at most
-inline constexpr int kPullSteps = 30;  // over which it moves the actuators then
+
+// --- XPBD towards rest (xpbd/substepping.cpp): steps of sweeps without inertia, which Anderson's mixing joins
+
+inline constexpr int kRestSteps = 3000;  // in which it must come to rest
+inline constexpr int kRestSweeps = 20;   // of a step
+// Of a sweep: its square is the stiffness of an element over the masses of its nodes. It is halved where a step leads
+// nowhere, and doubled again after some that do.
+inline constexpr double kRestSubstep_s = 2.0, kLeastRestSubstep_s = 0.1;
+inline constexpr int kGoodRestSteps = 15;
+inline constexpr double kMostGrowth = 3.0;     // of the motion in a step
+inline constexpr std::size_t kRestDepth = 10;  // of the mixing
+inline constexpr int kPullSteps = 30;          // actuators move by a part of their way
+inline constexpr double kPullOn = 0.1;         // once the residual is below this
 
 }  // namespace soft_robot_lab::constants

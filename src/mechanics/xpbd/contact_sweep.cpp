@@ -17,13 +17,13 @@ Eigen::Vector3d ContactSweep::Point::at(const Eigen::Matrix3Xd& columns) const {
 }
 
 ContactSweep::ContactSweep(const ContactTerm& contact, const Body& body, const Eigen::Matrix3Xd& inverse_masses_per_kg,
-                           const Eigen::Matrix3Xd& positions_m, const ContactState& state)
+                           double mass_ratio, const Eigen::Matrix3Xd& positions_m, const ContactState& state)
     : contact_(contact),
       inverse_masses_(inverse_masses_per_kg),
       recovery_m_s_(constants::kRecovery *
-                    std::sqrt(body.material().youngs_modulus_pa / body.material().density_kg_m3)),
+                    std::sqrt(body.material().youngs_modulus_pa / body.material().density_kg_m3 / mass_ratio)),
       skin_pairs_(static_cast<int>(state.pressures_pa.size())),
-      free_(contact.free()),
+      free_(contact.free(), mass_ratio),
       points_(touching(positions_m, state)) {}
 
 std::vector<ContactSweep::Point> ContactSweep::touching(const Eigen::Matrix3Xd& positions_m,

@@ -25,8 +25,9 @@ namespace soft_robot_lab {
 class ContactSweep {
  public:
   // Where a step begins: what touches, and how it pushes. All outlive the step.
+  // `mass_ratio`: of the nodes' masses over the body's, which free obstacles get too.
   ContactSweep(const ContactTerm& contact, const Body& body, const Eigen::Matrix3Xd& inverse_masses_per_kg,
-               const Eigen::Matrix3Xd& positions_m, const ContactState& state);
+               double mass_ratio, const Eigen::Matrix3Xd& positions_m, const ContactState& state);
 
   // Where a substep of length h begins: what it pushes the nodes by in that, as it does now; and the way of free
   // obstacles.

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "mechanics/linear_algebra/anderson_mixing.h"
 #include "mechanics/simulation/solve_ending.h"
 #include "mechanics/solver_constants.h"
 
@@ -59,7 +60,8 @@ XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, con
                    parts.state.branch_stress_pa,
                    made && !made->at ? std::static_pointer_cast<const KeptSolves>(made) : nullptr,
                    parts.state.free_velocities};
-  const XpbdReport done = parts.workspace.xpbd->advance_stably(task, moving);
+  XpbdSolver& solver = *parts.workspace.xpbd;
+  const XpbdReport done = task.at_rest ? solver.advance(task, moving) : solver.advance_stably(task, moving);
   ++report.steps;
   report.iterations += done.sweeps;
   enter(SolveStage::xpbd, done.sweeps, report.path);
@@ -100,6 +102,69 @@ XpbdTask substepping(const SimulationParts& parts) {
   return task;
 }
 
+// What a step towards rest maps to the next one, but for the turns of free obstacles.
+Eigen::VectorXd numbers_of(const SimulationState& state) {
+  Eigen::VectorXd all(state.positions_m.size() + state.element_forces_n.size() + state.element_multipliers_pa.size() +
+                      state.constraint_multipliers.size() + state.contact.pressures_pa.size() +
+                      state.contact.rigid_forces_n.size() + state.contact.free.centers_m.size());
+  all << state.positions_m.reshaped(), state.element_forces_n, state.element_multipliers_pa,
+      state.constraint_multipliers, state.contact.pressures_pa, state.contact.rigid_forces_n,
+      state.contact.free.centers_m.reshaped();
+  return all;
+}
+
+void take_numbers(const Eigen::VectorXd& all, SimulationState& state) {
+  Eigen::Index at = 0;
+  const auto take = [&](auto& part) {
+    part.reshaped() = all.segment(at, part.size());
+    at += part.size();
+  };
+  take(state.positions_m);
+  take(state.element_forces_n);
+  take(state.element_multipliers_pa);
+  take(state.constraint_multipliers);
+  take(state.contact.pressures_pa);
+  take(state.contact.rigid_forces_n);
+  take(state.contact.free.centers_m);
+  state.contact.pressures_pa = state.contact.pressures_pa.cwiseMax(0.0);
+  state.contact.rigid_forces_n = state.contact.rigid_forces_n.cwiseMax(0.0);
+}
+
+// How a rest state is sought: long substeps lead there fast, but where an element bends away they lead nowhere.
+struct RestPace {
+  double substep_s = constants::kRestSubstep_s;
+  AndersonMixing mixing{constants::kRestDepth};
+
+  // False where they are as short as may be.
+  bool slow_down() {
+    if (substep_s <= constants::kLeastRestSubstep_s) return false;
+    substep_s /= 2.0;
+    steps_ = 0;
+    mixing.clear();
+    return true;
+  }
+
+  bool speed_up() {
+    if (substep_s >= constants::kRestSubstep_s || ++steps_ < constants::kGoodRestSteps) return false;
+    substep_s *= 2.0;
+    steps_ = 0;
+    mixing.clear();
+    return true;
+  }
+
+  void mix(const Eigen::VectorXd& weights, const SimulationState& before, SimulationState& state) {
+    Eigen::VectorXd at = numbers_of(before), step = numbers_of(state) - at;
+    Eigen::VectorXd residual = weights.cwiseProduct(step.head(weights.size()));
+    if (residual.norm() > 2.0 * last_residual_) mixing.clear();
+    last_residual_ = residual.norm();
+    take_numbers(mixing.next(std::move(at), std::move(step), std::move(residual)), state);
+  }
+
+ private:
+  int steps_ = 0;
+  double last_residual_ = 0.0;
+};
+
 }  // namespace
 
 void step_in_substeps(SimulationParts& parts, SolveReport& report) {
@@ -121,31 +186,45 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
 
 void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
   const std::vector<double> from = parts.state.actuated_commands(), to = parts.state.commands();
-  // What slips does so from here: no swing on the way is remembered.
-  const Past start(parts.state);
-  XpbdTask task = substepping(parts);
-  task.at_rest = true;
   const double from_s = parts.state.contact.time_s,
                until_s = std::max(
                    {from_s, parts.workspace.newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s()});
-  double last_kinetic_energy = 0.0;
-  for (int step = 1; step <= constants::kRelaxationSteps; ++step) {
-    const Past before(parts.state);
-    start.begin_slip(parts.state);
-    const double way = std::min(1.0, static_cast<double>(step) / constants::kPullSteps);
-    parts.place_actuators(from, to, way);
-    move_by_itself(parts, from_s + way * (until_s - from_s), task);
-    const XpbdReport done = advance_in_substeps(parts, task, before, report);
-    if (!done.finite) break;
-    if (done.kinetic_energy_j < last_kinetic_energy) stand_still(parts.state);
-    last_kinetic_energy = done.kinetic_energy_j;
-    if (report.converged && step >= constants::kPullSteps) break;
-    if (step % constants::kRelaxationPatience == 0 && step <= 4 * constants::kRelaxationPatience)
-      task.substep_count *= 2;
-  }
+  const Past start(parts.state);  // what slips does so from here: nothing of the way is remembered
+  XpbdTask task = substepping(parts);
+  task.at_rest = true;
+  task.substep_count = constants::kRestSweeps;
   stand_still(parts.state);
+  RestPace pace;
+  double reached = 0.0, next = 1.0 / constants::kPullSteps;  // of the way of what is moved
+  while (report.steps < constants::kRestSteps) {
+    const SimulationState before = parts.state;
+    start.begin_slip(parts.state);
+    task.time_step_s = pace.substep_s * task.substep_count;
+    task.drives_at = [&](double fraction) {
+      parts.place_actuators(from, to, reached + fraction * (next - reached));
+      return std::make_shared<const DriveStates>(parts.state.drives);
+    };
+    move_by_itself(parts, from_s + next * (until_s - from_s), task);
+    const XpbdReport done = advance_in_substeps(parts, task, Past(before), report);
+    const bool grows = reached == next && done.last_motion > constants::kMostGrowth * done.first_motion;
+    if (!done.finite || grows) {
+      parts.state = before;
+      report.converged = false;
+      if (!pace.slow_down()) break;
+      continue;
+    }
+    reached = next;
+    if (reached == 1.0 && report.converged) break;
+    if (reached < 1.0 && report.residual < constants::kPullOn) {
+      next = std::min(1.0, reached + 1.0 / constants::kPullSteps);
+      pace.mixing.clear();
+    } else if (!pace.speed_up()) {
+      pace.mix(parts.workspace.xpbd->weights_at_rest(pace.substep_s), before, parts.state);
+    }
+  }
+  parts.state.linearisation.reset();
   if (!report.converged)
-    report.message = "not at rest after " + std::to_string(report.steps) + " time steps: " + report.message;
+    report.message = "not at rest after " + std::to_string(report.steps) + " steps: " + report.message;
 }
 
 }  // namespace soft_robot_lab

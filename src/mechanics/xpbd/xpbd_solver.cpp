@@ -36,6 +36,26 @@ ElementBatches coloured_batches(const Body& body, Colouring colouring, std::vect
   return {body, std::move(colouring.lanes), rank};
 }
 
+Eigen::VectorXd shear_stiffnesses_n_m(const Body& body, const ElementBatches& batches) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(body.mesh().node_count());
+  for (std::size_t i = 0; i < batches.nodes.size(); ++i) {
+    const std::size_t node = i / kLanes % static_cast<std::size_t>(batches.node_count), lane = i % kLanes;
+    const std::size_t batch = i / kLanes / static_cast<std::size_t>(batches.node_count);
+    if (batches.element[batch * kLanes + lane] < 0) continue;
+    const std::size_t pair = batch * static_cast<std::size_t>(batches.pair_count()) + node * (node + 3) / 2;
+    sum[batches.nodes[i]] += batches.laplacian[pair][static_cast<int>(lane)];
+  }
+  return sum;
+}
+
+InverseMasses inverse_masses(const Body& body, const Eigen::VectorXd& masses_kg) {
+  InverseMasses result;
+  result.whole = masses_kg.cwiseInverse().transpose().replicate(3, 1);
+  result.whole = body.fixed().array().select(0.0, result.whole.array()).matrix();
+  result.root = result.whole.cwiseSqrt();
+  return result;
+}
+
 }  // namespace
 
 XpbdTables::XpbdTables(const Body& body_in, std::vector<DrivenConstraint> constraints_in,
@@ -44,10 +64,11 @@ XpbdTables::XpbdTables(const Body& body_in, std::vector<DrivenConstraint> constr
       constraints(std::move(constraints_in)),
       shared(std::move(shared_in)),
       loads_n(body.external_forces_n()),
-      batches(coloured_batches(body, lay_out(body.mesh()), colour_start)) {
-  inverse_masses = body.node_masses_kg().cwiseInverse().transpose().replicate(3, 1);
-  inverse_masses = body.fixed().array().select(0.0, inverse_masses.array()).matrix();
-  root_inverse_masses = inverse_masses.cwiseSqrt();
+      batches(coloured_batches(body, lay_out(body.mesh()), colour_start)),
+      moving(inverse_masses(body, body.node_masses_kg())) {
+  const Eigen::VectorXd masses_kg = shear_stiffnesses_n_m(body, batches);
+  resting = inverse_masses(body, masses_kg);
+  resting_ratio = masses_kg.sum() / body.node_masses_kg().sum();
 }
 
 XpbdSolver::XpbdSolver(std::shared_ptr<const XpbdTables> tables, int thread_count)
@@ -55,14 +76,13 @@ XpbdSolver::XpbdSolver(std::shared_ptr<const XpbdTables> tables, int thread_coun
       body_(tables_->body),
       constraints_(tables_->constraints),
       loads_n_(tables_->loads_n),
-      inverse_masses_(tables_->inverse_masses),
-      root_inverse_masses_(tables_->root_inverse_masses),
+      masses_(&tables_->moving),
       colour_start_(tables_->colour_start),
       batches_(tables_->batches),
       thread_count_(thread_count),
       multipliers_(static_cast<std::size_t>(batches_.count()) * batches_.node_count * 3, splat(0.0)),
       pushed_m_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())),
-      solves_(batches_, root_inverse_masses_.data()),
+      solves_(batches_, masses_->root.data()),
       energies_(static_cast<std::size_t>(batches_.count()), splat(0.0)),
       gradient_(Eigen::Matrix3Xd::Zero(3, body_.mesh().node_count())),
       nodes_(constraints_.size()) {}
@@ -105,7 +125,7 @@ ConstraintLaw XpbdSolver::law_at(std::size_t constraint, const NewtonState& stat
 
 ElementStep XpbdSolver::element_step(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m) {
   return {h,
-          root_inverse_masses_.data(),
+          masses_->root.data(),
           state.positions_m.data(),
           multipliers_.data(),
           state.element_multipliers_pa.data(),
@@ -153,6 +173,17 @@ void XpbdSolver::save_multipliers(double h, Eigen::VectorXd& forces_n) const {
   }
 }
 
+Eigen::VectorXd XpbdSolver::weights_at_rest(double h) const {
+  const Eigen::Matrix3Xd& root = tables_->resting.root;
+  Eigen::VectorXd weights(root.size() + force_count());
+  for (Eigen::Index i = 0; i < root.size(); ++i) weights[i] = root.data()[i] > 0.0 ? 1.0 / root.data()[i] : 0.0;
+  for (std::size_t place = 0; place < multipliers_.size(); ++place)
+    for (int lane = 0; lane < kLanes; ++lane)
+      weights[root.size() + static_cast<Eigen::Index>(place) * kLanes + lane] =
+          batches_.element[place / element_size() * kLanes + lane] < 0 ? 0.0 : h * h * root.data()[coordinate(place, lane)];
+  return weights;
+}
+
 // A sweep from zero in no time leaves the nodes where they are, and the multipliers at -h^2 M^-1/2 dE/dx.
 Eigen::VectorXd XpbdSolver::forces_of(NewtonState state) {
   constexpr double no_time_s = 1e-10;
@@ -167,23 +198,23 @@ Eigen::VectorXd XpbdSolver::forces_of(NewtonState state) {
 void XpbdSolver::predict(const XpbdTask& task, double h, XpbdState& state) {
   Eigen::Matrix3Xd& positions = state.unknowns.positions_m;
   const Eigen::Matrix3Xd start_m = positions;
-  Eigen::Matrix3Xd motion = h * state.velocities_m_s + h * h * inverse_masses_.cwiseProduct(loads_n_);
+  Eigen::Matrix3Xd motion = h * state.velocities_m_s + h * h * masses_->whole.cwiseProduct(loads_n_);
   if (task.multipliers_from_zero) {
     std::fill(multipliers_.begin(), multipliers_.end(), splat(0.0));
     pushed_m_.setZero();
   }
   motion += pushed_m_;
-  if (task.hysteresis) motion -= h * h * inverse_masses_.cwiseProduct(task.hysteresis->gradient_n());
+  if (task.hysteresis) motion -= h * h * masses_->whole.cwiseProduct(task.hysteresis->gradient_n());
   for (std::size_t i = 0; i < constraints_.size(); ++i) {
     double& y = state.unknowns.constraint_multipliers[static_cast<Eigen::Index>(i)];
     const ConstraintLaw law = law_at(i, state.unknowns);
     y = std::clamp(task.multipliers_from_zero ? 0.0 : y, law.min_multiplier, law.max_multiplier);
     if (y == 0.0) continue;
     for (const int node : touched_by(i, state.unknowns))
-      motion.col(node) -= h * h * y * inverse_masses_.col(node).cwiseProduct(gradient_.col(node));
+      motion.col(node) -= h * h * y * masses_->whole.col(node).cwiseProduct(gradient_.col(node));
   }
   if (contact_) contact_->begin(h, state.unknowns.contact, state.free_velocities, motion);
-  positions += inverse_masses_.cwiseSign().cwiseProduct(motion);
+  positions += masses_->whole.cwiseSign().cwiseProduct(motion);
   if (task.reactions_n) body_.place_held_nodes(state.unknowns.contact.time_s, positions);
   if (contact_) contact_->find(start_m, positions, state.unknowns.contact);
 }
@@ -204,13 +235,13 @@ void XpbdSolver::sweep_constraints(const XpbdTask& task, double h, NewtonState& 
     if (law.prescribed()) continue;
     double weight = 0.0;
     for (const int node : touched_by(i, state))
-      weight += gradient_.col(node).cwiseAbs2().dot(inverse_masses_.col(node));
+      weight += gradient_.col(node).cwiseAbs2().dot(masses_->whole.col(node));
     const double delassus = law.compliance + h * h * weight;
     if (!(delassus > 0.0)) continue;  // rigid between held nodes: nothing can move
     const double next =
         std::clamp(y + (law.offset - law.compliance * y) / delassus, law.min_multiplier, law.max_multiplier);
     for (const int node : touched_)
-      state.positions_m.col(node) -= h * h * (next - y) * inverse_masses_.col(node).cwiseProduct(gradient_.col(node));
+      state.positions_m.col(node) -= h * h * (next - y) * masses_->whole.col(node).cwiseProduct(gradient_.col(node));
     y = next;
   }
 }
@@ -242,7 +273,7 @@ MultiplierProblem XpbdSolver::problem_at(double h, const NewtonState& state, boo
   touched_.clear();
   for (Eigen::Index i = 0; i < count; ++i) {
     const NodeGradient& of = gradients_[static_cast<std::size_t>(i)];
-    gradient_(Eigen::all, of.nodes) = h * h * inverse_masses_(Eigen::all, of.nodes).cwiseProduct(of.columns);
+    gradient_(Eigen::all, of.nodes) = h * h * masses_->whole(Eigen::all, of.nodes).cwiseProduct(of.columns);
     for (Eigen::Index j = 0; j <= i; ++j) {
       const NodeGradient& other = gradients_[static_cast<std::size_t>(j)];
       double sum = 0.0;
@@ -275,7 +306,7 @@ void XpbdSolver::solve_constraints(const XpbdTask& task, double h, NewtonState& 
     const double change = next.y[row] - state.constraint_multipliers[row];
     for (std::size_t k = 0; k < of.nodes.size(); ++k)
       state.positions_m.col(of.nodes[k]) -=
-          h * h * change * inverse_masses_.col(of.nodes[k]).cwiseProduct(of.columns.col(static_cast<Eigen::Index>(k)));
+          h * h * change * masses_->whole.col(of.nodes[k]).cwiseProduct(of.columns.col(static_cast<Eigen::Index>(k)));
   }
   state.constraint_multipliers = next.y;
   state.slips_m = task.at_rest ? next.slips_m : Eigen::VectorXd(state.slips_m + next.slips_m);
@@ -283,7 +314,7 @@ void XpbdSolver::solve_constraints(const XpbdTask& task, double h, NewtonState& 
 
 double XpbdSolver::kinetic_energy(const Eigen::Matrix3Xd& velocities_m_s) const {
   // Not of what is held: holds that move bring that themselves.
-  return 0.5 * inverse_masses_.cwiseSign()
+  return 0.5 * masses_->whole.cwiseSign()
                    .cwiseProduct(velocities_m_s.cwiseAbs2())
                    .colwise()
                    .sum()
@@ -344,8 +375,19 @@ void XpbdSolver::add_free_obstacles(const XpbdState& state, XpbdReport& report) 
   report.free_inertia = contact_->free_inertia();
 }
 
+void XpbdSolver::stop(XpbdState& state, bool first, XpbdReport& report) const {
+  const auto& inverse = masses_->whole.array();
+  const double motion = std::sqrt((inverse > 0.0).select(state.velocities_m_s.array().square() / inverse, 0.0).sum());
+  if (first) report.first_motion = motion;
+  report.last_motion = motion;
+  state.velocities_m_s.setZero();
+  state.free_velocities.linear_m_s.setZero();
+  state.free_velocities.angular_rad_s.setZero();
+}
+
 XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   XpbdReport report;
+  masses_ = task.at_rest ? &tables_->resting : &tables_->moving;
   report.substeps = task.substep_count;
   const double h = task.time_step_s / task.substep_count;
   NewtonState& unknowns = state.unknowns;
@@ -356,7 +398,9 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   take_up(state.kept, h, dashpots ? body_.viscosity().rayleigh_stiffness_s / h : 0.0);
   load_multipliers(state.element_forces_n, h);
   contact_.reset();
-  if (task.contact) contact_.emplace(*task.contact, body_, inverse_masses_, unknowns.positions_m, unknowns.contact);
+  if (task.contact)
+    contact_.emplace(*task.contact, body_, masses_->whole, task.at_rest ? tables_->resting_ratio : 1.0,
+                     unknowns.positions_m, unknowns.contact);
   const double from_s = unknowns.contact.time_s;
   for (int substep = 0; substep < task.substep_count; ++substep) {
     const double over = (substep + 1.0) / task.substep_count;
@@ -379,6 +423,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
           contact_->finish(before, unknowns.positions_m, !task.at_rest, unknowns.contact, state.free_velocities));
     add_work(task, motion, unknowns, account);
     if (task.hysteresis) task.hysteresis->follow(unknowns.positions_m, h);
+    if (task.at_rest) stop(state, substep == 0, report);
   }
   save_multipliers(h, state.element_forces_n);
   let_go(state.kept);

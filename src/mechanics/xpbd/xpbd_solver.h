@@ -45,7 +45,8 @@ struct XpbdTask {
   // What the actuators do in a substep, by the share of the step that is over at its end; empty: what they did before.
   std::function<SharedDrives(double)> drives_at;
   SubstepHysteresis* hysteresis = nullptr;  // null: there is none, or a rest state is sought
-  // A rest state is sought: there is no viscosity, and what slips does so from where the search began.
+  // A rest state is sought: nothing swings, substeps are no time (rest_search.h), there is no viscosity, and what slips
+  // does so from where the search began.
   bool at_rest = false;
   const ContactTerm* contact = nullptr;  // null: nothing touches
   double until_s = 0.0;                  // of the motion of obstacles and holds, from ContactState::time_s on
@@ -70,9 +71,15 @@ struct XpbdReport {
   int substeps = 0;               // of the step that was kept
   int sweeps = 0;                 // over all elements, of all attempts
   int rejected_steps = 0;
+  double first_motion = 0.0, last_motion = 0.0;  // towards rest, in the first and in the last substep
   // Where the last substep's inertia led, for its residual.
   Eigen::Matrix3Xd predicted_m;
   std::shared_ptr<const FreeInertia> free_inertia;
+};
+
+// 3 x nodes [1/kg, 1/kg^1/2]; zero where held.
+struct InverseMasses {
+  Eigen::Matrix3Xd whole, root;
 };
 
 // What it works out once about a body and its constraints; solvers in several threads share it.
@@ -84,9 +91,13 @@ struct XpbdTables {
   std::vector<DrivenConstraint> constraints;
   std::vector<SharedLength> shared;
   Eigen::Matrix3Xd loads_n;
-  Eigen::Matrix3Xd inverse_masses, root_inverse_masses;  // 3 x nodes; zero where held
-  std::vector<int> colour_start;                         // first batch of each colour, and the end
+  std::vector<int> colour_start;  // first batch of each colour, and the end
   ElementBatches batches;
+  InverseMasses moving;
+  // Where a rest state is sought any masses do. These are the nodes' stiffness by shear, sum mu w |grad N|^2, times
+  // (1 s)^2, so that elements of all shapes and sizes come to their forces in as many substeps.
+  InverseMasses resting;
+  double resting_ratio;  // of all mass then over that of the body; free obstacles get it too
 };
 
 // The workspace of one thread, which may take others to its help.
@@ -102,6 +113,10 @@ class XpbdSolver {
   // help the finest finite attempt is kept; where none is finite, not even with multipliers from zero, the state stays
   // as it was.
   XpbdReport advance_stably(XpbdTask task, XpbdState& state);
+
+  // What a difference of the nodes' places and of the elements' forces counts on the way to rest, sqrt(M) and
+  // h^2 / sqrt(M).
+  Eigen::VectorXd weights_at_rest(double h) const;
 
   // The multipliers that follow from a shape alone, dE/dx of each element. With zeros in their place the first substep
   // lets go of a body under tension.
@@ -120,6 +135,7 @@ class XpbdSolver {
   void sweep(const XpbdTask& task, double h, const Eigen::Matrix3Xd& start_m, NewtonState& state);
   // `start_m`: where the substep began, for viscosity; null: without any.
   void sweep_elements(double h, NewtonState& state, const Eigen::Matrix3Xd* start_m = nullptr);
+  void stop(XpbdState& state, bool first, XpbdReport& report) const;
   void sweep_constraints(const XpbdTask& task, double h, NewtonState& state);
   void solve_constraints(const XpbdTask& task, double h, NewtonState& state);  // all at once, where friction joins them
   void find_gradients(const NewtonState& state);
@@ -149,7 +165,7 @@ class XpbdSolver {
     return 3 * batches_.nodes[place / 3 * kLanes + lane] + static_cast<int>(place % 3);
   }
   double root_inverse_mass(std::size_t place, int lane) const {
-    return root_inverse_masses_.data()[coordinate(place, lane)];
+    return masses_->root.data()[coordinate(place, lane)];
   }
   template <class Work>
   void for_colours(Work work) const;
@@ -158,7 +174,7 @@ class XpbdSolver {
   const Body& body_;  // these are the tables'
   const std::vector<DrivenConstraint>& constraints_;
   Eigen::Matrix3Xd loads_n_;  // the tables', and what pulls now
-  const Eigen::Matrix3Xd &inverse_masses_, &root_inverse_masses_;
+  const InverseMasses* masses_;
   const std::vector<int>& colour_start_;
   const ElementBatches& batches_;
 

@@ -206,7 +206,7 @@ void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
     };
     move_by_itself(parts, from_s + next * (until_s - from_s), task);
     const XpbdReport done = advance_in_substeps(parts, task, Past(before), report);
-    const bool grows = reached == next && done.last_motion > constants::kMostGrowth * done.first_motion;
+    const bool grows = done.last_motion > constants::kMostGrowth * done.first_motion;
     if (!done.finite || grows) {
       parts.state = before;
       report.converged = false;

@@ -85,6 +85,7 @@ inline constexpr double kRestSubstep_s = 2.0, kLeastRestSubstep_s = 0.1;
 inline constexpr int kGoodRestSteps = 15;
 inline constexpr double kMostGrowth = 10.0;    // of the motion in a step
 inline constexpr std::size_t kRestDepth = 10;  // of the mixing
+inline constexpr double kMixedTooFar = 2.0;    // the way of the next step over that before
 inline constexpr int kPullSteps = 30;          // actuators move by a part of their way
 inline constexpr double kPullOn = 0.1;         // once the residual is below this
 

@@ -155,14 +155,21 @@ struct RestPace {
   void mix(const Eigen::VectorXd& weights, const SimulationState& before, SimulationState& state) {
     Eigen::VectorXd at = numbers_of(before), step = numbers_of(state) - at;
     Eigen::VectorXd residual = weights.cwiseProduct(step.head(weights.size()));
-    if (residual.norm() > 2.0 * last_residual_) mixing.clear();
-    last_residual_ = residual.norm();
+    const double left = residual.norm();
+    if (mixing.size() > 0 && left > constants::kMixedTooFar * left_) {
+      mixing.clear();
+      state = unmixed_;
+      return;
+    }
+    left_ = left;
+    unmixed_ = state;
     take_numbers(mixing.next(std::move(at), std::move(step), std::move(residual)), state);
   }
 
  private:
   int steps_ = 0;
-  double last_residual_ = 0.0;
+  double left_ = 0.0;        // how far the last step went
+  SimulationState unmixed_;  // where it ended
 };
 
 }  // namespace
@@ -195,7 +202,9 @@ void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
   task.substep_count = constants::kRestSweeps;
   stand_still(parts.state);
   RestPace pace;
-  double reached = 0.0, next = 1.0 / constants::kPullSteps;  // of the way of what is moved
+  // Of the way of what is moved.
+  double reached = from != to || until_s > from_s ? 0.0 : 1.0,
+         next = std::min(1.0, reached + 1.0 / constants::kPullSteps);
   while (report.steps < constants::kRestSteps) {
     const SimulationState before = parts.state;
     start.begin_slip(parts.state);

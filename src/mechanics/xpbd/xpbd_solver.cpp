@@ -180,7 +180,8 @@ Eigen::VectorXd XpbdSolver::weights_at_rest(double h) const {
   for (std::size_t place = 0; place < multipliers_.size(); ++place)
     for (int lane = 0; lane < kLanes; ++lane)
       weights[root.size() + static_cast<Eigen::Index>(place) * kLanes + lane] =
-          batches_.element[place / element_size() * kLanes + lane] < 0 ? 0.0 : h * h * root.data()[coordinate(place, lane)];
+          batches_.element[place / element_size() * kLanes + lane] < 0 ? 0.0
+                                                                       : h * h * root.data()[coordinate(place, lane)];
   return weights;
 }
 
@@ -234,8 +235,7 @@ void XpbdSolver::sweep_constraints(const XpbdTask& task, double h, NewtonState& 
     const ConstraintLaw law = law_at(i, state);
     if (law.prescribed()) continue;
     double weight = 0.0;
-    for (const int node : touched_by(i, state))
-      weight += gradient_.col(node).cwiseAbs2().dot(masses_->whole.col(node));
+    for (const int node : touched_by(i, state)) weight += gradient_.col(node).cwiseAbs2().dot(masses_->whole.col(node));
     const double delassus = law.compliance + h * h * weight;
     if (!(delassus > 0.0)) continue;  // rigid between held nodes: nothing can move
     const double next =

@@ -16,6 +16,10 @@
 // on a chain of springs k between masses m beyond h^2 k/m = 2. Neither sweeping to and fro by turns, nor two sweeps,
 // nor a stiffer element, nor keeping a part of the multipliers with their mean changes that.
 //
+// Where a rest state is sought nothing needs to swing. With the velocities at zero in each substep this is the
+// alternating direction method of multipliers (Boyd et al. 2011, doi 10.1561/2200000016), one element after another,
+// with M/h^2 as its penalty. On that chain it goes to rest with substeps of any length.
+//
 // S = I + h^2 M^-1/2 K M^-1/2 is not inverted anew for each element in each sweep; see element_step.h.
 #pragma once
 
@@ -164,9 +168,7 @@ class XpbdSolver {
   int coordinate(std::size_t place, int lane) const {
     return 3 * batches_.nodes[place / 3 * kLanes + lane] + static_cast<int>(place % 3);
   }
-  double root_inverse_mass(std::size_t place, int lane) const {
-    return masses_->root.data()[coordinate(place, lane)];
-  }
+  double root_inverse_mass(std::size_t place, int lane) const { return masses_->root.data()[coordinate(place, lane)]; }
   template <class Work>
   void for_colours(Work work) const;
 

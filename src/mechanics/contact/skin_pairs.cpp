@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "closest_place.h"
 #include "mechanics/mesh/shape_functions.h"
 
 namespace soft_robot_lab {
@@ -27,18 +29,13 @@ constexpr double kAlong = 0.6;       // cosine: faces bend less than to turn suc
 constexpr double kAgainst = 0.2;     // cosine: skin that meets skin faces it at least so much
 constexpr double kOverEdge = 0.01;   // of a face's size: a point so far beyond its edge still meets it
 constexpr double kClearly = 2.0;     // times that: a point so far beyond it does not, however the face bends
-constexpr int kLooksBeside = 3;
 // Of a face's size: behind it by no more a point meets it, whatever nearer skin the point is in front of; and by no
 // more, whatever that is where it does not face the point.
 constexpr double kHeldOver = 1e-3, kDeepBehind = 1e-2;
 constexpr double kMuchNearer = 0.5;  // of the way to the face behind which it is: skin beside which it has come in
-constexpr double kKeptBeyond = 0.1;  // coordinates: so far beyond its edge a face that a point keeps goes on
-constexpr int kStepsBeyond = 3;
-constexpr double kSameWay = 1e-6;     // relative
-constexpr double kJustOn = 1e-6;      // of the same: so high above a face a point may just touch it
-constexpr double kSteepest = 1e3;     // as a tangent: normals of a face that tilt so far may tilt any way
-constexpr double kStillConvex = 0.1;  // of a flat face's determinant
-constexpr int kMostIterations = 12;
+constexpr double kSameWay = 1e-6;    // relative
+constexpr double kJustOn = 1e-6;     // of the same: so high above a face a point may just touch it
+constexpr double kSteepest = 1e3;    // as a tangent: normals of a face that tilt so far may tilt any way
 constexpr std::size_t kMostPairs = 4000000;  // of faces of which it is kept whether they count
 
 // The area vector of a face's corners.
@@ -46,8 +43,6 @@ Eigen::Vector3d corner_normal(const Eigen::MatrixXi& faces, int face, const Eige
   const Eigen::Vector3d a = positions_m.col(faces(0, face));
   return (positions_m.col(faces(1, face)) - a).cross(positions_m.col(faces(2, face)) - a);
 }
-
-using FaceNodes = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 6>;
 
 FaceNodes nodes_of(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
   FaceNodes nodes(3, faces.rows());
@@ -61,14 +56,6 @@ FaceNodes control_points(const FaceNodes& nodes) {
   for (int edge = 0; edge < 3 && nodes.cols() == 6; ++edge)
     points.col(3 + edge) = 2.0 * nodes.col(3 + edge) - 0.5 * (nodes.col(edge) + nodes.col((edge + 1) % 3));
   return points;
-}
-
-Eigen::Vector2d into_triangle(Eigen::Vector2d local) {
-  local = local.cwiseMax(0.0);
-  const double beyond = local.sum() - 1.0;
-  if (beyond > 0.0) local -= Eigen::Vector2d::Constant(0.5 * beyond);
-  local = local.cwiseMax(0.0);
-  return local / std::max(1.0, local.sum());
 }
 
 // Normals of a quadratic face lie between products of its derivatives at corners, of one along r and one along s.
@@ -87,86 +74,6 @@ double largest_tilt(const Eigen::Vector3d& normal, const Eigen::Matrix<double, 3
     }
   }
   return std::sqrt(largest);
-}
-
-// A face as a polynomial of its coordinates, of terms 1, r, s, r^2, r s, s^2.
-class FacePolynomial {
- public:
-  explicit FacePolynomial(const FaceNodes& n) : corner_(n.col(0)), r_(n.col(1) - corner_), s_(n.col(2) - corner_) {
-    rr_.setZero();
-    rs_.setZero();
-    ss_.setZero();
-    if (n.cols() == 3) return;
-    rr_ = 2.0 * (n.col(0) + n.col(1) - 2.0 * n.col(3));
-    rs_ = 4.0 * (n.col(0) - n.col(3) + n.col(4) - n.col(5));
-    ss_ = 2.0 * (n.col(0) + n.col(2) - 2.0 * n.col(5));
-    r_ -= rr_;
-    s_ -= ss_;
-  }
-  Eigen::Vector3d at(double r, double s) const { return corner_ + r * (r_ + r * rr_ + s * rs_) + s * (s_ + s * ss_); }
-  Eigen::Vector3d along_r(double r, double s) const { return r_ + 2.0 * r * rr_ + s * rs_; }
-  Eigen::Vector3d along_s(double r, double s) const { return s_ + r * rs_ + 2.0 * s * ss_; }
-  // Second derivatives along a direction: by r, by s, by both.
-  Eigen::Vector3d bends(const Eigen::Vector3d& along) const {
-    return {2.0 * rr_.dot(along), 2.0 * ss_.dot(along), rs_.dot(along)};
-  }
-
- private:
-  Eigen::Vector3d corner_, r_, s_, rr_, rs_, ss_;
-};
-
-const Eigen::Vector2d kMiddle(1.0 / 3.0, 1.0 / 3.0);
-
-// A step towards the closest place, by Newton's method; by Gauss and Newton's where the distance has no minimum nearby.
-struct StepOnFace {
-  Eigen::Vector2d change;
-  Eigen::Vector3d r, s;  // the face's derivatives where it starts
-
-  StepOnFace(const FacePolynomial& face, const Eigen::Vector3d& point_m, const Eigen::Vector2d& local)
-      : r(face.along_r(local.x(), local.y())), s(face.along_s(local.x(), local.y())) {
-    const Eigen::Vector3d off_m = point_m - face.at(local.x(), local.y());
-    double rr = r.dot(r), rs = r.dot(s), ss = s.dot(s);
-    const double by_r = r.dot(off_m), by_s = s.dot(off_m), flat = rr * ss - rs * rs;
-    const Eigen::Vector3d bends = face.bends(off_m);
-    if ((rr - bends[0]) * (ss - bends[1]) - (rs - bends[2]) * (rs - bends[2]) > kStillConvex * flat && rr > bends[0]) {
-      rr -= bends[0];
-      ss -= bends[1];
-      rs -= bends[2];
-    }
-    const double scale = 1.0 / (rr * ss - rs * rs);
-    change = {scale * (ss * by_r - rs * by_s), scale * (rr * by_s - rs * by_r)};
-  }
-
-  // How far such coordinates are beyond an edge, as if the face went on straight; less how far the step was.
-  double surely_beyond_m(const Eigen::Vector2d& local) const {
-    const double beside_r = -local.x() / s.norm(), beside_s = -local.y() / r.norm();
-    const double across = (local.sum() - 1.0) / (r - s).norm();
-    return r.cross(s).norm() * std::max({beside_r, beside_s, across}) - (change.x() * r + change.y() * s).norm();
-  }
-};
-
-// Coordinates of the closest place, from others on the face.
-Eigen::Vector2d closest(const FacePolynomial& face, const Eigen::Vector3d& point_m, Eigen::Vector2d local = kMiddle) {
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const Eigen::Vector2d next = into_triangle(local + StepOnFace(face, point_m, local).change);
-    const double moved = (next - local).cwiseAbs().maxCoeff();
-    local = next;
-    if (!(moved > 1e-13)) break;
-  }
-  return local;
-}
-
-// The same of a point that is above or below the face; none of one that is clearly more than `most_m` beside it.
-std::optional<Eigen::Vector2d> closest_above(const FacePolynomial& face, const Eigen::Vector3d& point_m,
-                                             double most_m) {
-  Eigen::Vector2d local = kMiddle;
-  for (int iteration = 0; iteration < kLooksBeside; ++iteration) {
-    const StepOnFace step(face, point_m, local);
-    local += step.change;
-    if (local.minCoeff() >= 0.0 && local.sum() <= 1.0) break;
-    if (step.surely_beyond_m(local) > most_m) return std::nullopt;
-  }
-  return closest(face, point_m, into_triangle(local));
 }
 
 // Faces whose boxes overlap, by Bullet.
@@ -308,23 +215,30 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   }
 }
 
-// Boxes first, side by side in memory: most pairs need no closer look.
+// Boxes first, side by side in memory: most pairs need no closer look. Of faces that are in a pair.
 void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
   close_at_m_ = positions_m;
   Eigen::Matrix3Xd low_m(3, faces_.cols()), high_m(3, faces_.cols()), soon_low_m(3, faces_.cols()),
       soon_high_m(3, faces_.cols());
-  for (int face = 0; face < faces_.cols(); ++face) {
+  std::vector<char> has_box(static_cast<std::size_t>(faces_.cols()), 0);
+  const auto make_box = [&](int face) {
+    if (std::exchange(has_box[static_cast<std::size_t>(face)], 1)) return;
     const Present& at = present(face);
     const double wider_m = 6.0 * slack_m_ + turn(face) * deepest_m_[face];
     low_m.col(face) = at.low_m;
     high_m.col(face) = at.high_m;
     soon_low_m.col(face) = at.deep_low_m.array() - wider_m;
     soon_high_m.col(face) = at.deep_high_m.array() + wider_m;
+  };
+  for (std::size_t face = 0; face < near_.size(); ++face) {
+    if (!near_[face].empty()) make_box(same_[face]);
+    for (const int other : near_[face]) make_box(other);
   }
   for (const int face : any_close_) overlaps_[static_cast<std::size_t>(face)].clear();
   any_close_.clear();
   for (std::size_t face = 0; face < near_.size(); ++face) {
     close_[face].clear();
+    if (near_[face].empty()) continue;
     const Eigen::Array3d low = low_m.col(same_[face]), high = high_m.col(same_[face]);
     for (const int other : near_[face])
       if ((soon_low_m.col(other).array() <= high).all() && (low <= soon_high_m.col(other).array()).all() &&
@@ -497,32 +411,26 @@ std::optional<SkinPairs::Meeting> SkinPairs::meeting(int other, const Eigen::Vec
                                                      const Eigen::Vector3d& outward,
                                                      const Eigen::Matrix3Xd& positions_m) const {
   const FacePolynomial face(nodes_of(faces_, other, positions_m));
-  Meeting met;
-  met.face = other;
   const std::optional<Eigen::Vector2d> local = closest_above(face, point_m, kClearly * kOverEdge * sizes_m_[other]);
   if (!local) return std::nullopt;
-  met.local = *local;
-  const double r = met.local.x(), s = met.local.y();
-  met.normal = face.along_r(r, s).cross(face.along_s(r, s)).normalized();
-  if (!met.normal.allFinite() || met.normal.dot(outward) >= -kAgainst * outward.norm()) return std::nullopt;
-  const Eigen::Vector3d off_m = point_m - face.at(r, s);
-  met.gap_m = met.normal.dot(off_m);
-  met.way_m = off_m.norm();
-  const double beyond_edge_m = (off_m - met.gap_m * met.normal).norm();
-  if (std::abs(met.gap_m) > deepest_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other]) return std::nullopt;
-  return met;
+  const SeenPlace place(face, *local, point_m);
+  if (!place.normal.allFinite() || place.normal.dot(outward) >= -kAgainst * outward.norm()) return std::nullopt;
+  const double beyond_edge_m = (place.off_m - place.gap_m * place.normal).norm();
+  if (std::abs(place.gap_m) > deepest_m_[other] || beyond_edge_m > kOverEdge * sizes_m_[other]) return std::nullopt;
+  return Meeting{other, place, place.off_m.norm()};
 }
 
 SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_m) const {
   const FaceNodes nodes = nodes_of(faces_, met.face, positions_m);
-  const FaceShape shape = face_shape(nodes.cols(), met.local.x(), met.local.y());
+  const Eigen::Vector2d& local = met.place.local;
+  const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
   const Eigen::Matrix<double, 3, 2> tangents = nodes * shape.slopes.transpose();
   SkinGap gap;
-  gap.gap_m = met.gap_m;
-  gap.normal = met.normal;
+  gap.gap_m = met.place.gap_m;
+  gap.normal = met.place.normal;
   gap.at.face = met.face;
-  gap.at.r = met.local.x();
-  gap.at.s = met.local.y();
+  gap.at.r = local.x();
+  gap.at.s = local.y();
   gap.at.shape.head(nodes.cols()) = shape.values;
   gap.at.slopes.topRows(nodes.cols()) = shape.slopes.transpose();
   gap.at.above_m = gap.gap_m;
@@ -569,11 +477,11 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
   std::iter_swap(candidates_.begin(), nearest);
   std::optional<Meeting> best;
   for (const Candidate& other : candidates_) {
-    if (best && !meets_within(other, std::abs(best->gap_m))) continue;
+    if (best && !meets_within(other, std::abs(best->place.gap_m))) continue;
     const std::optional<Meeting> met = meeting(other.face, point_m, outward, positions_m);
-    if (met && (!best || std::abs(met->gap_m) < std::abs(best->gap_m))) best = met;
+    if (met && (!best || std::abs(met->place.gap_m) < std::abs(best->place.gap_m))) best = met;
   }
-  if (!best || (!outside_too && best->gap_m > kJustOn * sizes_m_[best->face])) return std::nullopt;
+  if (!best || (!outside_too && best->place.gap_m > kJustOn * sizes_m_[best->face])) return std::nullopt;
   if (comes_from_elsewhere(face, *best, point_m, outward, positions_m)) return std::nullopt;
   return gap_at(*best, positions_m);
 }
@@ -581,7 +489,7 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
 // How deep it is behind a face says something only where it has come through that.
 bool SkinPairs::comes_from_elsewhere(int face, const Meeting& behind, const Eigen::Vector3d& point_m,
                                      const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const {
-  if (behind.gap_m >= -kHeldOver * sizes_m_[behind.face]) return false;
+  if (behind.place.gap_m >= -kHeldOver * sizes_m_[behind.face]) return false;
   const std::vector<int>& others = in_reach_of(face);
   return std::any_of(others.begin(), others.end(), [&](int other) {
     return other != behind.face && body_of(other) == body_of(behind.face) &&
@@ -594,33 +502,23 @@ bool SkinPairs::is_outside(int other, const Meeting& behind, const Eigen::Vector
                            const Eigen::Vector3d& outward, const Eigen::Matrix3Xd& positions_m) const {
   if (candidate(other, point_m).least_m > behind.way_m) return false;
   const FacePolynomial skin(nodes_of(faces_, other, positions_m));
-  const Eigen::Vector2d at = closest(skin, point_m);
-  const Eigen::Vector3d off_m = point_m - skin.at(at.x(), at.y());
-  const double way_m = off_m.norm();
+  const SeenPlace place(skin, closest(skin, point_m), point_m);
+  const double way_m = place.off_m.norm();
   if (way_m > (1.0 + kSameWay) * behind.way_m) return false;
-  const Eigen::Vector3d normal = skin.along_r(at.x(), at.y()).cross(skin.along_s(at.x(), at.y())).normalized();
-  const double along = normal.dot(outward) / outward.norm();
+  const double along = place.normal.dot(outward) / outward.norm();
   const bool on_shared_edge = way_m > (1.0 - kSameWay) * behind.way_m;
-  const bool in_front = normal.dot(off_m) > (on_shared_edge ? -behind.gap_m : 0.0);
+  const bool in_front = place.gap_m > (on_shared_edge ? -behind.place.gap_m : 0.0);
   if (in_front && along < -kAgainst) return true;
   const bool beside = along >= -kAgainst && along < kAlong && way_m < kMuchNearer * behind.way_m;
-  return behind.gap_m < -kDeepBehind * sizes_m_[behind.face] && (in_front || beside);
+  return behind.place.gap_m < -kDeepBehind * sizes_m_[behind.face] && (in_front || beside);
 }
 
 std::optional<SkinGap> SkinPairs::meet_again(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                              const Eigen::Matrix3Xd& positions_m) const {
   const FacePolynomial face(nodes_of(faces_, other, positions_m));
-  Meeting met;
-  met.face = other;
-  met.local = closest(face, point_m);
-  for (int step = 0; step < kStepsBeyond; ++step) met.local += StepOnFace(face, point_m, met.local).change;
-  const double r = met.local.x(), s = met.local.y();
-  if (!(std::max({-r, -s, r + s - 1.0}) <= kKeptBeyond)) return std::nullopt;
-  met.normal = face.along_r(r, s).cross(face.along_s(r, s)).normalized();
-  if (!met.normal.allFinite() || met.normal.dot(outward) >= 0.0) return std::nullopt;
-  met.gap_m = met.normal.dot(point_m - face.at(r, s));
-  if (std::abs(met.gap_m) > deepest_m_[other]) return std::nullopt;
-  return gap_at(met, positions_m);
+  const std::optional<SeenPlace> place = closest_beyond(face, point_m, closest(face, point_m));
+  if (!place || place->normal.dot(outward) >= 0.0 || std::abs(place->gap_m) > deepest_m_[other]) return std::nullopt;
+  return gap_at({other, *place, place->off_m.norm()}, positions_m);
 }
 
 std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,

@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 
+#include "closest_place.h"
 #include "contact_points.h"
 #include "soft_robot_lab/mechanics/body.h"
 
@@ -151,10 +152,9 @@ class SkinPairs {
   // False where one look shows that a point with this normal does not meet the face.
   bool may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
   struct Meeting {
-    int face = -1;
-    double gap_m = 0.0, way_m = 0.0;  // along its normal, and to the place met
-    Eigen::Vector2d local;            // coordinates on it
-    Eigen::Vector3d normal;
+    int face;
+    SeenPlace place;
+    double way_m;  // to where the face is closest
   };
   // Whether a point of this face is behind another, but outside by skin that is nearer: as in front of the other side
   // of a wedge.

@@ -41,6 +41,14 @@ struct ContactSums {
   RigidTouches rigid;
 };
 
+// What stands at the limit of friction: points of the skin, and after these obstacles among themselves.
+struct TouchesAtLimit {
+  std::vector<ContactTouch> points;
+  RigidTouches rigid;
+
+  Eigen::Index count() const { return static_cast<Eigen::Index>(points.size() + rigid.size()); }
+};
+
 class ContactTerm {
  public:
   explicit ContactTerm(const Body& body);
@@ -102,17 +110,18 @@ class ContactTerm {
   // that this leaves where the motion begins.
   std::vector<ContactTouch> met_by(const Eigen::Matrix3Xd& motion_m, const ContactSums& end,
                                    const std::vector<ContactTouch>& known) const;
-  // Of a touch at the limit of friction. What the residual gains where slip takes a unit [Pa] off the tie's traction;
-  // and by how much a motion of the nodes takes that traction beyond its limit, which follows the pressure [Pa].
-  void add_slip(const ContactTouch& touch, Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const;
-  double beyond_limit_pa(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
-                         const FreeColumns& free_motion) const;
-  double limit_n(const ContactTouch& touch) const { return weight_m2(touch.pair) * touch.friction.limit_pa; }
-  // A tie's traction turns with the surface of an obstacle that is not flat: what the matrix, which is symmetric,
+  // Of touches at the limit of friction. What the residual gains where one of them slips by a metre; and by how much a
+  // motion takes the tie of each beyond its limit, which follows the pressure, as a way of slip.
+  void add_slip(const TouchesAtLimit& all, Eigen::Index one, Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const;
+  Eigen::VectorXd beyond_limits_m(const TouchesAtLimit& all, const Eigen::Matrix3Xd& motion_m,
+                                  const FreeColumns& free_motion) const;
+  Eigen::VectorXd limits_n(const TouchesAtLimit& all) const;
+  // Ties turn with a surface that is not flat, or that moves, and obstacles roll: what the matrix, which is symmetric,
   // lacks.
-  bool any_turns(const std::vector<ContactTouch>& touches) const;
-  void add_turned_ties(const std::vector<ContactTouch>& touches, const Eigen::Matrix3Xd& motion_m,
-                       const FreeColumns& free_motion, Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const;
+  bool any_turns(const std::vector<ContactTouch>& touches, const RigidTouches& rigid) const;
+  void add_turned_ties(const std::vector<ContactTouch>& touches, const RigidTouches& rigid,
+                       const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion, Eigen::Matrix3Xd& residual_n,
+                       FreeColumns& free_n) const;
 
   // Of touches that are `held`: what the residual lacks for that.
   void add_beyond(const std::vector<ContactTouch>& touches, Eigen::Matrix3Xd& residual_n, FreeColumns& free) const;
@@ -166,8 +175,13 @@ class ContactTerm {
   // How a point moves against what it touches.
   Eigen::Vector3d relative_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
                                     const FreeColumns& free_motion) const;
-  Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
-                                const FreeColumns& free_motion) const;  // of ContactTouch::away_m
+  // Of ContactTouch::away_m, by that and the rest.
+  Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
+                                const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const;
+  double beyond_limit_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                        const FreeColumns& free_motion) const;
+  void add_turned_tie(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion,
+                      Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const;
   static void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces);
 
   std::vector<Obstacle> obstacles_;

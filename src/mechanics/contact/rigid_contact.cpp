@@ -57,7 +57,11 @@ Vector3d way_of_free(int free, const Vector3d& arm_m, const ContactState& state)
          turned_rad(state.free_before.turns.col(free), state.free.turns.col(free)).cross(arm_m);
 }
 
-// How a point of a free obstacle follows its columns.
+// How a point of a free obstacle moves with it; and follows its columns.
+Vector3d way_at(int free, const Vector3d& arm_m, const FreeColumns& motion) {
+  return motion.col(2 * free) + Vector3d(motion.col(2 * free + 1)).cross(arm_m);
+}
+
 Eigen::Matrix<double, 3, 6> follow(const Vector3d& arm_m) {
   Eigen::Matrix<double, 3, 6> follow;
   follow.leftCols<3>().setIdentity();
@@ -107,6 +111,7 @@ RigidTouch RigidContact::touch(std::size_t index, const ContactState& state) con
   const Vector3d center_m = own * pair.point.position_m;
   const Gap gap = gap_to(obstacles_[static_cast<std::size_t>(pair.other)].shape, others, center_m);
   RigidTouch touch;
+  touch.pair = static_cast<int>(index);
   touch.gap_m = gap.gap_m - pair.point.radius_m;
   touch.force_n = state.rigid_forces_n[column];
   touch.closed = law(pair).closed(touch.gap_m, touch.force_n);
@@ -141,11 +146,8 @@ double RigidContact::mismatch(const RigidTouches& at) const {
 }
 
 Vector3d RigidContact::relative_motion_m(const Pair& pair, const RigidTouch& touch, const FreeColumns& motion) const {
-  const auto of = [&](int free, const Vector3d& arm_m) {
-    return Vector3d(motion.col(2 * free) + Vector3d(motion.col(2 * free + 1)).cross(arm_m));
-  };
-  Vector3d way_m = of(pair.free, touch.arm_m);
-  if (pair.other_free >= 0) way_m -= of(pair.other_free, touch.other_arm_m);
+  Vector3d way_m = way_at(pair.free, touch.arm_m, motion);
+  if (pair.other_free >= 0) way_m -= way_at(pair.other_free, touch.other_arm_m, motion);
   return way_m;
 }
 
@@ -192,6 +194,52 @@ void RigidContact::add_hessian(const RigidTouches& at, bool convex, Eigen::Matri
     way.middleCols<6>(6 * pair.free) = follow(touch.arm_m);
     if (pair.other_free >= 0) way.middleCols<6>(6 * pair.other_free) = -follow(touch.other_arm_m);
     matrix += way.transpose() * block * way;
+  }
+}
+
+Vector3d RigidContact::normal_motion(const Pair& pair, const RigidTouch& touch, const FreeColumns& motion) const {
+  const Vector3d to_ball_m = pair.point.radius_m * touch.normal;
+  Vector3d way_m = way_at(pair.free, touch.arm_m + to_ball_m, motion);
+  if (pair.other_free < 0) return touch.bend * way_m;
+  way_m -= way_at(pair.other_free, touch.other_arm_m + to_ball_m, motion);
+  return touch.bend * way_m + Vector3d(motion.col(2 * pair.other_free + 1)).cross(touch.normal);
+}
+
+Vector3d RigidContact::along_motion_m(const Pair& pair, const RigidTouch& touch, const FreeColumns& motion) const {
+  const Vector3d turn = normal_motion(pair, touch, motion);
+  return touch.along(relative_motion_m(pair, touch, motion)) - touch.normal * turn.dot(touch.off_m) -
+         turn * touch.normal.dot(touch.off_m);
+}
+
+void RigidContact::add_slip(const RigidTouch& touch, FreeColumns& residual) const {
+  const Vector3d way = touch.along(touch.off_m).normalized();
+  add_at(pairs_[static_cast<std::size_t>(touch.pair)], touch, -way / touch.friction.compliance_m_pa, residual);
+}
+
+double RigidContact::beyond_limit_m(const RigidTouch& touch, const FreeColumns& motion) const {
+  const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
+  const double closing_m = touch.normal.dot(relative_motion_m(pair, touch, motion));
+  return touch.along(touch.off_m).normalized().dot(along_motion_m(pair, touch, motion)) +
+         pair.friction * touch.friction.compliance_m_pa / law(pair).compliance_m_pa * closing_m;
+}
+
+// The normal turns as the ball rolls and the other turns, the tie with it, and the place moves against both centres.
+void RigidContact::add_turned(const RigidTouches& at, const FreeColumns& motion, FreeColumns& residual) const {
+  for (const RigidTouch& touch : at) {
+    if (!touch.closed) continue;
+    const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
+    const Vector3d relative_m = relative_motion_m(pair, touch, motion), turn = normal_motion(pair, touch, motion);
+    Vector3d more_n = touch.force_n * (touch.bend * relative_m - turn);
+    if (touch.rubs())
+      more_n += along_motion_m(pair, touch, motion) / touch.friction.compliance_m_pa -
+                touch.friction.stiffness_pa_m(touch.along(touch.off_m), touch.normal) * relative_m;
+    add_at(pair, touch, more_n, residual);
+    const Vector3d force_n = touch.traction_n() - touch.force_n * touch.normal;
+    const Vector3d moves_m =
+        way_at(pair.free, touch.arm_m + pair.point.radius_m * touch.normal, motion) - pair.point.radius_m * turn;
+    residual.col(2 * pair.free + 1) += (moves_m - motion.col(2 * pair.free)).cross(force_n);
+    if (pair.other_free >= 0)
+      residual.col(2 * pair.other_free + 1) -= (moves_m - motion.col(2 * pair.other_free)).cross(force_n);
   }
 }
 

@@ -27,16 +27,18 @@ struct RoundedPoint {
 std::vector<RoundedPoint> rounded_points(const ObstacleShape& shape);
 
 struct RigidTouch {
+  int pair = 0;
   bool closed = false;
   double gap_m = 0.0, force_n = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();      // of the other, towards the free one
-  Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();        // second derivative of the gap
+  Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();        // second derivative of the gap, by the ball's centre
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // where they touch
   Eigen::Vector3d arm_m = Eigen::Vector3d::Zero(), other_arm_m = Eigen::Vector3d::Zero();  // from their centres
   FrictionLaw friction{0.0, -1.0};                                                         // per force
   Eigen::Vector3d off_m = Eigen::Vector3d::Zero();                                         // of the tie
 
   bool rubs() const { return friction.limit_pa >= 0.0; }
+  bool at_limit() const { return closed && friction.limit_pa > 0.0 && friction.at_limit(along(off_m)); }
   Eigen::Vector3d along(const Eigen::Vector3d& way_m) const { return way_m - normal * normal.dot(way_m); }
   Eigen::Vector3d traction_n() const { return rubs() ? friction.traction_pa(along(off_m)) : Eigen::Vector3d::Zero(); }
 };
@@ -61,6 +63,11 @@ class RigidContact {
   void add_mismatch_forces(const RigidTouches& linearised, const RigidTouches& here, FreeColumns& residual) const;
   void add_beyond(const RigidTouches& at, FreeColumns& residual) const;
   void add_hessian(const RigidTouches& at, bool convex, Eigen::MatrixXd& matrix) const;  // over the free columns
+
+  // As ContactTerm's, of one at the limit of friction; and what the matrix of all lacks of their derivatives at rest.
+  void add_slip(const RigidTouch& touch, FreeColumns& residual) const;
+  double beyond_limit_m(const RigidTouch& touch, const FreeColumns& motion) const;
+  void add_turned(const RigidTouches& at, const FreeColumns& motion, FreeColumns& residual) const;
   static bool same_set(const RigidTouches& a, const RigidTouches& b);
 
   // As ContactTerm's.
@@ -92,6 +99,9 @@ class RigidContact {
   Eigen::Isometry3d pose(int obstacle, const FreePoses& poses, double time_s) const;
   RigidTouch touch(std::size_t index, const ContactState& state) const;
   Eigen::Vector3d relative_motion_m(const Pair& pair, const RigidTouch& touch, const FreeColumns& motion) const;
+  // How the normal turns, and RigidTouch::off_m changes along the surface, where nothing has moved since the last step.
+  Eigen::Vector3d normal_motion(const Pair& pair, const RigidTouch& touch, const FreeColumns& motion) const;
+  Eigen::Vector3d along_motion_m(const Pair& pair, const RigidTouch& touch, const FreeColumns& motion) const;
   void add_at(const Pair& pair, const RigidTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces) const;
 
   std::vector<Obstacle> obstacles_;

@@ -136,6 +136,12 @@ bool SkinContact::far_from_law(const ContactTouch& touch) const {
   return std::abs(law(point).mismatch_m(touch.gap_m, touch.pressure_pa)) > kFarFromLaw * points_.face_size_m(point);
 }
 
+Eigen::MatrixXd SkinContact::turned(const ContactTouch& touch, const Eigen::MatrixXd& turn,
+                                    const Eigen::MatrixXd& local) {
+  const Eigen::MatrixXd turned = turn.transpose() * local, tilts = touch.met.dual_per_m * turn;
+  return turned + turned.transpose() + touch.met.above_m * tilts.transpose() * tilts;
+}
+
 Eigen::MatrixXd SkinContact::hessian(const ContactTouch& touch, bool convex, bool soft) const {
   const int nodes = points_.nodes_per_face(), point = point_of(touch);
   const NormalLaw normal = law(point);
@@ -155,8 +161,7 @@ Eigen::MatrixXd SkinContact::hessian(const ContactTouch& touch, bool convex, boo
   if (touch.rubs()) tie += weight_m2 * touch.friction.stiffness_pa_m(touch.away_m, touch.normal);
   if (!convex && !far_from_law(touch)) {
     const double push_n = weight_m2 * touch.pressure_pa;
-    const Eigen::MatrixXd turned = turn.transpose() * local, tilts = touch.met.dual_per_m * turn;
-    sum += push_n * (turned + turned.transpose() + touch.met.above_m * tilts.transpose() * tilts);
+    sum += push_n * turned(touch, turn, local);
     tie += push_n * touch.bend;
   }
   for (int a = 0; a < 2 * nodes; ++a)
@@ -197,16 +202,17 @@ Eigen::Vector2d SkinContact::tilt(const ContactTouch& touch, const Eigen::Matrix
 }
 
 // As the normal turns: dn = -dual n.(slopes dx) - bend d(x - y).
-Eigen::Vector3d SkinContact::away_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const {
-  const Eigen::Vector3d turn = -touch.met.dual_per_m * tilt(touch, motion_m) - touch.bend * relative_m(touch, motion_m);
+Eigen::Vector3d SkinContact::away_motion_m(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
+                                           const Eigen::Matrix3Xd& motion_m) const {
+  const Eigen::Vector3d turn = -touch.met.dual_per_m * tilt(touch, motion_m) - touch.bend * relative_m;
   const Eigen::Vector3d way_m = points_.at(point_of(touch), motion_m) - at_anchor(touch.anchored_at, motion_m);
   return touch.along_surface(way_m, turn);
 }
 
-void SkinContact::add_back_moved(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
-                                 const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const {
-  const Eigen::Vector3d along_m =
-      relative_m(touch, motion_m) + touch.met.above_m * touch.met.dual_per_m * tilt(touch, motion_m);
+void SkinContact::add_back_moved(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
+                                 const Eigen::Matrix3Xd& motion_m, const Eigen::Vector3d& force_n,
+                                 Eigen::Matrix3Xd& forces_n) const {
+  const Eigen::Vector3d along_m = relative_m + touch.met.above_m * touch.met.dual_per_m * tilt(touch, motion_m);
   const Eigen::Vector2d along = touch.met.dual_per_m.transpose() * along_m;
   for (int a = 0; a < points_.nodes_per_face(); ++a)
     forces_n.col(pairs_.node(touch.met.face, a)) -= touch.met.slopes.row(a).dot(along) * force_n;

@@ -71,15 +71,19 @@ class SkinContact {
   // led too deep, what turns with the skin is left out: such pressures would make the matrix indefinite.
   Eigen::MatrixXd hessian(const ContactTouch& touch, bool convex, bool soft) const;
   bool far_from_law(const ContactTouch& touch) const;
+  // Of it, per push, what comes of the normal that turns: by how columns turn it and move the place, in coordinates.
+  static Eigen::MatrixXd turned(const ContactTouch& touch, const Eigen::MatrixXd& turn, const Eigen::MatrixXd& local);
 
   SkinGradient gradient(const ContactTouch& touch) const;
   // Of the point and the place that it meets, by what the nodes' columns say of both.
   Eigen::Vector3d relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const;
   void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
-  // How a motion of the nodes changes ContactTouch::away_m, and add_back() of a force, whose place on the skin moves.
-  Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m) const;
-  void add_back_moved(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m, const Eigen::Vector3d& force_n,
-                      Eigen::Matrix3Xd& forces_n) const;
+  // How a motion of the nodes, by which point and place move so against each other, changes ContactTouch::away_m, and
+  // add_back() of a force, whose place on the skin moves.
+  Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
+                                const Eigen::Matrix3Xd& motion_m) const;
+  void add_back_moved(const ContactTouch& touch, const Eigen::Vector3d& relative_m, const Eigen::Matrix3Xd& motion_m,
+                      const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
 
   // How much of this step may be taken at first: where skin is carried so deep into skin that it might not be seen any
   // more, or come out on the other side, only a part of it.

@@ -84,8 +84,9 @@ Eigen::MatrixXd FreeBorder::motions(const Eigen::MatrixXd& free_loads, const Eig
   return inverse_ * (free_loads - solved_.transpose() * nodal_loads);
 }
 
-void FreeBorder::complete(const Eigen::MatrixXd& nodal_loads, Eigen::MatrixXd& motions) const {
-  if (!empty()) motions += solved_ * (inverse_ * (solved_.transpose() * nodal_loads));
+void FreeBorder::complete(const Eigen::MatrixXd& nodal_loads, Eigen::MatrixXd& of_nodes) const {
+  if (empty()) return;
+  of_nodes -= solved_ * motions(Eigen::MatrixXd::Zero(inverse_.rows(), nodal_loads.cols()), nodal_loads);
 }
 
 Eigen::MatrixXd FreeBorder::nodal_motions(const Eigen::MatrixXd& free_loads) const {

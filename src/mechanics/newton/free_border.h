@@ -49,7 +49,7 @@ class FreeBorder {
   FreeColumns motion(const FreeColumns& free_load, const Eigen::VectorXd& nodal_load) const;
   Eigen::MatrixXd motions(const Eigen::MatrixXd& free_loads, const Eigen::MatrixXd& nodal_loads) const;
   // From A^-1 r to dx where f = 0; what f adds to dx.
-  void complete(const Eigen::MatrixXd& nodal_loads, Eigen::MatrixXd& motions) const;
+  void complete(const Eigen::MatrixXd& nodal_loads, Eigen::MatrixXd& of_nodes) const;
   Eigen::MatrixXd nodal_motions(const Eigen::MatrixXd& free_loads) const;
   // B dq.
   Eigen::MatrixXd nodal_forces(const Eigen::MatrixXd& free_motions) const { return border_ * free_motions; }

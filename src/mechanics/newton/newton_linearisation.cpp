@@ -26,7 +26,8 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
     }
     for (RigidTouch& touch : rigid_touches_) {
       touch.friction.secant = slip == Slip::secant;
-      touch.friction.held = slip == Slip::stuck && touch.closed && touch.friction.limit_pa > 0.0;
+      touch.friction.held = slip == Slip::held && touch.at_limit();
+      if (slip == Slip::stuck) touch.friction.held = touch.closed && touch.friction.limit_pa > 0.0;
     }
   }
   if (!add_rest_and_factorise(state, inertia_per_s2, convex)) return false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 
 #include <Eigen/LU>
@@ -35,7 +36,7 @@ NewtonSolver::ExactMotions NewtonSolver::exact_forces_n(const ExactMotions& moti
         nodal_n.col(layout_.ties[point][k]) +=
             layout_.tie_coefficients[point][k] * pulls_n.col(layout_.node_count + point);
     FreeColumns free = FreeColumns::Zero(3, free_rows / 3);
-    contact_.add_turned_ties(touches_, all.leftCols(layout_.node_count),
+    contact_.add_turned_ties(touches_, rigid_touches_, all.leftCols(layout_.node_count),
                              motions.free.col(column).reshaped(3, free_rows / 3), nodal_n, free);
     release(nodal_n);
     forces.motions_m.col(column) = as_vector(nodal_n);
@@ -57,7 +58,7 @@ NewtonSolver::ExactMotions NewtonSolver::solve_exactly(const Eigen::MatrixXd& lo
     return motions;
   };
   ExactMotions motions = solved(loads_n, on_free);
-  if (layout_.point_count == 0 && !contact_.any_turns(touches_)) return motions;
+  if (layout_.point_count == 0 && !contact_.any_turns(touches_, rigid_touches_)) return motions;
   double left_before = loads_n.norm() + on_free.norm();
   Eigen::MatrixXd free_sum = on_free;
   for (int i = 0; i < constants::kRefinements; ++i) {
@@ -77,8 +78,10 @@ NewtonSolver::ExactMotions NewtonSolver::solve_exactly(const Eigen::MatrixXd& lo
 }
 
 bool NewtonSolver::linearise_held(const NewtonState& state) {
-  std::vector<ContactTouch> touches = contact_.sums(state.positions_m, state.contact).touches;
-  if (std::none_of(touches.begin(), touches.end(), [](const ContactTouch& touch) { return touch.at_limit(); }))
+  const ContactSums sums = contact_.sums(state.positions_m, state.contact);
+  const auto at_limit = [](const auto& touch) { return touch.at_limit(); };
+  if (std::none_of(sums.touches.begin(), sums.touches.end(), at_limit) &&
+      std::none_of(sums.rigid.begin(), sums.rigid.end(), at_limit))
     return has_factor_at(state, 0.0, nullptr) || linearise(state, 0.0, nullptr, false);
   return linearise(state, 0.0, nullptr, false, Slip::held);
 }
@@ -92,8 +95,8 @@ MultiplierProblem NewtonSolver::problem_at(const NewtonState& state, const Eigen
   return problem;
 }
 
-NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const std::vector<ContactTouch>& at_limit) const {
-  const Eigen::Index columns = drive.offsets.cols(), slips = static_cast<Eigen::Index>(at_limit.size());
+NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const TouchesAtLimit& at_limit) const {
+  const Eigen::Index columns = drive.offsets.cols(), slips = at_limit.count();
   const auto widened = [&](const Eigen::MatrixXd& given, Eigen::Index rows) {
     Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(rows, columns + slips);
     if (given.size() > 0) wide.leftCols(columns) = given;
@@ -107,7 +110,7 @@ NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const std::vector
   for (Eigen::Index i = 0; i < slips; ++i) {
     force_n.setZero();
     free.setZero();
-    contact_.add_slip(at_limit[static_cast<std::size_t>(i)], force_n, free);
+    contact_.add_slip(at_limit, i, force_n, free);
     release(force_n);
     wide.forces_n.col(columns + i) = as_vector(force_n);
     wide.free_forces.col(columns + i) = free.reshaped();
@@ -119,32 +122,29 @@ NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const std::vector
 // together are a linear complementarity problem.
 NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive& drive) {
   if (!linearise_held(state)) return {};
-  std::vector<ContactTouch> at_limit;
-  for (const ContactTouch& touch : touches_)
-    if (touch.friction.held) at_limit.push_back(touch);
-  if (at_limit.empty()) return respond_held(state, drive);
+  TouchesAtLimit at_limit;
+  const auto held = [](const auto& touch) { return touch.friction.held; };
+  std::copy_if(touches_.begin(), touches_.end(), std::back_inserter(at_limit.points), held);
+  std::copy_if(rigid_touches_.begin(), rigid_touches_.end(), std::back_inserter(at_limit.rigid), held);
+  if (at_limit.count() == 0) return respond_held(state, drive);
   NewtonResponse all = respond_held(state, with_slips(drive, at_limit));
   if (!all.stable) return {};
-  const Eigen::Index columns = drive.offsets.cols(), slips = static_cast<Eigen::Index>(at_limit.size());
-  Eigen::MatrixXd beyond_pa(slips, columns + slips);
-  Eigen::VectorXd pull_n(slips);
-  for (Eigen::Index i = 0; i < slips; ++i) {
-    const ContactTouch& touch = at_limit[static_cast<std::size_t>(i)];
-    for (Eigen::Index column = 0; column < beyond_pa.cols(); ++column)
-      beyond_pa(i, column) = contact_.beyond_limit_pa(
-          touch, Eigen::Map<const Eigen::Matrix3Xd>(all.motions_m.col(column).data(), 3, layout_.node_count),
-          all.free_motions.col(column).reshaped(3, all.free_motions.rows() / 3));
-    pull_n[i] = contact_.limit_n(touch);
-  }
-  const Eigen::MatrixXd coupling = beyond_pa.rightCols(slips);
-  const Eigen::MatrixXd going_on = slips_of_all(coupling, beyond_pa.leftCols(columns));
-  Eigen::MatrixXd rates_pa(slips, columns);
+  const Eigen::Index columns = drive.offsets.cols(), slips = at_limit.count();
+  Eigen::MatrixXd beyond_m(slips, columns + slips);
+  for (Eigen::Index column = 0; column < beyond_m.cols(); ++column)
+    beyond_m.col(column) = contact_.beyond_limits_m(
+        at_limit, Eigen::Map<const Eigen::Matrix3Xd>(all.motions_m.col(column).data(), 3, layout_.node_count),
+        all.free_motions.col(column).reshaped(3, all.free_motions.rows() / 3));
+  const Eigen::VectorXd pull_n = contact_.limits_n(at_limit);
+  const Eigen::MatrixXd coupling = beyond_m.rightCols(slips);
+  const Eigen::MatrixXd going_on = slips_of_all(coupling, beyond_m.leftCols(columns));
+  Eigen::MatrixXd rates_m(slips, columns);
   for (Eigen::Index column = 0; column < columns; ++column) {
     const double way = pull_n.dot(going_on.col(column)) < 0.0 ? -1.0 : 1.0;
-    rates_pa.col(column) = way * slip_rates(coupling, way * beyond_pa.col(column));
+    rates_m.col(column) = way * slip_rates(coupling, way * beyond_m.col(column));
   }
   const auto together = [&](const Eigen::MatrixXd& of) -> Eigen::MatrixXd {
-    return of.leftCols(columns) + of.rightCols(slips) * rates_pa;
+    return of.leftCols(columns) + of.rightCols(slips) * rates_m;
   };
   return {true,
           together(all.motions_m),

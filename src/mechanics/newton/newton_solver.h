@@ -247,7 +247,7 @@ class NewtonSolver {
   bool linearise_held(const NewtonState& state);  // at rest, where all that is at the limit of friction sticks
   MultiplierProblem problem_at(const NewtonState& state, const Eigen::MatrixXd& border_solved) const;
   NewtonResponse respond_held(const NewtonState& state, const NewtonDrive& drive) const;  // by that matrix
-  NewtonDrive with_slips(const NewtonDrive& drive, const std::vector<ContactTouch>& at_limit) const;
+  NewtonDrive with_slips(const NewtonDrive& drive, const TouchesAtLimit& at_limit) const;
   bool add_rest_and_factorise(const NewtonState& state, double inertia_per_s2,
                               bool convex);  // what is not of the elements
   bool factorise(bool convex);               // with skin on skin

@@ -116,7 +116,6 @@ ReducedSkin::Touch ReducedSkin::touch_of(Eigen::Index place, const ContactTouch&
   return touch;
 }
 
-// As in SkinContact::hessian.
 Eigen::MatrixXd ReducedSkin::hessian(const std::vector<Touch>& touches) const {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(modes_.cols(), modes_.cols());
   for (const Touch& touch : touches) {
@@ -125,10 +124,11 @@ Eigen::MatrixXd ReducedSkin::hessian(const std::vector<Touch>& touches) const {
     for (int a = 0; a < skin_.points().nodes_per_face(); ++a)
       turn += touch.found.met.slopes.row(a).transpose() *
               (touch.found.normal.transpose() * motion_of(skin_.pairs().node(touch.found.met.face, a)));
-    const Eigen::MatrixXd turned = turn.transpose() * (touch.found.met.dual_per_m.transpose() * touch.relative);
+    const Eigen::MatrixXd local = touch.found.met.dual_per_m.transpose() * touch.relative;
     const int point = points_[static_cast<std::size_t>(touch.place)];
     sum += touch.found.pressure_pa * skin_.points().weight_m2(point) *
-           (turned + turned.transpose() + touch.relative.transpose() * touch.found.bend * touch.relative);
+           (SkinContact::turned(touch.found, turn, local) +
+            touch.relative.transpose() * touch.found.bend * touch.relative);
   }
   return sum;
 }

@@ -38,20 +38,31 @@ TEST(ContactSensitivity, FollowsThePostAsDifferencesDo) {
   EXPECT_LT((exact - measured).norm(), 1e-5 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
 }
 
-// Of the tip, by the cable's command where that changes so. Returns how far off it is where that changes back.
-Eigen::Vector3d expect_as_differences(Simulation& simulation, double command, double change) {
-  const Eigen::Vector3d exact = simulation.marker_sensitivities(), here_m = simulation.marker_position(0);
+// Of the tip, by the cable's command, from a state of rest on.
+struct TipSlope {
+  Simulation& simulation;
+  double command;
   SimulationState start = simulation.state();
-  start.linearisation = nullptr;
-  const auto slope_m = [&](double by) -> Eigen::Vector3d {
+  Eigen::Vector3d here_m = simulation.marker_position(0), exact = simulation.marker_sensitivities();
+
+  Eigen::Vector3d measured(double by) {
+    start.linearisation = nullptr;
     simulation.set_state(start);
     simulation.set_command("cable", command + by);
     EXPECT_TRUE(simulation.solve_equilibrium().converged);
     return (simulation.marker_position(0) - here_m) / by;
-  };
-  const Eigen::Vector3d measured = 2.0 * slope_m(change) - slope_m(2.0 * change);
-  EXPECT_LT((exact - measured).norm(), 1e-5 * measured.norm()) << exact.transpose() << " / " << measured.transpose();
-  return exact - slope_m(-change);
+  }
+  void expect_as_differences(double change) {
+    const Eigen::Vector3d slope_m = 2.0 * measured(change) - measured(2.0 * change);
+    EXPECT_LT((exact - slope_m).norm(), 1e-5 * slope_m.norm()) << exact.transpose() << " / " << slope_m.transpose();
+  }
+};
+
+// Where the command changes so. Returns how far off it is where that changes back.
+Eigen::Vector3d expect_as_differences(Simulation& simulation, double command, double change) {
+  TipSlope slope{simulation, command};
+  slope.expect_as_differences(change);
+  return slope.exact - slope.measured(-change);
 }
 
 // On both sides of the bar, and moved in.
@@ -95,6 +106,27 @@ TEST(ContactSensitivity, FollowsWhatSticksAndWhatSlipsOnAsDifferencesDo) {
   }
 }
 
+// A bar with a cable beside a soft pad, of which an edge dents it.
+Simulation bar_at_pad(const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m, double friction) {
+  TetMesh mesh = box_mesh({-0.01, -0.1, -0.01}, {0.01, 0, 0.01}, {2, 6, 2});
+  add_body("pad", box_mesh(low_m, high_m, {1, 2, 2}), mesh);
+  Body body(std::move(mesh), {264200.0, 0.49, 1070.0});
+  body.fix_nodes({-1, -1e-6, -1}, {1, 1, 1}, {true, true, true});
+  body.fix_nodes({0.0199, -1, -1}, {1, 1, 1}, {true, true, true});
+  body.let_skin_touch({{0, 1, friction}});
+  const MeshLocator locator(body.mesh());
+  std::vector<std::unique_ptr<Actuator>> actuators;
+  actuators.push_back(std::make_unique<Cable>());
+  actuators.back()->initialise(
+      YamlNode::parse("{name: cable, points_m: [[0.006, 0, 0], [0.006, -0.05, 0], [0.006, -0.095, 0]]}", "bar"), body,
+      locator);
+  std::vector<Marker> markers;
+  markers.emplace_back("tip", Eigen::Vector3d(0, -0.1, 0), body.mesh(), locator);
+  SolverOptions options;
+  options.tolerance = 1e-12;
+  return Simulation(std::move(body), std::move(actuators), std::move(markers), options);
+}
+
 // Against a soft pad whose edge dents the bar: all slip on, all stick on the way back, and some then slip back.
 TEST(ContactSensitivity, FollowsWhatTouchesSkinAsDifferencesDo) {
   struct Case {
@@ -105,23 +137,7 @@ TEST(ContactSensitivity, FollowsWhatTouchesSkinAsDifferencesDo) {
        {Case{0.0, 0.95, -1e-7, false}, Case{0.1, 0.95, -1e-7, true}, Case{0.1, 0.9501, -1e-7, false},
         Case{0.1, 0.9505, 1e-7, true}}) {
     SCOPED_TRACE(last_command);
-    TetMesh mesh = box_mesh({-0.01, -0.1, -0.01}, {0.01, 0, 0.01}, {2, 6, 2});
-    add_body("pad", box_mesh({0.01, -0.075, -0.011}, {0.02, -0.055, 0.013}, {1, 2, 2}), mesh);
-    Body body(std::move(mesh), {264200.0, 0.49, 1070.0});
-    body.fix_nodes({-1, -1e-6, -1}, {1, 1, 1}, {true, true, true});
-    body.fix_nodes({0.0199, -1, -1}, {1, 1, 1}, {true, true, true});
-    body.let_skin_touch({{0, 1, friction}});
-    const MeshLocator locator(body.mesh());
-    std::vector<std::unique_ptr<Actuator>> actuators;
-    actuators.push_back(std::make_unique<Cable>());
-    actuators.back()->initialise(
-        YamlNode::parse("{name: cable, points_m: [[0.006, 0, 0], [0.006, -0.05, 0], [0.006, -0.095, 0]]}", "bar"), body,
-        locator);
-    std::vector<Marker> markers;
-    markers.emplace_back("tip", Eigen::Vector3d(0, -0.1, 0), body.mesh(), locator);
-    SolverOptions options;
-    options.tolerance = 1e-12;
-    Simulation simulation(std::move(body), std::move(actuators), std::move(markers), options);
+    Simulation simulation = bar_at_pad({0.01, -0.075, -0.011}, {0.02, -0.055, 0.013}, friction);
     for (const double command : {0.98, 0.965, 0.95, last_command}) {
       simulation.set_command("cable", command);
       ASSERT_TRUE(simulation.solve_equilibrium().converged);
@@ -162,6 +178,24 @@ TEST(ContactSensitivity, FollowsAFreeObstacleAsDifferencesDo) {
   const Eigen::Vector3d exact = simulation.marker_sensitivities();
   const Eigen::Vector3d off_way_back = expect_as_differences(simulation, 0.985, 1e-7);
   EXPECT_GT(off_way_back.norm(), 0.01 * exact.norm());
+}
+
+// A bar pushes a box along a floor, at the limit of friction there.
+TEST(ContactSensitivity, FollowsABoxThatSlidesOnAFloorAsDifferencesDo) {
+  const Obstacle floor{"floor", Plane{{0, -0.102, 0}, {0, 1, 0}}, {}, 0.0};
+  Obstacle box{"box", RoundedBox{{0.0212, -0.092, 0.001}, {0.02, 0.02, 0.02}, 0.001}, {}, 0.0};
+  box.mass_kg = 0.01;
+  box.friction_on["floor"] = 0.3;
+  SolverOptions options;
+  options.tolerance = 1e-11;
+  Simulation simulation = hanging_bar("model: sliding", options, 1.0, {floor, box});
+  for (const double command : {0.99, 0.98, 0.97}) {
+    simulation.set_command("cable", command);
+    ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  }
+  const ContactReading on_floor = simulation.contacts().back();
+  EXPECT_NEAR(on_floor.force_n.x(), -0.3 * on_floor.normal_force_n, 1e-3 * on_floor.normal_force_n);
+  TipSlope{simulation, 0.97}.expect_as_differences(-1e-6);
 }
 
 // Three points, each of which gives way to the others: those that stick stay below their limit.

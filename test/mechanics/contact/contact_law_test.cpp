@@ -189,5 +189,85 @@ TEST(ContactTerm, AnAnchorStaysWhereTheSkinSticksAndFollowsWhereItSlips) {
   EXPECT_NEAR(moved(-1e-3), -1e-3 + at_limit_m, 1e-15);
 }
 
+// Of obstacles among themselves, some of them free, whose ties pull at a share of their limit along x and z.
+struct RigidScene {
+  std::vector<Obstacle> obstacles;
+  FreeObstacles free;
+  RigidContact contact;
+  ContactState state;
+
+  RigidScene(std::vector<Obstacle> all, double share)
+      : obstacles(std::move(all)), free(obstacles, {0, -9.81, 0}), contact(obstacles, free, 264200.0) {
+    state.free = state.free_before = free.at_start();
+    state.rigid_ties_m.setZero(3, contact.pair_count());
+    press();
+    for (const RigidTouch& touch : contact.touches(state))
+      state.rigid_ties_m.col(touch.pair) = share * touch.friction.limit_pa * touch.friction.compliance_m_pa *
+                                           touch.along(Vector3d(1.0, 0.0, 0.5)).normalized();
+  }
+  // Forces that fit the gaps.
+  void press() {
+    state.rigid_forces_n.setZero(contact.pair_count());
+    for (const RigidTouch& touch : contact.touches(state))
+      state.rigid_forces_n[touch.pair] = contact.law_of(touch.pair).pressure_pa(touch.gap_m);
+  }
+  RigidTouches moved_by(const FreeColumns& motion) const {
+    RigidScene scene = *this;
+    scene.state.free = moved(state.free, motion);
+    scene.press();
+    return scene.contact.touches(scene.state);
+  }
+  FreeColumns forces(const RigidTouches& at) const {
+    FreeColumns all = FreeColumns::Zero(3, 2 * free.count());
+    contact.add_forces(at, all);
+    return all;
+  }
+};
+
+Obstacle rubbing(const std::string& name, const ObstacleShape& shape, double mass_kg, const std::string& on) {
+  Obstacle one{name, shape, {}, 0.0};
+  one.mass_kg = mass_kg;
+  one.friction_on[on] = 0.4;
+  return one;
+}
+
+// Ball on a ball that is held or free, box on a floor and on a free box.
+TEST(RigidContact, DerivativesAreThoseOfForcesAndOfWhatIsBeyondTheLimit) {
+  const Obstacle floor{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, {}, 0.0};
+  Obstacle held{"ball", Sphere{{0, -0.01, 0}, 0.01}, {}, 0.0}, loose = held;
+  loose.mass_kg = 0.02;
+  const Obstacle ball = rubbing("on", Sphere{{0.002, 0.00879, 0.001}, 0.009}, 0.01, "ball");
+  const Obstacle box = rubbing("box", RoundedBox{{0, 0.01, 0}, {0.02, 0.02001, 0.03}, 0.001}, 0.01, "floor");
+  const Obstacle above = rubbing("above", RoundedBox{{0.001, 0.025, 0}, {0.01, 0.01, 0.01}, 0.001}, 0.01, "box");
+  for (const std::vector<Obstacle>& obstacles :
+       {std::vector{held, ball}, {loose, ball}, {floor, box}, {floor, box, above}}) {
+    SCOPED_TRACE(obstacles.size());
+    for (const double share : {0.5, 1.0}) {
+      const RigidScene scene(obstacles, share);
+      RigidTouches touches = scene.contact.touches(scene.state);
+      ASSERT_GT(scene.state.rigid_forces_n.maxCoeff(), 0.0);
+      for (RigidTouch& touch : touches) touch.friction.held = share == 1.0;
+      const FreeColumns motion = 1e-9 * FreeColumns::Random(3, 2 * scene.free.count());
+      const RigidTouches after = scene.moved_by(motion), before = scene.moved_by(-motion);
+      for (const RigidTouch& touch : touches) {
+        if (touch.force_n == 0.0) continue;
+        const auto beyond_m = [](const RigidTouch& at) {
+          return at.along(at.off_m).norm() - at.friction.compliance_m_pa * at.friction.limit_pa;
+        };
+        const auto pair = static_cast<std::size_t>(touch.pair);
+        const double measured_m = 0.5 * (beyond_m(after[pair]) - beyond_m(before[pair]));
+        EXPECT_NEAR(scene.contact.beyond_limit_m(touch, motion), measured_m, 1e-5 * std::abs(measured_m));
+      }
+      if (share == 1.0) continue;
+      const FreeColumns measured = 0.5 * (scene.forces(after) - scene.forces(before));
+      Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(motion.size(), motion.size());
+      scene.contact.add_hessian(touches, false, matrix);
+      FreeColumns exact = (matrix * motion.reshaped()).reshaped(3, motion.cols());
+      scene.contact.add_turned(touches, motion, exact);
+      EXPECT_LT((exact - measured).norm(), 1e-6 * measured.norm());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

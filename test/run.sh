@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# run.sh: installs what is missing, builds, and runs every test: everything, and beside it the parts without ROS under the
-# address and undefined-behaviour sanitisers. Works from any folder; a second run builds only what changed.
+# run.sh: installs what is missing, builds, and runs every test: the parts without ROS under the address and
+# undefined-behaviour sanitisers, then everything. Works from any folder; a second run builds only what changed.
 #   run.sh --all   afterwards runs what takes longer too: every experiment with its checks, all bad scenes, messages and
 #                  bags, an hour's session, what is long under the sanitisers, and threads under theirs. Writes
 #                  test/nightly/last_result.md
@@ -27,23 +27,13 @@ cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON 
 cmake --build "$package/build/sanitise" -j"$jobs"
 # The other BLAS kernels than those this machine takes by itself: their rounding differs, and no test may hang on it.
 grep -q avx512 /proc/cpuinfo && other=Haswell || other=Prescott
-# Sessions wait for a third of their time: what they leave of the cores goes to the sanitised suite.
-log=$package/build/sanitise/suite.log
-set -m # a group of its own, so that it ends with this script
-OPENBLAS_CORETYPE=$other nice -n 10 ctest --test-dir "$package/build/sanitise" --output-on-failure -j"$jobs" >"$log" 2>&1 &
-sanitised=$!
-set +m
-trap 'kill -- -$sanitised 2>/dev/null || true' EXIT
+OPENBLAS_CORETYPE=$other ctest --test-dir "$package/build/sanitise" --output-on-failure -j"$jobs"
 unset ROS_HOSTNAME
 export ROS_IP=127.0.0.1 # the machine's own name need not resolve
-status=0
-ctest --test-dir "$package/build" --output-on-failure -j$((jobs + 1)) || status=$?
-wait "$sanitised" || status=$?
-trap - EXIT
-cat "$log"
-((status == 0)) || exit "$status"
+ctest --test-dir "$package/build" --output-on-failure -j$((jobs + 2)) # sessions wait for a third of their time
 [[ -n $all ]] || exit 0
 
+status=0
 ctest --test-dir "$package/build" -C nightly -L nightly --output-on-failure || status=$?
 ctest --test-dir "$package/build/sanitise" -C nightly -L nightly --output-on-failure -j"$jobs" || status=$?
 JOBS=$jobs "$package/test/check_threads.sh" "$package/build/thread" || status=$?

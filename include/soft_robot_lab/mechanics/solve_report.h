@@ -61,13 +61,13 @@ bool may_follow(SolveStage before, SolveStage after);
 void enter(SolveStage stage, int count, std::vector<SolvePathStage>& path);
 
 // What a solve did. A solve that did not converge says so, and leaves the best state it had. A time step of
-// xpbd, which does a fixed amount of work, counts as converged where it created no energy; its residual says
-// how exact it was.
+// xpbd, which does a fixed amount of work, counts as converged where it created no energy and ends without inverted
+// elements; its residual says how exact it was.
 struct SolveReport {
   bool converged = false;
   int iterations = 0;      // Newton iterations (one linear solve each); sweeps of xpbd
   int factorisations = 0;  // of them, those that needed a new matrix
-  int steps = 0;           // time steps or continuation stages
+  int steps = 0;           // in time, continuation stages, or of xpbd towards rest
   int rejected_steps = 0;  // iterations repeated shorter or with a shifted matrix
   double residual = 0.0;   // at the end: force residual over the largest force in the body
   double wall_s = 0.0;

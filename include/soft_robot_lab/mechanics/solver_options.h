@@ -20,7 +20,7 @@ struct SolverOptions {
   double tolerance = 1.0e-6;                           // (0, 1); force residual over the largest force in the body
   int max_iterations = 60;                             // [1, 10000] Newton iterations a step, or a continuation stage
   double dynamic_tolerance = 1.0e-3;  // (0, 1); the same for a time step, whose error the next step sees
-  int substep_count = 20;             // [1, 10000] of xpbd, a time step; one that creates energy is cut further
+  int substep_count = 20;             // [1, 10000] of xpbd, a time step; an equilibrium has its own
   int iteration_count = 1;            // [1, 10000] of xpbd: sweeps over all elements, a substep
   void validate() const;              // throws std::invalid_argument: field, value, allowed range
 };

@@ -24,7 +24,7 @@ NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdRep
   if (!task.at_rest) measured.free_inertia = done.free_inertia;
   NewtonReport found = parts.workspace.newton.solve(residual, measured);
   if (task.at_rest) return found;
-  found.converged = done.stable;
+  found.converged = done.stable && found.inverted_elements == 0;
   found.reason = done.stable ? "" : "the step created energy with " + std::to_string(done.substeps) + " substeps too";
   return found;
 }

@@ -199,6 +199,21 @@ TEST(Xpbd, SurvivesASuddenStrongPull) {
   }
 }
 
+// A mirror image that its held end keeps so; no energy comes from nowhere in it.
+TEST(Xpbd, TellsOfStepsThatEndWithInvertedElements) {
+  Bar bar;
+  bar.cells = kCoarse;
+  Simulation simulation = make_bar(bar, xpbd(2000));
+  SimulationState state = simulation.state();
+  state.positions_m.row(1) *= -1.0;
+  state.element_forces_n.resize(0);
+  simulation.set_state(state);
+  const SolveReport report = simulation.step();
+  EXPECT_GT(report.inverted_elements, 0);
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.message.find("inverted elements"), report.message.find_first_of(' ') + 1) << report.message;
+}
+
 TEST(Xpbd, RepeatsToTheLastBit) {
   Bar bar;
   bar.cables = "compliance_m_n: 1.0e-5, pull_speed_m_s: 0.02";

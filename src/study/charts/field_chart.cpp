@@ -44,7 +44,7 @@ void add_cantilever(const std::vector<SpeedRun>& runs, const std::string& poisso
 
 void add_motion(const std::vector<MotionRun>& runs, std::vector<FieldPoint>& points) {
   for (const MotionRun& run : runs) {
-    const std::string kind = run.modes > 0 ? "reduced" : run.rung;
+    const std::string kind = run.modes > 0 ? "reduced" : run.rung.substr(0, run.rung.find(','));
     points.push_back({kOurs + std::string("Spinebot, ") + kind, run.rung + ", " + std::to_string(run.steps),
                       run.modes > 0 ? run.modes : 3.0 * run.nodes, 1.0 / run.cost, millimetres(run.rms_m),
                       "Spinebot in motion, " + std::to_string(run.steps) + " steps a frame of 1/60 s, one core", ""});

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "field_chart.h"
 
-#include <algorithm>
 #include <sstream>
+
+#include "plot_series.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -90,14 +91,11 @@ Plot plot_field(const std::vector<FieldPoint>& points) {
   for (const FieldPoint& point : points) {
     if (!point.unknowns) continue;
     const bool published = point.group == kPublished;
-    auto series = std::find_if(plot.series.begin(), plot.series.end(),
-                               [&](const Series& one) { return one.label == point.group; });
-    if (series == plot.series.end())
-      series = plot.series.insert(plot.series.end(), {point.group, {}, {}, SeriesStyle::points});
-    series->style = published ? SeriesStyle::crosses : SeriesStyle::points;
-    series->x.push_back(*point.unknowns);
-    series->y.push_back(point.times_real_time);
-    if (published) series->point_labels.push_back(point.name);
+    Series& series = series_of(plot, point.group);
+    series.style = published ? SeriesStyle::crosses : SeriesStyle::points;
+    series.x.push_back(*point.unknowns);
+    series.y.push_back(point.times_real_time);
+    if (published) series.point_labels.push_back(point.name);
   }
   return plot;
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <sstream>
 
+#include "plot_series.h"
 #include "robot/rollouts/rollout_commands.h"
 #include "robot/scene/reduction.h"
 #include "settings/cpu_time.h"
@@ -95,12 +96,10 @@ Plot plot_rollouts(const RolloutProblem& problem, const std::vector<RolloutRate>
     const double place = known == plot.x.ticks.end() ? static_cast<double>(plot.x.ticks.size()) : known->first;
     if (known == plot.x.ticks.end()) plot.x.ticks.emplace_back(place, rate.rung);
     const std::string name = std::to_string(rate.threads) + (rate.threads == 1 ? " thread" : " threads");
-    auto series =
-        std::find_if(plot.series.begin(), plot.series.end(), [&](const Series& one) { return one.label == name; });
-    if (series == plot.series.end())
-      series = plot.series.insert(plot.series.end(), {name, {}, {}, SeriesStyle::points});
-    series->x.push_back(place);
-    series->y.push_back(rate.per_core_s());
+    Series& series = series_of(plot, name);
+    series.style = SeriesStyle::points;
+    series.x.push_back(place);
+    series.y.push_back(rate.per_core_s());
   }
   plot.x.min = -0.5;
   plot.x.max = static_cast<double>(plot.x.ticks.size()) - 0.5;

@@ -3,20 +3,14 @@
 
 #include <algorithm>
 
+#include "plot_series.h"
+
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kSmallest_percent = 1.0e-3;  // errors below are drawn here: the references are no better
 
 double percent(double error) { return std::max(1.0e2 * error, kSmallest_percent); }
-
-Series& series_of(Plot& plot, const std::string& label) {
-  for (Series& series : plot.series) {
-    if (series.label == label) return series;
-  }
-  plot.series.push_back({label, {}, {}});
-  return plot.series.back();
-}
 
 void add_bullet(Plot& plot, const std::vector<SpeedRun>& runs) {
   const std::vector<SpeedRun> best = best_of(runs);

@@ -17,10 +17,10 @@ enum class Outcome {
   survived,   // every solve converged, no element is inverted at the end, the markers are in the right place, the
               // ledger of energy closes, and the swing does not grow
   recovered,  // the same at the end, but on the way a solve failed, or the start was no shape at all
-  reported,   // failed, and said so: a solve did not converge, or the scene was warned of as it was loaded
+  reported,   // failed, and said so: a solve did not converge, or the scene was warned that it locks
   too_slow,   // no failure, but not done within the limit of CPU time
   silent,     // failed without a word: what survived asks for is not there, though the solver called it converged
-              // and nothing warned of the scene
+              // and nothing warned that the scene locks
   not_finite  // NaN or infinity left the solver
 };
 inline constexpr int kOutcomes = 6;

@@ -10,10 +10,11 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kFewestSteps = 10;      // in time, however long a time step is
-constexpr double kRightPlace = 0.01;  // of the body's size: how far a marker may be off
-constexpr int kCarefulStages = 20;    // of the reference's command change
-constexpr double kClosure = 0.01;     // of the energy turned over: what a ledger may leave open
+constexpr int kFewestSteps = 10;                      // in time, however long a time step is
+constexpr double kRightPlace = 0.01;                  // of the body's size: how far a marker may be off
+constexpr int kCarefulStages = 20;                    // of the reference's command change
+constexpr double kClosure = 0.01;                     // of the energy turned over: what a ledger may leave open
+constexpr const char* kLocking = "locking_elements";  // the warning that foretells a wrong place (locking.h)
 
 Eigen::Matrix3Xd markers_of(const Simulation& simulation) {
   const int count = static_cast<int>(simulation.markers().size());
@@ -243,9 +244,11 @@ StabilityCell StabilityBench::run(const StabilityBody& body, const StabilityMeth
     return cell;
   }
   judge(body, method, hard_case, simulation, track, cell);
-  if (cell.outcome == Outcome::silent && !scene.warnings.empty()) {
+  const bool locks = std::any_of(scene.warnings.begin(), scene.warnings.end(),
+                                 [](const SolveWarning& warning) { return warning.kind == kLocking; });
+  if (cell.outcome == Outcome::silent && locks) {
     cell.outcome = Outcome::reported;
-    cell.message += "; the scene was warned of: " + scene.warnings.front().kind;
+    cell.message += std::string("; the scene was warned of: ") + kLocking;
   }
   return cell;
 }

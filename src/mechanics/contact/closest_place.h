@@ -37,6 +37,19 @@ struct SeenPlace {
   double gap_m;            // along the normal
 };
 
+// A place at an edge that the point is beyond. It moves along that edge alone, in coordinates by `along` times
+//   by_way_per_m . (motion of the point - of the place) + by_nodes_per_m_a . (motion of the face's node a)
+struct PlaceAtEdge {
+  PlaceAtEdge(const FaceNodes& nodes, const SeenPlace& place);
+
+  Eigen::Vector2d along;  // zero at a corner
+  Eigen::Vector3d by_way_per_m;
+  FaceNodes by_nodes_per_m;
+  Eigen::Matrix<double, 3, 2> dual_per_m;  // of the tangents there: d coordinate / d position
+  Eigen::Matrix2d curvature_m;             // n . d2y
+  Eigen::Vector3d beyond_m;                // from the place to the point, along the face
+};
+
 // Coordinates of the closest place; and of a point that is above or below the face, none where it is clearly more than
 // `most_m` beside that.
 Eigen::Vector2d closest(const FacePolynomial& face, const Eigen::Vector3d& point_m);

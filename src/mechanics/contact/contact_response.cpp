@@ -21,7 +21,8 @@ double ContactTerm::beyond_limit_m(const ContactTouch& touch, const Eigen::Matri
   const double coefficient = touch.friction.limit_pa / touch.pressure_pa;
   const Eigen::Vector3d relative_m = relative_motion_m(touch, motion_m, free_motion);
   return touch.away_m.normalized().dot(away_motion_m(touch, relative_m, motion_m, free_motion)) +
-         coefficient * touch.friction.compliance_m_pa / law(touch.pair).compliance_m_pa * touch.normal.dot(relative_m);
+         coefficient * touch.friction.compliance_m_pa / law(touch.pair).compliance_m_pa *
+             (touch.on_skin() ? skin_.place_motion(touch, relative_m, motion_m).gap_m : touch.normal.dot(relative_m));
 }
 
 Eigen::VectorXd ContactTerm::beyond_limits_m(const TouchesAtLimit& all, const Eigen::Matrix3Xd& motion_m,
@@ -44,7 +45,8 @@ Eigen::VectorXd ContactTerm::limits_n(const TouchesAtLimit& all) const {
 bool ContactTerm::any_turns(const std::vector<ContactTouch>& touches, const RigidTouches& rigid) const {
   return std::any_of(rigid.begin(), rigid.end(), [](const RigidTouch& touch) { return touch.closed; }) ||
          std::any_of(touches.begin(), touches.end(), [](const ContactTouch& touch) {
-           return touch.closed && (touch.free >= 0 || (touch.rubs() && (touch.on_skin() || !touch.bend.isZero(0.0))));
+           return touch.closed && (touch.free >= 0 || touch.met.at_edge ||
+                                   (touch.rubs() && (touch.on_skin() || !touch.bend.isZero(0.0))));
          });
 }
 
@@ -75,12 +77,30 @@ void ContactTerm::add_turned_tie(const ContactTouch& touch, const Eigen::Matrix3
     skin_.add_back_moved(touch, relative_m, motion_m, weight_m2 * touch.friction.traction_pa(touch.away_m), residual_n);
 }
 
+// Beyond an edge the push has no potential, and the matrix has it as above the face.
+void ContactTerm::add_push_at_edge(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                                   Eigen::Matrix3Xd& residual_n) const {
+  const Eigen::Vector3d relative_m = skin_.relative_m(touch, motion_m);
+  const SkinContact::PlaceMotion moved = skin_.place_motion(touch, relative_m, motion_m);
+  const double per_m = weight_m2(touch.pair) / law(touch.pair).compliance_m_pa;
+  add_at(touch, per_m * moved.gap_m * touch.normal - push_n(touch) * moved.turn, residual_n);
+  skin_.add_back_moved(touch, relative_m, motion_m, -push_n(touch) * touch.normal, residual_n);
+  ContactTouch pushed = touch;
+  pushed.friction.limit_pa = -1.0;
+  const std::vector<int> nodes = skin_.pairs().nodes(skin_.faces_of(touch));
+  const Eigen::VectorXd motion = motion_m(Eigen::all, nodes).reshaped();
+  const Eigen::VectorXd in_matrix_n = skin_.hessian(pushed, false, false) * motion;
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    residual_n.col(nodes[a]) -= in_matrix_n.segment<3>(3 * static_cast<Eigen::Index>(a));
+}
+
 void ContactTerm::add_turned_ties(const std::vector<ContactTouch>& touches, const RigidTouches& rigid,
                                   const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion,
                                   Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const {
   for (const ContactTouch& touch : touches) {
     if (!touch.closed) continue;
     if (touch.rubs()) add_turned_tie(touch, motion_m, free_motion, residual_n, free_n);
+    if (touch.met.at_edge) add_push_at_edge(touch, motion_m, residual_n);
     if (touch.free < 0) continue;
     // The moment of a force whose point moves, of which the matrix has what is symmetric of that of pressure.
     const Eigen::Vector3d turn_rad = free_motion.col(2 * touch.free + 1);

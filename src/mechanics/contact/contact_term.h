@@ -182,6 +182,8 @@ class ContactTerm {
                         const FreeColumns& free_motion) const;
   void add_turned_tie(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion,
                       Eigen::Matrix3Xd& residual_n, FreeColumns& free_n) const;
+  void add_push_at_edge(const ContactTouch& touch, const Eigen::Matrix3Xd& motion_m,
+                        Eigen::Matrix3Xd& residual_n) const;
   static void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, FreeColumns& forces);
 
   std::vector<Obstacle> obstacles_;

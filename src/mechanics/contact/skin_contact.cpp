@@ -201,19 +201,33 @@ Eigen::Vector2d SkinContact::tilt(const ContactTouch& touch, const Eigen::Matrix
   return tilt;
 }
 
-// As the normal turns: dn = -dual n.(slopes dx) - bend d(x - y).
+// As the normal turns: dn = -dual n.(slopes dx) - bend d(x - y). At an edge that turns as its place moves.
+SkinContact::PlaceMotion SkinContact::place_motion(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
+                                                   const Eigen::Matrix3Xd& motion_m) const {
+  const SkinPlace& met = touch.met;
+  const Eigen::Vector2d tilt = this->tilt(touch, motion_m);
+  const double gap_m = touch.normal.dot(relative_m);
+  if (!met.at_edge)
+    return {met.dual_per_m.transpose() * (relative_m + met.above_m * met.dual_per_m * tilt),
+            -met.dual_per_m * tilt - touch.bend * relative_m, gap_m};
+  double along = met.at_edge->by_way_per_m.dot(relative_m);
+  for (int a = 0; a < points_.nodes_per_face(); ++a)
+    along += met.at_edge->by_nodes_per_m.col(a).dot(motion_m.col(pairs_.node(met.face, a)));
+  const Eigen::Vector2d local = along * met.at_edge->along;
+  const Eigen::Vector3d turn = -met.at_edge->dual_per_m * (tilt + met.at_edge->curvature_m * local);
+  return {local, turn, gap_m + turn.dot(met.at_edge->beyond_m)};
+}
+
 Eigen::Vector3d SkinContact::away_motion_m(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
                                            const Eigen::Matrix3Xd& motion_m) const {
-  const Eigen::Vector3d turn = -touch.met.dual_per_m * tilt(touch, motion_m) - touch.bend * relative_m;
   const Eigen::Vector3d way_m = points_.at(point_of(touch), motion_m) - at_anchor(touch.anchored_at, motion_m);
-  return touch.along_surface(way_m, turn);
+  return touch.along_surface(way_m, place_motion(touch, relative_m, motion_m).turn);
 }
 
 void SkinContact::add_back_moved(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
                                  const Eigen::Matrix3Xd& motion_m, const Eigen::Vector3d& force_n,
                                  Eigen::Matrix3Xd& forces_n) const {
-  const Eigen::Vector3d along_m = relative_m + touch.met.above_m * touch.met.dual_per_m * tilt(touch, motion_m);
-  const Eigen::Vector2d along = touch.met.dual_per_m.transpose() * along_m;
+  const Eigen::Vector2d along = place_motion(touch, relative_m, motion_m).local;
   for (int a = 0; a < points_.nodes_per_face(); ++a)
     forces_n.col(pairs_.node(touch.met.face, a)) -= touch.met.slopes.row(a).dot(along) * force_n;
 }
@@ -263,24 +277,24 @@ void SkinContact::commit(const Eigen::Matrix3Xd& positions_m, ContactState& stat
   }
 }
 
+// What slips goes on on the face that it meets, whose plane beyond the closest place is not quite where it lies.
 Eigen::Vector3d SkinContact::new_anchor(int point, const ContactTouch* slipped,
                                         const Eigen::Matrix3Xd& positions_m) const {
-  const Eigen::Vector3d none(0.0, 0.0, -1.0);
+  const auto as_vector = [](const SkinAnchor& anchor) { return Eigen::Vector3d(anchor.r, anchor.s, anchor.face); };
+  const Eigen::Vector3d none(0.0, 0.0, -1.0), point_m = points_.at(point, positions_m);
   const int face = points_.face_of(point);
-  if (!pairs_.any_near(face)) return none;
-  const Eigen::Vector3d point_m = points_.at(point, positions_m), out = outward(point, positions_m);
-  Eigen::Vector3d tied_m = Eigen::Vector3d::Zero();
-  if (slipped) tied_m = slipped->friction.compliance_m_pa * slipped->friction.traction_pa(slipped->away_m);
+  if (!slipped) {
+    if (!pairs_.any_near(face)) return none;
+    const std::optional<SkinAnchor> found = pairs_.anchor(face, point_m, outward(point, positions_m), positions_m);
+    return found ? as_vector(*found) : none;
+  }
+  const Eigen::Vector3d tied_m = slipped->friction.compliance_m_pa * slipped->friction.traction_pa(slipped->away_m);
   Eigen::Vector3d at_m = point_m - tied_m, anchor = none;
   double least_off_m = std::numeric_limits<double>::infinity();
-  // The skin there does not quite lie in the plane of where the point meets it.
-  for (int i = 0; i < (slipped ? kAnchorings : 1); ++i) {
-    const std::optional<SkinAnchor> found = pairs_.anchor(face, at_m, out, positions_m);
-    if (!found) break;
-    const Eigen::Vector3d next(found->r, found->s, found->face);
-    const Eigen::Vector3d way_m = point_m - at_anchor(next, positions_m);
-    Eigen::Vector3d off_m = way_m - tied_m;
-    if (slipped) off_m -= slipped->normal * slipped->normal.dot(off_m);
+  for (int i = 0; i < kAnchorings; ++i) {
+    const Eigen::Vector3d next = as_vector(pairs_.anchor_on(slipped->met.face, at_m, positions_m).first);
+    Eigen::Vector3d off_m = point_m - at_anchor(next, positions_m) - tied_m;
+    off_m -= slipped->normal * slipped->normal.dot(off_m);
     if (!(off_m.norm() < least_off_m)) break;
     least_off_m = off_m.norm();
     anchor = next;

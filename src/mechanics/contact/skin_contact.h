@@ -78,8 +78,15 @@ class SkinContact {
   // Of the point and the place that it meets, by what the nodes' columns say of both.
   Eigen::Vector3d relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const;
   void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
-  // How a motion of the nodes, by which point and place move so against each other, changes ContactTouch::away_m, and
-  // add_back() of a force, whose place on the skin moves.
+  // How a motion of the nodes, by which point and place move so against each other, changes where they meet.
+  struct PlaceMotion {
+    Eigen::Vector2d local;  // coordinates on the face
+    Eigen::Vector3d turn;   // of the normal
+    double gap_m;
+  };
+  PlaceMotion place_motion(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
+                           const Eigen::Matrix3Xd& motion_m) const;
+  // How it changes ContactTouch::away_m, and add_back() of a force, whose place on the skin moves.
   Eigen::Vector3d away_motion_m(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
                                 const Eigen::Matrix3Xd& motion_m) const;
   void add_back_moved(const ContactTouch& touch, const Eigen::Vector3d& relative_m, const Eigen::Matrix3Xd& motion_m,

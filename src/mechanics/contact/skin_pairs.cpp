@@ -28,7 +28,8 @@ constexpr double kOneWay = 0.9;      // cosine: neither face meets the other, no
 constexpr double kAlong = 0.6;       // cosine: faces bend less than to turn such normals against one another
 constexpr double kAgainst = 0.2;     // cosine: skin that meets skin faces it at least so much
 constexpr double kOverEdge = 0.01;   // of a face's size: a point so far beyond its edge still meets it
-constexpr double kClearly = 2.0;     // times that: a point so far beyond it does not, however the face bends
+constexpr double kBeyondEdge = 1e-9;  // of the same: a point no farther beyond it counts as above the face
+constexpr double kClearly = 2.0;      // times that: a point so far beyond it does not, however the face bends
 // Of a face's size: behind it by no more a point meets it, whatever nearer skin the point is in front of; and by no
 // more, whatever that is where it does not face the point.
 constexpr double kHeldOver = 1e-3, kDeepBehind = 1e-2;
@@ -434,6 +435,8 @@ SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_
   gap.at.shape.head(nodes.cols()) = shape.values;
   gap.at.slopes.topRows(nodes.cols()) = shape.slopes.transpose();
   gap.at.above_m = gap.gap_m;
+  if ((met.place.off_m - gap.gap_m * gap.normal).norm() > kBeyondEdge * sizes_m_[met.face])
+    gap.at.at_edge = std::make_shared<const PlaceAtEdge>(nodes, met.place);
   const Eigen::Vector3d bends = (nodes * face_bends(nodes.cols())).transpose() * gap.normal;
   const Eigen::Matrix2d curvature = (Eigen::Matrix2d() << bends[0], bends[2], bends[2], bends[1]).finished();
   const Eigen::Matrix2d metric = tangents.transpose() * tangents;
@@ -530,18 +533,24 @@ std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& poi
     const Present& theirs = present(other);
     if ((point_m - theirs.low_m).minCoeff() < -reach_m || (theirs.high_m - point_m).minCoeff() < -reach_m) continue;
     if (theirs.normal.dot(outward) > -kAgainst * outward.norm()) continue;
-    const FaceNodes nodes = nodes_of(faces_, other, positions_m);
-    const Eigen::Vector2d local = closest(FacePolynomial(nodes), point_m);
-    const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
-    const Eigen::Vector3d off_m = point_m - nodes * shape.values;
-    if (off_m.norm() > reach_m) continue;
-    const Eigen::Matrix<double, 3, 2> tangents = nodes * shape.slopes.transpose();
-    const Eigen::Vector2d there =
-        local + Eigen::Matrix2d(tangents.transpose() * tangents).inverse() * (tangents.transpose() * off_m);
-    best_m = off_m.norm();
-    best = {other, there.x(), there.y()};
+    const auto [anchor, off_m] = anchor_on(other, point_m, positions_m);
+    if (off_m > reach_m) continue;
+    best_m = off_m;
+    best = anchor;
   }
   return best;
+}
+
+std::pair<SkinAnchor, double> SkinPairs::anchor_on(int other, const Eigen::Vector3d& point_m,
+                                                   const Eigen::Matrix3Xd& positions_m) const {
+  const FaceNodes nodes = nodes_of(faces_, other, positions_m);
+  const Eigen::Vector2d local = closest(FacePolynomial(nodes), point_m);
+  const FaceShape shape = face_shape(nodes.cols(), local.x(), local.y());
+  const Eigen::Vector3d off_m = point_m - nodes * shape.values;
+  const Eigen::Matrix<double, 3, 2> tangents = nodes * shape.slopes.transpose();
+  const Eigen::Vector2d there =
+      local + Eigen::Matrix2d(tangents.transpose() * tangents).inverse() * (tangents.transpose() * off_m);
+  return {{other, there.x(), there.y()}, off_m.norm()};
 }
 
 Eigen::Vector3d SkinPairs::at(int face, double r, double s, const Eigen::Matrix3Xd& positions_m) const {

@@ -7,6 +7,7 @@
 // all.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -30,6 +31,7 @@ struct SkinPlace {
   Table<6, 2> slopes = Table<6, 2>::Zero();      // their derivatives along the face's two coordinates
   Table<3, 2> dual_per_m = Table<3, 2>::Zero();  // dual tangents: d coordinate / d position of the point
   double above_m = 0.0;                          // the gap
+  std::shared_ptr<const PlaceAtEdge> at_edge;    // where the point is beyond an edge
 };
 
 struct SkinGap {
@@ -95,6 +97,9 @@ class SkinPairs {
   // plane, where the point is about to be covered. None where nothing is within a face's size.
   std::optional<SkinAnchor> anchor(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                    const Eigen::Matrix3Xd& positions_m) const;
+  // The same on this face of the mesh; and how far away its closest place is.
+  std::pair<SkinAnchor, double> anchor_on(int other, const Eigen::Vector3d& point_m,
+                                          const Eigen::Matrix3Xd& positions_m) const;
 
   // How deep behind it skin still counts as inside: half its size, or all of the wall behind it.
   double deepest_m(int face) const { return deepest_m_[face]; }

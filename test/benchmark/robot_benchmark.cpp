@@ -4,6 +4,7 @@
 // also between machines.
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -22,12 +23,12 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 const std::string kConfig = std::string(SOFT_ROBOT_LAB_SOURCE) + "/config/";
 
-Scene robot(const std::string& name) {
+Scene robot(const std::string& name, const std::string& file = "robot") {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.cache_folder = SOFT_ROBOT_LAB_CACHE;
   options.actuator_factory = make_actuator;
-  return load_scene(kConfig + "robots/" + name + "/robot.yaml", options);
+  return load_scene(kConfig + "robots/" + name + "/" + file + ".yaml", options);
 }
 
 Scene spinebot() { return robot("spinebot"); }
@@ -89,6 +90,46 @@ SIMULATE(spinebot, pull_in_turn);
 SIMULATE(spinebot, pull_and_hold);
 SIMULATE(hammerbot, pull_in_turn);
 SIMULATE(hammerbot, pull_and_hold);
+
+// Spinebot pulled from rest to 5 x 5 commands over its range, 1.5 s each: the steps in which it touches itself.
+void TouchOverAllCommands(benchmark::State& state) {
+  Scene scene = robot("spinebot", "touching");
+  Simulation& simulation = *scene.simulation;
+  simulation.solve_equilibrium();
+  const SimulationState rest = simulation.state();
+  const double time_step_s = simulation.options().time_step_s;
+  double touching_s = 0.0, cpu_s = 0.0, worst_s = 0.0, deepest_m = 0.0;
+  int failed = 0, inverted = 0;
+  const auto step = [&] {
+    const std::clock_t start = std::clock();
+    const SolveReport report = simulation.step();
+    const double took_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    failed += report.converged ? 0 : 1;
+    inverted += report.inverted_elements;
+    const std::vector<ContactReading> contacts = simulation.contacts();
+    if (contacts.empty() || contacts[0].area_m2 == 0.0) return;
+    touching_s += time_step_s;
+    cpu_s += took_s;
+    worst_s = std::max(worst_s, took_s);
+    deepest_m = std::max(deepest_m, contacts[0].largest_penetration_m);
+  };
+  for (auto _ : state) {
+    for (const double left : {0.7, 0.8, 0.9, 1.0, 1.1}) {
+      for (const double right : {0.7, 0.8, 0.9, 1.0, 1.1}) {
+        simulation.set_state(rest);
+        simulation.set_command("left", left);
+        simulation.set_command("right", right);
+        for (int i = 0; i < std::lround(1.5 / time_step_s); ++i) step();
+      }
+    }
+  }
+  state.counters["times_real_time"] = touching_s / cpu_s;
+  state.counters["worst_step_s"] = worst_s;
+  state.counters["deepest_um"] = 1e6 * deepest_m;
+  state.counters["not_converged"] = failed;
+  state.counters["inverted_elements"] = inverted;
+}
+BENCHMARK(TouchOverAllCommands)->Unit(benchmark::kSecond)->Iterations(1);
 
 // A second of a body at rest, which sleeps.
 void RestOneSecond(benchmark::State& state) {

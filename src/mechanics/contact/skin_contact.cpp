@@ -201,6 +201,12 @@ Eigen::Vector2d SkinContact::tilt(const ContactTouch& touch, const Eigen::Matrix
   return tilt;
 }
 
+void SkinContact::find_edges(const Eigen::Matrix3Xd& positions_m, std::vector<ContactTouch>& touches) const {
+  for (ContactTouch& touch : touches)
+    if (touch.closed && touch.on_skin())
+      touch.met.at_edge = pairs_.at_edge(touch.met, points_.at(point_of(touch), positions_m), positions_m);
+}
+
 // As the normal turns: dn = -dual n.(slopes dx) - bend d(x - y). At an edge that turns as its place moves.
 SkinContact::PlaceMotion SkinContact::place_motion(const ContactTouch& touch, const Eigen::Vector3d& relative_m,
                                                    const Eigen::Matrix3Xd& motion_m) const {

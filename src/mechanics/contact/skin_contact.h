@@ -78,6 +78,8 @@ class SkinContact {
   // Of the point and the place that it meets, by what the nodes' columns say of both.
   Eigen::Vector3d relative_m(const ContactTouch& touch, const Eigen::Matrix3Xd& columns) const;
   void add_back(const ContactTouch& touch, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
+  // Which closed ones meet an edge that they are beyond; the next three ask for that.
+  void find_edges(const Eigen::Matrix3Xd& positions_m, std::vector<ContactTouch>& touches) const;
   // How a motion of the nodes, by which point and place move so against each other, changes where they meet.
   struct PlaceMotion {
     Eigen::Vector2d local;  // coordinates on the face

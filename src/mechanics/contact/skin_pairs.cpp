@@ -435,8 +435,6 @@ SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_
   gap.at.shape.head(nodes.cols()) = shape.values;
   gap.at.slopes.topRows(nodes.cols()) = shape.slopes.transpose();
   gap.at.above_m = gap.gap_m;
-  if ((met.place.off_m - gap.gap_m * gap.normal).norm() > kBeyondEdge * sizes_m_[met.face])
-    gap.at.at_edge = std::make_shared<const PlaceAtEdge>(nodes, met.place);
   const Eigen::Vector3d bends = (nodes * face_bends(nodes.cols())).transpose() * gap.normal;
   const Eigen::Matrix2d curvature = (Eigen::Matrix2d() << bends[0], bends[2], bends[2], bends[1]).finished();
   const Eigen::Matrix2d metric = tangents.transpose() * tangents;
@@ -446,6 +444,15 @@ SkinGap SkinPairs::gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_
   gap.at.dual_per_m = tangents * above.inverse();
   gap.curvature_per_m = tangents * metric.inverse() * curvature * gap.at.dual_per_m.transpose();
   return gap;
+}
+
+std::shared_ptr<const PlaceAtEdge> SkinPairs::at_edge(const SkinPlace& met, const Eigen::Vector3d& point_m,
+                                                      const Eigen::Matrix3Xd& positions_m) const {
+  const FaceNodes nodes = nodes_of(faces_, met.face, positions_m);
+  const SeenPlace place(FacePolynomial(nodes), {met.r, met.s}, point_m);
+  const double beyond_m = (place.off_m - place.gap_m * place.normal).norm();
+  if (!(beyond_m > kBeyondEdge * sizes_m_[met.face])) return nullptr;
+  return std::make_shared<const PlaceAtEdge>(nodes, place);
 }
 
 // By its box, by the planes that it lies between, and by those along its sides.

@@ -31,7 +31,7 @@ struct SkinPlace {
   Table<6, 2> slopes = Table<6, 2>::Zero();      // their derivatives along the face's two coordinates
   Table<3, 2> dual_per_m = Table<3, 2>::Zero();  // dual tangents: d coordinate / d position of the point
   double above_m = 0.0;                          // the gap
-  std::shared_ptr<const PlaceAtEdge> at_edge;    // where the point is beyond an edge
+  std::shared_ptr<const PlaceAtEdge> at_edge;    // none, or not looked for: SkinContact::find_edges
 };
 
 struct SkinGap {
@@ -88,6 +88,10 @@ class SkinPairs {
   // `outside_too`: also where the point is not inside.
   std::optional<SkinGap> meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                               bool outside_too, const Eigen::Matrix3Xd& positions_m) const;
+
+  // None where the point is above the face.
+  std::shared_ptr<const PlaceAtEdge> at_edge(const SkinPlace& met, const Eigen::Vector3d& point_m,
+                                             const Eigen::Matrix3Xd& positions_m) const;
 
   // On a face that the point has met before: also beyond an edge of that, as if it went on, for a tenth of its size.
   std::optional<SkinGap> meet_again(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,

@@ -122,6 +122,7 @@ NewtonDrive NewtonSolver::with_slips(const NewtonDrive& drive, const TouchesAtLi
 // together are a linear complementarity problem.
 NewtonResponse NewtonSolver::respond(const NewtonState& state, const NewtonDrive& drive) {
   if (!linearise_held(state)) return {};
+  contact_.skin().find_edges(state.positions_m, touches_);
   TouchesAtLimit at_limit;
   const auto held = [](const auto& touch) { return touch.friction.held; };
   std::copy_if(touches_.begin(), touches_.end(), std::back_inserter(at_limit.points), held);

@@ -13,10 +13,12 @@ for attempt in 1 2 3; do
   timeout --signal=INT --kill-after=5 40 roslaunch -p "$master_port" soft_robot_lab session.launch rviz:=false "$@" \
     >"$said" 2>&1 || status=$?
   cat "$said"
-  # A race of roslaunch's own: where a node ends while it still starts others, it may hang, and leaves its master behind.
+  # A race of roslaunch's own: where a node ends while it still starts others, it may hang, and leaves nodes behind.
+  pkill -f -- "rosmaster --core -p $master_port " || true
+  run=$(grep -om1 '[0-9a-f-]*/roslaunch-' "$said" | cut -d/ -f1)
+  [[ -z $run ]] || pkill -f -- "__log:=.*/$run/" || true
   grep -qF "after process monitor has been shut down" "$said" || break
   echo "attempt $attempt was lost to roslaunch"
-  pkill -f -- "rosmaster --core -p $master_port " || true
 done
 ((status != 124 && status != 137)) || { echo "roslaunch had to be stopped"; exit 1; }
 grep -qF "$error" "$said"

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <set>
 #include <sstream>
@@ -136,13 +137,19 @@ bool descend(SimulationParts& parts, SolveReport& report) {
       h *= 0.25;
       continue;
     }
+    const bool moved = unknown.positions_m != parts.state.positions_m;
     parts.accept(std::move(unknown));
     const Eigen::Vector3d way_m = parts.state.positions_m.rowwise().mean() - start_m;
     if (way_m.norm() > kSlidAway * parts.body.size_m()) {
       report.message = sliding(parts, way_m);
       if (!report.message.empty()) return false;
     }
-    if (h > 1e3 * wave_s && relax(parts, report)) return true;
+    if (h > 1e3 * wave_s) {
+      if (relax(parts, report)) return true;
+      // Where nothing moves, it is tried once more without any inertia.
+      if (!moved && std::isinf(h)) return false;
+      if (!moved) h = std::numeric_limits<double>::infinity();
+    }
     h *= newton.iterations <= 5 ? 3.0 : 1.5;
   }
   return false;

@@ -153,6 +153,23 @@ TEST(SoftOnSoft, BodiesThatAreNotListedPassThroughOneAnother) {
   EXPECT_LT(fallen_m.row(1).minCoeff(), -0.02);
 }
 
+// A bar sags onto a block's edge and rubs a little there. The way down in artificial time came to where nothing moved,
+// and went on 500 times with a longer step, until its square was infinite: 2262 iterations.
+TEST(SoftOnSoft, AWayDownOnWhichNothingMovesEnds) {
+  Body body(together(box_mesh({0, -0.01, -0.01}, {0.1, 0.01, 0.01}, {10, 2, 2}),
+                     box_mesh({0.05, -0.04, -0.015}, {0.08, -0.014, 0.017}, {3, 3, 3})),
+            kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, true, true});
+  body.fix_nodes({-1, -1, -1}, {1, -0.0399, 1}, {true, true, true});
+  body.set_gravity({0, -2.0 * kGravity, 0});
+  body.let_skin_touch({{0, 1, 0.1}});
+  Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+  const SolveReport report = simulation.solve_equilibrium();
+  EXPECT_TRUE(report.converged) << report.message;
+  EXPECT_LT(report.iterations, 1800);
+  EXPECT_NEAR(simulation.contacts()[0].normal_force_n, 0.352, 0.004);
+}
+
 TEST(SoftOnSoft, RefusesWhatCannotBe) {
   const auto refusal = [](double bottom_m, std::vector<TouchingBodies> pairs) -> std::string {
     Body body(together(box_mesh({0, 0, 0}, {0.02, 0.01, 0.02}, {2, 1, 2}),

@@ -15,7 +15,7 @@ for attempt in 1 2 3; do
   cat "$said"
   # A race of roslaunch's own: where a node ends while it still starts others, it may hang, and leaves nodes behind.
   pkill -f -- "rosmaster --core -p $master_port " || true
-  run=$(grep -om1 '[0-9a-f-]*/roslaunch-' "$said" | cut -d/ -f1)
+  run=$(grep -om1 '[0-9a-f-]*/roslaunch-' "$said" | cut -d/ -f1) || true
   [[ -z $run ]] || pkill -f -- "__log:=.*/$run/" || true
   grep -qF "after process monitor has been shut down" "$said" || break
   echo "attempt $attempt was lost to roslaunch"

@@ -4,7 +4,6 @@
 // also between machines.
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <string>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "soft_robot_lab/control/forward_model.h"
 #include "soft_robot_lab/control/optimiser.h"
 #include "soft_robot_lab/robot/scene/scene.h"
+#include "settings/cpu_time.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 #include "smallest.h"
 
@@ -101,9 +101,9 @@ void TouchOverAllCommands(benchmark::State& state) {
   double touching_s = 0.0, cpu_s = 0.0, worst_s = 0.0, deepest_m = 0.0;
   int failed = 0, inverted = 0;
   const auto step = [&] {
-    const std::clock_t start = std::clock();
+    const double start_s = cpu_time_s();
     const SolveReport report = simulation.step();
-    const double took_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    const double took_s = cpu_time_s() - start_s;
     failed += report.converged ? 0 : 1;
     inverted += report.inverted_elements;
     const std::vector<ContactReading> contacts = simulation.contacts();

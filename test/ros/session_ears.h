@@ -13,11 +13,12 @@ namespace soft_robot_lab {
 template <typename Condition>
 bool spin_until(const Condition& condition, double limit_s = 20.0) {
   const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(limit_s);
-  while (!condition() && ros::WallTime::now() < limit) {
+  while (!condition()) {  // asked once: it may look at the next frame each time
+    if (ros::WallTime::now() >= limit) return false;
     ros::spinOnce();
     ros::WallDuration(0.002).sleep();
   }
-  return condition();
+  return true;
 }
 
 // The next message, or, of a latched topic, the last.

@@ -243,6 +243,8 @@ class SessionFaults : public testing::Test {
 
 TEST_F(SessionFaults, KilledNodesComeBackAndTheLampSaysSo) {
   expect_flows("the start");
+  // The recorder runs before it opens its bag.
+  ASSERT_TRUE(spin_until([this] { return !bags().empty(); }, patience_s));
   const auto before = bags();
   std::vector<std::string> nodes = {"overlay", "controller", "recorder", "session_watch"};
   if (emulated_) nodes.insert(nodes.end(), {"motor", "emulated_rig"});

@@ -97,11 +97,12 @@ class TrackedCameras : public testing::Test {
   bool play_until(const std::function<bool()>& condition, double limit_s = 10) {
     const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(limit_s);
     statuses_.clear();
-    for (ros::WallRate rate(rate_hz); ros::WallTime::now() < limit && !condition(); rate.sleep()) {
+    for (ros::WallRate rate(rate_hz); !condition(); rate.sleep()) {
+      if (ros::WallTime::now() >= limit) return false;
       send();
       ros::spinOnce();
     }
-    return condition();
+    return true;
   }
   void play(double duration_s) {
     play_until([] { return false; }, duration_s);

@@ -67,11 +67,11 @@ YamlNode YamlNode::Data::build(const YAML::Node& yaml, Data place, int depth, lo
   if (yaml.IsScalar()) bytes_left -= static_cast<long>(yaml.Scalar().size());
   if (depth > kMaxDepth || bytes_left < 0)
     fail_at(data->source, data->line, data->path, "nested too deep, or too large");
-  const auto place_below = [&](const YAML::Mark& mark, const std::string& path) {
+  const auto place_below = [&](const YAML::Mark& mark, const std::string& its_path) {
     Data below;
     below.source = data->source;
     below.line = mark.is_null() ? data->line : mark.line + 1;
-    below.path = path;
+    below.path = its_path;
     return below;
   };
   if (yaml.IsScalar()) {

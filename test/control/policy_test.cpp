@@ -25,7 +25,8 @@ CommandPolicy two_steps() {
   return policy;
 }
 
-const CommandLimitsByName limits = {{"left", {1.0, 0.7, 1.0, "1"}}, {"right", {1.0, 0.7, 1.0, "1"}}};
+const CommandRange limit{{1.0, 0.7, 1.0, "1"}};
+const CommandLimitsByName limits = {{"left", limit}, {"right", limit}};
 
 TEST(PolicyPlayer, MovesLinearlyFromTheStartThroughEachStepAndStays) {
   const PolicyPlayer player(two_steps(), {1.0, 0.9});

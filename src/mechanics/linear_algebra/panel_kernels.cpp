@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "mechanics/elements/batches.h"
+#include "loose_batch.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -15,20 +15,14 @@ constexpr int kDepth = 128;            // columns whose sums are taken at once
 constexpr int kRows = 192;             // rows of them meanwhile
 constexpr double kLeastPivot = 1e-13;  // that is negative, over the largest of the diagonal
 
-typedef double LooseBatch __attribute__((vector_size(kLanes * sizeof(double)), aligned(sizeof(double)), may_alias));
-
-inline LooseBatch& at(double* place) { return *reinterpret_cast<LooseBatch*>(place); }
-inline const LooseBatch& at(const double* place) { return *reinterpret_cast<const LooseBatch*>(place); }
-inline double sum_of_lanes(const LooseBatch& b) { return (b[0] + b[1]) + (b[2] + b[3]); }
-
 // x -= a f, of `Width` columns of a.
 template <int Width>
 inline void subtract_columns(int rows, const double* a, std::ptrdiff_t ld, const double* f, double* x) {
   int i = 0;
   for (; i + kLanes <= rows; i += kLanes) {
-    LooseBatch sum = at(x + i);
-    for (int c = 0; c < Width; ++c) sum -= at(a + c * ld + i) * f[c];
-    at(x + i) = sum;
+    LooseBatch sum = load(x + i);
+    for (int c = 0; c < Width; ++c) sum -= load(a + c * ld + i) * f[c];
+    store(sum, x + i);
   }
   for (; i < rows; ++i)
     for (int c = 0; c < Width; ++c) x[i] -= a[c * ld + i] * f[c];
@@ -41,8 +35,8 @@ inline void subtract_products(int rows, const double* a, std::ptrdiff_t ld, cons
   int i = 0;
   for (; i + 2 * kLanes <= rows; i += 2 * kLanes)
     for (int c = 0; c < Width; ++c) {
-      even[c] += at(a + c * ld + i) * at(x + i);
-      odd[c] += at(a + c * ld + i + kLanes) * at(x + i + kLanes);
+      even[c] += load(a + c * ld + i) * load(x + i);
+      odd[c] += load(a + c * ld + i + kLanes) * load(x + i + kLanes);
     }
   for (int c = 0; c < Width; ++c) f[c] -= sum_of_lanes(even[c] + odd[c]);
   for (; i < rows; ++i)
@@ -73,7 +67,7 @@ inline void subtract_products(int depth, const double* a, std::ptrdiff_t ld_a, c
                               LooseBatch (&tile)[Width][Rows]) {
   for (int p = 0; p < depth; ++p, a += ld_a, b += Width) {
     LooseBatch column[Rows];
-    for (int r = 0; r < Rows; ++r) column[r] = at(a + r * kLanes);
+    for (int r = 0; r < Rows; ++r) column[r] = load(a + r * kLanes);
     for (int c = 0; c < Width; ++c)
       for (int r = 0; r < Rows; ++r) tile[c][r] -= column[r] * b[c];
   }
@@ -84,10 +78,10 @@ inline void subtract_tile(int depth, const double* a, std::ptrdiff_t ld_a, const
                           std::ptrdiff_t ld_c) {
   LooseBatch tile[Width][Rows];
   for (int j = 0; j < Width; ++j)
-    for (int r = 0; r < Rows; ++r) tile[j][r] = at(c + j * ld_c + r * kLanes);
+    for (int r = 0; r < Rows; ++r) tile[j][r] = load(c + j * ld_c + r * kLanes);
   subtract_products<Rows, Width>(depth, a, ld_a, b, tile);
   for (int j = 0; j < Width; ++j)
-    for (int r = 0; r < Rows; ++r) at(c + j * ld_c + r * kLanes) = tile[j][r];
+    for (int r = 0; r < Rows; ++r) store(tile[j][r], c + j * ld_c + r * kLanes);
 }
 
 // C -= A b' for the rows below the corner.
@@ -169,9 +163,9 @@ inline bool factorise_columns(int rows, double* a, std::ptrdiff_t ld, double lea
   int i = Width;
   for (; i + kLanes <= rows; i += kLanes)
     for (int c = 0; c < Width; ++c) {
-      LooseBatch sum = at(a + c * ld + i);
-      for (int d = 0; d < c; ++d) sum -= at(a + d * ld + i) * (signs[d] * a[d * ld + c]);
-      at(a + c * ld + i) = sum * inverse[c];
+      LooseBatch sum = load(a + c * ld + i);
+      for (int d = 0; d < c; ++d) sum -= load(a + d * ld + i) * (signs[d] * a[d * ld + c]);
+      store(sum * inverse[c], a + c * ld + i);
     }
   for (; i < rows; ++i)
     for (int c = 0; c < Width; ++c) {

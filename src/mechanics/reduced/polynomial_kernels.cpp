@@ -3,14 +3,12 @@
 
 #include <algorithm>
 
+#include "mechanics/linear_algebra/loose_batch.h"
+
 namespace soft_robot_lab {
 namespace {
 
 using Index = Eigen::Index;
-typedef double LooseBatch __attribute__((vector_size(kLanes * sizeof(double)), aligned(sizeof(double)), may_alias));
-
-inline LooseBatch load(const double* from) { return *reinterpret_cast<const LooseBatch*>(from); }
-inline double sum_of_lanes(const LooseBatch& b) { return (b[0] + b[1]) + (b[2] + b[3]); }
 
 inline double dot(const double* a, const double* b, Index count) {
   LooseBatch even{}, odd{};

@@ -117,8 +117,8 @@ void drive(const Bytes& script) {
 
 }  // namespace
 
-void fuzz_protocol(const std::uint8_t* data, std::size_t size) {
-  const Bytes bytes(data, data + size);
+void fuzz_protocol(const std::uint8_t* input, std::size_t size) {
+  const Bytes bytes(input, input + size);
   decode_all(bytes);
   decode_all(frame_up(bytes));
   drive(bytes);

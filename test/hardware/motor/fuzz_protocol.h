@@ -7,6 +7,6 @@
 
 namespace soft_robot_lab {
 
-void fuzz_protocol(const std::uint8_t* data, std::size_t size);
+void fuzz_protocol(const std::uint8_t* input, std::size_t size);
 
 }  // namespace soft_robot_lab

@@ -21,7 +21,7 @@ packages=(
   libbullet-dev libopencv-dev libpcl-dev libembree-dev lib3mf-dev
   libmessage-filters-dev ros-sensor-msgs libsensor-msgs-dev python3-sensor-msgs
   gcc-avr avr-libc libsimavr-dev libelf-dev
-  clang-format clang-tidy universal-ctags catkin-lint admesh libgtest-dev librostest-dev python3-rostest libbenchmark-dev doxygen
+  clang lld libclang-rt-dev libomp-dev clang-format clang-tidy universal-ctags catkin-lint admesh libgtest-dev librostest-dev python3-rostest libbenchmark-dev doxygen
 )
 [[ ${1-} != --all ]] || packages+=(prusa-slicer)
 installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null | awk '$2 == "installed" {print $1}' || true)

@@ -34,7 +34,7 @@ MeasuredSwing swing_of(const std::string& overrides, double pulled, double noise
     for (int m = 0; m < 2; ++m)
       at.markers.push_back(
           {simulation.markers()[static_cast<std::size_t>(m)].name(),
-           simulation.marker_position(m) + Eigen::Vector3d(normal(random), normal(random), normal(random)),
+           simulation.marker_position(m) + Eigen::Vector3d::NullaryExpr([&](int) { return normal(random); }),
            std::pow(std::max(1e-5, noise_m), 2) * Eigen::Matrix3d::Identity()});
     swing.seen.push_back(std::move(at));
   }

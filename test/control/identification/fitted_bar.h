@@ -49,7 +49,7 @@ inline std::vector<MeasuredPose> measure(const std::string& overrides,
     EXPECT_TRUE(scene.simulation->solve_equilibrium().converged);
     MeasuredPose pose{{{"left", left}, {"right", right}}, {}};
     for (int m = 0; m < 2; ++m) {
-      const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
+      const Eigen::Vector3d noise = Eigen::Vector3d::NullaryExpr([&](int) { return normal(random); });
       pose.markers.push_back({scene.simulation->markers()[static_cast<std::size_t>(m)].name(),
                               measured_from_base * scene.simulation->marker_position(m) + noise_m * noise,
                               std::max(1e-5, noise_m) * std::max(1e-5, noise_m) * Eigen::Matrix3d::Identity()});

@@ -345,7 +345,7 @@ TEST_F(Session, FindsAPathOfPoses) {
   EXPECT_LT(response.poses[1].marker.x, -0.01);
 }
 
-// Before drives and silicone are there; then it goes. Its skin is the one that the robot comes to.
+// Until drives and silicone are there; then it goes. Its skin is the one that the robot comes to.
 TEST_F(Session, ShowsAtOnceWhereCommandsLead) {
   ask<std_srvs::Trigger>(topics::simulator_reset);
   visualization_msgs::Marker shown, skin;
@@ -358,23 +358,24 @@ TEST_F(Session, ShowsAtOnceWhereCommandsLead) {
                         previews = keep(topics::controller_preview, shown);
   ros::Publisher publisher = node_.advertise<ActuatorCommand>(topics::actuator_command, 1, true);
   ASSERT_TRUE(spin_until([&] { return shown.action == visualization_msgs::Marker::DELETE && !skin.points.empty(); }));
+  const visualization_msgs::Marker at_rest = skin;  // on a busy machine it is far on its way when the preview is heard
   ActuatorCommand command;
   command.names = {"left"};
   command.values = {0.85};
   publisher.publish(command);
   ASSERT_TRUE(spin_until([&] { return shown.action == visualization_msgs::Marker::ADD; }));
   const visualization_msgs::Marker preview = shown;
-  const auto apart_m = [&] {
+  const auto apart_m = [&](const visualization_msgs::Marker& from) {
     double most_m = 0.0;
     for (size_t i = 0; i < preview.points.size(); ++i) {
       const Eigen::Vector3d there_m = from_message(preview.points[i], "preview");
-      most_m = std::max(most_m, (there_m - from_message(skin.points.at(i), "surface")).norm());
+      most_m = std::max(most_m, (there_m - from_message(from.points.at(i), "surface")).norm());
     }
     return most_m;
   };
-  EXPECT_GT(apart_m(), 0.01) << "the robot is on its way";
+  EXPECT_GT(apart_m(at_rest), 0.01);
   EXPECT_TRUE(spin_until([&] { return shown.action == visualization_msgs::Marker::DELETE; }));
-  EXPECT_TRUE(spin_until([&] { return apart_m() < 1e-4; })) << apart_m();
+  EXPECT_TRUE(spin_until([&] { return apart_m(skin) < 1e-4; })) << apart_m(skin);
 }
 
 // The ghost of what was found while another policy played.

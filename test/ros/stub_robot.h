@@ -43,16 +43,14 @@ class StubRobot {
   ~StubRobot() { spinner_.stop(); }
 
   std::atomic<bool> tip_seen{true}, middle_seen{true};
-  std::atomic<bool> stalled{false};  // the left motor
-  std::atomic<double> knock_m{0.0};  // by which all is seen elsewhere
-  std::atomic<int> commands_heard{0};
+  std::atomic<bool> stalled{false};           // the left motor
+  std::atomic<double> knock_m{0.0};           // by which all is seen elsewhere
   std::atomic<double> last_command_s{0.0};    // when it was sent
   std::atomic<double> left{1.0}, right{1.0};  // as commanded
   std::atomic<double> refused{0.0};           // the next command with this value of the right cable is
 
  private:
   void on_command(const ActuatorCommand& command) {
-    ++commands_heard;
     last_command_s = command.header.stamp.toSec();
     if (command.values.back() == refused) {
       refused = 0.0;

@@ -173,7 +173,7 @@ std::string gnuplot_script(const Plot& plot, const std::string& terminal, const 
          << " size " << plot.width_px << "," << plot.height_px << " font 'DejaVu Sans,13' background rgb 'white'\n"
          << "set output " << quoted(output_file) << "\nset title " << quoted(plot.title) << " font ',16'\n"
          << "set border 3 lc '#444444'\nset tics nomirror\nset grid lc '#dddddd' lt 1 lw 1\nset pointsize 1\n"
-         << (plot.series.size() <= kMostBelow ? "set key below center horizontal height 1 samplen 3\n"
+         << (plot.series.size() <= kMostBelow ? "set key below center horizontal maxcols 3 height 1 samplen 3\n"
                                               : "set key outside right top vertical\n");
   if (!plot.colour_bar.empty())
     script << "set palette defined (" << kScale << ")\nset cblabel " << quoted(plot.colour_bar) << "\n";

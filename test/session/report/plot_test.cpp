@@ -10,6 +10,8 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "robot/scene/scene_files.h"
 
@@ -110,6 +112,21 @@ TEST(Plot, TurnsLabelsThatAreMany) {
   EXPECT_EQ(turned(3, ") rotate("), 1) << "but for the word of the y axis";
   EXPECT_EQ(turned(8, ") rotate(-30)"), 8);
   EXPECT_GE(turned(25, ") rotate(-90)"), 25);
+}
+
+// Long words of the y axis push it to the right.
+TEST(Plot, KeepsItsKeyInThePicture) {
+  const SceneFolder folder;
+  Plot plot{"key", "key", {}, {}};
+  plot.width_px = 1336;
+  plot.y.ticks = {{0, "cantilever: newton, linear elements"}};
+  for (const std::string label : {"survived", "recovered", "failed and said so", "too slow"})
+    plot.series.push_back({label, {0, 1}, {0, 1}, SeriesStyle::squares});
+  const cv::Mat picture = cv::imread(write_plot(plot, folder.path("pictures")).png);
+  ASSERT_EQ(picture.cols, plot.width_px);
+  double darkest = 0.0;
+  cv::minMaxLoc(picture.col(picture.cols - 1).clone().reshape(1), &darkest);
+  EXPECT_EQ(darkest, 255) << "something goes on beyond the picture's edge";
 }
 
 TEST(Plot, ColoursPointsAndSquaresByTheirValues) {

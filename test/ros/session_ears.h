@@ -36,8 +36,9 @@ typename Service::Response ask(ros::NodeHandle& node, const std::string& name,
                                const typename Service::Request& request = {}) {
   if (!ros::service::waitForService(name, 20000)) throw std::runtime_error("no service " + name);
   typename Service::Response response;
-  if (!node.serviceClient<Service>(name).call(request, response)) throw std::runtime_error("no answer of " + name);
-  return response;
+  for (int attempt = 0; attempt < 2; ++attempt)  // a busy machine may lose a connection
+    if (node.serviceClient<Service>(name).call(request, response)) return response;
+  throw std::runtime_error("no answer of " + name);
 }
 
 }  // namespace soft_robot_lab

@@ -18,6 +18,7 @@
 #include <std_srvs/Trigger.h>
 
 #include "process_of.h"
+#include "session_ears.h"
 #include "ros/topics.h"
 
 namespace soft_robot_lab {
@@ -81,11 +82,7 @@ class Motors : public testing::Test {
 
   template <typename Service>
   typename Service::Response ask(const std::string& name, const typename Service::Request& request = {}) {
-    typename Service::Response response;
-    if (!ros::service::waitForService(name, 20000) || !node_.serviceClient<Service>(name).call(request, response)) {
-      throw std::runtime_error("no answer of " + name);
-    }
-    return response;
+    return soft_robot_lab::ask<Service>(node_, name, request);
   }
 
   // What the board must do and can: again where the link was lost meanwhile, as on a busy machine it may be.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
@@ -19,15 +20,16 @@ namespace {
 constexpr double kLeastAbove = 0.25;  // of its square, what is left of a face's size as seen from a point
 constexpr double kDeepest = 0.5;      // of a face's size: deeper is the other side of a wall, as is deeper than a wall
 constexpr double kBehind = 4.0;       // of the largest face's size: walls are looked for so near
-constexpr double kInFront = 1e-9;  // of the same: a face that has no corner so far in front of another lies behind it
-constexpr double kMargin = 0.02;   // of the body's size: what near faces are looked for within
-constexpr double kSlack = 0.001;   // of the same: which of them may overlap is looked for once nodes have moved so far
-constexpr double kWiderSlack = 0.5;  // of that margin, where few pairs are looked at
-constexpr double kOneSide = 0.5;     // cosine: faces whose normals agree so at rest are one side of a wall; it may fold
-constexpr double kOneWay = 0.9;      // cosine: neither face meets the other, nor do the guards at its edges
-constexpr double kAlong = 0.6;       // cosine: faces bend less than to turn such normals against one another
-constexpr double kAgainst = 0.2;     // cosine: skin that meets skin faces it at least so much
-constexpr double kOverEdge = 0.01;   // of a face's size: a point so far beyond its edge still meets it
+constexpr double kInFront = 1e-9;   // of the same: a face that has no corner so far in front of another lies behind it
+constexpr double kMargin = 0.03;    // of the body's size: what near faces are looked for within
+constexpr double kSlack = 0.001;    // of the same: which of them may overlap is looked for once nodes have moved so far
+constexpr double kPairMoves = 6.0;  // by so many times as much as nodes do two faces move against each other, at most
+constexpr double kWiderSlack = 0.01;  // of the body's size, the same where few pairs are looked at
+constexpr double kOneSide = 0.5;    // cosine: faces whose normals agree so at rest are one side of a wall; it may fold
+constexpr double kOneWay = 0.9;     // cosine: neither face meets the other, nor do the guards at its edges
+constexpr double kAlong = 0.6;      // cosine: faces bend less than to turn such normals against one another
+constexpr double kAgainst = 0.2;    // cosine: skin that meets skin faces it at least so much
+constexpr double kOverEdge = 0.01;  // of a face's size: a point so far beyond its edge still meets it
 constexpr double kBeyondEdge = 1e-9;  // of the same: a point no farther beyond it counts as above the face
 constexpr double kClearly = 2.0;      // times that: a point so far beyond it does not, however the face bends
 // Of a face's size: behind it by no more a point meets it, whatever nearer skin the point is in front of; and by no
@@ -142,6 +144,8 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
   const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
   rest_m_ = nodes_m;
   const auto count = static_cast<int>(faces_.cols());
+  std::set<int> nodes(faces_.reshaped().begin(), faces_.reshaped().end());
+  nodes_.assign(nodes.begin(), nodes.end());
   rest_middles_m_.resize(3, count);
   rest_normals_.resize(3, count);
   sizes_m_.resize(count);
@@ -187,11 +191,24 @@ bool SkinPairs::counts(int face, int other) const {
 
 void SkinPairs::restrict_to(const std::vector<FacePair>& pairs) {
   restricted_ = true;
-  slack_m_ = kWiderSlack * margin_m_;
+  slack_m_ *= kWiderSlack / kSlack;
   counts_.clear();
   near_.assign(same_.size(), {});
   for (const auto& [face, other] : pairs)
     if (counts(face, other)) near_[static_cast<std::size_t>(face)].push_back(other);
+  list_faces_in_pairs();
+}
+
+void SkinPairs::list_faces_in_pairs() {
+  std::vector<char> listed(static_cast<std::size_t>(faces_.cols()), 0);
+  in_pairs_.clear();
+  const auto list = [&](int face) {
+    if (!std::exchange(listed[static_cast<std::size_t>(face)], 1)) in_pairs_.push_back(face);
+  };
+  for (std::size_t face = 0; face < near_.size(); ++face) {
+    if (!near_[face].empty()) list(same_[face]);
+    for (const int other : near_[face]) list(other);
+  }
 }
 
 void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
@@ -199,21 +216,37 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   prepared_at_m_ = positions_m;
   std::fill(known_.begin(), known_.end(), 0);
   for (Reach& reach : reach_) reach.known = false;
-  const auto has_moved = [&](const Eigen::Matrix3Xd& from_m, double by_m) {
-    return from_m.cols() != positions_m.cols() ||
-           (positions_m - from_m).colwise().squaredNorm().maxCoeff() >= by_m * by_m;
-  };
-  if (!restricted_ && has_moved(near_at_m_, 0.5 * margin_m_)) {
+  if (!restricted_ && moved_m(near_at_m_) >= 0.5 * margin_m_) {
     find_near(positions_m);
     close_at_m_.resize(3, 0);
   }
-  if (has_moved(close_at_m_, slack_m_)) find_close(positions_m);
+  double moved_m = this->moved_m(close_at_m_);
+  if (moved_m >= slack_m_) {
+    find_close(positions_m);
+    moved_m = 0.0;
+  }
   for (const int face : any_close_) {
     std::vector<int>& overlaps = overlaps_[static_cast<std::size_t>(face)];
     overlaps.clear();
-    for (const int other : close_[static_cast<std::size_t>(face)])
-      if (may_overlap(face, other, false)) overlaps.push_back(other);
+    for (const Close& other : close_[static_cast<std::size_t>(face)])
+      if (other.clear_m <= moved_m && may_overlap(face, other.face)) overlaps.push_back(other.face);
   }
+}
+
+// Where two faces are to one another does not change where all move alike: so about the middle of all ways.
+double SkinPairs::moved_m(const Eigen::Matrix3Xd& from_m) const {
+  if (from_m.cols() != prepared_at_m_.cols()) return std::numeric_limits<double>::infinity();
+  Eigen::Array3d least_m = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()), most_m = -least_m;
+  for (const int node : nodes_) {
+    const Eigen::Array3d way_m = prepared_at_m_.col(node) - from_m.col(node);
+    least_m = least_m.min(way_m);
+    most_m = most_m.max(way_m);
+  }
+  const Eigen::Vector3d middle_m = 0.5 * (least_m + most_m);
+  double largest_m2 = 0.0;
+  for (const int node : nodes_)
+    largest_m2 = std::max(largest_m2, (prepared_at_m_.col(node) - from_m.col(node) - middle_m).squaredNorm());
+  return std::sqrt(largest_m2);
 }
 
 // Boxes first, side by side in memory: most pairs need no closer look. Of faces that are in a pair.
@@ -221,19 +254,13 @@ void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
   close_at_m_ = positions_m;
   Eigen::Matrix3Xd low_m(3, faces_.cols()), high_m(3, faces_.cols()), soon_low_m(3, faces_.cols()),
       soon_high_m(3, faces_.cols());
-  std::vector<char> has_box(static_cast<std::size_t>(faces_.cols()), 0);
-  const auto make_box = [&](int face) {
-    if (std::exchange(has_box[static_cast<std::size_t>(face)], 1)) return;
+  for (const int face : in_pairs_) {
     const Present& at = present(face);
-    const double wider_m = 6.0 * slack_m_ + turn(face) * deepest_m_[face];
+    const double wider_m = slack_m_ * (kPairMoves + turns_per_m(face) * deepest_m_[face]);
     low_m.col(face) = at.low_m;
     high_m.col(face) = at.high_m;
     soon_low_m.col(face) = at.deep_low_m.array() - wider_m;
     soon_high_m.col(face) = at.deep_high_m.array() + wider_m;
-  };
-  for (std::size_t face = 0; face < near_.size(); ++face) {
-    if (!near_[face].empty()) make_box(same_[face]);
-    for (const int other : near_[face]) make_box(other);
   }
   for (const int face : any_close_) overlaps_[static_cast<std::size_t>(face)].clear();
   any_close_.clear();
@@ -241,10 +268,11 @@ void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
     close_[face].clear();
     if (near_[face].empty()) continue;
     const Eigen::Array3d low = low_m.col(same_[face]), high = high_m.col(same_[face]);
-    for (const int other : near_[face])
-      if ((soon_low_m.col(other).array() <= high).all() && (low <= soon_high_m.col(other).array()).all() &&
-          may_overlap(static_cast<int>(face), other, true))
-        close_[face].push_back(other);
+    for (const int other : near_[face]) {
+      if ((soon_low_m.col(other).array() > high).any() || (low > soon_high_m.col(other).array()).any()) continue;
+      const double clear_m = this->clear_m(same_[face], other);
+      if (clear_m < slack_m_) close_[face].push_back({other, clear_m});
+    }
     if (!close_[face].empty()) any_close_.push_back(static_cast<int>(face));
   }
 }
@@ -252,7 +280,7 @@ void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
 void SkinPairs::look_at(int face) const {
   known_[static_cast<std::size_t>(face)] = 1;
   Present& at = present_[static_cast<std::size_t>(face)];
-  at.turn = at.tilt = -1.0;
+  at.turns_per_m = at.tilt = -1.0;
   at.knows_sides = false;
   const FaceNodes around = control_points(nodes_of(faces_, face, prepared_at_m_));
   at.around_m.leftCols(around.cols()) = around;
@@ -273,18 +301,14 @@ void SkinPairs::look_at(int face) const {
   at.deep_high_m = (at.high_m + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
 }
 
-double SkinPairs::Present::farthest_from_m(const Eigen::Vector3d& point_m) const {
-  return (point_m - low_m).cwiseMax(high_m - point_m).norm();
-}
-
-// Two edges move by twice the way, so their product by so much of itself.
-double SkinPairs::turn(int face) const {
+// Two edges move by twice the way, so their product by so much of itself. Where that is by less than 0.8 the normal
+// changes by less than 2.5 times as much; it never changes by more than 2.
+double SkinPairs::turns_per_m(int face) const {
   const auto& around = present(face).around_m;
-  double& turn = present_[static_cast<std::size_t>(face)].turn;
-  if (turn >= 0.0) return turn;
+  double& turns_per_m = present_[static_cast<std::size_t>(face)].turns_per_m;
+  if (turns_per_m >= 0.0) return turns_per_m;
   const Eigen::Vector3d along = around.col(1) - around.col(0), across = around.col(2) - around.col(0);
-  const double change = 2.0 * slack_m_ * (along.norm() + across.norm()) / along.cross(across).norm();
-  return turn = change < 0.8 ? std::sqrt(2.0) * change * (1.0 + 0.25 * change) : 2.0;
+  return turns_per_m = 2.5 * 2.0 * (along.norm() + across.norm()) / along.cross(across).norm();
 }
 
 const SkinPairs::Present& SkinPairs::with_sides(int face) const {
@@ -293,37 +317,51 @@ const SkinPairs::Present& SkinPairs::with_sides(int face) const {
   if (at.knows_sides) return at;
   for (int side = 0; side < 3; ++side)
     at.sideways.row(side) = (at.around_m.col((side + 1) % 3) - at.around_m.col(side)).cross(at.normal).normalized();
-  at.farthest_m = (at.sideways * at.around_m).rowwise().maxCoeff();
+  at.farthest_m = at.sideways * at.around_m.col(0);
+  for (Eigen::Index a = 1; a < at.around_m.cols(); ++a)
+    at.farthest_m = at.farthest_m.cwiseMax(at.sideways * at.around_m.col(a));
   at.knows_sides = true;
   return at;
 }
 
-// Where nodes move, points that a face lies between move by three times as much, and its normal turns.
-bool SkinPairs::may_overlap(int face, int other, bool soon) const {
+bool SkinPairs::may_overlap(int face, int other) const {
   const int same = same_[static_cast<std::size_t>(face)];
   const Present &mine = present(same), &theirs = present(other);
-  const double moved_m = soon ? 6.0 * slack_m_ : 0.0, turn = soon ? this->turn(other) : 0.0;
-  const double wider_m = moved_m + turn * deepest_m_[other];
-  if ((theirs.deep_low_m - mine.high_m).maxCoeff() > wider_m || (mine.low_m - theirs.deep_high_m).maxCoeff() > wider_m)
-    return false;
-  if (mine.normal.dot(theirs.normal) >= kOneWay + (soon ? turn + this->turn(same) : 0.0)) return false;
-  const double top_m = theirs.top_m + kOverEdge * sizes_m_[other] + moved_m;
-  const auto lower = [&](Eigen::Index a) {
-    const Eigen::Vector3d at_m = mine.around_m.col(a);
-    const double turned_m = soon ? turn * (theirs.farthest_from_m(at_m) + moved_m) : 0.0;
-    return theirs.normal.dot(at_m) < top_m + turned_m;
-  };
-  for (Eigen::Index a = 0; a < faces_.rows(); ++a)
-    if (lower(a)) return soon || !lies_beside(same, other);
-  return false;
+  if (apart_m(mine, theirs) > 0.0 || mine.normal.dot(theirs.normal) >= kOneWay) return false;
+  return lowest_above_m(mine, theirs) < kOverEdge * sizes_m_[other] && !lies_beside(same, other);
+}
+
+double SkinPairs::apart_m(const Present& mine, const Present& theirs) {
+  return std::max((theirs.deep_low_m - mine.high_m).maxCoeff(), (mine.low_m - theirs.deep_high_m).maxCoeff());
+}
+
+// Where nodes move, points that a face lies between move by three times as much, and its normal turns.
+double SkinPairs::clear_m(int same, int other) const {
+  const Present &mine = present(same), &theirs = present(other);
+  const double turns_per_m = this->turns_per_m(other);
+  const double by_boxes_m = apart_m(mine, theirs) / (kPairMoves + turns_per_m * deepest_m_[other]);
+  const double by_normals_m = (mine.normal.dot(theirs.normal) - kOneWay) / (turns_per_m + this->turns_per_m(same));
+  const double above_m = lowest_above_m(mine, theirs) - kOverEdge * sizes_m_[other];
+  const double reach_m = (mine.high_m - theirs.low_m).cwiseMax(theirs.high_m - mine.low_m).norm();
+  const double by_heights_m = above_m / (kPairMoves + turns_per_m * (reach_m + kPairMoves * slack_m_));
+  return std::max({by_boxes_m, by_normals_m, by_heights_m});
+}
+
+double SkinPairs::lowest_above_m(const Present& mine, const Present& theirs) {
+  double lowest_m = theirs.normal.dot(mine.around_m.col(0));
+  for (Eigen::Index a = 1; a < mine.around_m.cols(); ++a)
+    lowest_m = std::min(lowest_m, theirs.normal.dot(mine.around_m.col(a)));
+  return lowest_m - theirs.top_m;
 }
 
 // Farther than a place on the other face may be beside it.
 bool SkinPairs::lies_beside(int mine, int other) const {
   const Present& theirs = with_sides(other);
-  const double most_m = kOverEdge * sizes_m_[other] + deepest_m_[other] * tilt(other);
-  const Eigen::Vector3d beside_m = (theirs.sideways * present(mine).around_m).rowwise().minCoeff();
-  return ((beside_m - theirs.farthest_m).array() > most_m).any();
+  const auto& around_m = present(mine).around_m;
+  Eigen::Vector3d least_m = theirs.sideways * around_m.col(0);
+  for (Eigen::Index a = 1; a < around_m.cols(); ++a) least_m = least_m.cwiseMin(theirs.sideways * around_m.col(a));
+  const double beside_m = (least_m - theirs.farthest_m).maxCoeff(), over_m = kOverEdge * sizes_m_[other];
+  return beside_m > over_m && beside_m > over_m + deepest_m_[other] * tilt(other);
 }
 
 double SkinPairs::tilt(int face) const {
@@ -350,19 +388,20 @@ const std::vector<int>& SkinPairs::in_reach_of(int face) const {
 
 bool SkinPairs::may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
   const Present& theirs = present(other);
-  // No normal of the face is farther from that of its corners than it tilts.
-  if (theirs.normal.dot(outward) > std::min(kAlong, tilt(other) - kAgainst) * outward.norm()) return false;
   const double height_m = theirs.normal.dot(point_m), deepest_m = deepest_m_[other];
-  return height_m > theirs.lowest_m - deepest_m && height_m < theirs.top_m + deepest_m;
+  if (height_m <= theirs.lowest_m - deepest_m || height_m >= theirs.top_m + deepest_m) return false;
+  // No normal of the face is farther from that of its corners than it tilts.
+  const double along = theirs.normal.dot(outward), length = outward.norm();
+  return along <= kAlong * length && (along <= -kAgainst * length || along <= (tilt(other) - kAgainst) * length);
 }
 
 // A place beyond an edge lies above the face where that tilts.
 bool SkinPairs::is_behind(int other, const Eigen::Vector3d& point_m) const {
   const Present& theirs = present(other);
-  return (theirs.deep_low_m.array() <= point_m.array()).all() &&
-         (theirs.deep_high_m.array() >= point_m.array()).all() &&
-         theirs.normal.dot(point_m) <
-             theirs.top_m + sizes_m_[other] * (kJustOn + kOverEdge * std::min(1.0, tilt(other)));
+  if ((theirs.deep_low_m.array() > point_m.array()).any() || (theirs.deep_high_m.array() < point_m.array()).any())
+    return false;
+  const double above = (theirs.normal.dot(point_m) - theirs.top_m) / sizes_m_[other];
+  return above < kJustOn || (above < kJustOn + kOverEdge && above < kJustOn + kOverEdge * tilt(other));
 }
 
 bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m) const {
@@ -405,6 +444,7 @@ void SkinPairs::find_near(const Eigen::Matrix3Xd& positions_m) {
     std::sort(of_face.begin(), of_face.end());
     of_face.erase(std::unique(of_face.begin(), of_face.end()), of_face.end());
   }
+  list_faces_in_pairs();
 }
 
 // What a point finds on one face, where it is in front of it, or not deeper inside than counts.
@@ -478,8 +518,9 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
                                        bool outside_too, const Eigen::Matrix3Xd& positions_m) const {
   candidates_.clear();
   for (const int other : in_reach_of(face)) {
+    if (!may_meet(other, point_m, outward)) continue;
     const Candidate found = candidate(other, point_m);
-    if (meets_within(found, deepest_m_[other]) && may_meet(other, point_m, outward)) candidates_.push_back(found);
+    if (meets_within(found, deepest_m_[other])) candidates_.push_back(found);
   }
   const auto nearest = std::min_element(candidates_.begin(), candidates_.end(),
                                         [](const Candidate& a, const Candidate& b) { return a.least_m < b.least_m; });

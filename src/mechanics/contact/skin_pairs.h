@@ -125,13 +125,11 @@ class SkinPairs {
     Eigen::Vector3d low_m, high_m, deep_low_m, deep_high_m;
     Eigen::Matrix<double, 3, 6> around_m;  // points that it lies between; the last are not used for 3 nodes
     // What few faces are asked for; -1 or false: not known yet.
-    double turn = -1.0;  // how far the normal may turn, as a change of it, where nodes move by slack_m_
-    double tilt = -1.0;  // how far normals of the face tilt at most, as a tangent
+    double turns_per_m = -1.0;  // how much the normal may turn, as a change of it, as nodes move
+    double tilt = -1.0;         // how far normals of the face tilt at most, as a tangent
     bool knows_sides = false;
     Eigen::Matrix3d sideways;    // rows, in its plane, square to its sides,
     Eigen::Vector3d farthest_m;  // and how far along these it reaches
-
-    double farthest_from_m(const Eigen::Vector3d& point_m) const;  // a bound
   };
   const Present& present(int face) const {
     if (!known_[static_cast<std::size_t>(face)]) look_at(face);
@@ -139,14 +137,17 @@ class SkinPairs {
   }
   const Present& with_sides(int face) const;
   void look_at(int face) const;
-  double turn(int face) const;
+  double turns_per_m(int face) const;
   double tilt(int face) const;
   bool counts(int face, int other) const;
   // Whether a point of this face of the points may be inside the body behind another face: their boxes meet, they do
-  // not look the same way, and any of it lies lower than the top of the other. `soon`: or that may be so before a node
-  // has moved by slack_m_.
-  bool may_overlap(int face, int other, bool soon) const;
-  bool lies_beside(int mine, int other) const;  // both of the mesh; all of mine
+  // not look the same way, and any of it lies lower than the top of the other.
+  bool may_overlap(int face, int other) const;
+  // How far nodes must move, but all alike, before that may be so, if by less than slack_m_; not above 0: it may now.
+  double clear_m(int same, int other) const;
+  static double apart_m(const Present& mine, const Present& theirs);         // along an axis; negative: boxes meet
+  static double lowest_above_m(const Present& mine, const Present& theirs);  // over the top of theirs, at least
+  bool lies_beside(int mine, int other) const;                               // both of the mesh; all of mine
   // A face that a point may meet.
   struct Candidate {
     int face;
@@ -174,10 +175,13 @@ class SkinPairs {
   std::optional<Meeting> meeting(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                  const Eigen::Matrix3Xd& positions_m) const;
   SkinGap gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_m) const;
+  double moved_m(const Eigen::Matrix3Xd& from_m) const;  // the farthest node of the skin since then, but all alike
   void find_near(const Eigen::Matrix3Xd& positions_m);
+  void list_faces_in_pairs();
   void find_close(const Eigen::Matrix3Xd& positions_m);
 
   Eigen::MatrixXi faces_;    // nodes x faces, of the whole mesh
+  std::vector<int> nodes_;   // of these
   Eigen::Matrix3Xd rest_m_;  // nodes
   Eigen::Matrix3Xd rest_middles_m_, rest_normals_;
   Eigen::VectorXd sizes_m_, deepest_m_;
@@ -188,10 +192,16 @@ class SkinPairs {
   double largest_size_m_ = 0.0, margin_m_ = 0.0, slack_m_ = 0.0;
   bool restricted_ = false;
 
-  // Per face of the points: those near it, until a node has moved by half of margin_m_ from near_at_m_; of these the
-  // ones that may overlap it, until a node has moved by slack_m_ from close_at_m_; and those that may now.
+  struct Close {
+    int face;
+    double clear_m;
+  };
+  // Per face of the points: those near it, until a node has moved by half of margin_m_ from near_at_m_, but all alike;
+  // of these the ones that may overlap it, until a node has moved by slack_m_ from close_at_m_; and those that may now.
   Eigen::Matrix3Xd prepared_at_m_, near_at_m_, close_at_m_;
-  std::vector<std::vector<int>> near_, close_, overlaps_;
+  std::vector<std::vector<int>> near_, overlaps_;
+  std::vector<std::vector<Close>> close_;
+  std::vector<int> in_pairs_;             // faces of the mesh that are in any of near_
   std::vector<int> any_close_;            // faces of the points
   mutable std::vector<Present> present_;  // of the mesh, where it was asked for at the present positions
   mutable std::vector<char> known_;

@@ -114,15 +114,12 @@ Turns NodeTurns::between(const Eigen::Matrix3Xd& from_m, const Eigen::Matrix3Xd&
     if (body_.fixed().col(node).any()) turns.middleCols<3>(3 * node).setZero();
   const auto groups = static_cast<std::size_t>((count + kLanes - 1) / kLanes);
   Batches matrices(9 * groups, splat(0.0));
-  for (Eigen::Index entry = 0; entry < turns.size(); ++entry) {
-    const Eigen::Index node = entry / 9;
-    matrices[static_cast<std::size_t>(9 * (node / kLanes) + entry % 9)][node % kLanes] = turns.data()[entry];
-  }
+  const auto group_of = [&](Eigen::Index node) { return matrices.data() + 9 * (node / kLanes); };
+  for (Eigen::Index node = 0; node < count; ++node)
+    for (int i = 0; i < 9; ++i) group_of(node)[i][node % kLanes] = turns.data()[9 * node + i];
   to_rotations(static_cast<int>(groups), matrices.data());
-  for (Eigen::Index entry = 0; entry < turns.size(); ++entry) {
-    const Eigen::Index node = entry / 9;
-    turns.data()[entry] = matrices[static_cast<std::size_t>(9 * (node / kLanes) + entry % 9)][node % kLanes];
-  }
+  for (Eigen::Index node = 0; node < count; ++node)
+    for (int i = 0; i < 9; ++i) turns.data()[9 * node + i] = group_of(node)[i][node % kLanes];
   return turns;
 }
 

@@ -152,6 +152,13 @@ void clear_lower(int rows, int columns, double* matrix) {
   for (std::ptrdiff_t j = 0; j < columns; ++j) std::fill(matrix + j * rows + j - j % 3, matrix + (j + 1) * rows, 0.0);
 }
 
+// A node's row of a vector; a call of std::copy would take longer than this.
+void copy_row(const double* from, double* to) {
+  to[0] = from[0];
+  to[1] = from[1];
+  to[2] = from[2];
+}
+
 }  // namespace
 
 void BlockCholesky::assemble_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place) {
@@ -221,16 +228,18 @@ void BlockCholesky::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const {
   const Eigen::Index columns = right_hand_sides.cols();
   if (columns == 0) return;
   Eigen::MatrixXd x(3 * static_cast<Eigen::Index>(order_.size()), columns);
-  for (std::size_t i = 0; i < order_.size(); ++i)
-    x.middleRows(3 * static_cast<Eigen::Index>(i), 3) = right_hand_sides.middleRows(3 * order_[i], 3);
+  for (Eigen::Index column = 0; column < columns; ++column)
+    for (std::size_t i = 0; i < order_.size(); ++i)
+      copy_row(&right_hand_sides(3 * order_[i], column), &x(3 * static_cast<Eigen::Index>(i), column));
 
   std::vector<double> front;
   for (const Supernode& node : nodes_) solve_front(node, Half::lower, x, front);
   if (negative_pivots_ > 0) x = Eigen::Map<const Eigen::VectorXd>(signs_.data(), x.rows()).asDiagonal() * x;
   for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) solve_front(*node, Half::upper, x, front);
 
-  for (std::size_t i = 0; i < order_.size(); ++i)
-    right_hand_sides.middleRows(3 * order_[i], 3) = x.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+  for (Eigen::Index column = 0; column < columns; ++column)
+    for (std::size_t i = 0; i < order_.size(); ++i)
+      copy_row(&x(3 * static_cast<Eigen::Index>(i), column), &right_hand_sides(3 * order_[i], column));
 }
 
 // In a copy of the rows that the front has: its columns, then what stands below them.
@@ -244,8 +253,7 @@ void BlockCholesky::solve_front(const Supernode& node, Half half, Eigen::MatrixX
     std::copy(from + 3 * node.first, from + 3 * node.first + k, of);
     std::fill(of + k, of + m, 0.0);
     if (half == Half::lower) continue;
-    for (std::size_t i = 0; i < node.rows.size(); ++i)
-      std::copy(from + 3 * node.rows[i], from + 3 * node.rows[i] + 3, of + k + 3 * i);
+    for (std::size_t i = 0; i < node.rows.size(); ++i) copy_row(from + 3 * node.rows[i], of + k + 3 * i);
   }
   const auto solve = half == Half::lower ? solve_panel : solve_panel_transposed;
   solve(static_cast<int>(m), static_cast<int>(k), factor_.data() + node.panel, static_cast<int>(x.cols()),

@@ -14,6 +14,8 @@
 
 namespace soft_robot_lab {
 
+inline constexpr const char* kTip = "tip";  // the marker at a robot's end
+
 struct ExperimentContext {
   std::string config_folder;  // the package's config/: robots, scenes, experiments, reference
   std::string output_folder;  // exists; for files of its own (plots and table are written by the program)

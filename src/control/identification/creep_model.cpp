@@ -16,11 +16,6 @@ namespace {
 // scene's own steps follow a robot on its way and how it comes to rest, as friction remembers that.
 constexpr double kSoon_s = 0.4, kLongStep_s = 0.25;
 
-bool all_arrived(const Simulation& simulation) {
-  const DriveStates& drives = simulation.state().drives;
-  return std::all_of(drives.begin(), drives.end(), arrived);
-}
-
 // The same robot in the scene's own steps and in long ones.
 class TwoPaces {
  public:

@@ -2,6 +2,7 @@
 // Where a simulation's markers and drives are.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "soft_robot_lab/mechanics/simulation.h"
@@ -15,5 +16,10 @@ inline Eigen::Matrix3Xd places(const Simulation& simulation) {
 }
 
 inline bool arrived(const DriveState& drive) { return std::abs(drive.actuated_command - drive.command) <= 1e-9; }
+
+inline bool all_arrived(const Simulation& simulation) {
+  const DriveStates& drives = simulation.state().drives;
+  return std::all_of(drives.begin(), drives.end(), arrived);
+}
 
 }  // namespace soft_robot_lab

@@ -11,7 +11,7 @@ namespace {
 constexpr const char* kOurs = "ours, run here: ";
 constexpr const char* kPublished = "published, not run here";
 
-std::string percent(double error) {
+std::string percent_of_displacement(double error) {
   std::ostringstream text;
   text.precision(2);
   text << 100.0 * error << " % of the displacement";
@@ -37,7 +37,7 @@ void add_cantilever(const std::vector<SpeedRun>& runs, const std::string& poisso
     }
     for (const SpeedRun& run : best_of(chosen)) {
       const std::string group = bullet ? "Bullet, run here: cantilever" : kOurs + std::string("cantilever, newton");
-      points.push_back({group, run.rung, 3.0 * run.nodes, 1.0 / run.cost, percent(run.error),
+      points.push_back({group, run.rung, 3.0 * run.nodes, 1.0 / run.cost, percent_of_displacement(run.error),
                         "cantilever at " + poissons_ratio + ", 60 Hz, one core", ""});
     }
   }

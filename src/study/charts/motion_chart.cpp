@@ -12,6 +12,7 @@
 #include "mechanics/reduced/reduced_simulation.h"
 #include "mechanics/reduced/snapshots.h"
 #include "mechanics/reduced/training_set.h"
+#include "speed_measurement.h"
 #include "settings/cpu_time.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
@@ -19,8 +20,6 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr unsigned kSeed = 7;
-constexpr int kRepeats = 3;
-constexpr double kLong_s = 1.0;  // CPU time above which a run is not repeated
 
 using Frames = std::vector<Eigen::Matrix3Xd>;  // where the nodes are, frame by frame
 

@@ -31,7 +31,7 @@ std::optional<SpeedRun> cheapest_within(const std::vector<SpeedRun>& runs, doubl
   return best;
 }
 
-Json describe(const SpeedRun& run) {
+Json numbers_of(const SpeedRun& run) {
   return {{"method", run.rung},
           {"size_m", run.size_m},
           {"elements", run.elements},
@@ -39,14 +39,14 @@ Json describe(const SpeedRun& run) {
           {"cpu_s_per_simulated_s", run.cost}};
 }
 
-Json describe(const std::optional<SpeedRun>& run) { return run ? describe(*run) : Json(nullptr); }
+Json numbers_of(const std::optional<SpeedRun>& run) { return run ? numbers_of(*run) : Json(nullptr); }
 
 // For each point of a rival: how many times cheaper our cheapest run is that is at least as exact.
 Json against(const std::vector<SpeedRun>& ours, double error, std::optional<double> cost) {
   const std::optional<SpeedRun> better = cheapest_within(ours, error);
   Json json = {{"error_percent", 1e2 * error}};
   json["cpu_s_per_simulated_s"] = cost ? Json(*cost) : Json(nullptr);
-  json["ours"] = describe(better);
+  json["ours"] = numbers_of(better);
   json["times_faster"] = better && cost ? Json(*cost / better->cost) : Json(nullptr);
   return json;
 }
@@ -98,7 +98,7 @@ SpeedClaims check_claims(const SpeedLadder& ladder, const std::vector<SpeedRun>&
     for (const double percent : {30.0, 5.0, 1.0, 0.5}) {
       std::ostringstream key;
       key << "every_poissons_ratio_within_" << percent << "_percent";
-      numbers[key.str()] = describe(cheapest_for_all(runs, problem, 1e-2 * percent));
+      numbers[key.str()] = numbers_of(cheapest_for_all(runs, problem, 1e-2 * percent));
     }
     if (const auto rung = cheapest_for_all(runs, problem, 0.01)) {
       words << problem.name << ": within 1 % at every Poisson's ratio for " << rung->cost
@@ -107,8 +107,8 @@ SpeedClaims check_claims(const SpeedLadder& ladder, const std::vector<SpeedRun>&
     for (const std::string& nu : problem.poissons_ratios) {
       const std::vector<SpeedRun> ours = chosen(runs, problem, nu, false);
       Json& here = numbers[nu];
-      here["within_1_percent"] = describe(cheapest_within(ours, 0.01));
-      here["within_0.5_percent"] = describe(cheapest_within(ours, 0.005));
+      here["within_1_percent"] = numbers_of(cheapest_within(ours, 0.01));
+      here["within_0.5_percent"] = numbers_of(cheapest_within(ours, 0.005));
       here["bullet"] = against_bullet(ours, chosen(runs, problem, nu, true), false);
       here["bullet_with_chance_hits"] = against_bullet(ours, chosen(runs, problem, nu, true), true);
       if (!here["bullet"].empty()) {

@@ -23,8 +23,6 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr const char* kSameElements = "linear, Newton";  // the rung that solves what Bullet solves
-constexpr int kRepeats = 3;
-constexpr double kLong_s = 1.0;  // CPU time above which a run is not repeated
 
 constexpr double kWorthTelling = 0.99;
 // How far curves may be apart, as small-strain and neo-Hookean elements are, and errors, which count the last moments

@@ -42,6 +42,8 @@ struct MeasuringTools {
 };
 
 // Short runs are repeated and the cheapest counts, as other work on the machine only adds.
+inline constexpr int kRepeats = 3;
+inline constexpr double kLong_s = 1.0;  // CPU time above which a run is not repeated
 SpeedRun measure(const SpeedProblem& problem, std::size_t poissons_ratio, const SpeedRung& rung, double size,
                  bool settled, const MeasuringTools& tools);
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "stability.h"
+#include "control/identification/simulated_now.h"
 #include "settings/cpu_time.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
@@ -16,19 +17,12 @@ constexpr int kCarefulStages = 20;                    // of the reference's comm
 constexpr double kClosure = 0.01;                     // of the energy turned over: what a ledger may leave open
 constexpr const char* kLocking = "locking_elements";  // the warning that foretells a wrong place (locking.h)
 
-Eigen::Matrix3Xd markers_of(const Simulation& simulation) {
-  const int count = static_cast<int>(simulation.markers().size());
-  Eigen::Matrix3Xd positions(3, count);
-  for (int i = 0; i < count; ++i) positions.col(i) = simulation.marker_position(i);
-  return positions;
-}
-
 bool all_finite(const Simulation& simulation, const SolveReport& report) {
   const SimulationState& state = simulation.state();
   bool finite = std::isfinite(report.residual) && std::isfinite(state.time_s) && state.positions_m.allFinite() &&
                 state.velocities_m_s.allFinite() && state.element_multipliers_pa.allFinite() &&
                 state.constraint_multipliers.allFinite() && state.element_forces_n.allFinite() &&
-                markers_of(simulation).allFinite();
+                places(simulation).allFinite();
   for (int i = 0; i < static_cast<int>(simulation.actuators().size()); ++i) {
     const ActuatorReading reading = simulation.actuator_state(i);
     for (const auto& number : {reading.length_m, reading.rest_length_m, reading.tension_n, reading.volume_m3,
@@ -142,7 +136,7 @@ const StabilityBench::Reference& StabilityBench::reference(const StabilityBody& 
     give_commands(simulation, hard_case.commands(body), static_cast<double>(stage) / kCarefulStages);
     found.found = settle(simulation).empty();
   }
-  found.markers_m = markers_of(simulation);
+  found.markers_m = places(simulation);
   references_.push_back(std::move(found));
   return references_.back();
 }
@@ -150,7 +144,7 @@ const StabilityBench::Reference& StabilityBench::reference(const StabilityBody& 
 std::string StabilityBench::judge_place(const StabilityBody& body, const HardCase& hard_case, const Simulation& resting,
                                         StabilityCell& cell) {
   const Reference& place = reference(body, hard_case);
-  if (place.found) cell.off_m = (markers_of(resting) - place.markers_m).colwise().norm().maxCoeff();
+  if (place.found) cell.off_m = (places(resting) - place.markers_m).colwise().norm().maxCoeff();
   const bool wrong = !place.found || cell.off_m > kRightPlace * resting.body().size_m();
   if (!wrong) return "";
   if (hard_case.unique)
@@ -181,7 +175,7 @@ void StabilityBench::judge(const StabilityBody& body, const StabilityMethod& met
   std::string wrong = judge_place(body, hard_case, *scene.simulation, cell);
   if (wrong.empty() && end.energy_ledger()) wrong = ledger_fault(cell);
   if (wrong.empty() && end.energy_ledger())
-    wrong = swing_fault(track, markers_of(*scene.simulation), kRightPlace * end.body().size_m());
+    wrong = swing_fault(track, places(*scene.simulation), kRightPlace * end.body().size_m());
   if (!wrong.empty()) {
     cell.message = wrong;
     return;
@@ -198,7 +192,7 @@ bool StabilityBench::go_through(const StabilityMethod& method, Simulation& simul
   const int solves = method.equilibrium ? 1 : in_time;
   while (cell.solves < solves) {
     last = method.equilibrium ? simulation.solve_equilibrium() : simulation.step();
-    track.push_back(markers_of(simulation));
+    track.push_back(places(simulation));
     ++cell.solves;
     if (!last.converged) ++cell.failed_solves;
     if (!last.converged || last.inverted_elements > 0) cell.message = last.message;

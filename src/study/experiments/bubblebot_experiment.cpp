@@ -11,8 +11,6 @@
 namespace soft_robot_lab {
 namespace {
 
-const char* const kTip = "tip";
-constexpr int kBefore = 5, kAfter = 1;  // colours
 constexpr int kBins = 20;
 constexpr double kPoor = 0.5;  // Q_vl below which the source counts an element as irregular
 
@@ -84,16 +82,7 @@ Plot quality_plot(const ChamberRun& run) {
 }
 
 Plot shape_plot(const ChamberRun& run) {
-  Plot plot{"6.3.5_shape", "Bubblebot from the side, by its edges, " + run.mesh + " mesh", {}, {}, {}};
-  plot.x.label = "y [mm]";
-  plot.y.label = "z [mm]";
-  for (const ChamberState* state : {&run.states.front(), &run.states.back()}) {
-    std::ostringstream label;
-    label << "beta " << state->beta;
-    const std::vector<Series> lines =
-        outline(run, *state, 1, 2, label.str(), state == &run.states.front() ? kBefore : kAfter);
-    plot.series.insert(plot.series.end(), lines.begin(), lines.end());
-  }
+  Plot plot = outline_plot(run, "6.3.5_shape", "Bubblebot from the side, by its edges, " + run.mesh + " mesh", 1, 2);
   plot.height_px = plot.width_px;
   return plot;
 }

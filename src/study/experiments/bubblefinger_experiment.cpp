@@ -8,9 +8,6 @@
 namespace soft_robot_lab {
 namespace {
 
-const char* const kTip = "tip";
-constexpr int kBefore = 5, kAfter = 1;  // colours
-
 void add_rows(const ChamberRun& run, Table& table) {
   for (const ChamberState& state : run.states) {
     const Eigen::Vector3d tip_mm = 1e3 * run.moved_m(state, kTip);
@@ -31,20 +28,6 @@ Plot path_plot(const std::vector<ChamberRun>& runs) {
       series.y.push_back(1e3 * run.moved_m(state, kTip).y());
     }
     plot.series.push_back(series);
-  }
-  return plot;
-}
-
-Plot shape_plot(const ChamberRun& run) {
-  Plot plot{"6.3.4_shape_" + run.mesh, "Bubblefinger from the side, by its edges, " + run.mesh + " mesh", {}, {}, {}};
-  plot.x.label = "x [mm]";
-  plot.y.label = "y [mm]";
-  for (const ChamberState* state : {&run.states.front(), &run.states.back()}) {
-    std::ostringstream label;
-    label << "beta " << state->beta;
-    const std::vector<Series> lines =
-        outline(run, *state, 0, 1, label.str(), state == &run.states.front() ? kBefore : kAfter);
-    plot.series.insert(plot.series.end(), lines.begin(), lines.end());
   }
   return plot;
 }
@@ -95,7 +78,8 @@ ExperimentResult run_bubblefinger_experiment(const ExperimentContext& context) {
   for (const ChamberRun& run : runs) {
     add_rows(run, result.table);
     result.numbers["bends_down_m"][run.mesh] = -run.moved_m(run.states.back(), kTip).y();
-    result.plots.push_back(shape_plot(run));
+    result.plots.push_back(outline_plot(run, "6.3.4_shape_" + run.mesh,
+                                        "Bubblefinger from the side, by its edges, " + run.mesh + " mesh", 0, 1));
   }
   const double difference = tip_difference(runs.front(), runs.back());
   result.numbers["tip_difference"] = difference;

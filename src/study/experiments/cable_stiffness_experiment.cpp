@@ -55,7 +55,7 @@ void read_stiffnesses(const YamlNode& node, StiffnessSettings& settings) {
   if (settings.stiffnesses_n_m.empty()) node.fail("source is empty");
 }
 
-StiffnessSettings read_settings(const ExperimentContext& context) {
+StiffnessSettings read_stiffness_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("4.3.2"));
   StiffnessSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
@@ -287,7 +287,7 @@ std::string words(const StiffnessSettings& settings, const std::vector<Stiffness
 }  // namespace
 
 ExperimentResult run_cable_stiffness_experiment(const ExperimentContext& context) {
-  const StiffnessSettings settings = read_settings(context);
+  const StiffnessSettings settings = read_stiffness_settings(context);
   const std::vector<StiffnessRun> runs = pull_all(context, settings);
   ExperimentResult result;
   result.title = "Cable stiffness on the hanging bar";

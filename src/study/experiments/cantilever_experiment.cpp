@@ -12,15 +12,15 @@
 namespace soft_robot_lab {
 namespace {
 
-struct Settings {
+struct CantileverSettings {
   std::string scene;
   double element_size_m;
   std::vector<std::string> elements;
 };
 
-Settings read_settings(const ExperimentContext& context) {
+CantileverSettings read_cantilever_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("cantilever"));
-  Settings settings;
+  CantileverSettings settings;
   settings.scene = context.config_folder + "/" + node.text("scene");
   settings.element_size_m = node.number("element_size_m", AllowedRange::positive());
   for (const YamlNode& element : node.sequence("elements")) settings.elements.push_back(element.as_text());
@@ -34,7 +34,7 @@ struct Sag {
   SolveReport solve;
 };
 
-Sag find_sag(const ExperimentContext& context, const Settings& settings, const std::string& element,
+Sag find_sag(const ExperimentContext& context, const CantileverSettings& settings, const std::string& element,
              const std::string& poissons_ratio) {
   const Overrides overrides = Overrides()
                                   .set({"body", "element"}, element)
@@ -70,7 +70,7 @@ std::vector<ReferenceRow> reference_rows(const ExperimentContext& context) {
 }  // namespace
 
 ExperimentResult run_cantilever_experiment(const ExperimentContext& context) {
-  const Settings settings = read_settings(context);
+  const CantileverSettings settings = read_cantilever_settings(context);
   const std::vector<ReferenceRow> rows = reference_rows(context);
   ExperimentResult result;
   result.title = "Sag of a 100 x 20 x 20 mm silicone bar under its own weight";

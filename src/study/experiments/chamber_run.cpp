@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include "control/identification/simulated_now.h"
 #include "session/report/skin.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
@@ -24,9 +25,7 @@ ChamberState observe(const Simulation& simulation, int actuator, double beta, co
     const double residual = simulation.actuator_state(static_cast<int>(i)).gas_residual.value_or(0.0);
     state.gas_residual = std::max(state.gas_residual, std::abs(residual));
   }
-  state.markers_m.resize(3, static_cast<Eigen::Index>(simulation.markers().size()));
-  for (Eigen::Index i = 0; i < state.markers_m.cols(); ++i)
-    state.markers_m.col(i) = simulation.marker_position(static_cast<int>(i));
+  state.markers_m = places(simulation);
   state.positions_m = simulation.state().positions_m;
   return state;
 }
@@ -140,6 +139,20 @@ void tell_trouble(const std::string& what, const std::string& why, ExperimentRes
   result.message = what + ": " + why;
 }
 
+// A line for each part that hangs together, of which the first bears the label [mm].
+std::vector<Series> outline(const ChamberRun& run, const ChamberState& state, int x_axis, int y_axis,
+                            const std::string& label, int colour) {
+  const std::vector<Edge> edges = sharp_edges(run.simulation().body().mesh());
+  Pen pen(edges, state.positions_m, x_axis, y_axis);
+  std::vector<Series> lines;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (pen.has_drawn(i)) continue;
+    lines.push_back({lines.empty() ? label : "", {}, {}, SeriesStyle::lines, colour});
+    pen.draw_from(edges[i].corners[0], lines.back());
+  }
+  return lines;
+}
+
 }  // namespace
 
 Eigen::Vector3d ChamberRun::moved_m(const ChamberState& state, const std::string& marker) const {
@@ -230,17 +243,20 @@ double worst_gas_residual(const std::vector<ChamberRun>& runs) {
   return worst;
 }
 
-std::vector<Series> outline(const ChamberRun& run, const ChamberState& state, int x_axis, int y_axis,
-                            const std::string& label, int colour) {
-  const std::vector<Edge> edges = sharp_edges(run.simulation().body().mesh());
-  Pen pen(edges, state.positions_m, x_axis, y_axis);
-  std::vector<Series> lines;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (pen.has_drawn(i)) continue;
-    lines.push_back({lines.empty() ? label : "", {}, {}, SeriesStyle::lines, colour});
-    pen.draw_from(edges[i].corners[0], lines.back());
+Plot outline_plot(const ChamberRun& run, const std::string& name, const std::string& title, int x_axis, int y_axis) {
+  constexpr int kBefore = 5, kAfter = 1;  // colours
+  const auto label_of = [](int axis) { return std::string(1, "xyz"[axis]) + " [mm]"; };
+  Plot plot{name, title, {}, {}, {}};
+  plot.x.label = label_of(x_axis);
+  plot.y.label = label_of(y_axis);
+  for (const ChamberState* state : {&run.states.front(), &run.states.back()}) {
+    std::ostringstream label;
+    label << "beta " << state->beta;
+    const std::vector<Series> lines =
+        outline(run, *state, x_axis, y_axis, label.str(), state == &run.states.front() ? kBefore : kAfter);
+    plot.series.insert(plot.series.end(), lines.begin(), lines.end());
   }
-  return lines;
+  return plot;
 }
 
 }  // namespace soft_robot_lab

@@ -69,9 +69,7 @@ Pumping pump_chamber(const ExperimentContext& context, const ChamberSettings& se
 
 double worst_gas_residual(const std::vector<ChamberRun>& runs);
 
-// The body's edges where its faces meet at an angle, in two axes [mm]: a line for each part that hangs together, of
-// which the first bears the label.
-std::vector<Series> outline(const ChamberRun& run, const ChamberState& state, int x_axis, int y_axis,
-                            const std::string& label, int colour);
+// The first and the last state by the body's edges where its faces meet at an angle, in two axes: 0 is x.
+Plot outline_plot(const ChamberRun& run, const std::string& name, const std::string& title, int x_axis, int y_axis);
 
 }  // namespace soft_robot_lab

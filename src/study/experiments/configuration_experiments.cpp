@@ -6,6 +6,7 @@
 
 #include "cable_experiments.h"
 #include "control/configuration_table.h"
+#include "control/identification/simulated_now.h"
 #include "marker_line.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "robot/scene/scene_cables.h"
@@ -14,9 +15,7 @@
 namespace soft_robot_lab {
 namespace {
 
-const char* const kTip = "tip";
-
-struct Settings {
+struct ConfigurationSettings {
   std::string robot;
   Eigen::Vector3d gravity_m_s2;
   double step_m = 0.0;  // of the rig's motor
@@ -44,7 +43,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-void require_known(const YamlNode& node, const Settings& settings, const std::string& key,
+void require_known(const YamlNode& node, const ConfigurationSettings& settings, const std::string& key,
                    const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const bool known = std::any_of(settings.configurations.begin(), settings.configurations.end(),
@@ -53,9 +52,9 @@ void require_known(const YamlNode& node, const Settings& settings, const std::st
   }
 }
 
-Settings read_settings(const ExperimentContext& context, const std::string& name) {
+ConfigurationSettings read_configuration_settings(const ExperimentContext& context, const std::string& name) {
   const YamlNode node = YamlNode::load_file(context.settings_file(name));
-  Settings settings;
+  ConfigurationSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
   settings.gravity_m_s2 = node.vector3("gravity_m_s2");
   settings.step_m = node.number("step_m", AllowedRange::positive());
@@ -75,7 +74,7 @@ Settings read_settings(const ExperimentContext& context, const std::string& name
 }
 
 // The robot's cables as the source has them: a spring from point to point, solved implicitly.
-Overrides spring_cables(const Settings& settings) {
+Overrides spring_cables(const ConfigurationSettings& settings) {
   const SceneCables cables(settings.robot, {});
   std::vector<OverrideValue> springs;
   for (const std::string& name : cables.names()) {
@@ -95,29 +94,21 @@ void command(Simulation& simulation, const Configuration& configuration) {
     simulation.set_command(simulation.actuators().at(i)->name(), configuration.commands[i]);
 }
 
-bool drives_have_arrived(const Simulation& simulation) {
-  const DriveStates& drives = simulation.state().drives;
-  return std::all_of(drives.begin(), drives.end(),
-                     [](const DriveState& drive) { return std::abs(drive.actuated_command - drive.command) < 1e-9; });
-}
-
 // At the drives' pace until they are there, while the robot still swings.
 SolveReport move_until_there(Simulation& simulation) {
   SolveReport report = simulation.step();
-  while (report.converged && !drives_have_arrived(simulation)) report = simulation.step();
+  while (report.converged && !all_arrived(simulation)) report = simulation.step();
   return report;
 }
 
-Visit observe(const Simulation& simulation, const Settings& settings, const std::string& cable,
+Visit observe(const Simulation& simulation, const ConfigurationSettings& settings, const std::string& cable,
               const std::string& name) {
   Visit visit;
   visit.cable = cable;
   visit.name = name;
   for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
     visit.cables.push_back(simulation.actuator_state(static_cast<int>(i)));
-  visit.markers_m.resize(3, static_cast<Eigen::Index>(simulation.markers().size()));
-  for (Eigen::Index i = 0; i < visit.markers_m.cols(); ++i)
-    visit.markers_m.col(i) = simulation.marker_position(static_cast<int>(i));
+  visit.markers_m = places(simulation);
   visit.tip_m = simulation.marker_position(simulation.marker_index(kTip));
   visit.speed_m_s = simulation.state().velocities_m_s.colwise().norm().maxCoeff();
   visit.from_front = marker_line(simulation, settings.shape, name, 0);
@@ -125,17 +116,17 @@ Visit observe(const Simulation& simulation, const Settings& settings, const std:
   return visit;
 }
 
-std::string trouble(const SolveReport& solve) {
+std::string fault_of(const SolveReport& solve) {
   if (!solve.converged) return solve.message.empty() ? "did not converge" : solve.message;
   return solve.inverted_elements > 0 ? "inverted elements" : "";
 }
 
-Scene load_robot(const ExperimentContext& context, const Settings& settings, Overrides overrides) {
+Scene load_robot(const ExperimentContext& context, const ConfigurationSettings& settings, Overrides overrides) {
   return load_scene(settings.robot, context.scene_options(overrides.set({"gravity_m_s2"}, settings.gravity_m_s2)));
 }
 
-std::vector<Visit> visit_all(const ExperimentContext& context, const Settings& settings, const std::string& cable,
-                             const Overrides& overrides, ExperimentResult& result) {
+std::vector<Visit> visit_all(const ExperimentContext& context, const ConfigurationSettings& settings,
+                             const std::string& cable, const Overrides& overrides, ExperimentResult& result) {
   const Scene scene = load_robot(context, settings, overrides);
   Simulation& simulation = *scene.simulation;
   std::vector<Visit> visits;
@@ -148,7 +139,7 @@ std::vector<Visit> visit_all(const ExperimentContext& context, const Settings& s
     else
       before = simulation.state();
     command(simulation, configuration);
-    const std::string why = trouble(moving ? move_until_there(simulation) : simulation.solve_equilibrium());
+    const std::string why = fault_of(moving ? move_until_there(simulation) : simulation.solve_equilibrium());
     visits.push_back(observe(simulation, settings, cable, configuration.name));
     if (why.empty()) continue;
     result.converged = false;
@@ -171,8 +162,8 @@ struct Return {
   double left_behind_m = 0.0, from_first_m = 0.0;
 };
 
-Return compare_returns(const ExperimentContext& context, const Settings& settings, const Overrides& overrides,
-                       const std::vector<Visit>& visits) {
+Return compare_returns(const ExperimentContext& context, const ConfigurationSettings& settings,
+                       const Overrides& overrides, const std::vector<Visit>& visits) {
   const Scene scene = load_robot(context, settings, overrides);
   Return worst;
   for (const std::string& name : settings.returns) {
@@ -188,11 +179,11 @@ Return compare_returns(const ExperimentContext& context, const Settings& setting
   return worst;
 }
 
-double steps(const Settings& settings, const ActuatorReading& cable) {
+double steps(const ConfigurationSettings& settings, const ActuatorReading& cable) {
   return std::round((1.0 - cable.command) * *cable.rest_length_m / settings.step_m);
 }
 
-void add_row(const Settings& settings, const Visit& visit, const Visit& first, ExperimentResult& result) {
+void add_row(const ConfigurationSettings& settings, const Visit& visit, const Visit& first, ExperimentResult& result) {
   std::vector<TableCell> row = {visit.cable, visit.name};
   auto& numbers = result.numbers["configurations"].emplace_back();
   numbers = {{"cable", visit.cable}, {"name", visit.name}};
@@ -240,8 +231,8 @@ Plot shape_plot(const std::string& section, const std::string& robot, const std:
   return plot;
 }
 
-std::string words(const Settings& settings, const std::vector<Visit>& sliding, const std::vector<Visit>& springs,
-                  const Return& sliding_return, const Return& springs_return) {
+std::string words(const ConfigurationSettings& settings, const std::vector<Visit>& sliding,
+                  const std::vector<Visit>& springs, const Return& sliding_return, const Return& springs_return) {
   const auto farthest = std::max_element(sliding.begin(), sliding.end(), [&](const Visit& a, const Visit& b) {
     return (a.tip_m - sliding.front().tip_m).norm() < (b.tip_m - sliding.front().tip_m).norm();
   });
@@ -271,7 +262,7 @@ std::string words(const Settings& settings, const std::vector<Visit>& sliding, c
 
 ExperimentResult run_configurations(const ExperimentContext& context, const std::string& section,
                                     const std::string& robot) {
-  const Settings settings = read_settings(context, section);
+  const ConfigurationSettings settings = read_configuration_settings(context, section);
   ExperimentResult result;
   result.title = robot + " through the source's table of contractions";
   std::ostringstream springs_name;

@@ -22,7 +22,7 @@ struct DemouldingSettings {
   std::vector<DemouldingRun> runs;
 };
 
-DemouldingSettings read_settings(const ExperimentContext& context) {
+DemouldingSettings read_demoulding_settings(const ExperimentContext& context) {
   const std::string file = context.settings_file("demoulding");
   const YamlNode node = YamlNode::load_file(file);
   DemouldingSettings settings;
@@ -108,7 +108,7 @@ std::string words_for(const DemouldingSettings& settings) {
 }  // namespace
 
 ExperimentResult run_demoulding_experiment(const ExperimentContext& context) {
-  DemouldingSettings settings = read_settings(context);
+  DemouldingSettings settings = read_demoulding_settings(context);
   ExperimentResult result;
   for (std::size_t i = 0; i < settings.runs.size(); ++i) {
     DemouldingRun& run = settings.runs[i];

@@ -18,7 +18,7 @@ struct DesignSettings {
   AssessmentSettings assessment;
 };
 
-DesignSettings read_settings(const ExperimentContext& context) {
+DesignSettings read_design_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("design_spinebot"));
   DesignSettings settings{
       context.config_folder + "/" + node.text("search"), context.config_folder + "/" + node.text("record"), {}};
@@ -77,7 +77,7 @@ Table table_of(const SearchSettings& search, const Design& best, const nlohmann:
 }  // namespace
 
 ExperimentResult run_design_spinebot_experiment(const ExperimentContext& context) {
-  const DesignSettings settings = read_settings(context);
+  const DesignSettings settings = read_design_settings(context);
   const SearchSettings search = read_search(settings.search);
   const nlohmann::ordered_json record = assess_file(settings.record, context, search);
   const std::vector<Design> designs = find_designs(search, context);

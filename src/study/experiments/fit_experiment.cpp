@@ -24,7 +24,7 @@ struct FitSettings {
 
 MeasuredPose pose_of(double left, double right) { return {{{"left", left}, {"right", right}}, {}}; }
 
-FitSettings read_settings(const ExperimentContext& context) {
+FitSettings read_fit_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("fit"));
   FitSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
@@ -52,9 +52,9 @@ FitSettings read_settings(const ExperimentContext& context) {
 }
 
 // The robot that plays the truth: the model's own parameters with other values, on another mesh.
-class Truth {
+class TrueRobot {
  public:
-  Truth(const ExperimentContext& context, const FitSettings& settings)
+  TrueRobot(const ExperimentContext& context, const FitSettings& settings)
       : settings_(settings),
         options_(context.scene_options(settings.truth_mesh)),
         parameters_(settings.robot, options_, asked(settings.truth)),
@@ -128,9 +128,9 @@ nlohmann::ordered_json to_json(const ModelGap& gap) {
 }  // namespace
 
 ExperimentResult run_fit_experiment(const ExperimentContext& context) {
-  const FitSettings settings = read_settings(context);
+  const FitSettings settings = read_fit_settings(context);
   context.report(0.0, "measuring");
-  Truth truth(context, settings);
+  TrueRobot truth(context, settings);
   const std::vector<MeasuredPose> table = truth.measure(settings.table, true),
                                   unseen = truth.measure(settings.unseen, false);
   const SceneOptions options = context.scene_options();

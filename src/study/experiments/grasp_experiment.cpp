@@ -16,7 +16,7 @@ struct GraspSettings {
   double short_s = 0.0;
 };
 
-GraspSettings read_settings(const ExperimentContext& context) {
+GraspSettings read_grasp_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("grasp"));
   GraspSettings settings;
   GraspTask& task = settings.task;
@@ -141,7 +141,7 @@ std::string words_for(const GraspRuns& runs) {
 }  // namespace
 
 ExperimentResult run_grasp_experiment(const ExperimentContext& context) {
-  const GraspRuns runs = shake_all(context, read_settings(context));
+  const GraspRuns runs = shake_all(context, read_grasp_settings(context));
   ExperimentResult result;
   result.title = "A ball in the gripper's hand, shaken";
   if (!runs.lifted.converged) {

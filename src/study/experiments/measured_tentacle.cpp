@@ -11,23 +11,21 @@
 namespace soft_robot_lab {
 namespace {
 
-using Json = nlohmann::json;
-
-Eigen::Vector3d vector_of(const Json& json) {
+Eigen::Vector3d vector_of(const nlohmann::json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
-std::map<std::string, Eigen::Vector3d> places_of(const Json& json) {
+std::map<std::string, Eigen::Vector3d> places_of(const nlohmann::json& json) {
   std::map<std::string, Eigen::Vector3d> places;
   for (const auto& [name, place] : json.items()) places[name] = vector_of(place);
   return places;
 }
 
-TentacleMaterial material_of(const Json& json) {
+TentacleMaterial material_of(const nlohmann::json& json) {
   return {json.at("youngs_modulus_pa"), json.at("poissons_ratio"), json.at("density_kg_m3")};
 }
 
-TentaclePose pose_of(const Json& json) {
+TentaclePose pose_of(const nlohmann::json& json) {
   TentaclePose pose;
   pose.measured.commands["tendon_1"] = json.at("tendon_tension_n").at(0);
   for (const auto& [name, marker] : json.at("markers").items()) {
@@ -36,7 +34,7 @@ TentaclePose pose_of(const Json& json) {
         {name, vector_of(marker.at("mean_m")), deviation_m.cwiseAbs2().asDiagonal().toDenseMatrix()});
   }
   pose.session = json.at("session");
-  const Json& source = json.at("source_model");
+  const nlohmann::json& source = json.at("source_model");
   pose.soromox_identified_m = source.at("identified").at("mean_error_m");
   if (source.contains("start")) pose.soromox_start_m = source.at("start").at("mean_error_m").get<double>();
   pose.rod_identified_m = json.at("converged_rod").at("mean_error_m");
@@ -44,13 +42,13 @@ TentaclePose pose_of(const Json& json) {
   return pose;
 }
 
-MeasuredTentacle tentacle_of(const Json& json) {
+MeasuredTentacle tentacle_of(const nlohmann::json& json) {
   MeasuredTentacle tentacle{material_of(json.at("material_start")),
                             material_of(json.at("material_identified_by_source")),
                             {},
                             places_of(json.at("hanging_rest").at("markers_m"))};
-  for (const Json& pose : json.at("poses")) tentacle.poses.push_back(pose_of(pose));
-  const Json& known = json.at("errors_of_known_models");
+  for (const nlohmann::json& pose : json.at("poses")) tentacle.poses.push_back(pose_of(pose));
+  const nlohmann::json& known = json.at("errors_of_known_models");
   tentacle.soromox_start_m = known.at("source_start_parameters_session_A_only").at("mean_error_m");
   tentacle.soromox_identified_m = known.at("source_identified").at("mean_error_m");
   tentacle.fitted_rod_m = known.at("converged_rod_E365k_rho1270").at("mean_error_m");
@@ -70,8 +68,8 @@ MeasuredTentacle read_measured_tentacle(const std::string& file) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error(file + ": cannot be read");
   try {
-    return tentacle_of(Json::parse(in));
-  } catch (const Json::exception& error) {
+    return tentacle_of(nlohmann::json::parse(in));
+  } catch (const nlohmann::json::exception& error) {
     throw std::runtime_error(file + ": " + error.what());
   }
 }

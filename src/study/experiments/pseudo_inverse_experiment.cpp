@@ -33,7 +33,7 @@ struct CouplingRun {
 };
 const char* const kCouplings[] = {"transpose", "pseudo_inverse"};
 
-CouplingSettings read_settings(const ExperimentContext& context) {
+CouplingSettings read_coupling_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("pseudo_inverse"));
   CouplingSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
@@ -142,7 +142,7 @@ std::string words(const std::vector<CouplingRun>& runs) {
 }  // namespace
 
 ExperimentResult run_pseudo_inverse_experiment(const ExperimentContext& context) {
-  const CouplingSettings settings = read_settings(context);
+  const CouplingSettings settings = read_coupling_settings(context);
   ExperimentResult result;
   result.title = "Coupling a cable by the pseudo-inverse";
   result.table.columns = {{"element"},

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 #include "cable_experiments.h"
 #include "marker_line.h"
+#include "control/identification/simulated_now.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
 namespace {
 
-const char* const kTip = "tip";
 const char* const kTiltedTo = "tilted to +y";
 const char* const kTiltedFrom = "tilted to -y";
 
@@ -53,7 +52,7 @@ OrderRobot read_robot(const YamlNode& node, const ExperimentContext& context) {
   return robot;
 }
 
-OrderSettings read_settings(const ExperimentContext& context) {
+OrderSettings read_order_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("6.3.3"));
   OrderSettings settings;
   for (const YamlNode& robot : node.sequence("robots")) settings.robots.push_back(read_robot(robot, context));
@@ -84,14 +83,6 @@ std::string pull_quasi_statically(Simulation& simulation, const OrderSettings& s
   return "";
 }
 
-bool drives_rest(const Simulation& simulation) {
-  for (size_t i = 0; i < simulation.actuators().size(); ++i) {
-    const ActuatorReading cable = simulation.actuator_state(static_cast<int>(i));
-    if (std::abs(cable.actuated_command - cable.command) > 1e-9) return false;
-  }
-  return true;
-}
-
 // At the drives' speed, and on until they have rested for `settle_s`.
 std::string pull_in_time(Simulation& simulation, const OrderSettings& settings, const Order& order,
                          double contraction) {
@@ -100,7 +91,7 @@ std::string pull_in_time(Simulation& simulation, const OrderSettings& settings, 
     for (double rested_s = 0.0; rested_s < settings.settle_s;) {
       const SolveReport solve = simulation.step();
       if (!solve.converged) return solve.message;
-      rested_s = drives_rest(simulation) ? rested_s + simulation.options().time_step_s : 0.0;
+      rested_s = all_arrived(simulation) ? rested_s + simulation.options().time_step_s : 0.0;
     }
   }
   return "";
@@ -234,7 +225,7 @@ void add_robot(const OrderRobot& robot, const std::vector<OrderRun>& runs, Exper
 }  // namespace
 
 ExperimentResult run_pull_order_experiment(const ExperimentContext& context) {
-  const OrderSettings settings = read_settings(context);
+  const OrderSettings settings = read_order_settings(context);
   ExperimentResult result;
   result.title = "Order of pulling two cables: Spinebot and Hammerbot";
   result.table.columns = {{"robot"},         {"contraction"}, {"found by"},    {"order"},       {"tip x [mm]", 3},

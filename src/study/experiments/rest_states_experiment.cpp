@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "control/identification/simulated_now.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "settings/cpu_time.h"
 #include "soft_robot_lab/settings/yaml_node.h"
@@ -27,21 +28,21 @@ struct RestMethod {
   std::vector<double> substeps;  // one for each step, or none
 };
 
-struct Settings {
+struct RestSettings {
   double rayleigh_mass_per_s, start_share, still_m, still_for_s, longest_s;
   std::vector<RestBody> bodies;
   std::vector<RestMethod> methods;
 };
 
-std::vector<double> numbers(const YamlNode& node, const std::string& key) {
+std::vector<double> optional_numbers(const YamlNode& node, const std::string& key) {
   std::vector<double> values;
   for (const YamlNode& item : node.optional_sequence(key)) values.push_back(item.as_number(AllowedRange::positive()));
   return values;
 }
 
-Settings read_settings(const ExperimentContext& context) {
+RestSettings read_rest_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("rest_states"));
-  Settings settings;
+  RestSettings settings;
   settings.rayleigh_mass_per_s = node.number("rayleigh_mass_per_s", AllowedRange::not_negative());
   settings.start_share = node.number("start_share", {0.0, 1.0});
   settings.still_m = node.number("still_m", AllowedRange::positive());
@@ -56,8 +57,8 @@ Settings read_settings(const ExperimentContext& context) {
     settings.bodies.push_back(body);
   }
   for (const YamlNode& item : node.sequence("methods")) {
-    RestMethod method{item.text("name"), Overrides(item.child("solver")), numbers(item, "steps_s"),
-                      numbers(item, "substeps")};
+    RestMethod method{item.text("name"), Overrides(item.child("solver")), optional_numbers(item, "steps_s"),
+                      optional_numbers(item, "substeps")};
     if (method.steps_s.empty()) item.fail("steps_s is empty");
     if (!method.substeps.empty() && method.substeps.size() != method.steps_s.size())
       item.fail("substeps must name one for each of steps_s");
@@ -67,17 +68,12 @@ Settings read_settings(const ExperimentContext& context) {
   return settings;
 }
 
-Eigen::Matrix3Xd markers_of(const Simulation& simulation) {
-  Eigen::Matrix3Xd positions(3, static_cast<Eigen::Index>(simulation.markers().size()));
-  for (int i = 0; i < static_cast<int>(positions.cols()); ++i) positions.col(i) = simulation.marker_position(i);
-  return positions;
-}
-
 double largest_distance(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
   return (a - b).colwise().norm().maxCoeff();
 }
 
-Scene load(const ExperimentContext& context, const Settings& settings, const RestBody& body, const Overrides& solver) {
+Scene load(const ExperimentContext& context, const RestSettings& settings, const RestBody& body,
+           const Overrides& solver) {
   Overrides overrides = body.overrides;
   overrides.set({"body", "damping", "rayleigh_mass_per_s"}, settings.rayleigh_mass_per_s);
   overrides.lay(Overrides().set({"solver"}, solver));
@@ -120,18 +116,18 @@ struct Settled {
   std::string message;
 };
 
-Settled settle(const Settings& settings, Simulation& simulation) {
+Settled settle(const RestSettings& settings, Simulation& simulation) {
   Settled settled;
   const double start_s = cpu_time_s(), h = simulation.options().time_step_s;
   const int steps = std::max(1, static_cast<int>(std::lround(settings.still_for_s / h)));
-  settled.markers_m = markers_of(simulation);
+  settled.markers_m = places(simulation);
   while (!settled.still && simulation.state().time_s < settings.longest_s) {
     settled.message.clear();
     for (int i = 0; i < steps; ++i) {
       const SolveReport report = simulation.step();
       if (!report.converged) settled.message = report.message;
     }
-    const Eigen::Matrix3Xd now_m = markers_of(simulation);
+    const Eigen::Matrix3Xd now_m = places(simulation);
     settled.still = settled.message.empty() && largest_distance(now_m, settled.markers_m) < settings.still_m;
     settled.markers_m = now_m;
   }
@@ -151,7 +147,7 @@ Overrides solver_of(const RestMethod& method, std::size_t i) {
 }  // namespace
 
 ExperimentResult run_rest_states_experiment(const ExperimentContext& context) {
-  const Settings settings = read_settings(context);
+  const RestSettings settings = read_rest_settings(context);
   ExperimentResult result;
   result.title = "Rest states reached in time, and the equilibrium";
   result.table.columns = {{"body"},
@@ -165,10 +161,10 @@ ExperimentResult run_rest_states_experiment(const ExperimentContext& context) {
   double worst_m = 0.0, done = 0.0;
   for (const RestBody& body : settings.bodies) {
     const Scene still = load(context, settings, body, {});
-    const Eigen::Matrix3Xd start_m = markers_of(*still.simulation);
+    const Eigen::Matrix3Xd start_m = places(*still.simulation);
     const SimulationState near = equilibrium(body, settings.start_share, *still.simulation);
     equilibrium(body, 1.0, *still.simulation);
-    const Eigen::Matrix3Xd rest_m = markers_of(*still.simulation);
+    const Eigen::Matrix3Xd rest_m = places(*still.simulation);
     for (const RestMethod& method : settings.methods) {
       context.report(done++ / static_cast<double>(settings.bodies.size() * settings.methods.size()),
                      body.name + ", " + method.name);

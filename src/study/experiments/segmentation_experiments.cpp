@@ -21,7 +21,7 @@ struct SegmentationExperiment {
   std::vector<CablePull> configurations;
 };
 
-std::vector<CablePull> read_configurations(const YamlNode& node) {
+std::vector<CablePull> read_pulls(const YamlNode& node) {
   std::vector<CablePull> pulls;
   for (const YamlNode& item : node.sequence("configurations")) {
     const Eigen::VectorXd pair = item.as_numbers();
@@ -43,7 +43,7 @@ SegmentationExperiment read_experiment(const ExperimentContext& context, const s
   experiment.rig.markers.colour = node.vector3("marker_colour");
   experiment.rig.marker_overrides.clear();
   experiment.detector = load_tracker(file("tracker")).detector;
-  experiment.configurations = read_configurations(node);
+  experiment.configurations = read_pulls(node);
   experiment.overrides.set({"markers"}, node.child("markers"));
   node.require_all_read();
   return experiment;
@@ -155,17 +155,17 @@ Plot distance_plot(const std::string& name, const std::vector<std::string>& name
   return plot;
 }
 
-struct Outcome {
+struct Segmentation {
   ExperimentResult result;
   std::vector<std::string> names;  // of markers
   std::vector<SightingScore> scores;
 };
 
-Outcome run(const ExperimentContext& context, const std::string& name) {
+Segmentation segment(const ExperimentContext& context, const std::string& name) {
   const SegmentationExperiment experiment = read_experiment(context, name);
   const Scene scene = load_scene(experiment.robot, context.scene_options(experiment.overrides));
   Simulation& simulation = *scene.simulation;
-  Outcome outcome;
+  Segmentation outcome;
   auto& [result, names, scores] = outcome;
   const auto states = rest_states(simulation, experiment.configurations, result);
   const auto report = [&](double fraction) { context.report(fraction, "images"); };
@@ -221,7 +221,7 @@ std::string scattered_most(const std::vector<std::string>& names, const std::vec
 }  // namespace
 
 ExperimentResult run_contrast_segmentation_experiment(const ExperimentContext& context) {
-  Outcome outcome = run(context, "3.3.1");
+  Segmentation outcome = segment(context, "3.3.1");
   ExperimentResult& result = outcome.result;
   result.title = "Five markers found by contrast in 60 images of Spinebot";
   result.source_reports =
@@ -241,7 +241,7 @@ ExperimentResult run_contrast_segmentation_experiment(const ExperimentContext& c
 }
 
 ExperimentResult run_colour_segmentation_experiment(const ExperimentContext& context) {
-  Outcome outcome = run(context, "3.3.2");
+  Segmentation outcome = segment(context, "3.3.2");
   ExperimentResult& result = outcome.result;
   result.title = "A red marker at the tip found by its colour in 60 images of Spinebot";
   result.source_reports =

@@ -19,7 +19,7 @@ struct TentacleSettings {
   std::vector<double> starts_pa;  // moduli that the fit begins from
 };
 
-TentacleSettings read_settings(const ExperimentContext& context) {
+TentacleSettings read_tentacle_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("tentacle"));
   TentacleSettings settings{context.config_folder + "/" + node.text("robot"),
                             read_measured_tentacle(context.config_folder + "/" + node.text("data")),
@@ -180,7 +180,7 @@ FitResult best_fit(const TentacleSettings& settings, const ExperimentContext& co
 }  // namespace
 
 ExperimentResult run_tentacle_experiment(const ExperimentContext& context) {
-  const TentacleSettings settings = read_settings(context);
+  const TentacleSettings settings = read_tentacle_settings(context);
   const MeasuredTentacle& tentacle = settings.tentacle;
   std::vector<MeasuredPose> all, fitted;
   for (std::size_t p = 0; p < tentacle.poses.size(); ++p) {

@@ -31,7 +31,7 @@ struct ViaRun {
   std::string trouble;
 };
 
-ViaSettings read_settings(const ExperimentContext& context) {
+ViaSettings read_via_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("via_points"));
   ViaSettings settings;
   settings.scene = context.config_folder + "/" + node.text("scene");
@@ -161,7 +161,7 @@ std::string words(const std::vector<ViaRun>& runs, const ViaRun& reference) {
 }  // namespace
 
 ExperimentResult run_via_points_experiment(const ExperimentContext& context) {
-  const ViaSettings settings = read_settings(context);
+  const ViaSettings settings = read_via_settings(context);
   ExperimentResult result;
   result.title = "Via points of a cable in a bar held at both ends";
   result.table.columns = {{"contraction"},

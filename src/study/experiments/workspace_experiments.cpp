@@ -12,8 +12,6 @@
 namespace soft_robot_lab {
 namespace {
 
-const char* const kTip = "tip";
-
 struct WorkspaceSettings {
   std::string robot;
   double step_m = 0.0;  // of the rig's motor
@@ -24,7 +22,7 @@ struct WorkspaceSettings {
 using Pair = std::pair<double, double>;  // contractions of the first and the second cable
 using Tips = std::map<Pair, Eigen::Vector3d>;
 
-WorkspaceSettings read_settings(const ExperimentContext& context, const std::string& name) {
+WorkspaceSettings read_workspace_settings(const ExperimentContext& context, const std::string& name) {
   const YamlNode node = YamlNode::load_file(context.settings_file(name));
   WorkspaceSettings settings;
   settings.robot = context.config_folder + "/" + node.text("robot");
@@ -109,7 +107,7 @@ std::string words(const Tips& tips, const Eigen::Vector3d& hanging_m) {
 }
 
 ExperimentResult run_workspace(const ExperimentContext& context, const std::string& name, const std::string& robot) {
-  const WorkspaceSettings settings = read_settings(context, name);
+  const WorkspaceSettings settings = read_workspace_settings(context, name);
   const Scene scene = load_scene(settings.robot, context.scene_options());
   Simulation& simulation = *scene.simulation;
   simulation.solve_equilibrium();

@@ -24,7 +24,7 @@ struct AirSettings {
   std::vector<AirTarget> targets;
 };
 
-AirSettings read_settings(const ExperimentContext& context) {
+AirSettings read_air_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("air_policy"));
   AirSettings settings{read_lab_files(node, context), node.text("marker"), {}, {}};
   settings.optimiser.method = node.choice("method", optimiser_methods());
@@ -44,7 +44,7 @@ PolicyTask task_of(const AirSettings& settings, const Eigen::Vector3d& target_m)
 }
 
 // Distances of the marker from its target.
-struct Reached {
+struct AirReach {
   AirTarget target;
   CommandPolicy policy;
   OptimisationSummary summary;
@@ -57,7 +57,7 @@ double distance_m(const MarkerPlaces& places, const std::string& marker, const E
 }
 
 // From where the target before has left model and robot.
-Reached reach(const AirSettings& settings, const AirTarget& target, EmulatedLab& lab, Simulation& model) {
+AirReach reach(const AirSettings& settings, const AirTarget& target, EmulatedLab& lab, Simulation& model) {
   const double before_m = distance_m(lab.plant().markers_m(), settings.marker, target.position_m);
   const PolicyAnswer answer = find_policy(model, task_of(settings, target.position_m), settings.optimiser);
   if (!answer.success)
@@ -74,13 +74,13 @@ Reached reach(const AirSettings& settings, const AirTarget& target, EmulatedLab&
           distance_m(lab.measure(expected_m), settings.marker, target.position_m)};
 }
 
-std::vector<Reached> reach_all(const AirSettings& settings, const ExperimentContext& context, int& failed_steps) {
+std::vector<AirReach> reach_all(const AirSettings& settings, const ExperimentContext& context, int& failed_steps) {
   const Scene model = load_scene(settings.files.robot, context.scene_options());
   model.simulation->solve_equilibrium();
   context.report(0, "calibrating the cameras");
   EmulatedLab lab(settings.files.lab, context.scene_options());
   lab.calibrate(settings.files.balls);
-  std::vector<Reached> reached;
+  std::vector<AirReach> reached;
   for (const AirTarget& target : settings.targets) {
     context.report(double(reached.size()) / double(settings.targets.size()), target.name);
     reached.push_back(reach(settings, target, lab, *model.simulation));
@@ -89,14 +89,14 @@ std::vector<Reached> reach_all(const AirSettings& settings, const ExperimentCont
   return reached;
 }
 
-Table table_of(const std::vector<Reached>& all) {
+Table table_of(const std::vector<AirReach>& all) {
   Table table;
   table.columns = {{"target"}};
   for (const std::string& name : all.front().policy.names) table.columns.push_back({name + " [ml]"});
   for (const char* column : {"before [mm]", "on the model [mm]", "on the robot [mm]", "measured [mm]"})
     table.columns.push_back({column, 3});
   table.columns.insert(table.columns.end(), {{"equilibria"}, {"CPU [s]", 2}});
-  for (const Reached& one : all) {
+  for (const AirReach& one : all) {
     std::vector<TableCell> row = {one.target.name};
     const std::vector<double>& values = one.policy.steps.back().values;
     row.insert(row.end(), values.begin(), values.end());
@@ -109,7 +109,7 @@ Table table_of(const std::vector<Reached>& all) {
   return table;
 }
 
-Plot draw(const std::vector<Reached>& all) {
+Plot draw(const std::vector<AirReach>& all) {
   Plot plot{"air_policy", "Distance of Bubblebot's tip from its targets", {}, {}};
   plot.x.label = "target";
   plot.y.label = "distance [mm]";
@@ -127,10 +127,10 @@ Plot draw(const std::vector<Reached>& all) {
   return plot;
 }
 
-std::string words(const std::vector<Reached>& all) {
+std::string words(const std::vector<AirReach>& all) {
   std::ostringstream text;
   text.precision(3);
-  for (const Reached& one : all)
+  for (const AirReach& one : all)
     text << "Of the target " << one.target.name << " the tip is " << 1e3 * one.before_m << " mm away before, "
          << 1e3 * one.model_m << " mm on the model and " << 1e3 * one.true_m
          << " mm on the emulated robot after its policy. ";
@@ -142,13 +142,13 @@ std::string words(const std::vector<Reached>& all) {
 }  // namespace
 
 ExperimentResult run_air_policy_experiment(const ExperimentContext& context) {
-  const AirSettings settings = read_settings(context);
+  const AirSettings settings = read_air_settings(context);
   int failed_steps = 0;
-  const std::vector<Reached> all = reach_all(settings, context, failed_steps);
+  const std::vector<AirReach> all = reach_all(settings, context, failed_steps);
   ExperimentResult result;
   result.title = "Policies for Bubblebot's three syringes, played on the emulated rig";
   result.table = table_of(all);
-  for (const Reached& one : all)
+  for (const AirReach& one : all)
     result.numbers["targets"].push_back({{"name", one.target.name},
                                          {"syringe_ml", one.policy.steps.back().values},
                                          {"before_m", one.before_m},

@@ -28,7 +28,7 @@ struct BallSettings {
   std::vector<Eigen::VectorXd> starts;            // contractions that the search for plant's nearest begins from
 };
 
-BallSettings read_settings(const ExperimentContext& context, const std::string& name) {
+BallSettings read_ball_settings(const ExperimentContext& context, const std::string& name) {
   const YamlNode node = YamlNode::load_file(context.settings_file(name));
   const YamlNode task = node.has("task") ? YamlNode::load_file(context.config_folder + "/" + node.text("task")) : node;
   BallSettings settings{read_lab_files(node, context), task.text("marker"), task.vector3("target_m"), {}, {}, {}};
@@ -299,7 +299,7 @@ std::string words(const Reached& reached) {
 }
 
 ExperimentResult run(const ExperimentContext& context, const std::string& name) {
-  const BallSettings settings = read_settings(context, name);
+  const BallSettings settings = read_ball_settings(context, name);
   std::vector<Reached> all = {reach(settings, "the ball", settings.ball_m, context)};
   if (settings.within_reach_m)
     all.push_back(reach(settings, "a place within reach", *settings.within_reach_m, context));

@@ -26,12 +26,6 @@ std::vector<TrackedMarker> tracked(const Simulation& simulation) {
   return markers;
 }
 
-double farthest_m(const MarkerPlaces& from, const MarkerPlaces& to) {
-  double most_m = 0.0;
-  for (const auto& [name, position_m] : from) most_m = std::max(most_m, (to.at(name) - position_m).norm());
-  return most_m;
-}
-
 void give_backlash(const PlantSettings& plant, const RigSettings& rig, Testbench& board) {
   for (const auto& [actuator, steps] : plant.backlash_steps) {
     const auto motor = std::find_if(rig.motors.begin(), rig.motors.end(),
@@ -54,6 +48,12 @@ MeasuredMarker mean_of(const std::string& name, const std::vector<MarkerObservat
 }
 
 }  // namespace
+
+double farthest_m(const MarkerPlaces& one, const MarkerPlaces& other) {
+  double most_m = 0.0;
+  for (const auto& [name, position_m] : one) most_m = std::max(most_m, (other.at(name) - position_m).norm());
+  return most_m;
+}
 
 EmulatedLab::EmulatedLab(const EmulatedLabSettings& settings, const SceneOptions& options)
     : settings_(settings),

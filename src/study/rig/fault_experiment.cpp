@@ -9,14 +9,14 @@
 namespace soft_robot_lab {
 namespace {
 
-struct Settings {
+struct FaultSettings {
   std::string rig;
   FaultRunOptions options;
 };
 
-Settings read_settings(const ExperimentContext& context) {
+FaultSettings read_fault_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("rig_faults"));
-  Settings settings;
+  FaultSettings settings;
   FaultRunOptions& options = settings.options;
   settings.rig = context.config_folder + "/" + node.text("rig");
   options.commands = node.integer("commands", 1, 10000000);
@@ -55,7 +55,7 @@ Plot draw(const std::string& title, const FaultRunResult& found) {
 }  // namespace
 
 ExperimentResult run_fault_experiment(const ExperimentContext& context) {
-  Settings settings = read_settings(context);
+  FaultSettings settings = read_fault_settings(context);
   settings.options.progress = [&](double fraction) { context.report(fraction, "commands"); };
   const FaultRunResult found = run_with_faults(load_rig(settings.rig), settings.options);
 

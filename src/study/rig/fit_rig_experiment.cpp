@@ -23,7 +23,7 @@ struct FitRigSettings {
   FitRequest request = {};
 };
 
-FitRigSettings read_settings(const ExperimentContext& context) {
+FitRigSettings read_fit_rig_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("fit_rig"));
   FitRigSettings settings{read_lab_files(node, context), read_configurations(node),
                           read_configurations(node.child("unseen"))};
@@ -160,7 +160,7 @@ double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& con
 }  // namespace
 
 ExperimentResult run_fit_rig_experiment(const ExperimentContext& context) {
-  FitRigSettings settings = read_settings(context);
+  FitRigSettings settings = read_fit_rig_settings(context);
   context.report(0.0, "calibrating the cameras");
   Recorder recorder(settings, context);
   const std::vector<MeasuredPose> poses = record(recorder, settings.configurations, context, 0.0, 0.4);

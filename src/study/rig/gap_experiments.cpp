@@ -14,7 +14,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kAnotherRest_m = 0.002;
-constexpr double kStill_m = 0.0002;  // a tip that moves less is not judged
+constexpr double kLeastMove_m = 0.0002;  // a tip that moves less is not judged
 
 enum class MirrorImage { not_asked, itself, another_rest, no_rest };
 
@@ -28,12 +28,6 @@ struct GapRecord {
 
   const MarkerPlaces& truth() const { return rest.true_m; }
 };
-
-double farthest_m(const MarkerPlaces& one, const MarkerPlaces& other) {
-  double most_m = 0.0;
-  for (const auto& [name, position_m] : one) most_m = std::max(most_m, (other.at(name) - position_m).norm());
-  return most_m;
-}
 
 // Root mean square distance of the markers that both have; of none 0.
 double rms_m(const MarkerPlaces& places, const MarkerPlaces& others) {
@@ -296,7 +290,7 @@ void describe_bending(const std::vector<GapRecord>& records, const GapSettings& 
   for (const GapRecord& record : records) {
     const double robot_m = tip_moved_m(records, record, settings, &RestRecord::true_m);
     const double model_m = tip_moved_m(records, record, settings, &RestRecord::simulated_m);
-    if (std::max(robot_m, model_m) < kStill_m) continue;
+    if (std::max(robot_m, model_m) < kLeastMove_m) continue;
     std::string& list = model_m > robot_m ? more : less;
     list += (list.empty() ? "" : ", ") + record.name;
   }

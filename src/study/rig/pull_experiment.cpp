@@ -18,16 +18,16 @@ namespace {
 constexpr double source_slope_ms_per_mm = 50.4;
 constexpr double source_offset_ms = 19.9;
 
-struct Settings {
+struct PullSettings {
   std::string rig;
   std::vector<double> pulls_mm;
   int repeats;
   double fit_from_mm;
 };
 
-Settings read_settings(const ExperimentContext& context) {
+PullSettings read_pull_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("4.3.1"));
-  Settings settings;
+  PullSettings settings;
   settings.rig = context.config_folder + "/" + node.text("rig");
   for (const YamlNode& pull : node.sequence("pulls_mm")) {
     settings.pulls_mm.push_back(pull.as_number(AllowedRange::positive()));
@@ -56,7 +56,8 @@ struct Pull {
 
 // Rounds of all lengths, as the source went: 10, 20, ... 200 mm, and again. Each pull begins at a random moment within
 // the board's 20 ms round, and from rest.
-std::vector<Pull> pull_in_rounds(EmulatedSession& session, const Settings& settings, const ExperimentContext& context) {
+std::vector<Pull> pull_in_rounds(EmulatedSession& session, const PullSettings& settings,
+                                 const ExperimentContext& context) {
   const MotorSettings& motor = session.settings.motors[0];
   std::mt19937_64 random(1);
   std::vector<Pull> pulls;
@@ -128,7 +129,7 @@ struct PullTable {
   double worst = 0.0;  // relative, of a mean from what speed and acceleration give
 };
 
-PullTable tabulate(const std::vector<Pull>& pulls, const Settings& settings, const MotorSettings& motor) {
+PullTable tabulate(const std::vector<Pull>& pulls, const PullSettings& settings, const MotorSettings& motor) {
   PullTable result;
   result.table.columns = {
       {"pull [mm]"},  {"steps"},         {"mean [ms]", 5}, {"deviation [ms]", 2}, {"by speed and acceleration [ms]", 5},
@@ -156,7 +157,7 @@ Line fit_from(double fit_from_mm, const std::vector<double>& pulls_mm, const std
   return fit(x, y);
 }
 
-std::string words(const Settings& settings, const PullTable& table, const Line& line) {
+std::string words(const PullSettings& settings, const PullTable& table, const Line& line) {
   std::ostringstream text;
   text.precision(3);
   const double first_mm = settings.pulls_mm.front();
@@ -174,7 +175,7 @@ std::string words(const Settings& settings, const PullTable& table, const Line& 
 }  // namespace
 
 ExperimentResult run_pull_experiment(const ExperimentContext& context) {
-  const Settings settings = read_settings(context);
+  const PullSettings settings = read_pull_settings(context);
   EmulatedSession session(load_rig(settings.rig));
   if (!session.run_until_ready()) throw std::runtime_error("the emulated rig is not ready");
   const std::vector<Pull> pulls = pull_in_rounds(session, settings, context);

@@ -1,28 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "emulated_lab.h"
+#include "control/identification/simulated_now.h"
 #include "soft_robot_lab/mechanics/embedding.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kLongestWay_s = 60.0;
-constexpr double kArrived = 1e-9;
-
-bool drives_rest(const Simulation& model) {
-  const DriveStates& drives = model.state().drives;
-  return std::all_of(drives.begin(), drives.end(), [](const DriveState& drive) {
-    return std::abs(drive.actuated_command - drive.command) <= kArrived;
-  });
-}
 
 void follow(Simulation& model, const std::vector<double>& commands) {
   for (std::size_t i = 0; i < commands.size(); ++i) model.set_command(model.actuators()[i]->name(), commands[i]);
   const double latest_s = model.state().time_s + kLongestWay_s;
-  while (!drives_rest(model) && model.state().time_s < latest_s) model.step();
+  while (!all_arrived(model) && model.state().time_s < latest_s) model.step();
   const SolveReport report = model.solve_equilibrium();
   if (!report.converged) throw std::runtime_error("the model finds no rest: " + report.message);
 }

@@ -20,25 +20,25 @@ struct Arguments {
   AssessmentSettings settings;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   AssessmentSettings& settings = arguments.settings;
-  app.add_option("ROBOT", arguments.robot, "a robot's file")->type_name("FILE")->required();
-  app.add_option("--marker", settings.marker, "whose reach counts: tip, else the last")->type_name("NAME");
+  app.add_option("ROBOT", arguments.robot, "a robot's file").type_name("FILE").required();
+  app.add_option("--marker", settings.marker, "whose reach counts: tip, else the last").type_name("NAME");
   app.add_option("--steps", settings.steps, "of each command, from rest to its end")
-      ->type_name("N")
-      ->check(CLI::Range(2, 100))
-      ->capture_default_str();
+      .type_name("N")
+      .range(2, 100)
+      .show_default();
   app.add_flag("--one-at-a-time", settings.one_at_a_time, "change one command, while the others rest");
-  app.add_option("--max-tension", settings.max_tension_n, "rest states beyond do not count")->type_name("N");
+  app.add_option("--max-tension", settings.max_tension_n, "rest states beyond do not count").type_name("N");
   app.add_option_function<std::vector<double>>(
          "--target",
          [&settings](const std::vector<double>& at_m) { settings.targets_m.emplace_back(at_m[0], at_m[1], at_m[2]); },
          "a place that policies should bring the marker to [m, robot_base]; can be repeated")
-      ->type_name("X Y Z")
-      ->expected(3)
-      ->trigger_on_parse();
-  add_set_option(app, arguments.set);
-  app.add_option("--result", arguments.result, "where the answer goes as JSON")->type_name("FILE");
+      .type_name("X Y Z")
+      .expected(3)
+      .in_order();
+  app.add_set_option(arguments.set);
+  app.add_option("--result", arguments.result, "where the answer goes as JSON").type_name("FILE");
   app.footer("Exit status: 0 assessed, 1 it does not rest, 2 bad robot or arguments.");
 }
 
@@ -56,8 +56,8 @@ int assess_robot(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Measures how far a robot reaches over its commands, and what that takes, without a ROS master.",
-               "assess");
+  CommandLine app("Measures how far a robot reaches over its commands, and what that takes, without a ROS master.",
+                  "assess");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return assess_robot(arguments); });

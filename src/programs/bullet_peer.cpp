@@ -28,22 +28,22 @@ struct Arguments {
   double cpu_limit_s = 60.0;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   const auto seconds = [&app](const std::string& name, double& value, const std::string& meaning) {
-    app.add_option(name, value, meaning)->type_name("SECONDS")->capture_default_str();
+    app.add_option(name, value, meaning).type_name("SECONDS").show_default();
   };
-  app.add_option("SCENE", arguments.scene, "a scene's file")->type_name("FILE")->required();
-  app.add_option("--overrides", arguments.overrides, "changes that are laid over the scene")->type_name("YAML");
+  app.add_option("SCENE", arguments.scene, "a scene's file").type_name("FILE").required();
+  app.add_option("--overrides", arguments.overrides, "changes that are laid over the scene").type_name("YAML");
   app.add_option("--settings", arguments.settings,
                  "Bullet's: model, implicit, line_search, time_step_s, newton_iterations, newton_tolerance, "
                  "krylov_iterations, krylov_tolerance, damping_s, drag, mass_scale")
-      ->type_name("YAML");
+      .type_name("YAML");
   seconds("--duration", arguments.duration_s, "how long it runs");
   seconds("--judged", arguments.judged_s, "how much of its end is written");
   seconds("--cpu-limit", arguments.cpu_limit_s, "after which it is stopped");
-  app.add_option("--mesher", arguments.mesher, "where mesh_robot is")->type_name("PROGRAM");
+  app.add_option("--mesher", arguments.mesher, "where mesh_robot is").type_name("PROGRAM");
   app.add_option("--result", arguments.result, "where the result goes; otherwise to the standard output")
-      ->type_name("FILE");
+      .type_name("FILE");
   app.footer("Exit status: 0 ran to the end, 1 blew up or ran into the limit, 2 bad scene or arguments.");
 }
 
@@ -119,7 +119,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Lets Bullet's deformable solver run the scene from rest, at its first commands, and writes where its markers "
       "were\n"
       "(x, y, z of each) in the last seconds and the CPU time it took as JSON.",

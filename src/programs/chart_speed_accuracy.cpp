@@ -22,27 +22,27 @@ struct Arguments {
   std::string output = "charts";
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   SpeedAccuracyOptions& options = arguments.options;
   app.add_flag("--quick", options.quick, "the coarsest rungs of the first problem");
   app.add_option("--part", options.parts, "one of " + join(speed_parts()) + "; can be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NAME");
+      .one_value_at_a_time()
+      .type_name("NAME");
   app.add_option("--problem", options.problems, "cantilever, cook or cable_bar; can be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NAME");
+      .one_value_at_a_time()
+      .type_name("NAME");
   app.add_option("--poissons-ratio", options.poissons_ratios, "one of a problem's; can be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NUMBER");
+      .one_value_at_a_time()
+      .type_name("NUMBER");
   app.add_option("--reuse", options.reuse,
                  "runs.json of an earlier chart, whose measurements are taken over, so that a chart can be measured in "
                  "parts and drawn again; can be repeated")
-      ->allow_extra_args(false)
-      ->type_name("FILE");
+      .one_value_at_a_time()
+      .type_name("FILE");
   app.add_flag("--reuse-bullet-only", options.reuse_bullet_only, "measure our own runs again all the same");
   app.add_option("--output", arguments.output, "a folder for pictures (SVG, PNG, CSV), JSON and report.html")
-      ->type_name("FOLDER")
-      ->capture_default_str();
+      .type_name("FOLDER")
+      .show_default();
   app.footer(
       "Takes some 20 minutes of CPU time. Set OPENBLAS_NUM_THREADS=1 and OMP_NUM_THREADS=1 to measure one core.\n"
       "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or it could not run.");
@@ -75,7 +75,7 @@ int chart(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Runs the ladder of config/experiments/speed_accuracy.yaml and Bullet's deformable solver, and draws error\n"
       "against CPU time.",
       "chart_speed_accuracy");

@@ -24,15 +24,15 @@ struct Arguments {
   std::string output = "charts", body, method, hard_case;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   app.add_flag("--quick", arguments.quick,
                "coarse bodies, fewer cases, our solver alone, and files named stability_quick");
   app.add_option(
          "--output", arguments.output,
          "a folder for stability.svg, .png and .csv (the places of the squares) and stability_cells.csv (a line "
          "for each cell); cells that stand in that table already are not run again")
-      ->type_name("FOLDER")
-      ->capture_default_str();
+      .type_name("FOLDER")
+      .show_default();
   app.add_option("--body", arguments.body, "only bodies whose name holds this");
   app.add_option("--method", arguments.method, "only methods whose name holds this");
   app.add_option("--case", arguments.hard_case, "only cases whose name holds this");
@@ -131,7 +131,7 @@ int chart(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs every method in every hard case, and draws a grid of how they ended.", "chart_stability");
+  CommandLine app("Runs every method in every hard case, and draws a grid of how they ended.", "chart_stability");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return chart(arguments); });

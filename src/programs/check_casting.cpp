@@ -23,15 +23,15 @@ struct Arguments {
   bool surface_alone = false;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   app.add_option("ROBOT", arguments.robot, "the robot's file, whose block casting has the limits")
-      ->type_name("FILE")
-      ->required();
-  add_set_option(app, arguments.set);
+      .type_name("FILE")
+      .required();
+  app.add_set_option(arguments.set);
   app.add_flag("--surface-alone", arguments.surface_alone,
                "make no mesh for simulations: for large surfaces; leaves mesh_quality out");
-  app.add_option("--result", arguments.result, "where the verdict goes as JSON")->type_name("FILE");
-  app.add_option("--page", arguments.page, "where a page with pictures of the verdict goes")->type_name("FOLDER");
+  app.add_option("--result", arguments.result, "where the verdict goes as JSON").type_name("FILE");
+  app.add_option("--page", arguments.page, "where a page with pictures of the verdict goes").type_name("FOLDER");
   app.footer("Exit status: 0 castable, also in what casting.allow names, 1 not, 2 bad file or arguments.");
 }
 
@@ -63,7 +63,7 @@ int check(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Checks whether a robot can be cast in silicone, and why not.", "check_casting");
+  CommandLine app("Checks whether a robot can be cast in silicone, and why not.", "check_casting");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return check(arguments); });

@@ -40,13 +40,13 @@ struct Arguments {
   bool list = false;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("NAME", arguments.names, "experiments, or `all`")->type_name("");
+void declare(CommandLine& app, Arguments& arguments) {
+  app.add_option("NAME", arguments.names, "experiments, or `all`").type_name("");
   app.add_flag("--list", arguments.list, "name all experiments, and run none");
-  app.add_option("--result", arguments.result, "where the numbers go as JSON")->type_name("FILE");
+  app.add_option("--result", arguments.result, "where the numbers go as JSON").type_name("FILE");
   app.add_option("--output", arguments.output, "a folder for pictures (SVG, PNG, CSV) and report.html")
-      ->type_name("FOLDER")
-      ->capture_default_str();
+      .type_name("FOLDER")
+      .show_default();
   app.footer(
       "Exit status: 0 all solves converged, 1 ran but some did not, 2 bad arguments, or an experiment could not run.");
 }
@@ -120,7 +120,8 @@ int experiment(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs experiments, prints their tables, and draws their pictures, without a ROS master.", "experiment");
+  CommandLine app("Runs experiments, prints their tables, and draws their pictures, without a ROS master.",
+                  "experiment");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return experiment(arguments); });

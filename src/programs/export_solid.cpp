@@ -27,17 +27,15 @@ struct Arguments {
   std::vector<std::string> set;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("ROBOT", arguments.robot, "the robot's file, whose body.solid goes out")
-      ->type_name("FILE")
-      ->required();
+void declare(CommandLine& app, Arguments& arguments) {
+  app.add_option("ROBOT", arguments.robot, "the robot's file, whose body.solid goes out").type_name("FILE").required();
   app.add_option("--output", arguments.output, "ends with .stl, .3mf or .step; in millimetres")
-      ->type_name("FILE")
-      ->required();
+      .type_name("FILE")
+      .required();
   app.add_option("--largest-edge", arguments.largest_edge_m, "of the triangles in an STL or 3MF file, in metres")
-      ->check(CLI::Range(1e-5, 1.0))
-      ->capture_default_str();
-  add_set_option(app, arguments.set);
+      .range(1e-5, 1.0)
+      .show_default();
+  app.add_set_option(arguments.set);
   app.footer("Exit status: 0 written, 2 bad file or arguments.");
 }
 
@@ -69,7 +67,7 @@ int write(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Writes the solid of a robot's body as STL, 3MF or STEP.", "export_solid");
+  CommandLine app("Writes the solid of a robot's body as STL, 3MF or STEP.", "export_solid");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return write(arguments); });

@@ -27,9 +27,9 @@ struct Arguments {
   FitRequest request;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   FitRequest& request = arguments.request;
-  app.add_option("BAG", arguments.bag, "a recorded session")->type_name("FILE")->required();
+  app.add_option("BAG", arguments.bag, "a recorded session").type_name("FILE").required();
   app.add_option_function<std::vector<std::string>>(
          "--parameters",
          [&request](const std::vector<std::string>& names) {
@@ -39,26 +39,25 @@ void declare(CLI::App& app, Arguments& arguments) {
          "length_offset_m, backlash_m (each with .CABLE for one cable), camera_to_base, damping (by how the robot "
          "swings "
          "where cables let go of it), creep (by how it goes on moving where commands are held)")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->type_name("A,B,...");
+      .delimiter(',')
+      .one_value_at_a_time()
+      .type_name("A,B,...");
   app.add_option("--scene", arguments.scene, "the robot's file, where it is not the one that the recording names")
-      ->type_name("FILE");
-  app.add_option("--output", arguments.output, "where the fitted scene goes")->type_name("FILE")->capture_default_str();
-  app.add_option("--result", arguments.result, "values, deviations, gap and warnings (.json)")->type_name("FILE");
-  add_set_option(app, arguments.set);
-  app.add_option("--from", arguments.from_s, "leave out what was before, since the first markers")
-      ->type_name("SECONDS");
+      .type_name("FILE");
+  app.add_option("--output", arguments.output, "where the fitted scene goes").type_name("FILE").show_default();
+  app.add_option("--result", arguments.result, "values, deviations, gap and warnings (.json)").type_name("FILE");
+  app.add_set_option(arguments.set);
+  app.add_option("--from", arguments.from_s, "leave out what was before, since the first markers").type_name("SECONDS");
   app.add_option("--to", arguments.to_s,
                  "leave out what was after; else the part ends where a motor lost its place or was set to zero")
-      ->type_name("SECONDS");
+      .type_name("SECONDS");
   app.add_option("--mass", request.mass_kg,
                  "of the whole robot, weighed: stiffness is measured against weight; otherwise the scene's density "
                  "counts")
-      ->type_name("KG");
+      .type_name("KG");
   app.add_option("--model-error", request.model_error_m, "by how much the model would still miss a marker's coordinate")
-      ->type_name("METRES")
-      ->capture_default_str();
+      .type_name("METRES")
+      .show_default();
   app.footer(
       "Exit status: 0 fitted, 1 stopped before it converged (the file is still written), 2 bad recording or "
       "arguments.");
@@ -125,7 +124,7 @@ int fit(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Fits numbers of the robot's scene to the markers of a recording, wherever the robot was at rest, and writes a\n"
       "scene with them. Exact derivatives, least squares with bounds; says how sure each value is, and what the\n"
       "data cannot identify. Without parameters it reports how far the scene is from the recording.",

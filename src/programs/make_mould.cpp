@@ -18,18 +18,18 @@ struct Arguments {
   std::vector<std::string> set, allow;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   app.add_option("ROBOT", arguments.robot, "the robot's file, whose block casting has the mould's dimensions")
-      ->type_name("FILE")
-      ->required();
+      .type_name("FILE")
+      .required();
   app.add_option("--output", arguments.output, "where the mould goes; an earlier mould there is replaced")
-      ->type_name("FOLDER")
-      ->required();
+      .type_name("FOLDER")
+      .required();
   app.add_option("--allow", arguments.allow, "where one block does not do: two_part for two halves, lid for two pours")
-      ->type_name("WHAT")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"two_part", "lid"}));
-  add_set_option(app, arguments.set);
+      .type_name("WHAT")
+      .delimiter(',')
+      .one_of({"two_part", "lid"});
+  app.add_set_option(arguments.set);
   app.footer("Exit status: 0 made, 1 no mould can be made or it could not be written, 2 bad file or arguments.");
 }
 
@@ -60,7 +60,7 @@ int make(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Makes the mould that a robot is cast in, as STL, with instructions.", "make_mould");
+  CommandLine app("Makes the mould that a robot is cast in, as STL, with instructions.", "make_mould");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] {

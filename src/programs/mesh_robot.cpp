@@ -104,12 +104,12 @@ int report(int status, std::string message) {
 extern "C" const char* __lsan_default_suppressions() { return "leak:libgmsh\nleak:libTK\n"; }
 
 int main(int argc, char** argv) {
-  CLI::App app("Meshes a solid, or rewrites a mesh file, as MSH 2.2 text with named surfaces.", "mesh_robot");
+  CommandLine app("Meshes a solid, or rewrites a mesh file, as MSH 2.2 text with named surfaces.", "mesh_robot");
   std::string request, output;
-  app.add_option("REQUEST", request, "what to mesh, as mesh_robot.cpp describes it")->type_name("YAML")->required();
-  app.add_option("OUTPUT", output, "the mesh")->type_name("MSH")->required();
+  app.add_option("REQUEST", request, "what to mesh, as mesh_robot.cpp describes it").type_name("YAML").required();
+  app.add_option("OUTPUT", output, "the mesh").type_name("MSH").required();
   try {
-    if (const std::optional<int> ended = read_arguments(app, argc, argv)) return *ended;
+    if (const std::optional<int> ended = app.read(argc, argv)) return *ended;
     run(request, output);
     return 0;
   } catch (const std::invalid_argument& error) {

@@ -44,12 +44,12 @@ struct Arguments {
 };
 
 MarkerGoal& last_goal(Arguments& arguments, const std::string& option) {
-  if (arguments.task.poses.back().goals.empty()) throw CLI::ValidationError(option, "comes after its --marker");
+  if (arguments.task.poses.back().goals.empty()) throw WrongArgument(option, "comes after its --marker");
   return arguments.task.poses.back().goals.back();
 }
 
 // What may be repeated, in order.
-void declare_task(CLI::App& app, Arguments& arguments) {
+void declare_task(CommandLine& app, Arguments& arguments) {
   arguments.task.poses.resize(1);
   const auto add_marker = [&arguments](const std::string& name) {
     arguments.task.poses.back().goals.push_back({name, Eigen::Vector3d::Constant(std::nan("")), 1.0});
@@ -60,53 +60,52 @@ void declare_task(CLI::App& app, Arguments& arguments) {
   const auto set_weight = [&arguments](const double& weight) { last_goal(arguments, "--weight").weight = weight; };
   const std::string group = "Task, in this order; can be repeated";
   app.add_option_function<std::string>("--marker", add_marker, "what to bring to a target")
-      ->type_name("NAME")
-      ->required()
-      ->trigger_on_parse()
-      ->group(group);
+      .type_name("NAME")
+      .required()
+      .in_order()
+      .group(group);
   app.add_option_function<std::vector<double>>("--target", set_target, "where to bring it [m, robot_base]")
-      ->type_name("X Y Z")
-      ->expected(3)
-      ->trigger_on_parse()
-      ->group(group);
+      .type_name("X Y Z")
+      .expected(3)
+      .in_order()
+      .group(group);
   app.add_option_function<double>("--weight", set_weight, "of this marker among several (1)")
-      ->type_name("W")
-      ->trigger_on_parse()
-      ->group(group);
+      .type_name("W")
+      .in_order()
+      .group(group);
   app.add_flag_callback(
          "--then", [&arguments] { arguments.task.poses.emplace_back(); }, "begins the next pose of a path")
-      ->trigger_on_parse()
-      ->group(group);
+      .in_order()
+      .group(group);
 }
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   OptimiserOptions& options = arguments.options;
-  app.add_option("ROBOT", arguments.robot, "a scene's or robot's file")->type_name("FILE")->required();
+  app.add_option("ROBOT", arguments.robot, "a scene's or robot's file").type_name("FILE").required();
   declare_task(app, arguments);
-  app.add_option("--duration", arguments.duration_s, "of the way to a pose")->type_name("S")->capture_default_str();
-  app.add_option("--max-tension", arguments.max_tension_n, "limit of every actuator")->type_name("N");
-  app.add_option("--max-rate", arguments.max_rate_per_s, "limit of every actuator's command per second")
-      ->type_name("R");
+  app.add_option("--duration", arguments.duration_s, "of the way to a pose").type_name("S").show_default();
+  app.add_option("--max-tension", arguments.max_tension_n, "limit of every actuator").type_name("N");
+  app.add_option("--max-rate", arguments.max_rate_per_s, "limit of every actuator's command per second").type_name("R");
   app.add_option("--effort", arguments.task.effort_m, "what distance a unit of command away from rest is worth")
-      ->type_name("M");
-  app.add_option("--method", options.method, join(optimiser_methods()))->type_name("METHOD")->capture_default_str();
+      .type_name("M");
+  app.add_option("--method", options.method, join(optimiser_methods())).type_name("METHOD").show_default();
   app.add_option("--tolerance", options.tolerance_m, "distance within which a target counts as reached")
-      ->type_name("M")
-      ->capture_default_str();
-  app.add_option("--iterations", options.max_iterations, "of the method, at most")->type_name("N");
-  app.add_option("--seed", options.seed, "of methods with random numbers")->type_name("N")->capture_default_str();
+      .type_name("M")
+      .show_default();
+  app.add_option("--iterations", options.max_iterations, "of the method, at most").type_name("N");
+  app.add_option("--seed", options.seed, "of methods with random numbers").type_name("N").show_default();
   app.add_option("--robust", arguments.robust, "do well on the robots that this file draws, or replay on them")
-      ->type_name("FILE");
+      .type_name("FILE");
   app.add_option("--quantile", arguments.quantile,
                  "of their distances, which is to be small; otherwise their mean square (--robust)")
-      ->type_name("Q");
+      .type_name("Q");
   app.add_option("--output", arguments.output, "the folder of robots.csv and report.html (--robust)")
-      ->type_name("FOLDER");
-  add_set_option(app, arguments.set);
-  app.add_option("--result", arguments.result, "where the answer goes as JSON")->type_name("FILE");
-  app.add_option("--policy", arguments.policy, "where the policy goes as YAML")->type_name("FILE");
+      .type_name("FOLDER");
+  app.add_set_option(arguments.set);
+  app.add_option("--result", arguments.result, "where the answer goes as JSON").type_name("FILE");
+  app.add_option("--policy", arguments.policy, "where the policy goes as YAML").type_name("FILE");
   app.add_option("--replay", arguments.replay, "show where this policy takes the markers, and search nothing")
-      ->type_name("FILE");
+      .type_name("FILE");
   app.footer(
       "Ctrl-C keeps the best so far. Exit status: 0 an answer was found, 1 it stopped early, 2 bad robot or "
       "arguments.");
@@ -269,7 +268,7 @@ int optimise_robot(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Finds the commands that bring markers to targets, or shows where a policy takes them, without a ROS master.",
       "optimise");
   Arguments arguments;

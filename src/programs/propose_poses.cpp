@@ -22,38 +22,38 @@ struct Arguments {
   ProposalRequest request;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   ProposalRequest& request = arguments.request;
   app.add_option("ROBOT", arguments.robot, "a scene's or robot's file, as it is expected to be")
-      ->type_name("FILE")
-      ->required();
+      .type_name("FILE")
+      .required();
   app.add_option_function<std::vector<std::string>>(
          "--parameters",
          [&request](const std::vector<std::string>& names) {
            for (const std::string& name : names) request.parameters.push_back({name, {}, {}, {}});
          },
          "what will be fitted, with commas between, as fit_model has them; not damping and creep")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->required()
-      ->type_name("A,B,...");
-  app.add_option("--poses", request.poses, "how many to drive")->type_name("N")->capture_default_str();
+      .delimiter(',')
+      .one_value_at_a_time()
+      .required()
+      .type_name("A,B,...");
+  app.add_option("--poses", request.poses, "how many to drive").type_name("N").show_default();
   app.add_option("--candidates", request.candidates, "of which each next pose is the best")
-      ->type_name("N")
-      ->capture_default_str();
+      .type_name("N")
+      .show_default();
   app.add_option("--deviation", request.deviation_m, "standard deviation of a marker's coordinate at a pose")
-      ->type_name("METRES")
-      ->capture_default_str();
+      .type_name("METRES")
+      .show_default();
   app.add_option("--criterion", arguments.criterion,
                  "what is to be small: determinant (D) or trace (A) of the covariance")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"determinant", "trace"}))
-      ->capture_default_str();
-  app.add_option("--seed", request.seed, "of the candidates")->type_name("N")->capture_default_str();
-  app.add_option("--mass", request.mass_kg, "of the whole robot, weighed")->type_name("KG");
-  add_set_option(app, arguments.set);
+      .type_name("NAME")
+      .one_of({"determinant", "trace"})
+      .show_default();
+  app.add_option("--seed", request.seed, "of the candidates").type_name("N").show_default();
+  app.add_option("--mass", request.mass_kg, "of the whole robot, weighed").type_name("KG");
+  app.add_set_option(arguments.set);
   app.add_option("--output", arguments.output, "where the table of contractions goes, for run_table_node")
-      ->type_name("FILE");
+      .type_name("FILE");
   app.footer("Exit status: 0 proposed, 1 no pose rests, 2 bad robot or arguments.");
 }
 
@@ -88,7 +88,7 @@ int propose(Arguments arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Proposes poses to drive so that fit_model finds its parameters best, and states how sure it will be, by the\n"
       "sensitivities of the model.",
       "propose_poses");

@@ -16,13 +16,13 @@ struct Arguments {
   bool configurations = false;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("BAG", arguments.bag, "a recorded session")->type_name("FILE")->required();
+void declare(CommandLine& app, Arguments& arguments) {
+  app.add_option("BAG", arguments.bag, "a recorded session").type_name("FILE").required();
   app.add_option("--output", arguments.output, "a folder for report.html and its pictures (PNG, SVG, CSV)")
-      ->type_name("FOLDER")
-      ->required();
+      .type_name("FOLDER")
+      .required();
   app.add_option("--scene", arguments.scene, "the robot's file, where it is not the one that the recording names")
-      ->type_name("FILE");
+      .type_name("FILE");
   app.add_flag("--configurations", arguments.configurations, "a page for each configuration at rest, too");
   app.footer("Exit status: 0 written, 2 bad recording or arguments.");
 }
@@ -39,7 +39,7 @@ int report(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Writes a recorded session as one HTML page that holds its pictures: gap over time and by configuration, "
       "policy,\n"
       "trajectories, what the cameras saw, the scene and the versions.",

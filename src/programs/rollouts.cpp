@@ -38,32 +38,24 @@ struct Arguments {
   std::vector<std::string> set;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("ROBOT", arguments.robot, "a scene's or robot's file")->type_name("FILE")->required();
-  CLI::Option_group* const source = app.add_option_group("Commands", "one of");
-  source->add_option("--commands", arguments.commands, "a table (.csv), or arrays of NumPy (.npz)")->type_name("FILE");
-  source->add_option("--random", arguments.random, "so many rollouts of random commands")->type_name("N");
-  source->require_option(1);
-  CLI::Option_group* const files = app.add_option_group("Results", "one of, or both");
-  files->add_option("--output", arguments.output, "what the rollouts did, as arrays of NumPy (.npz)")
-      ->type_name("FILE");
-  files->add_option("--result", arguments.result, "the same in a few numbers (.json)")->type_name("FILE");
-  files->require_option(1, 2);
-  app.add_option("--duration", arguments.duration_s, "of each rollout")->type_name("S")->capture_default_str();
-  app.add_option("--hold", arguments.hold_s, "of each command, with --random and .npz")
-      ->type_name("S")
-      ->capture_default_str();
+void declare(CommandLine& app, Arguments& arguments) {
+  app.add_option("ROBOT", arguments.robot, "a scene's or robot's file").type_name("FILE").required();
+  CommandLine source = app.add_group("Commands", "one of", 1, 1);
+  source.add_option("--commands", arguments.commands, "a table (.csv), or arrays of NumPy (.npz)").type_name("FILE");
+  source.add_option("--random", arguments.random, "so many rollouts of random commands").type_name("N");
+  CommandLine files = app.add_group("Results", "one of, or both", 1, 2);
+  files.add_option("--output", arguments.output, "what the rollouts did, as arrays of NumPy (.npz)").type_name("FILE");
+  files.add_option("--result", arguments.result, "the same in a few numbers (.json)").type_name("FILE");
+  app.add_option("--duration", arguments.duration_s, "of each rollout").type_name("S").show_default();
+  app.add_option("--hold", arguments.hold_s, "of each command, with --random and .npz").type_name("S").show_default();
   app.add_option("--record-every", arguments.record_every_s, "what goes into the output; 0: every step")
-      ->type_name("S")
-      ->capture_default_str();
-  app.add_option("--seed", arguments.seed, "of random commands")->type_name("N")->capture_default_str();
+      .type_name("S")
+      .show_default();
+  app.add_option("--seed", arguments.seed, "of random commands").type_name("N").show_default();
   app.add_option("--range", arguments.range, "of an actuator's random commands, instead of its limits")
-      ->type_name("NAME MIN MAX");
-  app.add_option("--threads", arguments.threads, "at a time")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  add_set_option(app, arguments.set);
+      .type_name("NAME MIN MAX");
+  app.add_option("--threads", arguments.threads, "at a time").type_name("N").range(1, 1000).show_default();
+  app.add_set_option(arguments.set);
   app.footer(
       "Ctrl-C writes the rollouts that have ended. Exit status: 0 all converged, 1 some did not or were not run, 2 "
       "bad\n"
@@ -145,7 +137,7 @@ int make_rollouts(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs a robot many times, with other commands each, without a ROS master.", "rollouts");
+  CommandLine app("Runs a robot many times, with other commands each, without a ROS master.", "rollouts");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return make_rollouts(arguments); });

@@ -21,15 +21,15 @@ struct Arguments {
   int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("SEARCH", arguments.search, "the search's file")->type_name("FILE")->required();
+void declare(CommandLine& app, Arguments& arguments) {
+  app.add_option("SEARCH", arguments.search, "the search's file").type_name("FILE").required();
   app.add_option("--output", arguments.output, "the folder of journal.sqlite, designs.csv, report.html and the designs")
-      ->type_name("FOLDER")
-      ->required();
+      .type_name("FOLDER")
+      .required();
   app.add_option("--workers", arguments.workers, "how many designs are tried at a time")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+      .type_name("N")
+      .range(1, 1000)
+      .show_default();
   app.footer(
       "The same command goes on where it was stopped. Exit status: 0 a design was found, 1 none was, or it was "
       "stopped,\n"
@@ -63,8 +63,8 @@ int search(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Searches for better designs of a robot, only those that can be cast, without a ROS master.",
-               "search_design");
+  CommandLine app("Searches for better designs of a robot, only those that can be cast, without a ROS master.",
+                  "search_design");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return search(arguments); });

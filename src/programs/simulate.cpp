@@ -27,11 +27,11 @@ struct Arguments {
   std::vector<std::string> set;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("SCENE", arguments.scene, "a scene's or robot's file")->type_name("FILE")->required();
+void declare(CommandLine& app, Arguments& arguments) {
+  app.add_option("SCENE", arguments.scene, "a scene's or robot's file").type_name("FILE").required();
   app.add_option("--result", arguments.result, "where the result goes as JSON; otherwise to the standard output")
-      ->type_name("FILE");
-  add_set_option(app, arguments.set);
+      .type_name("FILE");
+  app.add_set_option(arguments.set);
   app.add_flag("--estimate-error", arguments.estimate_error,
                "also report how wrong the scene's mesh and time step make the markers");
   app.footer(
@@ -80,7 +80,7 @@ int simulate(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs a scene and writes its result, without a ROS master.", "simulate");
+  CommandLine app("Runs a scene and writes its result, without a ROS master.", "simulate");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return simulate(arguments); });

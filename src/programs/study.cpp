@@ -31,38 +31,38 @@ struct Arguments {
 };
 
 // Where tasks run: one way at a time.
-void declare_ways(CLI::App& app, Arguments& arguments) {
-  auto* workers = app.add_option("--workers", arguments.workers, "how many tasks run at a time, each in one thread")
-                      ->type_name("N")
-                      ->check(CLI::Range(1, 1000))
-                      ->capture_default_str();
-  auto* hosts =
+void declare_ways(CommandLine& app, Arguments& arguments) {
+  const Argument workers =
+      app.add_option("--workers", arguments.workers, "how many tasks run at a time, each in one thread")
+          .type_name("N")
+          .range(1, 1000)
+          .show_default();
+  const Argument hosts =
       app.add_option("--hosts", arguments.hosts, "run on these machines: lines of a name and a number of workers")
-          ->type_name("FILE");
-  app.add_option("--ssh", arguments.ssh, "what starts a command on a host")
-      ->type_name("COMMAND")
-      ->capture_default_str();
-  auto* mpi = app.add_option("--mpi", arguments.mpi, "run in the ranks that this command starts, as \"mpirun -n 8\"")
-                  ->type_name("COMMAND");
-  auto* slurm = app.add_option("--slurm", arguments.slurm, "run in an array of so many jobs of Slurm")
-                    ->type_name("N")
-                    ->check(CLI::Range(1, 100000));
+          .type_name("FILE");
+  app.add_option("--ssh", arguments.ssh, "what starts a command on a host").type_name("COMMAND").show_default();
+  const Argument mpi =
+      app.add_option("--mpi", arguments.mpi, "run in the ranks that this command starts, as \"mpirun -n 8\"")
+          .type_name("COMMAND");
+  const Argument slurm = app.add_option("--slurm", arguments.slurm, "run in an array of so many jobs of Slurm")
+                             .type_name("N")
+                             .range(1, 100000);
   app.add_option("--sbatch", arguments.sbatch, "what takes such an array, with arguments of the site")
-      ->type_name("COMMAND")
-      ->capture_default_str();
-  hosts->excludes(workers);
-  mpi->excludes(workers)->excludes(hosts);
-  slurm->excludes(workers)->excludes(hosts)->excludes(mpi);
+      .type_name("COMMAND")
+      .show_default();
+  hosts.excludes(workers);
+  mpi.excludes(workers).excludes(hosts);
+  slurm.excludes(workers).excludes(hosts).excludes(mpi);
 }
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("STUDY", arguments.study, "the study's file")->type_name("FILE");
+void declare(CommandLine& app, Arguments& arguments) {
+  app.add_option("STUDY", arguments.study, "the study's file").type_name("FILE");
   app.add_option("--output", arguments.output, "the folder of journal.sqlite, results.csv, results.npy and report.html")
-      ->type_name("FOLDER");
+      .type_name("FOLDER");
   declare_ways(app, arguments);
   app.add_flag("--retry-failed", arguments.retry_failed, "run the tasks that failed before once more");
-  app.add_option("--worker", arguments.worker)->group("");  // how the study starts itself
-  app.add_option("--array-job", arguments.array_job)->group("");
+  app.add_option("--worker", arguments.worker).group("");  // how the study starts itself
+  app.add_option("--array-job", arguments.array_job).group("");
   app.footer(
       "The same command goes on where it was stopped. Exit status: 0 all tasks are good, 1 some are not or were not\n"
       "run, 2 bad study or arguments.");
@@ -146,8 +146,8 @@ int run_study(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs a program over many values of a scene's numbers, here or on many machines, without a ROS master.",
-               "study");
+  CommandLine app(
+      "Runs a program over many values of a scene's numbers, here or on many machines, without a ROS master.", "study");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return run_study(arguments); });

@@ -28,31 +28,28 @@ struct Arguments {
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   WorkspaceSettings& settings = arguments.settings;
-  app.add_option("ROBOT", settings.robot, "a scene's or robot's file")->type_name("FILE")->required();
+  app.add_option("ROBOT", settings.robot, "a scene's or robot's file").type_name("FILE").required();
   app.add_option("--output", arguments.output, "the folder of workspace.html, its pictures and results.csv")
-      ->type_name("FOLDER")
-      ->required();
-  app.add_option("--marker", settings.marker, "whose places are shown (tip, else the last)")->type_name("NAME");
+      .type_name("FOLDER")
+      .required();
+  app.add_option("--marker", settings.marker, "whose places are shown (tip, else the last)").type_name("NAME");
   app.add_option("--steps", settings.steps, "of each command on a grid, its limits among them")
-      ->type_name("N")
-      ->check(CLI::Range(2, 1000))
-      ->capture_default_str();
+      .type_name("N")
+      .range(2, 1000)
+      .show_default();
   app.add_option("--samples", settings.samples, "so many points of Sobol's sequence instead of a grid")
-      ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      .type_name("N")
+      .positive();
   app.add_option("--refine", settings.refine, "so many points more, where neighbouring tips are farthest apart")
-      ->type_name("N")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--seed", settings.seed, "of the samples")->type_name("N")->capture_default_str();
+      .type_name("N")
+      .positive();
+  app.add_option("--seed", settings.seed, "of the samples").type_name("N").show_default();
   app.add_option("--range", settings.range, "of an actuator's command, instead of its limits")
-      ->type_name("NAME MIN MAX");
-  app.add_option("--threads", arguments.threads, "at a time")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  add_set_option(app, settings.set);
+      .type_name("NAME MIN MAX");
+  app.add_option("--threads", arguments.threads, "at a time").type_name("N").range(1, 1000).show_default();
+  app.add_set_option(settings.set);
   app.footer(
       "Ctrl-C shows what is there; the same command goes on from it. Exit status: 0 every command has a rest state,\n"
       "1 some have none or were not asked, 2 bad robot or arguments.");
@@ -103,7 +100,7 @@ int show_workspace(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Finds where a robot rests over all its commands, without a ROS master.", "workspace");
+  CommandLine app("Finds where a robot rests over all its commands, without a ROS master.", "workspace");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] { return show_workspace(arguments); });

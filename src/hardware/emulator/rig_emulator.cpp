@@ -32,23 +32,23 @@ struct Arguments {
   bool lock_step = false;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   app.add_option(
          "--device", arguments.device,
          "in real time: the board's serial line is this pseudo-terminal, and the Unix socket PATH.control takes "
          "commands, one a line: shafts, stall 0 on, unplug, ...")
-      ->type_name("PATH");
+      .type_name("PATH");
   app.add_flag("--lock-step", arguments.lock_step,
                "the same commands come from the standard input, and time passes only with the command: "
                "run MICROSECONDS [BYTES_IN_HEX]");
-  app.add_option("--motors", arguments.motors, "how many there are")->type_name("N")->capture_default_str();
-  app.add_option("--rig", arguments.rig, "as many as this file lists")->type_name("FILE");
-  app.add_option("--seed", arguments.seed, "of what is random")->type_name("N")->capture_default_str();
+  app.add_option("--motors", arguments.motors, "how many there are").type_name("N").show_default();
+  app.add_option("--rig", arguments.rig, "as many as this file lists").type_name("FILE");
+  app.add_option("--seed", arguments.seed, "of what is random").type_name("N").show_default();
   app.allow_extras();
 }
 
-void check(const CLI::App& app, const Arguments& arguments) {
-  for (const std::string& word : app.remaining())  // roslaunch's own are for nodes
+void check(const CommandLine& app, const Arguments& arguments) {
+  for (const std::string& word : app.extras())  // roslaunch's own are for nodes
     if (word.find(":=") == std::string::npos) throw std::invalid_argument("unknown argument " + word);
   if (arguments.lock_step == !arguments.device.empty())
     throw std::invalid_argument("give either --device or --lock-step");
@@ -127,8 +127,8 @@ int serve(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
-  CLI::App app("The rig's firmware on an emulated board, with emulated stepper drivers, motors and faults.",
-               "rig_emulator");
+  CommandLine app("The rig's firmware on an emulated board, with emulated stepper drivers, motors and faults.",
+                  "rig_emulator");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] {

@@ -25,21 +25,21 @@ struct Arguments {
   ExecutePolicy::Request request;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
+void declare(CommandLine& app, Arguments& arguments) {
   PolicyPose& goal = arguments.request.goal;
   const auto add_target = [&goal](const std::vector<double>& target_m) {
     goal.targets.push_back(to_message(Eigen::Vector3d(target_m[0], target_m[1], target_m[2])));
   };
-  app.add_option("POLICY", arguments.policy, "a policy's file")->type_name("FILE")->required();
+  app.add_option("POLICY", arguments.policy, "a policy's file").type_name("FILE").required();
   app.add_flag_callback(
       "--closed-loop", [&arguments] { arguments.request.closed_loop = true; },
       "then bring markers to targets by what the tracker sees; without any, to those of the last policy that the "
       "controller found");
-  app.add_option("--marker", goal.markers, "can be repeated")->type_name("NAME")->allow_extra_args(false);
+  app.add_option("--marker", goal.markers, "can be repeated").type_name("NAME").one_value_at_a_time();
   app.add_option_function<std::vector<double>>("--target", add_target, "of the marker before it [m, robot_base]")
-      ->type_name("X Y Z")
-      ->expected(3)
-      ->trigger_on_parse();
+      .type_name("X Y Z")
+      .expected(3)
+      .in_order();
   app.footer("Exit status: 0 at rest where it was to go, 1 stopped early, 2 bad file or arguments.");
 }
 
@@ -70,7 +70,7 @@ int play(const Arguments& arguments) {
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
   ros::init(argc, argv, "play_policy", ros::init_options::AnonymousName);
-  CLI::App app("Plays a policy on the running session and waits for rest.", "play_policy_node");
+  CommandLine app("Plays a policy on the running session and waits for rest.", "play_policy_node");
   Arguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] {

@@ -144,9 +144,9 @@ int reach(const std::string& path) {
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
   ros::init(argc, argv, "reach_target");
-  CLI::App app("Brings a marker of the running session to a target, and reports how it went.", "reach_target_node");
+  CommandLine app("Brings a marker of the running session to a target, and reports how it went.", "reach_target_node");
   std::string task;
-  app.add_option("TASK", task, "a task's file")->type_name("FILE")->required();
+  app.add_option("TASK", task, "a task's file").type_name("FILE").required();
   app.footer("Exit status: 0 done, 1 a part failed or the marker rests too far away, 2 bad task.");
   return run_program(app, argc, argv, [&] {
     require_master();

@@ -164,14 +164,14 @@ int run_table(const std::string& experiment, double hold_s) {
 int main(int argc, char** argv) {
   using namespace soft_robot_lab;
   ros::init(argc, argv, "run_table");
-  CLI::App app("Drives a session through an experiment's configurations, and prints the gap at each.",
-               "run_table_node");
+  CommandLine app("Drives a session through an experiment's configurations, and prints the gap at each.",
+                  "run_table_node");
   std::string experiment;
   double hold_s = usual_hold_s;
-  app.add_option("EXPERIMENT", experiment, "an experiment's file")->type_name("FILE")->required();
+  app.add_option("EXPERIMENT", experiment, "an experiment's file").type_name("FILE").required();
   app.add_option("HOLD_S", hold_s, "for how long each is held: silicone creeps, and a fit takes the end of a hold")
-      ->type_name("S")
-      ->capture_default_str();
+      .type_name("S")
+      .show_default();
   app.footer("Exit status: 0 done, 1 a part failed, 2 bad file or arguments.");
   return run_program(app, argc, argv, [&] {
     require_master();

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "command_line.h"
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <tuple>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+namespace soft_robot_lab {
+namespace {
+
+using Ranges = std::vector<std::tuple<std::string, double, double>>;
+
+// An option that there is not, before words that may only look wrong because of it.
+std::string unexpected(const CLI::App& app, const CLI::ExtrasError& error) {
+  for (const std::string& word : app.remaining())
+    if (word.size() > 1 && word[0] == '-') return "unknown option " + word;
+  return error.what();
+}
+
+int refuse_arguments(const CLI::App& app, const std::string& why) {
+  std::cerr << app.get_name() << ": " << why << "\n"
+            << CLI::Formatter().make_usage(&app, app.get_name()) << "--help lists all arguments.\n";
+  return kFailed;
+}
+
+}  // namespace
+
+Argument Argument::type_name(const std::string& name) const { return Argument(option_->type_name(name)); }
+Argument Argument::group(const std::string& heading) const { return Argument(option_->group(heading)); }
+Argument Argument::show_default() const { return Argument(option_->capture_default_str()); }
+Argument Argument::required() const { return Argument(option_->required()); }
+Argument Argument::expected(int values) const { return Argument(option_->expected(values)); }
+Argument Argument::delimiter(char between_values) const { return Argument(option_->delimiter(between_values)); }
+Argument Argument::one_value_at_a_time() const { return Argument(option_->allow_extra_args(false)); }
+Argument Argument::in_order() const { return Argument(option_->trigger_on_parse()); }
+Argument Argument::range(int low, int high) const { return Argument(option_->check(CLI::Range(low, high))); }
+Argument Argument::range(double low, double high) const { return Argument(option_->check(CLI::Range(low, high))); }
+Argument Argument::positive() const { return Argument(option_->check(CLI::PositiveNumber)); }
+Argument Argument::one_of(const std::vector<std::string>& words) const {
+  return Argument(option_->check(CLI::IsMember(words)));
+}
+Argument Argument::excludes(const Argument& other) const { return Argument(option_->excludes(other.option_)); }
+
+CommandLine::CommandLine(const std::string& what, const std::string& program)
+    : app_(std::make_shared<CLI::App>(what, program)) {}
+CommandLine::CommandLine(std::shared_ptr<CLI::App> app) : app_(std::move(app)) {}
+
+template <class Value>
+Argument CommandLine::add_option(const std::string& name, Value& value, const std::string& meaning) {
+  return Argument(app_->add_option(name, value, meaning));
+}
+
+template <class Value>
+Argument CommandLine::add_option_function(const std::string& name, const std::function<void(const Value&)>& take,
+                                          const std::string& meaning) {
+  return Argument(app_->add_option_function<Value>(name, take, meaning));
+}
+
+template Argument CommandLine::add_option(const std::string&, std::string&, const std::string&);
+template Argument CommandLine::add_option(const std::string&, int&, const std::string&);
+template Argument CommandLine::add_option(const std::string&, unsigned&, const std::string&);
+template Argument CommandLine::add_option(const std::string&, std::uint64_t&, const std::string&);
+template Argument CommandLine::add_option(const std::string&, double&, const std::string&);
+template Argument CommandLine::add_option(const std::string&, std::optional<double>&, const std::string&);
+template Argument CommandLine::add_option(const std::string&, std::vector<std::string>&, const std::string&);
+template Argument CommandLine::add_option(const std::string&, Ranges&, const std::string&);
+
+template <class Value>
+using Take = std::function<void(const Value&)>;
+template Argument CommandLine::add_option_function(const std::string&, const Take<std::string>&, const std::string&);
+template Argument CommandLine::add_option_function(const std::string&, const Take<double>&, const std::string&);
+template Argument CommandLine::add_option_function(const std::string&, const Take<std::vector<std::string>>&,
+                                                   const std::string&);
+template Argument CommandLine::add_option_function(const std::string&, const Take<std::vector<double>>&,
+                                                   const std::string&);
+
+Argument CommandLine::add_flag(const std::string& name, bool& value, const std::string& meaning) {
+  return Argument(app_->add_flag(name, value, meaning));
+}
+
+Argument CommandLine::add_flag_callback(const std::string& name, const std::function<void()>& take,
+                                        const std::string& meaning) {
+  return Argument(app_->add_flag_callback(name, take, meaning));
+}
+
+void CommandLine::add_set_option(std::vector<std::string>& words) {
+  app_->add_option("--set", words, "a number of the file by its path, or a parameter that it names")
+      ->type_name("PATH=NUMBER")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+CommandLine CommandLine::add_group(const std::string& heading, const std::string& meaning, std::size_t fewest,
+                                   std::size_t most) {
+  CLI::Option_group* const group = app_->add_option_group(heading, meaning);
+  group->require_option(fewest, most);
+  return CommandLine(std::shared_ptr<CLI::App>(app_, group));
+}
+
+void CommandLine::footer(const std::string& text) { app_->footer(text); }
+void CommandLine::allow_extras() { app_->allow_extras(); }
+std::vector<std::string> CommandLine::extras() const { return app_->remaining(); }
+std::string CommandLine::program() const { return app_->get_name(); }
+
+std::optional<int> CommandLine::read(int argc, char** argv) {
+  try {
+    app_->parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app_->help();
+    require_printed();
+    return kGood;
+  } catch (const CLI::ExtrasError& error) {
+    return refuse_arguments(*app_, unexpected(*app_, error));
+  } catch (const CLI::ParseError& error) {
+    return refuse_arguments(*app_, error.what());
+  } catch (const WrongArgument& error) {
+    return refuse_arguments(*app_, error.what());
+  }
+}
+
+void require_printed() {
+  errno = 0;
+  std::cout << std::flush;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && std::cout && std::ferror(stdout) == 0) return;
+  const bool still = errno == 0 && write(STDOUT_FILENO, "\n", 1) < 0;  // it failed before, for this reason
+  throw WriteError("the standard output cannot be written" +
+                   (errno != 0 || still ? std::string(": ") + std::strerror(errno) : ""));
+}
+
+int run_program(CommandLine& line, int argc, char** argv, const std::function<int()>& run) {
+  try {
+    if (const std::optional<int> ended = line.read(argc, argv)) return *ended;
+    const int status = run();
+    require_printed();
+    return status;
+  } catch (const WriteError& error) {
+    std::cerr << line.program() << ": " << error.what() << "\n";
+    return kNotGood;
+  } catch (const std::exception& error) {
+    std::cerr << line.program() << ": " << error.what() << "\n";
+    return kFailed;
+  }
+}
+
+}  // namespace soft_robot_lab

@@ -5,6 +5,6 @@ package=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 set +u # not written for it
 . "${SOFT_ROBOT_LAB_SETUP:-$package/devel/setup.bash}"
 set -u
-master_port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+master_port=$("$package/launch/free_port.py")
 export ROS_MASTER_URI=http://127.0.0.1:$master_port ROS_IP=127.0.0.1 ROSCONSOLE_STDOUT_LINE_BUFFERED=1
 unset ROS_HOSTNAME ROS_NAMESPACE

@@ -8,5 +8,5 @@ set -euo pipefail
 scene=$(realpath "$1")
 export ROS_IP=127.0.0.1
 unset ROS_HOSTNAME ROS_NAMESPACE
-port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+port=$("$(dirname "$0")/free_port.py")
 exec roslaunch -p "$port" soft_robot_lab view.launch scene:="$scene"

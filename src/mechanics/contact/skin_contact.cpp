@@ -85,7 +85,7 @@ std::optional<SkinGap> SkinContact::met_by(int point, bool pressed, const Eigen:
   }
   if (!pressed && !pairs_.may_be_inside(face, at_m)) return std::nullopt;
   const Eigen::Vector3d out = outward(point, positions_m);
-  if (!pressed && !pairs_.may_be_inside(face, at_m, out)) return std::nullopt;
+  if (!pressed && !pairs_.is_inside_any(face, at_m, out, positions_m)) return std::nullopt;
   return pairs_.meet(face, at_m, out, pressed, positions_m);
 }
 

@@ -409,11 +409,15 @@ bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m) const {
   return std::any_of(all.begin(), all.end(), [&](int other) { return is_behind(other, point_m); });
 }
 
-bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
+bool SkinPairs::is_inside_any(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                              const Eigen::Matrix3Xd& positions_m) const {
   const std::vector<int>& all = overlaps_[static_cast<std::size_t>(face)];
   return std::any_of(all.begin(), all.end(), [&](int other) {
-    return is_behind(other, point_m) && may_meet(other, point_m, outward) &&
-           meets_within(candidate(other, point_m), deepest_m_[other]);
+    if (!is_behind(other, point_m) || !may_meet(other, point_m, outward) ||
+        !meets_within(candidate(other, point_m), deepest_m_[other]))
+      return false;
+    const std::optional<Meeting> met = meeting(other, point_m, outward, positions_m);
+    return met && is_inside(*met);
   });
 }
 
@@ -532,10 +536,12 @@ std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m,
     const std::optional<Meeting> met = meeting(other.face, point_m, outward, positions_m);
     if (met && (!best || std::abs(met->place.gap_m) < std::abs(best->place.gap_m))) best = met;
   }
-  if (!best || (!outside_too && best->place.gap_m > kJustOn * sizes_m_[best->face])) return std::nullopt;
+  if (!best || (!outside_too && !is_inside(*best))) return std::nullopt;
   if (comes_from_elsewhere(face, *best, point_m, outward, positions_m)) return std::nullopt;
   return gap_at(*best, positions_m);
 }
+
+bool SkinPairs::is_inside(const Meeting& met) const { return met.place.gap_m <= kJustOn * sizes_m_[met.face]; }
 
 // How deep it is behind a face says something only where it has come through that.
 bool SkinPairs::comes_from_elsewhere(int face, const Meeting& behind, const Eigen::Vector3d& point_m,

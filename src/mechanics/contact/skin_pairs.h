@@ -79,11 +79,12 @@ class SkinPairs {
   }
 
   bool any_near(int face) const { return !near_[static_cast<std::size_t>(face)].empty(); }
-  // Whether anything of this face may be inside the body, by boxes; and whether this point of it may be, by those, and
-  // by where out of the skin is there.
+  // Whether anything of this face may be inside the body, by boxes; whether this point of it may be, by those; and
+  // whether it is inside by any one face, or just on it, where out of the skin is so.
   bool may_be_inside(int face) const { return !overlaps_[static_cast<std::size_t>(face)].empty(); }
   bool may_be_inside(int face, const Eigen::Vector3d& point_m) const;
-  bool may_be_inside(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const;
+  bool is_inside_any(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                     const Eigen::Matrix3Xd& positions_m) const;
   // The closest skin that a point of this face meets at this place, or none within the depth that counts;
   // `outside_too`: also where the point is not inside.
   std::optional<SkinGap> meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
@@ -166,6 +167,7 @@ class SkinPairs {
     SeenPlace place;
     double way_m;  // to where the face is closest
   };
+  bool is_inside(const Meeting& met) const;  // or just on it
   // Whether a point of this face is behind another, but outside by skin that is nearer: as in front of the other side
   // of a wedge.
   bool comes_from_elsewhere(int face, const Meeting& behind, const Eigen::Vector3d& point_m,

@@ -286,8 +286,7 @@ class NewtonSolver {
   bool find_multipliers(const NewtonState& state, const Evaluation& here, const Eigen::VectorXd& motion,
                         Step& step) const;
   bool any_in_matrix(const std::vector<ContactTouch>& touches) const;
-  NewtonState mix(const NewtonTask& task, const NewtonState& state, const Evaluation& here, const Step& step,
-                  AndersonMixing& mixing) const;
+  NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
   bool may_try_old_factor(const NewtonTask& task, const Evaluation& here);
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing);
   Turns turns_since_linearisation(const Eigen::Matrix3Xd& positions_m) const;

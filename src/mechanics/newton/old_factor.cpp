@@ -44,11 +44,10 @@ bool other_set(const Eigen::VectorXd& one_pa, const Eigen::VectorXd& other_pa) {
 
 }  // namespace
 
-// The step of an old factor, corrected by what the last such steps have taught. All unknowns as one vector. Of an
-// equilibrium what is left are the residuals as the convergence test takes them; of a step in time it is the motion
-// that they ask for, as forces of what is stiff hide how far all else has to go.
-NewtonState NewtonSolver::mix(const NewtonTask& task, const NewtonState& state, const Evaluation& here,
-                              const Step& step, AndersonMixing& mixing) const {
+// The step of an old factor, corrected by what the last such steps have taught. All unknowns and residuals as one
+// vector; the residuals as the convergence test takes them.
+NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
+                              AndersonMixing& mixing) const {
   ContactState contact = free_border_.empty() ? state.contact : after(state, step, 1.0);
   contact.pressures_pa = step.contact_pressures_pa;
   const bool other = skin_in_border_ && other_set(state.contact.pressures_pa, contact.pressures_pa);
@@ -68,24 +67,19 @@ NewtonState NewtonSolver::mix(const NewtonTask& task, const NewtonState& state, 
   const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
                      constraints = state.constraint_multipliers.size(),
                      touching = static_cast<Eigen::Index>(pressing.size());
-  Eigen::VectorXd at(nodes + elements + constraints + touching), change(at.size()), left;
+  Eigen::VectorXd at(nodes + elements + constraints + touching), change(at.size()), residual(at.size());
   at << as_vector(state.positions_m), state.element_multipliers_pa, state.constraint_multipliers,
       state.contact.pressures_pa(pressing);
   change << as_vector(step.motion_m), step.element_multipliers_pa - state.element_multipliers_pa,
       step.constraint_multipliers - state.constraint_multipliers,
       contact.pressures_pa(pressing) - state.contact.pressures_pa(pressing);
-  if (task.inertia_per_s2 > 0.0) {
-    left = as_vector(step.motion_m);
-  } else {
-    left.resize(at.size());
-    left << as_vector(here.residual_n) / here.force_scale_n,
-        elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa), Eigen::VectorXd(constraints),
-        contact_.mismatches(here.contact)(pressing);
-    for (int i = 0; i < constraint_count(); ++i)
-      left[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
-  }
+  residual << as_vector(here.residual_n) / here.force_scale_n,
+      elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa), Eigen::VectorXd(constraints),
+      contact_.mismatches(here.contact)(pressing);
+  for (int i = 0; i < constraint_count(); ++i)
+    residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
   const bool first = mixing.size() == 0;
-  const Eigen::VectorXd next = mixing.next(std::move(at), std::move(change), std::move(left));
+  const Eigen::VectorXd next = mixing.next(std::move(at), std::move(change), std::move(residual));
   const double least_pa = skin_in_border_ ? std::numeric_limits<double>::min() : 0.0;  // what presses goes on to
   if (!first || !skin_in_border_) contact.pressures_pa(pressing) = next.tail(touching).cwiseMax(least_pa);
   NewtonState mixed{Eigen::Map<const Eigen::Matrix3Xd>(next.data(), 3, state.positions_m.cols()),
@@ -136,7 +130,7 @@ bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Ev
     const Evaluation& at_from = tried == 0 ? here : at_reached;
     Step step;
     if (!find_step(from, at_from, step, mixing.size() == 0 ? kRoundsAhead : 0)) return false;
-    NewtonState trial = mix(task, from, at_from, step, mixing);
+    NewtonState trial = mix(from, at_from, step, mixing);
     Evaluation there = evaluate(task, trial);
     const auto falls = [&] { return there.finite && there.relative_residual <= enough; };
     for (int half = 0; half < kHalves && !step.skin.empty() && !falls(); ++half) {

@@ -84,9 +84,7 @@ std::optional<SkinGap> SkinContact::met_by(int point, bool pressed, const Eigen:
     if (met) return met;
   }
   if (!pressed && !pairs_.may_be_inside(face, at_m)) return std::nullopt;
-  const Eigen::Vector3d out = outward(point, positions_m);
-  if (!pressed && !pairs_.is_inside_any(face, at_m, out, positions_m)) return std::nullopt;
-  return pairs_.meet(face, at_m, out, pressed, positions_m);
+  return pairs_.meet(face, at_m, outward(point, positions_m), pressed, positions_m);
 }
 
 // A point that has lost the skin it pressed against is a face's size away from it: open.

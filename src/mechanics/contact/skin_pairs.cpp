@@ -520,6 +520,7 @@ bool SkinPairs::meets_within(const Candidate& candidate, double reach_m) const {
 // The one that may be nearest first, as then most others need no closer look.
 std::optional<SkinGap> SkinPairs::meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                        bool outside_too, const Eigen::Matrix3Xd& positions_m) const {
+  if (!outside_too && !is_inside_any(face, point_m, outward, positions_m)) return std::nullopt;
   candidates_.clear();
   for (const int other : in_reach_of(face)) {
     if (!may_meet(other, point_m, outward)) continue;

@@ -79,12 +79,9 @@ class SkinPairs {
   }
 
   bool any_near(int face) const { return !near_[static_cast<std::size_t>(face)].empty(); }
-  // Whether anything of this face may be inside the body, by boxes; whether this point of it may be, by those; and
-  // whether it is inside by any one face, or just on it, where out of the skin is so.
+  // Whether anything of this face may be inside the body, by boxes; and whether this point of it may be, by those.
   bool may_be_inside(int face) const { return !overlaps_[static_cast<std::size_t>(face)].empty(); }
   bool may_be_inside(int face, const Eigen::Vector3d& point_m) const;
-  bool is_inside_any(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
-                     const Eigen::Matrix3Xd& positions_m) const;
   // The closest skin that a point of this face meets at this place, or none within the depth that counts;
   // `outside_too`: also where the point is not inside.
   std::optional<SkinGap> meet(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
@@ -176,6 +173,9 @@ class SkinPairs {
                   const Eigen::Matrix3Xd& positions_m) const;
   std::optional<Meeting> meeting(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
                                  const Eigen::Matrix3Xd& positions_m) const;
+  // Whether the point is inside by any one face, or just on it.
+  bool is_inside_any(int face, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward,
+                     const Eigen::Matrix3Xd& positions_m) const;
   SkinGap gap_at(const Meeting& met, const Eigen::Matrix3Xd& positions_m) const;
   double moved_m(const Eigen::Matrix3Xd& from_m) const;  // the farthest node of the skin since then, but all alike
   void find_near(const Eigen::Matrix3Xd& positions_m);

@@ -44,8 +44,9 @@ class Session:
             rospy.Subscriber(self._prefix + 'simulator/actuator_ranges', ActuatorRanges, self._on_ranges),
             rospy.Subscriber(self._prefix + 'simulator/markers', MarkerObservations, self._on_markers, 'simulator'),
             rospy.Subscriber(self._prefix + 'tracker/markers', MarkerObservations, self._on_markers, 'tracker')]
-        self._wait(lambda: self._state and self._ranges and self._markers['simulator'] and self._commands.get_num_connections() > 0,
-                   wait_s, 'no session publishes below ' + self._prefix)
+        self._wait(lambda: self._state and self._ranges and self._markers['simulator'], wait_s,
+                   'no session publishes below ' + self._prefix)
+        self._wait_for_simulator(wait_s)
         self._wait_for_controller(wait_s)
 
     @classmethod
@@ -165,6 +166,14 @@ class Session:
     def stop(self):
         """Ends what is optimised or played, if anything is."""
         rospy.ServiceProxy(self._prefix + 'controller/cancel', Trigger)()
+
+    def _wait_for_simulator(self, limit_s):
+        """Others hear commands too, and may be connected first."""
+        end_s = time.monotonic() + limit_s
+        while not self._commands.impl.has_connection(self._prefix + 'simulator'):
+            if time.monotonic() > end_s:
+                raise SessionError('the simulator does not listen to ' + self._commands.resolved_name)
+            time.sleep(0.05)
 
     def _wait_for_controller(self, limit_s):
         """What the controller sends before the simulator hears it would be lost."""

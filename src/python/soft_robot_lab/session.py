@@ -46,8 +46,7 @@ class Session:
             rospy.Subscriber(self._prefix + 'tracker/markers', MarkerObservations, self._on_markers, 'tracker')]
         self._wait(lambda: self._state and self._ranges and self._markers['simulator'], wait_s,
                    'no session publishes below ' + self._prefix)
-        self._wait_for_simulator(wait_s)
-        self._wait_for_controller(wait_s)
+        self._wait_for_links(wait_s)
 
     @classmethod
     def start(cls, robot=None, scene=None, wait_s=120.0, **arguments):
@@ -167,22 +166,12 @@ class Session:
         """Ends what is optimised or played, if anything is."""
         rospy.ServiceProxy(self._prefix + 'controller/cancel', Trigger)()
 
-    def _wait_for_simulator(self, limit_s):
-        """Others hear commands too, and may be connected first."""
-        end_s = time.monotonic() + limit_s
-        while not self._commands.impl.has_connection(self._prefix + 'simulator'):
-            if time.monotonic() > end_s:
-                raise SessionError('the simulator does not listen to ' + self._commands.resolved_name)
-            time.sleep(0.05)
-
-    def _wait_for_controller(self, limit_s):
-        """What the controller sends before the simulator hears it would be lost."""
-        end_s = time.monotonic() + limit_s
+    def _wait_for_links(self, limit_s):
+        """What we or the controller send before the simulator hears it would be lost; others that listen may be connected first."""
         topic, simulator = self._prefix + 'actuators/command', self._prefix + 'simulator'
-        while not any(link[1] == simulator and link[4] == topic for link in _links(self._prefix + 'controller')):
-            if time.monotonic() > end_s:
-                raise SessionError('the controller does not find the simulator')
-            time.sleep(0.05)
+        _poll(lambda: self._commands.impl.has_connection(simulator), limit_s, 'the simulator does not listen to ' + topic)
+        _poll(lambda: any(link[1] == simulator and link[4] == topic for link in _links(self._prefix + 'controller')), limit_s,
+              'the controller does not find the simulator')
 
     def _catch_up(self, stamp):
         """Messages of a session that runs faster than real time wait for us."""
@@ -231,6 +220,15 @@ def _nodes():
     except OSError:
         return set()
     return {node for kind in system for _, nodes in kind for node in nodes}
+
+
+def _poll(condition, limit_s, otherwise):
+    """Asks again and again, for what no message reports."""
+    end_s = time.monotonic() + limit_s
+    while not condition():
+        if time.monotonic() > end_s:
+            raise SessionError(otherwise)
+        time.sleep(0.05)
 
 
 def _links(node):

@@ -21,8 +21,8 @@ constexpr double kLeastAbove = 0.25;  // of its square, what is left of a face's
 constexpr double kDeepest = 0.5;      // of a face's size: deeper is the other side of a wall, as is deeper than a wall
 constexpr double kBehind = 4.0;       // of the largest face's size: walls are looked for so near
 constexpr double kInFront = 1e-9;   // of the same: a face that has no corner so far in front of another lies behind it
-constexpr double kMargin = 0.03;    // of the body's size: what near faces are looked for within
-constexpr double kSlack = 0.001;    // of the same: which of them may overlap is looked for once nodes have moved so far
+constexpr double kMargin = 0.05;    // of the body's size: what near faces are looked for within
+constexpr double kSlack = 0.0007;   // of the same: which of them may overlap is looked for once nodes have moved so far
 constexpr double kPairMoves = 6.0;  // by so many times as much as nodes do two faces move against each other, at most
 constexpr double kWiderSlack = 0.01;  // of the body's size, the same where few pairs are looked at
 constexpr double kOneSide = 0.5;    // cosine: faces whose normals agree so at rest are one side of a wall; it may fold
@@ -328,7 +328,8 @@ bool SkinPairs::may_overlap(int face, int other) const {
   const int same = same_[static_cast<std::size_t>(face)];
   const Present &mine = present(same), &theirs = present(other);
   if (apart_m(mine, theirs) > 0.0 || mine.normal.dot(theirs.normal) >= kOneWay) return false;
-  return lowest_above_m(mine, theirs) < kOverEdge * sizes_m_[other] && !lies_beside(same, other);
+  const double above_m = lowest_above_m(mine, theirs);
+  return above_m < kOverEdge * sizes_m_[other] && !lies_beside(same, other, -above_m);
 }
 
 double SkinPairs::apart_m(const Present& mine, const Present& theirs) {
@@ -354,14 +355,15 @@ double SkinPairs::lowest_above_m(const Present& mine, const Present& theirs) {
   return lowest_m - theirs.top_m;
 }
 
-// Farther than a place on the other face may be beside it.
-bool SkinPairs::lies_beside(int mine, int other) const {
+// Farther than a point that deep behind the other face may be beside it.
+bool SkinPairs::lies_beside(int mine, int other, double deepest_m) const {
   const Present& theirs = with_sides(other);
   const auto& around_m = present(mine).around_m;
   Eigen::Vector3d least_m = theirs.sideways * around_m.col(0);
   for (Eigen::Index a = 1; a < around_m.cols(); ++a) least_m = least_m.cwiseMin(theirs.sideways * around_m.col(a));
   const double beside_m = (least_m - theirs.farthest_m).maxCoeff(), over_m = kOverEdge * sizes_m_[other];
-  return beside_m > over_m && beside_m > over_m + deepest_m_[other] * tilt(other);
+  if (beside_m <= over_m) return false;
+  return beside_m > over_m + std::clamp(deepest_m + over_m, 0.0, deepest_m_[other]) * tilt(other);
 }
 
 double SkinPairs::tilt(int face) const {
@@ -507,14 +509,15 @@ SkinPairs::Candidate SkinPairs::candidate(int other, const Eigen::Vector3d& poin
   return {other,
           std::max({(theirs.low_m - point_m).maxCoeff(), (point_m - theirs.high_m).maxCoeff(), height_m - theirs.top_m,
                     theirs.lowest_m - height_m, beside_m}),
-          beside_m};
+          beside_m, std::max(height_m - theirs.lowest_m, theirs.top_m - height_m)};
 }
 
 // What is met lies along a normal of the face, which leads beside it no farther than it tilts.
 bool SkinPairs::meets_within(const Candidate& candidate, double reach_m) const {
   if (candidate.least_m > reach_m) return false;
   const double over_m = kOverEdge * sizes_m_[candidate.face];
-  return candidate.beside_m <= over_m || candidate.beside_m <= over_m + reach_m * tilt(candidate.face);
+  return candidate.beside_m <= over_m ||
+         candidate.beside_m <= over_m + std::min(reach_m, candidate.along_m + over_m) * tilt(candidate.face);
 }
 
 // The one that may be nearest first, as then most others need no closer look.

@@ -145,12 +145,14 @@ class SkinPairs {
   double clear_m(int same, int other) const;
   static double apart_m(const Present& mine, const Present& theirs);         // along an axis; negative: boxes meet
   static double lowest_above_m(const Present& mine, const Present& theirs);  // over the top of theirs, at least
-  bool lies_beside(int mine, int other) const;                               // both of the mesh; all of mine
+  // Both of the mesh: all of mine, where none of it is deeper behind the other.
+  bool lies_beside(int mine, int other, double deepest_m) const;
   // A face that a point may meet.
   struct Candidate {
     int face;
     double least_m;   // bound of the distance
     double beside_m;  // how far beside the face along its plane, at least; negative above it
+    double along_m;   // how far from any of the face square to that, at most
   };
   Candidate candidate(int other, const Eigen::Vector3d& point_m) const;
   bool meets_within(const Candidate& candidate, double reach_m) const;  // false: there is no such meeting

@@ -61,6 +61,7 @@ bool NewtonSolver::add_rest_and_factorise(const NewtonState& state, double inert
   border_ = border(state);
   border_free_obstacles(state, convex);
   border_solved_ = solve(border_);
+  delassus_ = border_.transpose() * border_solved_;
   return true;
 }
 

@@ -204,8 +204,8 @@ bool NewtonSolver::find_multipliers(const NewtonState& state, const Evaluation& 
   MultiplierProblem problem;
   Eigen::VectorXd before = state.constraint_multipliers;
   if (count > 0) {
-    problem.delassus = border_.transpose() * border_solved_;
-    problem.excess = border_.transpose() * motion + problem.delassus * state.constraint_multipliers;
+    problem.delassus = delassus_;
+    problem.excess = border_.transpose() * motion + delassus_ * state.constraint_multipliers;
     problem.laws = here.laws;
     problem.friction_contacts = here.friction_contacts;
     const double penalty = factor().negative_pivots() > 0 ? constants::kPenaltyOfBuckled : 1.0;

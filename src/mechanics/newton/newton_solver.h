@@ -340,7 +340,7 @@ class NewtonSolver {
   // The last linearisation, and that whose factor is in factor_ and whose volume gradients are in elements_: another
   // one after restore().
   std::shared_ptr<const Linearisation> linearisation_, factorised_;  // null where it was convex or failed
-  Eigen::MatrixXd border_, border_solved_;                           // B and A^-1 B, over 3*node + axis
+  Eigen::MatrixXd border_, border_solved_, delassus_;                // B and A^-1 B, over 3*node + axis; B' A^-1 B
   std::vector<ContactTouch> touches_;                                // of which the matrix was made
   RigidTouches rigid_touches_;                                       // the same
   FreeBorder free_border_;

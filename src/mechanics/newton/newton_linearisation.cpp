@@ -75,9 +75,7 @@ void NewtonSolver::border_free_obstacles(const NewtonState& state, bool convex) 
   contact_.add_free_hessian(touches_, convex, columns, own);
   contact_.rigid().add_hessian(rigid_touches_, convex, own);
   if (state.free_inertia) add_free_inertia(free, *state.free_inertia, own);
-  columns = (Eigen::Map<const Eigen::Array<bool, Eigen::Dynamic, 1>>(body_.fixed().data(), columns.rows())
-                 .replicate(1, columns.cols()))
-                .select(0.0, columns);
+  columns(tables_->held, Eigen::all).setZero();
   Eigen::MatrixXd solved = solve(columns);
   free_border_ =
       FreeBorder(std::move(columns), std::move(solved), std::move(own), free, body_.material().youngs_modulus_pa);

@@ -67,9 +67,7 @@ void NewtonSolver::pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n)
   for (std::size_t k = 0; k < at.nodes.size(); ++k) loads_n_.col(at.nodes[k]) += at.weights[k] * force_n;
 }
 
-void NewtonSolver::release(Eigen::Matrix3Xd& forces) const {
-  forces = (body_.fixed().array()).select(0.0, forces.array()).matrix();
-}
+void NewtonSolver::release(Eigen::Matrix3Xd& forces) const { forces.reshaped()(tables_->held).setZero(); }
 
 Eigen::MatrixXd NewtonSolver::border(const NewtonState& state) const {
   Eigen::MatrixXd columns(state.positions_m.size(), constraint_count());

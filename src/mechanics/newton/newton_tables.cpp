@@ -2,6 +2,16 @@
 #include "newton_tables.h"
 
 namespace soft_robot_lab {
+namespace {
+
+std::vector<Eigen::Index> held_by(const Body& body) {
+  std::vector<Eigen::Index> held;
+  for (Eigen::Index i = 0; i < body.fixed().size(); ++i)
+    if (body.fixed().data()[i]) held.push_back(i);
+  return held;
+}
+
+}  // namespace
 
 NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> constraints_in,
                            std::vector<SharedLength> shared_in)
@@ -11,6 +21,7 @@ NewtonTables::NewtonTables(const Body& body_in, std::vector<DrivenConstraint> co
       layout(body, constraints),
       loads_n(body.external_forces_n()),
       force_floor_n(1e-9 * body.material().youngs_modulus_pa * body.size_m() * body.size_m()),
+      held(held_by(body)),
       matrix(std::make_shared<const BlockPattern>(layout.node_count + layout.point_count, layout.all_cliques(body))),
       factor(std::make_shared<const FactorPattern>(*matrix)),
       elements(std::make_shared<const ElementTables>(body, *matrix)),

@@ -43,7 +43,8 @@ struct NewtonTables {
   std::vector<SharedLength> shared;
   MatrixLayout layout;
   Eigen::Matrix3Xd loads_n;
-  double force_floor_n;  // forces below this count as none
+  double force_floor_n;            // forces below this count as none
+  std::vector<Eigen::Index> held;  // degrees of freedom, 3*node + axis
   std::shared_ptr<const BlockPattern> matrix;
   std::shared_ptr<const FactorPattern> factor;
   std::shared_ptr<const ElementTables> elements;

@@ -24,10 +24,11 @@ NewtonState halfway(const NewtonState& from, NewtonState to) {
   return to;
 }
 
-std::vector<Eigen::Index> pressed(const Eigen::VectorXd& pressures_pa) {
+// Where a step presses: at some of what touches where it starts.
+std::vector<Eigen::Index> pressed(const std::vector<ContactTouch>& start, const Eigen::VectorXd& pressures_pa) {
   std::vector<Eigen::Index> found;
-  for (Eigen::Index i = 0; i < pressures_pa.size(); ++i)
-    if (pressures_pa[i] > 0.0) found.push_back(i);
+  for (const ContactTouch& touch : start)
+    if (pressures_pa[touch.pair] > 0.0) found.push_back(touch.pair);
   return found;
 }
 
@@ -37,9 +38,11 @@ std::vector<Eigen::Index> all_of(const Eigen::VectorXd& pressures_pa) {
   return all;
 }
 
-// Whether any point presses at one of them alone.
-bool other_set(const Eigen::VectorXd& one_pa, const Eigen::VectorXd& other_pa) {
-  return ((one_pa.array() > 0.0) != (other_pa.array() > 0.0)).any();
+// Whether any point presses only before a step or only after it.
+bool other_set(const std::vector<ContactTouch>& start, const Eigen::VectorXd& pressures_pa) {
+  return std::any_of(start.begin(), start.end(), [&](const ContactTouch& touch) {
+    return (touch.pressure_pa > 0.0) != (pressures_pa[touch.pair] > 0.0);
+  });
 }
 
 }  // namespace
@@ -50,7 +53,7 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
                               AndersonMixing& mixing) const {
   ContactState contact = free_border_.empty() ? state.contact : after(state, step, 1.0);
   contact.pressures_pa = step.contact_pressures_pa;
-  const bool other = skin_in_border_ && other_set(state.contact.pressures_pa, contact.pressures_pa);
+  const bool other = skin_in_border_ && other_set(step.contact_start.touches, contact.pressures_pa);
   if (other) mixing.clear();
   if (other || friction_contact_count() > 0 ||
       contact_.free().count() > 0)  // what presses, sticks and slips changes at once; no model of it is linear
@@ -63,7 +66,7 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
             state.free_inertia};
   // Of skin that is a constraint, only what presses; which of it does is the same meanwhile.
   const std::vector<Eigen::Index> pressing =
-      skin_in_border_ ? pressed(contact.pressures_pa) : all_of(contact.pressures_pa);
+      skin_in_border_ ? pressed(step.contact_start.touches, contact.pressures_pa) : all_of(contact.pressures_pa);
   const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
                      constraints = state.constraint_multipliers.size(),
                      touching = static_cast<Eigen::Index>(pressing.size());

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mechanics/linear_algebra/loose_batch.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -26,6 +28,11 @@ inline void relative_motion(const BatchMatrix& from, const BatchMatrix& to, Batc
       sum[3 * k + i] = scale * (to.m[i][0] * c.m[k][0] + to.m[i][1] * c.m[k][1] + to.m[i][2] * c.m[k][2]);
 }
 
+inline void add_matrix(const double* matrix, double* sum) {
+  for (int i = 0; i < 2 * kLanes; i += kLanes) store(load(sum + i) + load(matrix + i), sum + i);
+  sum[8] += matrix[8];
+}
+
 template <int Nodes>
 inline void add_motions(const ElementArrays& e, const double* from, const double* to, double* sums) {
   Batch x[3 * Nodes], y[3 * Nodes], motion[9];
@@ -35,8 +42,10 @@ inline void add_motions(const ElementArrays& e, const double* from, const double
     gather(from, nodes, Nodes, x);
     gather(to, nodes, Nodes, y);
     relative_motion(deformation_gradient<Nodes>(x, g), deformation_gradient<Nodes>(y, g), e.volumes[batch], motion);
-    for (int a = 0; a < Nodes * kLanes; ++a)
-      for (int i = 0; i < 9; ++i) sums[9 * nodes[a] + i] += motion[i][a % kLanes];
+    double of_element[kLanes][9];
+    for (int lane = 0; lane < kLanes; ++lane)
+      for (int i = 0; i < 9; ++i) of_element[lane][i] = motion[i][lane];
+    for (int a = 0; a < Nodes * kLanes; ++a) add_matrix(of_element[a % kLanes], sums + 9 * nodes[a]);
   }
 }
 
@@ -48,23 +57,26 @@ SOFT_ROBOT_LAB_CLONES void linear_motions(const ElementArrays& e, const double* 
 }
 
 // To the rotation of its polar decomposition, four at a time (Higham 1986); the identity where det <= 0.
-SOFT_ROBOT_LAB_CLONES void to_rotations(int groups, Batch* matrices) {
-  for (Batch* at = matrices; at < matrices + 9 * static_cast<std::ptrdiff_t>(groups); at += 9) {
+SOFT_ROBOT_LAB_CLONES void to_rotations(int groups, double* matrices) {
+  for (double* at = matrices; at < matrices + 9 * kLanes * static_cast<std::ptrdiff_t>(groups); at += 9 * kLanes) {
     BatchMatrix r;
-    for (int i = 0; i < 9; ++i) r.m[i % 3][i / 3] = at[i];
+    for (int i = 0; i < 9; ++i)
+      for (int lane = 0; lane < kLanes; ++lane) r.m[i % 3][i / 3][lane] = at[9 * lane + i];
     const Batch first = determinant(r, cofactor(r));
     const auto usable = first > 0.0;
     Batch size = splat(1.0);
     for (int lane = 0; lane < kLanes; ++lane)
       if (first[lane] > 0.0) size[lane] = 1.0 / std::cbrt(first[lane]);
-    for (int i = 0; i < 9; ++i) r.m[i % 3][i / 3] = usable ? size * at[i] : splat(i % 4 == 0 ? 1.0 : 0.0);
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) r.m[i][k] = usable ? size * r.m[i][k] : splat(i == k ? 1.0 : 0.0);
     for (int step = 0; step < kPolarSteps; ++step) {
       const BatchMatrix c = cofactor(r);
       const Batch half = 0.5 / determinant(r, c);
       for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k) r.m[i][k] = 0.5 * r.m[i][k] + half * c.m[i][k];
     }
-    for (int i = 0; i < 9; ++i) at[i] = r.m[i % 3][i / 3];
+    for (int i = 0; i < 9; ++i)
+      for (int lane = 0; lane < kLanes; ++lane) at[9 * lane + i] = r.m[i % 3][i / 3][lane];
   }
 }
 
@@ -107,19 +119,13 @@ NodeTurns::NodeTurns(const Body& body, const ElementBatches& batches)
 Turns NodeTurns::between(const Eigen::Matrix3Xd& from_m, const Eigen::Matrix3Xd& to_m) const {
   const ElementArrays arrays{batches_.count(), batches_.nodes.data(), gradients_.data(), volumes_.data()};
   const Eigen::Index count = from_m.cols();
-  Turns turns = Turns::Zero(3, 3 * count);
+  const Eigen::Index groups = (count + kLanes - 1) / kLanes;
+  Turns turns = Turns::Zero(3, 3 * kLanes * groups);
   const auto add = batches_.node_count == 10 ? quadratic_motions : linear_motions;
   add(arrays, from_m.data(), to_m.data(), turns.data());
   for (Eigen::Index node = 0; node < count; ++node)
     if (body_.fixed().col(node).any()) turns.middleCols<3>(3 * node).setZero();
-  const auto groups = static_cast<std::size_t>((count + kLanes - 1) / kLanes);
-  Batches matrices(9 * groups, splat(0.0));
-  const auto group_of = [&](Eigen::Index node) { return matrices.data() + 9 * (node / kLanes); };
-  for (Eigen::Index node = 0; node < count; ++node)
-    for (int i = 0; i < 9; ++i) group_of(node)[i][node % kLanes] = turns.data()[9 * node + i];
-  to_rotations(static_cast<int>(groups), matrices.data());
-  for (Eigen::Index node = 0; node < count; ++node)
-    for (int i = 0; i < 9; ++i) turns.data()[9 * node + i] = group_of(node)[i][node % kLanes];
+  to_rotations(static_cast<int>(groups), turns.data());
   return turns;
 }
 

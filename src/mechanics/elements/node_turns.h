@@ -10,7 +10,7 @@
 
 namespace soft_robot_lab {
 
-// A rotation per node, one after the other: 3 x 3 nodes. No columns: nothing has turned.
+// A rotation per node, one after the other: 3 x 3 nodes, filled up to whole batches. No columns: nothing has turned.
 using Turns = Eigen::Matrix3Xd;
 
 Eigen::Matrix3Xd turned(const Turns& turns, const Eigen::Matrix3Xd& vectors);

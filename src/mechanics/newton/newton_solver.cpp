@@ -134,7 +134,7 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
   result.relative_residual =
       std::max({residual_n / largest, constraint_residual, volume_residual, result.contact.mismatch});
   result.finite =
-      std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy) && result.residual_n.allFinite();
+      std::isfinite(residual_n) && std::isfinite(result.relative_residual) && std::isfinite(result.smooth_energy);
   return result;
 }
 

@@ -262,6 +262,9 @@ TEST(Integrator, RefusesAHistoryThatItCannotHave) {
   wrong.previous_constraint_multipliers.resize(7);
   EXPECT_THROW(simulation.set_state(wrong), std::invalid_argument);
   wrong = good;
+  wrong.previous_pressures_pa.resize(7);
+  EXPECT_THROW(simulation.set_state(wrong), std::invalid_argument);
+  wrong = good;
   wrong.previous_element_multipliers_pa[3] = std::nan("");
   EXPECT_THROW(simulation.set_state(wrong), std::invalid_argument);
   wrong = good;

@@ -22,6 +22,8 @@ SimulationState on_a_parabola(double previous_step_s, StepRule rule) {
   state.previous_element_multipliers_pa = Eigen::VectorXd::Constant(1, 6.0);
   state.constraint_multipliers = Eigen::Vector2d(1.0, 4.0);
   state.previous_constraint_multipliers = Eigen::Vector2d(3.0, 3.0);
+  state.contact.pressures_pa = Eigen::Vector4d(5.0, 1.0, 2.0, 0.0);
+  state.previous_pressures_pa = Eigen::Vector4d(4.0, 3.0, 0.0, 2.0);
   return state;
 }
 
@@ -36,6 +38,13 @@ TEST(Prediction, FollowsAParabola) {
   EXPECT_NEAR(euler.constraint_multipliers[1], 5.0, 1e-12);
 }
 
+// The others press as they did: what lets go or has just closed is no trend.
+TEST(Prediction, FollowsThePressureOfWhatPressesOn) {
+  const double h = 0.01;
+  const NewtonState start = predict(on_a_parabola(h, StepRule::implicit_euler), h, StepRule::implicit_euler);
+  EXPECT_LT((start.contact.pressures_pa - Eigen::Vector4d(6.0, 1.0, 2.0, 0.0)).norm(), 1e-12);
+}
+
 TEST(Prediction, TrustsOnlyTheVelocityWhereTheMotionIsNotSmooth) {
   const double h = 0.01;
   for (const char* what : {"start", "sudden", "longer"}) {
@@ -46,6 +55,7 @@ TEST(Prediction, TrustsOnlyTheVelocityWhereTheMotionIsNotSmooth) {
     const NewtonState start = predict(state, h, StepRule::implicit_euler);
     EXPECT_EQ(start.positions_m, (state.positions_m + h * state.velocities_m_s).eval()) << what;
     EXPECT_EQ(start.constraint_multipliers, state.constraint_multipliers) << what;
+    EXPECT_EQ(start.contact.pressures_pa, state.contact.pressures_pa) << what;
   }
 }
 

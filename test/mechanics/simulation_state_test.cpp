@@ -49,6 +49,7 @@ TEST(SimulationState, DiffersByAnySingleBit) {
       [&](SimulationState& s) { s.previous_velocities_m_s = Eigen::Matrix3Xd::Zero(3, 1); },
       [&](SimulationState& s) { s.previous_element_multipliers_pa = Eigen::VectorXd::Zero(1); },
       [&](SimulationState& s) { s.previous_constraint_multipliers = Eigen::VectorXd::Zero(1); },
+      [&](SimulationState& s) { s.previous_pressures_pa = Eigen::VectorXd::Zero(1); },
   };
   for (std::size_t i = 0; i < overrides.size(); ++i) {
     SimulationState changed = some_state();

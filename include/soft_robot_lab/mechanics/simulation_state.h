@@ -42,6 +42,7 @@ struct SimulationState {
   Eigen::Matrix3Xd previous_velocities_m_s;
   Eigen::VectorXd previous_element_multipliers_pa;
   Eigen::VectorXd previous_constraint_multipliers;
+  Eigen::VectorXd previous_pressures_pa;  // of contact
   FreePoses previous_free;
   FreeVelocities previous_free_velocities;
   // What the trapezoidal rule needs of its end; empty but for tr_bdf2. Of free obstacles by what they are driven.

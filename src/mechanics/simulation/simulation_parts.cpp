@@ -67,6 +67,7 @@ void SimulationParts::forget_previous_step() {
   state.previous_velocities_m_s.resize(3, 0);
   state.previous_element_multipliers_pa.resize(0);
   state.previous_constraint_multipliers.resize(0);
+  state.previous_pressures_pa.resize(0);
   state.previous_free = {};
   state.previous_free_velocities = {};
   state.accelerations_m_s2.resize(3, 0);

@@ -31,7 +31,7 @@ bool same_previous_step(const SimulationState& a, const SimulationState& b) {
          same_bits(a.previous_velocities_m_s, b.previous_velocities_m_s) &&
          same_bits(a.previous_element_multipliers_pa, b.previous_element_multipliers_pa) &&
          same_bits(a.previous_constraint_multipliers, b.previous_constraint_multipliers) &&
-         same_bits(a.previous_free, b.previous_free) &&
+         same_bits(a.previous_pressures_pa, b.previous_pressures_pa) && same_bits(a.previous_free, b.previous_free) &&
          same_bits(a.previous_free_velocities, b.previous_free_velocities) &&
          same_bits(a.accelerations_m_s2, b.accelerations_m_s2) && same_bits(a.free_forces_n, b.free_forces_n);
 }

@@ -63,7 +63,8 @@ void check_state(const SimulationState& state, const SimulationState& now) {
       state.previous_positions_m.cols() == (history ? now.positions_m.cols() : 0) &&
       state.previous_velocities_m_s.cols() == (history ? now.positions_m.cols() : 0) &&
       state.previous_element_multipliers_pa.size() == (history ? now.element_multipliers_pa.size() : 0) &&
-      state.previous_constraint_multipliers.size() == (history ? now.constraint_multipliers.size() : 0);
+      state.previous_constraint_multipliers.size() == (history ? now.constraint_multipliers.size() : 0) &&
+      state.previous_pressures_pa.size() == (history ? now.contact.pressures_pa.size() : 0);
   if (!sizes || !previous_sizes || !free_sizes(state, now, history))
     throw std::invalid_argument("state: its sizes are not those of this simulation");
   require(state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0, "state.previous_step_s", state.previous_step_s,
@@ -73,7 +74,7 @@ void check_state(const SimulationState& state, const SimulationState& now) {
     throw std::invalid_argument("state: of free obstacles not finite, or a turn not of length 1");
   if (!state.previous_positions_m.allFinite() || !state.previous_velocities_m_s.allFinite() ||
       !state.previous_element_multipliers_pa.allFinite() || !state.previous_constraint_multipliers.allFinite() ||
-      !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
+      !state.previous_pressures_pa.allFinite() || !state.positions_m.allFinite() || !state.velocities_m_s.allFinite() ||
       !state.element_multipliers_pa.allFinite() || !state.constraint_multipliers.allFinite() ||
       !std::isfinite(state.contact.time_s) || !state.contact.pressures_pa.allFinite() ||
       !state.contact.anchors_m.allFinite() || !state.element_forces_n.allFinite() ||

@@ -98,6 +98,7 @@ void accept_step(SimulationParts& parts, double h, const BackwardDifference& dif
   state.previous_velocities_m_s = std::move(before.velocities_m_s);
   state.previous_element_multipliers_pa = std::move(before.element_multipliers_pa);
   state.previous_constraint_multipliers = std::move(before.constraint_multipliers);
+  state.previous_pressures_pa = std::move(before.contact.pressures_pa);
   state.previous_free = std::move(before.contact.free);
   state.previous_free_velocities = std::move(before.free_velocities);
 }
@@ -162,7 +163,6 @@ Outcome try_rule(SimulationParts& parts, double h, StepRule rule, bool last_reso
   parts.body.place_held_nodes(before.contact.time_s, unknown.positions_m);
   unknown.slips_m = Eigen::VectorXd::Zero(parts.workspace.newton.friction_contact_count());
   unknown.drives = std::make_shared<const DriveStates>(parts.state.drives);
-  unknown.contact = before.contact;
   const FreeStep free(parts.workspace.newton.contact().free(), before, difference);
   unknown.contact.free = free.predicted();
   unknown.free_inertia = free.inertia();

@@ -167,6 +167,7 @@ void settle_in_time(Simulation& simulation, int steps) {
       still.previous_velocities_m_s.resize(3, 0);
       still.previous_element_multipliers_pa.resize(0);
       still.previous_constraint_multipliers.resize(0);
+      still.previous_pressures_pa.resize(0);
       simulation.set_state(still);
     }
     before = kinetic;

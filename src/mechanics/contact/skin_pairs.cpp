@@ -361,9 +361,13 @@ bool SkinPairs::lies_beside(int mine, int other, double deepest_m) const {
   const auto& around_m = present(mine).around_m;
   Eigen::Vector3d least_m = theirs.sideways * around_m.col(0);
   for (Eigen::Index a = 1; a < around_m.cols(); ++a) least_m = least_m.cwiseMin(theirs.sideways * around_m.col(a));
-  const double beside_m = (least_m - theirs.farthest_m).maxCoeff(), over_m = kOverEdge * sizes_m_[other];
-  if (beside_m <= over_m) return false;
-  return beside_m > over_m + std::clamp(deepest_m + over_m, 0.0, deepest_m_[other]) * tilt(other);
+  return beyond_sides(other, (least_m - theirs.farthest_m).maxCoeff(), deepest_m, deepest_m_[other]);
+}
+
+// What is met lies along a normal of the face, which leads beside it no farther than it tilts.
+bool SkinPairs::beyond_sides(int face, double beside_m, double along_m, double reach_m) const {
+  const double over_m = kOverEdge * sizes_m_[face];
+  return beside_m > over_m && beside_m > over_m + std::min(reach_m, along_m + over_m) * tilt(face);
 }
 
 double SkinPairs::tilt(int face) const {
@@ -512,12 +516,8 @@ SkinPairs::Candidate SkinPairs::candidate(int other, const Eigen::Vector3d& poin
           beside_m, std::max(height_m - theirs.lowest_m, theirs.top_m - height_m)};
 }
 
-// What is met lies along a normal of the face, which leads beside it no farther than it tilts.
 bool SkinPairs::meets_within(const Candidate& candidate, double reach_m) const {
-  if (candidate.least_m > reach_m) return false;
-  const double over_m = kOverEdge * sizes_m_[candidate.face];
-  return candidate.beside_m <= over_m ||
-         candidate.beside_m <= over_m + std::min(reach_m, candidate.along_m + over_m) * tilt(candidate.face);
+  return candidate.least_m <= reach_m && !beyond_sides(candidate.face, candidate.beside_m, candidate.along_m, reach_m);
 }
 
 // The one that may be nearest first, as then most others need no closer look.

@@ -147,6 +147,8 @@ class SkinPairs {
   static double lowest_above_m(const Present& mine, const Present& theirs);  // over the top of theirs, at least
   // Both of the mesh: all of mine, where none of it is deeper behind the other.
   bool lies_beside(int mine, int other, double deepest_m) const;
+  // Whether a face is not met from so far beside it by what is no farther from its plane, nor from the face itself.
+  bool beyond_sides(int face, double beside_m, double along_m, double reach_m) const;
   // A face that a point may meet.
   struct Candidate {
     int face;

@@ -81,20 +81,18 @@ TEST(Panels, RefusePivotsThatVanishOrAreNotFinite) {
   }
 }
 
-// A chain of 40 nodes, each coupled with the next three; positive definite.
-BlockMatrix chain() {
-  constexpr int kNodes = 40;
+// A chain of nodes, each coupled with the next three; positive definite.
+BlockMatrix chain(int count = 40) {
   std::vector<std::vector<int>> cliques;
-  for (int i = 0; i + 3 < kNodes; ++i) cliques.push_back({i, i + 1, i + 2, i + 3});
-  BlockMatrix matrix(kNodes, cliques);
+  for (int i = 0; i + 3 < count; ++i) cliques.push_back({i, i + 1, i + 2, i + 3});
+  BlockMatrix matrix(count, cliques);
   for (int slot = 0; slot < static_cast<int>(matrix.rows().size()); ++slot)
     for (int i = 0; i < 9; ++i) matrix.block(slot)[i] = 0.01 * ((7 * slot + 3 * (i % 3) + 3 * (i / 3)) % 11);
-  for (int i = 0; i < kNodes; ++i) matrix.add_to_diagonal(i, 5.0);
+  for (int i = 0; i < count; ++i) matrix.add_to_diagonal(i, 5.0);
   return matrix;
 }
 
-Eigen::MatrixXd solution(const BlockMatrix& matrix, const std::shared_ptr<const FactorPattern>& pattern) {
-  BlockCholesky factor(pattern);
+Eigen::MatrixXd solution(const BlockMatrix& matrix, BlockCholesky factor) {
   if (!factor.factorise(matrix)) return {};
   Eigen::MatrixXd x = Eigen::MatrixXd::Ones(3 * matrix.node_count(), 7);
   factor.solve(x);
@@ -104,17 +102,30 @@ Eigen::MatrixXd solution(const BlockMatrix& matrix, const std::shared_ptr<const 
 TEST(BlockCholesky, GivesTheSameBitsInSeveralThreadsAtOnce) {
   const BlockMatrix matrix = chain();
   const auto pattern = std::make_shared<const FactorPattern>(matrix.pattern());
-  const Eigen::MatrixXd alone = solution(matrix, pattern);
+  const Eigen::MatrixXd alone = solution(matrix, BlockCholesky(pattern));
   ASSERT_GT(alone.size(), 0);
   std::atomic<int> others{0};
   std::vector<std::thread> threads;
   for (int i = 0; i < kThreads; ++i)
     threads.emplace_back([&] {
       for (int round = 0; round < kRounds; ++round)
-        if (solution(matrix, pattern) != alone) ++others;
+        if (solution(matrix, BlockCholesky(pattern)) != alone) ++others;
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(others, 0) << "of " << kThreads * kRounds;
+}
+
+TEST(BlockCholesky, GoesOnWithOtherPatternsAsOneThatIsNew) {
+  const BlockMatrix first = chain();
+  BlockCholesky factor(first);
+  ASSERT_TRUE(factor.factorise(first));
+  for (const int count : {60, 25, 40}) {
+    const BlockMatrix next = chain(count);
+    factor.follow(std::make_shared<const FactorPattern>(next.pattern()));
+    const Eigen::MatrixXd expected = solution(next, BlockCholesky(next));
+    ASSERT_GT(expected.size(), 0) << count;
+    EXPECT_EQ(solution(next, factor), expected) << count;
+  }
 }
 
 }  // namespace

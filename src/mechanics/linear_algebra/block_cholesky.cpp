@@ -109,13 +109,14 @@ FactorPattern::FactorPattern(const BlockPattern& matrix) {
   require_memory(factor_size_ + stack_size_);
 }
 
-BlockCholesky::BlockCholesky(std::shared_ptr<const FactorPattern> pattern)
-    : pattern_(std::move(pattern)),
-      nodes_(pattern_->nodes_),
-      order_(pattern_->order_),
-      factor_(static_cast<std::size_t>(pattern_->factor_size_)),
-      stack_(static_cast<std::size_t>(pattern_->stack_size_)),
-      signs_(3 * order_.size(), 1.0) {}
+BlockCholesky::BlockCholesky(std::shared_ptr<const FactorPattern> pattern) { follow(std::move(pattern)); }
+
+void BlockCholesky::follow(std::shared_ptr<const FactorPattern> pattern) {
+  pattern_ = std::move(pattern);
+  factor_.resize(static_cast<std::size_t>(pattern_->factor_size_));
+  stack_.resize(static_cast<std::size_t>(pattern_->stack_size_));
+  signs_.resize(3 * pattern_->order_.size());
+}
 
 void FactorPattern::merge_columns(const BlockPattern& matrix) {
   auto columns = column_structure(matrix);
@@ -182,7 +183,7 @@ void BlockCholesky::assemble_front(const BlockMatrix& matrix, const Supernode& n
   }
 
   for (int child_index : node.children) {
-    const Supernode& child = nodes_[child_index];
+    const Supernode& child = pattern_->nodes_[child_index];
     const int count = static_cast<int>(child.local_rows.size()), rows = 3 * count;
     const double* source = stack_.data() + child.update;
     for (int j = 0; j < count; ++j) {
@@ -218,7 +219,7 @@ bool BlockCholesky::factorise_front(const BlockMatrix& matrix, const Supernode& 
 
 bool BlockCholesky::factorise(const BlockMatrix& matrix) {
   std::vector<int> place(matrix.node_count());
-  for (const Supernode& node : nodes_)
+  for (const Supernode& node : pattern_->nodes_)
     if (!factorise_front(matrix, node, place)) return false;
   negative_pivots_ = static_cast<int>(std::count(signs_.begin(), signs_.end(), -1.0));
   return true;
@@ -227,19 +228,21 @@ bool BlockCholesky::factorise(const BlockMatrix& matrix) {
 void BlockCholesky::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) const {
   const Eigen::Index columns = right_hand_sides.cols();
   if (columns == 0) return;
-  Eigen::MatrixXd x(3 * static_cast<Eigen::Index>(order_.size()), columns);
+  const std::vector<int>& order = pattern_->order_;
+  Eigen::MatrixXd x(3 * static_cast<Eigen::Index>(order.size()), columns);
   for (Eigen::Index column = 0; column < columns; ++column)
-    for (std::size_t i = 0; i < order_.size(); ++i)
-      copy_row(&right_hand_sides(3 * order_[i], column), &x(3 * static_cast<Eigen::Index>(i), column));
+    for (std::size_t i = 0; i < order.size(); ++i)
+      copy_row(&right_hand_sides(3 * order[i], column), &x(3 * static_cast<Eigen::Index>(i), column));
 
   std::vector<double> front;
-  for (const Supernode& node : nodes_) solve_front(node, Half::lower, x, front);
+  for (const Supernode& node : pattern_->nodes_) solve_front(node, Half::lower, x, front);
   if (negative_pivots_ > 0) x = Eigen::Map<const Eigen::VectorXd>(signs_.data(), x.rows()).asDiagonal() * x;
-  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) solve_front(*node, Half::upper, x, front);
+  for (auto node = pattern_->nodes_.rbegin(); node != pattern_->nodes_.rend(); ++node)
+    solve_front(*node, Half::upper, x, front);
 
   for (Eigen::Index column = 0; column < columns; ++column)
-    for (std::size_t i = 0; i < order_.size(); ++i)
-      copy_row(&x(3 * static_cast<Eigen::Index>(i), column), &right_hand_sides(3 * order_[i], column));
+    for (std::size_t i = 0; i < order.size(); ++i)
+      copy_row(&x(3 * static_cast<Eigen::Index>(i), column), &right_hand_sides(3 * order[i], column));
 }
 
 // In a copy of the rows that the front has: its columns, then what stands below them.

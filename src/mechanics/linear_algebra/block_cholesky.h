@@ -53,6 +53,9 @@ class BlockCholesky {
   explicit BlockCholesky(const BlockMatrix& matrix)
       : BlockCholesky(std::make_shared<const FactorPattern>(matrix.pattern())) {}
 
+  // Goes on with matrices of another pattern, in the same memory.
+  void follow(std::shared_ptr<const FactorPattern> pattern);
+
   // False when a pivot vanishes or is not finite; the factor is then not usable.
   bool factorise(const BlockMatrix& matrix);
 
@@ -73,8 +76,6 @@ class BlockCholesky {
   void assemble_front(const BlockMatrix& matrix, const Supernode& node, std::vector<int>& place);
 
   std::shared_ptr<const FactorPattern> pattern_;
-  const std::vector<Supernode>& nodes_;  // of the pattern
-  const std::vector<int>& order_;        // of the pattern
   std::vector<double> factor_, stack_;
   std::vector<double> signs_;  // S, per scalar column
   int negative_pivots_ = 0;

@@ -43,6 +43,12 @@ class BlockMatrix {
   BlockMatrix(int node_count, const std::vector<std::vector<int>>& cliques)
       : BlockMatrix(std::make_shared<const BlockPattern>(node_count, cliques)) {}
 
+  // Becomes one of another pattern, in the same memory; its values are any.
+  void follow(std::shared_ptr<const BlockPattern> pattern) {
+    pattern_ = std::move(pattern);
+    values_.resize(9 * pattern_->rows().size());
+  }
+
   const BlockPattern& pattern() const { return *pattern_; }
   int node_count() const { return pattern_->node_count(); }
   int position(int node) const { return pattern_->position(node); }

@@ -40,6 +40,13 @@ int ContactPattern::index_of(const FacePair& pair) const {
   return found != pairs_.end() && *found == pair ? static_cast<int>(found - pairs_.begin()) : -1;
 }
 
+void ContactMatrix::follow(const std::shared_ptr<const ContactPattern>& pattern) {
+  if (pattern == pattern_) return;
+  pattern_ = pattern;
+  matrix.follow(pattern->matrix());
+  factor.follow(pattern->factor());
+}
+
 void ContactPattern::copy(const BlockMatrix& body, BlockMatrix& matrix) const {
   matrix.set_zero();
   for (std::size_t s = 0; s < of_body_.size(); ++s) {

@@ -38,13 +38,20 @@ class ContactPattern {
   std::vector<Place> of_body_;  // per block of the body's matrix
 };
 
-struct ContactMatrix {
-  std::shared_ptr<const ContactPattern> pattern;
+// Goes on with other patterns in the same memory.
+class ContactMatrix {
+ public:
+  explicit ContactMatrix(std::shared_ptr<const ContactPattern> pattern)
+      : matrix(pattern->matrix()), factor(pattern->factor()), pattern_(std::move(pattern)) {}
+
+  const std::shared_ptr<const ContactPattern>& pattern() const { return pattern_; }
+  void follow(const std::shared_ptr<const ContactPattern>& pattern);
+
   BlockMatrix matrix;
   BlockCholesky factor;
 
-  explicit ContactMatrix(std::shared_ptr<const ContactPattern> of)
-      : pattern(std::move(of)), matrix(pattern->matrix()), factor(pattern->factor()) {}
+ private:
+  std::shared_ptr<const ContactPattern> pattern_;
 };
 
 }  // namespace soft_robot_lab

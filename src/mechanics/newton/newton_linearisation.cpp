@@ -36,7 +36,7 @@ bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
         std::make_shared<Linearisation>(Linearisation{std::make_shared<const NewtonState>(state),
                                                       inertia_per_s2,
                                                       strain_target,
-                                                      with_skin_ ? with_skin_->pattern : nullptr,
+                                                      skin_in_matrix_ ? with_skin_->pattern() : nullptr,
                                                       {}});
   return true;
 }
@@ -91,13 +91,15 @@ bool NewtonSolver::factorise(bool convex) {
   std::vector<FacePair> closed;
   for (const ContactTouch& touch : touches_)
     if (joins_matrix(touch)) closed.push_back(contact_.skin().faces_of(touch));
-  if (closed.empty()) {
-    with_skin_.reset();
+  skin_in_matrix_ = !closed.empty();
+  if (!skin_in_matrix_) {
     matrix_.hold(body_.fixed());
     return factor_.factorise(matrix_);
   }
   include_in_pattern(std::move(closed));
-  if (!with_skin_ || with_skin_->pattern != contact_pattern_)
+  if (with_skin_)
+    with_skin_->follow(contact_pattern_);
+  else
     with_skin_ = std::make_unique<ContactMatrix>(contact_pattern_);
   contact_pattern_->copy(matrix_, with_skin_->matrix);
   CliqueAdder pairs(with_skin_->matrix, contact_pattern_->places());

@@ -254,8 +254,8 @@ class NewtonSolver {
   // Whether skin on skin may be a constraint of each step, where no more points of it than that touch.
   bool may_be_in_border(const std::vector<ContactTouch>& touches, int most) const;
   void include_in_pattern(std::vector<FacePair> closed);
-  const BlockCholesky& factor() const { return with_skin_ ? with_skin_->factor : factor_; }
-  const BlockMatrix& whole_matrix() const { return with_skin_ ? with_skin_->matrix : matrix_; }
+  const BlockCholesky& factor() const { return skin_in_matrix_ ? with_skin_->factor : factor_; }
+  const BlockMatrix& whole_matrix() const { return skin_in_matrix_ ? with_skin_->matrix : matrix_; }
   bool linearised_at(const NewtonState& state, double inertia_per_s2,
                      const std::shared_ptr<const StrainTarget>& strain_target) const;
   bool make_factor();  // of linearisation_, where factor_ holds that of another
@@ -330,7 +330,8 @@ class NewtonSolver {
 
   BlockMatrix matrix_;
   BlockCholesky factor_;
-  std::unique_ptr<ContactMatrix> with_skin_;               // instead of both, where skin touches skin
+  std::unique_ptr<ContactMatrix> with_skin_;  // instead of both, where skin touches skin:
+  bool skin_in_matrix_ = false;
   std::shared_ptr<const ContactPattern> contact_pattern_;  // the last one
   Elements elements_;
   StrainSprings springs_;

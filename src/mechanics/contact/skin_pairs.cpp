@@ -38,45 +38,12 @@ constexpr double kHeldOver = 1e-3, kDeepBehind = 1e-2;
 constexpr double kMuchNearer = 0.5;  // of the way to the face behind which it is: skin beside which it has come in
 constexpr double kSameWay = 1e-6;    // relative
 constexpr double kJustOn = 1e-6;     // of the same: so high above a face a point may just touch it
-constexpr double kSteepest = 1e3;    // as a tangent: normals of a face that tilt so far may tilt any way
 constexpr std::size_t kMostPairs = 4000000;  // of faces of which it is kept whether they count
 
 // The area vector of a face's corners.
 Eigen::Vector3d corner_normal(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
   const Eigen::Vector3d a = positions_m.col(faces(0, face));
   return (positions_m.col(faces(1, face)) - a).cross(positions_m.col(faces(2, face)) - a);
-}
-
-FaceNodes nodes_of(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& positions_m) {
-  FaceNodes nodes(3, faces.rows());
-  for (Eigen::Index a = 0; a < faces.rows(); ++a) nodes.col(a) = positions_m.col(faces(a, face));
-  return nodes;
-}
-
-// Of the face as a Bezier triangle, which lies between them.
-FaceNodes control_points(const FaceNodes& nodes) {
-  FaceNodes points = nodes;
-  for (int edge = 0; edge < 3 && nodes.cols() == 6; ++edge)
-    points.col(3 + edge) = 2.0 * nodes.col(3 + edge) - 0.5 * (nodes.col(edge) + nodes.col((edge + 1) % 3));
-  return points;
-}
-
-// Normals of a quadratic face lie between products of its derivatives at corners, of one along r and one along s.
-double largest_tilt(const Eigen::Vector3d& normal, const Eigen::Matrix<double, 3, 6>& around_m) {
-  const auto& p = around_m;
-  Eigen::Matrix3d r, s;
-  r << p.col(3) - p.col(0), p.col(1) - p.col(3), p.col(4) - p.col(5);
-  s << p.col(5) - p.col(0), p.col(4) - p.col(3), p.col(2) - p.col(5);
-  double largest = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      const Eigen::Vector3d product = r.col(i).cross(s.col(j)) + r.col(j).cross(s.col(i));
-      const double along = product.dot(normal);
-      if (along * kSteepest <= product.norm()) return kSteepest;
-      largest = std::max(largest, product.squaredNorm() / (along * along) - 1.0);
-    }
-  }
-  return std::sqrt(largest);
 }
 
 // Faces whose boxes overlap, by Bullet.
@@ -155,8 +122,6 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
     rest_normals_.col(face) = area_m2.normalized();
     sizes_m_[face] = std::sqrt(area_m2.norm());
   }
-  present_.resize(static_cast<std::size_t>(count));
-  known_.resize(static_cast<std::size_t>(count));
   reach_.resize(same_.size());
   close_.resize(same_.size());
   overlaps_.resize(same_.size());
@@ -169,6 +134,7 @@ SkinPairs::SkinPairs(const Body& body, const ContactPoints& points)
     deepest_m_[a] = std::min(deepest_m_[a], wall_m(faces_, a, b, rest_m_));
     deepest_m_[b] = std::min(deepest_m_[b], wall_m(faces_, b, a, rest_m_));
   }
+  present_ = PresentFaces(faces_, deepest_m_, kOverEdge * sizes_m_);
 }
 
 bool SkinPairs::counts(int face, int other) const {
@@ -212,9 +178,7 @@ void SkinPairs::list_faces_in_pairs() {
 }
 
 void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
-  if (prepared_at_m_.cols() == positions_m.cols() && prepared_at_m_ == positions_m) return;
-  prepared_at_m_ = positions_m;
-  std::fill(known_.begin(), known_.end(), 0);
+  if (!present_.move_to(positions_m)) return;
   for (Reach& reach : reach_) reach.known = false;
   if (!restricted_ && moved_m(near_at_m_) >= 0.5 * margin_m_) {
     find_near(positions_m);
@@ -235,17 +199,17 @@ void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
 
 // Where two faces are to one another does not change where all move alike: so about the middle of all ways.
 double SkinPairs::moved_m(const Eigen::Matrix3Xd& from_m) const {
-  if (from_m.cols() != prepared_at_m_.cols()) return std::numeric_limits<double>::infinity();
+  if (from_m.cols() != present_.positions_m().cols()) return std::numeric_limits<double>::infinity();
   Eigen::Array3d least_m = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()), most_m = -least_m;
   for (const int node : nodes_) {
-    const Eigen::Array3d way_m = prepared_at_m_.col(node) - from_m.col(node);
+    const Eigen::Array3d way_m = present_.positions_m().col(node) - from_m.col(node);
     least_m = least_m.min(way_m);
     most_m = most_m.max(way_m);
   }
   const Eigen::Vector3d middle_m = 0.5 * (least_m + most_m);
   double largest_m2 = 0.0;
   for (const int node : nodes_)
-    largest_m2 = std::max(largest_m2, (prepared_at_m_.col(node) - from_m.col(node) - middle_m).squaredNorm());
+    largest_m2 = std::max(largest_m2, (present_.positions_m().col(node) - from_m.col(node) - middle_m).squaredNorm());
   return std::sqrt(largest_m2);
 }
 
@@ -255,8 +219,8 @@ void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
   Eigen::Matrix3Xd low_m(3, faces_.cols()), high_m(3, faces_.cols()), soon_low_m(3, faces_.cols()),
       soon_high_m(3, faces_.cols());
   for (const int face : in_pairs_) {
-    const Present& at = present(face);
-    const double wider_m = slack_m_ * (kPairMoves + turns_per_m(face) * deepest_m_[face]);
+    const PresentFace& at = present_[face];
+    const double wider_m = slack_m_ * (kPairMoves + present_.turns_per_m(face) * deepest_m_[face]);
     low_m.col(face) = at.low_m;
     high_m.col(face) = at.high_m;
     soon_low_m.col(face) = at.deep_low_m.array() - wider_m;
@@ -277,88 +241,30 @@ void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
   }
 }
 
-void SkinPairs::look_at(int face) const {
-  known_[static_cast<std::size_t>(face)] = 1;
-  Present& at = present_[static_cast<std::size_t>(face)];
-  at.turns_per_m = at.tilt = -1.0;
-  at.knows_sides = false;
-  const FaceNodes around = control_points(nodes_of(faces_, face, prepared_at_m_));
-  at.around_m.leftCols(around.cols()) = around;
-  if (around.cols() == 3) at.around_m.rightCols<3>() = around;
-  at.normal = (around.col(1) - around.col(0)).cross(around.col(2) - around.col(0)).normalized();
-  at.low_m = at.high_m = around.col(0);
-  at.lowest_m = at.top_m = at.normal.dot(around.col(0));
-  for (Eigen::Index a = 1; a < around.cols(); ++a) {
-    const Eigen::Vector3d at_m = around.col(a);
-    const double height_m = at.normal.dot(at_m);
-    at.low_m = at.low_m.cwiseMin(at_m);
-    at.high_m = at.high_m.cwiseMax(at_m);
-    at.lowest_m = std::min(at.lowest_m, height_m);
-    at.top_m = std::max(at.top_m, height_m);
-  }
-  const Eigen::Vector3d behind_m = -deepest_m_[face] * at.normal;
-  at.deep_low_m = (at.low_m + behind_m.cwiseMin(0.0)).array() - kOverEdge * sizes_m_[face];
-  at.deep_high_m = (at.high_m + behind_m.cwiseMax(0.0)).array() + kOverEdge * sizes_m_[face];
-}
-
-// Two edges move by twice the way, so their product by so much of itself. Where that is by less than 0.8 the normal
-// changes by less than 2.5 times as much; it never changes by more than 2.
-double SkinPairs::turns_per_m(int face) const {
-  const auto& around = present(face).around_m;
-  double& turns_per_m = present_[static_cast<std::size_t>(face)].turns_per_m;
-  if (turns_per_m >= 0.0) return turns_per_m;
-  const Eigen::Vector3d along = around.col(1) - around.col(0), across = around.col(2) - around.col(0);
-  return turns_per_m = 2.5 * 2.0 * (along.norm() + across.norm()) / along.cross(across).norm();
-}
-
-const SkinPairs::Present& SkinPairs::with_sides(int face) const {
-  present(face);
-  Present& at = present_[static_cast<std::size_t>(face)];
-  if (at.knows_sides) return at;
-  for (int side = 0; side < 3; ++side)
-    at.sideways.row(side) = (at.around_m.col((side + 1) % 3) - at.around_m.col(side)).cross(at.normal).normalized();
-  at.farthest_m = at.sideways * at.around_m.col(0);
-  for (Eigen::Index a = 1; a < at.around_m.cols(); ++a)
-    at.farthest_m = at.farthest_m.cwiseMax(at.sideways * at.around_m.col(a));
-  at.knows_sides = true;
-  return at;
-}
-
 bool SkinPairs::may_overlap(int face, int other) const {
   const int same = same_[static_cast<std::size_t>(face)];
-  const Present &mine = present(same), &theirs = present(other);
+  const PresentFace &mine = present_[same], &theirs = present_[other];
   if (apart_m(mine, theirs) > 0.0 || mine.normal.dot(theirs.normal) >= kOneWay) return false;
   const double above_m = lowest_above_m(mine, theirs);
   return above_m < kOverEdge * sizes_m_[other] && !lies_beside(same, other, -above_m);
 }
 
-double SkinPairs::apart_m(const Present& mine, const Present& theirs) {
-  return std::max((theirs.deep_low_m - mine.high_m).maxCoeff(), (mine.low_m - theirs.deep_high_m).maxCoeff());
-}
-
 // Where nodes move, points that a face lies between move by three times as much, and its normal turns.
 double SkinPairs::clear_m(int same, int other) const {
-  const Present &mine = present(same), &theirs = present(other);
-  const double turns_per_m = this->turns_per_m(other);
+  const PresentFace &mine = present_[same], &theirs = present_[other];
+  const double turns_per_m = present_.turns_per_m(other);
   const double by_boxes_m = apart_m(mine, theirs) / (kPairMoves + turns_per_m * deepest_m_[other]);
-  const double by_normals_m = (mine.normal.dot(theirs.normal) - kOneWay) / (turns_per_m + this->turns_per_m(same));
+  const double by_normals_m = (mine.normal.dot(theirs.normal) - kOneWay) / (turns_per_m + present_.turns_per_m(same));
   const double above_m = lowest_above_m(mine, theirs) - kOverEdge * sizes_m_[other];
   const double reach_m = (mine.high_m - theirs.low_m).cwiseMax(theirs.high_m - mine.low_m).norm();
   const double by_heights_m = above_m / (kPairMoves + turns_per_m * (reach_m + kPairMoves * slack_m_));
   return std::max({by_boxes_m, by_normals_m, by_heights_m});
 }
 
-double SkinPairs::lowest_above_m(const Present& mine, const Present& theirs) {
-  double lowest_m = theirs.normal.dot(mine.around_m.col(0));
-  for (Eigen::Index a = 1; a < mine.around_m.cols(); ++a)
-    lowest_m = std::min(lowest_m, theirs.normal.dot(mine.around_m.col(a)));
-  return lowest_m - theirs.top_m;
-}
-
 // Farther than a point that deep behind the other face may be beside it.
 bool SkinPairs::lies_beside(int mine, int other, double deepest_m) const {
-  const Present& theirs = with_sides(other);
-  const auto& around_m = present(mine).around_m;
+  const PresentFace& theirs = present_.with_sides(other);
+  const auto& around_m = present_[mine].around_m;
   Eigen::Vector3d least_m = theirs.sideways * around_m.col(0);
   for (Eigen::Index a = 1; a < around_m.cols(); ++a) least_m = least_m.cwiseMin(theirs.sideways * around_m.col(a));
   return beyond_sides(other, (least_m - theirs.farthest_m).maxCoeff(), deepest_m, deepest_m_[other]);
@@ -367,17 +273,11 @@ bool SkinPairs::lies_beside(int mine, int other, double deepest_m) const {
 // What is met lies along a normal of the face, which leads beside it no farther than it tilts.
 bool SkinPairs::beyond_sides(int face, double beside_m, double along_m, double reach_m) const {
   const double over_m = kOverEdge * sizes_m_[face];
-  return beside_m > over_m && beside_m > over_m + std::min(reach_m, along_m + over_m) * tilt(face);
-}
-
-double SkinPairs::tilt(int face) const {
-  double& tilt = present_[static_cast<std::size_t>(face)].tilt;
-  if (tilt < 0.0) tilt = faces_.rows() == 6 ? largest_tilt(present(face).normal, present(face).around_m) : 0.0;
-  return tilt;
+  return beside_m > over_m && beside_m > over_m + std::min(reach_m, along_m + over_m) * present_.tilt(face);
 }
 
 bool SkinPairs::out_of_reach(int face, int other) const {
-  const Present &mine = present(same_[static_cast<std::size_t>(face)]), &theirs = present(other);
+  const PresentFace &mine = present_[same_[static_cast<std::size_t>(face)]], &theirs = present_[other];
   return (theirs.low_m - mine.high_m).maxCoeff() > deepest_m_[other] ||
          (mine.low_m - theirs.high_m).maxCoeff() > deepest_m_[other];
 }
@@ -393,21 +293,22 @@ const std::vector<int>& SkinPairs::in_reach_of(int face) const {
 }
 
 bool SkinPairs::may_meet(int other, const Eigen::Vector3d& point_m, const Eigen::Vector3d& outward) const {
-  const Present& theirs = present(other);
+  const PresentFace& theirs = present_[other];
   const double height_m = theirs.normal.dot(point_m), deepest_m = deepest_m_[other];
   if (height_m <= theirs.lowest_m - deepest_m || height_m >= theirs.top_m + deepest_m) return false;
   // No normal of the face is farther from that of its corners than it tilts.
   const double along = theirs.normal.dot(outward), length = outward.norm();
-  return along <= kAlong * length && (along <= -kAgainst * length || along <= (tilt(other) - kAgainst) * length);
+  return along <= kAlong * length &&
+         (along <= -kAgainst * length || along <= (present_.tilt(other) - kAgainst) * length);
 }
 
 // A place beyond an edge lies above the face where that tilts.
 bool SkinPairs::is_behind(int other, const Eigen::Vector3d& point_m) const {
-  const Present& theirs = present(other);
+  const PresentFace& theirs = present_[other];
   if ((theirs.deep_low_m.array() > point_m.array()).any() || (theirs.deep_high_m.array() < point_m.array()).any())
     return false;
   const double above = (theirs.normal.dot(point_m) - theirs.top_m) / sizes_m_[other];
-  return above < kJustOn || (above < kJustOn + kOverEdge && above < kJustOn + kOverEdge * tilt(other));
+  return above < kJustOn || (above < kJustOn + kOverEdge && above < kJustOn + kOverEdge * present_.tilt(other));
 }
 
 bool SkinPairs::may_be_inside(int face, const Eigen::Vector3d& point_m) const {
@@ -507,7 +408,7 @@ std::shared_ptr<const PlaceAtEdge> SkinPairs::at_edge(const SkinPlace& met, cons
 
 // By its box, by the planes that it lies between, and by those along its sides.
 SkinPairs::Candidate SkinPairs::candidate(int other, const Eigen::Vector3d& point_m) const {
-  const Present& theirs = with_sides(other);
+  const PresentFace& theirs = present_.with_sides(other);
   const double height_m = theirs.normal.dot(point_m);
   const double beside_m = (theirs.sideways * point_m - theirs.farthest_m).maxCoeff();
   return {other,
@@ -588,7 +489,7 @@ std::optional<SkinAnchor> SkinPairs::anchor(int face, const Eigen::Vector3d& poi
   double best_m = 0.0;
   for (const int other : near_[static_cast<std::size_t>(face)]) {
     const double reach_m = best ? best_m : sizes_m_[other];
-    const Present& theirs = present(other);
+    const PresentFace& theirs = present_[other];
     if ((point_m - theirs.low_m).minCoeff() < -reach_m || (theirs.high_m - point_m).minCoeff() < -reach_m) continue;
     if (theirs.normal.dot(outward) > -kAgainst * outward.norm()) continue;
     const auto [anchor, off_m] = anchor_on(other, point_m, positions_m);

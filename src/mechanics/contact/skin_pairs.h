@@ -16,6 +16,7 @@
 
 #include "closest_place.h"
 #include "contact_points.h"
+#include "present_faces.h"
 #include "soft_robot_lab/mechanics/body.h"
 
 namespace soft_robot_lab {
@@ -106,7 +107,7 @@ class SkinPairs {
   // How deep behind it skin still counts as inside: half its size, or all of the wall behind it.
   double deepest_m(int face) const { return deepest_m_[face]; }
   // Of the face's corners, at the positions of prepare().
-  const Eigen::Vector3d& normal(int face) const { return present(face).normal; }
+  const Eigen::Vector3d& normal(int face) const { return present_[face].normal; }
   double smallest_size_m() const { return sizes_m_.minCoeff(); }
   // Where a place of a face is.
   Eigen::Vector3d at(int face, double r, double s, const Eigen::Matrix3Xd& positions_m) const;
@@ -115,36 +116,12 @@ class SkinPairs {
   std::vector<int> nodes(const FacePair& pair) const;                    // of both faces
 
  private:
-  // A face of the mesh at the positions of prepare().
-  struct Present {
-    Eigen::Vector3d normal;  // of its corners,
-    double lowest_m, top_m;  // and how far along this it reaches
-    // Corners of a box around it, and around it with what lies behind it to the depth that counts.
-    Eigen::Vector3d low_m, high_m, deep_low_m, deep_high_m;
-    Eigen::Matrix<double, 3, 6> around_m;  // points that it lies between; the last are not used for 3 nodes
-    // What few faces are asked for; -1 or false: not known yet.
-    double turns_per_m = -1.0;  // how much the normal may turn, as a change of it, as nodes move
-    double tilt = -1.0;         // how far normals of the face tilt at most, as a tangent
-    bool knows_sides = false;
-    Eigen::Matrix3d sideways;    // rows, in its plane, square to its sides,
-    Eigen::Vector3d farthest_m;  // and how far along these it reaches
-  };
-  const Present& present(int face) const {
-    if (!known_[static_cast<std::size_t>(face)]) look_at(face);
-    return present_[static_cast<std::size_t>(face)];
-  }
-  const Present& with_sides(int face) const;
-  void look_at(int face) const;
-  double turns_per_m(int face) const;
-  double tilt(int face) const;
   bool counts(int face, int other) const;
   // Whether a point of this face of the points may be inside the body behind another face: their boxes meet, they do
   // not look the same way, and any of it lies lower than the top of the other.
   bool may_overlap(int face, int other) const;
   // How far nodes must move, but all alike, before that may be so, if by less than slack_m_; not above 0: it may now.
   double clear_m(int same, int other) const;
-  static double apart_m(const Present& mine, const Present& theirs);         // along an axis; negative: boxes meet
-  static double lowest_above_m(const Present& mine, const Present& theirs);  // over the top of theirs, at least
   // Both of the mesh: all of mine, where none of it is deeper behind the other.
   bool lies_beside(int mine, int other, double deepest_m) const;
   // Whether a face is not met from so far beside it by what is no farther from its plane, nor from the face itself.
@@ -204,13 +181,12 @@ class SkinPairs {
   };
   // Per face of the points: those near it, until a node has moved by half of margin_m_ from near_at_m_, but all alike;
   // of these the ones that may overlap it, until a node has moved by slack_m_ from close_at_m_; and those that may now.
-  Eigen::Matrix3Xd prepared_at_m_, near_at_m_, close_at_m_;
+  Eigen::Matrix3Xd near_at_m_, close_at_m_;
   std::vector<std::vector<int>> near_, overlaps_;
   std::vector<std::vector<Close>> close_;
-  std::vector<int> in_pairs_;             // faces of the mesh that are in any of near_
-  std::vector<int> any_close_;            // faces of the points
-  mutable std::vector<Present> present_;  // of the mesh, where it was asked for at the present positions
-  mutable std::vector<char> known_;
+  std::vector<int> in_pairs_;                  // faces of the mesh that are in any of near_
+  std::vector<int> any_close_;                 // faces of the points
+  PresentFaces present_;                       // of the mesh, at the positions of prepare()
   mutable std::vector<Candidate> candidates_;  // of one point
   // Per face of the points, where it was asked for at the present positions.
   struct Reach {

@@ -1,13 +1,16 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prints a free port for a ROS master that will be started: none of those that Linux hands out by itself (from 32768
-on), or another program may have it by then. Programs that ask at the same time get different ones."""
+"""free_port.py [COUNT]: prints a free port, or so many, for servers that will be started: none of those that Linux hands
+out by itself (from 32768 on), or another program may have it by then. Programs that ask at the same time get different
+ones."""
 import os
 import socket
 import sys
 
 FIRST, COUNT = 11400, 20000
 
+wanted = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+free = []
 for ahead in range(COUNT):
     port = FIRST + (os.getppid() + ahead) % COUNT
     with socket.socket() as trial:
@@ -15,6 +18,8 @@ for ahead in range(COUNT):
             trial.bind(("", port))
         except OSError:
             continue
-    print(port)
-    sys.exit()
-sys.exit(f"no port from {FIRST} to {FIRST + COUNT - 1} is free")
+    free.append(port)
+    if len(free) == wanted:
+        print(*free)
+        sys.exit()
+sys.exit(f"no {wanted} ports from {FIRST} to {FIRST + COUNT - 1} are free")

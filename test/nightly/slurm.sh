@@ -24,11 +24,7 @@ cleanup() {
 }
 trap cleanup EXIT
 
-read -r port node_port < <(python3 -c '
-import socket
-sockets = [socket.socket() for _ in range(2)]
-for one in sockets: one.bind(("127.0.0.1", 0))
-print(*(one.getsockname()[1] for one in sockets))')
+read -r port node_port < <("$source/launch/free_port.py" 2)
 node=$(hostname -s)
 export SLURM_CONF=$run/slurm.conf
 cat >"$SLURM_CONF" <<CONF

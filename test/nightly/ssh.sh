@@ -15,7 +15,7 @@ if [[ ! -x $sshd ]]; then
   LD_LIBRARY_PATH=$packages/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH):${LD_LIBRARY_PATH-}
   export LD_LIBRARY_PATH
 fi
-port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+port=$("$source/launch/free_port.py")
 ssh-keygen -q -t ed25519 -N '' -f "$run/host_key"
 ssh-keygen -q -t ed25519 -N '' -f "$run/user_key"
 cp "$run/user_key.pub" "$run/authorized_keys"

@@ -11,3 +11,5 @@ trap 'kill %1; wait || true' EXIT
 until rosparam list >/dev/null 2>&1; do sleep 0.1; done
 other=$("$package/launch/free_port.py")
 [[ $other != "$master_port" ]] || { echo "$other has a master"; exit 1; }
+read -r one another < <("$package/launch/free_port.py" 2)
+[[ -n $another && $one != "$another" ]] || { echo "two ports: $one and $another"; exit 1; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faces of skin as they lie at present: each looked at once it is asked for, with bounds of it that tell which faces
-// and points it may meet.
+// Faces of skin as they lie at present, each looked at once it is asked for: bounds by which others that cannot meet it
+// are left early.
 #pragma once
 
 #include <vector>

@@ -74,8 +74,10 @@ class TrueRobot {
     std::normal_distribution<double> normal(0.0, noisy ? settings_.deviation_m : 0.0);
     for (std::size_t p = 0; p < poses.size(); ++p) {
       for (std::size_t m = 0; m < poses[p].markers.size(); ++m) {
-        const Eigen::Vector3d noise(normal(random_), normal(random_), normal(random_));
-        poses[p].markers[m].position_m = measured_from_base * at[p].markers_m.col(static_cast<Eigen::Index>(m)) + noise;
+        Eigen::Vector3d noise_m;
+        for (int axis = 2; axis >= 0; --axis) noise_m[axis] = normal(random_);
+        poses[p].markers[m].position_m =
+            measured_from_base * at[p].markers_m.col(static_cast<Eigen::Index>(m)) + noise_m;
       }
     }
     return poses;

@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include <metis.h>
+#include "elimination_order.h"
 
 namespace soft_robot_lab {
 namespace {
-
-using Neighbours = std::vector<std::vector<int>>;  // per node, sorted
 
 Neighbours with_cliques(Neighbours neighbours, const std::vector<std::vector<int>>& cliques) {
   for (const auto& clique : cliques)
@@ -36,69 +34,16 @@ Neighbours neighbours_of(const BlockPattern& pattern) {
   return neighbours;
 }
 
-// Node numbers in elimination order. METIS is deterministic for a fixed seed.
-std::vector<int> nested_dissection(const std::vector<std::vector<int>>& neighbours) {
-  idx_t count = static_cast<idx_t>(neighbours.size());
-  std::vector<idx_t> start{0}, adjacent;
-  for (const auto& list : neighbours) {
-    adjacent.insert(adjacent.end(), list.begin(), list.end());
-    start.push_back(static_cast<idx_t>(adjacent.size()));
-  }
-  std::vector<idx_t> order(count), inverse(count);
-  if (adjacent.empty()) {
-    for (idx_t i = 0; i < count; ++i) order[i] = i;
-  } else {
-    idx_t options[METIS_NOPTIONS];
-    METIS_SetDefaultOptions(options);
-    options[METIS_OPTION_SEED] = 1;
-    if (METIS_NodeND(&count, start.data(), adjacent.data(), nullptr, options, order.data(), inverse.data()) != METIS_OK)
-      throw std::runtime_error("METIS could not order the nodes");
-  }
-  return {order.begin(), order.end()};
-}
-
-// Renumbers so that every subtree of the elimination tree is contiguous; the fill stays the same.
-std::vector<int> postorder(const std::vector<int>& order, const std::vector<std::vector<int>>& neighbours) {
-  const int count = static_cast<int>(order.size());
-  std::vector<int> position(count), parent(count, -1), ancestor(count, -1);
-  for (int i = 0; i < count; ++i) position[order[i]] = i;
-  for (int i = 0; i < count; ++i) {
-    for (int neighbour : neighbours[order[i]]) {
-      for (int j = position[neighbour]; j != -1 && j < i;) {
-        const int next = ancestor[j];
-        ancestor[j] = i;
-        if (next == -1) parent[j] = i;
-        j = next;
-      }
-    }
-  }
-  std::vector<std::vector<int>> children(count + 1);
-  for (int i = 0; i < count; ++i) children[parent[i] == -1 ? count : parent[i]].push_back(i);
-  std::vector<int> result, stack(children[count].rbegin(), children[count].rend());
-  std::vector<char> open(count, 0);
-  while (!stack.empty()) {
-    const int top = stack.back();
-    if (!open[top]) {
-      open[top] = 1;
-      stack.insert(stack.end(), children[top].rbegin(), children[top].rend());
-    } else {
-      stack.pop_back();
-      result.push_back(order[top]);
-    }
-  }
-  return result;
-}
-
 }  // namespace
 
 BlockPattern::BlockPattern(int node_count, const std::vector<std::vector<int>>& cliques) {
   const Neighbours neighbours = with_cliques(Neighbours(node_count), cliques);
-  set(nested_dissection(neighbours), neighbours);
+  set(elimination_order(neighbours), neighbours);
 }
 
 BlockPattern::BlockPattern(const BlockPattern& of, const std::vector<std::vector<int>>& more, Order order) {
   const Neighbours neighbours = with_cliques(neighbours_of(of), more);
-  set(order == Order::kept ? of.node_ : nested_dissection(neighbours), neighbours);
+  set(order == Order::kept ? of.node_ : elimination_order(neighbours), neighbours);
 }
 
 void BlockPattern::set(const std::vector<int>& order, const Neighbours& neighbours) {

@@ -14,7 +14,7 @@ namespace soft_robot_lab {
 // Which blocks there are, and in which order nodes are eliminated. Matrices share it.
 class BlockPattern {
  public:
-  // `cliques`: sets of nodes that are all coupled with one another. Orders the nodes by nested dissection (METIS).
+  // `cliques`: sets of nodes that are all coupled with one another. Orders the nodes so that a factor is cheap.
   BlockPattern(int node_count, const std::vector<std::vector<int>>& cliques);
 
   // Another with more cliques, in its order as far as that may be, or in a new one.

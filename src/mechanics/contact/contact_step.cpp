@@ -98,10 +98,15 @@ void ContactTerm::add_beyond(const std::vector<ContactTouch>& touches, Eigen::Ma
   }
 }
 
-Eigen::VectorXd ContactTerm::mismatches(const ContactSums& at) const {
-  Eigen::VectorXd all = Eigen::VectorXd::Zero(pair_count());
-  for (const ContactTouch& touch : at.touches)
-    all[touch.pair] = law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa) / face_size_m(touch);
+Eigen::VectorXd ContactTerm::mismatches(const ContactSums& at, const std::vector<Eigen::Index>& pairs) const {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(pairs.size()));
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto touch = std::lower_bound(at.touches.begin(), at.touches.end(), pairs[i],
+                                        [](const ContactTouch& one, Eigen::Index pair) { return one.pair < pair; });
+    if (touch != at.touches.end() && touch->pair == pairs[i])
+      all[static_cast<Eigen::Index>(i)] =
+          law(touch->pair).mismatch_m(touch->gap_m, touch->pressure_pa) / face_size_m(*touch);
+  }
   return all;
 }
 

@@ -33,7 +33,7 @@ namespace soft_robot_lab {
 
 // Contact at some positions and pressures.
 struct ContactSums {
-  std::vector<ContactTouch> touches;  // all with pressure or penetration, and the closed ones
+  std::vector<ContactTouch> touches;  // all with pressure or penetration, and the closed ones; by pairs, ascending
   Eigen::Matrix3Xd points_m;          // where all contact points of obstacles are
   Eigen::Matrix3Xd positions_m;       // of the nodes, where skin rubs on skin; else empty
   double mismatch = 0.0;              // the largest, over the size of its face
@@ -126,8 +126,8 @@ class ContactTerm {
   // Of touches that are `held`: what the residual lacks for that.
   void add_beyond(const std::vector<ContactTouch>& touches, Eigen::Matrix3Xd& residual_n, FreeColumns& free) const;
 
-  // Per pair: NormalLaw::mismatch_m over the size of the face.
-  Eigen::VectorXd mismatches(const ContactSums& at) const;
+  // NormalLaw::mismatch_m over the size of the face, of these pairs; zero where one does not touch.
+  Eigen::VectorXd mismatches(const ContactSums& at, const std::vector<Eigen::Index>& pairs) const;
 
   // Augmented Lagrangian of the normal law at the pressures where a step leads, and friction's potential as it was
   // where the step starts. `slope_change`: what the slope of all along the step lacks where it is taken from the

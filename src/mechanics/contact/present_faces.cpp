@@ -12,14 +12,6 @@ namespace {
 
 constexpr double kSteepest = 1e3;  // as a tangent: normals of a face that tilt so far may tilt any way
 
-// Of the face as a Bezier triangle, which lies between them.
-FaceNodes control_points(const FaceNodes& nodes) {
-  FaceNodes points = nodes;
-  for (int edge = 0; edge < 3 && nodes.cols() == 6; ++edge)
-    points.col(3 + edge) = 2.0 * nodes.col(3 + edge) - 0.5 * (nodes.col(edge) + nodes.col((edge + 1) % 3));
-  return points;
-}
-
 // Normals of a quadratic face lie between products of its derivatives at corners, of one along r and one along s.
 double largest_tilt(const Eigen::Vector3d& normal, const Eigen::Matrix<double, 3, 6>& around_m) {
   const auto& p = around_m;
@@ -76,17 +68,21 @@ void PresentFaces::look_at(int face) const {
   PresentFace& at = all_[static_cast<std::size_t>(face)];
   at.turns_per_m = at.tilt = -1.0;
   at.knows_sides = false;
-  const FaceNodes around = control_points(nodes_of(faces_, face, positions_m_));
-  at.around_m.leftCols(around.cols()) = around;
-  if (around.cols() == 3) at.around_m.rightCols<3>() = around;
+  auto& around = at.around_m;  // control points of the face as a Bezier triangle
+  for (int corner = 0; corner < 3; ++corner) around.col(corner) = positions_m_.col(faces_(corner, face));
+  for (int edge = 0; edge < 3; ++edge) {
+    if (faces_.rows() == 6)
+      around.col(3 + edge) =
+          2.0 * positions_m_.col(faces_(3 + edge, face)) - 0.5 * (around.col(edge) + around.col((edge + 1) % 3));
+    else
+      around.col(3 + edge) = around.col(edge);
+  }
   at.normal = (around.col(1) - around.col(0)).cross(around.col(2) - around.col(0)).normalized();
-  at.low_m = at.high_m = around.col(0);
+  at.low_m = around.rowwise().minCoeff();
+  at.high_m = around.rowwise().maxCoeff();
   at.lowest_m = at.top_m = at.normal.dot(around.col(0));
-  for (Eigen::Index a = 1; a < around.cols(); ++a) {
-    const Eigen::Vector3d at_m = around.col(a);
-    const double height_m = at.normal.dot(at_m);
-    at.low_m = at.low_m.cwiseMin(at_m);
-    at.high_m = at.high_m.cwiseMax(at_m);
+  for (int a = 1; a < 6; ++a) {
+    const double height_m = at.normal.dot(around.col(a));
     at.lowest_m = std::min(at.lowest_m, height_m);
     at.top_m = std::max(at.top_m, height_m);
   }

@@ -19,7 +19,7 @@ struct PresentFace {
   double lowest_m, top_m;  // and how far along this it reaches
   // Corners of a box around it, and around it with what lies behind it to the depth that counts.
   Eigen::Vector3d low_m, high_m, deep_low_m, deep_high_m;
-  Eigen::Matrix<double, 3, 6> around_m;  // points that it lies between; the last are not used for 3 nodes
+  Eigen::Matrix<double, 3, 6> around_m;  // points that it lies between; of 3 nodes each twice
   // What few faces are asked for; -1 or false: not known yet.
   double turns_per_m = -1.0, tilt = -1.0;
   bool knows_sides = false;

@@ -180,12 +180,10 @@ void SkinPairs::list_faces_in_pairs() {
 void SkinPairs::prepare(const Eigen::Matrix3Xd& positions_m) {
   if (!present_.move_to(positions_m)) return;
   for (Reach& reach : reach_) reach.known = false;
-  if (!restricted_ && moved_m(near_at_m_) >= 0.5 * margin_m_) {
-    find_near(positions_m);
-    close_at_m_.resize(3, 0);
-  }
   double moved_m = this->moved_m(close_at_m_);
   if (moved_m >= slack_m_) {
+    // Looked at here alone, so what is near must serve for slack_m_ more.
+    if (!restricted_ && this->moved_m(near_at_m_) + slack_m_ >= 0.5 * margin_m_) find_near(positions_m);
     find_close(positions_m);
     moved_m = 0.0;
   }

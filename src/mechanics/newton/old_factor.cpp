@@ -79,7 +79,7 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
       contact.pressures_pa(pressing) - state.contact.pressures_pa(pressing);
   residual.head(nodes) = as_vector(here.residual_n) / here.force_scale_n;
   residual.tail(others) << elements_.mismatch(here.elements.volumetric_strain, state.element_multipliers_pa),
-      Eigen::VectorXd(constraints), contact_.mismatches(here.contact)(pressing);
+      Eigen::VectorXd(constraints), contact_.mismatches(here.contact, pressing);
   for (int i = 0; i < constraint_count(); ++i)
     residual[nodes + elements + i] = relative_violation(here.laws[i], state.constraint_multipliers[i], here.values[i]);
   const bool first = mixing.size() == 0;

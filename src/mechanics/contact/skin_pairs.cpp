@@ -211,27 +211,25 @@ double SkinPairs::moved_m(const Eigen::Matrix3Xd& from_m) const {
   return std::sqrt(largest_m2);
 }
 
-// Boxes first, side by side in memory: most pairs need no closer look. Of faces that are in a pair.
+// Boxes first, side by side in memory, as most pairs need no closer look. Of faces that are in a pair.
 void SkinPairs::find_close(const Eigen::Matrix3Xd& positions_m) {
+  using Box = Eigen::Matrix<double, 6, 1>;  // its lower corner, and the other one with its sign turned
   close_at_m_ = positions_m;
-  Eigen::Matrix3Xd low_m(3, faces_.cols()), high_m(3, faces_.cols()), soon_low_m(3, faces_.cols()),
-      soon_high_m(3, faces_.cols());
+  Eigen::Matrix<double, 6, Eigen::Dynamic> soon_m(6, faces_.cols());  // boxes
   for (const int face : in_pairs_) {
     const PresentFace& at = present_[face];
-    const double wider_m = slack_m_ * (kPairMoves + present_.turns_per_m(face) * deepest_m_[face]);
-    low_m.col(face) = at.low_m;
-    high_m.col(face) = at.high_m;
-    soon_low_m.col(face) = at.deep_low_m.array() - wider_m;
-    soon_high_m.col(face) = at.deep_high_m.array() + wider_m;
+    soon_m.col(face) << at.deep_low_m, -at.deep_high_m;
+    soon_m.col(face).array() -= slack_m_ * (kPairMoves + present_.turns_per_m(face) * deepest_m_[face]);
   }
   for (const int face : any_close_) overlaps_[static_cast<std::size_t>(face)].clear();
   any_close_.clear();
   for (std::size_t face = 0; face < near_.size(); ++face) {
     close_[face].clear();
     if (near_[face].empty()) continue;
-    const Eigen::Array3d low = low_m.col(same_[face]), high = high_m.col(same_[face]);
+    const PresentFace& at = present_[same_[face]];
+    const Box far_m = (Box() << at.high_m, -at.low_m).finished();
     for (const int other : near_[face]) {
-      if ((soon_low_m.col(other).array() > high).any() || (low > soon_high_m.col(other).array()).any()) continue;
+      if ((soon_m.col(other) - far_m).maxCoeff() > 0.0) continue;
       const double clear_m = this->clear_m(same_[face], other);
       if (clear_m < slack_m_) close_[face].push_back({other, clear_m});
     }

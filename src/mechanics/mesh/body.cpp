@@ -297,6 +297,10 @@ Eigen::Matrix3Xd Body::external_forces_n() const {
   return dead_loads_n_ + gravity_m_s2_ * (node_masses_kg_ + (hung_weights_kg_ - hung_masses_kg_)).transpose();
 }
 
-double Body::size_m() const { return (mesh_.nodes_m.rowwise().maxCoeff() - mesh_.nodes_m.rowwise().minCoeff()).norm(); }
+double Body::size_m() const {
+  Eigen::AlignedBox3d box;
+  for (int node = 0; node < mesh_.node_count(); ++node) box.extend(mesh_.nodes_m.col(node));
+  return box.diagonal().norm();
+}
 
 }  // namespace soft_robot_lab

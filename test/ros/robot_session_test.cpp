@@ -95,6 +95,13 @@ class RobotSession : public testing::Test {
     return false;
   }
 
+  // Of the motor that pulls, full steps.
+  double target_steps() const {
+    for (std::size_t i = 0; i < motors_.names.size(); ++i)
+      if (motors_.names[i] == move().actuator) return motors_.target_steps[i];
+    return 0.0;
+  }
+
   double volume_m3() const {
     for (const ChamberState& chamber : actuators_.chambers)
       if (chamber.name == move().actuator) return chamber.volume_m3;
@@ -120,12 +127,15 @@ TEST_F(RobotSession, MovesAsOneCommandSays) {
   }
   const Eigen::Vector3d simulated_m = position_of(simulated_, move().marker);
   const Eigen::Vector3d real_m = emulated_ ? position_of(real_, move().marker) : simulated_m;
-  const double volume_before_m3 = volume_m3();
-  for (int attempt = 0; attempt < 5 && !commanded(); ++attempt) {  // whoever else listens may have been first
+  const double volume_before_m3 = volume_m3(), steps_before = target_steps();
+  // Of those that listen some may be connected only later: it is said again until the simulator and the rig know it.
+  const auto all_know = [&] { return commanded() && (!emulated_ || target_steps() != steps_before); };
+  for (int attempt = 0; attempt < 5 && !all_know(); ++attempt) {
     command();
-    spin_until([this] { return commanded(); }, 5.0);
+    spin_until(all_know, 5.0);
   }
   ASSERT_TRUE(commanded());
+  ASSERT_TRUE(all_know()) << steps_before;
   EXPECT_TRUE(spin_until([&] { return gone_m(simulated_, simulated_m) > move().at_least_m; }, 40.0))
       << gone_m(simulated_, simulated_m);
   if (volume_before_m3 > 0.0) {

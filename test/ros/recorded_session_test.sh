@@ -10,7 +10,9 @@ set -m
 roslaunch -p "$master_port" soft_robot_lab session.launch robot:=spinebot rviz:=false record:=true bag_folder:="$bags" &
 session=$!
 set +m
-wait_for rostopic list >/dev/null 2>&1
+# A search that is asked for before the recorder is connected is over, and not in the bag.
+recording_grows() { (($(du -sb "$bags" | cut -f1) > 1000000)); }
+wait_for recording_grows
 rosrun soft_robot_lab reach_target_node "$here/../../config/robots/spinebot/tasks/ball.yaml"
 
 kill -INT "$session"

@@ -2,7 +2,6 @@
 #include "fast_obstacles.h"
 
 #include <algorithm>
-#include <limits>
 #include <variant>
 
 #include "gap.h"
@@ -30,13 +29,6 @@ double longest_m(const Eigen::Isometry3d& way, const Eigen::Matrix3Xd& positions
   return (way * middle_m - middle_m).norm() + Eigen::AngleAxisd(way.linear()).angle() * reach_m;
 }
 
-double smallest_face_m(const ContactPoints& points) {
-  double smallest_m = std::numeric_limits<double>::infinity();
-  for (int face = 0; face < points.face_count(); ++face)
-    smallest_m = std::min(smallest_m, points.face_size_m(points.first_point(face)));
-  return smallest_m;
-}
-
 }  // namespace
 
 double parts_for_obstacles(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& positions_m,
@@ -45,7 +37,7 @@ double parts_for_obstacles(const Body& body, const ContactTerm& contact, const E
   const ContactPoints& points = contact.points();
   double parts = 1.0;
   if (points.count() == 0) return parts;
-  const double smallest_m = smallest_face_m(points);
+  const double smallest_m = points.least_face_size_m();
   const double bodys_way_m = h * velocities_m_s.colwise().norm().maxCoeff();
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];

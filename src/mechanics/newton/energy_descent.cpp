@@ -7,6 +7,7 @@
 
 #include <Eigen/LU>
 
+#include "mechanics/contact/swept_obstacles.h"
 #include "newton_solver.h"
 #include "mechanics/solver_constants.h"
 
@@ -228,7 +229,10 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
     const double slope = as_vector(gradient_n).dot(motion);
     if (!(slope < -no_slope)) break;
 
-    double length = 1.0;
+    double length =
+        part_before_obstacles(body_, contact_, state.positions_m,
+                              Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols()),
+                              state.contact, FreeColumns(3, 0));
     bool fell = false;
     for (int halving = 0; halving <= constants::kDescentHalvings && !fell; ++halving) {
       if (halving > 0) length *= 0.5;

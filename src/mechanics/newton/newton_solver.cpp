@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 namespace soft_robot_lab {
@@ -54,6 +53,7 @@ NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
       constraints_(tables_->constraints),
       shared_(tables_->shared),
       layout_(tables_->layout),
+      pulled_n_(tables_->loads_n),
       loads_n_(tables_->loads_n),
       force_floor_n_(tables_->force_floor_n),
       contact_(tables_->contact),
@@ -63,9 +63,12 @@ NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
       springs_(elements_.batches(), elements_.slots()) {}
 
 void NewtonSolver::pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n) {
-  loads_n_ = tables_->loads_n;
-  for (std::size_t k = 0; k < at.nodes.size(); ++k) loads_n_.col(at.nodes[k]) += at.weights[k] * force_n;
+  pulled_n_ = tables_->loads_n;
+  for (std::size_t k = 0; k < at.nodes.size(); ++k) pulled_n_.col(at.nodes[k]) += at.weights[k] * force_n;
+  loads_n_ = pulled_n_;
 }
+
+void NewtonSolver::add_loads(const Eigen::Matrix3Xd& extra_n) { loads_n_ = pulled_n_ + extra_n; }
 
 void NewtonSolver::release(Eigen::Matrix3Xd& forces) const { forces.reshaped()(tables_->held).setZero(); }
 
@@ -149,27 +152,6 @@ FreeColumns NewtonSolver::free_load(const Evaluation& here) const {
   FreeColumns rigid = FreeColumns::Zero(3, load.cols());
   contact_.rigid().add_mismatch_forces(rigid_touches_, here.contact.rigid, rigid);
   return load - rigid;
-}
-
-// Whether the energy has a minimum on the active constraints, though A itself may not be positive definite: a buckled
-// body is held by its cables' lengths. So it is where the Schur complement has as many negative eigenvalues as A
-// (Haynsworth 1968: the inertia of the bordered matrix).
-bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const {
-  if (factor().negative_pivots() == 0) return true;
-  const int count = static_cast<int>(problem.laws.size());
-  const std::vector<int> group = slipping_groups(problem, multipliers);
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, count);
-  int size = 0;
-  for (int g = 0; g < count; ++g) {
-    for (int i = 0; i < count; ++i)
-      if (group[i] == g && active(problem.laws[i], multipliers[i])) sums(i, size) = 1.0;
-    if (!sums.col(size).isZero(0.0) && ++size == count) break;
-  }
-  if (size < factor().negative_pivots()) return false;
-  const Eigen::MatrixXd sub = sums.leftCols(size).transpose() * problem.delassus * sums.leftCols(size);
-  const Eigen::VectorXd eigenvalues =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sub, Eigen::EigenvaluesOnly).eigenvalues();
-  return (eigenvalues.array() < 0.0).count() == factor().negative_pivots();
 }
 
 // Where all that rubs is to stick, its ties pull without a limit.
@@ -367,14 +349,6 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 double NewtonSolver::rest_residual(const NewtonState& state) const {
   const Evaluation here = evaluate(NewtonTask{}, state);
   return here.finite ? here.relative_residual : 1.0;
-}
-
-bool NewtonSolver::stable_at_rest(const NewtonState& state) {
-  if (!has_factor_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return false;
-  const bool stable = constraint_count() > 0 ? stable_under(problem_at(state, solve_exactly(border_).motions_m),
-                                                            state.constraint_multipliers)
-                                             : factor().negative_pivots() == 0;
-  return stable && free_border_.stable();
 }
 
 double NewtonSolver::worst_violation(const NewtonState& state) const {

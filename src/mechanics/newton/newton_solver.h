@@ -103,6 +103,12 @@ struct NewtonResponse {
   int at_limit = 0;  // points of the skin of which it depends on the direction whether they slip or stick
 };
 
+// The motions that a rest state resists least, among those that keep to the active constraints; in rising order.
+struct SoftModes {
+  Eigen::VectorXd stiffness_per_s2;  // over the mass; below 0 the energy falls along it. Empty: there is no factor
+  Eigen::MatrixXd motions;           // 3*node + axis, one column each, of mass 1: sum of m x² = 1
+};
+
 // What acts on the nodes at a state, each as it stands in the residual: the gradient of an energy, 3 x nodes [N].
 struct NewtonForces {
   Eigen::Matrix3Xd elastic_n, viscous_n, contact_n;
@@ -176,6 +182,13 @@ class NewtonSolver {
   // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
   double rest_residual(const NewtonState& state) const;
   bool stable_at_rest(const NewtonState& state);
+  // The same, but for what nothing resists: a motion whose stiffness is zero but for rounding is not unstable.
+  bool minimum_at_rest(const NewtonState& state);
+  // By subspace iteration with the factor there (Bathe 1971).
+  SoftModes soft_modes(const NewtonState& state);
+  // What is left of the forces on what is not held, 3 x nodes; and loads beside the body's own and what pulls.
+  Eigen::Matrix3Xd residual_n(const NewtonState& state) const { return evaluate(NewtonTask{}, state).residual_n; }
+  void add_loads(const Eigen::Matrix3Xd& extra_n);
   // How far the constraints are from their laws, relative to their values; costs no pass over the body.
   double worst_violation(const NewtonState& state) const;
 
@@ -263,6 +276,8 @@ class NewtonSolver {
                      const std::shared_ptr<const StrainTarget>& strain_target);  // and makes it, where it is not yet
   void forget_factor();
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
+  // A column for each constraint that is active, or for those that slip together: which they are.
+  Eigen::MatrixXd active_sums(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
   ConstraintLaw law_at(const NewtonState& state, int constraint) const;
   std::vector<FrictionContactBound> junctions_at(const Eigen::Matrix3Xd& positions_m) const;
   void border_free_obstacles(const NewtonState& state, bool convex);
@@ -324,7 +339,8 @@ class NewtonSolver {
   const std::vector<DrivenConstraint>& constraints_;
   const std::vector<SharedLength>& shared_;
   const MatrixLayout& layout_;
-  Eigen::Matrix3Xd loads_n_;  // the tables', and what pulls now
+  Eigen::Matrix3Xd pulled_n_;  // the tables' loads, and what pulls now,
+  Eigen::Matrix3Xd loads_n_;   // with what add_loads() added
   const double force_floor_n_;
   ContactTerm contact_;
 

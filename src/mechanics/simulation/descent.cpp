@@ -1,20 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "descent.h"
+#include "mechanics/contact/swept_obstacles.h"
 #include "free_motion.h"
 #include "mechanics/solver_constants.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <set>
 #include <sstream>
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kSlidAway = 0.05;      // of the body's size: a way after which sliding is no settling
-constexpr double kBesideSaddle = 0.01;  // of the body's size
+constexpr double kSlidAway = 0.05;       // of the body's size: a way after which sliding is no settling
+constexpr double kBesideSaddle = 0.01;   // of the body's size: a way off a rest state that is not stable
+constexpr double kAsSoft = 0.02;         // of the stiffness of the stiffest soft mode: as soft as the softest
+constexpr double kNearlyLost = 0.3;      // of the stiffness of the rest shape: a shape that is about to give way
+constexpr double kNoSide = 1e-3;         // of a way: what it has along the softest motions, so that it leads to no side
+constexpr double kShortestConvex = 0.1;  // of the time that a wave takes through the body: a step of the continuation
+constexpr double kSlow = 1e-3;           // of the body's size: a step's way after which Newton's method may do the rest
+constexpr double kLong = 30.0;           // of a wave's time: no shorter step says that the body is slow
+constexpr int kDoublings = 6;            // of that way
+constexpr double kFallTolerance = 1e-5;  // of the residual of a step of the continuation: what is soft moves by little
+const Eigen::Vector3d kFixedSide(1.0, 0.3, 0.1);
 
 NewtonTask rest_task(const SimulationParts& parts) {
   NewtonTask task;
@@ -24,15 +33,18 @@ NewtonTask rest_task(const SimulationParts& parts) {
   return task;
 }
 
-NewtonReport fall_for(double h, SimulationParts& parts, NewtonState& unknown, SolveReport& report) {
+// A step of the continuation. In small enough ones its energy is convex, so Newton's method needs no rescue: where it
+// would, the step is to be cut first.
+NewtonReport fall_for(double h, bool convex, SimulationParts& parts, NewtonState& unknown, SolveReport& report) {
   NewtonTask task = rest_task(parts);
-  task.tolerance = std::max(task.tolerance, 1e-4);
+  task.tolerance = std::max(task.tolerance, kFallTolerance);
   task.min_iterations = 1;
+  task.only_through_stable = convex;
   task.inertia_per_s2 = 1.0 / (h * h);
   const Eigen::Matrix3Xd start = parts.state.positions_m;
   task.predicted_m = &start;
   const NewtonReport newton = parts.solve(task, unknown, report);
-  return newton.converged ? newton : parts.solve_from_below(task, unknown, report);
+  return newton.converged || convex ? newton : parts.solve_from_below(task, unknown, report);
 }
 
 ContactSums touching(const SimulationParts& parts) {
@@ -61,33 +73,51 @@ std::string sliding(const SimulationParts& parts, const Eigen::Vector3d& way_m) 
   return text.str();
 }
 
-// A smooth way off a saddle: a random quadratic polynomial of the place, the same in every run.
-Eigen::Matrix3Xd nudge(const Eigen::Matrix3Xd& positions_m, double size_m) {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> factor(-1.0, 1.0);
-  Eigen::Matrix<double, 3, 9> factors;
-  for (Eigen::Index i = 0; i < factors.size(); ++i) factors.data()[i] = factor(random);
-  const Eigen::Vector3d center_m = positions_m.rowwise().mean();
-  Eigen::Matrix3Xd nudged_m(3, positions_m.cols());
-  for (Eigen::Index node = 0; node < positions_m.cols(); ++node) {
-    const Eigen::Vector3d at = (positions_m.col(node) - center_m) / size_m;
-    Eigen::Matrix<double, 9, 1> terms;
-    terms << at, at.cwiseAbs2(), at.x() * at.y(), at.y() * at.z(), at.z() * at.x();
-    nudged_m.col(node) = kBesideSaddle * size_m * (factors * terms);
-  }
-  return nudged_m;
+// Whether Newton's method ended at a stable rest state, which then becomes the state.
+RestFound judge(SimulationParts& parts, const NewtonReport& newton, NewtonState&& found) {
+  if (!newton.converged) return RestFound::none;
+  if (!parts.workspace.newton.minimum_at_rest(found)) return RestFound::saddle;
+  parts.accept(std::move(found));
+  return RestFound::stable;
 }
 
-// On a saddle no force is left, and Newton's method stays there: it starts beside it.
-bool leave_saddle(SimulationParts& parts, NewtonTask task, SolveReport& report) {
-  Eigen::Matrix3Xd& positions_m = parts.state.positions_m;
-  const Eigen::Matrix3Xd way_m = nudge(positions_m, parts.body.size_m());
-  positions_m += parts.body.fixed().select(0.0, way_m).matrix();
-  NewtonState unknown = parts.unknowns();
-  task.min_iterations = 1;
-  if (!parts.solve(task, unknown, report).converged) return false;
-  parts.accept(std::move(unknown));
-  return true;
+// The part of a motion that leads neither into obstacles nor into other skin.
+double free_part(const SimulationParts& parts, const Eigen::Matrix3Xd& motion_m) {
+  const ContactTerm& contact = parts.workspace.newton.contact();
+  const FreeColumns still = FreeColumns::Zero(3, 2 * contact.free().count());
+  return std::min(
+      contact.skin().first_length(parts.state.positions_m, motion_m),
+      part_before_obstacles(parts.body, contact, parts.state.positions_m, motion_m, parts.state.contact, still));
+}
+
+// Without load, contact and commands.
+double softest_at_rest_per_s2(SimulationParts& parts) {
+  NewtonState rest = parts.unknowns();
+  rest.positions_m = parts.body.mesh().nodes_m;
+  rest.element_multipliers_pa.setZero();
+  rest.constraint_multipliers.setZero();
+  rest.contact = parts.workspace.newton.contact().untouched(rest.positions_m, 0.0);
+  const SoftModes modes = parts.workspace.newton.soft_modes(rest);
+  return modes.stiffness_per_s2.size() > 0 ? modes.stiffness_per_s2[0] : 0.0;
+}
+
+// As far along a motion, bent as the body turns with it, as the energy falls, in doubled ways.
+Eigen::Matrix3Xd downhill_along(SimulationParts& parts, const Eigen::Matrix3Xd& motion_m) {
+  const NewtonState here = parts.unknowns();
+  Eigen::Matrix3Xd best_m = free_part(parts, motion_m) * motion_m;
+  double lowest_j = std::numeric_limits<double>::infinity();
+  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+    NewtonState there = here;
+    there.positions_m =
+        parts.model->tables().newton->warp().follow(here.positions_m, std::ldexp(1.0, doubling) * motion_m);
+    const Eigen::Matrix3Xd way_m = there.positions_m - here.positions_m;
+    if (free_part(parts, way_m) < 1.0) break;
+    const double rise_j = parts.workspace.newton.potential_rise_j(NewtonTask{}, here, there);
+    if (!(rise_j < lowest_j)) break;
+    lowest_j = rise_j;
+    best_m = way_m;
+  }
+  return best_m;
 }
 
 }  // namespace
@@ -97,30 +127,43 @@ bool held_by_friction_alone(const SimulationParts& parts) {
   return !free_motion(parts.body, parts.state.positions_m, ContactSums()).empty();
 }
 
-bool within_budget(const SimulationParts& parts, const SolveReport& report) {
-  return report.iterations < constants::kEquilibriumBudget * parts.options.max_iterations;
-}
-
-bool relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options) {
+RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options) {
   NewtonState unknown = parts.unknowns();
   NewtonTask task = rest_task(parts);
   task.tolerance = std::max(task.tolerance, options.tolerance);
   task.only_through_stable = options.only_through_stable;
   const NewtonReport newton = parts.solve(task, unknown, report);
-  if (!newton.converged) return false;
-  if (newton.iterations == 0 && !parts.workspace.newton.stable_at_rest(unknown)) {
-    if (options.only_through_stable) return false;
-    return leave_saddle(parts, task, report);
-  }
-  parts.accept(std::move(unknown));
-  return true;
+  return judge(parts, newton, std::move(unknown));
 }
 
-bool relax_from_below(SimulationParts& parts, SolveReport& report) {
+RestFound relax_from_below(SimulationParts& parts, SolveReport& report) {
   NewtonState unknown = parts.unknowns();
-  if (!parts.solve_from_below(rest_task(parts), unknown, report).converged) return false;
-  parts.accept(std::move(unknown));
-  return true;
+  const NewtonReport newton = parts.solve_from_below(rest_task(parts), unknown, report);
+  return judge(parts, newton, std::move(unknown));
+}
+
+Nudge nudge_off(SimulationParts& parts, const Eigen::Matrix3Xd& way_m) {
+  NewtonSolver& newton = parts.workspace.newton;
+  const SoftModes modes = newton.soft_modes(parts.unknowns_at_step());
+  if (modes.motions.cols() == 0) return {};
+  const Eigen::VectorXd masses_kg = parts.body.node_masses_kg().transpose().replicate<3, 1>().reshaped();
+  // A round or square body gives way to all sides alike: all that is as soft counts.
+  const double soft = modes.stiffness_per_s2[0] + kAsSoft * modes.stiffness_per_s2.cwiseAbs().maxCoeff();
+  const Eigen::Index count = (modes.stiffness_per_s2.array() <= soft).count();
+  const Eigen::VectorXd along = modes.motions.leftCols(count).transpose() * masses_kg.cwiseProduct(as_vector(way_m));
+  const double way = std::sqrt(masses_kg.dot(as_vector(way_m).cwiseAbs2()));
+  Nudge nudge;
+  nudge.other_side = along.norm() <= kNoSide * way;
+  nudge.unstable = modes.stiffness_per_s2[0] < kNearlyLost * softest_at_rest_per_s2(parts);
+  Eigen::VectorXd motion =
+      nudge.other_side ? Eigen::VectorXd(modes.motions.col(0)) : Eigen::VectorXd(modes.motions.leftCols(count) * along);
+  if (nudge.other_side) {
+    const Eigen::VectorXd moment = masses_kg.cwiseProduct(motion);
+    if (moment.reshaped(3, way_m.cols()).rowwise().sum().dot(Eigen::Vector3d(kFixedSide)) < 0.0) motion = -motion;
+  }
+  motion *= kBesideSaddle * parts.body.size_m() / motion.reshaped(3, way_m.cols()).colwise().norm().maxCoeff();
+  nudge.motion_m = downhill_along(parts, motion.reshaped(3, way_m.cols()));
+  return nudge;
 }
 
 bool descend(SimulationParts& parts, SolveReport& report) {
@@ -128,27 +171,33 @@ bool descend(SimulationParts& parts, SolveReport& report) {
   const double wave_s = parts.body.size_m() * std::sqrt(material.density_kg_m3 / material.youngs_modulus_pa);
   const int limit = report.iterations + constants::kTransientBudget * parts.options.max_iterations;
   double h = 3.0 * wave_s;
+  bool convex = true;
   const Eigen::Vector3d start_m = parts.state.positions_m.rowwise().mean();
   while (report.iterations < limit && h > 1e-3 * wave_s) {
     enter(SolveStage::pseudo_transient, 1, report.path);
     NewtonState unknown = parts.unknowns();
-    const NewtonReport newton = fall_for(h, parts, unknown, report);
+    const NewtonReport newton = fall_for(h, convex, parts, unknown, report);
     if (!newton.converged) {
-      h *= 0.25;
+      h *= convex ? 0.5 : 0.25;
+      if (convex && h < kShortestConvex * wave_s) {
+        convex = false;
+        h = 3.0 * wave_s;
+      }
       continue;
     }
-    const bool moved = unknown.positions_m != parts.state.positions_m;
+    const double moved_m = (unknown.positions_m - parts.state.positions_m).colwise().norm().maxCoeff();
     parts.accept(std::move(unknown));
     const Eigen::Vector3d way_m = parts.state.positions_m.rowwise().mean() - start_m;
     if (way_m.norm() > kSlidAway * parts.body.size_m()) {
       report.message = sliding(parts, way_m);
       if (!report.message.empty()) return false;
     }
-    if (h > 1e3 * wave_s) {
-      if (relax(parts, report)) return true;
+    const bool slow = moved_m < kSlow * parts.body.size_m();
+    if (slow && h > kLong * wave_s) {
+      if (relax(parts, report, {0.0, h < 1e3 * wave_s}) == RestFound::stable) return true;
       // Where nothing moves, it is tried once more without any inertia.
-      if (!moved && std::isinf(h)) return false;
-      if (!moved) h = std::numeric_limits<double>::infinity();
+      if (moved_m == 0.0 && std::isinf(h)) return false;
+      if (moved_m == 0.0) h = std::numeric_limits<double>::infinity();
     }
     h *= newton.iterations <= 5 ? 3.0 : 1.5;
   }

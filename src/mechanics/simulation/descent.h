@@ -6,14 +6,14 @@
 
 namespace soft_robot_lab {
 
-// An equilibrium may take a multiple of max_iterations in all.
-bool within_budget(const SimulationParts& parts, const SolveReport& report);
+// What a search for a rest state found: one that is a minimum of the energy, one that is not, or none.
+enum class RestFound { stable, saddle, none };
 
-// Newton alone. Where it does not converge the state stays as it was.
-bool relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {});
+// Newton alone. Only a stable rest state becomes the state; else it stays as it was.
+RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOptions& options = {});
 
 // The same after a fall down the energy (SimulationParts::solve_from_below).
-bool relax_from_below(SimulationParts& parts, SolveReport& report);
+RestFound relax_from_below(SimulationParts& parts, SolveReport& report);
 
 // Whether the body would be free to move as a whole without contact, and contact has friction.
 bool held_by_friction_alone(const SimulationParts& parts);
@@ -23,5 +23,15 @@ bool held_by_friction_alone(const SimulationParts& parts);
 // Newton would run to is a saddle. Where it fails the state is the furthest it came. A body that slides away beyond
 // what friction holds ends it, with a message that names the obstacles.
 bool descend(SimulationParts& parts, SolveReport& report);
+
+// A small way along what the present rest state resists least, to the side that `way_m` has led to; where that has led
+// to neither, to a side that a fixed rule chooses, and then `other_side` is true. Cut where it would go into obstacles
+// or other skin. 3 x nodes; empty where there is no factor.
+struct Nudge {
+  Eigen::Matrix3Xd motion_m;
+  bool other_side = false;
+  bool unstable = false;  // what gives way is far softer than the softest motion of the rest shape
+};
+Nudge nudge_off(SimulationParts& parts, const Eigen::Matrix3Xd& way_m);
 
 }  // namespace soft_robot_lab

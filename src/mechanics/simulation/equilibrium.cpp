@@ -6,69 +6,140 @@
 
 #include "descent.h"
 #include "free_motion.h"
+#include "rest_path.h"
+#include "settings/point_text.h"
 #include "solve_ending.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
 
-void tell_unfinished(double done, SolveReport& report) {
+constexpr double kFallAhead = 0.25;  // of the way: just where stability is lost next to nothing drives the shape away
+constexpr double kSameShape = 0.01;  // of the body's size: a way that leads on, not away
+
+// A loss of stability on the way.
+struct Snap {
+  double share = 0.0;  // of the way, where it was lost
+  double moved_m = 0.0;
+  Eigen::Vector3d rest_position_m = Eigen::Vector3d::Zero();  // of the node that moved so far
+  bool other_side = false;
+};
+
+void report_unfinished(double done, SolveReport& report) {
   report.converged = false;
   std::ostringstream reached;
-  reached << "no equilibrium found beyond " << 100.0 * done << " % of the command change, in " << report.iterations
+  reached << "no equilibrium found beyond " << 100.0 * done << " % of the way, in " << report.iterations
           << " iterations: " << (report.message.empty() ? "work limit" : report.message);
   report.message = reached.str();
 }
 
-// Where a search for an equilibrium starts; it goes on to the commands, and the last pose of the obstacles.
-struct Start {
-  std::vector<double> commands;
-  double obstacles_s;
-
-  explicit Start(const SimulationParts& parts)
-      : commands(parts.state.actuated_commands()), obstacles_s(parts.state.contact.time_s) {}
-  void move(SimulationParts& parts, double fraction) const {
-    parts.place_actuators(commands, parts.state.commands(), fraction);
-    const double end_s = this->end_s(parts);
-    parts.state.contact.time_s = fraction == 1.0 ? end_s : obstacles_s + fraction * (end_s - obstacles_s);
-  }
-  // Whether there is a way to go in stages; to loads alone there is none.
-  bool moves_anything(const SimulationParts& parts) const {
-    return commands != parts.state.commands() || obstacles_s != end_s(parts);
-  }
-
- private:
-  static double end_s(const SimulationParts& parts) {
-    return std::max(parts.workspace.newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s());
-  }
-};
-
-// Down to a stable shape at these commands.
-bool fall(SimulationParts& parts, SolveReport& report) {
-  return relax_from_below(parts, report) || descend(parts, report);
+double largest_motion_m(const Eigen::Matrix3Xd& from_m, const Eigen::Matrix3Xd& to_m, Eigen::Index* node = nullptr) {
+  Eigen::Index unused = 0;
+  return (to_m - from_m).colwise().norm().maxCoeff(node ? node : &unused);
 }
 
-// By Newton, in stages of the command change where one is too far; the share of it that was reached. A stage whose way
-// leads through an unstable shape, as where a body buckles, hardly ever converges: it is cut before it costs anything.
-// Skin that may touch goes through such shapes in the smallest stages too: a fall with the whole change lets joints
-// fold, or press so hard into one another that no way leads on.
-double follow_commands(SimulationParts& parts, const Start& from, const EquilibriumOptions& options,
-                       SolveReport& report) {
-  const bool may_fall = parts.body.touches_itself() && !options.only_through_stable && !held_by_friction_alone(parts);
-  double done = 0.0, stage = 1.0;
-  while (done < 1.0 && stage * constants::kSmallestStage >= 1.0 && within_budget(parts, report)) {
-    const double fraction = std::min(1.0, done + stage);
-    from.move(parts, fraction);
-    const bool cuttable =
-        parts.state.actuated_commands() != from.commands && 0.5 * stage * constants::kSmallestStage >= 1.0;
-    bool found = relax(parts, report, {options.tolerance, options.only_through_stable || cuttable});
-    if (!found && !cuttable && may_fall) found = fall(parts, report);
-    if (found) done = fraction;
-    if (options.only_through_stable || (!found && !from.moves_anything(parts))) break;
-    stage *= found ? 2.0 : 0.5;
-    if (!found && stage * constants::kSmallestStage >= 1.0) enter(SolveStage::halving, 1, report.path);
+// Walks along a path from one stable rest state to the next, in stages that are cut where one is too far.
+class Walk {
+ public:
+  Walk(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report)
+      : parts_(parts), options_(options), report_(report), path_(parts), before_m_(parts.state.positions_m) {}
+
+  // The share of the way that was reached.
+  double go();
+  const std::vector<Snap>& snaps() const { return snaps_; }
+
+ private:
+  bool cuttable(double share) const {
+    return !options_.only_through_stable && path_.leads_anywhere() &&
+           0.5 * (share - done_) * constants::kSmallestStage >= 1.0;
   }
-  return done;
+  bool try_stage(double share);
+  bool lose_stability(double share);
+  bool fall(bool nudged);
+  void advance_to(double share, Eigen::Matrix3Xd&& from_m);
+
+  SimulationParts& parts_;
+  const EquilibriumOptions& options_;
+  SolveReport& report_;
+  RestPath path_;
+  double done_ = 0.0;
+  int iterations_before_ = 0;  // the stage that goes on
+  Eigen::Matrix3Xd before_m_;  // where the stage before began
+  std::vector<Snap> snaps_;
+};
+
+void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
+  done_ = share;
+  before_m_ = std::move(from_m);
+  iterations_before_ = report_.iterations;
+}
+
+// By Newton, through stable shapes alone where the stage can still be cut. A stage whose way leads through an unstable
+// shape, as where a body buckles, hardly ever converges: it is cut before it costs anything.
+bool Walk::try_stage(double share) {
+  Eigen::Matrix3Xd from_m = parts_.state.positions_m;
+  path_.go_to(share);
+  const bool strict = options_.only_through_stable || cuttable(share);
+  if (relax(parts_, report_, {options_.tolerance, strict}) != RestFound::stable) return false;
+  advance_to(share, std::move(from_m));
+  return true;
+}
+
+// Down to a stable shape, beside the present one where that is as good as unstable.
+bool Walk::fall(bool nudged) {
+  const SimulationState start = parts_.state;
+  if (descend(parts_, report_)) return true;
+  if (held_by_friction_alone(parts_)) return false;
+  if (nudged) parts_.state = start;
+  return relax_from_below(parts_, report_) == RestFound::stable;
+}
+
+// Where the smallest stage leads to no stable shape nearby: what follows is a motion in time that inertia does not
+// drive, from the last stable shape and a small way off it.
+bool Walk::lose_stability(double share) {
+  const SimulationState stable = parts_.state;
+  path_.go_to(done_);
+  Nudge nudge;
+  if (!held_by_friction_alone(parts_)) nudge = nudge_off(parts_, stable.positions_m - before_m_);
+  path_.go_to(share);
+  if (nudge.motion_m.cols() > 0) parts_.state.positions_m += nudge.motion_m;
+  if (!fall(nudge.motion_m.cols() > 0)) {
+    parts_.state = stable;
+    return false;
+  }
+  Snap snap;
+  Eigen::Index node = 0;
+  snap.share = done_;
+  snap.moved_m = largest_motion_m(stable.positions_m, parts_.state.positions_m, &node);
+  snap.rest_position_m = parts_.body.mesh().nodes_m.col(node);
+  snap.other_side = nudge.other_side;
+  if (nudge.unstable && snap.moved_m > kSameShape * parts_.body.size_m()) snaps_.push_back(snap);
+  advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
+  return true;
+}
+
+double Walk::go() {
+  double stage = 1.0;
+  bool grows = true;  // not right after a stage was cut
+  const int patience = constants::kEquilibriumBudget * parts_.options.max_iterations;
+  while (done_ < 1.0 && report_.iterations - iterations_before_ < patience) {
+    const double from = done_, wanted = std::min(1.0, done_ + stage), share = path_.stage_end(done_, wanted);
+    if (try_stage(share)) {
+      if (grows && share == wanted) stage = std::max(stage, 2.0 * (share - from));
+      grows = true;
+      continue;
+    }
+    if (options_.only_through_stable) break;
+    if (cuttable(share) && snaps_.empty()) {
+      stage = 0.5 * (share - from);
+      grows = false;
+      enter(SolveStage::halving, 1, report_.path);
+      continue;
+    }
+    if (!lose_stability(path_.stage_end(done_, std::min(1.0, std::max(share, done_ + kFallAhead))))) break;
+    stage = 1.0;
+  }
+  return done_;
 }
 
 // A shape with inverted elements is no start to follow commands from: it may be a knot that holds itself.
@@ -85,19 +156,26 @@ void start_from_rest_shape(SimulationParts& parts) {
   parts.begin_step();
 }
 
+void note_snap(const Snap& snap, SolveReport& report) {
+  SolveWarning warning;
+  warning.kind = "snapped";
+  warning.size = snap.moved_m;
+  warning.unit = "m";
+  warning.rest_position_m = snap.rest_position_m;
+  std::ostringstream text;
+  text << "beyond " << 100.0 * snap.share << " % of the way the shape was unstable; it moved by " << snap.moved_m
+       << " m at rest position " << point_text(snap.rest_position_m);
+  if (snap.other_side) text << "; nothing chose the side, so the mirrored shape is a rest state too";
+  warning.text = text.str();
+  add_warning(warning, report.warnings);
+}
+
 void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   if (parts.workspace.newton.inverted_elements(parts.state.positions_m) > 0) start_from_rest_shape(parts);
-  const Start from(parts);
-  const double done = follow_commands(parts, from, options, report);
-  if (done == 1.0) return;
-  from.move(parts, 1.0);
-  if (!options.only_through_stable && held_by_friction_alone(parts)) {
-    if (descend(parts, report)) return;
-    tell_unfinished(done, report);
-    return;
-  }
-  if (!options.only_through_stable && fall(parts, report)) return;
-  tell_unfinished(done, report);
+  Walk walk(parts, options, report);
+  const double done = walk.go();
+  if (done < 1.0) report_unfinished(done, report);
+  for (const Snap& snap : walk.snaps()) note_snap(snap, report);
 }
 
 void note_free_motion(const std::string& of, const std::string& free, SolveReport& report) {
@@ -120,30 +198,13 @@ void note_free_motions(SimulationParts& parts, SolveReport& report) {
         free_motion(contact, i, touching), report);
 }
 
-// Where a body buckled it could have gone another way.
-void note_buckling(SolveReport& report) {
-  const auto unstable = [](const SolvePathStage& stage) {
-    return stage.stage == SolveStage::convexify || stage.stage == SolveStage::energy_descent ||
-           stage.stage == SolveStage::pseudo_transient;
-  };
-  if (!report.converged || std::none_of(report.path.begin(), report.path.end(), unstable)) return;
-  SolveWarning warning;
-  warning.kind = "unstable_on_the_way";
-  for (const SolvePathStage& stage : report.path)
-    if (unstable(stage)) warning.size += stage.count;
-  std::ostringstream text;
-  text << "the way to this rest state led through unstable shapes in " << warning.size << " of " << report.iterations
-       << " iterations: the body buckled or snapped, and may have another rest state";
-  warning.text = text.str();
-  add_warning(warning, report.warnings);
-}
-
 }  // namespace
 
 void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
+  const SimulationState start = parts.state;
   seek_equilibrium(parts, options, report);
   note_free_motions(parts, report);
-  note_buckling(report);
+  if (!report.converged) parts.state = start;
 }
 
 }  // namespace soft_robot_lab

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The slow motion that leads from the present state to a rest state: of commands, obstacles, holds and loads, all in
+// step with one another. A share of 0 is where it begins, 1 where it ends.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "simulation_parts.h"
+
+namespace soft_robot_lab {
+
+class RestPath {
+ public:
+  // From the state as it is. What is left of its forces is a load that leaves on the way: so gravity comes slowly to a
+  // body in its rest shape. Loads of a body that nothing holds come at once.
+  explicit RestPath(SimulationParts& parts);
+  ~RestPath();  // with all loads as they are at the end
+  RestPath(const RestPath&) = delete;
+  RestPath& operator=(const RestPath&) = delete;
+
+  void go_to(double share);
+  // Whether anything changes on the way that a part of it would change less.
+  bool leads_anywhere() const { return leads_anywhere_; }
+  // The furthest share up to `to` that one stage from the present state at `from` may reach: up to the next pose of a
+  // motion, no hold turns by more than 45 degrees, and no obstacle goes into the skin by more than half of itself or of
+  // a face.
+  double stage_end(double from, double to) const;
+
+ private:
+  double time_s(double share) const { return share == 1.0 ? end_s_ : start_s_ + share * (end_s_ - start_s_); }
+  bool loads_come_slowly() const { return left_n_.cols() > 0; }
+
+  SimulationParts& parts_;
+  std::vector<double> commands_;
+  double start_s_, end_s_;
+  std::vector<double> poses_s_;  // times of poses, strictly between
+  Eigen::Matrix3Xd left_n_;      // forces where it begins; empty where they leave at once
+  bool leads_anywhere_ = false;
+};
+
+}  // namespace soft_robot_lab

@@ -206,18 +206,21 @@ CastingTest suction_test(const Pockets& found, const CastRobot& robot, const Cas
 
 CastingTest aspect_test(const Pockets& found, double limit) {
   CastingTest test{"aspect", true, {}, {}, "", ""};
-  double worst = 0;
-  for (const Pocket& pocket : found.pockets) {
-    const double aspect = pocket.depth_m / std::max(pocket.width_m, 1e-9);
-    if (aspect <= worst) continue;
-    worst = aspect;
-    test.at_m = pocket.at_m;
-  }
-  test.passed = worst <= limit;
-  test.numbers = {{"worst", worst}, {"limit", limit}};
+  const Core slimmest = found.cores.empty() ? Core() : found.cores[0];
+  const auto through = std::count_if(found.cores.begin(), found.cores.end(), [](const Core& c) { return c.through; });
+  constexpr double kExact = 1 + 1e-2;  // what facets take from the width of a round hole
+  test.passed = slimmest.aspect() <= limit * kExact;
+  test.numbers = {{"worst", slimmest.aspect()},
+                  {"limit", limit},
+                  {"height_m", found.cores.empty() ? INFINITY : slimmest.height_m},
+                  {"width_m", slimmest.width_m},
+                  {"cores", static_cast<double>(found.cores.size())},
+                  {"through_holes", static_cast<double>(through)}};
+  if (!found.cores.empty()) test.at_m = slimmest.at_m;
   if (!test.passed)
-    test.why = sentence("The core at ", place_text(*test.at_m), " is ", worst, " times as high as wide, more than ",
-                        limit, ".");
+    test.why = sentence("The core ", slimmest.through ? "of the hole through the robot " : "", "at ",
+                        place_text(*test.at_m), " is ", slimmest.aspect(), " times as high as wide (",
+                        mm(slimmest.height_m), " by ", mm(slimmest.width_m), "), more than ", limit, ".");
   return test;
 }
 

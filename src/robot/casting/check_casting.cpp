@@ -41,10 +41,8 @@ CastingTest extraction_test(const Extraction& out, const TwoPart& halves, bool g
   const std::string way = given ? "along the given direction" : "along any direction";
   if (!out.blocked.empty()) {
     test.at_m = out.at_m;
-    test.why = sentence(
-        1e6 * out.blocked_area_m2, " mm^2 of skin are held by the mould ", way, ", by up to ", mm(out.trap_depth_m),
-        " at ", place_text(out.at_m),
-        halves.passed ? "; a mould of two parts would let it out." : "; two parts do not help along this direction.");
+    test.why = sentence(1e6 * out.blocked_area_m2, " mm^2 of skin are held by the mould ", way, ", by up to ",
+                        mm(out.trap_depth_m), " at ", place_text(out.at_m), ".");
   } else if (!(out.top_area_m2 > 0)) {
     test.why = "No flat side can be open to air while the silicone cures.";
   } else {
@@ -224,6 +222,27 @@ CastingTest aspect_test(const Pockets& found, double limit) {
   return test;
 }
 
+Surface turned_inside_out(Surface surface) {
+  surface.triangles.row(1).swap(surface.triangles.row(2));
+  surface.neighbours.row(0).swap(surface.neighbours.row(2));
+  surface.normals *= -1;
+  surface.true_normals *= -1;
+  return surface;
+}
+
+CastingTest walls_test(const Surface& surface, double limit_m) {
+  const Surface mould = turned_inside_out(surface);
+  const ThinPlace thinnest = measure_balls(RayTree(mould), limit_m);
+  constexpr double kExact = 1 - 1e-3;  // as of silicone
+  CastingTest test{"mould_walls", thinnest.worst_m >= limit_m * kExact, {}, {}, "", ""};
+  test.numbers = {{"worst_m", thinnest.worst_m}, {"limit_m", limit_m}};
+  if (std::isfinite(thinnest.worst_m)) test.at_m = thinnest.at_m;
+  if (!test.passed)
+    test.why = sentence("The mould would be ", mm(thinnest.worst_m), " thick between ", place_text(thinnest.at_m),
+                        " and ", place_text(thinnest.opposite_m), ", less than casting.min_wall_m, ", mm(limit_m), ".");
+  return test;
+}
+
 CastingTest mesh_test(const std::vector<double>& qualities) {
   const double worst = qualities.empty() ? INFINITY : *std::min_element(qualities.begin(), qualities.end());
   const auto poor = std::count_if(qualities.begin(), qualities.end(), [](double q) { return q < 0.5; });
@@ -280,6 +299,7 @@ CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& sett
       stretch_test(surface, verdict.direction, settings.max_stretch),
       suction_test(pockets, robot, settings),
       aspect_test(pockets, settings.max_core_aspect),
+      walls_test(surface, settings.mould.min_wall_m),
       mesh_test(robot.mesh_qualities)};
   verdict.castable = std::all_of(verdict.tests.begin(), verdict.tests.end(), [](const auto& t) { return t.passed; });
   return verdict;

@@ -34,6 +34,7 @@ constexpr Bound kBounds[] = {{"extraction", "draft ", "draft_deg", "min_draft_de
                              {"aspect", "of a core ", "height_m", nullptr, false, 1e3, " mm high"},
                              {"aspect", "", "width_m", nullptr, false, 1e3, " mm wide"},
                              {"aspect", "holes through the robot ", "through_holes", nullptr, false, 1, ""},
+                             {"mould_walls", "", "worst_m", "limit_m", true, 1e3, " mm"},
                              {"mesh_quality", "Q_vl ", "worst", "limit", true, 1, ""}};
 
 double number_of(const CastingTest& test, const std::string& key) {

@@ -104,31 +104,31 @@ void add_roofs(const HeightMap& map, const std::vector<Cell>& in_cores, const Ce
 // --- cores ---
 
 // From a place between walls, level, to the nearest of them; infinite where there is none.
-double room_m(const RayTree& tree, const Eigen::Matrix3d& frame, const Eigen::Vector3d& place_m) {
+double room_m(const RayTree& tree, const Eigen::Matrix3d& frame, const Eigen::Vector3d& position_m) {
   constexpr int kWays = 36;
   double least = INFINITY;
   for (int k = 0; k < kWays; ++k) {
     const double turn = 2 * M_PI * k / kWays;
-    const auto hit = tree.first_hit(place_m, std::cos(turn) * frame.col(0) + std::sin(turn) * frame.col(1), 0);
+    const auto hit = tree.first_hit(position_m, std::cos(turn) * frame.col(0) + std::sin(turn) * frame.col(1), 0);
     if (hit) least = std::min(least, hit->distance_m);
   }
   return least;
 }
 
 // Of the largest circle around a place near its middle, which is moved there.
-double width_m(const RayTree& tree, const Eigen::Matrix3d& frame, Eigen::Vector3d& place_m) {
+double width_m(const RayTree& tree, const Eigen::Matrix3d& frame, Eigen::Vector3d& position_m) {
   constexpr double kFine = 0.003;
-  double room = room_m(tree, frame, place_m);
+  double room = room_m(tree, frame, position_m);
   if (!std::isfinite(room)) return INFINITY;
   for (double step = room / 2; step > kFine * room;) {
     bool moved = false;
     for (int k = 0; k < 8; ++k) {
       const double turn = 2 * M_PI * k / 8;
       const Eigen::Vector3d next =
-          place_m + std::min(step, room / 2) * (std::cos(turn) * frame.col(0) + std::sin(turn) * frame.col(1));
+          position_m + std::min(step, room / 2) * (std::cos(turn) * frame.col(0) + std::sin(turn) * frame.col(1));
       const double found = room_m(tree, frame, next);
       if (!(found > room * (1 + 1e-6)) || !std::isfinite(found)) continue;
-      room = found, place_m = next, moved = true;
+      room = found, position_m = next, moved = true;
     }
     if (!moved) step /= 2;
   }

@@ -51,12 +51,13 @@ TEST(Optimise, CountsATargetAsReachedWithinHalfAMillimetre) {
     return Json::parse(contents(folder.path("result.json")))["poses"][0];
   };
   const Json at = nearest("0.01 0 -0.097", "")["nearest_m"]["tip"];
-  const auto beside = [&](const char* y_m) {  // which no cable of the plane y = 0 pulls to
-    return std::to_string(at[0].get<double>()) + y_m + std::to_string(at[2].get<double>());
+  const auto beside = [&](double across_m) {  // which no cable pulls to
+    return std::to_string(at[0].get<double>()) + " " + std::to_string(at[1].get<double>() + across_m) + " " +
+           std::to_string(at[2].get<double>());
   };
-  EXPECT_TRUE(nearest(beside(" 0.0002 "), "")["target_reached"].get<bool>());
-  EXPECT_FALSE(nearest(beside(" 0.0002 "), " --tolerance 1e-4")["target_reached"].get<bool>());
-  EXPECT_FALSE(nearest(beside(" 0.0008 "), "")["target_reached"].get<bool>());
+  EXPECT_TRUE(nearest(beside(2e-4), "")["target_reached"].get<bool>());
+  EXPECT_FALSE(nearest(beside(2e-4), " --tolerance 1e-4")["target_reached"].get<bool>());
+  EXPECT_FALSE(nearest(beside(1e-3), "")["target_reached"].get<bool>());
 }
 
 TEST(Optimise, NamesWhatIsWrongWithItsArguments) {

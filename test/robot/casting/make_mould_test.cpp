@@ -279,8 +279,8 @@ TEST(MakeMould, RefusesInTheSameWordsAsTheCheck) {
 
 TEST(MakeMould, RefusesACoreThatIsTooThinToBePrinted) {
   expect_one_verdict(
-      "{difference: [{box: {size_m: [0.2, 0.1, 0.003], center_m: [0, 0, 0]}}, "
-      "{cylinder: {start_m: [0, 0, -0.01], end_m: [0, 0, 0.01], radius_m: 0.0004}}]}",
+      "{difference: [{box: {size_m: [0.02, 0.02, 0.004], center_m: [0, 0, 0]}}, "
+      "{box: {size_m: [0.001, 0.001, 0.01], center_m: [0, 0, 0]}}]}",
       "{}", "casting.min_wall_m");
 }
 

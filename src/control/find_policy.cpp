@@ -52,6 +52,11 @@ void add_step(const Simulation& simulation, double time_s, CommandPolicy& policy
 
 }  // namespace
 
+void count_as_reached(PolicyAnswer& answer) {
+  for (OptimisationSummary& summary : answer.summaries)
+    summary.target_reached = summary.usable && summary.final_distance_m < kReached_m;
+}
+
 PolicyAnswer find_policy(Simulation& simulation, const PolicyTask& task, const OptimiserOptions& options,
                          const PoseProgress& progress, const ReducedChoice* reduced) {
   options.validate();

@@ -46,7 +46,7 @@ int make(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
-  CastRobotFile file = load_cast_robot(arguments.robot, options);
+  CastRobotFile file = load_cast_surface(arguments.robot, options);
   for (const std::string& what : arguments.allow)
     (what == "lid" ? file.settings.mould.allow_lid : file.settings.mould.allow_two_part) = true;
   const Mould mould = make_mould(file);

@@ -34,7 +34,7 @@ void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
   std::string robot, result, policy, replay, robust, output;
-  std::optional<double> quantile;
+  std::optional<double> quantile, tolerance_m;
   std::vector<std::string> set;
   PolicyTask task;
   OptimiserOptions options;
@@ -89,9 +89,9 @@ void declare(CommandLine& app, Arguments& arguments) {
   app.add_option("--effort", arguments.task.effort_m, "what distance a unit of command away from rest is worth")
       .type_name("M");
   app.add_option("--method", options.method, join(optimiser_methods())).type_name("METHOD").show_default();
-  app.add_option("--tolerance", options.tolerance_m, "distance within which a target counts as reached")
-      .type_name("M")
-      .show_default();
+  app.add_option("--tolerance", arguments.tolerance_m,
+                 "distance within which a target counts as reached, and the search ends (0.0005, and on to 0.00001)")
+      .type_name("M");
   app.add_option("--iterations", options.max_iterations, "of the method, at most").type_name("N");
   app.add_option("--seed", options.seed, "of methods with random numbers").type_name("N").show_default();
   app.add_option("--robust", arguments.robust, "do well on the robots that this file draws, or replay on them")
@@ -216,7 +216,8 @@ int optimise_on_random_robots(const Arguments&, const SceneOptions&, const Polic
 }
 #endif
 
-int optimise_robot(const Arguments& arguments) {
+int optimise_robot(Arguments& arguments) {
+  if (arguments.tolerance_m) arguments.options.tolerance_m = *arguments.tolerance_m;
   arguments.options.validate();
   SceneOptions scene_options;
   scene_options.actuator_factory = make_actuator;
@@ -246,6 +247,7 @@ int optimise_robot(const Arguments& arguments) {
         },
         scene.reduction ? &scene.reduction->choice : nullptr);
   }
+  if (!arguments.tolerance_m) count_as_reached(answer);
   nlohmann::ordered_json result;
   for (size_t i = 0; i < answer.summaries.size(); ++i) {
     print(answer.summaries[i], task.poses[i]);

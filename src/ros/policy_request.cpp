@@ -77,10 +77,7 @@ PolicyTask correction_task(const ExecutePolicy::Request& request, const std::opt
 }
 
 void count_as_reached(const OptimisePolicy::Request& request, PolicyAnswer& answer) {
-  constexpr double known_m = 5.0e-4;
-  if (request.tolerance_m != 0.0) return;
-  for (OptimisationSummary& summary : answer.summaries)
-    summary.target_reached = summary.usable && summary.final_distance_m < known_m;
+  if (request.tolerance_m == 0.0) count_as_reached(answer);
 }
 
 void fill_response(const PolicyAnswer& answer, const PolicyTask& task, OptimisePolicy::Response& response) {

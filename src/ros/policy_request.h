@@ -21,8 +21,7 @@ PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s);
 // found for. Throws std::invalid_argument as policy_task does, and where there is neither.
 PolicyTask correction_task(const ExecutePolicy::Request& request, const std::optional<PolicyTask>& found);
 
-// Where a request leaves open within which distance a target counts as reached, half a millimetre does: meshes
-// and cameras know no better. A search goes on below it.
+// Where a request leaves the distance open.
 void count_as_reached(const OptimisePolicy::Request& request, PolicyAnswer& answer);
 
 // The message says why the last pose's search stopped, and, where the target is out of reach, what is nearest to it and

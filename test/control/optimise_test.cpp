@@ -41,6 +41,25 @@ TEST(Optimise, TakesMarkersAndPosesInTheirOrder) {
   EXPECT_EQ(result["policy"]["steps"].back()["time_s"], 6.0);
 }
 
+// The service counts half a millimetre as reached where nobody says what does, and so does the program.
+TEST(Optimise, CountsATargetAsReachedWithinHalfAMillimetre) {
+  const SceneFolder folder;
+  const auto nearest = [&](const std::string& target, const std::string& more) {
+    const Outcome outcome =
+        optimise(folder, bar + "--marker tip --target " + target + more + " --result " + folder.path("result.json"));
+    EXPECT_EQ(outcome.exit_status, 0) << outcome.err;
+    return Json::parse(contents(folder.path("result.json")))["poses"][0];
+  };
+  const Json at = nearest("0.01 0 -0.097", "")["nearest_m"]["tip"];
+  const auto beside = [&](double across_m) {  // which no cable pulls to
+    return std::to_string(at[0].get<double>()) + " " + std::to_string(at[1].get<double>() + across_m) + " " +
+           std::to_string(at[2].get<double>());
+  };
+  EXPECT_TRUE(nearest(beside(2e-4), "")["target_reached"].get<bool>());
+  EXPECT_FALSE(nearest(beside(2e-4), " --tolerance 1e-4")["target_reached"].get<bool>());
+  EXPECT_FALSE(nearest(beside(1e-3), "")["target_reached"].get<bool>());
+}
+
 TEST(Optimise, NamesWhatIsWrongWithItsArguments) {
   const SceneFolder folder;
   const std::vector<std::pair<std::string, std::string>> table = {

@@ -49,6 +49,11 @@ struct PolicyAnswer {
   std::vector<std::string> full_because;
 };
 
+// Where nobody says within which distance a target counts as reached, half a millimetre does: meshes and cameras know
+// no better. A search goes on below it.
+constexpr double kReached_m = 5.0e-4;
+void count_as_reached(PolicyAnswer& answer);
+
 // `pose` counts from 0.
 using PoseProgress =
     std::function<bool(size_t pose, const std::vector<std::string>& actuators, const OptimisationProgress& progress)>;

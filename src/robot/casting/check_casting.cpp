@@ -41,10 +41,8 @@ CastingTest extraction_test(const Extraction& out, const TwoPart& halves, bool g
   const std::string way = given ? "along the given direction" : "along any direction";
   if (!out.blocked.empty()) {
     test.at_m = out.at_m;
-    test.why = sentence(
-        1e6 * out.blocked_area_m2, " mm^2 of skin are held by the mould ", way, ", by up to ", mm(out.trap_depth_m),
-        " at ", place_text(out.at_m),
-        halves.passed ? "; a mould of two parts would let it out." : "; two parts do not help along this direction.");
+    test.why = sentence(1e6 * out.blocked_area_m2, " mm^2 of skin are held by the mould ", way, ", by up to ",
+                        mm(out.trap_depth_m), " at ", place_text(out.at_m), ".");
   } else if (!(out.top_area_m2 > 0)) {
     test.why = "No flat side can be open to air while the silicone cures.";
   } else {
@@ -206,18 +204,42 @@ CastingTest suction_test(const Pockets& found, const CastRobot& robot, const Cas
 
 CastingTest aspect_test(const Pockets& found, double limit) {
   CastingTest test{"aspect", true, {}, {}, "", ""};
-  double worst = 0;
-  for (const Pocket& pocket : found.pockets) {
-    const double aspect = pocket.depth_m / std::max(pocket.width_m, 1e-9);
-    if (aspect <= worst) continue;
-    worst = aspect;
-    test.at_m = pocket.at_m;
-  }
-  test.passed = worst <= limit;
-  test.numbers = {{"worst", worst}, {"limit", limit}};
+  const Core slimmest = found.cores.empty() ? Core() : found.cores[0];
+  const auto through = std::count_if(found.cores.begin(), found.cores.end(), [](const Core& c) { return c.through; });
+  constexpr double kExact = 1 + 1e-2;  // what facets take from the width of a round hole
+  test.passed = slimmest.aspect() <= limit * kExact;
+  test.numbers = {{"worst", slimmest.aspect()},
+                  {"limit", limit},
+                  {"height_m", found.cores.empty() ? INFINITY : slimmest.height_m},
+                  {"width_m", slimmest.width_m},
+                  {"cores", static_cast<double>(found.cores.size())},
+                  {"through_holes", static_cast<double>(through)}};
+  if (!found.cores.empty()) test.at_m = slimmest.at_m;
   if (!test.passed)
-    test.why = sentence("The core at ", place_text(*test.at_m), " is ", worst, " times as high as wide, more than ",
-                        limit, ".");
+    test.why = sentence("The core ", slimmest.through ? "of the hole through the robot " : "", "at ",
+                        place_text(*test.at_m), " is ", slimmest.aspect(), " times as high as wide (",
+                        mm(slimmest.height_m), " by ", mm(slimmest.width_m), "), more than ", limit, ".");
+  return test;
+}
+
+Surface turned_inside_out(Surface surface) {
+  surface.triangles.row(1).swap(surface.triangles.row(2));
+  surface.neighbours.row(0).swap(surface.neighbours.row(2));
+  surface.normals *= -1;
+  surface.true_normals *= -1;
+  return surface;
+}
+
+CastingTest walls_test(const Surface& surface, double limit_m) {
+  const Surface mould = turned_inside_out(surface);
+  const ThinPlace thinnest = measure_balls(RayTree(mould), limit_m);
+  constexpr double kExact = 1 - 1e-3;  // as of silicone
+  CastingTest test{"mould_walls", thinnest.worst_m >= limit_m * kExact, {}, {}, "", ""};
+  test.numbers = {{"worst_m", thinnest.worst_m}, {"limit_m", limit_m}};
+  if (std::isfinite(thinnest.worst_m)) test.at_m = thinnest.at_m;
+  if (!test.passed)
+    test.why = sentence("The mould would be ", mm(thinnest.worst_m), " thick between ", place_text(thinnest.at_m),
+                        " and ", place_text(thinnest.opposite_m), ", less than casting.min_wall_m, ", mm(limit_m), ".");
   return test;
 }
 
@@ -277,6 +299,7 @@ CastingVerdict check_casting(const CastRobot& robot, const CastingSettings& sett
       stretch_test(surface, verdict.direction, settings.max_stretch),
       suction_test(pockets, robot, settings),
       aspect_test(pockets, settings.max_core_aspect),
+      walls_test(surface, settings.mould.min_wall_m),
       mesh_test(robot.mesh_qualities)};
   verdict.castable = std::all_of(verdict.tests.begin(), verdict.tests.end(), [](const auto& t) { return t.passed; });
   return verdict;

@@ -31,6 +31,10 @@ constexpr Bound kBounds[] = {{"extraction", "draft ", "draft_deg", "min_draft_de
                              {"suction", "without air holes ", "force_without_air_holes_n", nullptr, false, 1, " N"},
                              {"suction", "a strain of ", "strain", "limit_strain", false, 1, ""},
                              {"aspect", "", "worst", "limit", false, 1, ""},
+                             {"aspect", "of a core ", "height_m", nullptr, false, 1e3, " mm high"},
+                             {"aspect", "", "width_m", nullptr, false, 1e3, " mm wide"},
+                             {"aspect", "holes through the robot ", "through_holes", nullptr, false, 1, ""},
+                             {"mould_walls", "", "worst_m", "limit_m", true, 1e3, " mm"},
                              {"mesh_quality", "Q_vl ", "worst", "limit", true, 1, ""}};
 
 double number_of(const CastingTest& test, const std::string& key) {

@@ -151,6 +151,20 @@ std::optional<double> parting_offset(const Surface& surface, const Vector3d& dir
   return std::clamp(middle, skin.down_m, skin.up_m);
 }
 
+// The parts of cores that stand on one half, up to the parting plane.
+void require_short_cores(const CastRobot& robot, const Parting& parting, const CastingSettings& settings) {
+  const RayTree tree(robot.surface);
+  for (const double sign : {1.0, -1.0}) {
+    const Pockets found =
+        find_pockets(tree, sign * parting.direction, settings.notch_radius_m, sign * parting.offset_m);
+    if (found.cores.empty() || found.cores[0].aspect() <= settings.max_core_aspect) continue;
+    std::ostringstream text;
+    text << "the core of a half at " << place_text(found.cores[0].at_m) << " would be " << found.cores[0].aspect()
+         << " times as high as wide, more than casting.max_core_aspect, " << settings.max_core_aspect;
+    throw NoMould(text.str());
+  }
+}
+
 void require_no_pockets(const CastRobot& robot, const Vector3d& direction, const CastingSettings& settings) {
   const RayTree tree(robot.surface);
   for (const double sign : {1.0, -1.0}) {
@@ -340,6 +354,7 @@ void require_room_for_spout(const Flanged& made, const MouldSettings& mould, con
 MouldPlan plan_two_parts(const CastRobot& robot, const Solid& solid, const CastingSettings& settings) {
   const Parting parting = find_parting(robot.surface, find_tops(robot.surface));
   require_no_pockets(robot, parting.direction, settings);
+  require_short_cores(robot, parting, settings);
   MouldPlan plan;
   const RayTree tree(robot.surface);
   plan.two_part = true;
@@ -362,15 +377,6 @@ MouldPlan plan_two_parts(const CastRobot& robot, const Solid& solid, const Casti
   return plan;
 }
 
-bool two_parts_would_do(const CastRobot& robot) {
-  try {
-    find_parting(robot.surface, find_tops(robot.surface));
-    return true;
-  } catch (const NoMould&) {
-    return false;
-  }
-}
-
 void require_printable(const MouldPlan& plan, const MouldSettings& mould) {
   for (const MouldPiece& piece : plan.pieces) {
     if (fits_printer(piece.size_m, mould.printer_m)) continue;
@@ -378,6 +384,44 @@ void require_printable(const MouldPlan& plan, const MouldSettings& mould) {
     text << piece.name << " of " << 1000 * piece.size_m.transpose() << " mm does not fit the printer of "
          << 1000 * mould.printer_m.transpose() << " mm; a larger casting.printer_m would do";
     throw NoMould(text.str());
+  }
+}
+
+void judge_one_part(const CastRobotFile& file, const Solid& solid, JudgedMould& judged) {
+  CastingTest made{"mould", true, {}, {}, "", "", ""};
+  try {
+    judged.plan = plan_one_part(file, solid, judged.verdict);
+    require_printable(*judged.plan, file.settings.mould);
+  } catch (const NoMould& reason) {
+    judged.plan.reset();
+    judged.verdict.castable = made.passed = false;
+    made.why = std::string("The robot would leave its mould, but this program makes none: ") + reason.what() + ".";
+  }
+  judged.verdict.tests.push_back(made);
+}
+
+// A kind of mould that a failed test may pass with.
+struct MouldKind {
+  std::string test, key, words;
+  bool allowed;
+};
+
+template <typename Plan>
+void judge_kind(const CastRobotFile& file, const MouldKind& kind, const Plan& plan, JudgedMould& judged) {
+  const auto failed = [&](const CastingTest& test) { return test.name == kind.test; };
+  std::string& why = std::find_if(judged.verdict.tests.begin(), judged.verdict.tests.end(), failed)->why;
+  try {
+    MouldPlan made = plan();
+    require_printable(made, file.settings.mould);
+    why += " A mould " + kind.words + " is made with casting: {allow: [" + kind.key + "]} or make_mould --allow " +
+           kind.key + ".";
+    if (!kind.allowed) return;
+    judged.plan = std::move(made);
+    for (CastingTest& test : judged.verdict.tests)
+      if (!test.passed) test.passed = true, test.by = kind.key;
+    judged.verdict.castable = true;
+  } catch (const NoMould& reason) {
+    why += " This program makes no mould " + kind.words + " of it: " + reason.what() + ".";
   }
 }
 
@@ -407,43 +451,37 @@ Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops)
   }
   if (best) return *best;
   throw NoMould(
-      "no plane across an axis parts two halves that both come off; a stepped parting surface or side cores would be "
-      "needed");
+      "no flat plane across one of its axes has all skin that faces up above it and all that faces down below it; what "
+      "reaches across such a plane, as a core on the upper half, a stepped parting or side cores, is not made");
+}
+
+JudgedMould judge_mould(const CastRobotFile& file, CastingVerdict verdict) {
+  const Solid solid = robot_solid(file);
+  JudgedMould judged{std::move(verdict), std::nullopt};
+  if (judged.verdict.castable) {
+    judge_one_part(file, solid, judged);
+  } else if (!reasons(judged.verdict, {"cavities", "extraction", "stretch", "suction", "aspect"}).empty()) {
+    // No kind of mould mends what else fails.
+  } else if (!judged.verdict.test("cavities").passed) {
+    judge_kind(
+        file, {"cavities", "lid", "with a lid", file.settings.mould.allow_lid}, [&] { return plan_lid(file, solid); },
+        judged);
+  } else if (!judged.verdict.test("extraction").passed) {
+    judge_kind(
+        file, {"extraction", "two_part", "of two halves", file.settings.mould.allow_two_part},
+        [&] { return plan_two_parts(file.robot, solid, file.settings); }, judged);
+  }
+  return judged;
 }
 
 MouldPlan plan_mould(const CastRobotFile& file, const CastingVerdict& verdict) {
-  const Solid solid = robot_solid(file);
-  const MouldSettings& mould = file.settings.mould;
-  const auto printable = [&](const MouldPlan& plan) { return require_printable(plan, mould), plan; };
-  if (verdict.castable) return printable(plan_one_part(file, solid, verdict));
-  if (!verdict.test("cavities").passed && mould.allow_lid) {
-    const std::string faults = reasons(verdict, {"cavities", "extraction", "stretch", "suction", "aspect"});
-    if (!faults.empty()) throw NoMould(faults);
-    return printable(plan_lid(file, solid));
-  }
-  const std::string others = reasons(verdict, {"extraction", "stretch", "suction", "aspect"});
-  if (!others.empty() || verdict.test("extraction").passed) throw NoMould(reasons(verdict, {}));
-  if (mould.allow_two_part) return printable(plan_two_parts(file.robot, solid, file.settings));
-  throw NoMould(reasons(verdict, {}) +
-                (two_parts_would_do(file.robot) ? " --allow two_part makes a mould of two halves." : ""));
+  JudgedMould judged = judge_mould(file, verdict);
+  if (!judged.plan) throw NoMould(reasons(judged.verdict, {}));
+  return *std::move(judged.plan);
 }
 
 CastingVerdict with_allowed_moulds(const CastRobotFile& file, CastingVerdict verdict) {
-  const MouldSettings& allowed = file.settings.mould;
-  if (verdict.castable || !(allowed.allow_lid || allowed.allow_two_part) || !file.solid || holds_stl(*file.solid))
-    return verdict;
-  try {
-    const MouldPlan plan = plan_mould(file, verdict);
-    for (CastingTest& test : verdict.tests) {
-      if (test.passed) continue;
-      test.passed = true;
-      test.by = plan.lid ? "lid" : "two_part";
-    }
-    verdict.castable = true;
-  } catch (const NoMould&) {
-    // The verdict says what fails.
-  }
-  return verdict;
+  return !file.solid || holds_stl(*file.solid) ? verdict : judge_mould(file, std::move(verdict)).verdict;
 }
 
 }  // namespace soft_robot_lab

@@ -74,12 +74,22 @@ struct Parting {
 };
 Parting find_parting(const Surface& surface, const std::vector<HullPlane>& tops);
 
-// With the file's verdict, as check_casting gives it. Throws NoMould, or std::invalid_argument where the body is not
-// made of solids. A piece that the printer has no room for is refused here, before it is meshed.
+// What the programs say of a robot, and the mould that they make of it: none where the verdict is not castable.
+struct JudgedMould {
+  CastingVerdict verdict;
+  std::optional<MouldPlan> plan;
+};
+
+// With the file's verdict about one block, as check_casting gives it. Tests that two halves or a lid let pass, which
+// `casting.allow` names, say so in `by`; where it does not name them, or no such mould is made, `why` says that. A
+// castable robot of which no mould is made fails the added test `mould`. A piece that the printer has no room for is
+// refused here, before it is meshed. Throws std::invalid_argument where the body is not made of shapes and STEP.
+JudgedMould judge_mould(const CastRobotFile& file, CastingVerdict verdict);
+
+// Throws as judge_mould, and NoMould with the reasons of all tests that fail.
 MouldPlan plan_mould(const CastRobotFile& file, const CastingVerdict& verdict);
 
-// A verdict about one block, as check_casting gives it, with what `casting.allow` makes of it: tests that two halves or
-// a lid let pass say so in `by`.
+// The verdict of judge_mould; as it is of other bodies, which get no mould.
 CastingVerdict with_allowed_moulds(const CastRobotFile& file, CastingVerdict verdict);
 
 }  // namespace soft_robot_lab

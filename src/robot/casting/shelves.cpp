@@ -49,13 +49,13 @@ std::vector<double> crossings_m(const RayTree& robot, const std::vector<Vector3d
   return all;
 }
 
-struct Stretch {
+struct Run {
   double from_m, to_m, outside_m;
 };
 
 // Those inside the robot; where the robot leaves a short gap, two are one.
-std::vector<Stretch> stretches(const RayTree& robot, const std::vector<Vector3d>& points_m, double longest_slot_m) {
-  std::vector<Stretch> found;
+std::vector<Run> stretches(const RayTree& robot, const std::vector<Vector3d>& points_m, double longest_slot_m) {
+  std::vector<Run> found;
   const std::vector<double> at = crossings_m(robot, points_m);
   for (size_t i = 0; i + 1 < at.size(); ++i) {
     if (at[i + 1] - at[i] < 1e-6 || !is_inside(robot, point_along(points_m, (at[i] + at[i + 1]) / 2))) continue;
@@ -70,7 +70,7 @@ std::vector<Stretch> stretches(const RayTree& robot, const std::vector<Vector3d>
   return found;
 }
 
-std::vector<Vector3d> cut_out(const std::vector<Vector3d>& points_m, const Stretch& stretch) {
+std::vector<Vector3d> cut_out(const std::vector<Vector3d>& points_m, const Run& stretch) {
   std::vector<Vector3d> cut{point_along(points_m, stretch.from_m)};
   double at = 0;
   for (size_t i = 0; i + 1 < points_m.size(); ++i) {
@@ -192,7 +192,7 @@ std::vector<SheathPiece> sheath_pieces(const RayTree& robot, const std::vector<S
   std::vector<SheathPiece> pieces;
   for (const SheathPath& path : paths) {
     const std::vector<Vector3d> points = bends_of(path.points_m);
-    for (const Stretch& stretch : stretches(robot, points, longest_slot_m)) {
+    for (const Run& stretch : stretches(robot, points, longest_slot_m)) {
       const std::vector<Vector3d> cut = cut_out(points, stretch);
       pieces.push_back({path.name, cut, swept(robot, cut, path.radius_m), path.radius_m, stretch.outside_m});
     }

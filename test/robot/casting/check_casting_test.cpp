@@ -2,6 +2,7 @@
 #include "robot/casting/check_casting.h"
 
 #include <functional>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -79,7 +80,10 @@ TEST(CheckCasting, CountsNoHoleThroughTheRobotAsPartOfAPocket) {
       revolved({{0.006, 0}, {0.01, 0}, {0.01, 0.02}, {0.002, 0.02}, {0.002, 0.01}, {0.006, 0.01}}, 64).surface();
   const Pockets found = find_pockets(RayTree(surface), kUp, 0.0005);
   ASSERT_EQ(found.pockets.size(), 1u);
-  EXPECT_NEAR(found.pockets[0].depth_m, 0.01, 1e-6);
+  ASSERT_EQ(found.cores.size(), 1u);
+  EXPECT_TRUE(found.cores[0].through);
+  EXPECT_NEAR(found.cores[0].height_m, 0.01, 0.02 * 0.01);  // its upper part is the slimmer one
+  EXPECT_NEAR(found.cores[0].width_m, 0.004, 0.02 * 0.004);
   EXPECT_NEAR(found.pockets[0].roof_area_m2, kPi * (36e-6 - 4e-6), 0.02 * kPi * 32e-6);
 }
 
@@ -87,8 +91,10 @@ TEST(CheckCasting, MeasuresTheCoreOfAPocket) {
   const Surface surface = cup(0.01, 0.005, 0.05, 0.004, 64).surface();
   const Pockets found = find_pockets(RayTree(surface), kUp, 0.0005);
   ASSERT_EQ(found.pockets.size(), 1u);
-  EXPECT_NEAR(found.pockets[0].depth_m, 0.046, 1e-6);
-  EXPECT_NEAR(found.pockets[0].width_m, 0.01, 0.03 * 0.01);
+  ASSERT_EQ(found.cores.size(), 1u);
+  EXPECT_FALSE(found.cores[0].through);
+  EXPECT_NEAR(found.cores[0].height_m, 0.046, 1e-6);
+  EXPECT_NEAR(found.cores[0].width_m, 0.01, 0.01 * 0.01);
   EXPECT_NEAR(found.footprint_m2, kPi * 1e-4, 0.01 * kPi * 1e-4);
 }
 
@@ -194,6 +200,60 @@ TEST(CheckCasting, KnowsTheNormalsOfWhatFacetsStandFor) {
   const Surface cone =
       meshed("{cone: {start_m: [0, 0, 0], end_m: [0, 0, 0.1], radius_m: 0.015, end_radius_m: " + end_radius + "}}");
   EXPECT_LT(worst_angle_rad(cone, of_cone), 1e-4);
+}
+
+std::string bar(double radius_m, double from_m, double to_m, double x_m = 0, double end_radius_m = 0) {
+  std::ostringstream text;
+  text << (end_radius_m > 0 ? "{cone: " : "{cylinder: ") << "{start_m: [" << x_m << ", 0, " << from_m << "], end_m: ["
+       << x_m << ", 0, " << to_m << "], radius_m: " << radius_m;
+  if (end_radius_m > 0) text << ", end_radius_m: " << end_radius_m;
+  return text.str() + "}}";
+}
+
+struct Holed {
+  std::string solid;
+  double aspect, through_holes;
+};
+
+// The mesher's facets of a round wall share no corners from one height to the next, so that slivers look down.
+TEST(CheckCasting, MeasuresTheCoresOfRoundHoles) {
+  const std::string block = "{box: {size_m: [0.06, 0.04, 0.05], center_m: [0, 0, 0.025]}}, ";
+  const std::string whole = bar(0.018, 0, 0.05) + ", ";
+  for (const auto& [solid, aspect, holes] : {
+           Holed{whole + bar(0.012, -0.001, 0.051), 50 / 24.0, 1},
+           Holed{whole + bar(0.01, -0.001, 0.051, 0.004), 2.5, 1},
+           Holed{whole + bar(0.002, -0.001, 0.051), 12.5, 1},
+           Holed{whole + bar(0.01, -0.001, 0.045), 2.25, 0},
+           Holed{whole + bar(0.012, 0, 0.05, 0, 0.006), 50 / 24.0, 1},
+           Holed{bar(0.03, 0, 0.003) + ", " + bar(0.004, -0.001, 0.004), 0.375, 1},
+           Holed{block + bar(0.009, -0.001, 0.051), 50 / 18.0, 1},
+           Holed{block + bar(0.009, -0.001, 0.051, -0.015) + ", " + bar(0.006, -0.001, 0.051, 0.02), 50 / 12.0, 2},
+           Holed{whole + bar(0.012, -0.001, 0.01) + ", " + bar(0.004, 0, 0.051), 5, 1},
+       }) {
+    CastRobot robot;
+    robot.surface = meshed("{difference: [" + solid + "]}");
+    CastingSettings settings;
+    settings.direction = kUp;
+    const CastingVerdict verdict = check_casting(robot, settings);
+    EXPECT_NEAR(number(verdict, "aspect", "worst"), aspect, 0.02 * aspect) << solid;
+    EXPECT_EQ(number(verdict, "aspect", "through_holes"), holes) << solid;
+    EXPECT_EQ(verdict.test("aspect").passed, aspect <= 5) << solid;
+    EXPECT_EQ(number(verdict, "suction", "pockets") > 0, holes == 0 || aspect == 5) << solid;
+  }
+}
+
+TEST(CheckCasting, SaysThatASlimCoreStandsInAHoleThroughTheRobot) {
+  const CastingVerdict verdict = check_casting(robot_of(pipe(0.01, 0.002, 0.05, 48)), {});
+  EXPECT_EQ(failures(verdict), "aspect");
+  EXPECT_NE(verdict.test("aspect").why.find("hole through the robot"), std::string::npos);
+}
+
+TEST(CheckCasting, MeasuresASquareHoleAsARoundOne) {
+  CastRobot robot;
+  robot.surface = meshed(
+      "{difference: [{box: {size_m: [0.04, 0.04, 0.05], center_m: [0, 0, 0]}}, "
+      "{box: {size_m: [0.018, 0.018, 0.06], center_m: [0, 0, 0]}}]}");
+  EXPECT_NEAR(number(check_casting(robot, {}), "aspect", "worst"), 50 / 18.0, 0.01);
 }
 
 TEST(CheckCasting, LetsACylinderLeaveAlongItsAxis) {

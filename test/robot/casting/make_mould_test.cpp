@@ -254,6 +254,36 @@ TEST(MakeMould, RefusesALidWhereNoCoreLeaves) {
             std::string::npos);
 }
 
+// Of a robot whose file is `solid`: what the check says of it, and what making its mould says.
+void expect_one_verdict(const std::string& solid, const std::string& casting, const std::string& words) {
+  const SceneFolder folder;
+  const CastRobotFile file = robot_of(folder, solid, casting);
+  const CastingVerdict verdict = with_allowed_moulds(file, check_casting(file));
+  EXPECT_FALSE(verdict.castable);
+  const std::string said = refusal(file);
+  EXPECT_NE(said.find(words), std::string::npos) << said;
+  for (const CastingTest& test : verdict.tests) EXPECT_NE(said.find(test.passed ? "" : test.why), std::string::npos);
+}
+
+// Its outside and its inside widen upwards: a core on the upper half would do, which no flat plane makes.
+constexpr char kCup[] =
+    "{difference: [{cone: {start_m: [0, 0, 0], end_m: [0, 0, 0.03], radius_m: 0.019, end_radius_m: 0.02}}, "
+    "{cone: {start_m: [0, 0, 0.005], end_m: [0, 0, 0.0301], radius_m: 0.014, end_radius_m: 0.015}}]}";
+
+TEST(MakeMould, RefusesInTheSameWordsAsTheCheck) {
+  expect_one_verdict(kCup, "{allow: [two_part, lid], air_holes: true}", "makes no mould of two halves");
+  expect_one_verdict(kHammer, "{}", "casting: {allow: [two_part]}");
+  expect_one_verdict(kHollow, "{}", "casting: {allow: [lid]}");
+  expect_one_verdict(kBox, "{printer_m: [0.03, 0.03, 0.2]}", "printer_m");
+}
+
+TEST(MakeMould, RefusesACoreThatIsTooThinToBePrinted) {
+  expect_one_verdict(
+      "{difference: [{box: {size_m: [0.02, 0.02, 0.004], center_m: [0, 0, 0]}}, "
+      "{box: {size_m: [0.001, 0.001, 0.01], center_m: [0, 0, 0]}}]}",
+      "{}", "casting.min_wall_m");
+}
+
 TEST(MakeMould, RefusesWhatItCannotMakeAndNamesWhatWouldHelp) {
   const SceneFolder folder;
   EXPECT_NE(refusal(robot_of(folder, kHammer)).find("--allow two_part"), std::string::npos);
@@ -442,6 +472,15 @@ TEST(MakeMould, LeavesFoldersOfOthersAlone) {
   EXPECT_NE(sooner.err.find("other files"), std::string::npos) << "before the robot is read: " << sooner.err;
   EXPECT_NE(outcome.err.find("other files"), std::string::npos) << outcome.err;
   EXPECT_EQ(contents(folder.path("mine/notes.txt")), "kept");
+}
+
+TEST(MakeMould, NeedsNothingHeldAndMakesTheMouldOfASleeve) {
+  const SceneFolder folder;
+  const std::string sleeve =
+      "body: {solid: {difference: [{cylinder: {start_m: [0, 0, 0], end_m: [0, 0, 0.02], radius_m: 0.012}}, "
+      "{cylinder: {start_m: [0, 0, -0.001], end_m: [0, 0, 0.021], radius_m: 0.008}}]}}";
+  const Outcome outcome = run(folder, folder.write("sleeve.yaml", sleeve) + " --output " + folder.path("mould"));
+  EXPECT_EQ(outcome.exit_status, 0) << outcome.err;
 }
 
 TEST(MakeMould, EndsWithOneWhereNoMouldCanBeMadeAndWithTwoForABadFile) {

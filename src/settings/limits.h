@@ -21,11 +21,16 @@ inline constexpr double kAngularSpeed_rad_s = 1e4;  // an angular speed (`_rad_s
 inline constexpr double kMass_kg = 1e6;             // a mass (`_kg`)
 
 // Counts in a scene.
-inline constexpr int kSolids = 1000;          // solids in a `solid`, copies of arrays counted each
-inline constexpr int kSolidCopies = 1000;     // copies of one `array`
-inline constexpr int kSplinePoints = 500;     // points of a `spline_m`
-inline constexpr int kPolygonCorners = 2000;  // corners of a `polygon_m`
-inline constexpr int kObstacles = 1000;       // obstacles
-inline constexpr int kFreeObstacles = 100;    // obstacles with a `mass_kg`
+inline constexpr int kSolids = 1000;                // solids in a `solid`, copies of arrays counted each
+inline constexpr int kSolidCopies = 1000;           // copies of one `array`
+inline constexpr int kSplinePoints = 500;           // points of a `spline_m`
+inline constexpr int kPolygonCorners = 2000;        // corners of a `polygon_m`
+inline constexpr int kObstacles = 1000;             // obstacles
+inline constexpr int kFreeObstacles = 100;          // obstacles with a `mass_kg`
+inline constexpr std::size_t kTriangles = 1000000;  // triangles of an STL file, or of a solid's surface
+
+// Of the mesher.
+inline constexpr double kMemory_gb = 6.0;       // memory of a body's factor, and of the mesher
+inline constexpr double kMesherTime_s = 120.0;  // time of one run of the mesher, without what it waits for a core
 
 }  // namespace soft_robot_lab::limits

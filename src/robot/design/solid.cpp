@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "mesh_formats.h"
 #include "settings/read_points.h"
 #include "solid_kind_names.h"
 
@@ -213,11 +214,13 @@ void read_fillet(const YamlNode& node, Solid& solid) {
   if ((solid.start_m.array() > solid.end_m.array()).any()) box->fail("min_m lies beyond max_m");
 }
 
-std::string read_file(const YamlNode& node) {
+std::string read_file(const YamlNode& node, MeshFormat format) {
   namespace fs = std::filesystem;
   const fs::path file = fs::absolute(fs::path(node.source()).parent_path() / node.as_text()).lexically_normal();
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) node.fail("there is no file " + file.string());
+  if (!has_ending_of(file, format))
+    node.fail("'" + file.string() + "' must end with " + (format == MeshFormat::stl ? ".stl" : ".step or .stp"));
   return file.string();
 }
 
@@ -269,7 +272,7 @@ Solid read_solid(const YamlNode& node) {
   solid.material = node.optional_child("material");
   if (solid.material && solid.name.empty()) solid.material->fail("belongs to a solid without a name; give it one");
   if (solid.kind == Kind::step_file || solid.kind == Kind::stl_file) {
-    solid.file = read_file(shape);
+    solid.file = read_file(shape, solid.kind == Kind::stl_file ? MeshFormat::stl : MeshFormat::step);
   } else {
     readers[static_cast<size_t>(solid.kind)](shape, solid);
   }

@@ -29,6 +29,10 @@ inline constexpr int kObstacles = 1000;             // obstacles
 inline constexpr int kFreeObstacles = 100;          // obstacles with a `mass_kg`
 inline constexpr std::size_t kTriangles = 1000000;  // triangles of an STL file, or of a solid's surface
 
+inline constexpr std::size_t kName_characters = 100;       // characters of a name
+inline constexpr std::size_t kRollouts = 1000000;          // rollouts of one run
+inline constexpr std::size_t kRolloutCommands = 20000000;  // commands of all rollouts together, times counted too
+
 // Of the mesher.
 inline constexpr double kMemory_gb = 6.0;       // memory of a body's factor, and of the mesher
 inline constexpr double kMesherTime_s = 120.0;  // time of one run of the mesher, without what it waits for a core

@@ -33,8 +33,18 @@ inline constexpr std::size_t kName_characters = 100;       // characters of a na
 inline constexpr std::size_t kRollouts = 1000000;          // rollouts of one run
 inline constexpr std::size_t kRolloutCommands = 20000000;  // commands of all rollouts together, times counted too
 
+// Files.
+inline constexpr std::uintmax_t kSettings_bytes = 16777216;  // bytes of a settings file
+// Two million quadratic elements in text take 0.4 GB.
+inline constexpr std::uintmax_t kMesh_bytes = 536870912;       // bytes of a mesh, STL or STEP file
+inline constexpr std::uintmax_t kCommands_bytes = 1073741824;  // bytes of a file of rollouts' commands
+inline constexpr std::uintmax_t kStep_bytes = 1073741824;      // bytes of a STEP file that is written
+inline constexpr std::size_t kArchive_bytes = 4294967294;      // bytes of an npz file
+inline constexpr long kTree_bytes = 256000000;                 // bytes of a settings file with all that aliases repeat
+inline constexpr long kTree_nodes = 500000;                    // values in a settings file
+inline constexpr int kTree_depth = 100;                        // maps and lists within each other
+
 // Of the mesher.
-inline constexpr double kMemory_gb = 6.0;       // memory of a body's factor, and of the mesher
-inline constexpr double kMesherTime_s = 120.0;  // time of one run of the mesher, without what it waits for a core
+inline constexpr double kMemory_gb = 6.0;  // memory of a body's factor, and of the mesher
 
 }  // namespace soft_robot_lab::limits

@@ -11,6 +11,7 @@
 
 #include <boost/crc.hpp>
 
+#include "settings/limits.h"
 #include "settings/read_name.h"
 #include "settings/words.h"
 
@@ -21,7 +22,7 @@ namespace {
 constexpr std::uint32_t kFile = 0x04034b50, kRow = 0x02014b50, kEnd = 0x06054b50;
 constexpr std::size_t kFileHeader = 30, kRowHeader = 46, kEndHeader = 22;
 constexpr std::uint64_t kNameIsUtf8 = 1 << 11;
-constexpr std::size_t kLargest_bytes = 0xfffffffe, kNone = static_cast<std::size_t>(-1);
+constexpr std::size_t kLargest_bytes = limits::kArchive_bytes, kNone = static_cast<std::size_t>(-1);
 const std::string kMagic = "\x93NUMPY";
 
 void expect(bool good, const std::string& why) {

@@ -18,7 +18,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr std::uintmax_t kLargestCommands_bytes = 1u << 30;
+constexpr std::uintmax_t kLargestCommands_bytes = limits::kCommands_bytes;
 using limits::kRollouts;
 
 [[noreturn]] void fail(const std::string& where, const std::string& why) {

@@ -115,9 +115,9 @@ void check_polygon(const YamlNode& node, const std::vector<Eigen::Vector2d>& cor
 }
 
 // Before anything is made of them: what the kernel does with many takes it hours.
-void require_few(const YamlNode& node, std::size_t count, int most, const std::string& what) {
+void require_few(const YamlNode& node, std::size_t count, int most) {
   if (count > static_cast<std::size_t>(most))
-    node.fail("has " + std::to_string(count) + " " + what + ", at most " + std::to_string(most) + " are read");
+    node.fail("has " + std::to_string(count) + " items, at most " + std::to_string(most) + " are read");
 }
 
 // With each copy of an array; beyond the limit no more are counted.
@@ -134,7 +134,7 @@ void read_polygon(const YamlNode& node, Solid& solid) {
     if (corner.size() != 2) item.fail("has " + std::to_string(corner.size()) + " numbers, must have 2: [x, y]");
     solid.polygon_m.emplace_back(corner);
   }
-  require_few(node.child("polygon_m"), solid.polygon_m.size(), limits::kPolygonCorners, "corners");
+  require_few(node.child("polygon_m"), solid.polygon_m.size(), limits::kPolygonCorners);
   check_polygon(node.child("polygon_m"), solid.polygon_m);
 }
 
@@ -154,7 +154,7 @@ Eigen::Vector3d read_direction(const YamlNode& node, const std::string& key) {
 // A disc, or a polygon whose x runs along `x_axis` as far as the curve's start lets it.
 void read_sweep(const YamlNode& node, Solid& solid) {
   solid.spline_m = read_points(node, "spline_m");
-  require_few(node.child("spline_m"), solid.spline_m.size(), limits::kSplinePoints, "points");
+  require_few(node.child("spline_m"), solid.spline_m.size(), limits::kSplinePoints);
   if (solid.spline_m.size() < 2) node.child("spline_m").fail("has less than 2 points");
   if (node.has("radius_m") == node.has("polygon_m")) node.fail("must have one of radius_m, polygon_m");
   if (node.has("radius_m")) {
@@ -291,7 +291,7 @@ Solid read_solid(const YamlNode& node) {
   } else {
     readers[static_cast<size_t>(solid.kind)](shape, solid);
   }
-  require_few(shape, solid_count(solid), limits::kSolids, "solids");
+  require_few(shape, solid_count(solid), limits::kSolids);
   return solid;
 }
 

@@ -219,7 +219,7 @@ std::string npz(const std::vector<NpzArray>& arrays) {
 
 namespace {
 
-// A row of the directory, and where the file's bytes lie that it tells of.
+// A row of the directory, and where the bytes of its file lie.
 struct Row {
   std::string name;
   std::size_t start, content, size, next;  // of the file's header, of its content; of the next row

@@ -7,6 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "fuzz_stl.h"
+#include "fuzz_rules.h"
+
 #include "robot/design/mesh_formats.h"
 
 namespace soft_robot_lab {
@@ -86,6 +89,10 @@ TEST(MeshFormats, KnowEndingsInAnyCase) {
   EXPECT_TRUE(has_ending_of("a.b.Stl", MeshFormat::stl));
   for (const char* name : {"a.stl.gz", "stl", "a.obj", "a.geo", "a.msh.opt", "a.stl "})
     EXPECT_FALSE(has_ending_of(name, MeshFormat::stl)) << name;
+}
+
+TEST(PlainStl, SurvivesTheFuzzersCorpusAndItsLike) {
+  EXPECT_EQ(run_corpus(SOFT_ROBOT_LAB_SOURCE "/test/data/fuzz/stl", fuzz_stl, 300), 3);
 }
 
 }  // namespace

@@ -180,15 +180,15 @@ TEST(Solid, CountsWhatItIsMadeOfBeforeTheMesherDoes) {
   };
   const std::string ball = "{sphere: {radius_m: 1, center_m: [0, 0, 0]}}";
   EXPECT_EQ(refusal("union: [" + repeated(ball, 999) + "]"), "accepted");
-  EXPECT_NE(refusal("union: [" + repeated(ball, 2000) + "]").find("union: has 2001 solids, at most 1000"),
+  EXPECT_NE(refusal("union: [" + repeated(ball, 2000) + "]").find("union: has 2001 items, at most 1000"),
             std::string::npos);
   const std::string row = "{array: {solid: " + ball + ", count: 400, by_m: [1, 0, 0]}}";
   EXPECT_EQ(refusal(row), "accepted");
-  EXPECT_NE(refusal("array: {solid: " + row + ", count: 400, by_m: [0, 1, 0]}").find("solids, at most 1000"),
+  EXPECT_NE(refusal("array: {solid: " + row + ", count: 400, by_m: [0, 1, 0]}").find("items, at most 1000"),
             std::string::npos);
   std::string spline;
   for (int i = 0; i < 501; ++i) spline += (i == 0 ? "[0, 0, " : ", [0, 0, ") + std::to_string(i) + "]";
-  EXPECT_NE(refusal("sweep: {spline_m: [" + spline + "], radius_m: 1}").find("spline_m: has 501 points, at most 500"),
+  EXPECT_NE(refusal("sweep: {spline_m: [" + spline + "], radius_m: 1}").find("spline_m: has 501 items, at most 500"),
             std::string::npos);
 }
 

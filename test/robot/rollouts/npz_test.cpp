@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "fuzz_npz.h"
+#include "fuzz_rules.h"
+
 #include <cstdint>
 #include <functional>
 #include <stdexcept>
@@ -104,6 +107,10 @@ TEST(Npz, KeepsNamesInUtf8) {
   EXPECT_EQ(arrays[0].type, "<U3");
   EXPECT_EQ(arrays[0].bytes.substr(0, 8), std::string("\xe4\0\0\0r\0\0\0", 8));
   EXPECT_EQ(arrays[0].bytes.substr(12, 8), std::string("\0\xf6\1\0\0\0\0\0", 8));
+}
+
+TEST(Npz, SurvivesTheFuzzersCorpusAndItsLike) {
+  EXPECT_EQ(run_corpus(SOFT_ROBOT_LAB_SOURCE "/test/data/fuzz/npz", fuzz_npz, 300), 3);
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ TEST(Npz, RefusesArraysThatShareBytesOrNames) {
               bytes.replace(second, 51, bytes, first, 51);
             }),
             "npz: a.npy stands twice in the directory");
-  EXPECT_EQ(two_arrays([](std::string& bytes, std::size_t first, std::size_t) { bytes[first + 25] = 1; }),
+  EXPECT_EQ(two_arrays([](std::string& bytes, std::size_t first, std::size_t) { bytes[first + 24] = '\xff'; }),
             "npz: b.npy begins within another array");
   EXPECT_EQ(two_arrays([](std::string& bytes, std::size_t, std::size_t) { bytes[bytes.size() - 12] = 1; }),
             "npz: its directory has another number of arrays than it says");

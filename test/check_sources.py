@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """check_sources.py ROOT [CHECK...]: holds our sources to the rules of src/README.md that no compiler checks.
 
-Lists every fault as FILE: what, and ends with 1. Checks: functions (by Universal Ctags), names, licences, headers (all when none is named).
+Lists every fault as FILE: what, and ends with 1. Checks: functions (by Universal Ctags), names, licences, headers, limits (all when none is named).
 """
 import json
 import os
@@ -100,7 +100,28 @@ def check_headers(root):
     return faults + (['include: %d headers, at most %d' % (len(names), MOST_HEADERS)] if len(names) > MOST_HEADERS else [])
 
 
-CHECKS = {'functions': check_functions, 'names': check_names, 'licences': check_licences, 'headers': check_headers}
+LIMITS = os.path.join('src', 'settings', 'limits.h')
+LIMIT = re.compile(r'inline constexpr \S+ (k\w+) = ([^;]+); +// (.*)')
+OWN_LIMIT = re.compile(r'constexpr [\w:]+ (k(?:Largest|Most|Farthest|Longest|Max)\w*(?:_bytes|_gb|Copies|Rollouts|Depth|Nodes|Bytes)|kFarthest_m|kFarAway_m)'
+                       r' = ([^;,]*)')
+DOORS = ('settings', 'robot', 'control', 'programs')  # below src: what reads the files and requests of others
+
+
+def check_limits(root):
+    """Each limit has its row in config/README.md, and those that read files take theirs from there."""
+    if not os.path.exists(os.path.join(root, LIMITS)):
+        return []
+    found = LIMIT.findall(re.sub(r'\n  +//', ' //', contents(root, LIMITS)))
+    readme = contents(root, os.path.join('config', 'README.md'))
+    faults = ['config/README.md: no row "| %s | %s |" for %s of limits.h' % (what, value, name) for name, value, what in found
+              if '| %s | %s |' % (what, value) not in readme]
+    for name in files(root, [os.path.join('src', door) for door in DOORS], ('.h', '.cpp')):
+        faults += ['%s: %s is a limit of its own, %s; take it from settings/limits.h' % (name, what, value)
+                   for what, value in OWN_LIMIT.findall(contents(root, name)) if name != LIMITS and 'limits::' not in value]
+    return faults
+
+
+CHECKS = {'functions': check_functions, 'names': check_names, 'licences': check_licences, 'headers': check_headers, 'limits': check_limits}
 
 
 def main():

@@ -6,6 +6,7 @@
 
 #include "mechanics/simulation/limit_hint.h"
 #include "refuse.h"
+#include "settings/limits.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -18,7 +19,7 @@ std::vector<std::string> movable(const Simulation& simulation, const Pose& pose)
 }
 
 // Squares of what lies far beyond these are no finite numbers, and no robot is as large or as slow.
-constexpr double kFarthest_m = 1e3, kMostEffort_m = 1e3, kMostWeight = 1e6, kLongest_s = 1e6;
+constexpr double kFarthest_m = limits::kPlace_m, kMostEffort_m = 1e3, kMostWeight = 1e6, kLongest_s = limits::kTime_s;
 
 void require_goal(const Simulation& simulation, const MarkerGoal& goal) {
   simulation.marker_index(goal.marker);

@@ -10,6 +10,7 @@
 
 #include "programs/bullet/bullet_body.h"
 #include "settings/command_line.h"
+#include "settings/limits.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "settings/cpu_time.h"
@@ -19,7 +20,7 @@ namespace {
 
 using namespace soft_robot_lab;
 
-constexpr double kFarAway_m = 1.0e3;
+constexpr double kFarAway_m = limits::kPlace_m;
 
 struct Arguments {
   std::string scene, overrides, settings = "{}", mesher, result;

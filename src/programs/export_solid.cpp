@@ -12,6 +12,7 @@
 #include "robot/scene/parameters.h"
 #include "robot/scene/sections.h"
 #include "settings/command_line.h"
+#include "settings/limits.h"
 #include "settings/read_file.h"
 #include "soft_robot_lab/robot/design/solid.h"
 
@@ -19,7 +20,7 @@ namespace {
 
 using namespace soft_robot_lab;
 
-constexpr std::uintmax_t kLargestFile_bytes = 1u << 30;
+constexpr std::uintmax_t kLargestFile_bytes = limits::kStep_bytes;
 
 struct Arguments {
   std::string robot, output;

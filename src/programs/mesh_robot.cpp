@@ -21,6 +21,7 @@
 // is one line on standard error. A line about the mesh goes to standard output.
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -28,7 +29,9 @@
 
 #include <gmsh.h>
 
+#include "programs/mesher/confine.h"
 #include "programs/mesher/convert_mesh.h"
+#include "programs/mesher/input_files.h"
 #include "programs/mesher/mesh_solid.h"
 #include "programs/mesher/solid_surface.h"
 #include "programs/mesher/write_msh.h"
@@ -40,13 +43,23 @@ namespace {
 
 using namespace soft_robot_lab;
 
-TetMesh mesh_request(const YamlNode& request) {
-  if (request.has("mesh_file")) {
-    const std::string file = request.text("mesh_file");
-    request.require_all_read();
-    return convert_mesh(file);
-  }
-  const Solid solid = read_solid(request.child("solid"));
+// In what follows a file's content may do whatever it wants.
+void confine_beside(const std::string& output_file) {
+  confine_to(std::filesystem::absolute(output_file).parent_path());
+}
+
+TetMesh convert_request(const YamlNode& request, const std::string& output_file, InputFiles& files) {
+  const std::string file = request.text("mesh_file");
+  request.require_all_read();
+  const bool is_vtk = has_ending_of(file, MeshFormat::vtk);
+  const std::string copy = files.copy(file, is_vtk ? MeshFormat::vtk : MeshFormat::msh);
+  confine_beside(output_file);
+  return convert_mesh(copy);
+}
+
+TetMesh mesh_request(const YamlNode& request, const std::string& output_file, InputFiles& files) {
+  if (request.has("mesh_file")) return convert_request(request, output_file, files);
+  Solid solid = read_solid(request.child("solid"));
   MeshSizes sizes;
   sizes.element_size_m = request.number("element_size_m", AllowedRange::positive());
   sizes.quadratic = request.boolean_or("quadratic", true);
@@ -56,11 +69,13 @@ TetMesh mesh_request(const YamlNode& request) {
   std::vector<std::string> regions;
   for (const YamlNode& name : request.optional_sequence("regions")) regions.push_back(name.as_text());
   request.require_all_read();
+  files.copy_into(solid);
+  confine_beside(output_file);
   return mesh_solid(solid, sizes, regions);
 }
 
-void surface_request(const YamlNode& request, const std::string& output_file) {
-  const Solid solid = read_solid(request.child("solid"));
+void surface_request(const YamlNode& request, const std::string& output_file, InputFiles& files) {
+  Solid solid = read_solid(request.child("solid"));
   const YamlNode node = request.child("surface");
   SurfaceSizes sizes;
   if (node.has("edges_across"))
@@ -70,26 +85,41 @@ void surface_request(const YamlNode& request, const std::string& output_file) {
   sizes.circle_segments = node.integer("circle_segments", 6, 360);
   sizes.smallest_edge_m = node.number_or("smallest_edge_m", 0, AllowedRange::not_negative());
   request.require_all_read();
+  files.copy_into(solid);
+  confine_beside(output_file);
   write_surface(solid, sizes, output_file);
 }
 
-void step_request(const YamlNode& request, const std::string& output_file) {
-  const Solid solid = read_solid(request.child("solid"));
+void step_request(const YamlNode& request, const std::string& output_file, InputFiles& files) {
+  Solid solid = read_solid(request.child("solid"));
   request.boolean_or("step", true);
   request.require_all_read();
+  files.copy_into(solid);
+  confine_beside(output_file);
   write_step(solid, output_file);
 }
 
-void run(const std::string& request_file, const std::string& output_file) {
-  const YamlNode request = YamlNode::load_file(request_file);
-  if (request.has("surface")) return surface_request(request, output_file);
-  if (request.has("step")) return step_request(request, output_file);
-  write_msh(mesh_request(request), output_file);
+void answer(const YamlNode& request, const std::string& output_file, InputFiles& files) {
+  if (request.has("surface")) return surface_request(request, output_file, files);
+  if (request.has("step")) return step_request(request, output_file, files);
+  write_msh(mesh_request(request, output_file, files), output_file);
   const TetMesh mesh = read_msh(output_file);  // exactly what the simulation will see
   check_mesh(mesh);
   const MeshQuality quality = measure_quality(mesh.nodes_m, mesh.tets);
   std::cout << "elements " << mesh.tet_count() << " nodes " << mesh.node_count() << " quality_min " << quality.min
             << " quality_mean " << quality.mean << std::endl;
+}
+
+void run(const std::string& request_file, const std::string& output_file) {
+  const YamlNode request = YamlNode::load_file(request_file);
+  InputFiles files(output_file);
+  try {
+    answer(request, output_file, files);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(files.in_users_names(error.what()));
+  } catch (const std::string& error) {
+    throw files.in_users_names(error);
+  }
 }
 
 int report(int status, std::string message) {

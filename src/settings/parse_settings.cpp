@@ -8,15 +8,16 @@
 #include <yaml-cpp/yaml.h>
 
 #include "settings_data.h"
+#include "limits.h"
 #include "read_file.h"
 
 namespace soft_robot_lab {
 namespace {
 
 // Aliases may repeat a part of a document without end; no settings file comes near these.
-constexpr int kMaxDepth = 100;
-constexpr long kMaxNodes = 500000;     // of the text
-constexpr long kMaxBytes = 256000000;  // of the tree, with all that aliases repeat
+constexpr int kMaxDepth = limits::kTree_depth;
+constexpr long kMaxNodes = limits::kTree_nodes;  // of the text
+constexpr long kMaxBytes = limits::kTree_bytes;  // of the tree, with all that aliases repeat
 
 // Counts what a text holds before anything is kept of it: yaml-cpp takes hundreds of bytes for a node of two.
 class NodeCounter : public YAML::EventHandler {

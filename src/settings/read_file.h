@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "limits.h"
+
 namespace soft_robot_lab {
 
 // The whole content. Throws std::invalid_argument with the name where it is no regular file, is larger, or cannot be
@@ -14,7 +16,7 @@ std::string read_regular_file(const std::string& path, std::uintmax_t largest_by
 // For files that a library opens by name. Throws as above.
 void require_regular_file(const std::string& path, std::uintmax_t largest_bytes);
 
-constexpr std::uintmax_t kLargestSettings_bytes = 16u << 20;
-constexpr std::uintmax_t kLargestMesh_bytes = 512u << 20;  // 2 million quadratic elements in text take 0.4 GB
+constexpr std::uintmax_t kLargestSettings_bytes = limits::kSettings_bytes;
+constexpr std::uintmax_t kLargestMesh_bytes = limits::kMesh_bytes;
 
 }  // namespace soft_robot_lab

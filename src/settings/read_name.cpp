@@ -3,13 +3,11 @@
 
 #include <cstdint>
 
+#include "limits.h"
+
 namespace soft_robot_lab {
-namespace {
 
-constexpr std::size_t kLongest = 100;
-
-// How many bytes the character takes that begins here; 0: none does. RFC 3629: the shortest form only, no surrogates.
-std::size_t character_length(const std::string& text, std::size_t at) {
+std::size_t utf8_length(const std::string& text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return at + i < text.size() ? static_cast<std::uint8_t>(text[at + i]) : 0; };
   const std::uint8_t first = byte(0);
   const std::size_t length = first < 0x80   ? 1
@@ -25,15 +23,13 @@ std::size_t character_length(const std::string& text, std::size_t at) {
   return too_long || beyond ? 0 : length;
 }
 
-}  // namespace
-
 std::string read_name(const YamlNode& owner, const std::string& key) {
   const YamlNode node = owner.child(key);
   const std::string name = node.as_text();
   if (name.empty()) node.fail("must not be empty");
   std::size_t characters = 0;
   for (std::size_t at = 0; at < name.size(); ++characters) {
-    const std::size_t length = character_length(name, at);
+    const std::size_t length = utf8_length(name, at);
     if (length == 0) node.fail("byte " + std::to_string(at + 1) + " of the name is not UTF-8");
     const auto c = static_cast<unsigned char>(name[at]);
     if (c < ' ' || c == 127 || c == '\'' || c == '"' || c == '\\' || c == '`')
@@ -41,9 +37,9 @@ std::string read_name(const YamlNode& owner, const std::string& key) {
                 " of the name is a quote, a backslash or a control character");
     at += length;
   }
-  if (characters > kLongest)
-    node.fail("the name has " + std::to_string(characters) + " characters, must have [1, " + std::to_string(kLongest) +
-              "]");
+  if (characters > limits::kName_characters)
+    node.fail("the name has " + std::to_string(characters) + " characters, must have [1, " +
+              std::to_string(limits::kName_characters) + "]");
   return name;
 }
 

@@ -2,12 +2,14 @@
 #include "write_file.h"
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
 
 #include <fcntl.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -51,6 +53,19 @@ fs::path place_of(const std::string& path) {
   return place.empty() ? fs::path(path) : place;
 }
 
+// A new file beside the place, with a name that nobody can lay a link under beforehand; -1 where there can be none.
+int open_part(const fs::path& place, std::string& part) {
+  constexpr int tries = 100;
+  for (int i = 0; i < tries; ++i) {
+    std::uint64_t random = 0;
+    if (getrandom(&random, sizeof random, 0) != sizeof random) return -1;
+    part = place.string() + "." + std::to_string(random) + ".part";
+    const int file = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file >= 0 || errno != EEXIST) return file;
+  }
+  return -1;
+}
+
 }  // namespace
 
 void write_file(const std::string& path, const std::string& text) {
@@ -59,8 +74,8 @@ void write_file(const std::string& path, const std::string& text) {
   if (exists && !S_ISREG(old.st_mode)) return write_in_place(path, text);
   if (exists && access(path.c_str(), W_OK) != 0) refuse(path, errno);
   const fs::path place = place_of(path);
-  const std::string part = place.string() + "." + std::to_string(getpid()) + ".part";
-  const int file = open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  std::string part;
+  const int file = open_part(place, part);
   if (file < 0 && exists) return write_in_place(path, text);  // a file that may be written to, in a folder that may not
   if (file < 0) refuse(path, errno);
   if (exists) fchmod(file, old.st_mode & 07777);

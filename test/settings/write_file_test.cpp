@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 #include <csignal>
 
 namespace soft_robot_lab {
@@ -90,6 +91,17 @@ TEST_F(WriteFile, SaysWhyItCannotWrite) {
             (folder_ / "none" / "a.txt").string() + ": cannot be written: No such file or directory");
   EXPECT_EQ(refusal(folder_, "text"), folder_.string() + ": cannot be written: Is a directory");
   EXPECT_EQ(refusal("/dev/null", "text"), "written");
+}
+
+// Whoever may write to the folder could lay a link under a name that is known beforehand.
+TEST_F(WriteFile, FollowsNoLinkThatLiesWhereItsPartWouldBe) {
+  const std::string path = folder_ / "a.txt";
+  std::ofstream(folder_ / "victim.txt") << "kept";
+  fs::create_symlink(folder_ / "victim.txt", path + "." + std::to_string(getpid()) + ".part");
+  write_file(path, "one");
+  EXPECT_EQ(text_of(path), "one");
+  EXPECT_EQ(text_of(folder_ / "victim.txt"), "kept");
+  EXPECT_FALSE(fs::is_symlink(path));
 }
 
 }  // namespace

@@ -14,13 +14,14 @@
 #include "gmsh_model.h"
 #include "solid_geometry.h"
 #include "stl_body.h"
+#include "settings/limits.h"
 #include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kSmallestShare = 1.0 / 200;  // of the largest edge: the tip of a cone has no end
-constexpr double kMostTriangles = 1e6;
+constexpr double kMostTriangles = limits::kTriangles;
 
 struct Triangle {
   std::array<std::size_t, 3> nodes;

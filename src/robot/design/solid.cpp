@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "mesh_formats.h"
+#include "settings/limits.h"
 #include "settings/read_points.h"
 #include "solid_kind_names.h"
 
@@ -14,9 +16,7 @@ namespace {
 
 using Kind = Solid::Kind;
 
-constexpr int kMostCopies = 1000;
 constexpr AllowedRange kScale{1e-3, 1e3};
-constexpr double kFarAway_m = 1e3;  // from any robot
 
 // The one key of the node that names a shape.
 Kind read_kind(const YamlNode& node) {
@@ -114,12 +114,27 @@ void check_polygon(const YamlNode& node, const std::vector<Eigen::Vector2d>& cor
   }
 }
 
+// Before anything is made of them: what the kernel does with many takes it hours.
+void require_few(const YamlNode& node, std::size_t count, int most) {
+  if (count > static_cast<std::size_t>(most))
+    node.fail("has " + std::to_string(count) + " items, at most " + std::to_string(most) + " are read");
+}
+
+// With each copy of an array; beyond the limit no more are counted.
+std::size_t solid_count(const Solid& solid) {
+  std::size_t count = 1;
+  for (const Solid& part : solid.parts) count += solid_count(part);
+  const std::size_t copies = solid.kind == Kind::array ? static_cast<std::size_t>(solid.count) : 1;
+  return std::min<std::size_t>(count * copies, 1000000);
+}
+
 void read_polygon(const YamlNode& node, Solid& solid) {
   for (const YamlNode& item : node.sequence("polygon_m")) {
     const Eigen::VectorXd corner = item.as_numbers();
     if (corner.size() != 2) item.fail("has " + std::to_string(corner.size()) + " numbers, must have 2: [x, y]");
     solid.polygon_m.emplace_back(corner);
   }
+  require_few(node.child("polygon_m"), solid.polygon_m.size(), limits::kPolygonCorners);
   check_polygon(node.child("polygon_m"), solid.polygon_m);
 }
 
@@ -139,6 +154,7 @@ Eigen::Vector3d read_direction(const YamlNode& node, const std::string& key) {
 // A disc, or a polygon whose x runs along `x_axis` as far as the curve's start lets it.
 void read_sweep(const YamlNode& node, Solid& solid) {
   solid.spline_m = read_points(node, "spline_m");
+  require_few(node.child("spline_m"), solid.spline_m.size(), limits::kSplinePoints);
   if (solid.spline_m.size() < 2) node.child("spline_m").fail("has less than 2 points");
   if (node.has("radius_m") == node.has("polygon_m")) node.fail("must have one of radius_m, polygon_m");
   if (node.has("radius_m")) {
@@ -192,7 +208,7 @@ void read_mirror(const YamlNode& node, Solid& solid) {
 
 void read_array(const YamlNode& node, Solid& solid) {
   solid.parts = {read_moved(node)};
-  solid.count = node.integer("count", 1, kMostCopies);
+  solid.count = node.integer("count", 1, limits::kSolidCopies);
   solid.by_m = vector3_or_zero(node, "by_m");
   if (node.has("axis")) solid.axis = read_direction(node, "axis");
   solid.angle_deg = node.number_or("angle_deg", 0, {-360, 360});
@@ -204,8 +220,8 @@ void read_array(const YamlNode& node, Solid& solid) {
 void read_fillet(const YamlNode& node, Solid& solid) {
   solid.parts = {read_moved(node)};
   solid.radius_m = node.number("radius_m", AllowedRange::positive());
-  solid.start_m.setConstant(-kFarAway_m);
-  solid.end_m.setConstant(kFarAway_m);
+  solid.start_m.setConstant(-limits::kPlace_m);
+  solid.end_m.setConstant(limits::kPlace_m);
   const std::optional<YamlNode> box = node.optional_child("edges_in");
   if (!box) return;
   solid.start_m = box->vector3("min_m");
@@ -213,11 +229,13 @@ void read_fillet(const YamlNode& node, Solid& solid) {
   if ((solid.start_m.array() > solid.end_m.array()).any()) box->fail("min_m lies beyond max_m");
 }
 
-std::string read_file(const YamlNode& node) {
+std::string read_file(const YamlNode& node, MeshFormat format) {
   namespace fs = std::filesystem;
   const fs::path file = fs::absolute(fs::path(node.source()).parent_path() / node.as_text()).lexically_normal();
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) node.fail("there is no file " + file.string());
+  if (!has_ending_of(file, format))
+    node.fail("'" + file.string() + "' must end with " + (format == MeshFormat::stl ? ".stl" : ".step or .stp"));
   return file.string();
 }
 
@@ -269,10 +287,11 @@ Solid read_solid(const YamlNode& node) {
   solid.material = node.optional_child("material");
   if (solid.material && solid.name.empty()) solid.material->fail("belongs to a solid without a name; give it one");
   if (solid.kind == Kind::step_file || solid.kind == Kind::stl_file) {
-    solid.file = read_file(shape);
+    solid.file = read_file(shape, solid.kind == Kind::stl_file ? MeshFormat::stl : MeshFormat::step);
   } else {
     readers[static_cast<size_t>(solid.kind)](shape, solid);
   }
+  require_few(shape, solid_count(solid), limits::kSolids);
   return solid;
 }
 

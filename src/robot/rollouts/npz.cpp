@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <functional>
-#include <numeric>
+#include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 
 #include <boost/crc.hpp>
 
+#include "settings/limits.h"
+#include "settings/read_name.h"
 #include "settings/words.h"
 
 namespace soft_robot_lab {
@@ -19,7 +21,8 @@ namespace {
 // Signatures of a file, of its row in the directory, and of the directory's end.
 constexpr std::uint32_t kFile = 0x04034b50, kRow = 0x02014b50, kEnd = 0x06054b50;
 constexpr std::size_t kFileHeader = 30, kRowHeader = 46, kEndHeader = 22;
-constexpr std::size_t kLargest_bytes = 0xfffffffe, kNone = static_cast<std::size_t>(-1);
+constexpr std::uint64_t kNameIsUtf8 = 1 << 11;
+constexpr std::size_t kLargest_bytes = limits::kArchive_bytes, kNone = static_cast<std::size_t>(-1);
 const std::string kMagic = "\x93NUMPY";
 
 void expect(bool good, const std::string& why) {
@@ -56,15 +59,39 @@ std::string npy(const NpzArray& array) {
   return all + header + array.bytes;
 }
 
-// What a file's header and its row share, from the version needed to the length of the extra field.
-std::string shared_header(const std::string& name, const std::string& content) {
+std::uint32_t checksum(const std::string& content) {
   boost::crc_32_type crc;
   crc.process_bytes(content.data(), content.size());
+  return crc.checksum();
+}
+
+// The characters of UTF-8, as NumPy stores them; a byte that is none is one of its own.
+std::vector<std::uint32_t> characters_of(const std::string& text) {
+  std::vector<std::uint32_t> characters;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto first = static_cast<unsigned char>(text[at]);
+    const std::size_t length = std::max<std::size_t>(1, utf8_length(text, at));
+    std::uint32_t character = length == 1 ? first : first & (0xffU >> (length + 1));
+    for (std::size_t i = 1; i < length; ++i)
+      character = character << 6 | (static_cast<unsigned char>(text[at + i]) & 0x3fU);
+    characters.push_back(character);
+    at += length;
+  }
+  return characters;
+}
+
+bool is_ascii(const std::string& name) {
+  return std::all_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+}
+
+// What a file's header and its row share, from the version needed to the length of the extra field.
+std::string shared_header(const std::string& name, const std::string& content) {
   std::string header;
-  put(20, 2, header);          // version 2.0
-  put(0, 4, header);           // no flags; stored
-  put(0x00210000, 4, header);  // 1980-01-01, so that equal data are equal files
-  put(crc.checksum(), 4, header);
+  put(20, 2, header);                                // version 2.0
+  put(is_ascii(name) ? 0 : kNameIsUtf8, 2, header);  // flags
+  put(0, 2, header);                                 // stored
+  put(0x00210000, 4, header);                        // 1980-01-01, so that equal data are equal files
+  put(checksum(content), 4, header);
   put(content.size(), 4, header);
   put(content.size(), 4, header);
   put(name.size(), 2, header);
@@ -153,11 +180,12 @@ NpzArray flags_array(std::string name, const std::vector<bool>& flags) {
 
 NpzArray words_array(std::string name, const std::vector<std::string>& words) {
   std::size_t longest = 1;
-  for (const std::string& word : words) longest = std::max(longest, word.size());
+  for (const std::string& word : words) longest = std::max(longest, characters_of(word).size());
   NpzArray array{std::move(name), "<U" + std::to_string(longest), {words.size()}, {}};
-  for (std::string word : words) {
-    word.resize(longest, '\0');
-    for (const char letter : word) put(static_cast<unsigned char>(letter), 4, array.bytes);
+  for (const std::string& word : words) {
+    std::vector<std::uint32_t> characters = characters_of(word);
+    characters.resize(longest, 0);
+    for (const std::uint32_t character : characters) put(character, 4, array.bytes);
   }
   return array;
 }
@@ -189,21 +217,70 @@ std::string npz(const std::vector<NpzArray>& arrays) {
   return all;
 }
 
-std::vector<NpzArray> read_npz(const std::string& bytes) {
+namespace {
+
+// A row of the directory, and where the bytes of its file lie.
+struct Row {
+  std::string name;
+  std::size_t start, content, size, next;  // of the file's header, of its content; of the next row
+  std::uint32_t checksum;
+};
+
+Row row_at(const std::string& bytes, std::size_t at) {
+  expect(get(bytes, at, 4) == kRow, "its directory is broken");
+  const std::size_t name_size = get(bytes, at + 28, 2), start = get(bytes, at + 42, 4);
+  Row row{part(bytes, at + kRowHeader, name_size), start, 0, get(bytes, at + 24, 4), 0, 0};
+  row.checksum = static_cast<std::uint32_t>(get(bytes, at + 16, 4));
+  row.next = at + kRowHeader + name_size + get(bytes, at + 30, 2) + get(bytes, at + 32, 2);
+  expect(get(bytes, at + 10, 2) == 0, row.name + " is compressed; write it by numpy.savez");
+  expect(get(bytes, start, 4) == kFile, "its directory is broken");
+  row.content = start + kFileHeader + get(bytes, start + 26, 2) + get(bytes, start + 28, 2);
+  expect(part(bytes, start + kFileHeader, get(bytes, start + 26, 2)) == row.name,
+         row.name + " has another name where its numbers stand");
+  return row;
+}
+
+// Each byte belongs to one array, so that arrays hold no more than the file.
+void require_apart(const std::vector<Row>& rows, std::size_t directory) {
+  std::map<std::size_t, const Row*> by_start;
+  for (const Row& row : rows)
+    expect(by_start.emplace(row.start, &row).second, row.name + " stands where another array does");
+  std::size_t end = 0;
+  for (const auto& [start, row] : by_start) {
+    expect(start >= end, row->name + " begins within another array");
+    end = row->content + row->size;
+    expect(row->size <= directory && end <= directory, row->name + " is cut off by the directory");
+  }
+}
+
+std::vector<Row> rows_of(const std::string& bytes) {
   const Directory directory = directory_of(bytes);
-  std::vector<NpzArray> arrays;
-  std::size_t row = directory.start;
+  std::vector<Row> rows;
+  std::set<std::string> names;
+  std::size_t at = directory.start;
   for (std::size_t i = 0; i < directory.rows; ++i) {
-    expect(get(bytes, row, 4) == kRow, "its directory is broken");
-    const std::size_t name_size = get(bytes, row + 28, 2), file = get(bytes, row + 42, 4);
-    std::string name = part(bytes, row + kRowHeader, name_size);
-    expect(get(bytes, row + 10, 2) == 0, name + " is compressed; write it by numpy.savez");
-    expect(get(bytes, file, 4) == kFile, "its directory is broken");
-    const std::size_t start = file + kFileHeader + get(bytes, file + 26, 2) + get(bytes, file + 28, 2);
-    const std::string content = part(bytes, start, get(bytes, row + 24, 4));
-    if (name.size() > 4 && name.substr(name.size() - 4) == ".npy") name.resize(name.size() - 4);
-    arrays.push_back(array_from(name, content));
-    row += kRowHeader + name_size + get(bytes, row + 30, 2) + get(bytes, row + 32, 2);
+    rows.push_back(row_at(bytes, at));
+    expect(names.insert(rows.back().name).second, rows.back().name + " stands twice in the directory");
+    at = rows.back().next;
+  }
+  expect(get(bytes, at, 4) == kEnd, "its directory has another number of arrays than it says");
+  require_apart(rows, directory.start);
+  return rows;
+}
+
+std::string without_ending(std::string name) {
+  if (name.size() > 4 && name.substr(name.size() - 4) == ".npy") name.resize(name.size() - 4);
+  return name;
+}
+
+}  // namespace
+
+std::vector<NpzArray> read_npz(const std::string& bytes) {
+  std::vector<NpzArray> arrays;
+  for (const Row& row : rows_of(bytes)) {
+    const std::string content = part(bytes, row.content, row.size);
+    arrays.push_back(array_from(without_ending(row.name), content));
+    expect(checksum(content) == row.checksum, arrays.back().name + " is damaged: its checksum is another");
   }
   return arrays;
 }

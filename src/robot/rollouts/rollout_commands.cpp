@@ -11,17 +11,28 @@
 #include "npz.h"
 #include "robot/scene/reduction.h"
 #include "settings/csv_cells.h"
+#include "settings/limits.h"
 #include "settings/read_file.h"
 #include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr std::uintmax_t kLargestCommands_bytes = 1u << 30;
-constexpr std::size_t kMostRollouts = 1000000;
+constexpr std::uintmax_t kLargestCommands_bytes = limits::kCommands_bytes;
+using limits::kRollouts;
 
 [[noreturn]] void fail(const std::string& where, const std::string& why) {
   throw std::invalid_argument(where + ": " + why);
+}
+
+// Before memory is asked for: a number of a file takes many times as much here.
+void require_count(const std::string& where, double rollouts, double commands_each) {
+  if (!(rollouts >= 1 && rollouts <= static_cast<double>(kRollouts)))
+    fail(where, format_number(rollouts) + " rollouts are not in [1, 1000000]");
+  if (!(commands_each >= 1)) fail(where, "its rollouts hold no commands");
+  if (rollouts * commands_each > static_cast<double>(limits::kRolloutCommands))
+    fail(where, format_number(rollouts * commands_each) + " commands in all rollouts are more than " +
+                    format_number(static_cast<double>(limits::kRolloutCommands)));
 }
 
 // A table, read line by line.
@@ -73,7 +84,7 @@ class CommandTable {
     if (!(rollout == last || rollout == last + 1.0) || rollout < 0.0)
       fail(where, "rollout " + format_number(rollout) + " comes after " + format_number(last) +
                       "; they are counted from 0, in order");
-    if (all.size() >= kMostRollouts) fail(where, "more than 1000000 rollouts");
+    if (all.size() >= kRollouts) fail(where, "more than 1000000 rollouts");
     if (rollout > last) all.emplace_back();
     return all.back();
   }
@@ -89,8 +100,15 @@ std::vector<RolloutCommands> from_table(const std::string& file, const Model& mo
   if (!std::getline(lines, line)) fail(file, "is empty; its first line names the columns");
   const CommandTable table(file, line, model);
   std::vector<RolloutCommands> all;
+  std::size_t commands = 0;
   for (std::size_t number = 2; std::getline(lines, line); ++number)
-    if (line.find_first_not_of(" \r") != std::string::npos) table.add(line, number, all);
+    if (line.find_first_not_of(" \r") != std::string::npos) {
+      table.add(line, number, all);
+      commands += all.back().back().commands.size() + 1;
+      require_count(file, static_cast<double>(all.size()),
+                    static_cast<double>(commands) / static_cast<double>(all.size()));
+    }
+  require_count(file, static_cast<double>(all.size()), 1);
   return all;
 }
 
@@ -98,6 +116,7 @@ std::vector<RolloutCommands> from_table(const std::string& file, const Model& mo
 void add_array(const NpzArray& array, double hold_s, std::vector<RolloutCommands>& all) {
   if (array.shape.size() != 2) fail(array.name, "must have two dimensions, rollouts x holds");
   const std::size_t rollouts = array.shape[0], holds = array.shape[1];
+  require_count(array.name, static_cast<double>(rollouts), 2 * static_cast<double>(holds));
   if (all.empty()) all.assign(rollouts, RolloutCommands(holds));
   if (all.size() != rollouts || all.front().size() != holds)
     fail(array.name, "is " + std::to_string(rollouts) + " x " + std::to_string(holds) + ", another array is " +
@@ -111,7 +130,7 @@ void add_array(const NpzArray& array, double hold_s, std::vector<RolloutCommands
 }
 
 std::vector<RolloutCommands> from_arrays(const std::string& file, double hold_s, const Model& model) {
-  require(hold_s > 0.0, "hold_s", hold_s, "(0, inf)");
+  require(hold_s > 0.0 && hold_s <= limits::kTime_s, "hold_s", hold_s, "(0, 1e6]");
   std::vector<RolloutCommands> all;
   try {
     for (const NpzArray& array : read_npz(read_regular_file(file, kLargestCommands_bytes))) {
@@ -119,6 +138,7 @@ std::vector<RolloutCommands> from_arrays(const std::string& file, double hold_s,
       for (const double value : numbers_of(array)) actuator.require_in_limits(value);
       add_array(array, hold_s, all);
     }
+    require_count("archive", static_cast<double>(all.size()), 1);
   } catch (const std::invalid_argument& error) {
     fail(file, error.what());
   }
@@ -142,9 +162,12 @@ CommandBox command_box(const Scene& scene) {
 }
 
 std::vector<RolloutCommands> random_commands(const RandomCommands& random, const Model& model) {
-  require(random.rollouts > 0 && random.rollouts <= static_cast<int>(kMostRollouts), "rollouts", random.rollouts,
+  require(random.rollouts > 0 && random.rollouts <= static_cast<int>(kRollouts), "rollouts", random.rollouts,
           "[1, 1000000]");
-  require(random.hold_s > 0.0, "hold_s", random.hold_s, "(0, inf)");
+  require(random.hold_s > 0.0 && random.hold_s <= limits::kTime_s, "hold_s", random.hold_s, "(0, 1e6]");
+  require(random.duration_s > 0.0 && random.duration_s <= limits::kTime_s, "duration_s", random.duration_s, "(0, 1e6]");
+  require_count("random commands", random.rollouts,
+                (1 + static_cast<double>(random.box.min.size())) * std::ceil(random.duration_s / random.hold_s));
   for (std::size_t a = 0; a < random.box.min.size(); ++a)
     if (!std::isfinite(random.box.min[a]) || !std::isfinite(random.box.max[a]))
       fail(model.actuators()[a]->name(), "has no limits to draw commands within; give it a range");

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "sections.h"
+#include "settings/limits.h"
 #include "settings/read_name.h"
 #include "settings/words.h"
 
@@ -160,6 +161,20 @@ Obstacle read_obstacle(const YamlNode& item) {
   return obstacle;
 }
 
+// A step's time grows by the cube of the free obstacles.
+void require_few_obstacles(const YamlNode& contact, const std::vector<Obstacle>& obstacles) {
+  const int most = contact.integer_or("max_free_obstacles", limits::kFreeObstacles, 0, limits::kObstacles);
+  const auto free = std::count_if(obstacles.begin(), obstacles.end(), [](const Obstacle& o) { return o.is_free(); });
+  if (obstacles.size() > static_cast<std::size_t>(limits::kObstacles))
+    contact.child("obstacles")
+        .fail("has " + std::to_string(obstacles.size()) + " obstacles, at most " + std::to_string(limits::kObstacles) +
+              " are read");
+  if (free > most)
+    contact.child("obstacles")
+        .fail(std::to_string(free) + " have mass_kg, at most contact.max_free_obstacles, " + std::to_string(most) +
+              ", may; a step's time grows by the cube of their number");
+}
+
 }  // namespace
 
 std::vector<ObstaclePose> read_motion(const YamlNode& item) {
@@ -179,6 +194,7 @@ void read_contact(const YamlNode& scene, Body& body) {
   surfaces.touching = read_touching(*contact, surfaces);
   const std::vector<YamlNode> items = contact->optional_sequence("obstacles");
   for (const YamlNode& item : items) surfaces.obstacles.push_back(read_obstacle(item));
+  require_few_obstacles(*contact, surfaces.obstacles);
   read_friction(*contact, surfaces);
   for (std::size_t i = 0; i < items.size(); ++i) {
     double& friction = surfaces.obstacles[i].friction;

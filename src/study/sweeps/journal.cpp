@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <sqlite3.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "settings/write_file.h"
@@ -35,6 +36,20 @@ int lock(const std::string& folder) {
   throw std::runtime_error(taken ? folder +
                                        ": another study writes to its journal; wait for its end, or take another folder"
                                  : path + ": cannot be locked: " + why);
+}
+
+// Whoever else may write there could lay links under the names of the study's files. Root may take what is another's.
+void require_own_folder(const std::string& folder) {
+  namespace fs = std::filesystem;
+  const fs::perms of_others = fs::perms::others_write;
+  if (fs::create_directories(folder)) fs::permissions(folder, of_others, fs::perm_options::remove);
+  struct stat status {};
+  if (stat(folder.c_str(), &status) != 0)
+    throw std::runtime_error(folder + ": cannot be read: " + std::strerror(errno));
+  if (status.st_uid != geteuid() && geteuid() != 0)
+    throw std::runtime_error(folder + ": belongs to another user; choose a folder of your own");
+  if ((status.st_mode & S_IWOTH) != 0)
+    throw std::runtime_error(folder + ": others may write there; choose a folder of your own, or chmod o-w it");
 }
 
 }  // namespace
@@ -79,7 +94,7 @@ class Journal::Statement {
 };
 
 Journal::Journal(const std::string& folder) : file_(folder + "/journal.sqlite") {
-  std::filesystem::create_directories(folder);
+  require_own_folder(folder);
   lock_ = lock(folder);
   try {
     if (sqlite3_open(file_.c_str(), &database_) != SQLITE_OK) fail();

@@ -117,11 +117,11 @@ std::vector<std::string> read_words(const YamlNode& file, const std::string& key
   return words;
 }
 
-// The runner sets these itself.
+// The runner sets these itself, or leaves them out: nothing is written outside of the study's folder.
 void refuse_own_arguments(const YamlNode& file, const std::string& program) {
-  std::vector<std::string> all = {"--result", "--set", "--seed", "--policy"};
-  if (program == "rollouts") all.insert(all.end(), {"--output", "--threads"});
-  if (program == "fit_model") all.insert(all.end(), {"--output", "--scene"});
+  std::vector<std::string> all = {"--result", "--set", "--seed", "--policy", "--output"};
+  if (program == "rollouts") all.emplace_back("--threads");
+  if (program == "fit_model") all.emplace_back("--scene");
   for (const YamlNode& item : file.optional_sequence("arguments"))
     for (const std::string& own : all)
       if (item.as_text().rfind(own, 0) == 0) item.fail("'" + own + "' is set by the study itself");

@@ -523,5 +523,47 @@ TEST_F(MeshRobot, RefusesMeshFilesOfOtherElements) {
                std::invalid_argument);
 }
 
+// Each script would make a file named by its first word.
+TEST_F(MeshRobot, RunsNoScriptWhateverItsName) {
+  const fs::path folder = fs::path(testing::TempDir()) / "mesh_robot_scripts";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  const std::string made = folder / "made_by_a_script", script = "SystemCall \"echo run > '" + made + "'\";\n";
+  const auto refuses = [&](const std::string& name, const std::string& text, bool is_mesh) {
+    std::ofstream(folder / name, std::ios::binary) << text;
+    const std::string kind =
+        name.find(".st") != std::string::npos && name.find(".stl") == std::string::npos ? "step" : "stl";
+    try {
+      if (is_mesh)
+        convert(folder / name);
+      else
+        mesh_of("{" + kind + ": '" + (folder / name).string() + "'}", 0.01);
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+      return true;
+    }
+    return false;
+  };
+  for (const char* name : {"a.msh", "a.vtk", "a.MSH", "a.geo", "a.geo_unrolled", "a.obj", "a.pos", "a.msh.gz", "a"})
+    EXPECT_TRUE(refuses(name, script, true)) << name;
+  for (const char* name : {"a.stl", "a.STL", "a.step", "a.stp", "a.txt", "a.geo", "a.stl.gz"})
+    EXPECT_TRUE(refuses(name, script, false)) << name;
+  EXPECT_TRUE(refuses("b.stl", "$MeshFormat\n" + script, false));
+  EXPECT_TRUE(refuses("b.msh", "$PostFormat\n" + script, true));
+  EXPECT_FALSE(fs::exists(made));
+}
+
+TEST_F(MeshRobot, ReadsNoOptionsBesideAMesh) {
+  const fs::path folder = fs::path(testing::TempDir()) / "mesh_robot_options";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  const fs::path mesh = folder / "a.msh", made = folder / "made_by_options";
+  fs::copy_file(SOFT_ROBOT_LAB_SOURCE "/test/data/fuzz/mesh/quadratic.msh", mesh);
+  std::ofstream(mesh.string() + ".opt") << "SystemCall \"echo run > '" << made.string() << "'\";\n";
+  EXPECT_EQ(convert(mesh).tet_count(), 1);
+  EXPECT_FALSE(fs::exists(made));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 2);
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

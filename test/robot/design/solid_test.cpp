@@ -164,5 +164,33 @@ TEST(Solid, FindsFilesBesideTheSceneFile) {
   EXPECT_EQ(read(to_yaml(solid), "elsewhere.yaml").file, solid.file);
 }
 
+TEST(Solid, CountsWhatItIsMadeOfBeforeTheMesherDoes) {
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      read(text);
+    } catch (const SettingsError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const auto repeated = [](const std::string& text, int count) {
+    std::string all;
+    for (int i = 0; i < count; ++i) all += (i == 0 ? "" : ", ") + text;
+    return all;
+  };
+  const std::string ball = "{sphere: {radius_m: 1, center_m: [0, 0, 0]}}";
+  EXPECT_EQ(refusal("union: [" + repeated(ball, 999) + "]"), "accepted");
+  EXPECT_NE(refusal("union: [" + repeated(ball, 2000) + "]").find("union: has 2001 items, at most 1000"),
+            std::string::npos);
+  const std::string row = "{array: {solid: " + ball + ", count: 400, by_m: [1, 0, 0]}}";
+  EXPECT_EQ(refusal(row), "accepted");
+  EXPECT_NE(refusal("array: {solid: " + row + ", count: 400, by_m: [0, 1, 0]}").find("items, at most 1000"),
+            std::string::npos);
+  std::string spline;
+  for (int i = 0; i < 501; ++i) spline += (i == 0 ? "[0, 0, " : ", [0, 0, ") + std::to_string(i) + "]";
+  EXPECT_NE(refusal("sweep: {spline_m: [" + spline + "], radius_m: 1}").find("spline_m: has 501 items, at most 500"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "fuzz_npz.h"
+#include "fuzz_rules.h"
+
 #include <cstdint>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -61,10 +65,52 @@ TEST(Npz, NamesWhatItDoesNotRead) {
     return refusal(bytes.replace(bytes.find(from), from.size(), to));
   };
   EXPECT_NE(with("'fortran_order': False", "'fortran_order': True ").find("Fortran"), std::string::npos);
-  EXPECT_NE(with("<f8", "<c8").find("a is of type <c8"), std::string::npos);
+  EXPECT_NE(refusal(npz({{"a", "<c8", {2}, std::string(16, '\0')}})).find("a is of type <c8"), std::string::npos);
   std::string compressed = archive();
   compressed[compressed.rfind("PK\x01\x02") + 10] = 8;
   EXPECT_NE(refusal(compressed).find("compressed"), std::string::npos);
+}
+
+TEST(Npz, RefusesADamagedArray) {
+  std::string damaged = archive();
+  damaged[damaged.find("\x93NUMPY") + 130] ^= 1;  // in the first array's numbers
+  EXPECT_EQ(refusal(damaged), "npz: commands is damaged: its checksum is another");
+}
+
+// An archive of two arrays of the same length, changed.
+std::string two_arrays(const std::function<void(std::string&, std::size_t, std::size_t)>& change) {
+  std::string bytes = npz({numbers_array("a", {2}, {1, 2}), numbers_array("b", {2}, {3, 4})});
+  change(bytes, bytes.find("PK\x01\x02"), bytes.rfind("PK\x01\x02"));
+  return refusal(bytes);
+}
+
+TEST(Npz, RefusesArraysThatShareBytesOrNames) {
+  EXPECT_EQ(two_arrays([](std::string& bytes, std::size_t first, std::size_t second) {
+              bytes.replace(second, 46, bytes, first, 46);  // the same place, checksum and sizes
+            }),
+            "npz: b.npy has another name where its numbers stand");
+  EXPECT_EQ(two_arrays([](std::string& bytes, std::size_t first, std::size_t second) {
+              bytes.replace(second, 51, bytes, first, 51);
+            }),
+            "npz: a.npy stands twice in the directory");
+  EXPECT_EQ(two_arrays([](std::string& bytes, std::size_t first, std::size_t) { bytes[first + 24] = '\xff'; }),
+            "npz: b.npy begins within another array");
+  EXPECT_EQ(two_arrays([](std::string& bytes, std::size_t, std::size_t) { bytes[bytes.size() - 12] = 1; }),
+            "npz: its directory has another number of arrays than it says");
+  EXPECT_EQ(two_arrays([](std::string& bytes, std::size_t, std::size_t) { bytes[bytes.size() - 12] = 3; }),
+            "npz: its directory is broken");
+}
+
+TEST(Npz, KeepsNamesInUtf8) {
+  const std::vector<NpzArray> arrays = read_npz(npz({words_array("n\u00e4me", {"\u00e4rm", "\U0001f600", "a"})}));
+  EXPECT_EQ(arrays[0].name, "n\u00e4me");
+  EXPECT_EQ(arrays[0].type, "<U3");
+  EXPECT_EQ(arrays[0].bytes.substr(0, 8), std::string("\xe4\0\0\0r\0\0\0", 8));
+  EXPECT_EQ(arrays[0].bytes.substr(12, 8), std::string("\0\xf6\1\0\0\0\0\0", 8));
+}
+
+TEST(Npz, SurvivesTheFuzzersCorpusAndItsLike) {
+  EXPECT_EQ(run_corpus(SOFT_ROBOT_LAB_SOURCE "/test/data/fuzz/npz", fuzz_npz, 300), 3);
 }
 
 }  // namespace

@@ -184,6 +184,30 @@ TEST_F(RolloutsOfABar, NameWhatIsWrongInATable) {
   }
 }
 
+TEST_F(RolloutsOfABar, RefuseFilesWithoutRolloutsOrWithTooMany) {
+  const Scene scene = load(kNewton);
+  const auto refusal = [&](const std::string& name, const std::string& text, double hold_s = 0.5) -> std::string {
+    try {
+      read_commands_file(folder_->write(name, text), hold_s, *scene.simulation->model());
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const auto of_shape = [](std::vector<std::size_t> shape) {
+    return npz({numbers_array("left", std::move(shape), {})});
+  };
+  EXPECT_NE(refusal("a.npz", of_shape({0, 3})).find("left: 0 rollouts are not in [1, 1000000]"), std::string::npos);
+  EXPECT_NE(refusal("a.npz", of_shape({3, 0})).find("left: its rollouts hold no commands"), std::string::npos);
+  EXPECT_NE(refusal("a.npz", of_shape({1000000000000, 0})).find("1000000000000 rollouts are not in"), std::string::npos)
+      << refusal("a.npz", of_shape({1000000000000, 0}));
+  EXPECT_NE(refusal("a.npz", npz({})).find("0 rollouts"), std::string::npos);
+  EXPECT_NE(refusal("a.npz", npz({numbers_array("left", {1, 1}, {0.95})}), 1e300).find("hold_s"), std::string::npos);
+  EXPECT_NE(refusal("a.csv", "rollout,time_s,left\n").find("0 rollouts"), std::string::npos);
+  RandomCommands random{command_box(scene), 1000000, 10.0, 1e-3, 1};
+  EXPECT_THROW(random_commands(random, *scene.simulation->model()), std::invalid_argument);
+}
+
 TEST_F(RolloutsOfABar, ProgramWritesWhatPythonUnpacks) {
   folder_->write("robot.yaml", "include: coarse.yaml\n" + kNewton);
   const std::string output = folder_->path("data.npz");

@@ -40,6 +40,23 @@ TEST(BadStudy, NamesAValueBeyondTheRangeThatTheFileGives) {
                  "parameter 'height': 0.05 is out of range [0.01, 0.03] of the file's parameters.height.range");
 }
 
+TEST(BadStudy, WritesNothingOutsideOfItsFolder) {
+  for (const std::string argument : {"--output", "--output=../outside"})
+    expect_refused("parameters: {height: {values: [0.02]}}\narguments: [" + argument + "]\n",
+                   "arguments[0]: '--output' is set by the study itself");
+}
+
+TEST(BadStudy, RefusesAFolderThatOthersMayWriteTo) {
+  const SceneFolder folder;
+  short_scene(folder);
+  std::filesystem::create_directory(folder.path("found"));
+  std::filesystem::permissions(folder.path("found"), std::filesystem::perms::all);
+  const Outcome outcome =
+      run_study(folder, "program: simulate\nscene: short.yaml\nparameters: {height: {values: [0.02]}}\n", "found", "");
+  EXPECT_EQ(outcome.exit_status, 2);
+  EXPECT_NE(outcome.err.find("others may write there"), std::string::npos) << outcome.err;
+}
+
 TEST(BadStudy, NamesAnUnknownMethodAndWhatAGridLacks) {
   expect_refused("method: random\nparameters: {height: {}}\n",
                  "'random' is not one of grid, latin_hypercube, sobol, sobol_indices");

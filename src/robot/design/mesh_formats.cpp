@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh_formats.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "plain_stl.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr std::array<std::pair<const char*, MeshFormat>, 5> kEndings{{{".msh", MeshFormat::msh},
+                                                                      {".vtk", MeshFormat::vtk},
+                                                                      {".stl", MeshFormat::stl},
+                                                                      {".step", MeshFormat::step},
+                                                                      {".stp", MeshFormat::step}}};
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+void require_start(const std::string& bytes, const std::vector<std::string>& starts, const std::string& what) {
+  for (const std::string& start : starts)
+    if (bytes.compare(0, start.size(), start) == 0) return;
+  throw std::invalid_argument("is no " + what + " file: it must start with " + starts.front());
+}
+
+}  // namespace
+
+bool has_ending_of(const std::string& file, MeshFormat format) {
+  const std::string ending = lower(std::filesystem::path(file).extension());
+  return std::any_of(kEndings.begin(), kEndings.end(),
+                     [&](const auto& known) { return known.first == ending && known.second == format; });
+}
+
+std::string ending_of(MeshFormat format) {
+  const auto named = std::find_if(kEndings.begin(), kEndings.end(), [&](const auto& e) { return e.second == format; });
+  return named->first;
+}
+
+std::string safe_content(const std::string& bytes, MeshFormat format) {
+  switch (format) {
+    case MeshFormat::msh:
+      require_start(bytes, {"$MeshFormat", "$NOD", "$Comments"}, "MSH");
+      break;
+    case MeshFormat::vtk:
+      require_start(bytes, {"# vtk DataFile"}, "legacy VTK");
+      break;
+    case MeshFormat::step:
+      require_start(bytes.substr(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size())), {"ISO-10303-21"}, "STEP");
+      break;
+    case MeshFormat::stl:
+      return plain_stl(bytes);
+  }
+  return bytes;
+}
+
+}  // namespace soft_robot_lab

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plain_stl.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+
+#include "settings/limits.h"
+#include "settings/words.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr std::size_t kHeader = 80, kStart = kHeader + 4, kFacet = 50, kCorners = 9;  // bytes; floats of a facet
+
+[[noreturn]] void fail(const std::string& why) { throw std::invalid_argument("is no STL file: " + why); }
+
+void require_few(std::size_t triangles) {
+  if (triangles == 0) throw std::invalid_argument("holds no triangles");
+  if (triangles > limits::kTriangles)
+    throw std::invalid_argument("holds " + std::to_string(triangles) + " triangles, at most " +
+                                std::to_string(limits::kTriangles) + " are read; make its mesh coarser");
+}
+
+// Least byte first.
+std::uint32_t word_at(const std::string& bytes, std::size_t at) {
+  std::uint32_t word = 0;
+  for (std::size_t i = 4; i-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return word;
+}
+
+std::size_t announced(const std::string& bytes) { return word_at(bytes, kHeader); }
+
+bool has_announced_size(const std::string& bytes) {
+  return bytes.size() >= kStart && bytes.size() == kStart + kFacet * announced(bytes);
+}
+
+std::string plain_binary(const std::string& bytes) {
+  if (bytes.size() < kStart) fail("it has " + std::to_string(bytes.size()) + " bytes, a binary one at least 84");
+  const std::size_t triangles = announced(bytes), held = (bytes.size() - kStart) / kFacet;
+  if (triangles > held)
+    fail("it announces " + std::to_string(triangles) + " triangles, and has bytes for " + std::to_string(held));
+  require_few(triangles);
+  for (std::size_t facet = 0; facet < triangles; ++facet) {
+    for (std::size_t i = 3; i < 3 + kCorners; ++i) {  // after its normal
+      const std::uint32_t word = word_at(bytes, kStart + kFacet * facet + 4 * i);
+      float value;
+      std::memcpy(&value, &word, sizeof value);
+      if (!std::isfinite(value)) fail("facet " + std::to_string(facet) + " has a corner that is no finite number");
+    }
+  }
+  return std::string(kHeader, '\0') + bytes.substr(kHeader, 4 + kFacet * triangles);
+}
+
+// Words of text, which know their lines.
+class StlText {
+ public:
+  explicit StlText(const std::string& bytes) : bytes_(bytes) {}
+
+  std::string word() {
+    while (at_ < bytes_.size() && is_blank(bytes_[at_])) line_ += bytes_[at_++] == '\n' ? 1 : 0;
+    const std::size_t start = at_;
+    while (at_ < bytes_.size() && !is_blank(bytes_[at_])) ++at_;
+    std::string found = bytes_.substr(start, at_ - start);
+    for (char& c : found) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return found;
+  }
+
+  void expect(const std::string& words) {
+    for (std::size_t start = 0; start < words.size();) {
+      const std::size_t end = std::min(words.find(' ', start), words.size());
+      const std::string wanted = words.substr(start, end - start), found = word();
+      if (found != wanted) fail_here("'" + found.substr(0, 40) + "' stands where '" + wanted + "' is expected");
+      start = end + 1;
+    }
+  }
+
+  // Three numbers, with a blank before each. Normals may be anything: they follow from the corners.
+  std::string point(bool finite) {
+    std::string text;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string found = word();
+      const std::optional<double> value = parse_number<double>(found);
+      if (finite && (!value || !std::isfinite(*value)))
+        fail_here("'" + found.substr(0, 40) + "' is not a finite number");
+      text += finite ? " " + found : " 0";
+    }
+    return text;
+  }
+
+  void skip_line() { at_ = std::min(bytes_.find('\n', at_), bytes_.size()); }
+
+  [[noreturn]] void fail_here(const std::string& why) const { fail("line " + std::to_string(line_) + ": " + why); }
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+  const std::string& bytes_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+};
+
+// After the word "facet".
+void copy_facet(StlText& text, std::string& to) {
+  text.expect("normal");
+  to += "facet normal" + text.point(false) + "\nouter loop\n";
+  text.expect("outer loop");
+  for (int corner = 0; corner < 3; ++corner) {
+    text.expect("vertex");
+    to += "vertex" + text.point(true) + "\n";
+  }
+  text.expect("endloop endfacet");
+  to += "endloop\nendfacet\n";
+}
+
+std::string plain_text(const std::string& bytes) {
+  StlText text(bytes);
+  std::string plain = "solid body\n";
+  std::size_t triangles = 0;
+  for (std::string word = text.word(); !word.empty(); word = text.word()) {
+    if (word == "facet") {
+      copy_facet(text, plain);
+      ++triangles;
+    } else if (word == "solid" || word == "endsolid") {
+      if (word == "solid" && triangles > 0) plain += "endsolid body\nsolid body\n";
+      text.skip_line();  // its name
+    } else {
+      text.fail_here("'" + word.substr(0, 40) + "' stands where 'facet' is expected");
+    }
+  }
+  require_few(triangles);
+  return plain + "endsolid body\n";
+}
+
+bool starts_as_text(const std::string& bytes) { return StlText(bytes).word() == "solid"; }
+
+}  // namespace
+
+std::string plain_stl(const std::string& bytes) {
+  return has_announced_size(bytes) || !starts_as_text(bytes) ? plain_binary(bytes) : plain_text(bytes);
+}
+
+}  // namespace soft_robot_lab

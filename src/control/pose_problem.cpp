@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "mechanics/simulation/limit_hint.h"
 #include "refuse.h"
+#include "search.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -56,7 +58,11 @@ void require_task(const Simulation& simulation, const PolicyTask& task) {
     if (!(pose.duration_s > 0.0 && pose.duration_s <= kLongest_s))
       refuse("duration_s: ", pose.duration_s, " is not in (0, ", kLongest_s, "]");
   }
-  for (const ActuatorBounds& asked : task.bounds) require_bounds(simulation, asked);
+  std::set<std::string> bounded;
+  for (const ActuatorBounds& asked : task.bounds) {
+    require_bounds(simulation, asked);
+    if (!bounded.insert(asked.actuator).second) refuse("limits: '", asked.actuator, "' is named twice");
+  }
   if (!(task.effort_m >= 0.0 && task.effort_m <= kMostEffort_m))
     refuse("effort_m: ", task.effort_m, " is not in [0, ", kMostEffort_m, "]");
 }
@@ -106,6 +112,14 @@ ReachProblem pose_problem(const Simulation& simulation, const PolicyTask& task, 
   }
   if ((problem.max_tension_n.array() == std::numeric_limits<double>::infinity()).all()) problem.max_tension_n.resize(0);
   return problem;
+}
+
+void command_only(Simulation& simulation, const SimulationState& before, const std::vector<std::string>& names,
+                  OptimisationSummary& summary) {
+  simulation.set_state(before);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    simulation.set_command(names[i], summary.commands[static_cast<Eigen::Index>(i)]);
+  summary.stop_reason = kCancelled;
 }
 
 std::vector<std::string> markers_of(const Pose& pose) {

@@ -15,6 +15,7 @@ namespace {
 
 void add(const SolveReport& part, SolveReport& total) {
   total.converged = total.converged && part.converged;
+  total.interrupted = total.interrupted || part.interrupted;
   total.iterations += part.iterations;
   total.steps += part.steps;
   total.rejected_steps += part.rejected_steps;
@@ -108,9 +109,9 @@ SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double st
       text << "step " << i + 1 << " of " << step_count << ", at " << now_s << " s: " << step.message;
       total.message = text.str();
     }
-    const bool ends = ends_early(progress, now_s + step_s, run.duration_s, "s", total);
+    const bool ends = step.interrupted || ends_early(progress, now_s + step_s, run.duration_s, "s", total);
     if (!ends && now_s + step_s < static_cast<double>(recorded + 1) * record_every_s - close_s) continue;
-    record(motion, trajectory);
+    if (!step.interrupted || motion.time_s() > trajectory.time_s.back()) record(motion, trajectory);
     if (ends) break;
     recorded = static_cast<long>((now_s + step_s + close_s) / record_every_s);
   }

@@ -245,8 +245,10 @@ void PanelLink::play(const Policy& policy) {
 void PanelLink::stop() {
   values_.edit_all_to_reached(now_s());
   const bool cancels = offers(topics::cancel_policy), stops = offers(topics::motor_stop);
-  calls_.start(quick_lane, "Stop", [this, cancels, stops] {
+  const bool ends_solve = !stops && offers(topics::simulator_stop);
+  calls_.start(quick_lane, "Stop", [this, cancels, stops, ends_solve] {
     if (stops) calls_.ask<std_srvs::Trigger>(node_, topics::motor_stop, {});
+    if (ends_solve) calls_.ask<std_srvs::Trigger>(node_, topics::simulator_stop, {});
     try {
       if (cancels) calls_.ask<std_srvs::Trigger>(node_, topics::cancel_policy, {});
     } catch (const std::runtime_error&) {

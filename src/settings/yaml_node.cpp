@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "settings_data.h"
+#include "unit_limits.h"
 #include "words.h"
 
 namespace soft_robot_lab {
@@ -117,7 +118,8 @@ double YamlNode::as_number(const AllowedRange& range) const {
                                       : data_->quoted ? std::nullopt
                                                       : parse_number<double>(text);
   if (!value || !std::isfinite(*value)) fail("'" + text + "' is not a finite number");
-  if (!range.contains(*value)) fail(text + " is out of range " + range.to_string());
+  for (const AllowedRange& allowed : {range, range_of_unit(data_->path)})
+    if (!allowed.contains(*value)) fail(text + " is out of range " + allowed.to_string());
   return *value;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/settings/yaml_node.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -11,6 +12,7 @@
 
 #include "settings/cpu_time.h"
 #include "settings/read_file.h"
+#include "settings/unit_limits.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -44,6 +46,32 @@ TEST(YamlNode, ReadsEveryKindOfValue) {
   EXPECT_EQ(parts[1].path(), "parts[1]");
   EXPECT_EQ(parts[0].number("a"), 1.0);
   EXPECT_NO_THROW(node.require_all_read());
+}
+
+TEST(YamlNode, HoldsNumbersWithinTheLimitOfTheirUnit) {
+  const auto error = [](const std::string& text) {
+    return error_of([&] { parse(text).vector3(text.substr(0, text.find(':'))); });
+  };
+  EXPECT_EQ(error("at_m: [1000, -1000, 0]"), "no error");
+  EXPECT_EQ(error("at_m: [1, -1001, 0]"), "scene.yaml:1: at_m[1]: -1001 is out of range [-1000, 1000]");
+  EXPECT_EQ(error("velocity_m_s: [0, 0, 1e300]"), "scene.yaml:1: velocity_m_s[2]: 1e300 is out of range [-1000, 1000]");
+  for (const std::string key : {"a_s", "a_m_s2", "turn_rad", "turn_deg", "turn_rad_s", "size_m", "load_kg"})
+    EXPECT_NE(error(key + ": [1e7, 0, 0]"), "no error") << key;
+  for (const std::string key : {"force_n", "stiffness_n_m", "mass_per_s", "size", "m", "modulus_pa"})
+    EXPECT_EQ(error(key + ": [1e12, 0, 0]"), "no error") << key;
+  const YamlNode node = parse("load_kg: 1e7\nsize_m: -1e9\nruns: [{time_s: 1e19}]\n");
+  EXPECT_EQ(error_of([&] { node.number("load_kg", AllowedRange::positive()); }),
+            "scene.yaml:1: load_kg: 1e7 is out of range [-1000000, 1000000]");
+  EXPECT_EQ(error_of([&] { node.number("size_m", AllowedRange::positive()); }),
+            "scene.yaml:2: size_m: -1e9 is out of range (0, inf)");
+  EXPECT_THROW(node.sequence("runs")[0].number("time_s"), SettingsError);
+}
+
+TEST(UnitLimits, HoldValuesThatComeByServices) {
+  EXPECT_NO_THROW(require_in_unit("target_m", Eigen::Vector3d(1, 2, -1000)));
+  EXPECT_THROW(require_in_unit("target_m", Eigen::Vector3d(1, 2, 1e19)), std::invalid_argument);
+  EXPECT_THROW(require_in_unit("turn_rad", 1e300), std::invalid_argument);
+  EXPECT_THROW(require_in_unit("turn_rad", std::nan("")), std::invalid_argument);
 }
 
 TEST(YamlNode, GivesDefaultsOnlyForAbsentKeys) {

@@ -27,6 +27,14 @@ TEST(RecorderProcess, RunsUntilItIsStopped) {
   EXPECT_FALSE(recorder.ended_by_itself());
 }
 
+// As a shell does that waits for a program of its own before it becomes the recorder.
+TEST(RecorderProcess, IsStoppedThoughItsFirstSignalIsLost) {
+  RecorderProcess recorder;
+  recorder.start({"bash", "-c", "trap '' INT; sleep 0.5; trap - INT; exec sleep 1000"});
+  EXPECT_TRUE(recorder.stop(60.0));
+  EXPECT_FALSE(recorder.process());
+}
+
 TEST(RecorderProcess, SaysWhereItEndedByItself) {
   RecorderProcess recorder;
   recorder.start({"false"});

@@ -12,15 +12,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+// Also one that is not closed yet.
+bool is_bag(const fs::path& file) {
+  return file.extension() == ".bag" || (file.extension() == ".active" && file.stem().extension() == ".bag");
 }
 
 std::string open_bag(pid_t process) {
   std::error_code error;
   for (const auto& file : fs::directory_iterator("/proc/" + std::to_string(process) + "/fd", error)) {
     const std::string path = fs::read_symlink(file.path(), error).string();
-    if (!error && (ends_with(path, ".bag.active") || ends_with(path, ".bag"))) return path;
+    if (!error && is_bag(path)) return path;
   }
   return {};
 }

@@ -211,7 +211,9 @@ void ControllerNode::remember(const PolicyTask& task, const PolicyAnswer& answer
   const MarkerGoal& goal = task.poses.back().goals.front();
   show_target(goal.marker, goal.target_m);
   const std::lock_guard lock(mutex_);
-  show_ghost();
+  const bool played = answer.summaries.back().stop_reason != "cancelled";  // so the model is there
+  if (played) show_ghost();
+  if (!played) ghost_.publish(no_ghost());
   found_ = task;
   found_policy_ = answer.policy;
   ++found_count_;
@@ -259,7 +261,7 @@ void ControllerNode::answer_target(const MarkerGoal& goal, bool released, const 
     return true;
   };
   const PolicyAnswer answer = search_.go_on(*model_, task, options, show);
-  if (answer.success) remember(task, answer);
+  if (answer.success && !live_.must_end()) remember(task, answer);
 }
 
 // Shows at once where the robot will rest: its drives and its silicone take their time.

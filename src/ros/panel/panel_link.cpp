@@ -205,13 +205,14 @@ void PanelLink::tell_drag() {
 
 // A policy that was just stopped may have sent one more command meanwhile. What Stop ends has not failed.
 std::vector<CallOutcome> PanelLink::take_outcomes() {
+  const bool goes_on = busy();  // before its outcome is taken
   std::vector<CallOutcome> outcomes = calls_.take_outcomes();
   for (CallOutcome& outcome : outcomes) {
     if (outcome.title == "Stop") values_.edit_all_to_reached(now_s());
     if (!outcome.success && stopped_ && outcome.message.find("cancelled") != std::string::npos)
       outcome = {outcome.title, true, "ended by Stop"};
   }
-  if (!busy()) stopped_ = false;
+  if (!goes_on) stopped_ = false;
   outcomes.insert(outcomes.end(), notes_.begin(), notes_.end());
   notes_.clear();
   return outcomes;

@@ -178,16 +178,18 @@ SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options
 
 void SimulatorNode::serve() {
   const auto trigger = [this](const std::string& name, auto handler) {
-    return node_.advertiseService(ros::AdvertiseServiceOptions::create<std_srvs::Trigger>(
+    auto options = ros::AdvertiseServiceOptions::create<std_srvs::Trigger>(
         name, [this, handler](auto& request, auto& response) { return (this->*handler)(request, response); },
-        ros::VoidConstPtr(), &control_queue_));
+        ros::VoidConstPtr(), &control_queue_);
+    return node_.advertiseService(options);
   };
   reset_ = trigger(topics::simulator_reset, &SimulatorNode::reset);
   stop_ = trigger(topics::simulator_stop, &SimulatorNode::stop);
   diagnostics_.setHardwareID("simulated");
   diagnostics_.add("simulation", this, &SimulatorNode::diagnose);
-  diagnostics_timer_ = node_.createSteadyTimer(ros::SteadyTimerOptions(
-      ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); }, &control_queue_));
+  ros::SteadyTimerOptions every_second(
+      ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); }, &control_queue_);
+  diagnostics_timer_ = node_.createSteadyTimer(every_second);
   control_.start();
 }
 

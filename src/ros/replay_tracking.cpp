@@ -69,6 +69,7 @@ class AnewTracking {
       : options_(options), findings_(findings), input_(options, [&findings](const auto& r) { findings.add(r); }) {
     for (const std::string& camera : options.tracking.cameras)
       frames_.try_emplace(camera, bag, camera, options.tracking.sync_tolerance_s);
+    take_first(bag);
     for (const rosbag::MessageInstance& message : rosbag::View(bag)) add(message);
     input_.finish();
   }
@@ -102,6 +103,18 @@ class AnewTracking {
   }
 
  private:
+  // A lens or a scene that comes at the time of the first images, or after them, counts for these too.
+  void take_first(const rosbag::Bag& bag) {
+    std::vector<std::string> first;
+    for (const std::string& camera : options_.tracking.cameras) first.push_back(info_topic(camera));
+    if (options_.scene.empty()) first.push_back(topics::simulator_scene);
+    for (const std::string& topic : first)
+      for (const rosbag::MessageInstance& message : only(bag, {topic})) {
+        add(message);
+        break;
+      }
+  }
+
   void add(const rosbag::MessageInstance& message) {
     const std::string topic = relative(message.getTopic());
     if (topic == topics::simulator_markers) input_.add_simulated(*read_message<MarkerObservations>(message));

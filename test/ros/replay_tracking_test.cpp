@@ -2,6 +2,7 @@
 // A recording of a session whose recorder lost an image.
 #include "ros/replay_tracking.h"
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -132,6 +133,7 @@ class BareReplay : public Replay {
 
   void SetUp() override {
     Replay::SetUp();
+    setenv("ROS_PACKAGE_PATH", SOFT_ROBOT_LAB_SOURCE ":/usr/share", 1);  // where plugins are looked for
     options_.scene = SOFT_ROBOT_LAB_SOURCE "/test/data/scenes/two_markers.yaml";
     options_.poses = folder_ / "poses.yaml";
     write_camera_poses(options_.poses, {{"eye", camera_.world_from_camera, {}}});

@@ -6,6 +6,7 @@
 
 #include "pose_problem.h"
 #include "reduced_search.h"
+#include "soft_robot_lab/control/forward_model.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -36,6 +37,8 @@ OptimisationSummary find_step(Simulation& simulation, const Pose& pose, ReachPro
   if (!summary.usable) return summary;
   try {
     go_to_answer(simulation, before, pose, problem.names, summary);
+  } catch (const ForwardModelInterrupted&) {
+    command_only(simulation, before, problem.names, summary);
   } catch (const ForwardModelError& error) {
     summary.usable = false;
     summary.stop_reason += std::string(", but it cannot be played from the start: ") + error.what();
@@ -79,6 +82,7 @@ PolicyAnswer find_policy(Simulation& simulation, const PolicyTask& task, const O
     if (fast) found = fast->find(task.poses[i], problem, options, show);
     if (fast) answer.full_because.push_back(found.usable ? "" : found.stop_reason);
     if (!found.usable) found = find_step(simulation, task.poses[i], problem, options, show);
+    cancelled = cancelled || asked_to_end(simulation);
     answer.summaries.push_back(std::move(found));
     if (!answer.summaries.back().usable) break;
     time_s += task.poses[i].duration_s;

@@ -14,6 +14,8 @@ constexpr size_t kRemembered = 8;  // equilibria to start from, beside the first
 
 }  // namespace
 
+bool asked_to_end(const Simulation& simulation) { return simulation.interrupt() && simulation.interrupt()(); }
+
 ForwardModel::ForwardModel(Simulation& simulation, const std::vector<std::string>& markers,
                            const std::vector<std::string>& actuators)
     : simulation_(simulation) {
@@ -114,6 +116,7 @@ void ForwardModel::settle(const Eigen::VectorXd& commands, bool trial) {
         stage == stages ? commands : Eigen::VectorXd(from + stage / stages * (commands - from));
     for (Eigen::Index i = 0; i < commands.size(); ++i) simulation_.set_command(actuator(i).name(), there[i]);
     const SolveReport report = simulation_.solve_equilibrium(options);
+    if (report.interrupted && asked_to_end(simulation_)) throw ForwardModelInterrupted();
     if (!report.converged) throw ForwardModelError(report.message);
   }
 }

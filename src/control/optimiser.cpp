@@ -9,6 +9,7 @@
 
 #include "refuse.h"
 #include "search.h"
+#include "soft_robot_lab/control/forward_model.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -129,17 +130,24 @@ OptimisationSummary optimise(const ReachProblem& problem, const OptimiserOptions
   OptimisationSummary summary;
   summary.commands = problem.start;
   Search search(problem, progress);
-  const Evaluation* start = search.evaluate(problem.start, false);
-  if (start && start->allowed) {
-    summary.initial_distance_m = start->distance_m;
-    summary.stop_reason = run_method(search, options);
-    summary.usable = true;
+  const Evaluation* start = nullptr;
+  try {
+    start = search.evaluate(problem.start, false);
+    if (start && start->allowed) {
+      summary.initial_distance_m = start->distance_m;
+      summary.usable = true;
+      summary.stop_reason = run_method(search, options);
+    }
+  } catch (const ForwardModelInterrupted&) {
+    summary.stop_reason = kCancelled;
+  }
+  if (summary.usable) {
     summary.commands = search.best()->commands;
     summary.markers_m = search.best()->prediction.markers_m;
     summary.final_distance_m = search.best()->distance_m;
     summary.active_limits = limits_met(problem, *search.best());
     summary.target_reached = summary.final_distance_m < options.tolerance_m;
-  } else {
+  } else if (summary.stop_reason.empty()) {
     summary.stop_reason = start ? "a tension is beyond its limit at the start" : search.failure();
   }
   summary.iterations = search.iterations();

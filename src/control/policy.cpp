@@ -9,6 +9,8 @@
 
 #include "mechanics/simulation/limit_hint.h"
 #include "refuse.h"
+#include "settings/limits.h"
+#include "settings/words.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
@@ -32,8 +34,8 @@ void validate_names(const std::vector<std::string>& names, const CommandLimitsBy
 void validate_step(const CommandPolicy& policy, size_t index, const CommandLimitsByName& limits) {
   const TimedCommandValues& step = policy.steps[index];
   const double earliest_s = index == 0 ? 0.0 : policy.steps[index - 1].time_s;
-  if (!std::isfinite(step.time_s) || step.time_s < earliest_s) {
-    refuse("policy.steps[", index, "].time_s: ", step.time_s, " is not in [", earliest_s, ", inf)");
+  if (!(step.time_s >= earliest_s && step.time_s <= limits::kTime_s)) {
+    refuse("policy.steps[", index, "].time_s: ", step.time_s, " is not in [", earliest_s, ", ", limits::kTime_s, "]");
   }
   if (step.values.size() != policy.names.size()) {
     refuse("policy.steps[", index, "].values: ", step.values.size(), " values for ", policy.names.size(), " names");
@@ -45,12 +47,6 @@ void validate_step(const CommandPolicy& policy, size_t index, const CommandLimit
              range.min, ", ", range.max, "]", step.values[i] < range.min ? range.min_hint : range.max_hint);
     }
   }
-}
-
-std::string quoted(const std::string& text) {
-  std::ostringstream out;
-  out << std::quoted(text);
-  return out.str();
 }
 
 }  // namespace
@@ -87,7 +83,7 @@ CommandPolicy load_policy(const std::string& path) {
 std::string policy_yaml(const CommandPolicy& policy) {
   std::ostringstream out;
   out << std::setprecision(17) << "names: [";
-  for (size_t i = 0; i < policy.names.size(); ++i) out << (i ? ", " : "") << quoted(policy.names[i]);
+  for (size_t i = 0; i < policy.names.size(); ++i) out << (i ? ", " : "") << quote(policy.names[i]);
   out << "]\nsteps:\n";
   for (const TimedCommandValues& step : policy.steps) {
     out << "  - {time_s: " << step.time_s << ", values: [";

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "mechanics/simulation/limit_hint.h"
 #include "refuse.h"
+#include "search.h"
 #include "settings/limits.h"
 
 namespace soft_robot_lab {
@@ -18,13 +20,12 @@ std::vector<std::string> movable(const Simulation& simulation, const Pose& pose)
   return all;
 }
 
-// Squares of what lies far beyond these are no finite numbers, and no robot is as large or as slow.
-constexpr double kFarthest_m = limits::kPlace_m, kMostEffort_m = 1e3, kMostWeight = 1e6, kLongest_s = limits::kTime_s;
+constexpr double kMostWeight = 1e6;
 
 void require_goal(const Simulation& simulation, const MarkerGoal& goal) {
   simulation.marker_index(goal.marker);
-  if (!(goal.target_m.cwiseAbs().maxCoeff() <= kFarthest_m) || !goal.target_m.allFinite())
-    refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] is not within ", kFarthest_m, " m");
+  if (!(goal.target_m.cwiseAbs().maxCoeff() <= limits::kPlace_m) || !goal.target_m.allFinite())
+    refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] is not within ", limits::kPlace_m, " m");
   if (!(goal.weight > 0.0 && goal.weight <= kMostWeight))
     refuse("weight of ", goal.marker, ": ", goal.weight, " is not in (0, ", kMostWeight, "]");
 }
@@ -54,12 +55,16 @@ void require_task(const Simulation& simulation, const PolicyTask& task) {
     if (pose.goals.empty()) refuse("goals: empty; give at least one");
     for (const MarkerGoal& goal : pose.goals) require_goal(simulation, goal);
     for (const std::string& name : pose.actuators) simulation.actuator_index(name);
-    if (!(pose.duration_s > 0.0 && pose.duration_s <= kLongest_s))
-      refuse("duration_s: ", pose.duration_s, " is not in (0, ", kLongest_s, "]");
+    if (!(pose.duration_s > 0.0 && pose.duration_s <= limits::kTime_s))
+      refuse("duration_s: ", pose.duration_s, " is not in (0, ", limits::kTime_s, "]");
   }
-  for (const ActuatorBounds& asked : task.bounds) require_bounds(simulation, asked);
-  if (!(task.effort_m >= 0.0 && task.effort_m <= kMostEffort_m))
-    refuse("effort_m: ", task.effort_m, " is not in [0, ", kMostEffort_m, "]");
+  std::set<std::string> bounded;
+  for (const ActuatorBounds& asked : task.bounds) {
+    require_bounds(simulation, asked);
+    if (!bounded.insert(asked.actuator).second) refuse("limits: '", asked.actuator, "' is named twice");
+  }
+  if (!(task.effort_m >= 0.0 && task.effort_m <= limits::kPlace_m))
+    refuse("effort_m: ", task.effort_m, " is not in [0, ", limits::kPlace_m, "]");
 }
 
 namespace {
@@ -107,6 +112,14 @@ ReachProblem pose_problem(const Simulation& simulation, const PolicyTask& task, 
   }
   if ((problem.max_tension_n.array() == std::numeric_limits<double>::infinity()).all()) problem.max_tension_n.resize(0);
   return problem;
+}
+
+void command_only(Simulation& simulation, const SimulationState& before, const std::vector<std::string>& names,
+                  OptimisationSummary& summary) {
+  simulation.set_state(before);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    simulation.set_command(names[i], summary.commands[static_cast<Eigen::Index>(i)]);
+  summary.stop_reason = kCancelled;
 }
 
 std::vector<std::string> markers_of(const Pose& pose) {

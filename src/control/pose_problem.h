@@ -13,6 +13,10 @@ void require_task(const Simulation& simulation, const PolicyTask& task);
 // a largest rate keeps a command out of its bounds.
 ReachProblem pose_problem(const Simulation& simulation, const PolicyTask& task, const Pose& pose);
 
+// Leaves the simulation in this state with the commands found, where there is no time to play them.
+void command_only(Simulation& simulation, const SimulationState& before, const std::vector<std::string>& names,
+                  OptimisationSummary& summary);
+
 std::vector<std::string> markers_of(const Pose& pose);
 
 }  // namespace soft_robot_lab

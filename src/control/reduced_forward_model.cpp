@@ -12,7 +12,11 @@ namespace {
 
 constexpr int kStages = 4;              // of a trial that is too far for one
 constexpr std::size_t kRemembered = 8;  // equilibria
-constexpr const char* kNone = "the reduced model found no equilibrium";
+
+void require_rest(const ReducedReport& report) {
+  if (!report.interrupted.empty()) throw ForwardModelInterrupted();
+  if (!report.converged) throw ForwardModelError("the reduced model found no equilibrium");
+}
 
 }  // namespace
 
@@ -34,7 +38,7 @@ void ReducedForwardModel::start_at(const std::vector<double>& commands) {
   simulation_.reset();
   known_.clear();
   command(commands, simulation_);
-  if (!simulation_.solve_equilibrium().converged) throw ForwardModelError(kNone);
+  require_rest(simulation_.solve_equilibrium());
 }
 
 void ReducedForwardModel::move(const Eigen::VectorXd& commands) {
@@ -49,14 +53,14 @@ void ReducedForwardModel::follow(const Eigen::VectorXd& commands) {
     from[i] = simulation_.state().drives[static_cast<std::size_t>(actuators_[static_cast<std::size_t>(i)])].command;
   for (int stage = 1; stage <= kStages; ++stage) {
     move(stage == kStages ? commands : Eigen::VectorXd(from + (commands - from) * stage / kStages));
-    if (!simulation_.solve_nearby().converged) throw ForwardModelError(kNone);
+    require_rest(simulation_.solve_nearby());
   }
 }
 
 Prediction ReducedForwardModel::predict(const Eigen::VectorXd& commands, bool with_derivatives) {
   return answer(commands, with_derivatives, [&] {
     move(commands);
-    if (!simulation_.solve_equilibrium().converged) throw ForwardModelError(kNone);
+    require_rest(simulation_.solve_equilibrium());
   });
 }
 
@@ -64,7 +68,9 @@ Prediction ReducedForwardModel::try_out(const Eigen::VectorXd& commands, bool wi
   return answer(commands, with_derivatives, [&] {
     const ReducedState before = simulation_.state();
     move(commands);
-    if (simulation_.solve_nearby().converged) return;
+    const ReducedReport nearby = simulation_.solve_nearby();
+    if (nearby.converged) return;
+    if (!nearby.interrupted.empty()) throw ForwardModelInterrupted();
     simulation_.set_state(before);
     follow(commands);
   });

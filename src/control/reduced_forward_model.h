@@ -23,6 +23,9 @@ class ReducedForwardModel {
   ReducedForwardModel(std::shared_ptr<const ReducedModel> model, const std::vector<std::string>& markers,
                       const std::vector<std::string>& actuators);
 
+  // As Simulation has it. Then what asks the model may throw ForwardModelInterrupted.
+  void set_interrupt(const std::function<bool()>& ends) { simulation_.set_interrupt(ends); }
+
   // Whether these commands of all actuators lie within what the model was trained for.
   bool knows(const std::vector<double>& commands) const;
 

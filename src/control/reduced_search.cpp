@@ -79,6 +79,7 @@ OptimisationSummary ReducedSearch::find(const Pose& pose, ReachProblem problem, 
                                         const ProgressCallback& progress) {
   const double start_s = cpu_time_s();
   const SimulationState before = simulation_.state();
+  const std::vector<std::string> names = problem.names;
   OptimisationSummary summary;
   std::string why;
   try {
@@ -88,6 +89,10 @@ OptimisationSummary ReducedSearch::find(const Pose& pose, ReachProblem problem, 
   }
   summary.cpu_s = cpu_time_s() - start_s;
   if (why.empty()) return summary;
+  if (summary.usable && asked_to_end(simulation_)) {
+    command_only(simulation_, before, names, summary);
+    return summary;
+  }
   simulation_.set_state(before);
   summary.usable = false;
   summary.stop_reason = why;
@@ -100,6 +105,7 @@ std::string ReducedSearch::search(const Pose& pose, ReachProblem problem, const 
   const SimulationState start = simulation_.state();
   const std::vector<std::string> markers = markers_of(pose);
   ReducedForwardModel model(reduced_.model, markers, problem.names);
+  model.set_interrupt(simulation_.interrupt());
   if (!model.knows(start.commands())) return "the start is outside the commands that the reduced model was trained for";
   model.start_at(start.commands());
   if (largest_distance_m(model.markers_m(), markers_of(simulation_, markers)) > limit_m_)

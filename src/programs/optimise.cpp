@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // optimise ROBOT.yaml --marker NAME --target X Y Z: finds a policy from the shell, without a ROS master.
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "robot/scene/parameters.h"
 #include "robot/scene/reduction.h"
 #include "settings/command_line.h"
+#include "settings/interrupted.h"
 #include "settings/words.h"
 #include "load_with_bar.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -28,9 +28,6 @@
 namespace {
 
 using namespace soft_robot_lab;
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
   std::string robot, result, policy, replay, robust, output;
@@ -192,7 +189,7 @@ CommandPolicy policy_for(const Arguments& arguments, std::vector<RandomRobot>& r
   ProgressBar bar("optimise");
   const PolicyAnswer answer = find_robust_policy(robots, task, options, [&](const OptimisationProgress& now) {
     bar.show(0.5, "iteration " + std::to_string(now.iteration));
-    return interrupted == 0;
+    return !interrupted();
   });
   if (!answer.success) throw std::runtime_error(answer.summaries.front().stop_reason);
   return answer.policy;
@@ -201,6 +198,7 @@ CommandPolicy policy_for(const Arguments& arguments, std::vector<RandomRobot>& r
 int optimise_on_random_robots(const Arguments& arguments, const SceneOptions& options, const PolicyTask& task) {
   const Randomisation randomisation = read_randomisation(arguments.robust, arguments.robot);
   std::vector<RandomRobot> robots = draw_robots(randomisation, options);
+  for (const RandomRobot& robot : robots) robot.simulation->set_interrupt(interrupted);
   const CommandPolicy policy = policy_for(arguments, robots, task);
   const std::vector<double> distances = distances_m(robots, policy, task.poses.back());
   std::cout << robust_summary(distances);
@@ -225,7 +223,8 @@ int optimise_robot(Arguments& arguments) {
   const Scene scene = load_with_bar("optimise", arguments.robot, scene_options);
   if (arguments.robust.empty() && (arguments.quantile || !arguments.output.empty()))
     throw std::invalid_argument("--quantile and --output belong to --robust");
-  std::signal(SIGINT, interrupt);
+  heed_interrupts();
+  scene.simulation->set_interrupt(interrupted);
   if (!arguments.robust.empty())
     return optimise_on_random_robots(arguments, scene_options, complete(arguments, *scene.simulation));
   if (!arguments.replay.empty()) return replay_policy(arguments, *scene.simulation);
@@ -243,7 +242,7 @@ int optimise_robot(Arguments& arguments) {
           text.precision(3);
           text << "pose " << pose + 1 << ", iteration " << now.iteration << ", " << 1e3 * now.distance_m << " mm";
           bar.show(come, text.str());
-          return interrupted == 0;
+          return !interrupted();
         },
         scene.reduction ? &scene.reduction->choice : nullptr);
   }
@@ -264,7 +263,7 @@ int optimise_robot(Arguments& arguments) {
   if (!arguments.result.empty()) write_file(arguments.result, result.dump(2) + "\n");
   if (!arguments.policy.empty() && !answer.policy.steps.empty())
     write_file(arguments.policy, policy_yaml(answer.policy));
-  return answer.success && interrupted == 0 ? kGood : kNotGood;
+  return answer.success && !interrupted() ? kGood : kNotGood;
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 // rollouts ROBOT.yaml --commands FILE --output FILE.npz: runs a robot many times, for learning from it.
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <string>
@@ -15,6 +14,7 @@
 #include "robot/rollouts/rollout_file.h"
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
+#include "settings/interrupted.h"
 #include "settings/cpu_time.h"
 #include "settings/words.h"
 #include "settings/write_file.h"
@@ -24,9 +24,6 @@
 namespace {
 
 using namespace soft_robot_lab;
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
   std::string robot, commands, output, result;
@@ -82,14 +79,17 @@ std::vector<RolloutCommands> commands_for(const Arguments& arguments, const Scen
 std::vector<RunReport> run(const Arguments& arguments, const Scene& scene, const RolloutPlan& plan) {
   ProgressBar bar("rollouts");
   int twentieth = -1;
-  return RolloutBatch(scene).run(plan, arguments.threads, [&](std::size_t ended) {
-    const double fraction = static_cast<double>(ended) / static_cast<double>(plan.rollouts.size());
-    if (const int next = static_cast<int>(20.0 * fraction); next != twentieth) {
-      twentieth = next;
-      bar.show(fraction, std::to_string(ended) + " of " + std::to_string(plan.rollouts.size()) + " rollouts");
-    }
-    return interrupted == 0;
-  });
+  return RolloutBatch(scene).run(
+      plan, arguments.threads,
+      [&](std::size_t ended) {
+        const double fraction = static_cast<double>(ended) / static_cast<double>(plan.rollouts.size());
+        if (const int next = static_cast<int>(20.0 * fraction); next != twentieth) {
+          twentieth = next;
+          bar.show(fraction, std::to_string(ended) + " of " + std::to_string(plan.rollouts.size()) + " rollouts");
+        }
+        return !interrupted();
+      },
+      interrupted);
 }
 
 // What went wrong, once for all rollouts; whether anything did.
@@ -118,8 +118,7 @@ int make_rollouts(const Arguments& arguments) {
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
   const Scene scene = load_with_bar("rollouts", arguments.robot, options);
   const RolloutPlan plan{arguments.duration_s, arguments.record_every_s, commands_for(arguments, scene)};
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  heed_interrupts();
   const auto start = std::chrono::steady_clock::now();
   const double cpu_start_s = cpu_time_s();
   const std::vector<RunReport> reports = run(arguments, scene, plan);

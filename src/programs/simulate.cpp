@@ -2,7 +2,6 @@
 // simulate SCENE.yaml [--result FILE] [--set PATH=NUMBER] [--estimate-error]: runs a scene from the shell, without a
 // ROS master.
 #include <chrono>
-#include <csignal>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 #include "load_with_bar.h"
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
+#include "settings/interrupted.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
 #include "soft_robot_lab/robot/scene/scene.h"
@@ -40,20 +40,18 @@ void declare(CommandLine& app, Arguments& arguments) {
       "(the result is still written), 2 bad scene or arguments.");
 }
 
-volatile std::sig_atomic_t interrupted = 0;
-
-void interrupt(int) { interrupted = 1; }
-
-// With a bar where it lasts longer than a second. Ctrl-C ends it, and what was simulated until then is written.
+// With a bar where it lasts longer than a second. Ctrl-C or SIGTERM ends it, also within a solve, and what was
+// simulated until then is written.
 RunReport run(Scene& scene) {
   using Clock = std::chrono::steady_clock;
-  std::signal(SIGINT, interrupt);
+  heed_interrupts();
+  scene.simulation->set_interrupt(interrupted);
   std::optional<ProgressBar> bar;
   const Clock::time_point start = Clock::now();
   return run_scene(scene, [&](double fraction) {
     if (!bar && fraction < 1.0 && Clock::now() - start > std::chrono::seconds(1)) bar.emplace("simulate");
     if (bar) bar->show(fraction, "runs; Ctrl-C ends it and keeps what is done");
-    return interrupted == 0;
+    return !interrupted();
   });
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // workspace ROBOT.yaml --output FOLDER: where a robot's marker rests over all its commands, and what that takes.
 #include <algorithm>
-#include <csignal>
 #include <iostream>
 #include <string>
 #include <thread>
@@ -9,6 +8,7 @@
 #include "progress_bar.h"
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
+#include "settings/interrupted.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "study/workspace/refinement.h"
@@ -18,9 +18,6 @@
 namespace {
 
 using namespace soft_robot_lab;
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
   WorkspaceSettings settings;
@@ -66,7 +63,7 @@ void find_points(const Arguments& arguments, const WorkspacePlan& plan, const st
       bar.show(fraction, std::to_string(now.done) + " of " + std::to_string(now.points) + " commands, " +
                              std::to_string(now.failed) + " without a rest state");
     }
-    return interrupted == 0;
+    return !interrupted();
   });
 }
 
@@ -79,11 +76,10 @@ int show_workspace(const Arguments& arguments) {
   WorkspacePlan plan = plan_workspace(arguments.settings, *scene.simulation, version);
   Journal journal(arguments.output);
   journal.set_tasks(plan.study, plan.tasks);
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  heed_interrupts();
   const std::shared_ptr<const Model> model = scene.simulation->model();
   find_points(arguments, plan, model, journal);
-  if (arguments.settings.refine > 0 && interrupted == 0) {
+  if (arguments.settings.refine > 0 && !interrupted()) {
     refine_workspace(plan, *model, arguments.settings.refine, version, journal);
     journal.set_tasks(plan.study, plan.tasks);
     find_points(arguments, plan, model, journal);
@@ -93,7 +89,7 @@ int show_workspace(const Arguments& arguments) {
   std::cout << workspace_summary(plan, table);
   write_workspace_report(plan, table, arguments.output);
   std::cout << arguments.output << "/workspace.html\n";
-  if (interrupted != 0) std::cerr << "workspace: stopped; the same command goes on from here\n";
+  if (interrupted()) std::cerr << "workspace: stopped; the same command goes on from here\n";
   return table.all_good() ? kGood : kNotGood;
 }
 

@@ -9,6 +9,7 @@
 
 #include "frames.h"
 #include "robot/scene/reaction.h"
+#include "settings/limits.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -42,8 +43,10 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-Eigen::Vector3d checked(const Eigen::Vector3d& vector, const std::string& field, const std::string& unit) {
-  constexpr double largest = 1e6;  // squares and sums of these are finite
+constexpr double largest_vector = 1e6;  // of no unit in particular: squares and sums of these are finite
+
+Eigen::Vector3d checked(const Eigen::Vector3d& vector, const std::string& field, const std::string& unit,
+                        double largest) {
   if (vector.allFinite() && vector.cwiseAbs().maxCoeff() <= largest) return vector;
   std::ostringstream message;
   message << field << ": [" << vector.x() << ", " << vector.y() << ", " << vector.z()
@@ -79,11 +82,11 @@ geometry_msgs::Vector3 vector_message(const Eigen::Vector3d& vector) {
 }
 
 Eigen::Vector3d from_message(const geometry_msgs::Point& position, const std::string& field) {
-  return checked({position.x, position.y, position.z}, field, " [m]");
+  return checked({position.x, position.y, position.z}, field, " [m]", limits::kPlace_m);
 }
 
 Eigen::Vector3d from_message(const geometry_msgs::Vector3& vector, const std::string& field) {
-  return checked({vector.x, vector.y, vector.z}, field, "");
+  return checked({vector.x, vector.y, vector.z}, field, "", largest_vector);
 }
 
 void require_whole(const MarkerObservations& markers) {

@@ -136,7 +136,10 @@ void FitService::answer(const FitModel::Request& request, FitModel::Response& re
       if (on_progress) on_progress(iteration, rms_gap_m);
       return !cancelled_;
     };
-    if (!request.file.empty()) require_writable(request.file);
+    if (!request.file.empty()) {
+      require_own_or_new(request.file);
+      require_writable(request.file);
+    }
     const UsablePart part = usable_part(request.bag.empty() ? heard() : read_recorded_session(request.bag));
     const Recording& recording = part.recording;
     const std::string scene = request.scene.empty() ? recording.scene : request.scene;

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
+#include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -33,8 +35,11 @@ sensor_msgs::CameraInfo camera_info(const CameraModel& model, const std_msgs::He
   info.header = header;
   info.width = static_cast<std::uint32_t>(model.width_px);
   info.height = static_cast<std::uint32_t>(model.height_px);
-  info.distortion_model = sensor_msgs::distortion_models::PLUMB_BOB;
-  info.D.assign(model.distortion.begin(), model.distortion.end());
+  namespace models = sensor_msgs::distortion_models;
+  const auto plain = model.distortion.begin() + 5;
+  const bool rational = std::any_of(plain, model.distortion.end(), [](double d) { return d != 0; });
+  info.distortion_model = rational ? models::RATIONAL_POLYNOMIAL : models::PLUMB_BOB;
+  info.D.assign(model.distortion.begin(), rational ? model.distortion.end() : plain);
   info.K = {model.focal_x_px, 0, model.centre_x_px, 0, model.focal_y_px, model.centre_y_px, 0, 0, 1};
   info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   info.P = {model.focal_x_px, 0, model.centre_x_px, 0, 0, model.focal_y_px, model.centre_y_px, 0, 0, 0, 1, 0};
@@ -75,15 +80,20 @@ sensor_msgs::Image depth_message(const RgbdFrame& frame, const std_msgs::Header&
 
 // The frame's depths and their step.
 void read_depth(const sensor_msgs::Image& message, RgbdFrame& frame) {
-  if (message.encoding == sensor_msgs::image_encodings::TYPE_16UC1) {
+  if (message.encoding == sensor_msgs::image_encodings::TYPE_16UC1 ||
+      message.encoding == sensor_msgs::image_encodings::MONO16) {
     view(message, CV_16UC1, "depth").convertTo(frame.depth_m, CV_32F, millimetre_m);
     frame.depth_step_m = millimetre_m;
   } else if (message.encoding == sensor_msgs::image_encodings::TYPE_32FC1) {
     const cv::Mat depth_m = view(message, CV_32FC1, "depth");
+    const int measured = cv::countNonZero(depth_m > 0), too_far = cv::countNonZero(depth_m > most_depth_m);
+    if (2 * too_far > measured)
+      throw std::invalid_argument("depth: most of its 32FC1 values are above " + std::to_string(most_depth_m) +
+                                  "; allowed: metres");
     frame.depth_m = cv::Mat::zeros(depth_m.size(), CV_32FC1);
     depth_m.copyTo(frame.depth_m, (depth_m > 0) & (depth_m <= most_depth_m));  // no NaN is either
   } else {
-    throw std::invalid_argument("depth: encoding '" + message.encoding + "' is not one of 16UC1, 32FC1");
+    throw std::invalid_argument("depth: encoding '" + message.encoding + "' is not one of 16UC1, mono16, 32FC1");
   }
 }
 
@@ -101,11 +111,16 @@ FrameMessages frame_messages(const RgbdFrame& frame, const CameraModel& model, c
 }
 
 cv::Mat colour_image(const sensor_msgs::Image& message) {
-  if (message.encoding == sensor_msgs::image_encodings::RGB8) return view(message, CV_8UC3, "colour").clone();
-  if (message.encoding != sensor_msgs::image_encodings::BGR8)
-    throw std::invalid_argument("colour: encoding '" + message.encoding + "' is not one of rgb8, bgr8");
+  namespace encodings = sensor_msgs::image_encodings;
+  if (message.encoding == encodings::RGB8) return view(message, CV_8UC3, "colour").clone();
+  static const std::map<std::string, std::pair<int, int>> others = {{encodings::BGR8, {CV_8UC3, cv::COLOR_BGR2RGB}},
+                                                                    {encodings::RGBA8, {CV_8UC4, cv::COLOR_RGBA2RGB}},
+                                                                    {encodings::BGRA8, {CV_8UC4, cv::COLOR_BGRA2RGB}}};
+  const auto other = others.find(message.encoding);
+  if (other == others.end())
+    throw std::invalid_argument("colour: encoding '" + message.encoding + "' is not one of rgb8, bgr8, rgba8, bgra8");
   cv::Mat colour;
-  cv::cvtColor(view(message, CV_8UC3, "colour"), colour, cv::COLOR_BGR2RGB);
+  cv::cvtColor(view(message, other->second.first, "colour"), colour, other->second.second);
   return colour;
 }
 
@@ -123,12 +138,18 @@ CameraModel camera_model(const sensor_msgs::CameraInfo& info) {
   model.centre_x_px = info.K[2];
   model.focal_y_px = info.K[4];
   model.centre_y_px = info.K[5];
-  const bool straight = std::all_of(info.D.begin(), info.D.end(), [](double d) { return d == 0; });
-  if (!straight && (info.distortion_model != sensor_msgs::distortion_models::PLUMB_BOB || info.D.size() != 5))
+  namespace models = sensor_msgs::distortion_models;
+  const auto zero = [](double d) { return d == 0; };
+  const auto used = static_cast<std::ptrdiff_t>(std::min(info.D.size(), model.distortion.size()));
+  const bool known =
+      (info.distortion_model == models::PLUMB_BOB && info.D.size() == 5) ||
+      (info.distortion_model == models::RATIONAL_POLYNOMIAL && info.D.size() >= model.distortion.size() &&
+       std::all_of(info.D.begin() + used, info.D.end(), zero));  // OpenCV's thin prism and tilt come after
+  if (!known && !std::all_of(info.D.begin(), info.D.end(), zero))
     throw std::invalid_argument("camera_info: distortion_model '" + info.distortion_model + "' with " +
                                 std::to_string(info.D.size()) +
-                                " coefficients; allowed: plumb_bob with 5, or all zero");
-  if (!straight) std::copy(info.D.begin(), info.D.end(), model.distortion.begin());
+                                " coefficients; allowed: plumb_bob with 5, rational_polynomial with 8, or all zero");
+  if (known) std::copy(info.D.begin(), info.D.begin() + used, model.distortion.begin());
   try {
     model.validate();
   } catch (const std::invalid_argument& error) {

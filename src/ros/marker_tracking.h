@@ -61,6 +61,7 @@ class MarkerTracking {
   bool follows(const TrackerUpdateLog& step) const { return step.number == next_step_; }
 
   const std::map<std::string, TrackerCamera>& cameras() const { return ready_; }
+  const std::vector<TrackedMarker>& markers() const { return markers_; }
   const ExtrinsicsMonitor& watch() const { return watch_; }
   long unusable_frames() const { return unusable_frames_; }
 

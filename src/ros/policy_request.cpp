@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "policy_request.h"
 
-#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
 #include "conversions.h"
+#include "settings/limits.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -102,9 +102,10 @@ double execution_time_limit_s(const ExecutePolicy::Request& request) {
   const double default_settling_s = request.closed_loop ? 180.0 : 30.0;
   const double end_s = request.policy.steps.back().time_s;
   if (request.time_limit_s == 0.0) return end_s + default_settling_s;
-  if (!(request.time_limit_s > end_s && std::isfinite(request.time_limit_s))) {
+  if (!(request.time_limit_s > end_s && request.time_limit_s <= limits::kTime_s)) {
     std::ostringstream message;
-    message << "time_limit_s: " << request.time_limit_s << " is not 0 nor in (" << end_s << ", inf), the policy's end";
+    message << "time_limit_s: " << request.time_limit_s << " is not 0 nor in (" << end_s << ", " << limits::kTime_s
+            << "], from the policy's end";
     throw std::invalid_argument(message.str());
   }
   return request.time_limit_s;

@@ -6,6 +6,7 @@
 
 #include "conversions.h"
 #include "frames.h"
+#include "interruptible.h"
 #include "messages.h"
 #include "topics.h"
 
@@ -26,6 +27,8 @@ PolicyAnswer PolicySearch::go_on(Simulation& model, const PolicyTask& task, cons
   std::optional<size_t> published;
   searching_ = true;
   const std::shared_ptr<void> no_longer(nullptr, [this](void*) { searching_ = false; });
+  const Interruptible interruptible(
+      model, [this, others = model.interrupt()] { return cancelled_ || !ros::ok() || (others && others()); });
   return find_policy(model, task, options, [&](size_t pose, const auto& actuators, const auto& progress) {
     const MarkerGoal& goal = task.poses[pose].goals.front();
     if (published != pose) publish_target(goal);

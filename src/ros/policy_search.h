@@ -23,11 +23,13 @@ class PolicySearch {
   PolicyAnswer find(Simulation& model, const PolicyTask& task, const OptimiserOptions& options);
 
   // From where the model is: quick where the task is near to the one before. What `after_each` iteration throws ends
-  // the search at once, and the model stays where it then is.
+  // the search at once, and the model stays where it then is. Where the model's own interrupt asks for an end the
+  // search is cancelled.
   PolicyAnswer go_on(Simulation& model, const PolicyTask& task, const OptimiserOptions& options,
                      const ProgressCallback& after_each = {});
 
-  bool cancel();  // false where nothing is searched for; the answer then has the poses found so far
+  // Within a solve too. False where nothing is searched for; the answer then has the poses found so far.
+  bool cancel();
 
  private:
   void publish_target(const MarkerGoal& goal) const;

@@ -43,9 +43,10 @@ void RecorderProcess::start(const std::vector<std::string>& command) {
 bool RecorderProcess::stop(double limit_s) {
   wanted_ = false;
   if (!process()) return true;
-  kill(process_, SIGINT);
+  constexpr int waits_per_signal = 50;
   const auto limit = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit_s);
-  while (process()) {
+  for (int waits = 0; process(); ++waits) {
+    if (waits % waits_per_signal == 0) kill(process_, SIGINT);
     if (std::chrono::steady_clock::now() > limit) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }

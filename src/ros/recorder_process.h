@@ -20,7 +20,8 @@ class RecorderProcess {
   // It ends with this process, too. Throws std::runtime_error where one runs already or none can be started.
   void start(const std::vector<std::string>& command);
 
-  // By SIGINT, so that it closes its file; false where it needs longer than `limit_s`, and goes on closing it.
+  // By SIGINT, so that it closes its file; sent again each second, as a shell that starts it may lose one. False where
+  // it needs longer than `limit_s`, and goes on closing it.
   bool stop(double limit_s);
 
   std::optional<pid_t> process();  // nothing where none runs

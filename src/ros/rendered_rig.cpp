@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "settings/cpu_time.h"
+#include "settings/unit_limits.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -65,11 +66,13 @@ const RigCamera& RenderedRig::move(const std::string& name, const Eigen::Vector3
                                    [&](const RigCamera& candidate) { return candidate.pose.name == name; });
   if (camera == rig_.cameras.end())
     throw std::invalid_argument("name: '" + name + "' is not one of " + names_of(rig_.cameras));
-  if (!translation_m.allFinite()) throw std::invalid_argument("translation: must be three finite numbers [m]");
-  if (!rotation_rad.allFinite()) throw std::invalid_argument("rotation: must be three finite numbers [rad]");
-  Eigen::Isometry3d& pose = camera->pose.world_from_camera;
+  require_in_unit("translation_m", translation_m);
+  require_in_unit("rotation_rad", rotation_rad);
+  Eigen::Isometry3d pose = camera->pose.world_from_camera;
   pose.linear() = Eigen::AngleAxisd(rotation_rad.norm(), rotation_rad.stableNormalized()) * pose.linear();
   pose.translation() += translation_m;
+  require_in_unit("position_m", pose.translation());
+  camera->pose.world_from_camera = pose;
   const auto place = static_cast<std::size_t>(camera - rig_.cameras.begin());
   shooting_[place].camera = made(place, shooting_[place].setting);
   return *camera;

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
+#include <vector>
 
 #include "tracking_input.h"
 
 namespace soft_robot_lab {
 
 struct ReplaySummary {
-  long written = 0;  // times all markers
+  long written = 0;                  // times all markers
+  std::map<std::string, long> seen;  // of them, those at which cameras saw this marker
+  std::vector<std::string> notes;    // on cameras of which not all could be used
   double cpu_s = 0;
 
   // Where the recording has the steps of its session's tracker:
@@ -21,8 +25,9 @@ struct ReplaySummary {
 
 // Tracks a recording without waiting for any clock, and writes tracker/markers and reality_gap to a bag: step by step
 // as the session's tracker did (tracker/steps), which takes nothing but the tracker's settings from the options; or, of
-// bare cameras, in the recording's own order. Throws std::runtime_error where nothing of it could be used, and what
-// rosbag throws.
+// bare cameras, in the recording's own order, colour and depth paired within the options' tolerance. Throws
+// std::runtime_error where nothing of it could be used or no marker was ever seen, each with the reason, and what
+// rosbag throws. There is no output then.
 ReplaySummary replay_tracking(const TrackingInputOptions& options, const std::string& bag, const std::string& output);
 
 }  // namespace soft_robot_lab

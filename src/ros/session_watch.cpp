@@ -5,20 +5,23 @@
 #include <filesystem>
 #include <system_error>
 
+#include <unistd.h>
+
 namespace soft_robot_lab {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+// Also one that is not closed yet.
+bool is_bag(const fs::path& file) {
+  return file.extension() == ".bag" || (file.extension() == ".active" && file.stem().extension() == ".bag");
 }
 
 std::string open_bag(pid_t process) {
   std::error_code error;
   for (const auto& file : fs::directory_iterator("/proc/" + std::to_string(process) + "/fd", error)) {
     const std::string path = fs::read_symlink(file.path(), error).string();
-    if (!error && (ends_with(path, ".bag.active") || ends_with(path, ".bag"))) return path;
+    if (!error && is_bag(path)) return path;
   }
   return {};
 }
@@ -34,6 +37,8 @@ std::string megabytes(std::uintmax_t bytes) {
 Finding NodeWatch::update(const Moment& now, std::optional<pid_t> process) {
   if (!process) {
     if (!gone_) gone_ = now;
+    if (!process_ && now.time_s - gone_->time_s >= longest_start_s)
+      return {Finding::Level::error, name_ + ": does not start; the session's log says why"};
     if (!process_) return {Finding::Level::warning, name_ + ": not started yet"};
     return {Finding::Level::error, name_ + ": not running since " + gone_->clock};
   }
@@ -55,6 +60,16 @@ BagSight look_at_bag(std::optional<pid_t> process, const std::string& folder) {
   const fs::space_info space = fs::space(bag.path.empty() ? fs::path(folder) : fs::path(bag.path).parent_path(), error);
   if (!error) bag.free_bytes = space.available;
   return bag;
+}
+
+Finding place_of(const BagSight& bag, const std::string& folder) {
+  std::error_code error;
+  if (!bag.path.empty() && !fs::equivalent(fs::path(bag.path).parent_path(), folder, error))
+    return {Finding::Level::error, "recording: it goes into " + bag.path + ", not into " + folder};
+  fs::path there = fs::absolute(folder, error);
+  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  if (fs::is_directory(there, error) && access(there.c_str(), W_OK | X_OK) == 0) return {};
+  return {Finding::Level::error, "recording: bag_folder " + folder + " cannot be written into"};
 }
 
 Finding BagWatch::update(const Moment& now, const BagSight& bag) {

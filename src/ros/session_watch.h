@@ -28,6 +28,8 @@ class NodeWatch {
  public:
   explicit NodeWatch(std::string name) : name_(std::move(name)) {}
 
+  static constexpr double longest_start_s = 30.0;
+
   // `process` of the node; none where none answers.
   Finding update(const Moment& now, std::optional<pid_t> process);
   const std::string& name() const { return name_; }
@@ -51,6 +53,10 @@ struct BagSight {
 
 // The bag that a process of this machine writes, and the space in `folder`, where there is no bag yet.
 BagSight look_at_bag(std::optional<pid_t> process, const std::string& folder);
+
+// Where no bag can be written into the folder, or one is written elsewhere; nothing wrong where the folder can still be
+// made.
+Finding place_of(const BagSight& bag, const std::string& folder);
 
 // rosbag stays alive but stops recording where less than `least_free_bytes` are free, and goes on when there are more.
 class BagWatch {

@@ -54,7 +54,7 @@ TargetMarker::TargetMarker(ros::NodeHandle& node, Moved moved)
 
 void TargetMarker::show(const std::string& marker, const Eigen::Vector3d& target_m, double size_m) {
   const std::lock_guard lock(mutex_);
-  if (held_ && marker == marker_) return;
+  if (held() && marker == marker_) return;
   InteractiveMarker target;
   target.header.frame_id = robot_frame();
   target.name = "target";
@@ -73,13 +73,21 @@ void TargetMarker::show(const std::string& marker, const Eigen::Vector3d& target
   size_m_ = size_m;
 }
 
+// A window that is gone never lets go; one that holds it says so several times a second.
+bool TargetMarker::held() const {
+  constexpr double silence_s = 2.0;
+  return held_ && (ros::SteadyTime::now() - heard_).toSec() < silence_s;
+}
+
 void TargetMarker::on_feedback(const Feedback& feedback) {
   const bool down = feedback.event_type == Feedback::MOUSE_DOWN, up = feedback.event_type == Feedback::MOUSE_UP;
-  if (!down && !up && feedback.event_type != Feedback::POSE_UPDATE) return;
   std::string marker;
   {
     const std::lock_guard lock(mutex_);
+    if (feedback.event_type == Feedback::KEEP_ALIVE && held()) heard_ = ros::SteadyTime::now();
+    if (!down && !up && feedback.event_type != Feedback::POSE_UPDATE) return;
     held_ = !up;
+    heard_ = ros::SteadyTime::now();
     marker = marker_;
   }
   if (down) return;

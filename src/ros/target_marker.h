@@ -34,6 +34,7 @@ class TargetMarker {
  private:
   using Feedback = visualization_msgs::InteractiveMarkerFeedback;
   void on_feedback(const Feedback& feedback);
+  bool held() const;
   void on_goal(const geometry_msgs::PoseStamped& goal);
 
   Moved moved_;
@@ -41,6 +42,7 @@ class TargetMarker {
   std::string marker_;
   double size_m_ = 0.0;
   bool held_ = false;
+  ros::SteadyTime heard_;  // of the hand that holds it
 
   tf2_ros::Buffer frames_;
   FrameListener listener_{frames_};

@@ -38,6 +38,7 @@ constexpr char session_recording[] = "session/recording";  // std_msgs/Bool, lat
 constexpr char session_record[] = "session/record";        // std_srvs/SetBool
 
 constexpr char simulator_reset[] = "simulator/reset";
+constexpr char simulator_stop[] = "simulator/stop";  // what lasts, and the drives where they are
 constexpr char simulator_load[] = "simulator/load";
 constexpr char motor_zero[] = "motor/zero";
 constexpr char motor_stop[] = "motor/stop";    // at once; holds until motor/clear

@@ -7,6 +7,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "soft_robot_lab/control/forward_model.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -82,6 +84,9 @@ std::string Execution::correct(std::unique_lock<std::mutex>& lock) {
     LoopStep step;
     try {
       step = loop.correct(asked_s, measured, "");
+    } catch (const ForwardModelInterrupted&) {
+      lock.lock();
+      return "cancelled";
     } catch (...) {
       lock.lock();
       throw;

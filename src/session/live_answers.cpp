@@ -33,6 +33,11 @@ std::shared_ptr<void> LiveAnswers::pause() {
           }};
 }
 
+bool LiveAnswers::must_end() {
+  const std::lock_guard lock(mutex_);
+  return ended_ || pauses_ > 0;
+}
+
 bool LiveAnswers::interrupted(Kind kind) {
   const std::lock_guard lock(mutex_);
   return ended_ || pauses_ > 0 || (!next_.empty() && next_.begin()->first <= kind);

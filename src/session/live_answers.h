@@ -25,6 +25,9 @@ class LiveAnswers {
 
   void ask(Kind kind, Work work);
 
+  // While something is answered: whether that has to end at once, with nothing to show, as answers pause or end.
+  bool must_end();
+
   // Drops what is asked for, and waits until nothing is answered. Nothing is as long as what it returns is kept; what
   // is asked for meanwhile waits. That may outlive nothing of this.
   std::shared_ptr<void> pause();

@@ -57,6 +57,51 @@ TEST(FindPolicy, PullsInTheOrderAskedFor) {
   EXPECT_LT(answer.policy.steps[1].values[0], 1.0);
 }
 
+// All but the first pose are there already, and no iteration says how far it is.
+TEST(FindPolicy, EndsALongPathAtOnceWhereTheSimulationIsInterrupted) {
+  Simulation simulation = bar();
+  PolicyTask task = reach(tip_at(simulation, 0.95, 1.0));
+  simulation.reset();
+  task.poses.resize(1000, task.poses.front());
+  int asked = 0;
+  constexpr int patience = 500;
+  simulation.set_interrupt([&] { return ++asked > patience; });
+  const PolicyAnswer answer = find_policy(simulation, task, {});
+  EXPECT_FALSE(answer.success);
+  EXPECT_GT(answer.summaries.size(), 2u);
+  EXPECT_LT(answer.summaries.size(), 1000u);
+  EXPECT_EQ(answer.policy.steps.size(), answer.summaries.size()) << "what was found counts";
+  EXPECT_LT(asked, patience + 20);
+}
+
+TEST(FindPolicy, IsCancelledWithinItsFirstRestState) {
+  for (const std::string& method : optimiser_methods()) {
+    Simulation simulation = bar();
+    const PolicyTask task = reach(tip_at(simulation, 0.95, 1.0));
+    simulation.reset();
+    int asked = 0;
+    simulation.set_interrupt([&] { return ++asked > 3; });
+    OptimiserOptions options;
+    options.method = method;
+    const PolicyAnswer answer = find_policy(simulation, task, options);
+    EXPECT_FALSE(answer.success && !answer.summaries.front().usable);
+    EXPECT_EQ(answer.summaries.front().stop_reason, "cancelled") << method;
+    EXPECT_LT(asked, 40) << method;
+  }
+}
+
+TEST(FindPolicy, RefusesLimitsThatNameAnActuatorTwice) {
+  Simulation simulation = bar();
+  PolicyTask task = reach({0.1, 0, 0});
+  task.bounds = {{"left", 0.9, 1.0}, {"right", 0.9, 1.0}, {"left", 0.8, 1.0}};
+  try {
+    find_policy(simulation, task, {});
+    FAIL() << "taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("'left' is named twice"), std::string::npos) << error.what();
+  }
+}
+
 TEST(FindPolicy, NeverMovesACommandFasterThanItsRate) {
   Simulation simulation = bar();
   PolicyTask task = reach(tip_at(simulation, 0.9, 1.0));

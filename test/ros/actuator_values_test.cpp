@@ -107,6 +107,18 @@ TEST_F(ShownActuators, ShowTheirMeasurementsInUnits) {
   EXPECT_EQ(values_.rows()[1].measured, "20.0 ml, 3.40 kPa, 12.50 ml");
 }
 
+TEST_F(ShownActuators, ShowWholeNumbersWhereTheRangeIsWide) {
+  ActuatorRanges ranges = cable_and_chamber();
+  ranges.units = {"Pa", "N"};
+  ranges.rests = {0.0, 0.0};
+  ranges.mins = {-20000.0, 0.0};
+  ranges.maxs = {50000.0, 1e6};
+  values_.set_ranges(ranges);
+  values_.add_state(state_of(0.0, 123456.0), 0.0);
+  EXPECT_EQ(left().measured, "0 Pa, 1.25 N");
+  EXPECT_EQ(values_.rows()[1].measured.substr(0, 9), "123456 N,");
+}
+
 TEST_F(ShownActuators, HoldWhereTheDrivesAre) {
   ActuatorState state = state_of(0.8, 0.0);
   state.actuated_commands[0] = 0.93;

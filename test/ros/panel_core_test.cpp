@@ -122,6 +122,15 @@ TEST(Lamps, ShowARigsLinkAndTheGapOnceTheyAreHeardOf) {
   EXPECT_EQ(shown[3].value, "1.23 mm");
 }
 
+TEST(Lamps, SayWhyARigDoesNotMove) {
+  Lamps lamps;
+  EXPECT_EQ(lamps.link_fault(0.0), "") << "there is no rig";
+  lamps.add(diagnosis("motor: motors", 0, "runs"), 0.0);
+  EXPECT_EQ(lamps.link_fault(0.0), "");
+  lamps.add(diagnosis("motor: motors", 2, "no link to the board"), 1.0);
+  EXPECT_EQ(lamps.link_fault(1.0), "no link to the board");
+}
+
 TEST(Lamps, BelongToOneSession) {
   Lamps lamps("left");
   lamps.add(diagnosis("right/simulator: simulation", 2, "ill", "1"), 0.0);
@@ -167,6 +176,27 @@ TEST(Poses, LeaveOutLinesThatCannotBeRead) {
   Poses poses;
   poses.read("good: left=0.9\nbad\n: left=1\nworse: left=fast\nnone: left=nan\n");
   EXPECT_EQ(poses.names(), std::vector<std::string>{"good"});
+}
+
+// Names of actuators are alike on many robots, forces are not.
+TEST(Poses, BelongToTheRobotTheyWereStoredFor) {
+  Poses poses, again;
+  poses.read("old: left=0.95");
+  poses.set_scene("/robots/spine bot/a=b|c%.yaml");
+  EXPECT_EQ(poses.store("bent", rows(0.9, 1.1)), "bent");
+  EXPECT_EQ(poses.names(), (std::vector<std::string>{"bent", "old"}));
+  poses.set_scene("/robots/gripper.yaml");
+  EXPECT_EQ(poses.names(), std::vector<std::string>{"old"});
+  EXPECT_THROW(poses.policy("bent", rows(1, 1), 1.0), std::invalid_argument);
+  poses.store("bent", rows(1.2, 1.2));
+  EXPECT_EQ(poses.text().find('|'), std::string::npos);
+  again.read(poses.text());
+  again.set_scene("/robots/spine bot/a=b|c%.yaml");
+  EXPECT_EQ(again.policy("bent", rows(1, 1), 1.0).steps[0].values, (std::vector<double>{0.9, 1.1}));
+  again.remove("bent");
+  EXPECT_EQ(again.names(), std::vector<std::string>{"old"});
+  again.set_scene("/robots/gripper.yaml");
+  EXPECT_EQ(again.policy("bent", rows(1, 1), 1.0).steps[0].values, (std::vector<double>{1.2, 1.2}));
 }
 
 TEST(Poses, MoveOnlyActuatorsThatTheRobotHas) {

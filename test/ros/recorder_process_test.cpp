@@ -2,10 +2,13 @@
 #include "ros/recorder_process.h"
 
 #include <chrono>
+#include <filesystem>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 namespace soft_robot_lab {
 namespace {
@@ -25,6 +28,17 @@ TEST(RecorderProcess, RunsUntilItIsStopped) {
   EXPECT_TRUE(recorder.stop(60.0));
   EXPECT_FALSE(recorder.process());
   EXPECT_FALSE(recorder.ended_by_itself());
+}
+
+// As a shell does that waits for a program of its own before it becomes the recorder.
+TEST(RecorderProcess, IsStoppedThoughItsFirstSignalIsLost) {
+  const std::filesystem::path ready = testing::TempDir() + "recorder_process_" + std::to_string(getpid());
+  RecorderProcess recorder;
+  recorder.start({"bash", "-c", "trap '' INT; touch " + ready.string() + "; sleep 0.5; trap - INT; exec sleep 1000"});
+  wait_until([&] { return std::filesystem::exists(ready); });
+  std::filesystem::remove(ready);
+  EXPECT_TRUE(recorder.stop(60.0));
+  EXPECT_FALSE(recorder.process());
 }
 
 TEST(RecorderProcess, SaysWhereItEndedByItself) {

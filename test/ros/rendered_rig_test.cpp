@@ -93,5 +93,23 @@ TEST(RenderedRig, AddsUpMoves) {
   EXPECT_THROW(rig.move("eye", {0, 0, 0}, {0, 0, INFINITY}), std::invalid_argument);
 }
 
+// Sums and products of what lies farther away are no numbers, and end what renders.
+TEST(RenderedRig, StaysWhereItCanFilm) {
+  RenderedRig rig = small_rig();
+  SeenRobotStates robot;
+  double stamp_s = 0.1;
+  for (const double far : {1e4, 1e19, 1e154, 1e300, -1e19}) {
+    EXPECT_THROW(rig.move("eye", {far, 0, 0}, {0, 0, 0}), std::invalid_argument) << far;
+    EXPECT_THROW(rig.move("eye", {0, 0, 0}, {0, 10 * far, 0}), std::invalid_argument) << far;
+    EXPECT_TRUE(film(rig, robot, stamp_s += 0.1));
+  }
+  rig.move("eye", {900, 0, 0}, {0, 0, 0});
+  EXPECT_TRUE(film(rig, robot, stamp_s += 0.1));
+  const Eigen::Isometry3d there = rig.cameras()[0].pose.world_from_camera;
+  EXPECT_THROW(rig.move("eye", {900, 0, 0}, {0, 0, 1}), std::invalid_argument) << "a small step that leads too far";
+  EXPECT_TRUE(rig.cameras()[0].pose.world_from_camera.isApprox(there, 0.0));
+  EXPECT_TRUE(film(rig, robot, stamp_s += 0.1));
+}
+
 }  // namespace
 }  // namespace soft_robot_lab

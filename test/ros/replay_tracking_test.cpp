@@ -2,17 +2,21 @@
 // A recording of a session whose recorder lost an image.
 #include "ros/replay_tracking.h"
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 #include <unistd.h>
 
 #include "ros/conversions.h"
 #include "ros/image_messages.h"
+#include "ros/recorded_frames.h"
 #include "ros/topics.h"
 #include "ros/tracker_parameters.h"
 #include "perception/tracking/drawn_scene.h"
@@ -120,6 +124,131 @@ TEST_F(Replay, RefusesTopicsOfOtherTypes) {
     rosbag::Bag(path("session.bag"), rosbag::bagmode::Append).write("/" + topic, ros::Time(100.1), std_msgs::String());
     EXPECT_THROW(replay(), std::runtime_error) << topic;
   }
+}
+
+// A recording of a bare camera, which its owner may have made in any way.
+class BareReplay : public Replay {
+ protected:
+  static constexpr int frames = 6;
+
+  void SetUp() override {
+    Replay::SetUp();
+    setenv("ROS_PACKAGE_PATH", SOFT_ROBOT_LAB_SOURCE ":/usr/share", 1);  // where plugins are looked for
+    options_.scene = SOFT_ROBOT_LAB_SOURCE "/test/data/scenes/two_markers.yaml";
+    options_.poses = folder_ / "poses.yaml";
+    write_camera_poses(options_.poses, {{"eye", camera_.world_from_camera, {}}});
+  }
+
+  // `spoil` may change what was filmed, and `spoil_messages` what is written; a topic without a name is left out.
+  void film(
+      const std::function<void(RgbdFrame&)>& spoil = [](RgbdFrame&) {},
+      const std::function<void(FrameMessages&)>& spoil_messages = [](FrameMessages&) {},
+      const std::string& colour = "eye/color/image_raw") const {
+    rosbag::Bag bag(path("session.bag"), rosbag::bagmode::Write);
+    RgbdFrame frame = test::film(camera_, {{places_m[0]}, {places_m[1]}}, 100.0);
+    spoil(frame);
+    for (int i = 0; i < frames; ++i) {
+      const ros::Time stamp(100.0 + i / 15.0);
+      FrameMessages messages = frame_messages(frame, camera_.model, stamp);
+      spoil_messages(messages);
+      bag.write("/eye/color/camera_info", stamp, messages.info);
+      bag.write("/" + colour, stamp, messages.colour);
+      bag.write("/" + depth_topic("eye"), stamp, messages.depth);
+    }
+  }
+
+  // What is said where nothing comes of it; no output stays then.
+  std::string refusal() const {
+    std::string said;
+    try {
+      replay();
+    } catch (const std::runtime_error& error) {
+      said = error.what();
+    }
+    EXPECT_FALSE(fs::exists(path("output.bag")) || fs::exists(path("output.bag.part")));
+    return said;
+  }
+  void expect_refusal(const std::string& words) const {
+    const std::string said = refusal();
+    EXPECT_NE(said.find(words), std::string::npos) << said;
+  }
+
+  const std::vector<Eigen::Vector3d> places_m = {{0, -0.008, -0.03}, {0, -0.008, -0.08}};
+  const TrackerCamera camera_ = test::camera_at("eye", {0.1, -0.5, -0.1}, {0, 0, -0.05});
+};
+
+TEST_F(BareReplay, CountsHowOftenEachMarkerWasSeen) {
+  film();
+  const ReplaySummary summary = replay();
+  EXPECT_FALSE(summary.repeated);
+  EXPECT_EQ(summary.written, frames);
+  EXPECT_EQ(summary.seen, (std::map<std::string, long>{{"a", frames}, {"b", frames}}));
+  EXPECT_TRUE(summary.notes.empty());
+}
+
+TEST_F(BareReplay, SaysWhyNoMarkerWasSeen) {
+  film([](RgbdFrame& frame) { frame.depth_m = 0; });
+  expect_refusal(
+      "none of its 2 markers was seen in 6 times. eye: in its last image 2 things look like a marker, and "
+      "its depth image is empty");
+  film([](RgbdFrame& frame) { frame.depth_m *= 10.0; });
+  expect_refusal("so depth is in another unit, by a factor of 10");
+  film([](RgbdFrame& frame) { cv::cvtColor(frame.colour, frame.colour, cv::COLOR_RGB2BGR); });
+  expect_refusal("but 2 with red and blue exchanged");
+  film([](RgbdFrame& frame) { frame.colour = cv::Scalar(90, 90, 90); });
+  expect_refusal("nothing in its image looks like a marker");
+}
+
+TEST_F(BareReplay, PairsImagesOfAboutOneTime) {
+  const auto later = [](double time_s) {
+    return [time_s](FrameMessages& messages) { messages.depth.header.stamp += ros::Duration(time_s); };
+  };
+  film([](RgbdFrame&) {}, later(0.005));
+  const ReplaySummary summary = replay();
+  EXPECT_EQ(summary.seen.at("a"), frames);
+  EXPECT_EQ(summary.notes, std::vector<std::string>{"eye: colour and depth that are up to 5 ms apart were paired"});
+  fs::remove(path("output.bag"));
+  film([](RgbdFrame&) {}, later(0.03));
+  expect_refusal(
+      "eye: 6 colour and 6 depth images, none at the same time: they are 30 ms apart, and at most 16 ms are");
+}
+
+TEST_F(BareReplay, NamesWhatDoesNotFit) {
+  film([](RgbdFrame&) {}, [](FrameMessages&) {}, "eye/color/image_rect");
+  expect_refusal("no images on eye/color/image_raw; images of the recording: /eye/");
+  film([](RgbdFrame&) {}, [](FrameMessages& messages) { messages.info.width = 1280; });
+  expect_refusal("6 times: a frame of camera 'eye' was left out: images are 848 x 480, not as camera_info says 1280");
+  film([](RgbdFrame&) {}, [](FrameMessages& messages) { messages.depth.encoding = "8UC1"; });
+  expect_refusal("6 times: depth: encoding '8UC1' is not one of 16UC1, mono16, 32FC1");
+  film([](RgbdFrame&) {},
+       [](FrameMessages& messages) {
+         messages.info.distortion_model = "equidistant";
+         messages.info.D = {0.01, 0, 0, 0};
+       });
+  expect_refusal("distortion_model 'equidistant' with 4 coefficients; allowed: plumb_bob with 5");
+  film();
+  options_.scene.clear();
+  expect_refusal("there is no scene");
+}
+
+TEST_F(BareReplay, TakesOtherEncodingsAndLenses) {
+  film([](RgbdFrame&) {},
+       [](FrameMessages& messages) {
+         messages.depth.encoding = "mono16";
+         messages.info.distortion_model = "rational_polynomial";
+         messages.info.D.assign(8, 0.0);
+         messages.info.D[0] = messages.info.D[5] = 0.3;  // which cancel each other
+       });
+  EXPECT_EQ(replay().seen.at("b"), frames);
+}
+
+TEST(PairStamps, TakesTheSameTimeFirstAndNoImageTwice) {
+  using Pairs = std::map<double, double>;
+  EXPECT_EQ(pair_stamps({1, 2, 3}, {3, 1, 2}, 0.0), (Pairs{{1, 1}, {2, 2}, {3, 3}}));
+  EXPECT_EQ(pair_stamps({1, 1.01}, {1.01}, 0.02), (Pairs{{1.01, 1.01}}));
+  EXPECT_EQ(pair_stamps({1, 2}, {1.25, 2.25}, 0.5), (Pairs{{1, 1.25}, {2, 2.25}}));
+  EXPECT_EQ(pair_stamps({1, 2}, {1.75}, 0.5), (Pairs{{2, 1.75}}));
+  EXPECT_TRUE(pair_stamps({1, 2}, {}, 0.5).empty());
 }
 
 }  // namespace

@@ -31,6 +31,16 @@ TEST(NodeWatch, SaysSinceWhenANodeDoesNotRun) {
   EXPECT_EQ(watch.last_restart(), "12:00:23");
 }
 
+TEST(NodeWatch, SaysWhereANodeNeverStarts) {
+  NodeWatch watch("recorder");
+  EXPECT_EQ(watch.update(at(0), std::nullopt).level, Level::warning);
+  EXPECT_EQ(watch.update(at(29), std::nullopt).level, Level::warning);
+  const Finding finding = watch.update(at(30), std::nullopt);
+  EXPECT_EQ(finding.level, Level::error);
+  EXPECT_EQ(finding.text, "recorder: does not start; the session's log says why");
+  EXPECT_EQ(watch.update(at(31), 5).level, Level::ok);
+}
+
 // One that was stopped and goes on is the same process.
 TEST(NodeWatch, CountsOnlyNewProcessesAsRestarts) {
   NodeWatch watch("overlay");
@@ -87,6 +97,21 @@ TEST(LookAtBag, FindsTheBagThatAProcessWrites) {
   EXPECT_GT(sight.free_bytes.value_or(0), 0u);
   EXPECT_FALSE(look_at_bag(std::nullopt, "/no/such/folder").free_bytes);
   unlink(path.c_str());
+}
+
+TEST(PlaceOf, SaysWhereABagCannotGoOrGoesElsewhere) {
+  const std::string folder = testing::TempDir(), file = folder + "place_of_" + std::to_string(getpid());
+  std::ofstream(file) << "no folder";
+  EXPECT_EQ(place_of({}, folder).level, Level::ok);
+  EXPECT_EQ(place_of({}, folder + "to/be/made").level, Level::ok);
+  EXPECT_EQ(place_of({folder + "a.bag.active", 1, plenty}, folder).level, Level::ok);
+  const Finding refused = place_of({}, file + "/bags");
+  EXPECT_EQ(refused.level, Level::error);
+  EXPECT_NE(refused.text.find("bag_folder " + file + "/bags cannot be written into"), std::string::npos);
+  const Finding elsewhere = place_of({"/usr/my_bags.bag.active", 1, plenty}, folder);
+  EXPECT_EQ(elsewhere.level, Level::error);
+  EXPECT_NE(elsewhere.text.find("it goes into /usr/my_bags.bag.active, not into"), std::string::npos) << elsewhere.text;
+  unlink(file.c_str());
 }
 
 TEST(WorstOf, KeepsAllThatIsAsBadAsTheWorst) {

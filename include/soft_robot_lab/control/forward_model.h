@@ -20,6 +20,15 @@ class ForwardModelError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The simulation's interrupt asked for an end; the simulation is as it was before.
+class ForwardModelInterrupted : public std::runtime_error {
+ public:
+  ForwardModelInterrupted() : std::runtime_error("interrupted") {}
+};
+
+// Whether a simulation's interrupt asks for an end now.
+bool asked_to_end(const Simulation& simulation);
+
 class ForwardModel {
  public:
   // Names in the simulation; throws std::invalid_argument listing the known ones.
@@ -29,7 +38,7 @@ class ForwardModel {
   // Equilibrium from the nearest of the last ones found (warm start), so neighbouring queries are cheap, also after a
   // step that went too far; a large change of commands is followed in stages, as a body that buckles may lose its way
   // in one. Throws ForwardModelError where none was found, or where it is not stable, and std::invalid_argument for a
-  // command beyond an actuator's limits; the simulation is then as it was before.
+  // command beyond an actuator's limits, and ForwardModelInterrupted; the simulation is then as it was before.
   Prediction predict(const Eigen::VectorXd& commands, bool with_derivatives);
 
   // The same for a step of a search, which would rather cut a long one than follow it dearly: throws ForwardModelError

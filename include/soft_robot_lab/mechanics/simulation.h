@@ -3,6 +3,7 @@
 // a state of its own.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,6 +39,11 @@ class Simulation {
 
   // Throws std::invalid_argument naming actuator, value and allowed range; nothing changes then.
   void set_command(const std::string& actuator, double command);
+
+  // Asked all along in every solve, by the thread that solves: where it answers true the solve ends, the state is the
+  // one from before, and the report says "interrupted". Empty: never. It is no part of the state.
+  void set_interrupt(std::function<bool()> ends);
+  const std::function<bool()>& interrupt() const;
 
   // One time step of SolverOptions::time_step_s.
   SolveReport step();
@@ -93,6 +99,7 @@ class Simulation {
 
  private:
   void take_along_linearisation();
+  SolveReport timed(const std::function<void(SolveReport&)>& solve);
 
   std::unique_ptr<SimulationParts> parts_;
 };

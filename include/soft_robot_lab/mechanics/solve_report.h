@@ -65,11 +65,12 @@ void enter(SolveStage stage, int count, std::vector<SolvePathStage>& path);
 // elements; its residual says how exact it was.
 struct SolveReport {
   bool converged = false;
-  int iterations = 0;      // Newton iterations (one linear solve each); sweeps of xpbd
-  int factorisations = 0;  // of them, those that needed a new matrix
-  int steps = 0;           // in time, continuation stages, or of xpbd towards rest
-  int rejected_steps = 0;  // iterations repeated shorter or with a shifted matrix
-  double residual = 0.0;   // at the end: force residual over the largest force in the body
+  bool interrupted = false;  // and the state is the one from before
+  int iterations = 0;        // Newton iterations (one linear solve each); sweeps of xpbd
+  int factorisations = 0;    // of them, those that needed a new matrix
+  int steps = 0;             // in time, continuation stages, or of xpbd towards rest
+  int rejected_steps = 0;    // iterations repeated shorter or with a shifted matrix
+  double residual = 0.0;     // at the end: force residual over the largest force in the body
   double wall_s = 0.0;
   int inverted_elements = 0;
   std::vector<SolvePathStage> path;    // the way it went

@@ -2,6 +2,8 @@
 // How a simulation is solved.
 #pragma once
 
+#include <limits>
+
 namespace soft_robot_lab {
 
 enum class Integrator {
@@ -22,7 +24,10 @@ struct SolverOptions {
   double dynamic_tolerance = 1.0e-3;  // (0, 1); the same for a time step, whose error the next step sees
   int substep_count = 20;             // [1, 10000] of xpbd, a time step; an equilibrium has its own
   int iteration_count = 1;            // [1, 10000] of xpbd: sweeps over all elements, a substep
-  void validate() const;              // throws std::invalid_argument: field, value, allowed range
+  // > 0, wall time of a time step or an equilibrium, after which it ends as if interrupted; not for runs that are to be
+  // repeated to the last bit.
+  double time_limit_s = std::numeric_limits<double>::infinity();
+  void validate() const;  // throws std::invalid_argument: field, value, allowed range
 };
 
 // Of method newton, for who asks for many equilibria of which few count; xpbd has no use for them.

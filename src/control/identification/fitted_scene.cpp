@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 #include <unistd.h>
 
 #include "soft_robot_lab/control/identification/fit_model.h"
+#include "settings/words.h"
 #include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kFirstLine = "# Fitted to measured markers.";
 
 std::string as_comment(const std::string& text) {
   std::string comment;
@@ -36,9 +40,19 @@ void require_writable(const std::string& file) {
                                 "' cannot be written; allowed: a file in a folder that exists and may be written to");
 }
 
+void require_own_or_new(const std::string& file) {
+  const fs::file_status status = fs::symlink_status(fs::absolute(file));
+  if (!fs::exists(status)) return;
+  std::string first;
+  if (fs::is_regular_file(status)) std::getline(std::ifstream(file), first);
+  if (first != kFirstLine)
+    throw std::invalid_argument("file: '" + file +
+                                "' exists, and no fit wrote it; name another, or remove it where it is not needed");
+}
+
 void write_fitted_scene(const FitResult& result, const std::string& scene, const std::string& file) {
   std::ostringstream out;
-  out << "# Fitted to measured markers.\n" << as_comment(summary(result));
+  out << kFirstLine << "\n" << as_comment(summary(result));
   const Eigen::Vector3d& t = result.measured_from_base.translation();
   const Eigen::Quaterniond q(result.measured_from_base.linear());
   out << "# Where the cameras believe robot_base to be: " << t.x() << " " << t.y() << " " << t.z() << " m, quaternion "
@@ -46,7 +60,7 @@ void write_fitted_scene(const FitResult& result, const std::string& scene, const
   for (const auto& [cable, backlash_m] : result.backlash_m)
     out << "# Backlash of " << cable << "'s drive: " << backlash_m
         << " m; by its step_m it is the motor's backlash_steps, and a scene does not hold it.\n";
-  out << "include: \"" << path_from(file, scene) << "\"\n" << result.overrides.text();
+  out << "include: " << quote(path_from(file, scene)) << "\n" << result.overrides.text();
   write_file(file, out.str());
 }
 

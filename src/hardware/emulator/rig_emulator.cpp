@@ -21,6 +21,7 @@
 #include "pseudo_terminal.h"
 #include "hardware/motor/rig_settings.h"
 #include "settings/command_line.h"
+#include "settings/outlast_launch.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -131,8 +132,11 @@ int main(int argc, char** argv) {
                   "rig_emulator");
   Arguments arguments;
   declare(app, arguments);
-  return run_program(app, argc, argv, [&] {
+  const auto begin = std::chrono::steady_clock::now();
+  const int status = run_program(app, argc, argv, [&] {
     check(app, arguments);
     return serve(arguments);
   });
+  if (status != kGood) outlast_launch(argc, argv, begin);
+  return status;
 }

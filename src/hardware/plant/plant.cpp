@@ -58,8 +58,9 @@ CameraSetup PlantSettings::shifted(CameraSetup believed) const {
   return believed;
 }
 
-Plant::Plant(const PlantSettings& settings, const SceneOptions& options)
+Plant::Plant(const PlantSettings& settings, const SceneOptions& options, std::function<bool()> ends)
     : simulation_(load_scene(settings.robot, options).simulation) {
+  simulation_->set_interrupt(std::move(ends));
   const SolveReport report = simulation_->solve_equilibrium();
   if (!report.converged) throw std::runtime_error("plant finds no rest: " + report.message);
   previous_ = simulation_->state();
@@ -82,6 +83,9 @@ void Plant::advance(double duration_s, const std::vector<std::string>& names, co
     previous_ = simulation_->state();
     const SolveReport report = simulation_->step();
     failed_steps_ += !report.converged || report.inverted_elements > 0;
+    if (!report.interrupted) continue;
+    ahead_s_ = 0.0;
+    return;
   }
 }
 

@@ -3,6 +3,7 @@
 // rig pull. How it differs stands in config/robots/*/plant.yaml, which no controller or tracker reads.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -39,8 +40,9 @@ PlantSettings load_plant(const std::string& path);  // throws SettingsError
 
 class Plant {
  public:
-  // Hangs at rest. Throws SettingsError, and std::runtime_error where it finds no rest.
-  Plant(const PlantSettings& settings, const SceneOptions& options);
+  // Hangs at rest. Throws SettingsError, and std::runtime_error where it finds no rest. `ends`: as Simulation's
+  // interrupt.
+  Plant(const PlantSettings& settings, const SceneOptions& options, std::function<bool()> ends = {});
 
   // Lets time pass, in whole time steps of the scene; what is left over counts next time. `values`: where the drives
   // are now, behind their backlash, as contractions (ShaftState's); actuators not named stay. Throws

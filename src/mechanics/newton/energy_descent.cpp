@@ -92,6 +92,7 @@ int NewtonSolver::inverted_elements(const Eigen::Matrix3Xd& positions_m) const {
 // The energy but for that of the constraints, and its gradient but for volume and constraints.
 NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eigen::Matrix3Xd& positions_m,
                                                const SharedDrives& drives, const ContactState& contact) const {
+  if (interrupt_) interrupt_->check();
   EnergyAt at;
   at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
   at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
@@ -164,6 +165,7 @@ bool NewtonSolver::linearise_downhill(const NewtonTask& task, const NewtonState&
                                       NewtonReport& report) {
   for (convexity = lowered(convexity);; convexity = raised(convexity)) {
     ++report.factorisations;
+    if (interrupt_) interrupt_->check();
     const bool positive = linearise_blend(task, state, volumetric_strain, convexity) && factor().negative_pivots() == 0;
     forget_factor();
     if (positive || convexity > 1.0) return positive;

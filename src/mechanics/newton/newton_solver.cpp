@@ -85,6 +85,7 @@ Eigen::MatrixXd NewtonSolver::border(const NewtonState& state) const {
 }
 
 NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const NewtonState& state) const {
+  if (interrupt_) interrupt_->check();
   Evaluation result;
   result.residual_n = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   result.elements = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, result.residual_n);
@@ -282,6 +283,11 @@ bool NewtonSolver::find_step(const NewtonState& state, const Evaluation& here, S
 // The factor may be of faces that points kept, which a saved state does not know.
 void NewtonSolver::let_faces_go() {
   if (!contact_.skin().keeps_faces()) return;
+  contact_.let_faces_go();
+  forget_factor();
+}
+
+void NewtonSolver::abandon() {
   contact_.let_faces_go();
   forget_factor();
 }

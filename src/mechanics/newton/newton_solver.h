@@ -21,6 +21,7 @@
 #include "mechanics/linear_algebra/block_cholesky.h"
 #include "mechanics/linear_algebra/block_matrix.h"
 #include "mechanics/simulation/driven_constraint.h"
+#include "mechanics/simulation/interrupt.h"
 #include "mechanics/elements/elements.h"
 #include "contact_matrix.h"
 #include "free_border.h"
@@ -133,6 +134,10 @@ struct StepWork {
 class NewtonSolver {
  public:
   explicit NewtonSolver(std::shared_ptr<const NewtonTables> tables);
+
+  // What may end solve() and descend() by SolveInterrupted, and must outlive this; afterwards abandon() must follow.
+  void heed(const Interrupt* interrupt) { interrupt_ = interrupt; }
+  void abandon();
 
   // Improves the state in place. Where it did not converge the state is the best it had; NaN never enters it.
   NewtonReport solve(const NewtonTask& task, NewtonState& state);
@@ -343,6 +348,7 @@ class NewtonSolver {
   Eigen::Matrix3Xd loads_n_;   // with what add_loads() added
   const double force_floor_n_;
   ContactTerm contact_;
+  const Interrupt* interrupt_ = nullptr;
 
   BlockMatrix matrix_;
   BlockCholesky factor_;

@@ -120,6 +120,7 @@ void ReducedNewton::factorise(const Problem& problem, const Point& here, Reduced
 }
 
 ReducedNewton::Step ReducedNewton::step_from(const Problem& problem, const Point& here, ReducedEnd& end) const {
+  if (interrupt_) interrupt_->check();
   ++end.iterations;
   const ReducedConstraints::Values& constraints = here.constraints;
   const Eigen::Index n = here.at.q.size(), r = here.at.pressures.size(), own = here.at.multipliers.size();

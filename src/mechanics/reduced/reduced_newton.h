@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "mechanics/simulation/interrupt.h"
 #include "reduced_model.h"
 
 namespace soft_robot_lab {
@@ -47,6 +48,9 @@ class ReducedNewton {
  public:
   explicit ReducedNewton(const ReducedModel& model) : model_(&model), skin_(model.skin) {}  // which outlives it
 
+  // As NewtonSolver has it.
+  void heed(const Interrupt* interrupt) { interrupt_ = interrupt; }
+
   // Changes `unknowns` in any case.
   ReducedEnd solve(const ReducedTask& task, const DriveStates& drives, ReducedUnknowns& unknowns);
 
@@ -79,6 +83,7 @@ class ReducedNewton {
   bool go(const Problem& problem, Point& here, Step& step, ReducedEnd& end);
 
   const ReducedModel* model_;
+  const Interrupt* interrupt_ = nullptr;
   ReducedSkin skin_;
   Eigen::MatrixXd inverse_;
   double inverse_inertia_ = -1.0;  // none yet

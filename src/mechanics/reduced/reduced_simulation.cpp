@@ -67,14 +67,29 @@ int ReducedSimulation::inverted_elements() const {
   return elements.add_gradient(shape_m, Eigen::VectorXd::Zero(elements.multiplier_count()), forces_n).inverted;
 }
 
-ReducedReport ReducedSimulation::step() {
+ReducedReport ReducedSimulation::run(const std::function<void(ReducedReport&)>& solve) {
+  const Interrupt::Solve running(interrupt_, model_->full->options().time_limit_s);
+  newton_.heed(&interrupt_);
   const ReducedState before = state_;
   ReducedReport report;
-  const double h = model_->full->options().time_step_s;
-  report.converged = advance(h, advance_drives(h), 0.0, 1.0, report);
-  if (report.converged) return report;
-  state_ = before;
+  try {
+    interrupt_.check();
+    solve(report);
+  } catch (const SolveInterrupted& interrupted) {
+    state_ = before;
+    report.converged = false;
+    report.interrupted = interrupted.why;
+  }
   return report;
+}
+
+ReducedReport ReducedSimulation::step() {
+  return run([this](ReducedReport& report) {
+    const ReducedState before = state_;
+    const double h = model_->full->options().time_step_s;
+    report.converged = advance(h, advance_drives(h), 0.0, 1.0, report);
+    if (!report.converged) state_ = before;
+  });
 }
 
 ReducedSimulation::CommandPath ReducedSimulation::advance_drives(double h) {
@@ -178,14 +193,17 @@ void ReducedSimulation::come_to_rest() {
 }
 
 ReducedReport ReducedSimulation::solve_nearby() {
-  ReducedReport report;
-  come_to_rest();
-  report.converged = relax(kNearIterations, report);
-  return report;
+  return run([this](ReducedReport& report) {
+    come_to_rest();
+    report.converged = relax(kNearIterations, report);
+  });
 }
 
 ReducedReport ReducedSimulation::solve_equilibrium() {
-  ReducedReport report;
+  return run([this](ReducedReport& report) { seek_equilibrium(report); });
+}
+
+void ReducedSimulation::seek_equilibrium(ReducedReport& report) {
   const bool from_rest = at_rest_commands();
   come_to_rest();
   report.converged = relax(kNearIterations, report) || (from_rest && relax_beside_known_rests(report));
@@ -203,7 +221,6 @@ ReducedReport ReducedSimulation::solve_equilibrium() {
     h = down ? std::min(2.0 * h, kLongestArtificialStep_s) : 0.25 * h;
     if (down && h > 1.0) report.converged = relax(std::numeric_limits<int>::max(), report);
   }
-  return report;
 }
 
 }  // namespace soft_robot_lab

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ struct ReducedState {
 
 struct ReducedReport {
   bool converged = false;
+  std::string interrupted;  // empty, or why; then the state is the one from before
   int iterations = 0, factorisations = 0;
   int steps = 0;  // time steps, or those of a continuation
 };
@@ -34,6 +36,9 @@ class ReducedSimulation {
 
   // Throws std::invalid_argument naming actuator, value and the trained range; nothing changes then.
   void set_command(const std::string& actuator, double command);
+
+  // As Simulation has it, with the time limit of the full model's options.
+  void set_interrupt(std::function<bool()> ends) { interrupt_.ends = std::move(ends); }
 
   // One time step of the full model's SolverOptions::time_step_s, in halves where it does not converge. Where it fails
   // the state stays as it was, but for the commands.
@@ -64,17 +69,21 @@ class ReducedSimulation {
   struct CommandPath {
     std::vector<double> from, to;
   };
+  // Heeds the interrupt meanwhile.
+  ReducedReport run(const std::function<void(ReducedReport&)>& solve);
   CommandPath advance_drives(double h);
   Eigen::VectorXd predicted(double h) const;
   // The part of a step of length h from one share of it to another.
   bool advance(double h, const CommandPath& path, double from, double to, ReducedReport& report);
   void come_to_rest();
   bool relax(int most_iterations, ReducedReport& report);
+  void seek_equilibrium(ReducedReport& report);
   bool at_rest_commands() const;
   bool relax_beside_known_rests(ReducedReport& report);
 
   std::shared_ptr<const ReducedModel> model_;
   ReducedState state_;
+  Interrupt interrupt_;
   ReducedNewton newton_;
   double step_tolerance_m_ = 3e-6, rest_tolerance_m_ = 1e-8;
 };

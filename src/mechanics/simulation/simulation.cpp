@@ -81,37 +81,43 @@ void Simulation::set_command(const std::string& actuator, double command) {
   }
 }
 
-SolveReport Simulation::step() {
+void Simulation::set_interrupt(std::function<bool()> ends) { parts_->workspace.interrupt.ends = std::move(ends); }
+const std::function<bool()>& Simulation::interrupt() const { return parts_->workspace.interrupt.ends; }
+
+SolveReport Simulation::timed(const std::function<void(SolveReport&)>& solve) {
   const Stopwatch clock;
   SolveReport report;
-  if (parts_->workspace.xpbd) {
-    step_in_substeps(*parts_, report);
-  } else {
-    step_in_time(*parts_, parts_->options.time_step_s, report);
+  if (parts_->solve_or_go_back(solve, report)) {
+    take_along_linearisation();
+    warn_of_actuators(*this, report);
   }
-  take_along_linearisation();
-  warn_of_actuators(*this, report);
   report.wall_s = clock.seconds();
   return report;
 }
 
+SolveReport Simulation::step() {
+  return timed([this](SolveReport& report) {
+    if (parts_->workspace.xpbd) {
+      step_in_substeps(*parts_, report);
+    } else {
+      step_in_time(*parts_, parts_->options.time_step_s, report);
+    }
+  });
+}
+
 SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
-  const Stopwatch clock;
-  SolveReport report;
   for (const auto& actuator : parts_->actuators)
     if (const std::string why = actuator->why_no_equilibrium(); !why.empty())
       throw std::invalid_argument("actuator '" + actuator->name() + "': " + why);
-  parts_->forget_motion();
-  parts_->begin_step();
-  if (parts_->workspace.xpbd) {
-    settle_in_substeps(*parts_, report);
-  } else {
-    find_equilibrium(*parts_, options, report);
-  }
-  take_along_linearisation();
-  warn_of_actuators(*this, report);
-  report.wall_s = clock.seconds();
-  return report;
+  return timed([&](SolveReport& report) {
+    parts_->forget_motion();
+    parts_->begin_step();
+    if (parts_->workspace.xpbd) {
+      settle_in_substeps(*parts_, report);
+    } else {
+      find_equilibrium(*parts_, options, report);
+    }
+  });
 }
 
 Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {

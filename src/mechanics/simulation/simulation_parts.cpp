@@ -117,6 +117,32 @@ void SimulationParts::place_actuators(const std::vector<double>& from, const std
     actuators[i]->place(from[i] + fraction * (to[i] - from[i]), state.drives[i]);
 }
 
+bool SimulationParts::solve_or_go_back(const std::function<void(SolveReport&)>& solve, SolveReport& report) {
+  const Interrupt::Solve running(workspace.interrupt, options.time_limit_s);
+  if (!workspace.interrupt.may_end()) {
+    solve(report);
+    return true;
+  }
+  const SimulationState before = state;
+  const std::optional<EnergyKeeper> energy_before = energy;
+  try {
+    workspace.interrupt.check();
+    solve(report);
+    return true;
+  } catch (const SolveInterrupted& interrupted) {
+    state = before;
+    energy = energy_before;
+    workspace.newton.abandon();
+    workspace.newton.restore(workspace.xpbd ? nullptr : before.linearisation);
+    if (workspace.xpbd) workspace.xpbd->abandon();
+    report.converged = false;
+    report.interrupted = true;
+    report.message = interrupted.why;
+    report.warnings.clear();
+    return false;
+  }
+}
+
 NewtonReport SimulationParts::solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report) {
   const NewtonReport newton = workspace.newton.solve(task, unknown);
   ++report.steps;

@@ -2,6 +2,7 @@
 // What a simulation is made of, for the parts of its solution: time_stepping, equilibrium, descent, substepping.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -47,6 +48,9 @@ struct SimulationParts {
   void advance_actuators(double time_step_s);  // towards their commands, as far as their drives come
   // Their actuated commands, this share of the way from `from` to `to`.
   void place_actuators(const std::vector<double>& from, const std::vector<double>& to, double fraction);
+
+  // Runs a solve that may be interrupted; then all is as it was, false, and the report says so.
+  bool solve_or_go_back(const std::function<void(SolveReport&)>& solve, SolveReport& report);
 
   // Solves from the present state, which it leaves alone; the report counts the work and says how this solve ended.
   NewtonReport solve(const NewtonTask& task, NewtonState& unknown, SolveReport& report);

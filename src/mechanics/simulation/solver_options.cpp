@@ -11,6 +11,7 @@ void SolverOptions::validate() const {
   require(time_step_s > 0.0 && time_step_s <= 1.0, "solver.time_step_s", time_step_s, "(0, 1]");
   require(tolerance > 0.0 && tolerance < 1.0, "solver.tolerance", tolerance, "(0, 1)");
   require(dynamic_tolerance > 0.0 && dynamic_tolerance < 1.0, "solver.dynamic_tolerance", dynamic_tolerance, "(0, 1)");
+  require(time_limit_s > 0.0, "solver.time_limit_s", time_limit_s, "> 0");
   require(max_iterations >= 1 && max_iterations <= 10000, "solver.max_iterations", max_iterations, "[1, 10000]");
   require(substep_count >= 1 && substep_count <= 10000, "solver.substeps", substep_count, "[1, 10000]");
   require(iteration_count >= 1 && iteration_count <= 10000, "solver.iterations", iteration_count, "[1, 10000]");

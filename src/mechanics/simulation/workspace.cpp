@@ -35,6 +35,9 @@ SolverTables::SolverTables(const Body& body, const Actuators& actuators, SolverO
 
 Workspace::Workspace(const SolverTables& tables)
     : newton(tables.newton),
-      xpbd(tables.xpbd ? std::make_unique<XpbdSolver>(tables.xpbd, constants::kXpbdThreads) : nullptr) {}
+      xpbd(tables.xpbd ? std::make_unique<XpbdSolver>(tables.xpbd, constants::kXpbdThreads) : nullptr) {
+  newton.heed(&interrupt);
+  if (xpbd) xpbd->heed(&interrupt);
+}
 
 }  // namespace soft_robot_lab

@@ -7,6 +7,7 @@
 
 #include "mechanics/xpbd/xpbd_solver.h"
 #include "mechanics/newton/newton_solver.h"
+#include "interrupt.h"
 #include "soft_robot_lab/mechanics/model.h"
 
 namespace soft_robot_lab {
@@ -22,7 +23,10 @@ struct SolverTables {
 
 struct Workspace {
   explicit Workspace(const SolverTables& tables);
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
 
+  Interrupt interrupt;  // that both solvers ask
   NewtonSolver newton;
   std::unique_ptr<XpbdSolver> xpbd;  // where it is the method
 };

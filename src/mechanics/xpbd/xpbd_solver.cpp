@@ -411,6 +411,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
     if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;
     predict(task, h, state);
     for (int iteration = 0; iteration < task.iteration_count; ++iteration) {
+      if (interrupt_) interrupt_->check();
       sweep(task, h, before, unknowns);
       ++report.sweeps;
     }

@@ -110,6 +110,10 @@ class XpbdSolver {
   // The result does not depend on `thread_count`.
   XpbdSolver(std::shared_ptr<const XpbdTables> tables, int thread_count);
 
+  // As NewtonSolver has them.
+  void heed(const Interrupt* interrupt) { interrupt_ = interrupt; }
+  void abandon() { kept_.reset(); }
+
   // One time step in place. Where it is not finite the state is of no use afterwards.
   XpbdReport advance(const XpbdTask& task, XpbdState& state);
 
@@ -180,6 +184,7 @@ class XpbdSolver {
   const std::vector<int>& colour_start_;
   const ElementBatches& batches_;
 
+  const Interrupt* interrupt_ = nullptr;
   int thread_count_;
   Batches multipliers_;        // l, per batch: 3 P
   Eigen::Matrix3Xd pushed_m_;  // sum of M^-1/2 l: how far the elements push the nodes in a substep

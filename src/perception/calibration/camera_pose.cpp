@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "settings/words.h"
 #include "settings/write_file.h"
 
 namespace soft_robot_lab {
@@ -75,7 +76,7 @@ void write_camera_poses(const std::string& path, const std::vector<CameraPose>& 
   for (const CameraPose& pose : poses) {
     const Eigen::Vector3d at = pose.world_from_camera.translation();
     const Eigen::Quaterniond turn(pose.world_from_camera.rotation());
-    file << "  - name: " << pose.name << "\n"
+    file << "  - name: " << quote(pose.name) << "\n"
          << "    position_m: [" << at.x() << ", " << at.y() << ", " << at.z() << "]\n"
          << "    quaternion_xyzw: [" << turn.x() << ", " << turn.y() << ", " << turn.z() << ", " << turn.w() << "]\n";
     if (pose.residual_m) file << "    residual_m: " << *pose.residual_m << "\n";

@@ -16,11 +16,13 @@ struct Lens {
   Eigen::Matrix2d gradient;
 };
 
-Lens distort(const std::array<double, 5>& coefficients, const Eigen::Vector2d& ideal) {
-  const auto& [k1, k2, p1, p2, k3] = coefficients;
+Lens distort(const std::array<double, 8>& coefficients, const Eigen::Vector2d& ideal) {
+  const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = coefficients;
   const double x = ideal.x(), y = ideal.y(), r2 = ideal.squaredNorm();
-  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const double slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));  // d radial / d ideal = slope * ideal
+  const double above = 1 + r2 * (k1 + r2 * (k2 + r2 * k3)), below = 1 + r2 * (k4 + r2 * (k5 + r2 * k6));
+  const double above_slope = k1 + r2 * (2 * k2 + r2 * 3 * k3), below_slope = k4 + r2 * (2 * k5 + r2 * 3 * k6);
+  const double radial = above / below;
+  const double slope = 2 * (above_slope - radial * below_slope) / below;  // d radial / d ideal = slope * ideal
   Lens lens;
   lens.point =
       radial * ideal + Eigen::Vector2d(2 * p1 * x * y + p2 * (r2 + 2 * x * x), p1 * (r2 + 2 * y * y) + 2 * p2 * x * y);
@@ -47,7 +49,8 @@ void CameraModel::validate() const {
   for (double value : {centre_x_px, centre_y_px})
     if (!std::isfinite(value)) throw std::invalid_argument("the image's centre is not finite; allowed: pixels");
   for (double value : distortion)
-    if (!std::isfinite(value)) throw std::invalid_argument("distortion is not finite; allowed: k1, k2, p1, p2, k3");
+    if (!std::isfinite(value))
+      throw std::invalid_argument("distortion is not finite; allowed: k1, k2, p1, p2, k3, k4, k5, k6");
 }
 
 Eigen::Vector2d CameraModel::project(const Eigen::Vector3d& point_in_camera) const {

@@ -131,6 +131,8 @@ class Session:
         """Plays a policy: of `optimise`, a dictionary {time_s: {name: value}}, or None for what was found last."""
         if isinstance(policy, dict):
             policy = _policy_of(policy)
+        if policy is not None and not (policy.names and policy.steps):
+            raise SessionError('policy: it has no commands; None plays what was found last')
         request = ExecutePolicyRequest(policy=policy or Policy(), wait_until_rest=wait_until_rest, **fields)
         answer = self._ask('controller/execute_policy', ExecutePolicy, request)
         self._catch_up(answer.markers.header.stamp)

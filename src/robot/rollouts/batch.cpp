@@ -30,16 +30,20 @@ void require_commands(const RolloutCommands& commands, const Model& model) {
 // The rollouts of a plan, each taken by the thread that is free first.
 class Rollouts {
  public:
-  Rollouts(const RolloutPlan& plan, const RolloutBatch::Progress& progress) : plan_(plan), progress_(progress) {
+  Rollouts(const RolloutPlan& plan, const RolloutBatch::Progress& progress, const std::function<bool()>& ends)
+      : plan_(plan), progress_(progress), ends_(ends) {
     reports_.resize(plan.rollouts.size());
   }
 
   void work(const std::shared_ptr<const Model>& model, const std::shared_ptr<const SceneReduction>& reduction) {
     try {
       Simulation simulation(model);
+      simulation.set_interrupt(ends_);
       SceneMotion motion(simulation, reduction);
       for (std::size_t i = next(); i < reports_.size(); i = next()) {
-        reports_[i] = run(motion, plan_.rollouts[i]);
+        RunReport report = run(motion, plan_.rollouts[i]);
+        if (!report.solve.interrupted) reports_[i] = std::move(report);
+        if (ends_ && ends_()) return stop();
         finish();
       }
     } catch (...) {
@@ -77,6 +81,7 @@ class Rollouts {
 
   const RolloutPlan& plan_;
   const RolloutBatch::Progress& progress_;
+  const std::function<bool()>& ends_;
   std::vector<RunReport> reports_;
   std::mutex mutex_;
   std::size_t started_ = 0, ended_ = 0;
@@ -96,9 +101,10 @@ void RolloutBatch::require_valid(const RolloutPlan& plan, int threads) const {
   for (const RolloutCommands& commands : plan.rollouts) require_commands(commands, *model_);
 }
 
-std::vector<RunReport> RolloutBatch::run(const RolloutPlan& plan, int threads, const Progress& progress) const {
+std::vector<RunReport> RolloutBatch::run(const RolloutPlan& plan, int threads, const Progress& progress,
+                                         const std::function<bool()>& ends) const {
   require_valid(plan, threads);
-  Rollouts rollouts(plan, progress);
+  Rollouts rollouts(plan, progress, ends);
   const int needed = static_cast<int>(std::min(static_cast<std::size_t>(threads), plan.rollouts.size()));
   std::vector<std::future<void>> workers;
   for (int i = 1; i < needed; ++i)

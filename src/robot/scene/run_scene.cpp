@@ -15,6 +15,7 @@ namespace {
 
 void add(const SolveReport& part, SolveReport& total) {
   total.converged = total.converged && part.converged;
+  total.interrupted = total.interrupted || part.interrupted;
   total.iterations += part.iterations;
   total.steps += part.steps;
   total.rejected_steps += part.rejected_steps;
@@ -30,13 +31,17 @@ void command(SceneMotion& motion, const TimedCommands& timed) {
   for (const auto& [actuator, value] : timed.commands) motion.set_command(actuator, value);
 }
 
-// Whether the run shall end here; then `total` says so.
-bool ends_early(const RunProgress& progress, double done, double all, const std::string& unit, SolveReport& total) {
-  if (!progress || progress(done / all) || done >= all) return false;
+void tell_early_end(double done, double all, const std::string& unit, SolveReport& total) {
   std::ostringstream text;
   text << "ended after " << done << " of " << all << " " << unit << ", as asked";
   total.converged = false;
   total.message = text.str();
+}
+
+// Whether the run shall end here; then `total` says so.
+bool ends_early(const RunProgress& progress, double done, double all, const std::string& unit, SolveReport& total) {
+  if (!progress || progress(done / all) || done >= all) return false;
+  tell_early_end(done, all, unit, total);
   return true;
 }
 
@@ -108,9 +113,11 @@ SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double st
       text << "step " << i + 1 << " of " << step_count << ", at " << now_s << " s: " << step.message;
       total.message = text.str();
     }
-    const bool ends = ends_early(progress, now_s + step_s, run.duration_s, "s", total);
+    const std::function<bool()>& asked = motion.simulation().interrupt();
+    if (step.interrupted && asked && asked()) tell_early_end(now_s, run.duration_s, "s", total);
+    const bool ends = step.interrupted || ends_early(progress, now_s + step_s, run.duration_s, "s", total);
     if (!ends && now_s + step_s < static_cast<double>(recorded + 1) * record_every_s - close_s) continue;
-    record(motion, trajectory);
+    if (!step.interrupted || motion.time_s() > trajectory.time_s.back()) record(motion, trajectory);
     if (ends) break;
     recorded = static_cast<long>((now_s + step_s + close_s) / record_every_s);
   }

@@ -16,6 +16,8 @@ SolveReport report_of(const ReducedReport& reduced, Clock::time_point start) {
   SolveReport report;
   report.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
   report.converged = reduced.converged;
+  report.interrupted = !reduced.interrupted.empty();
+  report.message = reduced.interrupted;
   report.iterations = reduced.iterations;
   report.factorisations = reduced.factorisations;
   report.steps = reduced.steps;
@@ -60,14 +62,14 @@ void SceneMotion::set_command(const std::string& actuator, double command) {
 
 SolveReport SceneMotion::step() {
   const auto done = by_reduced(&ReducedSimulation::step, "a step of the reduced model did not converge");
-  if (done && fast_->state().time_s - audited_s_ >= (1.0 - 1e-9) * reduction_->request.audit_every_s)
+  if (done && done->converged && fast_->state().time_s - audited_s_ >= (1.0 - 1e-9) * reduction_->request.audit_every_s)
     if (const std::string why = audit(false); !why.empty()) leave(why);
   return finish(done ? *done : simulation_.step());
 }
 
 SolveReport SceneMotion::solve_equilibrium() {
   const auto done = by_reduced(&ReducedSimulation::solve_equilibrium, "the reduced model found no equilibrium");
-  const std::string why = done ? audit(true) : "";
+  const std::string why = done && done->converged ? audit(true) : "";
   if (!why.empty()) leave(why);
   return finish(done && why.empty() ? *done : simulation_.solve_equilibrium());
 }
@@ -77,8 +79,9 @@ std::optional<SolveReport> SceneMotion::by_reduced(ReducedReport (ReducedSimulat
   if (!fast_) return std::nullopt;
   corrected_.reset();
   const Clock::time_point start = Clock::now();
+  fast_->set_interrupt(simulation_.interrupt());
   const ReducedReport done = ((*fast_).*move)();
-  if (done.converged) return report_of(done, start);
+  if (done.converged || !done.interrupted.empty()) return report_of(done, start);
   leave(failure);
   return std::nullopt;
 }

@@ -35,6 +35,7 @@ SolverOptions read_solver(const YamlNode& scene) {
   options.time_step_s = node->number_or("time_step_s", options.time_step_s);
   options.tolerance = node->number_or("tolerance", options.tolerance);
   options.dynamic_tolerance = node->number_or("dynamic_tolerance", options.dynamic_tolerance);
+  options.time_limit_s = node->number_or("time_limit_s", options.time_limit_s);
   constexpr int kLeast = std::numeric_limits<int>::min(), kMost = std::numeric_limits<int>::max();
   options.max_iterations = node->integer_or("max_iterations", options.max_iterations, kLeast, kMost);
   if (options.method == SolverOptions::Method::xpbd) {

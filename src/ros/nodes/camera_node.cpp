@@ -115,6 +115,7 @@ class CameraNode {
   void run();
 
  private:
+  void film();
   template <typename Message>
   void add(const Message& message, void (SeenRobotStates::*add)(const Message&));
   void publish_true_poses();
@@ -165,10 +166,19 @@ CameraNode::CameraNode(const CameraOptions& options)
 void CameraNode::run() {
   while (ros::ok()) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
-    const auto frames = rig_.take_due(robot_, [this](std::size_t camera) { return publishers_[camera].wanted(); });
-    for (const TakenFrame& taken : frames)
-      publishers_[taken.camera].publish(frame_messages(taken.frame, rig_.cameras()[taken.camera].model, taken.stamp));
+    try {
+      film();
+    } catch (const std::exception& error) {  // of what a message or a request asks for: the session goes on without it
+      refusal_ = error.what();
+      ROS_ERROR_THROTTLE(1.0, "%s", log_text(error.what()).c_str());
+    }
   }
+}
+
+void CameraNode::film() {
+  const auto frames = rig_.take_due(robot_, [this](std::size_t camera) { return publishers_[camera].wanted(); });
+  for (const TakenFrame& taken : frames)
+    publishers_[taken.camera].publish(frame_messages(taken.frame, rig_.cameras()[taken.camera].model, taken.stamp));
 }
 
 template <typename Message>

@@ -21,6 +21,7 @@
 #include "ros/controller_actions.h"
 #include "ros/policy_execution.h"
 #include "ros/fit_service.h"
+#include "ros/interruptible.h"
 #include "ros/latched_publisher.h"
 #include "ros/log_text.h"
 #include "ros/policy_request.h"
@@ -31,6 +32,7 @@
 #include "session/live_answers.h"
 #include "session/preview.h"
 #include "settings/require_in_range.h"
+#include "soft_robot_lab/control/forward_model.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {
@@ -103,6 +105,8 @@ class ControllerNode {
   std::optional<PolicyTask> found_;         // the last task that a policy was found for
   CommandPolicy found_policy_;              // and that policy
   std::atomic<int> found_count_{0};         // of policies, so far
+  std::atomic<bool> cancelled_{false};      // since an execution began
+  std::atomic<bool> preparing_{false};      // an execution: its model goes where the policy leads
   Preview preview_;
 
   const ClosedLoopOptions loop_options_ = read_loop_options();
@@ -207,7 +211,9 @@ void ControllerNode::remember(const PolicyTask& task, const PolicyAnswer& answer
   const MarkerGoal& goal = task.poses.back().goals.front();
   show_target(goal.marker, goal.target_m);
   const std::lock_guard lock(mutex_);
-  show_ghost();
+  const bool played = answer.summaries.back().stop_reason != "cancelled";  // so the model is there
+  if (played) show_ghost();
+  if (!played) ghost_.publish(no_ghost());
   found_ = task;
   found_policy_ = answer.policy;
   ++found_count_;
@@ -238,6 +244,7 @@ void ControllerNode::answer_target(const MarkerGoal& goal, bool released, const 
   const std::unique_lock lock(model_mutex_, std::try_to_lock);
   if (!lock || !model_) return;
   model_searched_ = true;
+  const Interruptible interruptible(*model_, [this] { return live_.must_end(); });
   PolicyTask task;
   task.poses.push_back({{goal}, ramp_s_, {}});
   OptimiserOptions options;
@@ -254,13 +261,14 @@ void ControllerNode::answer_target(const MarkerGoal& goal, bool released, const 
     return true;
   };
   const PolicyAnswer answer = search_.go_on(*model_, task, options, show);
-  if (answer.success) remember(task, answer);
+  if (answer.success && !live_.must_end()) remember(task, answer);
 }
 
 // Shows at once where the robot will rest: its drives and its silicone take their time.
 void ControllerNode::answer_commands() {
   const std::unique_lock lock(model_mutex_, std::try_to_lock);
   if (!lock || !model_) return;
+  const Interruptible interruptible(*model_, [this] { return live_.must_end() || !ros::ok(); });
   std::unique_lock state_lock(mutex_);
   const std::map<std::string, double> commands = commands_;
   state_lock.unlock();
@@ -343,8 +351,9 @@ void ControllerNode::optimise_policy(const OptimisePolicy::Request& request, Opt
 }
 
 bool ControllerNode::cancel(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  cancelled_ = true;
   const bool executing = execution_.cancel(), searching = search_.cancel();
-  response.success = executing || searching;
+  response.success = executing || searching || preparing_;
   response.message = response.success ? "" : "nothing is optimised or executed now";
   return true;
 }
@@ -354,6 +363,9 @@ void ControllerNode::execute_policy(const ExecutePolicy::Request& request, Execu
     const int found_count = found_count_;
     execute(with_policy(request), response);
     if (response.success) remove_ghost(found_count);  // the robot is there
+  } catch (const ForwardModelInterrupted&) {
+    response.success = false;
+    response.message = "cancelled";
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
@@ -375,11 +387,17 @@ void ControllerNode::execute(const ExecutePolicy::Request& request, ExecutePolic
   std::shared_ptr<void> no_answers;
   std::unique_lock model_lock(model_mutex_, std::defer_lock);
   std::optional<ClosedLoop> loop;
+  std::optional<Interruptible> interruptible;
   if (request.closed_loop) {
     no_answers = live_.pause();
     if (!model_lock.try_lock())
       throw std::runtime_error("busy: the model is used by another request; ask again when that ended");
+    preparing_ = true;
+    cancelled_ = false;
+    const std::shared_ptr<void> prepared(nullptr, [this](void*) { preparing_ = false; });
+    interruptible.emplace(*model_, [this] { return cancelled_ || !ros::ok(); });
     loop.emplace(loop_of(request, order.policy));
+    if (cancelled_) throw ForwardModelInterrupted();
     order.loop = &*loop;
   }
   response = execution_.execute(order);

@@ -45,7 +45,8 @@ PlantSettings read_plant(const ros::NodeHandle& parameters) {
 class PlantNode {
  public:
   explicit PlantNode(const ros::NodeHandle& parameters)
-      : plant_(read_plant(parameters), scene_options_), surface_(plant_.simulation().body().mesh()) {
+      : plant_(read_plant(parameters), scene_options_, [] { return !ros::ok(); }),
+        surface_(plant_.simulation().body().mesh()) {
     if (const auto rig = parameters.param<std::string>("rig", ""); !rig.empty())
       require_same_commands(plant_.simulation(), parameters.param<std::string>("plant", ""), load_rig(rig), rig);
     parameters.getParam("surface_rate_hz", surface_rate_hz_);

@@ -2,15 +2,18 @@
 // How a node of this package starts and ends.
 #pragma once
 
+#include <chrono>
 #include <exception>
 #include <iostream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <ros/ros.h>
 #include <unistd.h>
 
 #include "ros/node_process.h"
+#include "settings/outlast_launch.h"
 #include "require_master.h"
 
 namespace soft_robot_lab {
@@ -40,6 +43,12 @@ inline void require_free_name(double longest_answer_s = 0.5) {
 // what --help prints: what the node does, and its parameters.
 template <class Run>
 int run_node(int argc, char** argv, const std::string& name, const std::string& about, Run run) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<char*> words(argv, argv + argc);  // ROS takes out what it knows
+  const auto fail = [&] {
+    outlast_launch(static_cast<int>(words.size()), words.data(), begin);
+    return 2;
+  };
   ros::init(argc, argv, name);
   if (const std::optional<int> ended = read_node_arguments(argc, argv, name, about)) return *ended;
   try {
@@ -47,14 +56,14 @@ int run_node(int argc, char** argv, const std::string& name, const std::string& 
     require_free_name();
   } catch (const std::exception& error) {
     std::cerr << name << ": " << error.what() << "\n";
-    return 2;
+    return fail();
   }
   const ros::NodeHandle keeps_the_log_open;  // without any, a failure could not be logged
   try {
     run();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());
-    return 2;
+    return fail();
   }
   return 0;
 }

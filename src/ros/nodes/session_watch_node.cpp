@@ -64,7 +64,7 @@ class SessionWatchNode {
                  std::to_string(node.restarts()) + (node.restarts() == 0 ? "" : ", last at " + node.last_restart()));
       if (node.name() != recorder_) continue;
       const BagSight bag = look_at_bag(process, bag_folder_);
-      all = worst_of(all, recording_.update(now, bag));
+      all = worst_of(worst_of(all, recording_.update(now, bag)), place_of(bag, bag_folder_));
       status.add("bag", bag.path);
       status.add("bag size [MB]", static_cast<double>(bag.bytes) / 1048576.0);
       status.add("free space [MB]", static_cast<double>(bag.free_bytes.value_or(0)) / 1048576.0);
@@ -86,7 +86,7 @@ class SessionWatchNode {
     if (!process) return {};
     const BagSight bag = look_at_bag(process, bag_folder_);
     status.add("asked bag", bag.path);
-    return asked_bag_.update(now, bag);
+    return worst_of(asked_bag_.update(now, bag), place_of(bag, bag_folder_));
   }
 
   void publish_recording() {
@@ -110,6 +110,8 @@ class SessionWatchNode {
   }
 
   std::string start_recording() {
+    if (const Finding place = place_of({}, bag_folder_); place.level != Finding::Level::ok)
+      throw std::runtime_error(place.text);
     asked_.start({"rosrun", "soft_robot_lab", "record.sh", bag_folder_, robot_, images_ ? "true" : "false"});
     asked_bag_ = {};
     return "records into " + bag_folder_;
@@ -119,7 +121,9 @@ class SessionWatchNode {
     const std::optional<pid_t> process = asked_.process();
     if (!process) throw std::runtime_error("nothing is recorded");
     std::string path = look_at_bag(process, bag_folder_).path;
-    if (!asked_.stop(longest_closing_s)) return path + " is still being written";
+    const bool began = !path.empty();
+    if (!asked_.stop(longest_closing_s)) return (began ? path : "the bag") + std::string(" is still being written");
+    if (!began) return "ended before anything was recorded";
     const std::size_t ending = path.rfind(".active");
     return "recorded " + path.substr(0, ending);
   }

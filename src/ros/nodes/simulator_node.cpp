@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/callback_queue.h>
@@ -67,6 +70,18 @@ struct RunningScene {
   SimulationState start;
 };
 
+// Asks for the end of what is solved, as long as it lives.
+class Ending {
+ public:
+  explicit Ending(std::atomic<bool>& ends) : ends_(ends) { ends_ = true; }
+  ~Ending() { ends_ = false; }
+  Ending(const Ending&) = delete;
+  Ending& operator=(const Ending&) = delete;
+
+ private:
+  std::atomic<bool>& ends_;
+};
+
 // Wall and session time over the last second or so.
 class RealTimeFactor {
  public:
@@ -88,10 +103,14 @@ class RealTimeFactor {
 class SimulatorNode {
  public:
   explicit SimulatorNode(const SimulatorOptions& options);
-  ~SimulatorNode() { loading_.stop(); }
+  ~SimulatorNode() {
+    loading_.stop();
+    control_.stop();
+  }
   void run();
 
  private:
+  void serve();
   std::unique_ptr<RunningScene> prepare(const std::string& path) const;
   std::string settle(RunningScene& scene) const;  // returns why it is not at rest, where it should be
   void start(std::unique_ptr<RunningScene> scene);
@@ -101,15 +120,20 @@ class SimulatorNode {
   void on_pull(const SkinPull& pull);
   Eigen::Vector3d in_robot_base(const SkinPull& pull) const;
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool stop(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool load(LoadScene::Request& request, LoadScene::Response& response);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void tell_what_lasts(const std::string& what, diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void publish_frames();
   ros::Time session_time() const { return ros::Time(session_s_); }
 
   SimulatorOptions options_;
   SceneOptions scene_options_;
 
-  std::mutex mutex_;  // guards what follows between stepping and loading
+  std::atomic<bool> ends_{false};                  // a request waits for the step that is solved, which ends
+  std::atomic<int> stops_{0};                      // how often a stop was asked for: a scene that is loaded gives up
+  std::atomic<double> since_s_{machine_time_s()};  // what runs now, of the machine's time
+  std::timed_mutex mutex_;                         // guards what follows between stepping, loading and requests
   std::unique_ptr<RunningScene> scene_;
   double session_s_ = 0.0;  // goes back with the machine's clock only, unlike the scene's own time at a reset
   SolveReport last_report_;
@@ -127,32 +151,46 @@ class SimulatorNode {
   ros::Subscriber commands_, pulls_;
   PullingHand hand_{options_.max_pull_n};
   tf2_ros::StaticTransformBroadcaster frames_;
+  ros::CallbackQueue control_queue_;  // what has to be answered while a step is solved, which may last
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer diagnostics_timer_;
-  ros::ServiceServer reset_, load_;
+  ros::ServiceServer reset_, stop_, load_;
   // Loading takes seconds; meanwhile the old scene goes on.
   ros::CallbackQueue loading_queue_;
-  ros::AsyncSpinner loading_{1, &loading_queue_};
+  ros::AsyncSpinner loading_{1, &loading_queue_}, control_{1, &control_queue_};
 };
 
 SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options) {
   scene_options_.actuator_factory = actuators_from_plugins();
   publish_frames();
+  serve();
   auto first = prepare(options_.scene);
   if (const std::string failure = settle(*first); !failure.empty()) ROS_WARN("%s", log_text(failure).c_str());
   start(std::move(first));
   commands_ = node_.subscribe(topics::actuator_command, 100, &SimulatorNode::on_command, this);
   pulls_ = node_.subscribe(topics::simulator_pull, 10, &SimulatorNode::on_pull, this);
-  reset_ = node_.advertiseService(topics::simulator_reset, &SimulatorNode::reset, this);
   auto load_options = ros::AdvertiseServiceOptions::create<LoadScene>(
       topics::simulator_load, [this](auto& request, auto& response) { return load(request, response); },
       ros::VoidConstPtr(), &loading_queue_);
   load_ = node_.advertiseService(load_options);
   loading_.start();
+}
+
+void SimulatorNode::serve() {
+  const auto trigger = [this](const std::string& name, auto handler) {
+    auto options = ros::AdvertiseServiceOptions::create<std_srvs::Trigger>(
+        name, [this, handler](auto& request, auto& response) { return (this->*handler)(request, response); },
+        ros::VoidConstPtr(), &control_queue_);
+    return node_.advertiseService(options);
+  };
+  reset_ = trigger(topics::simulator_reset, &SimulatorNode::reset);
+  stop_ = trigger(topics::simulator_stop, &SimulatorNode::stop);
   diagnostics_.setHardwareID("simulated");
   diagnostics_.add("simulation", this, &SimulatorNode::diagnose);
-  diagnostics_timer_ =
-      node_.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); });
+  ros::SteadyTimerOptions every_second(
+      ros::WallDuration(1.0), [this](const auto&) { diagnostics_.force_update(); }, &control_queue_);
+  diagnostics_timer_ = node_.createSteadyTimer(every_second);
+  control_.start();
 }
 
 void SimulatorNode::publish_frames() {
@@ -183,11 +221,13 @@ std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) co
 
 std::string SimulatorNode::settle(RunningScene& scene) const {
   std::string failure;
+  scene.simulation->set_interrupt([this, before = stops_.load()] { return stops_ != before || !ros::ok(); });
   if (options_.start_at_rest) {
     const SolveReport report = scene.simulation->solve_equilibrium();
     if (!report.converged) failure = scene.path + ": does not start at rest: " + report.message;
   }
   scene.start = scene.simulation->state();
+  scene.simulation->set_interrupt([this] { return ends_ || !ros::ok(); });
   return failure;
 }
 
@@ -229,9 +269,12 @@ void SimulatorNode::serve_until(SteadyClock::time_point deadline) {
 }
 
 double SimulatorNode::step() {
+  while (ends_) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // a request comes first
   const std::lock_guard lock(mutex_);
+  since_s_ = machine_time_s();
   hand_.let_go_if_silent(machine_time_s(), *scene_->simulation);
   last_report_ = scene_->simulation->step();
+  if (last_report_.interrupted && (ends_ || !ros::ok())) return 0.0;
   if (!last_report_.converged) ++unconverged_steps_;
   for (const SolveWarning& warning : last_report_.warnings) add_warning(warning, warnings_);
   const double time_step_s = scene_->simulation->options().time_step_s;
@@ -274,12 +317,32 @@ void SimulatorNode::on_pull(const SkinPull& pull) {
 }
 
 bool SimulatorNode::reset(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+  const Ending ending(ends_);
   const std::lock_guard lock(mutex_);
+  if (!scene_) {
+    response.message = "no scene runs yet";
+    return true;
+  }
   hand_.let_go(*scene_->simulation);
   scene_->simulation->reset();
   scene_->simulation->set_state(scene_->start);
   response.success = true;
   response.message = "at the start of " + scene_->path;
+  return true;
+}
+
+// The drives stay where they are, as motors do.
+bool SimulatorNode::stop(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+  ++stops_;
+  const Ending ending(ends_);
+  const std::lock_guard lock(mutex_);
+  response.success = true;
+  response.message = scene_ ? "the drives stay where they are" : "the scene does not wait until it rests";
+  if (!scene_) return true;
+  hand_.let_go(*scene_->simulation);
+  Simulation& simulation = *scene_->simulation;
+  for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
+    simulation.set_command(simulation.actuators()[i]->name(), simulation.state().drives[i].actuated_command);
   return true;
 }
 
@@ -298,8 +361,16 @@ bool SimulatorNode::load(LoadScene::Request& request, LoadScene::Response& respo
   return true;
 }
 
+void SimulatorNode::tell_what_lasts(const std::string& what,
+                                    diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  const auto lasts_s = static_cast<long>(machine_time_s() - since_s_);
+  status.summary(diagnostic_msgs::DiagnosticStatus::WARN,
+                 what + " for " + std::to_string(lasts_s) + " s; Stop ends it");
+}
+
 void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  const std::lock_guard lock(mutex_);
+  const std::unique_lock lock(mutex_, std::chrono::milliseconds(500));
+  if (!lock || !scene_) return tell_what_lasts(lock ? "loading" : "solving", status);
   using Status = diagnostic_msgs::DiagnosticStatus;
   if (unconverged_steps_ > 0) {
     status.summary(Status::WARN, "steps that did not converge: " + last_report_.message);

@@ -370,6 +370,9 @@ void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) {
 
 void print(const ReplaySummary& summary, const std::string& output) {
   ROS_INFO("%s: %ld times all markers, %.3f CPU-seconds", output.c_str(), summary.written, summary.cpu_s);
+  for (const auto& [marker, times] : summary.seen)
+    ROS_INFO("%s was seen %ld of %ld times", log_text(marker).c_str(), times, summary.written);
+  for (const std::string& note : summary.notes) ROS_WARN("%s", log_text(note).c_str());
   if (!summary.repeated) return;
   ROS_INFO("%ld times markers and %ld gaps are the session's to the last digit, %ld and %ld are not",
            summary.markers_alike, summary.gaps_alike, summary.markers_other, summary.gaps_other);

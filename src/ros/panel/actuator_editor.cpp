@@ -5,11 +5,13 @@
 #include <QSignalBlocker>
 #include <QToolButton>
 
+#include "plain_text.h"
+
 namespace soft_robot_lab {
 namespace {
 
 QLabel* small_label(double value, const ActuatorRow& row, QWidget* parent) {
-  auto* label = new QLabel(QString::number(value, 'g', 4) + (row.unit.empty() ? "" : " ") + row.unit.c_str(), parent);
+  auto* label = plain_label(QString::number(value, 'g', 4) + (row.unit.empty() ? "" : " ") + row.unit.c_str(), parent);
   label->setStyleSheet("color: #707070; font-size: small");  // paler than what can be changed
   return label;
 }
@@ -26,7 +28,7 @@ ActuatorEditor::ActuatorEditor(const ActuatorRow& row, int number, const Edit& e
     : QWidget(parent),
       slider_(new QSlider(Qt::Horizontal, this)),
       number_(new QDoubleSpinBox(this)),
-      measured_(new QLabel(this)) {
+      measured_(plain_label("", this)) {
   slider_->setRange(0, row.positions() - 1);
   slider_->setPageStep(row.positions() / 10);
   number_->setDecimals(row.decimals);
@@ -43,7 +45,7 @@ ActuatorEditor::ActuatorEditor(const ActuatorRow& row, int number, const Edit& e
 }
 
 void ActuatorEditor::lay_out(const ActuatorRow& row, int number, const Edit& edit) {
-  auto* name = new QLabel(title_of(row, number), this);
+  auto* name = plain_label(title_of(row, number), this);
   name->setBuddy(slider_);
   auto* rest = new QToolButton(this);
   rest->setText("rest");

@@ -98,7 +98,7 @@ bool ActuatorValues::add_state(const ActuatorState& state, double now_s) {
     if (row == nullptr || !std::isfinite(state.commands[i]) || !std::isfinite(state.actuated_commands[i])) continue;
     changed = follow(*row, state.commands[i], now_s) || changed;
     reached_[row->name] = state.actuated_commands[i];
-    std::string measured = text_of(state.actuated_commands[i], row->decimals - 1, row->unit);
+    std::string measured = text_of(state.actuated_commands[i], std::max(0, row->decimals - 1), row->unit);
     if (const auto reading = readings.find(row->name); reading != readings.end()) measured += ", " + reading->second;
     changed = changed || measured != row->measured;
     row->measured = measured;

@@ -122,6 +122,12 @@ Lamp Lamps::gap(double now_s) const {
   return lamp;
 }
 
+std::string Lamps::link_fault(double now_s) const {
+  if (heard_.count(motors) == 0) return "";
+  const Lamp link = lamp_of("Link", motors, now_s);
+  return link.level == Lamp::Level::error ? link.reason : "";
+}
+
 std::vector<Lamp> Lamps::lamps(double now_s) const {
   std::vector<Lamp> lamps = {lamp_of("Simulation", simulation, now_s), speed(now_s)};
   if (heard_.count(motors) > 0) lamps.push_back(lamp_of("Link", motors, now_s));

@@ -31,6 +31,9 @@ class Lamps {
   // Those of parts that the session has; what was not heard of for `silence_s` is unknown.
   std::vector<Lamp> lamps(double now_s) const;
 
+  // Why a rig's motors take no commands: what its lamp says where that is red; else empty.
+  std::string link_fault(double now_s) const;
+
   static constexpr double silence_s = 4.0;
 
  private:

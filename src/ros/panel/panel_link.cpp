@@ -10,6 +10,7 @@
 #include <soft_robot_lab/Calibrate.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/LoadScene.h>
+#include <soft_robot_lab/PolicyProgress.h>
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/String.h>
@@ -89,6 +90,11 @@ PanelLink::PanelLink(const std::string& session) : node_(session) {
                           target_ = m;
                           ++targets_;
                         }),
+      listen_to<PolicyProgress>(node_, topics::controller_progress, 100,
+                                [this](const auto& m) {
+                                  progress_s_ = now_s();
+                                  progress_m_ = m.distance_m;
+                                }),
       listen_to<RealityGap>(node_, topics::reality_gap, 1,
                             [this](const auto& m) {
                               lamps_.add(m, now_s());
@@ -118,6 +124,12 @@ void PanelLink::on_ranges(const ActuatorRanges& ranges) {
 
 // Another robot, another plot.
 void PanelLink::on_scene(const std::string& scene) {
+  if (!scene_.empty() && scene != scene_) {  // the first one's target may have been heard before
+    target_.reset();
+    markers_ = {};
+    progress_s_ = -1.0;
+    ++targets_;
+  }
   scene_ = scene;
   history_ = {};
   robot_box_m_.reset();
@@ -141,7 +153,9 @@ void PanelLink::listen() {
   if (!command.names.empty()) {
     command.header.stamp = ros::Time::now();
     commands_.publish(command);
+    tell_where_nothing_moves();
   }
+  tell_drag();
   constexpr double look_period_s = 2.0;
   if (now_s() - looked_at_s_ > look_period_s) look_for_services();
 }
@@ -171,11 +185,36 @@ std::optional<geometry_msgs::Point> PanelLink::target(const std::string& marker)
   return markers_.positions[index];
 }
 
-// A policy that was just stopped may have sent one more command meanwhile.
+// A slider sends its command all the same, and would move nothing.
+void PanelLink::tell_where_nothing_moves() {
+  if (const std::string fault = lamps_.link_fault(now_s()); has_motors_ && !fault.empty())
+    notes_.push_back({"Move", false, "the simulation alone moves: " + fault});
+}
+
+// A search that is asked for by dragging the target has no answer but its progress.
+void PanelLink::tell_drag() {
+  constexpr double quiet_s = 0.7;
+  if (progress_s_ < 0.0 || now_s() - progress_s_ < quiet_s) return;
+  progress_s_ = -1.0;
+  if (busy()) return;
+  std::ostringstream text;
+  text.precision(3);
+  text << 1e3 * progress_m_ << " mm from it; Execute goes there";
+  notes_.push_back({"Target", true, text.str()});
+}
+
+// A policy that was just stopped may have sent one more command meanwhile. What Stop ends has not failed.
 std::vector<CallOutcome> PanelLink::take_outcomes() {
+  const bool goes_on = busy();  // before its outcome is taken
   std::vector<CallOutcome> outcomes = calls_.take_outcomes();
-  for (const CallOutcome& outcome : outcomes)
+  for (CallOutcome& outcome : outcomes) {
     if (outcome.title == "Stop") values_.edit_all_to_reached(now_s());
+    if (!outcome.success && stopped_ && outcome.message.find("cancelled") != std::string::npos)
+      outcome = {outcome.title, true, "ended by Stop"};
+  }
+  if (!goes_on) stopped_ = false;
+  outcomes.insert(outcomes.end(), notes_.begin(), notes_.end());
+  notes_.clear();
   return outcomes;
 }
 
@@ -244,9 +283,12 @@ void PanelLink::play(const Policy& policy) {
 // A controller that has nothing to stop is no fault.
 void PanelLink::stop() {
   values_.edit_all_to_reached(now_s());
+  stopped_ = busy();
   const bool cancels = offers(topics::cancel_policy), stops = offers(topics::motor_stop);
-  calls_.start(quick_lane, "Stop", [this, cancels, stops] {
+  const bool ends_solve = !stops && offers(topics::simulator_stop);
+  calls_.start(quick_lane, "Stop", [this, cancels, stops, ends_solve] {
     if (stops) calls_.ask<std_srvs::Trigger>(node_, topics::motor_stop, {});
+    if (ends_solve) calls_.ask<std_srvs::Trigger>(node_, topics::simulator_stop, {});
     try {
       if (cancels) calls_.ask<std_srvs::Trigger>(node_, topics::cancel_policy, {});
     } catch (const std::runtime_error&) {

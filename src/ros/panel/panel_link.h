@@ -47,7 +47,7 @@ class PanelLink {
 
   bool offers(const std::string& service) const;
   bool busy() const { return calls_.busy(slow_lane); }
-  std::vector<CallOutcome> take_outcomes();
+  std::vector<CallOutcome> take_outcomes();  // of what was asked, and what else the window should say
 
   void optimise(const std::string& method, const std::string& marker, const Eigen::Vector3d& target_m);
   void execute();  // what was found last
@@ -77,6 +77,8 @@ class PanelLink {
   void on_scene(const std::string& scene);
   void on_surface(const visualization_msgs::Marker& surface);
   void on_ranges(const ActuatorRanges& ranges);
+  void tell_drag();
+  void tell_where_nothing_moves();
   void ask_trigger(const std::string& lane, const std::string& title, const std::string& service);
 
   ActuatorValues values_;
@@ -87,6 +89,9 @@ class PanelLink {
   std::string scene_, plotted_;
   History history_;
   bool has_motors_ = false, recording_ = false;
+  bool stopped_ = false;                         // what runs in the slow lane, by the user
+  double progress_s_ = -1.0, progress_m_ = 0.0;  // of a search that a drag asked for: when last, and how far
+  std::vector<CallOutcome> notes_;
   double looked_at_s_ = -1.0;
 
   mutable std::mutex services_mutex_;

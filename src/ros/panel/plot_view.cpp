@@ -6,6 +6,8 @@
 #include <qwt_plot.h>
 #include <qwt_plot_curve.h>
 
+#include "plain_text.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -54,7 +56,7 @@ void PlotView::offer(const History& history) {
 QwtPlotCurve* PlotView::curve(const std::string& name) {
   const auto found = curves_.find(name);
   if (found != curves_.end()) return found->second;
-  auto* made = new QwtPlotCurve(QString::fromStdString(name));
+  auto* made = new QwtPlotCurve(plain_title(QString::fromStdString(name)));
   made->setPen(colour(curves_.size()), 1.5);
   made->setRenderHint(QwtPlotItem::RenderAntialiased);
   made->attach(plot_);
@@ -70,7 +72,16 @@ void PlotView::show_history(const History& history) {
     curves_.clear();
     shown_ = title;
   }
-  for (const auto& [name, points] : history.curves(title)) curve(name)->setSamples(points_of(points, history.now_s()));
+  const History::Curves& shown = history.curves(title);
+  for (auto old = curves_.begin(); old != curves_.end();) {  // of a robot that is gone
+    if (shown.count(old->first) > 0) {
+      ++old;
+      continue;
+    }
+    delete old->second;  // which detaches it
+    old = curves_.erase(old);
+  }
+  for (const auto& [name, points] : shown) curve(name)->setSamples(points_of(points, history.now_s()));
   plot_->replot();
 }
 

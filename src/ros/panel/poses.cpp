@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -16,6 +18,41 @@ std::string plain(std::string name) {
   return name;
 }
 
+// A path as one word without what separates others.
+std::string encoded(const std::string& path) {
+  static const char* digits = "0123456789abcdef";
+  std::string word;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte > ' ' && byte != 0x7f && c != '%' && c != '|' && c != '=') {
+      word += c;
+    } else {
+      word += {'%', digits[byte / 16], digits[byte % 16]};
+    }
+  }
+  return word;
+}
+
+std::string decoded(const std::string& word) {
+  std::string path;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    if (word[i] != '%' || i + 2 >= word.size()) {
+      path += word[i];
+      continue;
+    }
+    path += static_cast<char>(std::strtol(word.substr(i + 1, 2).c_str(), nullptr, 16));
+    i += 2;
+  }
+  return path;
+}
+
+std::string scene_of(const std::string& text) {
+  std::istringstream words(text);
+  for (std::string word; words >> word;)
+    if (word.rfind("@=", 0) == 0) return decoded(word.substr(2));
+  return "";
+}
+
 std::map<std::string, double> values_of(const std::string& text) {
   std::map<std::string, double> values;
   std::istringstream words(text);
@@ -23,7 +60,7 @@ std::map<std::string, double> values_of(const std::string& text) {
     const std::size_t equals = word.find('=');
     std::istringstream number(equals == std::string::npos ? "" : word.substr(equals + 1));
     double value = 0.0;
-    if (number >> value && std::isfinite(value)) values[word.substr(0, equals)] = value;
+    if (equals > 0 && word[0] != '@' && number >> value && std::isfinite(value)) values[word.substr(0, equals)] = value;
   }
   return values;
 }
@@ -33,27 +70,40 @@ std::map<std::string, double> values_of(const std::string& text) {
 std::string Poses::store(const std::string& name, const std::vector<ActuatorRow>& rows) {
   std::string key = plain(name);
   for (int number = 1; key.empty(); ++number)
-    if (const std::string free = "pose " + std::to_string(number); poses_.count(free) == 0) key = free;
-  poses_[key].clear();
-  for (const ActuatorRow& row : rows) poses_[key][row.name] = row.shown;
+    if (const std::string free = "pose " + std::to_string(number); !find(free)) key = free;
+  remove(key);
+  Values& values = poses_[{scene_, key}];
+  for (const ActuatorRow& row : rows) values[row.name] = row.shown;
   return key;
 }
 
+void Poses::remove(const std::string& name) {
+  poses_.erase({scene_, name});
+  poses_.erase({"", name});
+}
+
+const Poses::Values* Poses::find(const std::string& name) const {
+  for (const std::string& scene : {scene_, std::string()})
+    if (const auto found = poses_.find({scene, name}); found != poses_.end()) return &found->second;
+  return nullptr;
+}
+
 std::vector<std::string> Poses::names() const {
-  std::vector<std::string> names;
-  for (const auto& [name, values] : poses_) names.push_back(name);
-  return names;
+  std::set<std::string> names;
+  for (const auto& [of, values] : poses_)
+    if (of.first.empty() || of.first == scene_) names.insert(of.second);
+  return {names.begin(), names.end()};
 }
 
 Policy Poses::policy(const std::string& name, const std::vector<ActuatorRow>& rows, double duration_s) const {
   Policy policy;
   policy.steps.emplace_back();
   policy.steps.back().time_s = duration_s;
-  const auto pose = poses_.find(name);
+  const Values* pose = find(name);
   for (const ActuatorRow& row : rows) {
-    if (pose == poses_.end() || pose->second.count(row.name) == 0) continue;
+    if (!pose || pose->count(row.name) == 0) continue;
     policy.names.push_back(row.name);
-    policy.steps.back().values.push_back(std::clamp(pose->second.at(row.name), row.min, row.max));
+    policy.steps.back().values.push_back(std::clamp(pose->at(row.name), row.min, row.max));
   }
   if (policy.names.empty())
     throw std::invalid_argument("pose '" + name + "' has no command for any actuator of this robot");
@@ -63,8 +113,9 @@ Policy Poses::policy(const std::string& name, const std::vector<ActuatorRow>& ro
 std::string Poses::text() const {
   std::ostringstream text;
   text.precision(17);
-  for (const auto& [name, values] : poses_) {
-    text << name << ":";
+  for (const auto& [of, values] : poses_) {
+    text << of.second << ":";
+    if (!of.first.empty()) text << " @=" << encoded(of.first);
     for (const auto& [actuator, value] : values) text << " " << actuator << "=" << value;
     text << "\n";
   }
@@ -77,7 +128,8 @@ void Poses::read(const std::string& text) {
   for (std::string line; std::getline(lines, line);) {
     const std::size_t colon = line.find(':');
     if (colon == std::string::npos || colon == 0) continue;
-    if (auto values = values_of(line.substr(colon + 1)); !values.empty()) poses_[line.substr(0, colon)] = values;
+    const std::string rest = line.substr(colon + 1);
+    if (auto values = values_of(rest); !values.empty()) poses_[{scene_of(rest), line.substr(0, colon)}] = values;
   }
 }
 

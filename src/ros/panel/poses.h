@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <soft_robot_lab/Policy.h>
@@ -14,20 +15,28 @@ namespace soft_robot_lab {
 
 class Poses {
  public:
+  // The robot's file, whose poses all below is about, and those of files of before that name no robot.
+  void set_scene(const std::string& path) { scene_ = path; }
+
   // What is shown now, under that name or, where that is empty, the next free "pose N"; returns the name.
   std::string store(const std::string& name, const std::vector<ActuatorRow>& rows);
-  void remove(const std::string& name) { poses_.erase(name); }
+  void remove(const std::string& name);
   std::vector<std::string> names() const;
 
   // To a pose of those actuators that the robot has; throws std::invalid_argument where there is none.
   Policy policy(const std::string& name, const std::vector<ActuatorRow>& rows, double duration_s) const;
 
-  // One line a pose, "name: actuator=value ...", as kept in an rviz file. What cannot be read is left out.
+  // One line a pose, "name: @=robot actuator=value ...", of all robots, as kept in an rviz file. What cannot be read is
+  // left out.
   std::string text() const;
   void read(const std::string& text);
 
  private:
-  std::map<std::string, std::map<std::string, double>> poses_;
+  using Values = std::map<std::string, double>;
+  const Values* find(const std::string& name) const;
+
+  std::string scene_;
+  std::map<std::pair<std::string, std::string>, Values> poses_;  // by robot and name
 };
 
 }  // namespace soft_robot_lab

@@ -19,6 +19,7 @@
 #include <rviz/visualization_manager.h>
 
 #include "framing.h"
+#include "plain_text.h"
 #include "ros/topics.h"
 #include "settings/write_file.h"
 #include "soft_robot_lab/control/policy.h"
@@ -29,26 +30,6 @@ namespace {
 constexpr double pose_duration_s = 1.0;
 constexpr int refresh_period_ms = 20;  // a slider that is drawn sends as often
 constexpr int rows_at_once = 3;        // of actuators
-
-const char* colour_of(Lamp::Level level) {
-  switch (level) {
-    case Lamp::Level::ok:
-      return "#2e8b57";
-    case Lamp::Level::warn:
-      return "#e08a00";
-    case Lamp::Level::error:
-      return "#c62828";
-    case Lamp::Level::unknown:
-      break;
-  }
-  return "#9e9e9e";
-}
-
-QString lamp_text(const Lamp& lamp) {
-  const std::string text = lamp.value.empty() ? lamp.name : lamp.name + " " + lamp.value;
-  return QString("<span style='color:%1'>&#9679;</span>&nbsp;%2")
-      .arg(colour_of(lamp.level), QString::fromStdString(text).replace(" ", "&nbsp;"));
-}
 
 void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int columns) {
   for (int i = 0; i < static_cast<int>(widgets.size()); ++i)
@@ -61,12 +42,13 @@ void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int colum
 SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
   auto* column = new QVBoxLayout(this);
   column->setSpacing(4);
-  lamps_ = new QLabel(this);
+  lamps_ = plain_label("", this);
+  lamps_->setTextFormat(Qt::RichText);  // of lamp_text()
   lamps_->setWordWrap(true);
   QFont small = font();
   small.setPointSizeF(0.88 * small.pointSizeF());  // so that those of a session with contact stand in a line
   lamps_->setFont(small);
-  message_ = new QLabel("Waits for a session.", this);
+  message_ = plain_label("Waits for a session.", this);
   message_->setWordWrap(true);
   message_->setMinimumHeight(3 * message_->fontMetrics().lineSpacing());
   message_->setAlignment(Qt::AlignTop | Qt::AlignLeft);
@@ -109,7 +91,7 @@ QWidget* SessionPanel::make_actuators() {
   auto* inside = new QWidget(area_);
   rows_ = new QVBoxLayout(inside);
   rows_->setContentsMargins(0, 0, 4, 0);
-  empty_ = new QLabel("No actuators yet.", inside);
+  empty_ = plain_label("No actuators yet.", inside);
   rows_->addWidget(empty_);
   rows_->addStretch(1);
   area_->setWidget(inside);
@@ -290,6 +272,12 @@ void SessionPanel::show_whole_rows() {
 // Follows what runs.
 void SessionPanel::refresh_scene() {
   const QString path = QString::fromStdString(link_->scene());
+  if (path != posed_) {
+    posed_ = path;
+    wanted_.reset();
+    poses_.set_scene(link_->scene());
+    refresh_poses();
+  }
   if (path.isEmpty() || path == scene_->currentData().toString() || scene_->view()->isVisible()) return;
   int index = scene_->findData(path);
   if (index < 0) {
@@ -371,14 +359,12 @@ void SessionPanel::refresh_buttons() {
 }
 
 void SessionPanel::refresh_lamps() {
-  QStringList texts, reasons;
-  for (const Lamp& lamp : link_->lamps()) {
-    texts << lamp_text(lamp);
-    reasons << QString("%1: %2").arg(lamp.name.c_str(), lamp.reason.c_str());
-  }
+  const std::vector<Lamp> lamps = link_->lamps();
+  QStringList texts;
+  for (const Lamp& lamp : lamps) texts << lamp_text(lamp);
   const QString text = texts.join("&nbsp;&nbsp; ");
   if (text != lamps_->text()) lamps_->setText(text);
-  lamps_->setToolTip(reasons.join("\n"));
+  lamps_->setToolTip(lamp_reasons(lamps));
 }
 
 void SessionPanel::refresh_poses() {

@@ -69,6 +69,7 @@ class SessionPanel : public rviz::Panel {
   std::unique_ptr<PanelLink> link_;
   std::unique_ptr<LeftOutOfPicks> left_out_;
   Poses poses_;
+  QString posed_;       // the scene whose poses are offered
   std::string framed_;  // the scene that the camera was set to
   int shown_revision_ = -1, shown_targets_ = -1;
   bool with_balls_ = false;  // which step of a calibration comes next

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include <QCryptographicHash>
 #include <QDir>
@@ -25,6 +26,7 @@
 #include <qwt_text.h>
 
 #include "geometry/convex_hull.h"
+#include "plain_text.h"
 #include "ros/plasma.h"
 
 namespace soft_robot_lab {
@@ -86,7 +88,7 @@ WorkspaceView::WorkspaceView(Shown shown, std::function<void(const ReachableTip&
       view_(new QComboBox(this)),
       colour_(new QComboBox(this)),
       number_(new QSpinBox(this)),
-      state_(new QLabel("Where does the marker reach?", this)),
+      state_(plain_label("Where does the marker reach?", this)),
       plot_(new QwtPlot(this)) {
   find_->setToolTip("Finds where the marker rests over all commands, beside the session; goes on from what is there");
   view_->addItems({"x, z", "y, z", "x, y"});
@@ -95,7 +97,7 @@ WorkspaceView::WorkspaceView(Shown shown, std::function<void(const ReachableTip&
       "What colours mean. Least motion: by the commands' whole range in the direction in which they move the tip "
       "least");
   number_->setToolTip("A tip by its number. Or click at one: the ghost shows how it is reached, Execute goes there");
-  auto* label = new QLabel("Poi&nt", this);
+  auto* label = plain_label("Poi&nt", this);
   label->setBuddy(number_);
   state_->setWordWrap(true);
   auto* grid = new QGridLayout(this);
@@ -147,7 +149,9 @@ void WorkspaceView::follow(const QString& scene, const QString& marker, int actu
   if (scene == scene_ && marker == marker_) return;
   scene_ = scene;
   marker_ = marker;
+  outdated_ = process_.state() != QProcess::NotRunning;
   process_.terminate();
+  state_->setText("Where does the marker reach?");
   take({});
 }
 
@@ -181,13 +185,14 @@ void WorkspaceView::start() {
 
 void WorkspaceView::read_progress() {
   const QString text = QString::fromUtf8(process_.readAllStandardError()).trimmed();
-  if (text.isEmpty()) return;
+  if (text.isEmpty() || outdated_) return;
   log_ = text.section('\n', -1);
   state_->setText(QString(log_).remove("workspace: "));
 }
 
 void WorkspaceView::finish(int status) {
   find_->setText("F&ind tips");
+  if (std::exchange(outdated_, false)) return;  // what it found is another robot's or marker's
   if (status > 1 || process_.exitStatus() == QProcess::CrashExit)
     return state_->setText(log_.isEmpty() ? "rosrun soft_robot_lab workspace failed" : log_);
   try {
@@ -250,7 +255,7 @@ void WorkspaceView::show_tips() {
   const double largest = quantity.largest();
   plot_->enableAxis(QwtPlot::yRight, count > 0);
   plot_->setAxisScale(QwtPlot::yRight, 0.0, largest);
-  QwtText title(QString::fromStdString(quantity.label));
+  QwtText title = plain_title(QString::fromStdString(quantity.label));
   title.setFont(plot_->axisFont(QwtPlot::yRight));
   plot_->setAxisTitle(QwtPlot::yRight, title);
   plot_->axisWidget(QwtPlot::yRight)->setColorBarEnabled(true);

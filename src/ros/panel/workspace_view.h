@@ -64,6 +64,7 @@ class WorkspaceView : public QWidget {
   QComboBox *view_, *colour_;
   QSpinBox* number_;
   QLabel* state_;
+  bool outdated_ = false;  // what runs was asked for before another robot or marker came
   QwtPlot* plot_;
   QwtPlotRescaler* rescaler_ = nullptr;
 };

@@ -25,9 +25,11 @@ constexpr int kMostBelow = 6;                                      // a longer l
 // Names of recordings may hold anything: a NUL or a line's end would end the script.
 char printable(char c) { return static_cast<unsigned char>(c) < ' ' || c == 127 ? ' ' : c; }
 
+// gnuplot takes two quotes in a row for one only where neither the first sign nor another such pair stands before them,
+// so a quote is a string of its own. It runs what stands in backquotes, but not within single quotes.
 std::string quoted(const std::string& text) {
   std::string result = "'";
-  for (const char c : text) result += c == '\'' ? "''" : std::string(1, printable(c));
+  for (const char c : text) result += c == '\'' ? "'.\"'\".'" : std::string(1, printable(c));
   return result + "'";
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -46,11 +47,28 @@ TEST(FitModel, FindsWhatMadeTheData) {
   // Poses that it has not seen, with the scene that it writes.
   const std::string file =
       std::filesystem::temp_directory_path().string() + "/soft_robot_lab_fitted_" + std::to_string(getpid()) + ".yaml";
+  EXPECT_NO_THROW(require_own_or_new(file));
   write_fitted_scene(result, kScene, file);
+  EXPECT_NO_THROW(require_own_or_new(file)) << "a fit may write over an earlier one";
   const std::vector<MeasuredPose> unseen = measure(truth, {{0.92, 0.98}, {0.97, 0.9}}, shifted, 0.0, 2);
   EXPECT_LT(model_gap(file, options_with(""), unseen, result.measured_from_base).rms_m,
             0.1 * model_gap(kScene, options_with(given), unseen).rms_m);
   std::filesystem::remove(file);
+}
+
+// As a service may be asked to by anybody.
+TEST(FitModel, WritesOverNothingThatNoFitWrote) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("soft_robot_lab_own_" + std::to_string(getpid()));
+  fs::create_directories(folder / "sub");
+  std::ofstream(folder / "diary.txt") << "dear diary\n";
+  std::ofstream(folder / "empty.yaml");
+  fs::create_symlink(folder / "nowhere", folder / "link.yaml");
+  for (const char* name : {"diary.txt", "empty.yaml", "link.yaml", "sub"})
+    EXPECT_THROW(require_own_or_new(folder / name), std::invalid_argument) << name;
+  EXPECT_THROW(require_own_or_new("/dev/null"), std::invalid_argument);
+  EXPECT_NO_THROW(require_own_or_new(folder / "new.yaml"));
+  fs::remove_all(folder);
 }
 
 // Tendons that command tension weigh the robot, so that stiffness and density can both be identified.

@@ -61,6 +61,26 @@ TEST_F(ReducedBar, ItsModesAreOrthonormalInMassAndHoldWhatIsHeld) {
   EXPECT_LT((products - Eigen::MatrixXd::Identity(modes.cols(), modes.cols())).norm(), 1e-12);
 }
 
+TEST_F(ReducedBar, EndsASolveWhereItIsAskedTo) {
+  for (const auto& solve : {&ReducedSimulation::step, &ReducedSimulation::solve_equilibrium}) {
+    ReducedSimulation simulation(model_);
+    for (int i = 0; i < 3; ++i) simulation.step();
+    simulation.set_command("cable", 0.88);
+    const ReducedState before = simulation.state();
+    int until = 2;
+    simulation.set_interrupt([&] { return --until <= 0; });
+    const ReducedReport report = (simulation.*solve)();
+    EXPECT_EQ(report.interrupted, "interrupted");
+    EXPECT_FALSE(report.converged);
+    EXPECT_EQ(simulation.state().at.q, before.at.q);
+    EXPECT_EQ(simulation.state().velocity, before.velocity);
+    EXPECT_EQ(simulation.state().time_s, before.time_s);
+    EXPECT_EQ(simulation.state().drives[0].command, 0.88);
+    simulation.set_interrupt({});
+    EXPECT_TRUE((simulation.*solve)().converged);
+  }
+}
+
 TEST_F(ReducedBar, ItsEquilibriaAreTheFullModelsWithinATwentiethOfAMillimetre) {
   const ReducedError error = held_out_->equilibria(model_);
   EXPECT_EQ(error.unsolved, 0);

@@ -44,6 +44,17 @@ TEST(CameraPose, SurvivesItsFile) {
   EXPECT_FALSE(poses[1].residual_m);
 }
 
+TEST(CameraPose, KeepsNamesOfAnyCharacters) {
+  std::vector<CameraPose> poses(5);
+  const std::vector<std::string> names = {"a: b", "- #1", "\"it's\" {x}", "[camera", "line\nend"};
+  for (std::size_t i = 0; i < names.size(); ++i) poses[i].name = names[i];
+  const std::string path = testing::TempDir() + "named_poses.yaml";
+  write_camera_poses(path, poses);
+  const std::vector<CameraPose> read = read_camera_poses(path);
+  ASSERT_EQ(read.size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(read[i].name, names[i]);
+}
+
 TEST(CameraPose, RefusesAWrongFile) {
   const std::string start = "cameras:\n  - {name: a, position_m: [0, 0, 0], ";
   EXPECT_NO_THROW(read_camera_poses(write(start + "quaternion_xyzw: [0, 0, 0, 1]}\n")));

@@ -15,24 +15,38 @@ CameraModel bent_camera() {
   return camera;
 }
 
+// As Azure Kinect's and others' drivers send it.
+CameraModel rational_camera() {
+  CameraModel camera = d415_camera(848, 480);
+  camera.distortion = {0.5, -2.6, 0.0004, -0.0001, 1.5, 0.38, -2.4, 1.4};
+  return camera;
+}
+
 TEST(CameraModel, RayUndoesProjectionThroughTheLens) {
-  const CameraModel camera = bent_camera();
-  for (double u : {0.0, 200.5, 423.5, 847.0})
-    for (double v : {0.0, 100.25, 479.0}) {
-      const Eigen::Vector3d point = 0.6 * camera.ray({u, v});
-      EXPECT_NEAR((camera.project(point) - Eigen::Vector2d(u, v)).norm(), 0, 1e-8);
-      EXPECT_DOUBLE_EQ(point.z(), 0.6);
-    }
+  for (const CameraModel& camera : {bent_camera(), rational_camera()})
+    for (double u : {0.0, 200.5, 423.5, 847.0})
+      for (double v : {0.0, 100.25, 479.0}) {
+        const Eigen::Vector3d point = 0.6 * camera.ray({u, v});
+        EXPECT_NEAR((camera.project(point) - Eigen::Vector2d(u, v)).norm(), 0, 1e-8);
+        EXPECT_DOUBLE_EQ(point.z(), 0.6);
+      }
+}
+
+TEST(CameraModel, DividesWhereItsLensIsRational) {
+  const Eigen::Vector2d seen = rational_camera().project({0.13, -0.08, 0.57});
+  EXPECT_NEAR(seen.x(), 564.1758104201097, 1e-9);  // by OpenCV's formula
+  EXPECT_NEAR(seen.y(), 152.94513341703828, 1e-9);
 }
 
 TEST(CameraModel, GradientAgreesWithDifferences) {
-  const CameraModel camera = bent_camera();
-  const Eigen::Vector3d point(0.13, -0.08, 0.57);
-  const auto gradient = camera.project_gradient(point);
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d step = 1e-6 * Eigen::Vector3d::Unit(axis);
-    const Eigen::Vector2d difference = (camera.project(point + step) - camera.project(point - step)) / 2e-6;
-    EXPECT_NEAR((gradient.col(axis) - difference).norm(), 0, 1e-5 * gradient.norm());
+  for (const CameraModel& camera : {bent_camera(), rational_camera()}) {
+    const Eigen::Vector3d point(0.13, -0.08, 0.57);
+    const auto gradient = camera.project_gradient(point);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d step = 1e-6 * Eigen::Vector3d::Unit(axis);
+      const Eigen::Vector2d difference = (camera.project(point + step) - camera.project(point - step)) / 2e-6;
+      EXPECT_NEAR((gradient.col(axis) - difference).norm(), 0, 1e-5 * gradient.norm());
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Many runs of one scene: the same numbers however many threads there are, and what goes in and out of the program.
+#include <atomic>
 #include <fstream>
 #include <stdexcept>
 #include <string>
@@ -101,6 +102,19 @@ TEST_F(RolloutsOfABar, StopWhereTheCallerWantsNoMore) {
       RolloutBatch(scene).run(random_plan(scene, 5), 1, [](std::size_t ended) { return ended < 2; });
   EXPECT_FALSE(reports[1].trajectory.time_s.empty());
   EXPECT_TRUE(reports[2].trajectory.time_s.empty());
+}
+
+TEST_F(RolloutsOfABar, EndWithinAStepAndLeaveOutWhatIsNotWhole) {
+  const Scene scene = load(kNewton);
+  const RolloutPlan plan = random_plan(scene, 5);
+  for (const int threads : {1, 3}) {
+    std::atomic<int> asked{0};
+    const std::vector<RunReport> reports = RolloutBatch(scene).run(plan, threads, {}, [&] { return ++asked > 30; });
+    ASSERT_EQ(reports.size(), plan.rollouts.size());
+    EXPECT_TRUE(reports.back().trajectory.time_s.empty());
+    for (const RunReport& report : reports) EXPECT_TRUE(report.solve.converged || report.trajectory.time_s.empty());
+    EXPECT_LT(asked, 30 + 10 * threads);
+  }
 }
 
 TEST_F(RolloutsOfABar, RefuseBadPlansBeforeAnythingMoves) {

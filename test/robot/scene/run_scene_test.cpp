@@ -23,12 +23,16 @@ struct Outcome {
   std::string summary;
 };
 
-Outcome run(const std::string& text, const RunProgress& progress = {}) {
-  const SceneFolder folder;
+Scene load(const SceneFolder& folder, const std::string& text) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  Scene scene = load_scene(folder.write("scene.yaml", "include: bar.yaml\n" + text), options);
+  return load_scene(folder.write("scene.yaml", "include: bar.yaml\n" + text), options);
+}
+
+Outcome run(const std::string& text, const RunProgress& progress = {}) {
+  const SceneFolder folder;
+  Scene scene = load(folder, text);
   Outcome outcome;
   outcome.report = run_scene(scene, progress);
   outcome.json = Json::parse(result_json(scene, outcome.report));
@@ -218,6 +222,20 @@ TEST(RunScene, EndsWhereItIsAskedToAndKeepsWhatIsDone) {
   EXPECT_EQ(outcome.report.solve.message, "ended after 0.03 of 0.1 s, as asked");
   ASSERT_EQ(outcome.json["trajectory"]["time_s"].size(), 2u);
   EXPECT_NEAR(outcome.json["trajectory"]["time_s"][1].get<double>(), 0.03, 1e-12);
+}
+
+TEST(RunScene, EndsWithinAStepThatIsInterrupted) {
+  const SceneFolder folder;
+  Scene scene = load(folder, "solver: {time_step_s: 0.01}\nrun: {mode: dynamic, duration_s: 0.1}\n");
+  int asked = 0;
+  scene.simulation->set_interrupt([&] { return ++asked > 12; });
+  const RunReport report = run_scene(scene);
+  EXPECT_TRUE(report.solve.interrupted && !report.solve.converged);
+  EXPECT_NE(report.solve.message.find(" of 0.1 s, as asked"), std::string::npos) << report.solve.message;
+  const std::vector<double>& times_s = report.trajectory.time_s;
+  ASSERT_GE(times_s.size(), 2u);
+  EXPECT_LT(times_s.back(), 0.1);
+  EXPECT_GT(times_s.back(), times_s[times_s.size() - 2]) << "no state is there twice";
 }
 
 TEST(RunScene, GivesCommandsNoSoonerThanTheirTime) {

@@ -79,6 +79,18 @@ TEST(Plot, DrawsLabelsOfAnyCharacters) {
   EXPECT_EQ(contents(write_plot(plot, folder.path("pictures")).png).substr(1, 3), "PNG");
 }
 
+// gnuplot reads two quotes in a row in its own way.
+TEST(Plot, DrawsQuotesWhereverTheyStand) {
+  const SceneFolder folder;
+  for (const std::string name : {"'", "''", "'a", "a'", "a''b", "'a' 'b'", "\"'", "'`date`"}) {
+    Plot plot = sample();
+    plot.title = plot.x.label = plot.y.label = plot.series[0].label = name;
+    plot.x.ticks = {{0.0, name}, {1.0, name}};
+    const PlotFiles files = write_plot(plot, folder.path("it's ''here"));
+    EXPECT_EQ(contents(files.png).substr(1, 3), "PNG") << name;
+  }
+}
+
 TEST(Plot, DrawsEveryStyle) {
   const SceneFolder folder;
   Plot plot{"styles", "styles", {"x"}, {"y"}};

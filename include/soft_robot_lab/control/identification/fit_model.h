@@ -123,6 +123,10 @@ ModelGap model_gap(const std::string& scene, const SceneOptions& options, const 
 // Throws std::invalid_argument where no file can be written: better known before a fit than after it.
 void require_writable(const std::string& file);
 
+// Throws std::invalid_argument for what is there and no fit wrote: for a name that comes from elsewhere than the user's
+// own command line.
+void require_own_or_new(const std::string& file);
+
 // A scene that includes `scene` and lays the fit over it; comments say the deviations, the gap and the cameras' place.
 // Throws std::runtime_error where it cannot be written.
 void write_fitted_scene(const FitResult& result, const std::string& scene, const std::string& file);

@@ -7,7 +7,8 @@
 
 namespace soft_robot_lab {
 
-// A pinhole camera with the Brown-Conrady lens of sensor_msgs/CameraInfo ("plumb_bob"). Frame: x right, y down, z into
+// A pinhole camera with the Brown-Conrady lens of sensor_msgs/CameraInfo ("plumb_bob"), or OpenCV's with a denominator
+// ("rational_polynomial"). Frame: x right, y down, z into
 // the scene, as ROS's optical frames. Pixel (0, 0) is the middle of the first pixel.
 struct CameraModel {
   int width_px = 0;       // > 0
@@ -16,7 +17,7 @@ struct CameraModel {
   double focal_y_px = 0;  // > 0
   double centre_x_px = 0;
   double centre_y_px = 0;
-  std::array<double, 5> distortion{};  // k1, k2, p1, p2, k3
+  std::array<double, 8> distortion{};  // k1, k2, p1, p2, k3, and k4, k5, k6 of the denominator
 
   void validate() const;  // throws std::invalid_argument: field, value, allowed range
 

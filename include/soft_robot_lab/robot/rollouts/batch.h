@@ -31,9 +31,11 @@ class RolloutBatch {
   using Progress = std::function<bool(std::size_t ended)>;
 
   // A report per rollout, in their order: to the last bit those of one thread (but wall_s), however many threads there
-  // are. One that was not started has an empty trajectory. Throws std::invalid_argument for a number out of range and
+  // are. One that was not started, or not run to its end, has an empty trajectory; `ends` may ask for that at any time,
+  // in any thread. Throws std::invalid_argument for a number out of range and
   // for a command that an actuator refuses, before anything moves.
-  std::vector<RunReport> run(const RolloutPlan& plan, int threads, const Progress& progress = {}) const;
+  std::vector<RunReport> run(const RolloutPlan& plan, int threads, const Progress& progress = {},
+                             const std::function<bool()>& ends = {}) const;
 
  private:
   void require_valid(const RolloutPlan& plan, int threads) const;

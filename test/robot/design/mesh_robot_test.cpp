@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The real mesher: every kind of solid against closed forms, named surfaces, refinement, files.
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -60,12 +61,22 @@ class MeshRobot : public testing::Test {
     return path;
   }
 
-  TetMesh convert(const fs::path& file) {
+  TetMesh convert(const fs::path& file, double unit_m = 1.0) {
     MeshRequest request;
     request.mesh_file = file;
+    request.mesh_unit_m = unit_m;
     TetMesh mesh = read_msh(file_of(request));
     check_mesh(mesh);
     return mesh;
+  }
+
+  std::string refusal_of_file(const fs::path& file, double unit_m = 1.0) {
+    try {
+      convert(file, unit_m);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
   }
 
   MesherOptions options_{"", fs::path(testing::TempDir()) / "mesh_robot_test", 100.0};
@@ -509,12 +520,81 @@ TEST_F(MeshRobot, ConvertsMsh4WithItsNamedSurfaces) {
             Eigen::Vector3d(0.1, 0.2, 0.30000000000000004));  // in the order of tags, no digit lost
 }
 
+// Two elements and the face between them; both text formats.
+constexpr const char* kMsh2 =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"wall\"\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n"
+    "2 10 0 0\n3 0 10 0\n4 0 0 10\n5 10 10 10\n$EndNodes\n$Elements\n3\n1 2 2 7 7 1 2 3\n2 4 2 1 1 1 2 3 4\n"
+    "3 4 2 1 1 2 3 4 5\n$EndElements\n";
+constexpr const char* kMsh4 =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n$EndEntities\n$Nodes\n1 5 1 5\n"
+    "3 1 0 5\n1\n2\n3\n4\n5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n$Elements\n1 2 1 2\n3 1 4 2\n1 1 2 3 4\n"
+    "2 2 3 4 5\n$EndElements\n";
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+// Places are those of the scene, after its scale.
+TEST_F(MeshRobot, NamesTheUsersFileAndPlacesInMetres) {
+  expect_relative(volume(convert(write("sound.msh", kMsh2), 0.001)), 5e-7, 1e-12);
+  EXPECT_THROW(convert(write("sound.msh", kMsh2), -1), std::invalid_argument);
+  for (const auto& [name, text, words] : std::vector<std::array<std::string, 3>>{
+           {"flat.msh", with(kMsh2, "5 10 10 10", "5 5 5 0"),
+            "mesh: element 1 at (0.00375, 0.00375, 0.0025) m with signed volume 0 m^3 is degenerate"},
+           {"inside.msh", with(kMsh2, "7 7 1 2 3", "7 7 2 3 4"),
+            "a triangle of the surface 'wall' at (0.00333333, 0.00333333, 0.00333333) m lies inside the body"}}) {
+    const fs::path file = write(name, text);
+    const std::string refusal = refusal_of_file(file, 0.001);
+    EXPECT_EQ(refusal.find(file.string() + ": " + words), 0u) << refusal;
+  }
+}
+
+// Gmsh would read what is announced, and go on.
+TEST_F(MeshRobot, RefusesMshFilesThatCountWrongly) {
+  EXPECT_EQ(convert(write("four.msh", kMsh4)).tet_count(), 2);
+  const auto refused = [&](const std::string& text, const std::string& words) {
+    const fs::path file = write("wrong.msh", text);
+    EXPECT_EQ(refusal_of_file(file), file.string() + words);
+  };
+  refused(with(kMsh2, "$Elements\n3", "$Elements\n2"), ":17: $Elements announces 2 lines, and has 3");
+  refused(with(kMsh2, "$Elements\n3", "$Elements\n4"), ":17: $Elements announces 4 lines, and has 3");
+  refused(with(kMsh2, "$Nodes\n5", "$Nodes\n4"), ":9: $Nodes announces 4 lines, and has 5");
+  refused(with(kMsh4, "1 2 1 2\n3", "1 1 1 2\n3"), ":23: $Elements announces 2 lines, and has 3");
+  refused(with(kMsh4, "1 5 1 5", "1 4 1 5"), ":9: $Nodes announces 9 lines, and has 11");
+}
+
+TEST_F(MeshRobot, RefusesBinaryMshFilesThatCountWrongly) {
+  const auto bytes = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), sizeof value); };
+  const auto numbers = [&](const std::vector<int>& all) {
+    std::string text;
+    for (const int value : all) text += bytes(value);
+    return text;
+  };
+  std::string nodes;
+  int tag = 0;
+  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0, 0, 0), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}})
+    nodes += bytes(++tag) + bytes(at.x()) + bytes(at.y()) + bytes(at.z());
+  const auto file = [&](const std::string& elements) {
+    return write("binary.msh", "$MeshFormat\n2.2 1 8\n" + bytes(1) + "\n$EndMeshFormat\n$Nodes\n5\n" + nodes +
+                                   "\n$EndNodes\n$Elements\n" + elements +
+                                   numbers({4, 2, 2, 1, 1, 1, 1, 2, 3, 4, 2, 1, 1, 2, 3, 4, 5}) + "\n$EndElements\n");
+  };
+  EXPECT_EQ(convert(file("2\n")).tet_count(), 2);
+  for (const char* wrong : {"1\n", "3\n"})
+    EXPECT_NE(refusal_of_file(file(wrong)).find("binary.msh: $Elements announces another number than follows"),
+              std::string::npos)
+        << refusal_of_file(file(wrong));
+}
+
 TEST_F(MeshRobot, RefusesMeshFilesOfOtherElements) {
   const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n";
   const std::string cube =
       "POINTS 8 double\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\n"
       "CELL_TYPES 1\n12\n";
-  EXPECT_THROW(convert(write("cube.vtk", head + cube)), std::invalid_argument);
+  EXPECT_NE(refusal_of_file(write("cube.vtk", head + cube)).find("cube.vtk:18: cell 0 is a hexahedron"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_file(write("mesh.vtu", "<VTKFile>")).find("mesh.vtu: .vtu is not read here; save it as"),
+            std::string::npos);
   EXPECT_THROW(convert(write("empty.msh", "")), std::invalid_argument);
   EXPECT_THROW(convert(write("text.msh", "nonsense\n")), std::invalid_argument);
   EXPECT_THROW(convert(write("mesh.obj", "v 0 0 0\n")), std::invalid_argument);

@@ -433,6 +433,160 @@ TEST_F(MeshRobot, MeshesATetrahedronOfFourTriangles) {
   expect_relative(area(mesh, "skin"), (1.5 + std::sqrt(3) / 2) * 0.05 * 0.05, 1e-6);
 }
 
+using Triangles = std::vector<std::array<Eigen::Vector3d, 3>>;
+
+std::string stl_text(const Triangles& triangles) {
+  std::ostringstream text;
+  text.precision(9);
+  text << "solid part\n";
+  for (const auto& corners : triangles) {
+    text << "facet normal 0 0 0\nouter loop\n";
+    for (const Eigen::Vector3d& corner : corners) text << "vertex " << corner.transpose() << "\n";
+    text << "endloop\nendfacet\n";
+  }
+  return text.str() + "endsolid part\n";
+}
+
+double volume_of(const Triangles& triangles) {
+  double six = 0;
+  for (const auto& t : triangles) six += t[0].cross(t[1]).dot(t[2]);
+  return six / 6;
+}
+
+// A box whose sides are cut into 2 x 2 squares, in metres; facing outward.
+Triangles box_of_facets(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  Triangles all;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      for (int square = 0; square < 4; ++square) {
+        const auto at = [&](int u, int v) {
+          Eigen::Vector3d share;
+          share[axis] = side;
+          share[(axis + 1) % 3] = 0.5 * (square % 2 + u);
+          share[(axis + 2) % 3] = 0.5 * (square / 2 + v);
+          return Eigen::Vector3d(low + share.cwiseProduct(high - low));
+        };
+        const std::array<Eigen::Vector3d, 4> q = {at(0, 0), at(1, 0), at(1, 1), at(0, 1)};
+        if (side == 1) {
+          all.push_back({q[0], q[1], q[2]});
+          all.push_back({q[0], q[2], q[3]});
+        } else {
+          all.push_back({q[0], q[2], q[1]});
+          all.push_back({q[0], q[3], q[2]});
+        }
+      }
+  return all;
+}
+
+Triangles both(Triangles one, const Triangles& other) {
+  one.insert(one.end(), other.begin(), other.end());
+  return one;
+}
+
+Triangles turned(Triangles triangles) {
+  for (auto& corners : triangles) std::swap(corners[0], corners[1]);
+  return triangles;
+}
+
+TEST_F(MeshRobot, SaysWhereTheSurfaceOfAnStlFileIsFaultyInMetresOfTheScene) {
+  const Triangles box = box_of_facets({0, 0, 0}, {20, 20, 40}), hole = turned(box_of_facets({5, 5, 5}, {15, 15, 35}));
+  Triangles open = box, twice = box, pierced = box;
+  open.erase(open.begin() + 3);
+  twice.push_back(box[5]);
+  for (auto& corners : pierced)  // the middle of the side at x = 20 goes out through the one at x = 0
+    for (Eigen::Vector3d& corner : corners)
+      if (corner == Eigen::Vector3d(20, 10, 20)) corner = {-10, 8, 17};
+  const auto words_of = [&](const Triangles& triangles) {
+    const fs::path file = write("part.stl", stl_text(triangles));
+    const std::string words = refusal("{scale: {solid: {stl: \"" + file.string() + "\"}, factor: 0.001}}", 0.01),
+                      start = file.string() + ": ";
+    return words.rfind(start, 0) == 0 ? words.substr(start.size()) : words;
+  };
+  EXPECT_EQ(words_of(box), "accepted");
+  EXPECT_EQ(words_of(both(box, hole)), "accepted");
+  EXPECT_EQ(words_of(turned(both(box, hole))), "accepted");
+  EXPECT_EQ(words_of(open).rfind("its surface is not closed: the edge at (0, 0.01, 0.01) m has one facet; 2 more", 0),
+            0u); 2 more edges are like "
+            "that");
+  EXPECT_EQ(words_of(twice).rfind("a facet stands twice, at (0, 0.0", 0), 0u) << words_of(twice);
+  EXPECT_EQ(words_of(pierced).rfind("its surface cuts itself near (", 0), 0u) << words_of(pierced);
+  EXPECT_EQ(
+      words_of(both(box, box_of_facets({40, 0, 0}, {60, 20, 40}))),
+      "its surface has 2 shells: those at (0, 0, 0) m and (0.04, 0, 0) m lie apart, and a body must hang together; "
+      "join them, or give each a file of its own in `bodies`");
+  EXPECT_EQ(
+      words_of(both(box, box_of_facets({20, 5, 5}, {30, 15, 15}))).rfind("its surface cuts itself near (0.02, ", 0), 0u)
+      << "a shell that lies on the other with a part of its side";
+  EXPECT_EQ(words_of(both(box, box_of_facets({20, 20, 0}, {30, 30, 40})))
+                .rfind("its surface touches itself: the edge at (0.02, 0.02, ", 0),
+            0u);
+  EXPECT_NE(words_of(both(box, turned(hole))).find("faces outward as the body's own"), std::string::npos);
+  EXPECT_NE(words_of(both(both(box, hole), box_of_facets({8, 8, 8}, {12, 12, 12}))).find("lies in a hollow"),
+            std::string::npos);
+  EXPECT_EQ(words_of(both(box, box_of_facets({15, 5, 5}, {30, 15, 15}))).rfind("its surface cuts itself", 0), 0u);
+}
+
+// Single precision rounds a vertex differently in each of its facets.
+TEST_F(MeshRobot, WeldsVerticesOfAnStlFileThatDifferByTheirLastDigit) {
+  Triangles box = box_of_facets({0.1, 0.1, 0.1}, {0.12, 0.12, 0.14});
+  for (size_t i = 0; i < box.size(); ++i) box[i][i % 3].x() += 1e-9 * static_cast<double>(i % 5);
+  const TetMesh mesh = mesh_of("{stl: \"" + write("rounded.stl", stl_text(box)).string() + "\"}", 0.01);
+  expect_relative(volume(mesh), 1.6e-5, 1e-5);
+}
+
+// The surface where a function is 0, negative inside: each cube of a grid is six tetrahedra (marching tetrahedra).
+template <typename Function>
+Triangles level_surface(const Function& value, const Eigen::Vector3i& cells, const Eigen::Vector3d& low, double edge) {
+  constexpr int axes[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  Triangles all;
+  const auto zero_on = [&](Eigen::Vector3d p, Eigen::Vector3d q) -> Eigen::Vector3d {
+    if (std::lexicographical_compare(q.data(), q.data() + 3, p.data(), p.data() + 3)) std::swap(p, q);
+    const double share = std::min(0.9, std::max(0.1, value(p) / (value(p) - value(q))));
+    return p + share * (q - p);
+  };
+  const auto add = [&](Eigen::Vector3d a, Eigen::Vector3d b, const Eigen::Vector3d& c, const Eigen::Vector3d& inside) {
+    if ((b - a).cross(c - a).dot(inside - a) > 0) std::swap(a, b);
+    all.push_back({a, b, c});
+  };
+  for (int i = 0; i < cells.prod() * 6; ++i) {
+    const int cube = i / 6;
+    Eigen::Vector3d corner =
+        low + edge * Eigen::Vector3d(cube % cells[0], cube / cells[0] % cells[1], cube / cells[0] / cells[1]);
+    std::vector<Eigen::Vector3d> in, out;
+    for (int step = 0; step < 4; ++step) {
+      (value(corner) < 0 ? in : out).push_back(corner);
+      if (step < 3) corner[axes[i % 6][step]] += edge;
+    }
+    if (in.empty() || out.empty()) continue;
+    if (in.size() == 2) {
+      const auto ac = zero_on(in[0], out[0]), ad = zero_on(in[0], out[1]), bc = zero_on(in[1], out[0]),
+                 bd = zero_on(in[1], out[1]);
+      add(ac, ad, bd, in[0]);
+      add(ac, bd, bc, in[0]);
+    } else {
+      const Eigen::Vector3d alone = in.size() == 1 ? in[0] : out[0];
+      const auto& others = in.size() == 1 ? out : in;
+      add(zero_on(alone, others[0]), zero_on(alone, others[1]), zero_on(alone, others[2]), in[0]);
+    }
+  }
+  return all;
+}
+
+// Gmsh finds no parametrisation of such a surface.
+TEST_F(MeshRobot, MeshesASmoothStlSurfaceWithSeveralHoles) {
+  const auto ring = [](const Eigen::Vector3d& p, double x) {
+    return std::hypot(std::hypot(p.x() - x, p.y()) - 10.0, p.z()) - 4.0;
+  };
+  const auto value = [&](const Eigen::Vector3d& p) {
+    return std::min({ring(p, -20), ring(p, 0), ring(p, 20)}) + 0.0137;
+  };
+  const Triangles rings = level_surface(value, {40, 18, 8}, {-36.3, -16.3, -6.9}, 1.83);
+  const fs::path file = write("rings.stl", stl_text(rings));
+  const TetMesh mesh = mesh_of("{scale: {solid: {stl: \"" + file.string() + "\"}, factor: 0.001}, name: skin}", 0.009);
+  expect_relative(volume(mesh), 1e-9 * volume_of(rings), 1e-6);
+  EXPECT_EQ(area(mesh, -1), 0.0);
+}
+
 // Bulges of different size on every edge: in the wrong order the element would fold.
 TEST_F(MeshRobot, ConvertsQuadraticVtkToTheOwnNodeOrder) {
   const fs::path file = write("bulge.vtk",

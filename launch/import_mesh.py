@@ -2,126 +2,64 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes a robot of a mesh of tetrahedra that another program wrote: NAME.msh in metres, and NAME.yaml to begin with.
 
-Reads legacy VTK files, as SOFA has them. Hollows inside become chambers. Overwrites nothing."""
+Reads what a scene's body.mesh may name: legacy VTK files, as SOFA and ParaView write them, and Gmsh's MSH files. Elements
+whose nodes stand in the wrong order are turned, pieces whose nodes coincide are joined, and hollows inside become chambers.
+Overwrites nothing."""
 import argparse
-import collections
 import os
 import re
+import shutil
+import subprocess
 import sys
+import tempfile
 
 import numpy
 
 UNITS_M = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 LONGEST_M, SHORTEST_M = 2.0, 0.005  # of robots that are cast by hand
-TETRAHEDRON = 10
+ENDS = ['+x', '-x', '+y', '-y', '+z', '-z']
 
 
-class VtkFile:
-    """Words and numbers of a legacy VTK file, one section after the other."""
-
-    def __init__(self, path):
-        with open(path, 'rb') as file:
-            self.data = file.read()
-        self.at = 0
-        head = [self.line() for _ in range(4)]
-        if not head[0].startswith('# vtk DataFile') or head[3].split() != ['DATASET', 'UNSTRUCTURED_GRID']:
-            raise ValueError('is no legacy VTK file of an unstructured grid')
-        self.binary = head[2].strip() == 'BINARY'
-
-    def line(self):
-        end = self.data.find(b'\n', self.at)
-        end = len(self.data) if end < 0 else end
-        text = self.data[self.at:end].decode('ascii', 'replace')
-        self.at = end + 1
-        return text
-
-    def numbers(self, count, kind):
-        if self.binary:
-            size = count * numpy.dtype(kind).itemsize
-            part = self.data[self.at:self.at + size]
-            self.at += size
-            if len(part) < size:
-                raise ValueError('ends in the middle of a list')
-            return numpy.frombuffer(part, kind)
-        words = []
-        while len(words) < count:
-            if self.at >= len(self.data):
-                raise ValueError('ends in the middle of a list')
-            words += self.line().split()
-        return numpy.array(words, float)
-
-    def sections(self):
-        while self.at < len(self.data):
-            words = self.line().split()
-            if words and words[0] in ('POINTS', 'CELLS', 'CELL_TYPES'):
-                yield words
+def mesher():
+    """The program mesh_robot: beside this one, where this package is built, in a workspace, or on PATH."""
+    here = os.path.dirname(os.path.realpath(__file__))
+    spaces = [os.path.join(here, '..', 'devel')] + os.environ.get('CMAKE_PREFIX_PATH', '').split(':')
+    folders = [here] + [os.path.join(space, 'lib', 'soft_robot_lab') for space in spaces if space]
+    found = shutil.which('mesh_robot', path=os.pathsep.join(folders + [os.environ.get('PATH', '')]))
+    if not found:
+        raise ValueError('the program mesh_robot was not found: build this package, or source its setup.bash')
+    return found
 
 
-def read_vtk(path):
-    """Points (n x 3) and tetrahedra (m x 4)."""
-    file = VtkFile(path)
-    points, cells, types = None, None, None
-    for words in file.sections():
-        if words[0] == 'POINTS':
-            points = file.numbers(3 * int(words[1]), '>f8' if words[2] == 'double' else '>f4').reshape(-1, 3).astype(float)
-        elif words[0] == 'CELLS':
-            cells = file.numbers(int(words[2]), '>i4').astype(int)
-        else:
-            types = file.numbers(int(words[1]), '>i4').astype(int)
-    if points is None or cells is None or types is None or not numpy.isfinite(points).all():
-        raise ValueError('has no points, no cells, or numbers that are not finite')
-    tets, at = [], 0
-    for kind in types:
-        if kind == TETRAHEDRON:
-            tets.append(cells[at + 1:at + 5])
-        at += cells[at] + 1
-    if not tets or numpy.min(tets) < 0 or numpy.max(tets) >= len(points):
-        raise ValueError('has no tetrahedra of its points')
-    return points, numpy.array(tets)
+def quoted(text):
+    return "'" + text.replace("'", "''") + "'"
 
 
-def clean(points, tets):
-    """Without points that no tetrahedron uses, and every tetrahedron the right way round."""
-    used, tets = numpy.unique(tets, return_inverse=True)
-    points, tets = points[used], tets.reshape(-1, 4)
-    a, b, c, d = (points[tets[:, i]] for i in range(4))
-    turned = numpy.einsum('ij,ij->i', numpy.cross(b - a, c - a), d - a) < 0
-    tets[turned] = tets[turned][:, [0, 2, 1, 3]]
-    return points, tets
+def convert(source, unit, target):
+    """Writes the mesh in metres; what was done to it, as lists of words by their first one."""
+    with tempfile.TemporaryDirectory(prefix='import_mesh.') as folder:
+        request, output = os.path.join(folder, 'request.yaml'), os.path.join(folder, 'output.msh')
+        with open(request, 'w', encoding='utf-8') as file:
+            file.write('mesh_file: %s\nscale: %r\nimport: true\n' % (quoted(source), UNITS_M[unit]))
+        done = subprocess.run([mesher(), request, output], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise ValueError(done.stderr.strip() or 'the mesher ended with status %d' % done.returncode)
+        shutil.copyfile(output, target)
+    words = {}
+    for line in done.stdout.split('\n'):
+        if line:
+            words.setdefault(line.split()[0], []).extend(line.split()[1:])
+    return words
 
 
-def skins(points, tets):
-    """Outer triangles, the parts that hang together apart; the largest first."""
-    owners = collections.defaultdict(list)
-    for tet in tets:
-        for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)):
-            owners[tuple(sorted(tet[list(face)]))].append(tet[list(face)])
-    outer = [faces[0] for faces in owners.values() if len(faces) == 1]
-    parent = {}
-
-    def root(node):
-        while parent.setdefault(node, node) != node:
-            node = parent[node]
-        return node
-
-    for one, two, three in outer:
-        parent[root(one)] = root(two)
-        parent[root(two)] = root(three)
-    parts = collections.defaultdict(list)
-    for face in outer:
-        parts[root(face[0])].append(face)
-    return sorted(parts.values(), key=lambda part: -numpy.prod(numpy.ptp(points[numpy.unique(part)], axis=0)))
-
-
-def write_msh(path, points, tets, surfaces):
-    lines = ['$MeshFormat', '2.2 0 8', '$EndMeshFormat', '$PhysicalNames', str(len(surfaces) + 1)]
-    lines += ['2 %d "%s"' % (i + 2, name) for i, name in enumerate(surfaces)] + ['3 1 "body"', '$EndPhysicalNames', '$Nodes', str(len(points))]
-    lines += ['%d %r %r %r' % (i + 1, *map(float, point)) for i, point in enumerate(points)] + ['$EndNodes', '$Elements']
-    elements = [(2, i + 2, face) for i, faces in enumerate(surfaces.values()) for face in faces] + [(4, 1, tet) for tet in tets]
-    lines.append(str(len(elements)))
-    lines += ['%d %d 2 %d %d %s' % (i + 1, kind, tag, tag, ' '.join(str(node + 1) for node in nodes)) for i, (kind, tag, nodes) in enumerate(elements)]
-    with open(path, 'x', encoding='ascii') as file:
-        file.write('\n'.join(lines) + '\n$EndElements\n')
+def nodes(path):
+    """Places of the nodes of a mesh that the mesher wrote, a row each."""
+    with open(path, encoding='utf-8') as file:
+        lines = iter(file)
+        for line in lines:
+            if line == '$Nodes\n':
+                return numpy.array([next(lines).split()[1:] for _ in range(int(next(lines)))], float)
+    raise ValueError('the mesher wrote no nodes')
 
 
 def scene(name, source, points, cavities, side):
@@ -158,37 +96,55 @@ def check_size(points, unit):
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('mesh', metavar='MESH.vtk', help='the file')
+    parser.add_argument('mesh', metavar='MESH', help='the file, .vtk or .msh')
     parser.add_argument('--unit', choices=UNITS_M, default='m', help='of its lengths (m)')
-    parser.add_argument('--held', choices=['+x', '-x', '+y', '-y', '+z', '-z'], default='+z', help='the end that is clamped (+z)')
+    parser.add_argument('--held', choices=ENDS, default='+z', help='the end that is clamped (+z)')
     parser.add_argument('--name', help='of the robot (that of the file)')
-    given = parser.parse_args()
+    words = []
+    for word in sys.argv[1:]:  # argparse takes the -x of --held -x for an option
+        if words and len(words[-1]) > 2 and '--held'.startswith(words[-1]) and word in ENDS:
+            words[-1] += '=' + word
+        else:
+            words.append(word)
+    given = parser.parse_args(words)
     given.name = given.name or os.path.splitext(os.path.basename(given.mesh))[0]
     if not re.fullmatch(r'[A-Za-z][A-Za-z0-9_]*', given.name):
         parser.error("--name: '%s' must begin with a letter, and have only letters, digits and _" % given.name)
     return given
 
 
+def make_robot(given):
+    """Both files, or none of them. Returns what there is to say."""
+    files = [given.name + '.msh', given.name + '.yaml']
+    for path in files:
+        if os.path.exists(path):
+            raise ValueError('%s is there already; --name chooses another' % path)
+    with tempfile.TemporaryDirectory(prefix='.import_mesh.', dir='.') as folder:
+        new = [os.path.join(folder, path) for path in files]
+        words = convert(os.path.abspath(given.mesh), given.unit, new[0])
+        points, hollows = nodes(new[0]), words.get('hollow', [])
+        check_size(points, given.unit)
+        with open(new[1], 'x', encoding='utf-8') as file:
+            file.write(scene(given.name, given.mesh, points, hollows, given.held))
+        for path, target in zip(new, files):
+            os.link(path, target)
+    size = ' x '.join('%.4g' % (1e3 * size) for size in numpy.ptp(points, axis=0))
+    text = '%s tetrahedra, %s mm, %s' % (words['elements'][0], size, 'hollows: ' + ', '.join(hollows) if hollows else 'no hollow')
+    for key, what in (('turned', '%s elements turned'), ('joined', '%s nodes joined that two pieces had each')):
+        if words[key] != ['0']:
+            text += ', ' + what % words[key][0]
+    return text
+
+
 def main():
     given = arguments()
     try:
-        points, tets = clean(*read_vtk(given.mesh))
-        points = points * UNITS_M[given.unit]
-        check_size(points, given.unit)
-        parts = skins(points, tets)
-        names = ['cavity' if i == 0 else 'cavity_%d' % (i + 1) for i in range(len(parts) - 1)]
-        for path in (given.name + '.msh', given.name + '.yaml'):
-            if os.path.exists(path):
-                raise ValueError('%s is there already; --name chooses another' % path)
-        write_msh(given.name + '.msh', points, tets, dict(zip(['skin'] + names, parts)))
-        with open(given.name + '.yaml', 'x', encoding='utf-8') as file:
-            file.write(scene(given.name, given.mesh, points, names, given.held))
-    except (OSError, ValueError, IndexError) as error:
-        print('import_mesh.py: %s: %s' % (given.mesh, error), file=sys.stderr)
+        text = make_robot(given)
+    except (OSError, ValueError) as error:
+        reason = str(error).replace(os.path.abspath(given.mesh), given.mesh)
+        print('import_mesh.py: ' + (reason if reason.startswith(given.mesh + ':') else given.mesh + ': ' + reason), file=sys.stderr)
         return 2
-    print('wrote %s.msh and %s.yaml: %d tetrahedra, %s mm, %s' % (
-        given.name, given.name, len(tets), ' x '.join('%.4g' % (1e3 * size) for size in numpy.ptp(points, axis=0)),
-        'hollows: ' + ', '.join(names) if names else 'no hollow'))
+    print('wrote %s.msh and %s.yaml: %s' % (given.name, given.name, text))
     print('look at it    rosrun soft_robot_lab view.sh %s.yaml' % given.name)
     return 0
 

@@ -10,6 +10,8 @@
 //   regions: [NAME, ...]                 named solids whose elements are groups of their own
 // or
 //   mesh_file: robot.msh                 .msh of any version or .vtk; elements, node order and surface names are kept
+//   scale: 0.001                         length of the file's unit in metres; 1 where it is left out
+//   import: true                         as import_mesh.py reads it, see mesher/import_mesh.h
 // or
 //   solid: {...}
 //   surface: {largest_edge_m: 0.002, circle_segments: 48}     writes the boundary alone, see design/surface_file.h;
@@ -26,11 +28,13 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <gmsh.h>
 
 #include "programs/mesher/confine.h"
 #include "programs/mesher/convert_mesh.h"
+#include "programs/mesher/import_mesh.h"
 #include "programs/mesher/input_files.h"
 #include "programs/mesher/mesh_solid.h"
 #include "programs/mesher/solid_surface.h"
@@ -48,17 +52,42 @@ void confine_beside(const std::string& output_file) {
   confine_to(std::filesystem::absolute(output_file).parent_path());
 }
 
-TetMesh convert_request(const YamlNode& request, const std::string& output_file, InputFiles& files) {
+// Errors begin with the user's own file.
+template <typename Read>
+auto naming(const std::string& file, const Read& read) {
+  const auto named = [&](const std::string& what) {
+    return std::invalid_argument(what.rfind(file, 0) == 0 ? what : file + ": " + what);
+  };
+  try {
+    return read();
+  } catch (const std::invalid_argument& error) {
+    throw named(error.what());
+  } catch (const std::string& error) {
+    throw named("cannot be read: " + error);
+  }
+}
+
+// Says, a word each, what was done to the mesh.
+TetMesh import_request(const std::string& file, double unit_m) {
+  ImportedMesh imported = import_mesh(file, unit_m);
+  std::cout << "turned " << imported.turned << "\njoined " << imported.joined << "\n";
+  for (const std::string& hollow : imported.hollows) std::cout << "hollow " << hollow << "\n";
+  return std::move(imported.mesh);
+}
+
+TetMesh file_request(const YamlNode& request, const std::string& output_file, InputFiles& files) {
   const std::string file = request.text("mesh_file");
+  const double unit_m = request.number_or("scale", 1.0, AllowedRange::positive());
+  const bool import = request.boolean_or("import", false);
   request.require_all_read();
-  const bool is_vtk = has_ending_of(file, MeshFormat::vtk);
-  const std::string copy = files.copy(file, is_vtk ? MeshFormat::vtk : MeshFormat::msh);
+  naming(file, [&] { require_mesh_ending(file); });
+  const std::string copy = files.copy(file, has_ending_of(file, MeshFormat::vtk) ? MeshFormat::vtk : MeshFormat::msh);
   confine_beside(output_file);
-  return convert_mesh(copy);
+  return naming(copy, [&] { return import ? import_request(copy, unit_m) : convert_mesh(copy, unit_m); });
 }
 
 TetMesh mesh_request(const YamlNode& request, const std::string& output_file, InputFiles& files) {
-  if (request.has("mesh_file")) return convert_request(request, output_file, files);
+  if (request.has("mesh_file")) return file_request(request, output_file, files);
   Solid solid = read_solid(request.child("solid"));
   MeshSizes sizes;
   sizes.element_size_m = request.number("element_size_m", AllowedRange::positive());

@@ -22,6 +22,7 @@ namespace {
 
 // Part of the longest edge cubed; a regular element has 0.7.
 constexpr double kFlat = 1e-9;
+constexpr double kFarthest_m = 1e6;  // millimetres without a scale are nearer; volumes of what lies far beyond overflow
 
 using Barycentric = Eigen::Vector4d;  // weights of the corners, summing to one
 
@@ -127,6 +128,8 @@ void check_nodes(const TetMesh& mesh) {
   for (int node = 0; node < mesh.node_count(); ++node) {
     const std::string name = "node " + std::to_string(node) + " at " + point_text(mesh.nodes_m.col(node));
     if (!mesh.nodes_m.col(node).allFinite()) refuse(name + " is not finite");
+    if (mesh.nodes_m.col(node).cwiseAbs().maxCoeff() > kFarthest_m)
+      refuse(name + " lies out of range [-1e+06, 1e+06] m");
     if (!used[static_cast<size_t>(node)]) refuse(name + " belongs to no element");
   }
 }
@@ -144,6 +147,27 @@ void check_elements(const TetMesh& mesh) {
        << ": its smallest Jacobian determinant is " << smallest << " m^3";
   if (folded.size() > 1) text << "; " << folded.size() - 1 << " more elements are like that";
   refuse(text.str());
+}
+
+// Whether the corners of a side are an even permutation of its sorted key.
+bool is_even(const TetMesh& mesh, const TetSide& side) {
+  const auto corner = [&](int i) { return mesh.tets(kTetSides[side.side][i], side.tet); };
+  const int a = corner(0), b = corner(1), c = corner(2);
+  return (a < b) + (b < c) + (c < a) == 2;
+}
+
+// Two elements that share a face see it from either side; else one lies in the other.
+void check_sides(const TetMesh& mesh, const TetSides& sides) {
+  std::string first;
+  int more = -1;
+  sides.for_each_group([&](const TetSide* side, int count) {
+    if (count != 2 || is_even(mesh, side[0]) != is_even(mesh, side[1])) return;
+    if (++more == 0)
+      first = element_text(mesh, side[0].tet) + " and " + element_text(mesh, side[1].tet) +
+              " lie on the same side of the face that they share: one is folded over the other";
+  });
+  if (more < 0) return;
+  refuse(first + (more > 0 ? "; " + std::to_string(more) + " more pairs are like that" : ""));
 }
 
 // Elements hang together through whole faces; an edge or a corner would be a hinge.
@@ -348,6 +372,7 @@ void check_mesh(const TetMesh& mesh) {
   const TetSides sides(mesh);
   check_connected(mesh, sides);
   check_twice(mesh);
+  check_sides(mesh, sides);
   check_faces(mesh, sides);
 }
 

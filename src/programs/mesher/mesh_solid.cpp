@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh_solid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <gmsh.h>
 
@@ -54,12 +57,39 @@ void cut_few_triangles() {
   if (!tags.empty() && tags.size() < kFew) gmsh::model::mesh::refine();
 }
 
-// The triangles of the file are cut into patches, each meshed anew through its parametrisation. One unit is a metre.
-std::vector<NamedEntities> build_stl(const Solid& solid, const MeshSizes& sizes) {
+enum class Facets { patches, as_they_are };
+
+// Large ones are halved until they are no longer than elements.
+void halve_facets(double element_size_m) {
+  constexpr size_t kMost = 100000;
+  for (;;) {
+    std::vector<std::size_t> tags, nodes;
+    gmsh::model::mesh::getElementsByType(2, tags, nodes);
+    std::vector<double> edges_m;
+    for (size_t i = 0; i + 2 < nodes.size(); i += 3) {
+      std::vector<double> a, b, unused;
+      gmsh::model::mesh::getNode(nodes[i], a, unused);
+      gmsh::model::mesh::getNode(nodes[i + 1], b, unused);
+      edges_m.push_back(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+    }
+    if (edges_m.empty() || edges_m.size() > kMost) return;
+    std::nth_element(edges_m.begin(), edges_m.begin() + static_cast<long>(edges_m.size() / 2), edges_m.end());
+    if (edges_m[edges_m.size() / 2] <= 1.5 * element_size_m) return;
+    gmsh::model::mesh::refine();
+  }
+}
+
+// The triangles of the file are cut into patches, each meshed anew through its parametrisation; or they stay the
+// skin's. One unit is a metre.
+std::vector<NamedEntities> build_stl(const Solid& solid, const MeshSizes& sizes, Facets facets) {
   merge_stl(solid);
-  cut_few_triangles();
-  gmsh::model::mesh::classifySurfaces(kStlCorner, true, true, M_PI);
-  gmsh::model::mesh::createGeometry();
+  if (facets == Facets::patches) {
+    cut_few_triangles();
+    gmsh::model::mesh::classifySurfaces(kStlCorner, true, true, M_PI);
+    gmsh::model::mesh::createGeometry();
+  } else {
+    halve_facets(sizes.element_size_m);
+  }
   gmsh::vectorpair surfaces;
   gmsh::model::getEntities(surfaces, 2);
   if (surfaces.empty()) throw std::invalid_argument(stl_file(solid) + ": holds no triangles");
@@ -72,13 +102,24 @@ std::vector<NamedEntities> build_stl(const Solid& solid, const MeshSizes& sizes)
   return named;
 }
 
-TetMesh mesh_stl(const Solid& solid, const MeshSizes& sizes) {
-  const std::vector<NamedEntities> surfaces = build_stl(solid, sizes);
+TetMesh mesh_facets(const Solid& solid, const MeshSizes& sizes, Facets facets) {
+  const std::vector<NamedEntities> surfaces = build_stl(solid, sizes, facets);
   double box[6];
   gmsh::model::getBoundingBox(-1, -1, box[0], box[1], box[2], box[3], box[4], box[5]);
   check_count((box[3] - box[0]) * (box[4] - box[1]) * (box[5] - box[2]) / 4, sizes);
   generate(sizes.quadratic);
   return extract_mesh(surfaces, {}, 1.0);
+}
+
+// A smooth surface with several holes has no parametrisation that Gmsh finds; its sound facets bound the body as well.
+TetMesh mesh_stl(const Solid& solid, const MeshSizes& sizes) {
+  try {
+    return mesh_facets(solid, sizes, Facets::patches);
+  } catch (const std::string&) {
+    gmsh::clear();
+    gmsh::model::add("body");
+    return mesh_facets(solid, sizes, Facets::as_they_are);
+  }
 }
 
 // Surfaces get their names from their triangles: where sizes depend on names, they are meshed before, at any size.

@@ -150,9 +150,10 @@ class VtkReader {
  private:
   double text_number() {
     const std::string text = word();
+    if (text.empty()) fail("the file ends too early");
     double value = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) {
+    if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) {
       fail("'" + text + "' is not a finite number");
     }
     return value;
@@ -162,6 +163,13 @@ class VtkReader {
   size_t at_ = 0;
   bool binary_ = false;
 };
+
+const std::map<int, std::string>& cell_names() {
+  static const std::map<int, std::string> names = {{9, "quadrilateral"}, {11, "voxel"},
+                                                   {12, "hexahedron"},   {13, "wedge"},
+                                                   {14, "pyramid"},      {25, "hexahedron of 20 nodes"}};
+  return names;
+}
 
 struct Grid {
   std::vector<double> points;
@@ -261,7 +269,10 @@ std::vector<std::vector<int>> tetrahedra(const VtkReader& reader, const Grid& gr
     const bool side = (type >= vertex && type <= triangle) || type == quadratic_edge || type == quadratic_triangle;
     if (side) continue;
     if (type != tet && type != quadratic_tet) {
-      reader.fail("cell type " + std::to_string(type) + " is not a tetrahedron of 4 or 10 nodes (10, 24)");
+      const auto name = cell_names().find(type);
+      reader.fail("cell " + std::to_string(cell) + " is a " +
+                  (name == cell_names().end() ? "cell of type " + std::to_string(type) : name->second) +
+                  ", not a tetrahedron of 4 or 10 nodes; mesh the body anew with tetrahedra");
     }
     std::vector<int> nodes = cell_points(reader, grid, cell);
     if (nodes.size() != (type == tet ? 4u : 10u))

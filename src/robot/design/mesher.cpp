@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Part of every cache key: raise it when mesh_robot makes something else of the same request.
-constexpr const char* kMesherVersion = "soft_robot_lab mesh 5";
+constexpr const char* kMesherVersion = "soft_robot_lab mesh 6";
 constexpr const char* kEnding = ".msh";
 
 void check_size(const std::string& key, double value) {
@@ -39,6 +39,7 @@ void check_request(const MeshRequest& request) {
     throw std::invalid_argument("a mesh request needs either a solid or a mesh file");
   }
   check_size("element_size_m", request.element_size_m);
+  check_size("mesh_unit_m", request.mesh_unit_m);
   for (const MeshRefinement& refinement : request.refinements) {
     check_size("refinements: size_m", refinement.size_m);
     if (!refinement.surface.empty()) continue;
@@ -60,6 +61,7 @@ std::string request_text(const MeshRequest& request) {
   text.precision(17);
   if (!request.mesh_file.empty()) {
     text << "mesh_file: " << single_quoted(fs::absolute(request.mesh_file)) << "\n";
+    if (request.mesh_unit_m != 1.0) text << "scale: " << request.mesh_unit_m << "\n";
     return text.str();
   }
   text << "solid: " << to_yaml(*request.solid) << "\nelement_size_m: " << request.element_size_m

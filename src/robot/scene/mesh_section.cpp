@@ -65,6 +65,7 @@ MeshRequest read_request(const YamlNode& scene, const std::string& body_name, co
   if (body.has("solid") == body.has("mesh")) body.fail("must have one of solid, mesh");
   if (body.has("mesh")) {
     request.mesh_file = beside(body.child("mesh"), body.text("mesh"));
+    request.mesh_unit_m = read_scale(body);
     refuse_chamber_solids(scene, body_name);
     return request;
   }
@@ -96,8 +97,7 @@ TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options) {
   const MesherOptions mesher = mesher_options(options);
   const auto shape_of = [&](const std::string& name, const YamlNode& body) {
     const std::string file = mesh_file_of(read_request(scene, name, body), body, mesher);
-    TetMesh shape = in_section(body, [&] { return read_msh(file); });
-    if (body.has("mesh")) shape.nodes_m *= read_scale(body);  // else the solid has it
+    const TetMesh shape = in_section(body, [&] { return read_msh(file); });
     return quadratic(scene) ? make_quadratic(shape) : make_linear(shape);
   };
   TetMesh mesh = shape_of(kFirstBody, scene.child("body"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The real mesher: every kind of solid against closed forms, named surfaces, refinement, files.
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -60,12 +61,22 @@ class MeshRobot : public testing::Test {
     return path;
   }
 
-  TetMesh convert(const fs::path& file) {
+  TetMesh convert(const fs::path& file, double unit_m = 1.0) {
     MeshRequest request;
     request.mesh_file = file;
+    request.mesh_unit_m = unit_m;
     TetMesh mesh = read_msh(file_of(request));
     check_mesh(mesh);
     return mesh;
+  }
+
+  std::string refusal_of_file(const fs::path& file, double unit_m = 1.0) {
+    try {
+      convert(file, unit_m);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
   }
 
   MesherOptions options_{"", fs::path(testing::TempDir()) / "mesh_robot_test", 100.0};
@@ -422,6 +433,159 @@ TEST_F(MeshRobot, MeshesATetrahedronOfFourTriangles) {
   expect_relative(area(mesh, "skin"), (1.5 + std::sqrt(3) / 2) * 0.05 * 0.05, 1e-6);
 }
 
+using Triangles = std::vector<std::array<Eigen::Vector3d, 3>>;
+
+std::string stl_text(const Triangles& triangles) {
+  std::ostringstream text;
+  text.precision(9);
+  text << "solid part\n";
+  for (const auto& corners : triangles) {
+    text << "facet normal 0 0 0\nouter loop\n";
+    for (const Eigen::Vector3d& corner : corners) text << "vertex " << corner.transpose() << "\n";
+    text << "endloop\nendfacet\n";
+  }
+  return text.str() + "endsolid part\n";
+}
+
+double volume_of(const Triangles& triangles) {
+  double six = 0;
+  for (const auto& t : triangles) six += t[0].cross(t[1]).dot(t[2]);
+  return six / 6;
+}
+
+// A box whose sides are cut into 2 x 2 squares, in metres; facing outward.
+Triangles box_of_facets(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  Triangles all;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      for (int square = 0; square < 4; ++square) {
+        const auto at = [&](int u, int v) {
+          Eigen::Vector3d share;
+          share[axis] = side;
+          share[(axis + 1) % 3] = 0.5 * (square % 2 + u);
+          share[(axis + 2) % 3] = 0.5 * (square / 2 + v);
+          return Eigen::Vector3d(low + share.cwiseProduct(high - low));
+        };
+        const std::array<Eigen::Vector3d, 4> q = {at(0, 0), at(1, 0), at(1, 1), at(0, 1)};
+        if (side == 1) {
+          all.push_back({q[0], q[1], q[2]});
+          all.push_back({q[0], q[2], q[3]});
+        } else {
+          all.push_back({q[0], q[2], q[1]});
+          all.push_back({q[0], q[3], q[2]});
+        }
+      }
+  return all;
+}
+
+Triangles both(Triangles one, const Triangles& other) {
+  one.insert(one.end(), other.begin(), other.end());
+  return one;
+}
+
+Triangles turned(Triangles triangles) {
+  for (auto& corners : triangles) std::swap(corners[0], corners[1]);
+  return triangles;
+}
+
+TEST_F(MeshRobot, SaysWhereTheSurfaceOfAnStlFileIsFaultyInMetresOfTheScene) {
+  const Triangles box = box_of_facets({0, 0, 0}, {20, 20, 40}), hole = turned(box_of_facets({5, 5, 5}, {15, 15, 35}));
+  Triangles open = box, twice = box, pierced = box;
+  open.erase(open.begin() + 3);
+  twice.push_back(box[5]);
+  for (auto& corners : pierced)  // the middle of the side at x = 20 goes out through the one at x = 0
+    for (Eigen::Vector3d& corner : corners)
+      if (corner == Eigen::Vector3d(20, 10, 20)) corner = {-10, 8, 17};
+  const auto words_of = [&](const Triangles& triangles) {
+    const fs::path file = write("part.stl", stl_text(triangles));
+    const std::string words = refusal("{scale: {solid: {stl: \"" + file.string() + "\"}, factor: 0.001}}", 0.01),
+                      start = file.string() + ": ";
+    return words.rfind(start, 0) == 0 ? words.substr(start.size()) : words;
+  };
+  EXPECT_EQ(words_of(box), "accepted");
+  EXPECT_EQ(words_of(both(box, hole)), "accepted");
+  EXPECT_EQ(words_of(turned(both(box, hole))), "accepted");
+  EXPECT_EQ(words_of(open).rfind("its surface is not closed: the edge at (0, 0.01, 0.01) m has one facet; 2 more", 0),
+            0u);
+  EXPECT_EQ(words_of(twice).rfind("a facet stands twice, at (0, 0.0", 0), 0u) << words_of(twice);
+  EXPECT_EQ(words_of(pierced).rfind("its surface cuts itself near (", 0), 0u) << words_of(pierced);
+  EXPECT_EQ(
+      words_of(both(box, box_of_facets({40, 0, 0}, {60, 20, 40}))),
+      "its surface has 2 shells: those at (0, 0, 0) m and (0.04, 0, 0) m lie apart, and a body must hang together; "
+      "join them, or give each a file of its own in `bodies`");
+  EXPECT_EQ(
+      words_of(both(box, box_of_facets({20, 5, 5}, {30, 15, 15}))).rfind("its surface cuts itself near (0.02, ", 0), 0u)
+      << "a shell that lies on the other with a part of its side";
+  EXPECT_EQ(words_of(both(box, box_of_facets({20, 20, 0}, {30, 30, 40})))
+                .rfind("its surface touches itself: the edge at (0.02, 0.02, ", 0),
+            0u);
+  EXPECT_NE(words_of(both(box, turned(hole))).find("faces outward as the body's own"), std::string::npos);
+  EXPECT_NE(words_of(both(both(box, hole), box_of_facets({8, 8, 8}, {12, 12, 12}))).find("lies in a hollow"),
+            std::string::npos);
+  EXPECT_EQ(words_of(both(box, box_of_facets({15, 5, 5}, {30, 15, 15}))).rfind("its surface cuts itself", 0), 0u);
+}
+
+// Single precision rounds a vertex differently in each of its facets.
+TEST_F(MeshRobot, WeldsVerticesOfAnStlFileThatDifferByTheirLastDigit) {
+  Triangles box = box_of_facets({0.1, 0.1, 0.1}, {0.12, 0.12, 0.14});
+  for (size_t i = 0; i < box.size(); ++i) box[i][i % 3].x() += 1e-9 * static_cast<double>(i % 5);
+  const TetMesh mesh = mesh_of("{stl: \"" + write("rounded.stl", stl_text(box)).string() + "\"}", 0.01);
+  expect_relative(volume(mesh), 1.6e-5, 1e-5);
+}
+
+// The surface where a function is 0, negative inside: each cube of a grid is six tetrahedra (marching tetrahedra).
+template <typename Function>
+Triangles level_surface(const Function& value, const Eigen::Vector3i& cells, const Eigen::Vector3d& low, double edge) {
+  constexpr int axes[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  Triangles all;
+  const auto zero_on = [&](Eigen::Vector3d p, Eigen::Vector3d q) -> Eigen::Vector3d {
+    if (std::lexicographical_compare(q.data(), q.data() + 3, p.data(), p.data() + 3)) std::swap(p, q);
+    const double share = std::min(0.9, std::max(0.1, value(p) / (value(p) - value(q))));
+    return p + share * (q - p);
+  };
+  const auto add = [&](Eigen::Vector3d a, Eigen::Vector3d b, const Eigen::Vector3d& c, const Eigen::Vector3d& inside) {
+    if ((b - a).cross(c - a).dot(inside - a) > 0) std::swap(a, b);
+    all.push_back({a, b, c});
+  };
+  for (int i = 0; i < cells.prod() * 6; ++i) {
+    const int cube = i / 6;
+    Eigen::Vector3d corner =
+        low + edge * Eigen::Vector3d(cube % cells[0], cube / cells[0] % cells[1], cube / cells[0] / cells[1]);
+    std::vector<Eigen::Vector3d> in, out;
+    for (int step = 0; step < 4; ++step) {
+      (value(corner) < 0 ? in : out).push_back(corner);
+      if (step < 3) corner[axes[i % 6][step]] += edge;
+    }
+    if (in.empty() || out.empty()) continue;
+    if (in.size() == 2) {
+      const auto ac = zero_on(in[0], out[0]), ad = zero_on(in[0], out[1]), bc = zero_on(in[1], out[0]),
+                 bd = zero_on(in[1], out[1]);
+      add(ac, ad, bd, in[0]);
+      add(ac, bd, bc, in[0]);
+    } else {
+      const Eigen::Vector3d alone = in.size() == 1 ? in[0] : out[0];
+      const auto& others = in.size() == 1 ? out : in;
+      add(zero_on(alone, others[0]), zero_on(alone, others[1]), zero_on(alone, others[2]), in[0]);
+    }
+  }
+  return all;
+}
+
+// Gmsh finds no parametrisation of such a surface.
+TEST_F(MeshRobot, MeshesASmoothStlSurfaceWithSeveralHoles) {
+  const auto ring = [](const Eigen::Vector3d& p, double x) {
+    return std::hypot(std::hypot(p.x() - x, p.y()) - 10.0, p.z()) - 4.0;
+  };
+  const auto value = [&](const Eigen::Vector3d& p) {
+    return std::min({ring(p, -20), ring(p, 0), ring(p, 20)}) + 0.0137;
+  };
+  const Triangles rings = level_surface(value, {40, 18, 8}, {-36.3, -16.3, -6.9}, 1.83);
+  const fs::path file = write("rings.stl", stl_text(rings));
+  const TetMesh mesh = mesh_of("{scale: {solid: {stl: \"" + file.string() + "\"}, factor: 0.001}, name: skin}", 0.009);
+  expect_relative(volume(mesh), 1e-9 * volume_of(rings), 1e-6);
+  EXPECT_EQ(area(mesh, -1), 0.0);
+}
+
 // Bulges of different size on every edge: in the wrong order the element would fold.
 TEST_F(MeshRobot, ConvertsQuadraticVtkToTheOwnNodeOrder) {
   const fs::path file = write("bulge.vtk",
@@ -509,12 +673,81 @@ TEST_F(MeshRobot, ConvertsMsh4WithItsNamedSurfaces) {
             Eigen::Vector3d(0.1, 0.2, 0.30000000000000004));  // in the order of tags, no digit lost
 }
 
+// Two elements and the face between them; both text formats.
+constexpr const char* kMsh2 =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"wall\"\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n"
+    "2 10 0 0\n3 0 10 0\n4 0 0 10\n5 10 10 10\n$EndNodes\n$Elements\n3\n1 2 2 7 7 1 2 3\n2 4 2 1 1 1 2 3 4\n"
+    "3 4 2 1 1 2 3 4 5\n$EndElements\n";
+constexpr const char* kMsh4 =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n$EndEntities\n$Nodes\n1 5 1 5\n"
+    "3 1 0 5\n1\n2\n3\n4\n5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n$Elements\n1 2 1 2\n3 1 4 2\n1 1 2 3 4\n"
+    "2 2 3 4 5\n$EndElements\n";
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+// Places are those of the scene, after its scale.
+TEST_F(MeshRobot, NamesTheUsersFileAndPlacesInMetres) {
+  expect_relative(volume(convert(write("sound.msh", kMsh2), 0.001)), 5e-7, 1e-12);
+  EXPECT_THROW(convert(write("sound.msh", kMsh2), -1), std::invalid_argument);
+  for (const auto& [name, text, words] : std::vector<std::array<std::string, 3>>{
+           {"flat.msh", with(kMsh2, "5 10 10 10", "5 5 5 0"),
+            "mesh: element 1 at (0.00375, 0.00375, 0.0025) m with signed volume 0 m^3 is degenerate"},
+           {"inside.msh", with(kMsh2, "7 7 1 2 3", "7 7 2 3 4"),
+            "a triangle of the surface 'wall' at (0.00333333, 0.00333333, 0.00333333) m lies inside the body"}}) {
+    const fs::path file = write(name, text);
+    const std::string refusal = refusal_of_file(file, 0.001);
+    EXPECT_EQ(refusal.find(file.string() + ": " + words), 0u) << refusal;
+  }
+}
+
+// Gmsh would read what is announced, and go on.
+TEST_F(MeshRobot, RefusesMshFilesThatCountWrongly) {
+  EXPECT_EQ(convert(write("four.msh", kMsh4)).tet_count(), 2);
+  const auto refused = [&](const std::string& text, const std::string& words) {
+    const fs::path file = write("wrong.msh", text);
+    EXPECT_EQ(refusal_of_file(file), file.string() + words);
+  };
+  refused(with(kMsh2, "$Elements\n3", "$Elements\n2"), ":17: $Elements announces 2 lines, and has 3");
+  refused(with(kMsh2, "$Elements\n3", "$Elements\n4"), ":17: $Elements announces 4 lines, and has 3");
+  refused(with(kMsh2, "$Nodes\n5", "$Nodes\n4"), ":9: $Nodes announces 4 lines, and has 5");
+  refused(with(kMsh4, "1 2 1 2\n3", "1 1 1 2\n3"), ":23: $Elements announces 2 lines, and has 3");
+  refused(with(kMsh4, "1 5 1 5", "1 4 1 5"), ":9: $Nodes announces 9 lines, and has 11");
+}
+
+TEST_F(MeshRobot, RefusesBinaryMshFilesThatCountWrongly) {
+  const auto bytes = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), sizeof value); };
+  const auto numbers = [&](const std::vector<int>& all) {
+    std::string text;
+    for (const int value : all) text += bytes(value);
+    return text;
+  };
+  std::string nodes;
+  int tag = 0;
+  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0, 0, 0), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}})
+    nodes += bytes(++tag) + bytes(at.x()) + bytes(at.y()) + bytes(at.z());
+  const auto file = [&](const std::string& elements) {
+    return write("binary.msh", "$MeshFormat\n2.2 1 8\n" + bytes(1) + "\n$EndMeshFormat\n$Nodes\n5\n" + nodes +
+                                   "\n$EndNodes\n$Elements\n" + elements +
+                                   numbers({4, 2, 2, 1, 1, 1, 1, 2, 3, 4, 2, 1, 1, 2, 3, 4, 5}) + "\n$EndElements\n");
+  };
+  EXPECT_EQ(convert(file("2\n")).tet_count(), 2);
+  for (const char* wrong : {"1\n", "3\n"})
+    EXPECT_NE(refusal_of_file(file(wrong)).find("binary.msh: $Elements announces another number than follows"),
+              std::string::npos)
+        << refusal_of_file(file(wrong));
+}
+
 TEST_F(MeshRobot, RefusesMeshFilesOfOtherElements) {
   const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n";
   const std::string cube =
       "POINTS 8 double\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\n"
       "CELL_TYPES 1\n12\n";
-  EXPECT_THROW(convert(write("cube.vtk", head + cube)), std::invalid_argument);
+  EXPECT_NE(refusal_of_file(write("cube.vtk", head + cube)).find("cube.vtk:18: cell 0 is a hexahedron"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_file(write("mesh.vtu", "<VTKFile>")).find("mesh.vtu: .vtu is not read here; save it as"),
+            std::string::npos);
   EXPECT_THROW(convert(write("empty.msh", "")), std::invalid_argument);
   EXPECT_THROW(convert(write("text.msh", "nonsense\n")), std::invalid_argument);
   EXPECT_THROW(convert(write("mesh.obj", "v 0 0 0\n")), std::invalid_argument);

@@ -28,7 +28,8 @@ MeshRefinement read_mesh_refinement(const YamlNode& node);
 
 struct MeshRequest {
   std::optional<Solid> solid;    // or
-  std::string mesh_file;         // an existing .msh or .vtk file to convert; the members below do nothing then
+  std::string mesh_file;         // an existing .msh or .vtk file to convert, with
+  double mesh_unit_m = 1.0;      // its unit; the members below do nothing then
   double element_size_m = 0.01;  // > 0
   bool quadratic = true;         // 10-node elements that follow curved surfaces
   std::vector<MeshRefinement> refinements;

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "mechanics/mesh/shape_functions.h"
+#include "mechanics/mesh/tet_faces.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -95,6 +96,19 @@ Edges sharp_edges(const TetMesh& mesh, const std::vector<int>& can_move) {
 }
 
 }  // namespace
+
+Eigen::VectorXd moduli_of_faces_pa(const Body& body) {
+  const TetMesh& mesh = body.mesh();
+  Eigen::VectorXd moduli_pa = Eigen::VectorXd::Constant(mesh.faces.cols(), body.material().youngs_modulus_pa);
+  if (body.one_material()) return moduli_pa;
+  const TetSides sides(mesh);
+  for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
+    const std::vector<TetSide> behind =
+        sides.meeting(face_key(mesh.faces(0, face), mesh.faces(1, face), mesh.faces(2, face)));
+    moduli_pa[face] = body.material_of(behind.front().tet).youngs_modulus_pa;
+  }
+  return moduli_pa;
+}
 
 ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
   const TetMesh& mesh = body.mesh();

@@ -13,6 +13,9 @@ namespace soft_robot_lab {
 
 constexpr int kPointsPerFace = 3;  // of the sparse spread
 
+// Young's modulus of the element behind each face of the mesh [Pa].
+Eigen::VectorXd moduli_of_faces_pa(const Body& body);
+
 enum class PointSpread {
   sparse,  // three points inside each face: enough for what is smooth
   dense,   // twelve, and guards along the edges that stand out sharply at rest: for other skin, which has edges

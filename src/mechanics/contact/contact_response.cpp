@@ -21,7 +21,7 @@ double ContactTerm::beyond_limit_m(const ContactTouch& touch, const Eigen::Matri
   const double coefficient = touch.friction.limit_pa / touch.pressure_pa;
   const Eigen::Vector3d relative_m = relative_motion_m(touch, motion_m, free_motion);
   return touch.away_m.normalized().dot(away_motion_m(touch, relative_m, motion_m, free_motion)) +
-         coefficient * touch.friction.compliance_m_pa / law(touch.pair).compliance_m_pa *
+         coefficient * touch.friction.compliance_m_pa / law(touch).compliance_m_pa *
              (touch.on_skin() ? skin_.place_motion(touch, relative_m, motion_m).gap_m : touch.normal.dot(relative_m));
 }
 
@@ -82,7 +82,7 @@ void ContactTerm::add_push_at_edge(const ContactTouch& touch, const Eigen::Matri
                                    Eigen::Matrix3Xd& residual_n) const {
   const Eigen::Vector3d relative_m = skin_.relative_m(touch, motion_m);
   const SkinContact::PlaceMotion moved = skin_.place_motion(touch, relative_m, motion_m);
-  const double per_m = weight_m2(touch.pair) / law(touch.pair).compliance_m_pa;
+  const double per_m = weight_m2(touch.pair) / law(touch).compliance_m_pa;
   add_at(touch, per_m * moved.gap_m * touch.normal - push_n(touch) * moved.turn, residual_n);
   skin_.add_back_moved(touch, relative_m, motion_m, -push_n(touch) * touch.normal, residual_n);
   ContactTouch pushed = touch;

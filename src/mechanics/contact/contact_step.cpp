@@ -27,9 +27,9 @@ std::vector<Eigen::Vector3d> ContactTerm::mismatch_forces_n(const std::vector<Co
     Eigen::Vector3d force_pa = touch.pressure_pa * touch.normal;
     if (touch.closed) {
       while (made != linearised.end() && made->pair < touch.pair) ++made;
-      const double off_m = touch.gap_m + law(touch.pair).compliance_m_pa * touch.pressure_pa;
+      const double off_m = touch.gap_m + law(touch).compliance_m_pa * touch.pressure_pa;
       const bool known = made != linearised.end() && made->pair == touch.pair;
-      force_pa = off_m / law(touch.pair).compliance_m_pa * (known ? made->normal : touch.normal);
+      force_pa = off_m / law(touch).compliance_m_pa * (known ? made->normal : touch.normal);
     }
     forces_n.emplace_back(weight_m2(touch.pair) * force_pa);
   }
@@ -62,7 +62,7 @@ Eigen::VectorXd ContactTerm::next_pressures_pa(const std::vector<ContactTouch>& 
     while (made != linearised.end() && made->pair < touch.pair) ++made;
     const Eigen::Vector3d& normal = made != linearised.end() && made->pair == touch.pair ? made->normal : touch.normal;
     next[touch.pair] =
-        law(touch.pair).pressure_pa(touch.gap_m + normal.dot(relative_motion_m(touch, motion_m, free_motion)));
+        law(touch).pressure_pa(touch.gap_m + normal.dot(relative_motion_m(touch, motion_m, free_motion)));
   }
   return next;
 }
@@ -70,7 +70,7 @@ Eigen::VectorXd ContactTerm::next_pressures_pa(const std::vector<ContactTouch>& 
 ConstraintLaw ContactTerm::law_of(const ContactTouch& touch) const {
   ConstraintLaw law;
   law.offset = -touch.gap_m;
-  law.compliance = this->law(touch.pair).compliance_m_pa / weight_m2(touch.pair);
+  law.compliance = this->law(touch).compliance_m_pa / weight_m2(touch.pair);
   law.min_multiplier = 0.0;
   return law;
 }
@@ -105,7 +105,7 @@ Eigen::VectorXd ContactTerm::mismatches(const ContactSums& at, const std::vector
                                         [](const ContactTouch& one, Eigen::Index pair) { return one.pair < pair; });
     if (touch != at.touches.end() && touch->pair == pairs[i])
       all[static_cast<Eigen::Index>(i)] =
-          law(touch->pair).mismatch_m(touch->gap_m, touch->pressure_pa) / face_size_m(*touch);
+          law(*touch).mismatch_m(touch->gap_m, touch->pressure_pa) / face_size_m(*touch);
   }
   return all;
 }
@@ -114,7 +114,7 @@ double ContactTerm::merit_j(const ContactSums& at, const ContactSums& start,
                             const Eigen::VectorXd& next_pressures_pa) const {
   double sum = 0.0;
   for (const ContactTouch& touch : at.touches)
-    sum += weight_m2(touch.pair) * law(touch.pair).merit_j_m2(touch.gap_m, next_pressures_pa[touch.pair]);
+    sum += weight_m2(touch.pair) * law(touch).merit_j_m2(touch.gap_m, next_pressures_pa[touch.pair]);
   for (const ContactTouch& touch : start.touches) {
     if (touch.rubs()) sum += weight_m2(touch.pair) * touch.friction.potential_j_m2(away_m(touch, start, at));
   }
@@ -125,7 +125,7 @@ double ContactTerm::slope_change_j(const ContactSums& start, const Eigen::Vector
                                    const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) const {
   double sum = 0.0;
   for (const ContactTouch& touch : start.touches) {
-    const double push_pa = law(touch.pair).merit_pa(touch.gap_m, next_pressures_pa[touch.pair]);
+    const double push_pa = law(touch).merit_pa(touch.gap_m, next_pressures_pa[touch.pair]);
     sum += weight_m2(touch.pair) * (touch.pressure_pa - push_pa) *
            touch.normal.dot(relative_motion_m(touch, motion_m, free_motion));
   }
@@ -139,7 +139,7 @@ double ContactTerm::soft_energy(const Eigen::Matrix3Xd& positions_m, const Eigen
   at = sums(positions_m, state);
   double sum = 0.0;
   for (ContactTouch& touch : at.touches) {
-    const double soft_m_pa = law(touch.pair).soft_m_pa;
+    const double soft_m_pa = law(touch).soft_m_pa;
     touch.closed = touch.gap_m < 0.0;
     touch.pressure_pa = std::max(0.0, -touch.gap_m / soft_m_pa);
     state.pressures_pa[touch.pair] = touch.pressure_pa;

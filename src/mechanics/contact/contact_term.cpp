@@ -11,9 +11,9 @@ namespace soft_robot_lab {
 ContactTerm::ContactTerm(const Body& body)
     : obstacles_(body.obstacles()),
       points_(obstacles_.empty() ? ContactPoints() : ContactPoints(body)),
-      youngs_modulus_pa_(body.material().youngs_modulus_pa),
+      moduli_pa_(obstacles_.empty() ? Eigen::VectorXd() : moduli_of_faces_pa(body)(points_.mesh_faces())),
       free_(obstacles_, body.gravity_m_s2()),
-      rigid_(obstacles_, free_, youngs_modulus_pa_) {
+      rigid_(obstacles_, free_, body.material().youngs_modulus_pa) {
   int anchors = 0;
   for (const Obstacle& obstacle : obstacles_) {
     const bool rubs = obstacle.friction > 0.0;
@@ -55,8 +55,12 @@ std::vector<Clique> ContactTerm::cliques() const {
   return faces;
 }
 
-NormalLaw ContactTerm::law(int pair) const {
-  return NormalLaw::of_skin(points_of(pair).face_size_m(point_of(pair)), youngs_modulus_pa_);
+NormalLaw ContactTerm::law(const ContactTouch& touch) const {
+  return of_skin(touch.pair) ? skin_.law(touch) : law_on_obstacle(point_of(touch.pair));
+}
+
+NormalLaw ContactTerm::law_on_obstacle(int point) const {
+  return NormalLaw::of_skin(points_.face_size_m(point), moduli_pa_[points_.face_of(point)]);
 }
 
 ContactState ContactTerm::untouched(const Eigen::Matrix3Xd& positions_m, double time_s) const {
@@ -87,7 +91,7 @@ ContactSums ContactTerm::sums(const Eigen::Matrix3Xd& positions_m, const Contact
   if (skin_.pair_count() > 0) skin_.find_touches(positions_m, state, sums.touches);
   if (skin_.rubs()) sums.positions_m = positions_m;
   for (const ContactTouch& touch : sums.touches) {
-    const double off_m = law(touch.pair).mismatch_m(touch.gap_m, touch.pressure_pa);
+    const double off_m = law(touch).mismatch_m(touch.gap_m, touch.pressure_pa);
     sums.mismatch = std::max(sums.mismatch, std::abs(off_m) / face_size_m(touch));
   }
   if (free_.count() == 0) return sums;
@@ -120,7 +124,7 @@ void ContactTerm::find_touches(int obstacle, const ContactState& state, ContactS
       const int pair = first_pair + k;
       const Gap gap = gap_to(one.shape, pose, places_m.col(k));
       const double pressure_pa = state.pressures_pa[pair];
-      const bool closed = law(pair).closed(gap.gap_m, pressure_pa);
+      const bool closed = law_on_obstacle(first + k).closed(gap.gap_m, pressure_pa);
       if (!closed && pressure_pa == 0.0) continue;
       ContactTouch touch{pair, closed, gap.gap_m, pressure_pa, gap.normal, gap.hessian, {}};
       touch.free = free;
@@ -146,7 +150,7 @@ Eigen::Vector3d ContactTerm::away_m(const ContactTouch& touch, const ContactSums
 void ContactTerm::add_friction(const Eigen::Isometry3d& pose, int obstacle, const ContactState& state,
                                const ContactSums& sums, ContactTouch& touch) const {
   const int point = point_of(touch.pair);
-  touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point), youngs_modulus_pa_),
+  touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point), moduli_pa_[points_.face_of(point)]),
                     obstacle_of(touch.pair).friction * touch.pressure_pa};
   touch.anchor_m = pose * state.anchors_m.col(first_anchor_[static_cast<std::size_t>(obstacle)] + point);
   touch.set_way_m(sums.points_m.col(point) - touch.anchor_m);
@@ -203,7 +207,7 @@ void ContactTerm::add_free_hessian(const std::vector<ContactTouch>& touches, boo
   for (const ContactTouch& touch : touches) {
     if (!touch.closed || touch.free < 0) continue;
     const double weight_m2 = this->weight_m2(touch.pair), push_n = convex ? 0.0 : weight_m2 * touch.pressure_pa;
-    Eigen::Matrix3d block = weight_m2 / law(touch.pair).compliance_m_pa * touch.normal * touch.normal.transpose();
+    Eigen::Matrix3d block = weight_m2 / law(touch).compliance_m_pa * touch.normal * touch.normal.transpose();
     block -= push_n * touch.bend;
     if (touch.rubs()) block += weight_m2 * touch.friction.stiffness_pa_m(touch.away_m, touch.normal);
     const Eigen::Matrix3d arm = cross(touch.arm_m), normal = cross(touch.normal);
@@ -227,7 +231,7 @@ void ContactTerm::add_hessian(const std::vector<ContactTouch>& touches, bool con
   const int nodes = points_.nodes_per_face();
   for (const ContactTouch& touch : touches) {
     if (!touch.closed || touch.on_skin()) continue;
-    const NormalLaw normal = law(touch.pair);
+    const NormalLaw normal = law(touch);
     const double compliance_m_pa = soft ? normal.soft_m_pa : normal.compliance_m_pa;
     Eigen::Matrix3d block = touch.normal * touch.normal.transpose() / compliance_m_pa;
     if (!convex) block -= touch.pressure_pa * touch.bend;

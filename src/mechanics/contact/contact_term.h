@@ -153,7 +153,8 @@ class ContactTerm {
   ContactReading& reading_of(const ContactTouch& touch, std::vector<ContactReading>& all) const;
   int obstacle_pairs() const { return static_cast<int>(obstacles_.size()) * points_.count(); }
   Eigen::Index pair_count() const { return obstacle_pairs() + skin_.points().count(); }
-  NormalLaw law(int pair) const;
+  NormalLaw law(const ContactTouch& touch) const;
+  NormalLaw law_on_obstacle(int point) const;
   bool of_skin(int pair) const { return pair >= obstacle_pairs(); }
   const ContactPoints& points_of(int pair) const { return of_skin(pair) ? skin_.points() : points_; }
   int point_of(int pair) const { return of_skin(pair) ? pair - obstacle_pairs() : pair % points_.count(); }
@@ -192,7 +193,7 @@ class ContactTerm {
   int anchor_count_ = 0;
   ContactPoints points_;  // against obstacles
   SkinContact skin_;
-  double youngs_modulus_pa_;
+  Eigen::VectorXd moduli_pa_;  // of the points' faces
   FreeObstacles free_;
   RigidContact rigid_;
 };

@@ -23,7 +23,7 @@ SkinContact::SkinContact(const Body& body, int first_pair, int first_anchor)
       pairs_(body, points_),
       touching_(body.touching_bodies()),
       rubs_(std::any_of(touching_.begin(), touching_.end(), [](const auto& pair) { return pair.friction > 0.0; })),
-      youngs_modulus_pa_(body.material().youngs_modulus_pa),
+      moduli_pa_(moduli_of_faces_pa(body)),
       first_pair_(first_pair),
       first_anchor_(first_anchor) {}
 
@@ -31,6 +31,12 @@ Eigen::Vector3d SkinContact::outward(int point, const Eigen::Matrix3Xd& position
   if (!points_.guards(point)) return points_.outward_m2(point, positions_m);
   return pairs_.normal(points_.mesh_faces()[static_cast<std::size_t>(points_.face_of(point))]) +
          pairs_.normal(points_.beside(point));
+}
+
+double SkinContact::youngs_modulus_pa(const ContactTouch& touch) const {
+  const int face = points_.face_of(point_of(touch));
+  const double own_pa = moduli_pa_[points_.mesh_faces()[static_cast<std::size_t>(face)]];
+  return touch.on_skin() ? std::min(own_pa, moduli_pa_[touch.met.face]) : own_pa;
 }
 
 double SkinContact::slack_m(int point) const {
@@ -94,12 +100,12 @@ bool SkinContact::find_touch(int point, double pressure_pa, const Eigen::Matrix3
   touch.pressure_pa = pressure_pa;
   const std::optional<SkinGap> met = met_by(point, pressure_pa != 0.0, positions_m);
   touch.gap_m = met ? met->gap_m + slack_m(point) : points_.face_size_m(point);
-  touch.closed = met && law(point).closed(touch.gap_m, pressure_pa);
   if (met) {
     touch.normal = met->normal;
     touch.bend = met->curvature_per_m;
     touch.met = met->at;
   }
+  touch.closed = met && law(touch).closed(touch.gap_m, pressure_pa);
   return touch.closed || pressure_pa != 0.0;
 }
 
@@ -116,7 +122,7 @@ void SkinContact::add_friction(const Eigen::Matrix3Xd& positions_m, const Contac
   const int point = point_of(touch);
   const Eigen::Vector3d anchor = state.anchors_m.col(first_anchor_ + point);
   if (anchor.z() < 0.0) return;
-  touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point), youngs_modulus_pa_),
+  touch.friction = {FrictionLaw::compliance_of_skin(points_.face_size_m(point), youngs_modulus_pa(touch)),
                     friction(touch) * touch.pressure_pa};
   touch.anchored_at = anchor;
   touch.anchor_m = at_anchor(anchor, positions_m);
@@ -130,8 +136,8 @@ int SkinContact::side_of(const ContactTouch& touch) const {
 }
 
 bool SkinContact::far_from_law(const ContactTouch& touch) const {
-  const int point = point_of(touch);
-  return std::abs(law(point).mismatch_m(touch.gap_m, touch.pressure_pa)) > kFarFromLaw * points_.face_size_m(point);
+  return std::abs(law(touch).mismatch_m(touch.gap_m, touch.pressure_pa)) >
+         kFarFromLaw * points_.face_size_m(point_of(touch));
 }
 
 Eigen::MatrixXd SkinContact::turned(const ContactTouch& touch, const Eigen::MatrixXd& turn,
@@ -142,7 +148,7 @@ Eigen::MatrixXd SkinContact::turned(const ContactTouch& touch, const Eigen::Matr
 
 Eigen::MatrixXd SkinContact::hessian(const ContactTouch& touch, bool convex, bool soft) const {
   const int nodes = points_.nodes_per_face(), point = point_of(touch);
-  const NormalLaw normal = law(point);
+  const NormalLaw normal = law(touch);
   const double weight_m2 = points_.weight_m2(point);
   Eigen::VectorXd shape(2 * nodes);
   shape << points_.shape(point), -touch.met.shape.head(nodes);

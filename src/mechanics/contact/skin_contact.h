@@ -49,7 +49,11 @@ class SkinContact {
   }
   // 1 where the point that is pushed is of the pair's first body, -1 of the second, 0 where both are one.
   int side_of(const ContactTouch& touch) const;
-  NormalLaw law(int point) const { return NormalLaw::of_skin(points_.face_size_m(point), youngs_modulus_pa_); }
+  // Of the softer of the two faces; of a point that meets none, of its own.
+  double youngs_modulus_pa(const ContactTouch& touch) const;
+  NormalLaw law(const ContactTouch& touch) const {
+    return NormalLaw::of_skin(points_.face_size_m(point_of(touch)), youngs_modulus_pa(touch));
+  }
   FacePair faces_of(const ContactTouch& touch) const { return {points_.face_of(point_of(touch)), touch.met.face}; }
 
   void find_touches(const Eigen::Matrix3Xd& positions_m, const ContactState& state,
@@ -141,7 +145,7 @@ class SkinContact {
   std::vector<int> kept_;  // of each point the face that it keeps, -1: none; empty where none does
   std::vector<TouchingBodies> touching_;
   bool rubs_ = false;
-  double youngs_modulus_pa_ = 1.0;
+  Eigen::VectorXd moduli_pa_;  // of the mesh's faces
   int first_pair_ = 0, first_anchor_ = 0;
 };
 

@@ -84,9 +84,10 @@ void NewtonSolver::border_free_obstacles(const NewtonState& state, bool convex) 
 // Of skin that is a constraint of the steps only what turns with it is in the matrix, and only where it is pressed
 // hard.
 bool NewtonSolver::factorise(bool convex) {
-  const double hard_pa = kHardPressed * body_.material().youngs_modulus_pa;
   const auto joins_matrix = [&](const ContactTouch& touch) {
-    return touch.closed && touch.on_skin() && (!skin_in_border_ || (!convex && touch.pressure_pa > hard_pa));
+    if (!touch.closed || !touch.on_skin()) return false;
+    const double hard_pa = kHardPressed * contact_.skin().youngs_modulus_pa(touch);
+    return !skin_in_border_ || (!convex && touch.pressure_pa > hard_pa);
   };
   std::vector<FacePair> closed;
   for (const ContactTouch& touch : touches_)

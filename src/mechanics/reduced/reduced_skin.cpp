@@ -111,7 +111,7 @@ ReducedSkin::Touch ReducedSkin::touch_of(Eigen::Index place, const ContactTouch&
   }
   touch.gradient = touch.relative.transpose() * -found.normal;
   touch.law.offset = -found.gap_m;
-  touch.law.compliance = skin_.law(point).compliance_m_pa / points.weight_m2(point);
+  touch.law.compliance = skin_.law(found).compliance_m_pa / points.weight_m2(point);
   touch.law.min_multiplier = 0.0;
   return touch;
 }

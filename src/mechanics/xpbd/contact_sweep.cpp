@@ -20,8 +20,7 @@ ContactSweep::ContactSweep(const ContactTerm& contact, const Body& body, const E
                            double mass_ratio, const Eigen::Matrix3Xd& positions_m, const ContactState& state)
     : contact_(contact),
       inverse_masses_(inverse_masses_per_kg),
-      recovery_m_s_(constants::kRecovery *
-                    std::sqrt(body.material().youngs_modulus_pa / body.material().density_kg_m3 / mass_ratio)),
+      density_kg_m3_(mass_ratio * body.material().density_kg_m3),
       skin_pairs_(static_cast<int>(state.pressures_pa.size())),
       free_(contact.free(), mass_ratio),
       points_(touching(positions_m, state)) {}
@@ -41,7 +40,8 @@ std::vector<ContactSweep::Point> ContactSweep::touching(const Eigen::Matrix3Xd& 
 ContactSweep::Point ContactSweep::point_of(const ContactTouch& touch, const Eigen::Matrix3Xd& positions_m) const {
   Point point;
   point.pair = touch.pair;
-  point.on_skin = touch.on_skin();
+  if (touch.on_skin())
+    point.recovery_m_s = constants::kRecovery * std::sqrt(contact_.skin().youngs_modulus_pa(touch) / density_kg_m3_);
   point.node_count = contact_.nodes_of(touch, point.nodes, point.shares);
   point.pushing = touch.free;
   point.pushing_arm_m = touch.arm_m;
@@ -135,9 +135,9 @@ void ContactSweep::find(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd&
     weigh(point);
     while (known != before.end() && known->pair < point.pair) ++known;
     carry_over(known != before.end() ? *known : none, point);
-    if (!point.on_skin) continue;
+    if (point.recovery_m_s < 0.0) continue;
     const double gap_before_m = point.gap_m + point.normal.dot(way_m(point, start_m));
-    point.gap_m += std::max(0.0, -gap_before_m - h_ * recovery_m_s_);
+    point.gap_m += std::max(0.0, -gap_before_m - h_ * point.recovery_m_s);
   }
 }
 

@@ -48,7 +48,7 @@ class ContactSweep {
   // Of skin, or of two obstacles of which one is free.
   struct Point {
     int pair = 0, node_count = 0;
-    bool on_skin = false;
+    double recovery_m_s = -1.0;  // of skin on skin; else negative
     std::array<int, 12> nodes{};
     std::array<double, 12> shares{};  // of the point's motion against what it touches
     // Free obstacles that move with the point, and with what it touches; -1: none. From their centres to there.
@@ -81,9 +81,9 @@ class ContactSweep {
 
   const ContactTerm& contact_;
   const Eigen::Matrix3Xd& inverse_masses_;
-  double recovery_m_s_;
-  int skin_pairs_;  // pairs from there on are of RigidContact
-  double h_ = 0.0;  // of the substep
+  double density_kg_m3_;  // of a thread along which skin recovers
+  int skin_pairs_;        // pairs from there on are of RigidContact
+  double h_ = 0.0;        // of the substep
   FreeSweep free_;
   std::vector<Point> points_;  // in the order of their pairs
 };

@@ -165,6 +165,35 @@ TEST(ContactTerm, ItsMatrixIsTheDerivativeOfItsForces) {
   }
 }
 
+// A soft block on a stiff one: obstacles meet each with its own stiffness, and skin on skin has that of the softer.
+TEST(ContactTerm, TakesTheStiffnessOfTheElementBehindEachFace) {
+  constexpr double kStiff = 20e6, kSoft = 10e3, kSunk = 1e-6;
+  TetMesh mesh = box_mesh({-0.01, 0, -0.01}, {0.01, 0.02, 0.01}, {2, 2, 2});
+  add_body("soft", box_mesh({-0.01, 0.02, -0.01}, {0.01, 0.04, 0.01}, {2, 2, 2}), mesh);
+  Body body(std::move(mesh), {{kStiff, 0.45, 1070.0}, {kSoft, 0.45, 1070.0}});
+  body.let_skin_touch({{0, 1, 0.0}});
+  body.set_obstacles(
+      {{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, {}, 0.0}, {"lid", Plane{{0, 0.04, 0}, {0, -1, 0}}, {}, 0.0}});
+  const ContactTerm term(body);
+  ContactState state = term.untouched(body.mesh().nodes_m, 0.0);
+  Eigen::Matrix3Xd x = body.mesh().nodes_m;
+  for (Eigen::Index node = 0; node < x.cols(); ++node) x(1, node) += body.body_of_node(int(node)) == 0 ? -kSunk : kSunk;
+  const auto compliance = [&](const ContactTouch& touch) {
+    return term.law_of(touch).compliance * term.weight_m2(touch.pair) / term.face_size_m(touch);
+  };
+  for (const ContactTouch& touch : term.sums(x, state).touches)
+    EXPECT_NEAR(compliance(touch), 0.002 / (touch.normal.y() > 0.0 ? kStiff : kSoft), 1e-12);
+  for (Eigen::Index node = 0; node < x.cols(); ++node)
+    x(1, node) -= body.body_of_node(int(node)) == 0 ? 0.0 : 4 * kSunk;
+  int on_skin = 0;
+  for (const ContactTouch& touch : term.sums(x, state).touches) {
+    if (!touch.on_skin()) continue;
+    ++on_skin;
+    EXPECT_NEAR(compliance(touch), 0.002 / kSoft, 1e-12);
+  }
+  EXPECT_GT(on_skin, 0);
+}
+
 TEST(ContactTerm, AnAnchorStaysWhereTheSkinSticksAndFollowsWhereItSlips) {
   Body body = block({1, 1, 1});
   body.set_obstacles({{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, {}, 0.5}});

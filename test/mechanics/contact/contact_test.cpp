@@ -419,6 +419,28 @@ TEST(Contact, AnObstacleInsideTheBodyIsRefusedWithDepthAndPlace) {
       message({"floor", Plane{{0, 0.003, 0}, {0, 1, 0}}, {{0.0, {0, -0.01, 0}, kZero}, {1.0, kZero, kZero}}, 0.0}), "");
 }
 
+// Presses 1 mm of a ball into a block of 20 MPa, beside which another body may stand that touches nothing.
+double ball_on_stiff_block_n(bool beside_soft) {
+  TetMesh mesh = box_mesh({-0.02, 0, -0.02}, {0.02, 0.02, 0.02}, {4, 2, 4});
+  std::vector<Material> materials{{20e6, 0.45, 1070.0}};
+  if (beside_soft) {
+    add_body("soft", box_mesh({0.1, 0, -0.02}, {0.14, 0.02, 0.02}, {2, 1, 2}), mesh);
+    materials.push_back({10e3, 0.45, 1070.0});
+  }
+  Body body(std::move(mesh), materials);
+  body.fix_nodes({-1, -1, -1}, {1, 1e-9, 1}, {true, true, true});
+  body.set_obstacles({{"ball", Sphere{{0, 0.05, 0}, 0.03}, {{0.0, kZero, kZero}, {1.0, {0, -0.001, 0}, kZero}}, 0.0}});
+  Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+  const SolveReport report = simulation.solve_equilibrium();
+  EXPECT_TRUE(report.converged) << report.message;
+  return simulation.contacts()[0].normal_force_n;
+}
+
+TEST(Contact, IsAsStiffAsTheSkinThatTouchesWhateverStandsElsewhere) {
+  const double alone_n = ball_on_stiff_block_n(false);
+  EXPECT_NEAR(ball_on_stiff_block_n(true), alone_n, 1e-4 * alone_n);
+}
+
 // An equilibrium is that of the motion's end, and there the obstacle stays.
 TEST(Contact, AnObstacleDoesNotJumpBackAfterAnEquilibrium) {
   Body body(box_mesh({-0.02, -0.02, -0.01}, {0.02, 0, 0.01}, {4, 2, 2}), kSilicone);

@@ -44,8 +44,9 @@ inline constexpr double kOnlySafe = 2.0;     // convexity beyond which there is 
 
 // --- Steps in time and stages of an equilibrium (simulation/)
 
-inline constexpr int kStageIterations = 25;    // Newton iterations before a step or stage is cut
-inline constexpr int kDeepestHalving = 6;      // a time step is cut into at most 2^6 parts
+inline constexpr int kStageIterations = 25;                 // Newton iterations before a step or stage is cut
+inline constexpr int kDeepestHalving = 6;                   // a time step is cut into at most 2^6 parts
+inline constexpr double kMostParts = 1 << kDeepestHalving;  // beforehand, where an obstacle is fast
 inline constexpr int kStepBudget = 10;         // times max_iterations, for a step; then it takes what it has
 inline constexpr double kSmallestStage = 64;   // a command change is cut into at most this many continuation stages
 inline constexpr int kEquilibriumBudget = 10;  // times max_iterations, for an equilibrium

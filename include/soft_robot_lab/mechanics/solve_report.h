@@ -15,6 +15,7 @@ namespace soft_robot_lab {
 //   command_not_reached  what is missing, in `unit`        slack                length in excess of the cable's path, <
 //   0 excessive_tension    the tension                       untangled             elements laid out anew
 //   outside_training     0: a reduced model did not know a command, or found no way
+//   fast_obstacle        way in a time step that is cut as often as may be: it may have passed through something
 //   free_motion          0: nothing resists a rigid motion of the body, which `text` names
 struct SolveWarning {
   std::string kind;

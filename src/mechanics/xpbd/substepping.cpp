@@ -187,7 +187,14 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
     parts.place_actuators(from, to, fraction);
     return std::make_shared<const DriveStates>(parts.state.drives);
   };
-  if (!advance_in_substeps(parts, task, before, report).finite) return;
+  const ObstacleCuts cuts = parts_for_obstacles(parts.body, parts.workspace.newton.contact(), parts.state.positions_m,
+                                                parts.state.velocities_m_s, parts.state.contact,
+                                                parts.state.free_velocities, task.time_step_s);
+  const int most = task.substep_count << constants::kDoublings;
+  task.substep_count = std::max(task.substep_count, static_cast<int>(std::ceil(std::min<double>(cuts.parts, most))));
+  const XpbdReport done = advance_in_substeps(parts, task, before, report);
+  tell_fast_obstacle(cuts, most, parts.body, task.time_step_s, report);
+  if (!done.finite) return;
   parts.state.time_s += task.time_step_s;
 }
 

@@ -76,6 +76,7 @@ inline constexpr int kBatchesWorthAThread = 16;
 inline constexpr double kStaleStrain = 0.1, kStalePressure = 0.2;
 inline constexpr int kDoublings = 4;                // of the substeps of a step that creates energy
 inline constexpr double kMostCreatedEnergy = 0.05;  // good steps stay below 0.01, others exceed 0.3 at once
+inline constexpr double kMostLeft = 1.0;            // residual of a step that converged: no more than its largest force
 inline constexpr int kContactPasses = 4;            // over all that touches, in a sweep
 inline constexpr double kRecovery = 0.01;           // of sqrt(E / density): so fast deep skin comes out of other skin
 
@@ -88,6 +89,7 @@ inline constexpr int kRestSweeps = 20;   // of a step
 inline constexpr double kRestSubstep_s = 2.0, kLeastRestSubstep_s = 0.1;
 inline constexpr int kGoodRestSteps = 15;
 inline constexpr double kMostGrowth = 10.0;    // of the motion in a step
+inline constexpr double kUnseenMotion = 1e-3;  // of the body's size, in a substep: no growth while something is moved
 inline constexpr std::size_t kRestDepth = 10;  // of the mixing
 inline constexpr double kMixedTooFar = 2.0;    // the way of the next step over that before
 inline constexpr int kPullSteps = 30;          // actuators move by a part of their way

@@ -62,8 +62,8 @@ bool may_follow(SolveStage before, SolveStage after);
 void enter(SolveStage stage, int count, std::vector<SolvePathStage>& path);
 
 // What a solve did. A solve that did not converge says so, and leaves the best state it had. A time step of
-// xpbd, which does a fixed amount of work, counts as converged where it created no energy and ends without inverted
-// elements; its residual says how exact it was.
+// xpbd, which does a fixed amount of work, counts as converged where it created no energy, ends without inverted
+// elements, and leaves a residual of at most 1: no more than the largest force in the body. That says how exact it was.
 struct SolveReport {
   bool converged = false;
   int iterations = 0;      // Newton iterations (one linear solve each); sweeps of xpbd

@@ -214,6 +214,21 @@ TEST_F(LocatorTest, SpreadsPointsWithoutMovingTheirCentre) {
   EXPECT_NEAR(sum, 1.0, 1e-12);
 }
 
+TEST_F(LocatorTest, ADiscTurnsWithTheMesh) {
+  const Eigen::Vector3d centre(0.023, 0.0093, 0.0104), normal(0.9, 0.1, -0.2);
+  const EmbeddedPoint disc = locator_.embed_disc(centre, normal, 0.003);
+  TetMesh turned = mesh_;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()).matrix();
+  turned.nodes_m = turn * mesh_.nodes_m;
+  const EmbeddedPoint there = MeshLocator(turned).embed_disc(turn * centre, turn * normal, 0.003);
+  const auto weights = [&](const EmbeddedPoint& point) {
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(mesh_.node_count());
+    for (std::size_t k = 0; k < point.nodes.size(); ++k) all[point.nodes[k]] += point.weights[k];
+    return all;
+  };
+  EXPECT_LT((weights(disc) - weights(there)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
 TEST_F(LocatorTest, RefusesAPointThatIsNotANumber) {
   EXPECT_THROW(locator_.locate({std::nan(""), 0, 0}), std::invalid_argument);
 }

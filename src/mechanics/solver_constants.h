@@ -58,8 +58,7 @@ inline constexpr double kLargestChange = 0.5;  // of the velocity, over itself: 
 
 inline constexpr double kStill = 1e-7;  // the largest motion of a node on which nothing is seen to move
 // The largest speed of what sleeps, in sizes a second. It knows no step, as in a short one everything moves little.
-// What is held has forces too small to move it then; a free obstacle that nothing pushes goes on, however slow.
-inline constexpr double kSleepingSpeed_per_s = 1e-4, kDriftingSpeed_per_s = 1e-7;
+inline constexpr double kSleepingSpeed_per_s = 1e-4;
 // Near rest a time step may ask for no more than one step by an old factor; from far away it brings so little that the
 // body would creep, or swing about its rest, for seconds.
 inline constexpr double kNearlyStill = 1e-3;

@@ -22,24 +22,6 @@ bool needs_new_factor(const SimulationParts& parts, const SolveReport& report) {
   return (made->at->positions_m - here).colwise().norm().maxCoeff() > constants::kFar * parts.body.size_m();
 }
 
-// Whether nothing is faster than what sleeps.
-bool slow_enough(const SimulationParts& parts) {
-  const SimulationState& state = parts.state;
-  const double size_m = parts.body.size_m();
-  if (state.velocities_m_s.colwise().norm().maxCoeff() > constants::kSleepingSpeed_per_s * size_m) return false;
-  const ContactTerm& contact = parts.workspace.newton.contact();
-  const FreeObstacles& free = contact.free();
-  if (free.count() == 0) return true;
-  const FreeColumns pushes_n = contact.free_forces_n(contact.sums(state.positions_m, state.contact));
-  for (int i = 0; i < free.count(); ++i) {
-    const double speed_m_s = std::max(state.free_velocities.linear_m_s.col(i).norm(),
-                                      free.size_m(i) * state.free_velocities.angular_rad_s.col(i).norm());
-    const bool pushed = !pushes_n.middleCols(2 * i, 2).isZero(0.0);
-    if (speed_m_s > (pushed ? constants::kSleepingSpeed_per_s : constants::kDriftingSpeed_per_s) * size_m) return false;
-  }
-  return true;
-}
-
 // Points at the limit of friction stick and slip by turns within a time step's tolerance. A rest state so near that
 // nothing is seen to move ends that.
 bool settle_by_friction(SimulationParts& parts, NewtonState& still) {
@@ -101,7 +83,7 @@ void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport
       h * speed_m_s > constants::kNearlyStill * parts.body.size_m())
     return;
   if (!commands_reached(parts)) return;
-  if (!slow_enough(parts)) {
+  if (speed_m_s > constants::kSleepingSpeed_per_s * parts.body.size_m()) {
     if (!needs_new_factor(parts, report)) return;
     parts.workspace.newton.restore(nullptr);
     return;

@@ -47,8 +47,9 @@ inline constexpr double kOnlySafe = 2.0;     // convexity beyond which there is 
 
 // --- Steps in time and stages of an equilibrium (simulation/)
 
-inline constexpr int kStageIterations = 25;    // Newton iterations before a step or stage is cut
-inline constexpr int kDeepestHalving = 6;      // a time step is cut into at most 2^6 parts
+inline constexpr int kStageIterations = 25;                 // Newton iterations before a step or stage is cut
+inline constexpr int kDeepestHalving = 6;                   // a time step is cut into at most 2^6 parts
+inline constexpr double kMostParts = 1 << kDeepestHalving;  // beforehand, where an obstacle is fast
 inline constexpr int kStepBudget = 10;         // times max_iterations, for a step; then it takes what it has
 inline constexpr double kSmallestStage = 64;   // a command change is cut into at most this many continuation stages
 inline constexpr int kEquilibriumBudget = 10;  // times max_iterations, for an equilibrium
@@ -58,7 +59,9 @@ inline constexpr double kLargestChange = 0.5;  // of the velocity, over itself: 
 
 // --- Rest and sleep (simulation/rest.cpp), times the body's size
 
-inline constexpr double kStill = 1e-7;  // the largest motion of a node in one step
+inline constexpr double kStill = 1e-7;  // the largest motion of a node on which nothing is seen to move
+// The largest speed of what sleeps, in sizes a second. It knows no step, as in a short one everything moves little.
+inline constexpr double kSleepingSpeed_per_s = 1e-4;
 // Near rest a time step may ask for no more than one step by an old factor; from far away it brings so little that the
 // body would creep, or swing about its rest, for seconds.
 inline constexpr double kNearlyStill = 1e-3;
@@ -75,6 +78,7 @@ inline constexpr int kBatchesWorthAThread = 16;
 inline constexpr double kStaleStrain = 0.1, kStalePressure = 0.2;
 inline constexpr int kDoublings = 4;                // of the substeps of a step that creates energy
 inline constexpr double kMostCreatedEnergy = 0.05;  // good steps stay below 0.01, others exceed 0.3 at once
+inline constexpr double kMostLeft = 1.0;            // residual of a step that converged: no more than its largest force
 inline constexpr int kContactPasses = 4;            // over all that touches, in a sweep
 inline constexpr double kRecovery = 0.01;           // of sqrt(E / density): so fast deep skin comes out of other skin
 
@@ -87,6 +91,7 @@ inline constexpr int kRestSweeps = 20;   // of a step
 inline constexpr double kRestSubstep_s = 2.0, kLeastRestSubstep_s = 0.1;
 inline constexpr int kGoodRestSteps = 15;
 inline constexpr double kMostGrowth = 10.0;    // of the motion in a step
+inline constexpr double kUnseenMotion = 1e-3;  // of the body's size, in a substep: no growth while something is moved
 inline constexpr std::size_t kRestDepth = 10;  // of the mixing
 inline constexpr double kMixedTooFar = 2.0;    // the way of the next step over that before
 inline constexpr int kPullSteps = 30;          // actuators move by a part of their way

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/mechanics/body.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -8,6 +10,7 @@
 #include "box_mesh.h"
 #include "soft_robot_lab/mechanics/embedding.h"
 #include "soft_robot_lab/mechanics/marker.h"
+#include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -32,6 +35,92 @@ TEST(Body, TractionSpreadsOverTheFacesInTheBox) {
     EXPECT_NEAR(total.x(), 2.0, 1e-12);
     EXPECT_NEAR(total.y(), 5.0 * 0.02 * 0.03, 1e-12);
     EXPECT_THROW(body.add_force({5, 5, 5}, {6, 6, 6}, {1, 0, 0}), std::invalid_argument);
+  }
+}
+
+// Corners that are not on the mesh's lines; the load's middle is that of the box.
+TEST(Body, ALoadActsOnThePartOfEachFaceInItsBox) {
+  for (const bool quadratic : {true, false}) {
+    const TetMesh mesh = box_mesh({0, 0, 0}, {0.1, 0.02, 0.03}, {3, 2, 2}, quadratic);
+    const Eigen::Vector3d from(0.0123, 0.02 - 1e-6, 0.0071), to(0.0789, 1, 0.0233);
+    const double area_m2 = (0.0789 - 0.0123) * (0.0233 - 0.0071);
+    Body body(mesh, Material{});
+    EXPECT_NEAR(body.add_traction(from, to, {0, 0, 7.0}), area_m2, 1e-12 * area_m2);
+    const Eigen::Matrix3Xd forces_n = body.external_forces_n();
+    EXPECT_NEAR(forces_n.row(2).sum(), 7.0 * area_m2, 1e-12);
+    EXPECT_NEAR(forces_n.row(2).dot(mesh.nodes_m.row(0)), 7.0 * area_m2 * 0.5 * (0.0123 + 0.0789), 1e-12);
+    EXPECT_NEAR(forces_n.row(2).dot(mesh.nodes_m.row(2)), 7.0 * area_m2 * 0.5 * (0.0071 + 0.0233), 1e-12);
+    Body pulled(mesh, Material{});
+    pulled.add_force(from, to, {0, 0, 7.0 * area_m2});
+    EXPECT_LT((pulled.external_forces_n() - forces_n).cwiseAbs().maxCoeff(), 1e-12);
+    ASSERT_EQ(pulled.loads().size(), 1u);
+    EXPECT_NEAR(pulled.loads()[0].area_m2, area_m2, 1e-12 * area_m2);
+    EXPECT_EQ(pulled.loads()[0].force_n, Eigen::Vector3d(0, 0, 7.0 * area_m2));
+  }
+}
+
+TEST(Body, HalfAFaceHasHalfOfTheLoad) {
+  const TetMesh mesh = box_mesh({0, 0, 0}, {0.02, 0.02, 0.02}, {1, 1, 1});
+  Body body(mesh, Material{});
+  EXPECT_NEAR(body.add_traction({-1, 0.02 - 1e-6, -1}, {0.01, 1, 1}, {0, 1, 0}), 2e-4, 1e-15);
+  EXPECT_NEAR(body.external_forces_n().sum(), 2e-4, 1e-15);
+}
+
+// The diagonals of faces are not mirrored.
+TEST(Body, MirroredTractionsBalance) {
+  const TetMesh mesh = box_mesh({-0.03, -0.012, 0}, {0.03, 0.012, 0.01}, {7, 3, 1});
+  Body body(mesh, Material{});
+  const double above = body.add_traction({-0.0113, 0.012 - 1e-6, -1}, {0.0049, 0.012 + 1e-6, 1}, {0, -100.0, 0}),
+               below = body.add_traction({-0.0113, -0.012 - 1e-6, -1}, {0.0049, -0.012 + 1e-6, 1}, {0, 100.0, 0});
+  EXPECT_NEAR(above, 0.0162 * 0.01, 1e-16);
+  EXPECT_NEAR(above, below, 1e-12 * above);
+  const Eigen::Matrix3Xd forces_n = body.external_forces_n();
+  EXPECT_NEAR(forces_n.row(1).sum(), 0.0, 1e-14);
+  EXPECT_NEAR(forces_n.row(1).dot(mesh.nodes_m.row(0)), 0.0, 1e-14);
+}
+
+TEST(Body, AThinBoxAroundAnEdgeLoadsTheEdge) {
+  Body body(box_mesh({0, 0, 0}, {0.1, 0.02, 0.03}, {3, 2, 2}), Material{});
+  body.add_force({0.1 - 1e-6, 0.02 - 1e-6, -1}, {1, 1, 1}, {0, 1, 0});
+  EXPECT_EQ(body.loads()[0].area_m2, 0.0);
+  EXPECT_NEAR(body.external_forces_n().row(1).sum(), 1.0, 1e-12);
+  for (int node = 0; node < body.mesh().node_count(); ++node) {
+    if (body.external_forces_n()(1, node) == 0.0) continue;
+    EXPECT_LT((body.mesh().nodes_m.col(node).head<2>() - Eigen::Vector2d(0.1, 0.02)).norm(), 1e-12);
+  }
+}
+
+// On top a parabola along x, which quadratic faces have exactly.
+TEST(Body, ACurvedFaceIsCutWhereTheBoxCutsIt) {
+  TetMesh mesh = box_mesh({-0.02, 0, 0}, {0.02, 0.01, 0.01}, {4, 2, 2});
+  for (int node = 0; node < mesh.node_count(); ++node)
+    mesh.nodes_m(2, node) += 10.0 * std::pow(mesh.nodes_m(0, node), 2);
+  Body body(mesh, Material{});
+  const auto length_m = [](double x) { return 0.5 * x * std::sqrt(1.0 + 400.0 * x * x) + std::asinh(20.0 * x) / 40.0; };
+  const double along_m2 = 0.008 * (length_m(0.0177) - length_m(0.0031));
+  EXPECT_NEAR(body.add_traction({0.0031, 0.001, 0.005}, {0.0177, 0.009, 1}, {1, 0, 0}), along_m2, 1e-6 * along_m2);
+  const double high_m2 = 2.0 * 0.008 * (length_m(0.0199) - length_m(std::sqrt(1.7e-4)));
+  EXPECT_NEAR(body.add_traction({-0.0199, 0.001, 0.0117}, {0.0199, 0.009, 1}, {1, 0, 0}), high_m2, 3e-3 * high_m2);
+}
+
+// What hangs under its own weight has displacements that are quadratic along it: exact at every node.
+TEST(Body, GravityHasTheWeightsOfTheShapeFunctions) {
+  const double length_m = 0.1, density_kg_m3 = 1070.0, modulus_pa = 1e7;
+  const TetMesh mesh = box_mesh({0, 0, -length_m}, {0.02, 0.02, 0}, {1, 1, 3});
+  Body body(mesh, {modulus_pa, 0.0, density_kg_m3});
+  body.fix_nodes({-1, -1, -1e-9}, {1, 1, 1}, {false, false, true});
+  body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, false, false});
+  body.fix_nodes({-1, -1, -1}, {1, 1e-9, 1}, {false, true, false});
+  body.set_gravity({0, 0, -9.81});
+  EXPECT_NEAR(body.own_weights_kg().sum(), body.node_masses_kg().sum(), 1e-15);
+  SolverOptions options;
+  options.tolerance = 1e-10;
+  Simulation simulation(std::move(body), {}, {}, options);
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  const double most_m = density_kg_m3 * 9.81 * length_m * length_m / (2.0 * modulus_pa);
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    const double z_m = mesh.nodes_m(2, node), share = -z_m / length_m;
+    EXPECT_NEAR(simulation.state().positions_m(2, node) - z_m, -most_m * share * (2.0 - share), 1e-3 * most_m);
   }
 }
 
@@ -123,6 +212,21 @@ TEST_F(LocatorTest, SpreadsPointsWithoutMovingTheirCentre) {
   double sum = 0.0;
   for (double weight : disc.weights) sum += weight;
   EXPECT_NEAR(sum, 1.0, 1e-12);
+}
+
+TEST_F(LocatorTest, ADiscTurnsWithTheMesh) {
+  const Eigen::Vector3d centre(0.023, 0.0093, 0.0104), normal(0.9, 0.1, -0.2);
+  const EmbeddedPoint disc = locator_.embed_disc(centre, normal, 0.003);
+  TetMesh turned = mesh_;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()).matrix();
+  turned.nodes_m = turn * mesh_.nodes_m;
+  const EmbeddedPoint there = MeshLocator(turned).embed_disc(turn * centre, turn * normal, 0.003);
+  const auto weights = [&](const EmbeddedPoint& point) {
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(mesh_.node_count());
+    for (std::size_t k = 0; k < point.nodes.size(); ++k) all[point.nodes[k]] += point.weights[k];
+    return all;
+  };
+  EXPECT_LT((weights(disc) - weights(there)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST_F(LocatorTest, RefusesAPointThatIsNotANumber) {

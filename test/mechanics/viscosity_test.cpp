@@ -72,6 +72,55 @@ TEST(Viscosity, DampsTheFirstModeAsRayleighsFormulaSays) {
   EXPECT_NEAR(decay_over_frequency({0.06, 0.04}, options), 0.05, 0.001);
 }
 
+// A rod whose sides are free to move in and out, or held: along it most of the second mode's stiffness is bulk.
+Body rod(double poissons_ratio, bool confined) {
+  Body body(box_mesh({0, 0, 0}, {0.1, 0.01, 0.01}, {6, 1, 1}), {264200.0, poissons_ratio, 1070.0});
+  body.fix_nodes({-1, -1, -1}, {1e-6, 1, 1}, {true, false, false});
+  const double far_m = confined ? 1.0 : 1e-6;
+  body.fix_nodes({-1, -1, -1}, {1, far_m, 1}, {false, true, false});
+  body.fix_nodes({-1, -1, -1}, {1, 1, far_m}, {false, false, true});
+  return body;
+}
+
+// Over what b omega^2 / 2 says.
+double bulk_decay(double poissons_ratio, bool confined, SolverOptions options) {
+  const ModalResult modes = modal_analysis(rod(poissons_ratio, confined), 1);
+  const double omega = 2.0 * M_PI * modes.frequencies_hz[0];
+  options.time_step_s = 2.0 * M_PI / omega / 100.0;
+  const auto decay = [&](double over_omega) {
+    Body body = rod(poissons_ratio, confined);
+    body.set_viscosity({0.0, over_omega / omega, 0.0, 1.0});
+    Simulation simulation(std::move(body), {}, {}, options);
+    simulation.keep_energy_ledger();
+    const Eigen::Matrix3Xd& rest_m = simulation.body().mesh().nodes_m;
+    const Eigen::Map<const Eigen::Matrix3Xd> shape(modes.shapes.data(), 3, rest_m.cols());
+    const auto along = [&](const Eigen::Matrix3Xd& vectors) {
+      return shape.cwiseProduct(vectors * simulation.body().node_masses_kg().asDiagonal()).sum();
+    };
+    SimulationState state = simulation.state();
+    state.positions_m += 1e-4 / shape.cwiseAbs().maxCoeff() * shape;
+    simulation.set_state(state);
+    const double start = along(state.positions_m - rest_m);
+    for (int i = 0; i < 200; ++i) EXPECT_TRUE(simulation.step().converged);
+    const double end =
+        std::hypot(along(simulation.state().positions_m - rest_m), along(simulation.state().velocities_m_s) / omega);
+    if (options.method == SolverOptions::Method::newton && over_omega > 0.0) {
+      const EnergyLedger& ledger = *simulation.energy_ledger();
+      EXPECT_NEAR(ledger.closure_error_j, 0.0, 1e-3 * ledger.turned_over_j) << poissons_ratio;
+      EXPECT_GT(ledger.material_j, 0.0);
+    }
+    return std::log(start / end) / simulation.state().time_s;
+  };
+  return (decay(0.1) - decay(0.0)) / (0.05 * omega);
+}
+
+TEST(Viscosity, OfTheVolumeIsThatOfTheFormulaAtEveryPoissonsRatio) {
+  for (const Integrator integrator : {Integrator::bdf2, Integrator::tr_bdf2})
+    for (const bool confined : {false, true})
+      for (const double ratio : {0.3, 0.45, 0.4999})
+        EXPECT_NEAR(bulk_decay(ratio, confined, stepping(integrator, 1.0)), 1.0, 0.02) << ratio << confined;
+}
+
 TEST(Viscosity, DampsAlikeWithXpbd) {
   SolverOptions options;
   options.method = SolverOptions::Method::xpbd;

@@ -38,6 +38,13 @@ struct TouchingBodies {
   double friction = 0.0;      // Coulomb's coefficient
 };
 
+// What a load came to.
+struct AppliedLoad {
+  double area_m2 = 0.0;                               // loaded rest area; 0: it acts on edges or at a point
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // in all
+  double mass_kg = 0.0;                               // of what hangs there, with its weight beside the force
+};
+
 // Dead loads are per undeformed area or volume and keep their direction. Frame: robot_base; SI units.
 class Body {
  public:
@@ -57,11 +64,13 @@ class Body {
                 const Eigen::Matrix<bool, 3, 1>& axes, std::vector<ObstaclePose> motion, std::string name,
                 std::optional<int> only_body = std::nullopt);
 
-  // Boundary faces whose corners all lie in the box; returns the loaded rest area [m^2].
+  // On the part of each boundary face that lies in the box, with the weights of the face's shape functions; returns the
+  // loaded rest area [m^2]. A corner that is no further than 2 um, or 1e-3 of the body's size, from a side of the box
+  // counts as on it.
   double add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
                       const Eigen::Vector3d& traction_pa, std::optional<int> only_body = std::nullopt);
   // The same with a total force spread evenly over the area; over the edges of boundary faces that lie in the box where
-  // no face does. Throws std::invalid_argument where there is neither.
+  // no part of a face does. Throws std::invalid_argument where there is neither.
   void add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Vector3d& force_n,
                  std::optional<int> only_body = std::nullopt);
 
@@ -108,13 +117,16 @@ class Body {
   bool touches_itself() const { return !touching_bodies_.empty(); }
   const std::vector<TouchingBodies>& touching_bodies() const { return touching_bodies_; }
   const Eigen::VectorXd& node_masses_kg() const { return node_masses_kg_; }  // with what hangs on the body
-  const Eigen::VectorXd& hung_masses_kg() const { return hung_masses_kg_; }  // of them
+  const Eigen::VectorXd& own_weights_kg() const { return own_weights_kg_; }  // gravity's shares of the silicone
+  const std::vector<AppliedLoad>& loads() const { return loads_; }           // in the order in which they were added
   const Eigen::Vector3d& gravity_m_s2() const { return gravity_m_s2_; }
   Eigen::Matrix3Xd external_forces_n() const;  // gravity and dead loads, 3 x nodes
   const Eigen::Matrix3Xd& dead_loads_n() const { return dead_loads_n_; }
   double size_m() const;  // diagonal of the rest bounding box
 
  private:
+  Eigen::VectorXd areas_m2(const Eigen::AlignedBox3d& box, std::optional<int> only_body) const;
+  void load(const Eigen::Vector3d& force_n, const Eigen::VectorXd& shares, const AppliedLoad& applied);
   bool is_in(int node, const Eigen::AlignedBox3d& box, std::optional<int> only_body) const;
   Eigen::VectorXd edge_lengths_m(const Eigen::AlignedBox3d& box, std::optional<int> only_body) const;
 
@@ -126,8 +138,10 @@ class Body {
   std::vector<int> body_of_node_;
   FixedAxes fixed_;
   std::vector<Hold> holds_;
-  Eigen::VectorXd node_masses_kg_, hung_masses_kg_;
-  Eigen::VectorXd hung_weights_kg_;  // as the point's weights share it; may be negative
+  Eigen::VectorXd node_masses_kg_;
+  // As shape functions share weight: of the silicone, and of what hangs on it. May be negative.
+  Eigen::VectorXd own_weights_kg_, hung_weights_kg_;
+  std::vector<AppliedLoad> loads_;
   Eigen::Matrix3Xd dead_loads_n_;
   std::vector<Obstacle> obstacles_;
   std::vector<TouchingBodies> touching_bodies_;

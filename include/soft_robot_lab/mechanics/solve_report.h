@@ -15,6 +15,7 @@ namespace soft_robot_lab {
 //   command_not_reached  what is missing, in `unit`        slack                length in excess of the cable's path, <
 //   0 excessive_tension    the tension                       untangled             elements laid out anew
 //   outside_training     0: a reduced model did not know a command, or found no way
+//   fast_obstacle        way in a time step that is cut as often as may be: it may have passed through something
 //   free_motion          0: nothing resists a rigid motion of the body, which `text` names
 struct SolveWarning {
   std::string kind;
@@ -61,8 +62,8 @@ bool may_follow(SolveStage before, SolveStage after);
 void enter(SolveStage stage, int count, std::vector<SolvePathStage>& path);
 
 // What a solve did. A solve that did not converge says so, and leaves the best state it had. A time step of
-// xpbd, which does a fixed amount of work, counts as converged where it created no energy and ends without inverted
-// elements; its residual says how exact it was.
+// xpbd, which does a fixed amount of work, counts as converged where it created no energy, ends without inverted
+// elements, and leaves a residual of at most 1: no more than the largest force in the body. That says how exact it was.
 struct SolveReport {
   bool converged = false;
   bool interrupted = false;  // and the state is the one from before

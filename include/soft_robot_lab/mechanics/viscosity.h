@@ -7,8 +7,8 @@ namespace soft_robot_lab {
 // time. With E the Green strain, which no rigid motion changes, S the second Piola-Kirchhoff stress and mu the shear
 // modulus:
 //   rayleigh_mass_per_s a      force -a M v, as in a viscous medium; damps also the motion as a whole
-//   rayleigh_stiffness_s b     S = b 2 mu dE/dt (Kelvin-Voigt): Rayleigh's b K v at small strain, but for changes of
-//                              volume, which are not damped
+//   rayleigh_stiffness_s b     S = b 2 mu dE/dt (Kelvin-Voigt), and of each element's volume the pressure b lambda
+//                              dJbar/dt: Rayleigh's b K v at small strain, at every Poisson's ratio
 //   hysteresis_ratio g, relaxation_time_s tau    one branch of a Prony series: S = Q, dQ/dt = g 2 mu dE/dt - Q / tau
 // A mode of frequency omega decays as exp(-(a + b omega^2) t / 2). None changes where a body comes to rest.
 struct Viscosity {

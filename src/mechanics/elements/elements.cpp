@@ -193,6 +193,13 @@ ElementSums Elements::add_gradient(const Eigen::Matrix3Xd& positions, const Eige
   return sums;
 }
 
+Eigen::Matrix3Xd Elements::pressure_forces_n(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& p_pa) const {
+  Eigen::Matrix3Xd with = Eigen::Matrix3Xd::Zero(3, positions.cols()), without = with;
+  add_gradient(positions, p_pa, with);
+  add_gradient(positions, Eigen::VectorXd::Zero(p_pa.size()), without);
+  return with - without;
+}
+
 void Elements::add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
                            BlockMatrix& matrix) {
   const ElementArrays all = arrays(batches_, slots_, count_, lambdas_);

@@ -83,6 +83,8 @@ class Elements {
   const std::vector<int>& slots() const { return slots_; }
   const Eigen::VectorXd& lambda_pa() const { return lambda_pa_; }  // per multiplier
   void set_lambda_pa(const Eigen::VectorXd& lambda_pa);
+  // Of other forces than the elements' own: p grad(V0 Jbar) alone, 3 x nodes [N].
+  Eigen::Matrix3Xd pressure_forces_n(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& p_pa) const;
   const Eigen::VectorXd& mu_pa() const { return mu_pa_; }  // per multiplier
 
  private:

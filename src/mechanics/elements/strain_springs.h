@@ -23,6 +23,14 @@ Strains strains_of(const Eigen::VectorXd& numbers);
 struct StrainTarget {
   double stiffness_pa = 0.0;  // kappa of Body::material; other silicone has it by the ratio of their mu
   Strains target;             // E*
+  // And of the volume, whose stiffness is lambda: an element has 1/2 volume_ratio lambda V0 (Jbar - 1 - volume_from)^2
+  // more, which its multiplier takes with its own, so that what is nearly incompressible solves as before. Zero and
+  // empty: it has none.
+  double volume_ratio = 0.0;
+  Eigen::VectorXd volume_from = {};  // per multiplier
+
+  // Where both together would be free: lambda (1 + ratio) / 2 (Jbar - 1 - free)^2, but for a constant.
+  Eigen::VectorXd free_volume() const { return volume_ratio / (1.0 + volume_ratio) * volume_from; }
 };
 
 class StrainSprings {

@@ -28,6 +28,23 @@ Strains strain_from(const NewtonSolver& solver, const SimulationState& state, co
   return combined(difference.weight_now, start, -difference.weight_before, solver.strains(state.previous_positions_m));
 }
 
+// The same of Jbar - 1, which is cubic: over a small part of the time.
+Eigen::VectorXd volume_change(const NewtonSolver& solver, const SimulationState& state, double time_s) {
+  constexpr double kPart = 1e-3;
+  const Eigen::Matrix3Xd way_m = kPart * time_s * state.velocities_m_s;
+  return (solver.volumetric_strain(state.positions_m + way_m) - solver.volumetric_strain(state.positions_m - way_m)) /
+         (2.0 * kPart);
+}
+
+Eigen::VectorXd volume_from(const NewtonSolver& solver, const SimulationState& state,
+                            const BackwardDifference& difference) {
+  const Eigen::VectorXd start = solver.volumetric_strain(state.positions_m);
+  if (difference.trapezoidal) return start + volume_change(solver, state, difference.gamma_s);
+  if (difference.weight_before == 0.0) return start;
+  return difference.weight_now * start -
+         difference.weight_before * solver.volumetric_strain(state.previous_positions_m);
+}
+
 }  // namespace
 
 // S = kappa (E - E*) = b 2 mu dE/dt + Q
@@ -38,9 +55,13 @@ std::shared_ptr<const StrainTarget> viscosity_now(const Body& body, const Newton
   auto springs = std::make_shared<StrainTarget>();
   springs->stiffness_pa = 2.0 * body.material().lame_mu_pa();
   springs->target = solver.strains(state.positions_m);
-  if (viscosity.rayleigh_stiffness_s > 0.0)
+  if (viscosity.rayleigh_stiffness_s > 0.0) {
     springs->target =
         combined(1.0, springs->target, -1.0, strain_change(solver, state, viscosity.rayleigh_stiffness_s));
+    springs->volume_ratio = 1.0;
+    springs->volume_from =
+        solver.volumetric_strain(state.positions_m) - volume_change(solver, state, viscosity.rayleigh_stiffness_s);
+  }
   if (viscosity.hysteresis_ratio > 0.0)
     springs->target = combined(1.0, springs->target, -1.0 / springs->stiffness_pa, strains_of(state.branch_stress_pa));
   return springs;
@@ -56,6 +77,8 @@ ViscousStep::ViscousStep(const Body& body, const NewtonSolver& solver, const Sim
   if (viscosity.rayleigh_stiffness_s > 0.0) {
     strain_target->stiffness_pa = viscosity.rayleigh_stiffness_s * twice_mu_pa / difference.gamma_s;
     strain_target->target = strain_from(solver, state, difference, start);
+    strain_target->volume_ratio = viscosity.rayleigh_stiffness_s / difference.gamma_s;
+    strain_target->volume_from = volume_from(solver, state, difference);
   }
   if (viscosity.hysteresis_ratio > 0.0) {
     const double steps = h / viscosity.relaxation_time_s;

@@ -2,6 +2,7 @@
 // Viscosity within one time step, as springs on the strain (strain_springs.h). Kelvin-Voigt, with the strain's rate
 // from the integrator's own difference, dE/dt = (E - E_from) / gamma:
 //   S = b 2 mu / gamma (E - E_from),   of the trapezoidal rule E_from = E0 + gamma dE/dt where the step starts
+// and so of each element's volume the pressure  b lambda / gamma (Jbar - Jbar_from).
 // The Prony branch, integrated exactly where the strain changes evenly over the step (Simo & Hughes 1998, 10.3.2):
 //   Q = exp(-h/tau) Q0 + kappa (E - E0),   kappa = g 2 mu tau/h (1 - exp(-h/tau))
 // which is second order in h and dissipates at any h. Both together are one spring. Stresses here and in the state are

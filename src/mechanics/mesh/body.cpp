@@ -9,48 +9,16 @@
 #include <utility>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "mechanics/contact/gap.h"
 #include "mechanics/contact/overlap.h"
 #include "settings/point_text.h"
-#include "shape_functions.h"
+#include "load_weights.h"
 
 namespace soft_robot_lab {
 namespace {
 
-double rest_volume(const TetMesh& mesh, int element) {
-  double sum = 0.0;
-  for (const Eigen::Vector3d& point : tet_quadrature_points()) {
-    const ShapeFunctions shape = shape_functions(static_cast<int>(mesh.tets.rows()), point);
-    Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
-    for (Eigen::Index a = 0; a < mesh.tets.rows(); ++a)
-      jacobian += mesh.nodes_m.col(mesh.tets(a, element)) * shape.gradients.col(a).transpose();
-    sum += jacobian.determinant() / 24.0;
-  }
-  return sum;
-}
-
-// Integrals of a face's shape functions over its rest area, by the six-point rule of degree 4 (Dunavant 1985).
-Eigen::VectorXd face_areas(const TetMesh& mesh, Eigen::Index face) {
-  constexpr double kPoints[6][3] = {{0.445948490915965, 0.445948490915965, 0.223381589678011},
-                                    {0.445948490915965, 0.108103018168070, 0.223381589678011},
-                                    {0.108103018168070, 0.445948490915965, 0.223381589678011},
-                                    {0.091576213509771, 0.091576213509771, 0.109951743655322},
-                                    {0.091576213509771, 0.816847572980459, 0.109951743655322},
-                                    {0.816847572980459, 0.091576213509771, 0.109951743655322}};
-  Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.faces.rows());
-  for (const auto& point : kPoints) {
-    const FaceShape shape = face_shape(mesh.faces.rows(), point[0], point[1]);
-    Eigen::Vector3d along_r = Eigen::Vector3d::Zero(), along_s = Eigen::Vector3d::Zero();
-    for (Eigen::Index a = 0; a < mesh.faces.rows(); ++a) {
-      along_r += shape.slopes(0, a) * mesh.nodes_m.col(mesh.faces(a, face));
-      along_s += shape.slopes(1, a) * mesh.nodes_m.col(mesh.faces(a, face));
-    }
-    areas += 0.5 * point[2] * along_r.cross(along_s).norm() * shape.values;
-  }
-  return areas;
-}
+constexpr double kOnSide_m = 2e-6, kOnSide = 1e-3;  // of a load's box; the second of the body's size
 
 void check_hold(const std::vector<ObstaclePose>& motion, const Eigen::Matrix<bool, 3, 1>& axes) {
   if (motion.empty()) return;
@@ -89,12 +57,14 @@ Body::Body(TetMesh mesh, std::vector<Material> of_regions)
   body_of_node_ = bodies_of_nodes(mesh_);
   fixed_ = FixedAxes::Constant(3, mesh_.node_count(), false);
   dead_loads_n_ = Eigen::Matrix3Xd::Zero(3, mesh_.node_count());
-  node_masses_kg_ = hung_masses_kg_ = hung_weights_kg_ = Eigen::VectorXd::Zero(mesh_.node_count());
+  node_masses_kg_ = own_weights_kg_ = hung_weights_kg_ = Eigen::VectorXd::Zero(mesh_.node_count());
   for (int e = 0; e < mesh_.tet_count(); ++e) {
-    const double mass = material_of(e).density_kg_m3 * rest_volume(mesh_, e);
+    const Eigen::VectorXd weights_kg = material_of(e).density_kg_m3 * volume_weights_m3(mesh_, e);
+    const double mass_kg = weights_kg.sum();
     for (Eigen::Index a = 0; a < mesh_.tets.rows(); ++a) {
       const double fraction = !mesh_.quadratic() ? 0.25 : a < 4 ? 1.0 / 36.0 : 4.0 / 27.0;
-      node_masses_kg_[mesh_.tets(a, e)] += fraction * mass;
+      node_masses_kg_[mesh_.tets(a, e)] += fraction * mass_kg;
+      own_weights_kg_[mesh_.tets(a, e)] += weights_kg[a];
     }
   }
 }
@@ -180,36 +150,47 @@ Eigen::VectorXd Body::edge_lengths_m(const Eigen::AlignedBox3d& box, std::option
   return lengths_m;
 }
 
+// Integrals of the shape functions over the part of boundary faces that lies in the box, per node.
+Eigen::VectorXd Body::areas_m2(const Eigen::AlignedBox3d& box, std::optional<int> only_body) const {
+  const double on_side_m = std::min(kOnSide_m, kOnSide * size_m());
+  Eigen::VectorXd areas_m2 = Eigen::VectorXd::Zero(mesh_.node_count());
+  for (Eigen::Index face = 0; face < mesh_.faces.cols(); ++face) {
+    if (only_body && body_of_node(mesh_.faces(0, face)) != *only_body) continue;
+    const Eigen::VectorXd weights_m2 = face_weights_m2(mesh_, face, box, on_side_m);
+    for (Eigen::Index a = 0; a < weights_m2.size(); ++a) areas_m2[mesh_.faces(a, face)] += weights_m2[a];
+  }
+  return areas_m2;
+}
+
 double Body::add_traction(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
                           const Eigen::Vector3d& traction_pa, std::optional<int> only_body) {
-  double loaded = 0.0;
-  for (Eigen::Index face = 0; face < mesh_.faces.cols(); ++face) {
-    bool all_inside = true;
-    for (int corner = 0; corner < 3; ++corner)
-      all_inside = all_inside && is_in(mesh_.faces(corner, face), {box_min_m, box_max_m}, only_body);
-    if (!all_inside) continue;
-    const Eigen::VectorXd areas = face_areas(mesh_, face);
-    for (Eigen::Index a = 0; a < areas.size(); ++a) dead_loads_n_.col(mesh_.faces(a, face)) += areas[a] * traction_pa;
-    loaded += areas.sum();
-  }
-  return loaded;
+  const Eigen::VectorXd areas_m2 = this->areas_m2({box_min_m, box_max_m}, only_body);
+  const double area_m2 = areas_m2.sum();
+  if (area_m2 > 0.0) load(traction_pa, areas_m2, {area_m2, area_m2 * traction_pa, 0.0});
+  return area_m2;
 }
 
 void Body::add_force(const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m, const Eigen::Vector3d& force_n,
                      std::optional<int> only_body) {
-  const double area = add_traction(box_min_m, box_max_m, Eigen::Vector3d::Zero(), only_body);
-  if (area > 0.0) {
-    add_traction(box_min_m, box_max_m, force_n / area, only_body);
-    return;
-  }
-  const Eigen::VectorXd lengths_m = edge_lengths_m({box_min_m, box_max_m}, only_body);
+  const Eigen::AlignedBox3d box(box_min_m, box_max_m);
+  const Eigen::VectorXd areas_m2 = this->areas_m2(box, only_body);
+  const double area_m2 = areas_m2.sum();
+  if (area_m2 > 0.0) return load(force_n, areas_m2 / area_m2, {area_m2, force_n, 0.0});
+  const Eigen::VectorXd lengths_m = edge_lengths_m(box, only_body);
   if (!(lengths_m.sum() > 0.0))
-    throw std::invalid_argument("force_n: no boundary face, and no edge of one, lies inside the load's box");
-  dead_loads_n_ += force_n * (lengths_m / lengths_m.sum()).transpose();
+    throw std::invalid_argument("force_n: no part of a boundary face, and no edge of one, lies inside the load's box");
+  load(force_n, lengths_m / lengths_m.sum(), {0.0, force_n, 0.0});
 }
 
 void Body::add_force(const EmbeddedPoint& at, const Eigen::Vector3d& force_n) {
-  for (std::size_t k = 0; k < at.nodes.size(); ++k) dead_loads_n_.col(at.nodes[k]) += at.weights[k] * force_n;
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(mesh_.node_count());
+  for (std::size_t k = 0; k < at.nodes.size(); ++k) shares[at.nodes[k]] += at.weights[k];
+  load(force_n, shares, {0.0, force_n, 0.0});
+}
+
+void Body::load(const Eigen::Vector3d& force_n, const Eigen::VectorXd& shares, const AppliedLoad& applied) {
+  dead_loads_n_ += force_n * shares.transpose();
+  loads_.push_back(applied);
 }
 
 void Body::hang(const EmbeddedPoint& at, double mass_kg) {
@@ -221,11 +202,10 @@ void Body::hang(const EmbeddedPoint& at, double mass_kg) {
   double squares = 0.0;
   for (const double weight : at.weights) squares += weight * weight;
   for (std::size_t k = 0; k < at.nodes.size(); ++k) {
-    const double lumped_kg = mass_kg * at.weights[k] * at.weights[k] / squares;
-    node_masses_kg_[at.nodes[k]] += lumped_kg;
-    hung_masses_kg_[at.nodes[k]] += lumped_kg;
+    node_masses_kg_[at.nodes[k]] += mass_kg * at.weights[k] * at.weights[k] / squares;
     hung_weights_kg_[at.nodes[k]] += mass_kg * at.weights[k];
   }
+  loads_.push_back({0.0, Eigen::Vector3d::Zero(), mass_kg});
 }
 
 void Body::set_linear_volume(LinearVolume volume) {
@@ -294,7 +274,7 @@ int Body::fixed_node_count() const {
 }
 
 Eigen::Matrix3Xd Body::external_forces_n() const {
-  return dead_loads_n_ + gravity_m_s2_ * (node_masses_kg_ + (hung_weights_kg_ - hung_masses_kg_)).transpose();
+  return dead_loads_n_ + gravity_m_s2_ * (own_weights_kg_ + hung_weights_kg_).transpose();
 }
 
 double Body::size_m() const {

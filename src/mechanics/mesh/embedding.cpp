@@ -44,6 +44,23 @@ std::optional<Eigen::Vector3d> invert_map(const TetMesh& mesh, int tet, const Ei
   return std::nullopt;
 }
 
+// Across the normal, towards that corner of the body around the point that is farthest from the axis: it turns with the
+// body. Of corners that are equally far the first one counts.
+Eigen::Vector3d across(const TetMesh& mesh, int body, const Eigen::Vector3d& center_m, const Eigen::Vector3d& normal) {
+  constexpr double kFarther = 1.0 + 1e-9;
+  const Eigen::Vector3d along = normal.normalized();
+  Eigen::Vector3d farthest_m = Eigen::Vector3d::Zero();
+  for (int tet = 0; tet < mesh.tet_count(); ++tet) {
+    if (mesh.body_of(tet) != body) continue;
+    for (int corner = 0; corner < 4; ++corner) {
+      const Eigen::Vector3d from_m = mesh.nodes_m.col(mesh.tets(corner, tet)) - center_m;
+      const Eigen::Vector3d off_m = from_m - along * along.dot(from_m);
+      if (off_m.norm() > kFarther * farthest_m.norm()) farthest_m = off_m;
+    }
+  }
+  return farthest_m.normalized();
+}
+
 }  // namespace
 
 Eigen::Vector3d EmbeddedPoint::at(const Eigen::Matrix3Xd& positions_m) const {
@@ -133,7 +150,8 @@ EmbeddedPoint MeshLocator::embed_disc(const Eigen::Vector3d& center_m, const Eig
                                       double radius_m) const {
   // One point in the middle and two rings of equal-area cells: the mean of a quadratic field is off by less than 2 %.
   std::vector<EmbeddedPoint> samples;
-  const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.normalized().cross(u);
+  const Eigen::Vector3d u = across(mesh_, mesh_.body_of(locate(center_m).tet), center_m, normal),
+                        v = normal.normalized().cross(u);
   const auto take = [&](double radius, double angle) {
     const Location location = locate(center_m + radius * (std::cos(angle) * u + std::sin(angle) * v));
     if (location.distance_m <= 1e-6 * radius_m) samples.push_back(embed(location));

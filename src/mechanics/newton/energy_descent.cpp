@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "mechanics/contact/swept_obstacles.h"
+#include "damped_bulk.h"
 #include "newton_solver.h"
 #include "mechanics/solver_constants.h"
 
@@ -46,7 +47,8 @@ double energy_between(const DrivenConstraint& constraint, const SharedDrives& dr
 
 class SofterBulk {
  public:
-  explicit SofterBulk(Elements& elements) : elements_(elements), lambda_pa_(elements.lambda_pa()) {
+  SofterBulk(Elements& elements, const StrainTarget* damping)
+      : damped_(elements, damping), elements_(elements), lambda_pa_(elements.lambda_pa()) {
     elements_.set_lambda_pa(lambda_pa_.cwiseMin(constants::kSoftBulk * elements.mu_pa()));
   }
   ~SofterBulk() { elements_.set_lambda_pa(lambda_pa_); }
@@ -54,6 +56,7 @@ class SofterBulk {
   SofterBulk& operator=(const SofterBulk&) = delete;
 
  private:
+  const DampedBulk damped_;
   Elements& elements_;
   const Eigen::VectorXd lambda_pa_;
 };
@@ -97,6 +100,8 @@ NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eig
   at.gradient_n = Eigen::Matrix3Xd::Zero(3, positions_m.cols());
   at.elements = elements_.add_gradient(positions_m, Eigen::VectorXd::Zero(elements_.multiplier_count()), at.gradient_n);
   at.gradient_n -= loads_n_;
+  if (task.strain_target && task.strain_target->volume_ratio > 0.0)
+    at.elements.volumetric_strain -= task.strain_target->free_volume();
   at.energy = at.elements.elastic_energy - loads_n_.cwiseProduct(positions_m).sum() + volumetric_energy_j(at.elements);
   if (task.inertia_per_s2 > 0.0) {
     const Eigen::Matrix3Xd lag = positions_m - *task.predicted_m;
@@ -114,7 +119,8 @@ NewtonSolver::EnergyAt NewtonSolver::energy_at(const NewtonTask& task, const Eig
   return at;
 }
 
-double NewtonSolver::potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to) const {
+double NewtonSolver::potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to) {
+  const DampedBulk damped(elements_, task.strain_target.get());
   ContactState contact = from.contact;
   contact.free = to.contact.free;
   const EnergyAt start = energy_at(task, from.positions_m, from.drives, from.contact),
@@ -193,7 +199,7 @@ Eigen::VectorXd NewtonSolver::downhill(const Eigen::Matrix3Xd& gradient_n, const
 
 NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
   NewtonReport report;
-  const SofterBulk softer(elements_);
+  const SofterBulk softer(elements_, task.strain_target.get());
   const SofterContact softer_contact(soft_contact_);
   skin_in_border_ = false;
   const ContactState contact = state.contact;

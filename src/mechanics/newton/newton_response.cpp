@@ -230,13 +230,23 @@ double NewtonSolver::elastic_energy_j(const Eigen::Matrix3Xd& positions_m) const
   return sums.elastic_energy + volumetric_energy_j(sums);
 }
 
+Eigen::Matrix3Xd NewtonSolver::volume_damping_n(const StrainTarget& damping, const Eigen::VectorXd& volumetric_strain,
+                                                const Eigen::Matrix3Xd& positions_m) const {
+  if (damping.volume_ratio == 0.0) return Eigen::Matrix3Xd::Zero(3, positions_m.cols());
+  const Eigen::VectorXd beyond = volumetric_strain - damping.volume_from;
+  return elements_.pressure_forces_n(positions_m, damping.volume_ratio * elements_.lambda_pa().cwiseProduct(beyond));
+}
+
 NewtonForces NewtonSolver::forces(const NewtonState& state,
                                   const std::shared_ptr<const StrainTarget>& strain_target) const {
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, state.positions_m.cols());
   NewtonForces all{none, none, none, 0.0, 0.0, {}, {}, {}};
   const ElementSums sums = elements_.add_gradient(state.positions_m, state.element_multipliers_pa, all.elastic_n);
   all.elastic_j = sums.elastic_energy + volumetric_energy_j(sums);
-  if (strain_target) springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
+  if (strain_target) {
+    springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
+    all.viscous_n += volume_damping_n(*strain_target, sums.volumetric_strain, state.positions_m);
+  }
   const ContactSums touching = contact_.sums(state.positions_m, state.contact);
   contact_.add_forces(touching, all.contact_n);
   all.rubbed_j = contact_.rubbed_j(touching);
@@ -265,14 +275,21 @@ StepWork NewtonSolver::work(const NewtonState& state, const std::shared_ptr<cons
     others_j += work_j;
     return work_j;
   };
-  const ElementSums sums =
+  ElementSums sums =
       known ? end_.at.elements : elements_.add_gradient(state.positions_m, state.element_multipliers_pa, net_n);
+  if (known && strain_target && strain_target->volume_ratio > 0.0)
+    sums.volumetric_strain += strain_target->free_volume();
   all.elastic_energy_j = sums.elastic_energy + volumetric_energy_j(sums);
   const Eigen::Matrix3Xd none = Eigen::Matrix3Xd::Zero(3, way_m.cols());
   if (strain_target) {
     all.viscous_n = none;
     springs_.add_gradient(state.positions_m, *strain_target, all.viscous_n);
     all.viscous_j = take(all.viscous_n);
+    const Eigen::Matrix3Xd of_volume_n = volume_damping_n(*strain_target, sums.volumetric_strain, state.positions_m);
+    const double of_volume_j = of_volume_n.cwiseProduct(way_m).sum();
+    all.viscous_n += of_volume_n;  // among all forces already, by the multipliers
+    all.viscous_j += of_volume_j;
+    others_j += of_volume_j;
   }
   Eigen::Matrix3Xd forces_n;
   if (!contact_.empty()) {

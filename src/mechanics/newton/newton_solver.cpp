@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "newton_solver.h"
+#include "damped_bulk.h"
 #include "mechanics/solver_constants.h"
 
 #include <algorithm>
@@ -97,8 +98,10 @@ NewtonSolver::Evaluation NewtonSolver::evaluate(const NewtonTask& task, const Ne
     result.smooth_energy += 0.5 * inertia.cwiseProduct(lag).sum();
     result.residual_n += inertia;
   }
-  if (task.strain_target)
+  if (task.strain_target) {
     result.smooth_energy += springs_.add_gradient(state.positions_m, *task.strain_target, result.residual_n);
+    if (task.strain_target->volume_ratio > 0.0) result.elements.volumetric_strain -= task.strain_target->free_volume();
+  }
   result.residual_n -= loads_n_;
 
   double constraint_residual = 0.0;
@@ -293,6 +296,7 @@ void NewtonSolver::abandon() {
 }
 
 NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
+  const DampedBulk damped(elements_, task.strain_target.get());
   NewtonReport report;
   Evaluation here = evaluate(task, state);
   if (!here.finite) {

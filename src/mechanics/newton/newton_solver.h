@@ -160,6 +160,11 @@ class NewtonSolver {
   // which, all in all, what slipped goes on.
   NewtonResponse respond(const NewtonState& state, const NewtonDrive& drive);
 
+  // Jbar - 1 of each multiplier.
+  Eigen::VectorXd volumetric_strain(const Eigen::Matrix3Xd& positions_m) const {
+    return sums_at(positions_m).volumetric_strain;
+  }
+
   // What the residual force at an equilibrium gains where all moduli of the body grow by the factor 1 + d: the elastic
   // force, which loads and constraints balance. Over 3*node + axis.
   Eigen::VectorXd elastic_force_n(const NewtonState& state) const;
@@ -176,7 +181,7 @@ class NewtonSolver {
   // By how much the potential that a task makes least is higher at one state than at another: with friction, contact,
   // and constraints that give way as carried points do. Both have the drives of `from`, and its contact but for where
   // free obstacles are.
-  double potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to) const;
+  double potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to);
   const Eigen::Matrix3Xd& loads_n() const { return loads_n_; }
   // Besides the body's own loads, in place of what pulled before.
   void pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n);
@@ -212,7 +217,7 @@ class NewtonSolver {
 
  private:
   struct Evaluation {
-    ElementSums elements;
+    ElementSums elements;             // volumetric_strain: beyond that at which damping would leave it free
     Eigen::Matrix3Xd residual_n;      // of the unheld degrees of freedom
     FreeColumns free_residual;        // of free obstacles
     std::vector<double> values;       // C
@@ -338,6 +343,9 @@ class NewtonSolver {
   ExactMotions exact_forces_n(const ExactMotions& motions) const;
   ElementSums sums_at(const Eigen::Matrix3Xd& positions_m) const;  // but for the gradient
   double volumetric_energy_j(const ElementSums& sums) const;
+  // What the volume's damping pulls by at Jbar - 1.
+  Eigen::Matrix3Xd volume_damping_n(const StrainTarget& damping, const Eigen::VectorXd& volumetric_strain,
+                                    const Eigen::Matrix3Xd& positions_m) const;
 
   std::shared_ptr<const NewtonTables> tables_;
   const Body& body_;  // these are the tables'

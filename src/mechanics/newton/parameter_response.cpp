@@ -38,9 +38,8 @@ void add_slipped(const SimulationParts& parts, const Eigen::MatrixXd& slipped_m,
 
 // What the residual force gains by a unit of density.
 Eigen::VectorXd weight_n(const Body& body) {
-  const Eigen::RowVectorXd masses =
-      (body.node_masses_kg() - body.hung_masses_kg()).transpose() / body.material().density_kg_m3;
-  Eigen::Matrix3Xd weight_n = -body.gravity_m_s2() * masses;
+  const Eigen::RowVectorXd shares_m3 = body.own_weights_kg().transpose() / body.material().density_kg_m3;
+  Eigen::Matrix3Xd weight_n = -body.gravity_m_s2() * shares_m3;
   weight_n = body.fixed().array().select(0.0, weight_n.array()).matrix();
   return Eigen::Map<const Eigen::VectorXd>(weight_n.data(), weight_n.size());
 }

@@ -77,12 +77,13 @@ bool sleep_on(SimulationParts& parts, double h, SolveReport& report) {
 
 void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport& report) {
   SimulationState& state = parts.state;
-  const double motion_m = h * std::max(state.velocities_m_s.colwise().norm().maxCoeff(),
-                                       free_speed_m_s(parts.workspace.newton.contact().free(), state.free_velocities));
-  if (!report.converged || report.inverted_elements > 0 || motion_m > constants::kNearlyStill * parts.body.size_m())
+  const double speed_m_s = std::max(state.velocities_m_s.colwise().norm().maxCoeff(),
+                                    free_speed_m_s(parts.workspace.newton.contact().free(), state.free_velocities));
+  if (!report.converged || report.inverted_elements > 0 ||
+      h * speed_m_s > constants::kNearlyStill * parts.body.size_m())
     return;
   if (!commands_reached(parts)) return;
-  if (motion_m > constants::kStill * parts.body.size_m()) {
+  if (speed_m_s > constants::kSleepingSpeed_per_s * parts.body.size_m()) {
     if (!needs_new_factor(parts, report)) return;
     parts.workspace.newton.restore(nullptr);
     return;

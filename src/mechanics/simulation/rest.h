@@ -17,9 +17,9 @@ void require_rest(const SimulationParts& parts);
 // One step of a sleeping body; false where it is awake, or has just been woken.
 bool sleep_on(SimulationParts& parts, double h, SolveReport& report);
 
-// After a step of length h: sleeps from now on where nothing moves, every command is reached, and the body stands in a
-// stable equilibrium to options.tolerance. Where it is only nearly still, far from where the last factor was made, the
-// next step makes its own.
+// After a step of length h: sleeps from now on where nothing is faster than 1e-4 of the body's size a second, every
+// command is reached, and the body stands in a stable equilibrium to options.tolerance. Where it is only nearly still,
+// far from where the last factor was made, the next step makes its own.
 void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport& report);
 
 }  // namespace soft_robot_lab

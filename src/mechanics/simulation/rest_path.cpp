@@ -14,6 +14,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kMostTurn_rad = 0.7853981633974483;  // of a hold in one stage: 45 degrees
+constexpr double kMostParts = 1e4;                    // of a stage
 constexpr double kShareMet = 1e-6;                    // of the way: nearer is there
 
 void add_poses(const std::vector<ObstaclePose>& motion, double from_s, double to_s, std::vector<double>& times_s) {
@@ -72,8 +73,9 @@ double RestPath::stage_end(double from, double to) const {
   still.linear_m_s = still.angular_rad_s = Eigen::Matrix3Xd::Zero(3, contact.free().count());
   ContactState state = parts_.state.contact;
   state.time_s = from_s;
-  parts = std::max(parts, std::ceil(parts_for_obstacles(parts_.body, contact, parts_.state.positions_m, at_rest, state,
-                                                        still, time_s(to) - from_s)));
+  const ObstacleCuts cuts =
+      parts_for_obstacles(parts_.body, contact, parts_.state.positions_m, at_rest, state, still, time_s(to) - from_s);
+  parts = std::min(std::max(parts, std::ceil(cuts.parts)), kMostParts);
   return parts > 1.0 ? from + (to - from) / parts : to;
 }
 

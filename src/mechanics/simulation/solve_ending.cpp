@@ -70,6 +70,21 @@ void tell_untangled(int elements, SolveReport& report) {
   add_warning(warning, report.warnings);
 }
 
+void tell_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& body, double h, SolveReport& report) {
+  if (cuts.parts <= most) return;
+  SolveWarning warning;
+  warning.kind = "fast_obstacle";
+  warning.size = cuts.way_m;
+  warning.unit = "m";
+  std::ostringstream text;
+  text << "obstacle '" << body.obstacles()[static_cast<std::size_t>(cuts.obstacle)].name << "' and what it meets move "
+       << cuts.way_m << " m against one another in a time step of " << h << " s, which would have to be cut into "
+       << cuts.parts << " parts, out of range [1, " << most
+       << "]: it may pass through; choose a solver.time_step_s below " << h * most / cuts.parts;
+  warning.text = text.str();
+  add_warning(warning, report.warnings);
+}
+
 void add_warning(const SolveWarning& warning, std::vector<SolveWarning>& all) {
   const auto same = std::find_if(all.begin(), all.end(), [&](const SolveWarning& other) {
     return other.kind == warning.kind && other.actuator == warning.actuator;

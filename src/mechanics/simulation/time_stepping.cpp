@@ -253,7 +253,7 @@ bool try_part(SimulationParts& parts, double h, const CommandPath& path, const P
 // one step is implicit Euler's. A part that finds no solution at last falls down its energy, which never adds any.
 void advance(SimulationParts& parts, double h, const CommandPath& path, const Part& part, SolveReport& report) {
   const double obstacles_s = parts.state.contact.time_s;
-  const bool last_resort = part.depth == constants::kDeepestHalving ||
+  const bool last_resort = part.depth >= constants::kDeepestHalving ||
                            report.iterations > constants::kStepBudget * parts.options.max_iterations;
   if (part.depth >= 0) {
     if (try_part(parts, h, path, part, last_resort, report)) return;
@@ -267,18 +267,16 @@ void advance(SimulationParts& parts, double h, const CommandPath& path, const Pa
 }
 
 // All of a step; it begins in parts where an obstacle is so fast that it might pass through skin.
-Part whole_step(const SimulationParts& parts, double h) {
-  const SimulationState& state = parts.state;
-  const double count = parts_for_obstacles(parts.body, parts.workspace.newton.contact(), state.positions_m,
-                                           state.velocities_m_s, state.contact, state.free_velocities, h);
-  return {0.0, 1.0, -std::min(constants::kDeepestHalving, static_cast<int>(std::ceil(std::log2(count))))};
+Part whole_step(const ObstacleCuts& cuts) {
+  const double count = std::min(cuts.parts, constants::kMostParts);
+  return {0.0, 1.0, -static_cast<int>(std::ceil(std::log2(count)))};
 }
 
 bool is_power_of_two(int number) { return number > 0 && (number & (number - 1)) == 0; }
 
 // A step from a shape whose inverted elements are laid out anew, with ever more of their surroundings the longer they
 // have been so; kept only where they stay untangled.
-bool advance_untangled(SimulationParts& parts, double h, SolveReport& report) {
+bool advance_untangled(SimulationParts& parts, double h, const ObstacleCuts& cuts, SolveReport& report) {
   SimulationState& state = parts.state;
   const SimulationState before = state;
   const std::optional<EnergyKeeper> energy_before = parts.energy;
@@ -288,7 +286,7 @@ bool advance_untangled(SimulationParts& parts, double h, SolveReport& report) {
   state.element_multipliers_pa.setZero();
   parts.forget_previous_step();
   enter(SolveStage::untangle, static_cast<int>(untangled.elements.size()), report.path);
-  advance(parts, h, CommandPath(parts, h), whole_step(parts, h), report);
+  advance(parts, h, CommandPath(parts, h), whole_step(cuts), report);
   if (report.converged && report.inverted_elements == 0) {
     tell_untangled(static_cast<int>(untangled.elements.size()), report);
     return true;
@@ -302,10 +300,14 @@ bool advance_untangled(SimulationParts& parts, double h, SolveReport& report) {
 
 void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
   if (sleep_on(parts, h, report)) return;
-  const int inverted_steps = parts.state.inverted_steps;
-  if (!is_power_of_two(inverted_steps) || !advance_untangled(parts, h, report))
-    advance(parts, h, CommandPath(parts, h), whole_step(parts, h), report);
+  const SimulationState& state = parts.state;
+  const ObstacleCuts cuts = parts_for_obstacles(parts.body, parts.workspace.newton.contact(), state.positions_m,
+                                                state.velocities_m_s, state.contact, state.free_velocities, h);
+  const int inverted_steps = state.inverted_steps;
+  if (!is_power_of_two(inverted_steps) || !advance_untangled(parts, h, cuts, report))
+    advance(parts, h, CommandPath(parts, h), whole_step(cuts), report);
   parts.state.inverted_steps = report.inverted_elements > 0 ? inverted_steps + 1 : 0;
+  tell_fast_obstacle(cuts, constants::kMostParts, parts.body, h, report);
   fall_asleep_where_still(parts, h, report);
 }
 

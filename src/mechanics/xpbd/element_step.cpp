@@ -196,6 +196,7 @@ struct Shape {
   Batch volume_gradient[3 * Nodes];  // g
   BatchMatrix mean;                  // F
   Batch volumetric_strain;           // Jbar - 1
+  Batch volume_before;               // the same where the substep began; 0 without dashpots
 };
 
 // Stress against the change of the strain since the substep began, 2 mu b / h F (E - E0).
@@ -217,6 +218,7 @@ inline void find_shape(const BatchArrays& e, const Law& law, const Batch* x, Bat
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) shape.mean.m[i][k] = splat(0.0);
   shape.volumetric_strain = splat(-1.0);
+  shape.volume_before = splat(start ? -1.0 : 0.0);
   for (int q = 0; q < Points; ++q) {
     const Batch* g = e.gradients + 3 * Nodes * q;
     const BatchMatrix f = deformation_gradient<Nodes>(x, g), c = cofactor(f);
@@ -231,7 +233,11 @@ inline void find_shape(const BatchArrays& e, const Law& law, const Batch* x, Bat
         stress.m[i][k] = w * point.along_f * f.m[i][k] + (point.along_cofactor + p) * volume_stress.m[i][k];
       }
     add_rest_of_stress(law, f, w, stress);
-    if (start) add_dashpot<Nodes>(f, start, g, w * stiffness, stress);
+    if (start) {
+      add_dashpot<Nodes>(f, start, g, w * stiffness, stress);
+      const BatchMatrix before = deformation_gradient<Nodes>(start, g);
+      shape.volume_before += share * w * determinant(before, cofactor(before));
+    }
     for (int a = 0; a < Nodes; ++a) {
       const BatchVector force = multiply(stress, g + 3 * a), along = multiply(volume_stress, g + 3 * a);
       for (int i = 0; i < 3; ++i) {
@@ -364,15 +370,16 @@ inline void move_batches(const BatchArrays& all, const Law* laws, int first, int
     multiply_symmetric<Nodes>(kept.inverse, load, motion);
     turn<Nodes>(turned, motion);
     turn<Nodes>(turned, answer);
-    // The pressure's change dp, which follows from p + dp = lambda (Jbar - 1 + g.dx / V).
+    // The pressure's change dp, which follows from p + dp = lambda (Jbar - 1 + g.dx / V), with dashpots of b / h from
+    // p + dp = lambda (1 + b / h) (Jbar - 1 - b / (h + b) (Jbar_0 - 1) + g.dx / V).
     Batch by_forces = splat(0.0), by_pressure = splat(0.0);
     for (int i = 0; i < kSize; ++i) {
       by_forces += s[i] * shape.volume_gradient[i] * motion[i];
       by_pressure += s[i] * shape.volume_gradient[i] * answer[i];
     }
-    const Batch stiffness = *e.lambda_pa / volume_of<Points>(e);
-    const Batch rise =
-        (*e.lambda_pa * shape.volumetric_strain - p + stiffness * by_forces) / (1.0 + h * h * stiffness * by_pressure);
+    const Batch lambda_pa = (1.0 + step.dashpot) * *e.lambda_pa, stiffness = lambda_pa / volume_of<Points>(e);
+    const Batch strain = shape.volumetric_strain - step.dashpot / (1.0 + step.dashpot) * shape.volume_before;
+    const Batch rise = (lambda_pa * strain - p + stiffness * by_forces) / (1.0 + h * h * stiffness * by_pressure);
     for (int i = 0; i < kSize; ++i) {
       motion[i] -= h * h * rise * answer[i];
       multipliers[i] += motion[i];

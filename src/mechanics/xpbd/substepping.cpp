@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -13,6 +14,17 @@
 namespace soft_robot_lab {
 namespace {
 
+// Of the last substep; null without any.
+std::shared_ptr<const StrainTarget> dashpots_of(const SimulationParts& parts, double substep_s,
+                                                const Eigen::Matrix3Xd& started_m) {
+  const double ratio = parts.body.viscosity().rayleigh_stiffness_s / substep_s;
+  if (ratio == 0.0) return nullptr;
+  const NewtonSolver& newton = parts.workspace.newton;
+  return std::make_shared<const StrainTarget>(StrainTarget{2.0 * ratio * parts.body.material().lame_mu_pa(),
+                                                           newton.strains(started_m), ratio,
+                                                           newton.volumetric_strain(started_m)});
+}
+
 // The residual is that of a body at rest or of the last substep.
 NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdReport& done) {
   NewtonTask residual;
@@ -21,11 +33,22 @@ NewtonReport measure(SimulationParts& parts, const XpbdTask& task, const XpbdRep
   residual.predicted_m = &done.predicted_m;
   residual.inertia_per_s2 = task.at_rest ? 0.0 : std::pow(done.substeps / task.time_step_s, 2);
   NewtonState measured = parts.unknowns();
-  if (!task.at_rest) measured.free_inertia = done.free_inertia;
+  if (!task.at_rest) {
+    measured.free_inertia = done.free_inertia;
+    residual.strain_target = dashpots_of(parts, task.time_step_s / done.substeps, done.started_m);
+  }
   NewtonReport found = parts.workspace.newton.solve(residual, measured);
   if (task.at_rest) return found;
-  found.converged = done.stable && found.inverted_elements == 0;
-  found.reason = done.stable ? "" : "the step created energy with " + std::to_string(done.substeps) + " substeps too";
+  const bool balanced = found.residual <= constants::kMostLeft;
+  found.converged = done.stable && balanced && found.inverted_elements == 0;
+  std::ostringstream reason;
+  if (!done.stable) {
+    reason << "the step created energy with " << done.substeps << " substeps too";
+  } else if (!balanced) {
+    reason << "the step left a residual of " << found.residual << ", out of range [0, " << constants::kMostLeft
+           << "]; choose more solver.substeps than " << done.substeps;
+  }
+  found.reason = reason.str();
   return found;
 }
 
@@ -100,6 +123,13 @@ XpbdTask substepping(const SimulationParts& parts) {
   if (!parts.workspace.newton.contact().empty()) task.contact = &parts.workspace.newton.contact();
   move_by_itself(parts, parts.state.contact.time_s + task.time_step_s, task);
   return task;
+}
+
+// A body that rests is set in motion by what comes to touch it: below that this is no growth.
+double unseen_motion(const SimulationParts& parts, double substep_s) {
+  const Eigen::VectorXd weights = parts.workspace.xpbd->weights_at_rest(substep_s);
+  return weights.head(parts.state.positions_m.size()).norm() * constants::kUnseenMotion * parts.body.size_m() /
+         substep_s;
 }
 
 // What a step towards rest maps to the next one, but for the turns of free obstacles.
@@ -187,7 +217,14 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
     parts.place_actuators(from, to, fraction);
     return std::make_shared<const DriveStates>(parts.state.drives);
   };
-  if (!advance_in_substeps(parts, task, before, report).finite) return;
+  const ObstacleCuts cuts = parts_for_obstacles(parts.body, parts.workspace.newton.contact(), parts.state.positions_m,
+                                                parts.state.velocities_m_s, parts.state.contact,
+                                                parts.state.free_velocities, task.time_step_s);
+  const int most = task.substep_count << constants::kDoublings;
+  task.substep_count = std::max(task.substep_count, static_cast<int>(std::ceil(std::min<double>(cuts.parts, most))));
+  const XpbdReport done = advance_in_substeps(parts, task, before, report);
+  tell_fast_obstacle(cuts, most, parts.body, task.time_step_s, report);
+  if (!done.finite) return;
   parts.state.time_s += task.time_step_s;
 }
 
@@ -215,7 +252,8 @@ void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
     };
     move_by_itself(parts, from_s + next * (until_s - from_s), task);
     const XpbdReport done = advance_in_substeps(parts, task, Past(before), report);
-    const bool grows = done.last_motion > constants::kMostGrowth * done.first_motion;
+    const double unseen = reached < 1.0 ? unseen_motion(parts, pace.substep_s) : 0.0;
+    const bool grows = done.last_motion > std::max(unseen, constants::kMostGrowth * done.first_motion);
     if (!done.finite || grows) {
       parts.state = before;
       report.converged = false;

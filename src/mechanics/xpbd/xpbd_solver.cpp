@@ -408,7 +408,11 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
     unknowns.contact.time_s = from_s + over * (task.until_s - from_s);
     const Eigen::Matrix3Xd before = unknowns.positions_m;
     if (slowing < 1.0) state.velocities_m_s *= slowing;
-    if (substep + 1 == task.substep_count) report.predicted_m = before + h * state.velocities_m_s;
+    if (substep + 1 == task.substep_count) {
+      report.started_m = before;
+      report.predicted_m = before + h * state.velocities_m_s;
+      if (task.hysteresis) report.predicted_m -= h * h * masses_->whole.cwiseProduct(task.hysteresis->gradient_n());
+    }
     predict(task, h, state);
     for (int iteration = 0; iteration < task.iteration_count; ++iteration) {
       if (interrupt_) interrupt_->check();

@@ -76,8 +76,8 @@ struct XpbdReport {
   int sweeps = 0;                 // over all elements, of all attempts
   int rejected_steps = 0;
   double first_motion = 0.0, last_motion = 0.0;  // towards rest, in the first and in the last substep
-  // Where the last substep's inertia led, for its residual.
-  Eigen::Matrix3Xd predicted_m;
+  // Of the last substep, for its residual: where it started, and where its inertia and hysteresis led.
+  Eigen::Matrix3Xd started_m, predicted_m;
   std::shared_ptr<const FreeInertia> free_inertia;
 };
 

@@ -90,13 +90,13 @@ void load_skin(const YamlNode& item, Body& body) {
     try {
       body.add_force(box.min_m, box.max_m, force_n, owner);
     } catch (const std::invalid_argument&) {
-      item.fail(miss("whole boundary face, and no edge of one,", box, body));
+      item.fail(miss("part of a boundary face, and no edge of one,", box, body));
     }
     return;
   }
   const Eigen::Vector3d traction_pa = item.vector3("traction_pa");
   if (body.add_traction(box.min_m, box.max_m, traction_pa, owner) <= 0.0)
-    item.fail(miss("whole boundary face", box, body));
+    item.fail(miss("part of a boundary face", box, body));
 }
 
 Eigen::Vector3d marker_position_m(const YamlNode& item, const YamlNode& scene) {

@@ -137,6 +137,15 @@ Json reactions_json(const Simulation& simulation, const Eigen::Matrix3Xd& forces
   return all;
 }
 
+// Of each load, in the order of the scene; weights hang with their pull.
+Json loads_json(const Body& body) {
+  Json all = Json::array();
+  for (const AppliedLoad& load : body.loads())
+    all.push_back({{"area_m2", load.area_m2},
+                   {"force_n", list(Eigen::Vector3d(load.force_n + load.mass_kg * body.gravity_m_s2()))}});
+  return all;
+}
+
 Json energy_json(const EnergyLedger& ledger) {
   return {{"kinetic_j", ledger.kinetic_j},
           {"elastic_j", ledger.elastic_j},
@@ -232,6 +241,7 @@ std::string result_json(const Scene& scene, const RunReport& report) {
     result["reaction"] = reaction_json(simulation, forces_n);
     result["reactions"] = reactions_json(simulation, forces_n);
   }
+  if (!simulation.body().loads().empty()) result["loads"] = loads_json(simulation.body());
   if (simulation.energy_ledger()) result["energy"] = energy_json(*simulation.energy_ledger());
   add_contacts(simulation, result);
   add_free_obstacles(simulation, result);

@@ -82,6 +82,22 @@ TEST(FreeObstacle, FallsAsABodyInAVacuum) {
   }
 }
 
+// In a short step everything moves little; a ball that nothing holds has no force by which it would be awake.
+TEST(FreeObstacle, DriftsOnHoweverShortTheSteps) {
+  for (const double time_step_s : {1e-4, 1e-3, 1e-2}) {
+    Obstacle drifting = ball({0, 0.5, 0});
+    drifting.velocity_m_s = {2e-5, 0, 0};
+    drifting.angular_velocity_rad_s = {0, 0, 2e-4};
+    Body body = pad({1, 1, 1});
+    body.set_gravity(Vector3d::Zero());
+    Simulation simulation = with(std::move(body), {drifting}, steps_of(time_step_s));
+    run(simulation, 0.1);
+    EXPECT_FALSE(simulation.state().rest_residual.has_value()) << time_step_s;
+    EXPECT_NEAR(center_m(simulation).x(), 2e-6, 2e-10) << time_step_s;
+    EXPECT_NEAR(spin_rad_s(simulation).z(), 2e-4, 1e-9) << time_step_s;
+  }
+}
+
 // Torque-free motion about the middle axis: the Dzhanibekov effect. Angular momentum stays; energy nearly does.
 struct Tumbling {
   Vector3d momentum_error;

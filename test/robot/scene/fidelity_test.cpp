@@ -280,7 +280,7 @@ TEST_F(Fidelity, RefusesWhatItCannotAnswer) {
       {bar + "fidelity: {tolerance_m: 0.02, tolerence: 1}\n", "unknown key 'tolerence'"},
       {bar + "fidelity: {tolerance_m: 0.02}\nbodi: 1\n", "unknown key 'bodi'"},
       {bar + wish + "loads: [{box: {min_m: [5, 5, 5], max_m: [6, 6, 6]}, force_n: [0, 1, 0]}]\n",
-       "no whole boundary face, and no edge of one, lies in the box"},
+       "no part of a boundary face, and no edge of one, lies in the box"},
   };
   for (const auto& [text, words] : table) {
     SCOPED_TRACE(text);

@@ -183,7 +183,7 @@ TEST(Scene, RefinesTheMeshAroundPlugsWhenAsked) {
 
 TEST(Scene, SpreadsForceAndTractionAlike) {
   const SceneFolder folder;
-  const std::string end = "include: bar.yaml\nloads: [{box: {min_m: [0.0999, -1, -1], max_m: [1, 1, 1]}, ";
+  const std::string end = "include: bar.yaml\nloads: [{box: {min_m: [0.099999, -1, -1], max_m: [1, 1, 1]}, ";
   const Scene traction = load_scene(folder.write("t.yaml", end + "traction_pa: [0, 500, 0]}]\n"), options());
   const Scene force = load_scene(folder.write("f.yaml", end + "force_n: [0, 0.2, 0]}]\n"), options());
   const Eigen::Matrix3Xd difference =
@@ -241,7 +241,7 @@ TEST(Scene, RefusesWithPlaceAndReason) {
       {"body: {material: {youngs_modulus_pa: -1}}", "youngs_modulus_pa"},
       {"loads: [{box: {min_m: [0, 0, 0], max_m: [1, 1, 1]}}]", "loads[0]: must have one of traction_pa, force_n"},
       {"loads: [{box: {min_m: [3, 3, 3], max_m: [4, 4, 4]}, force_n: [0, 1, 0]}]",
-       "no whole boundary face, and no edge of one, lies in"},
+       "no part of a boundary face, and no edge of one, lies in"},
       {"cables: [{name: far, points_m: [[0, 0, 0], [0.1, 0.5, 0]]}]", "bad.yaml:2: cables[0]"},
       {"cables: [{name: left, points_m: [[0, 0, 0], [0.1, 0, 0]], model: rope}]", "'rope' is not one of"},
       {"chambers: [{name: main, surface: cavity}]", "surface: the mesh has no surface 'cavity'; known: none"},

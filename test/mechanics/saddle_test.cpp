@@ -41,9 +41,9 @@ Simulation column(double pressure_pa, bool held_straight) {
   return Simulation(std::move(body), {}, std::move(markers), {});
 }
 
-bool says_unstable(const SolveReport& report) {
+bool snapped(const SolveReport& report) {
   return std::any_of(report.warnings.begin(), report.warnings.end(),
-                     [](const SolveWarning& warning) { return warning.kind == "unstable_on_the_way"; });
+                     [](const SolveWarning& warning) { return warning.kind == "snapped"; });
 }
 
 TEST(Saddle, IsNoEquilibriumThoughNoForceIsLeft) {
@@ -53,19 +53,29 @@ TEST(Saddle, IsNoEquilibriumThoughNoForceIsLeft) {
   const SolveReport report = free.solve_equilibrium();
   ASSERT_TRUE(report.converged) << report.message;
   EXPECT_GT(std::abs(free.marker_position(0).x()), 0.01);
-  EXPECT_TRUE(says_unstable(report));
+  EXPECT_TRUE(snapped(report));
 }
 
 TEST(Saddle, OfAColumnThatDoesNotBuckleIsNone) {
   Simulation straight = column(300.0, true), free = column(300.0, false);
   const SolveReport first = straight.solve_equilibrium();
   ASSERT_TRUE(first.converged);
-  EXPECT_FALSE(says_unstable(first));
+  EXPECT_FALSE(snapped(first));
   free.set_state(straight.state());
   const SolveReport report = free.solve_equilibrium();
   ASSERT_TRUE(report.converged);
   EXPECT_EQ(report.iterations, 0);
-  EXPECT_FALSE(says_unstable(report));
+  EXPECT_FALSE(snapped(report));
+}
+
+TEST(Saddle, IsLeftWhereALoadBucklesAColumnFromItsRestShape) {
+  for (const double over_euler : {1.06, 1.3, 1.52}) {
+    Simulation column = soft_robot_lab::column(540.0 * over_euler, false);
+    const SolveReport report = column.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << over_euler << ": " << report.message;
+    EXPECT_GT(std::abs(column.marker_position(0).x()), 0.02) << over_euler;
+    EXPECT_TRUE(snapped(report)) << over_euler;
+  }
 }
 
 }  // namespace

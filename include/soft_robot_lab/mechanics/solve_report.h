@@ -17,6 +17,8 @@ namespace soft_robot_lab {
 //   outside_training     0: a reduced model did not know a command, or found no way
 //   fast_obstacle        way in a time step that is cut as often as may be: it may have passed through something
 //   free_motion          0: nothing resists a rigid motion of the body, which `text` names
+//   snapped              by how much a node moved where the way to a rest state became unstable
+//   negative_volume      the volume of a chamber whose walls have passed through one another
 struct SolveWarning {
   std::string kind;
   double size = 0.0;

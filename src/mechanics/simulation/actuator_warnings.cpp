@@ -50,13 +50,36 @@ void check_tension(const ActuatorReading& reading, const Body& body, std::vector
   warnings.push_back(std::move(warning));
 }
 
+// Walls that passed through one another enclose less than nothing.
+void check_volume(const ActuatorReading& reading, std::vector<SolveWarning>& warnings) {
+  if (*reading.volume_m3 > 0.0) return;
+  SolveWarning warning = about(reading, "negative_volume", *reading.volume_m3, "m3");
+  std::ostringstream text;
+  text << "actuator " << reading.name << ": a volume of " << *reading.volume_m3
+       << " m3, which must be above 0: its walls have passed through one another; contact: {self: true} keeps them "
+          "apart";
+  warning.text = text.str();
+  warnings.push_back(std::move(warning));
+}
+
 }  // namespace
 
 std::vector<SolveWarning> actuator_warnings(const ActuatorReading& reading, const Body& body) {
   std::vector<SolveWarning> warnings;
   if (reading.commanded_length_m && reading.length_m && reading.rest_length_m) check_length(reading, warnings);
   if (reading.tension_n) check_tension(reading, body, warnings);
+  if (reading.volume_m3) check_volume(reading, warnings);
   return warnings;
+}
+
+bool refuse_impossible(const std::vector<SolveWarning>& warnings, SolveReport& report) {
+  for (const SolveWarning& warning : warnings) {
+    if (warning.kind != "negative_volume") continue;
+    report.converged = false;
+    report.message = warning.text;
+    return true;
+  }
+  return false;
 }
 
 }  // namespace soft_robot_lab

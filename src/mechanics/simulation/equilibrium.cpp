@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "actuator_warnings.h"
 #include "descent.h"
 #include "free_motion.h"
 #include "rest_path.h"
@@ -198,12 +199,24 @@ void note_free_motions(SimulationParts& parts, SolveReport& report) {
         free_motion(contact, i, touching), report);
 }
 
+void refuse_impossible_actuators(const SimulationParts& parts, SolveReport& report) {
+  for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
+    ActuatorReading reading =
+        parts.actuators[i]->observe(parts.state.positions_m, parts.multipliers_of(i), parts.state.drives[i]);
+    reading.name = parts.actuators[i]->name();
+    const std::vector<SolveWarning> warnings = actuator_warnings(reading, parts.body);
+    if (!refuse_impossible(warnings, report)) continue;
+    for (const SolveWarning& warning : warnings) add_warning(warning, report.warnings);
+  }
+}
+
 }  // namespace
 
 void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   const SimulationState start = parts.state;
   seek_equilibrium(parts, options, report);
   note_free_motions(parts, report);
+  if (report.converged) refuse_impossible_actuators(parts, report);
   if (!report.converged) parts.state = start;
 }
 

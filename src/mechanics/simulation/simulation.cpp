@@ -22,6 +22,7 @@ void warn_of_actuators(const Simulation& simulation, SolveReport& report) {
     for (const SolveWarning& warning :
          actuator_warnings(simulation.actuator_state(static_cast<int>(i)), simulation.body()))
       add_warning(warning, report.warnings);
+  refuse_impossible(report.warnings, report);
 }
 
 class Stopwatch {

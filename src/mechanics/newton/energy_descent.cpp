@@ -237,15 +237,12 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
     const double slope = as_vector(gradient_n).dot(motion);
     if (!(slope < -no_slope)) break;
 
-    double length =
-        part_before_obstacles(body_, contact_, state.positions_m,
-                              Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols()),
-                              state.contact, FreeColumns(3, 0));
+    const Eigen::Map<const Eigen::Matrix3Xd> way_m(motion.data(), 3, state.positions_m.cols());
+    double length = part_before_obstacles(body_, contact_, state.positions_m, way_m, state.contact, FreeColumns(3, 0));
     bool fell = false;
     for (int halving = 0; halving <= constants::kDescentHalvings && !fell; ++halving) {
       if (halving > 0) length *= 0.5;
-      const Eigen::Matrix3Xd trial =
-          state.positions_m + length * Eigen::Map<const Eigen::Matrix3Xd>(motion.data(), 3, state.positions_m.cols());
+      const Eigen::Matrix3Xd trial = state.positions_m + length * way_m;
       const EnergyAt there = energy_at(task, trial, state.drives, contact);
       double rise = there.energy - here.energy;
       for (int i = 0; i < count; ++i)

@@ -7,6 +7,7 @@
 #include "actuator_warnings.h"
 #include "equilibrium.h"
 #include "limit_hint.h"
+#include "mechanics/contact/coarse_contact.h"
 #include "mechanics/newton/parameter_response.h"
 #include "rest.h"
 #include "simulation_parts.h"
@@ -91,6 +92,9 @@ SolveReport Simulation::timed(const std::function<void(SolveReport&)>& solve) {
   if (parts_->solve_or_go_back(solve, report)) {
     take_along_linearisation();
     warn_of_actuators(*this, report);
+    for (const SolveWarning& warning :
+         coarse_contacts(body(), parts_->workspace.newton.contact(), parts_->state.positions_m, parts_->state.contact))
+      add_warning(warning, report.warnings);
   }
   report.wall_s = clock.seconds();
   return report;

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coarse_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <variant>
+
+#include "gap.h"
+#include "settings/point_text.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr double kSmall = 0.5;  // of a face's size: an obstacle's half least extent below which points may miss it
+constexpr double kSeen = 0.05;  // of that extent: a depth that counts
+constexpr int kMostParts = 24;  // of a face's edge, that are looked at
+
+struct Deepest {
+  double depth_m = 0.0, face_size_m = 0.0;
+  Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
+};
+
+// Along an even grid over the flat triangle of a face's corners.
+void look_between_points(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Matrix3d& corners_m,
+                         double face_size_m, Deepest& deepest) {
+  const double half_m = size_m(shape);
+  const int parts = std::min(kMostParts, static_cast<int>(std::ceil(2.0 * face_size_m / half_m)));
+  for (int i = 0; i <= parts; ++i) {
+    for (int j = 0; i + j <= parts; ++j) {
+      const Eigen::Vector3d at_m = corners_m * Eigen::Vector3d(parts - i - j, i, j) / parts;
+      const double depth_m = -gap_to(shape, pose, at_m).gap_m;
+      if (depth_m > deepest.depth_m) deepest = {depth_m, face_size_m, at_m};
+    }
+  }
+}
+
+SolveWarning warning_of(const Obstacle& obstacle, const Deepest& deepest) {
+  SolveWarning warning;
+  warning.kind = "coarse_contact";
+  warning.actuator = obstacle.name;
+  warning.size = deepest.depth_m;
+  warning.unit = "m";
+  std::ostringstream text;
+  text << "obstacle '" << obstacle.name << "' is too small for the contact points that meet it: it is "
+       << deepest.depth_m << " m deep in the skin between them, at " << point_text(deepest.at_m)
+       << "; elements there of " << size_m(obstacle.shape) << " m (body.refinements, or body.element_size_m) would do";
+  warning.text = text.str();
+  return warning;
+}
+
+}  // namespace
+
+std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& contact,
+                                          const Eigen::Matrix3Xd& positions_m, const ContactState& state) {
+  std::vector<SolveWarning> warnings;
+  const ContactPoints& points = contact.points();
+  for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
+    const Obstacle& obstacle = body.obstacles()[i];
+    if (std::holds_alternative<Plane>(obstacle.shape)) continue;
+    const double half_m = size_m(obstacle.shape);
+    const Eigen::Isometry3d pose = contact.pose_of(static_cast<int>(i), state);
+    Deepest deepest;
+    for (int face = 0; face < points.face_count(); ++face) {
+      const double face_size_m = points.face_size_m(points.first_point(face));
+      if (half_m >= kSmall * face_size_m) continue;
+      Eigen::Matrix3d corners_m;
+      for (int corner = 0; corner < 3; ++corner) corners_m.col(corner) = positions_m.col(points.node(face, corner));
+      const Eigen::Vector3d middle_m = corners_m.rowwise().mean();
+      const double reach_m = (corners_m.colwise() - middle_m).colwise().norm().maxCoeff();
+      if (gap_to(obstacle.shape, pose, middle_m).gap_m > reach_m) continue;
+      look_between_points(obstacle.shape, pose, corners_m, face_size_m, deepest);
+    }
+    if (deepest.depth_m > kSeen * half_m) warnings.push_back(warning_of(obstacle, deepest));
+  }
+  return warnings;
+}
+
+}  // namespace soft_robot_lab

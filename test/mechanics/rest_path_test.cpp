@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The way to a rest state: obstacles and holds go through all their poses, and nothing passes through anything.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "box_mesh.h"
+#include "soft_robot_lab/mechanics/simulation.h"
+
+namespace soft_robot_lab {
+namespace {
+
+const Material kSilicone{264200.0, 0.45, 1070.0};
+
+bool warns_of(const SolveReport& report, const std::string& kind) {
+  return std::any_of(report.warnings.begin(), report.warnings.end(),
+                     [&](const SolveWarning& warning) { return warning.kind == kind; });
+}
+
+Simulation with_marker(Body body, const Eigen::Vector3d& at_m) {
+  std::vector<Marker> markers;
+  markers.emplace_back("marker", at_m, body.mesh(), MeshLocator(body.mesh()));
+  return Simulation(std::move(body), {}, std::move(markers), {});
+}
+
+// A bar of 20 x 20 x 100 mm that hangs from z = 0.
+Body hanging_bar() {
+  Body body(box_mesh({-0.01, -0.01, -0.1}, {0.01, 0.01, 0}, {2, 2, 10}), kSilicone);
+  body.fix_nodes({-1, -1, -1e-6}, {1, 1, 1}, {true, true, true});
+  return body;
+}
+
+Obstacle rod(double way_m) {
+  Obstacle obstacle{"rod", Capsule{{-0.0161, -0.1, -0.08}, {-0.0161, 0.1, -0.08}, 0.005}};
+  obstacle.motion = {{0.0}, {1.0, {way_m, 0, 0}}};
+  return obstacle;
+}
+
+TEST(RestPath, ARodPushesABarItDoesNotPassThrough) {
+  for (const double way_m : {0.02, 0.05}) {
+    Body body = hanging_bar();
+    body.set_gravity({0, 0, -9.81});
+    body.set_obstacles({rod(way_m)});
+    Simulation simulation = with_marker(std::move(body), {0, 0, -0.1});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    EXPECT_GT(simulation.marker_position(0).x(), way_m - 0.012) << "the tip stays before the rod";
+    ASSERT_EQ(simulation.contacts().size(), 1u);
+    EXPECT_GT(simulation.contacts()[0].normal_force_n, 0.05);
+  }
+}
+
+TEST(RestPath, AnEndThatIsTurnedByAWholeTurnTwistsTheBar) {
+  Body body(box_mesh({-0.005, -0.005, 0}, {0.005, 0.005, 0.06}, {1, 1, 8}), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1, 1, 1e-6}, {true, true, true});
+  std::vector<ObstaclePose> turn;
+  for (int i = 0; i <= 8; ++i) turn.push_back({1.0 * i, {0, 0, 0}, {0, 0, 0.25 * M_PI * i}});
+  body.fix_nodes({-1, -1, 0.059999}, {1, 1, 1}, {true, true, true}, turn, "top");
+  Simulation simulation = with_marker(std::move(body), {0.005, 0, 0.03});
+  const SolveReport report = simulation.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  EXPECT_NEAR(simulation.marker_position(0).x(), -0.005, 0.0005) << "half way up it has turned by half a turn";
+}
+
+TEST(RestPath, APlateThatMovesAsideInTheAirDragsNothing) {
+  Body body(box_mesh({-0.01, -0.01, 0}, {0.01, 0.01, 0.02}, {2, 2, 2}), kSilicone);
+  body.fix_nodes({-1, -1, -1}, {1, 1, 1e-6}, {true, true, true});
+  Obstacle plate{"plate", RoundedBox{{-0.01, 0, 0.0301}, {0.1, 0.1, 0.01}, 0.001}};
+  plate.motion = {{0.0}, {1.0, {0.01, 0, 0}}, {2.0, {0.01, 0, -0.0061}}};
+  plate.friction = 0.2;
+  body.set_obstacles({plate});
+  Simulation simulation = with_marker(std::move(body), {0, 0, 0.02});
+  ASSERT_TRUE(simulation.solve_equilibrium().converged);
+  ASSERT_EQ(simulation.contacts().size(), 1u);
+  EXPECT_GT(simulation.contacts()[0].normal_force_n, 3.0);
+  EXPECT_LT(std::abs(simulation.contacts()[0].force_n.x()), 0.05);
+}
+
+TEST(RestPath, AnObstacleThatIsTooSmallForItsContactPointsIsNamed) {
+  for (const double radius_m : {0.001, 0.008}) {
+    Body body(box_mesh({-0.03, -0.03, -0.02}, {0.03, 0.03, 0}, {6, 6, 2}), kSilicone);
+    body.fix_nodes({-1, -1, -1}, {1, 1, -0.019999}, {true, true, true});
+    Obstacle needle{"needle", Capsule{{0.001, 0.002, radius_m}, {0.001, 0.002, 0.05}, radius_m}};
+    needle.motion = {{0.0}, {1.0, {0, 0, -0.0005}}};
+    body.set_obstacles({needle});
+    Simulation simulation = with_marker(std::move(body), {0, 0, 0});
+    const SolveReport report = simulation.solve_equilibrium();
+    ASSERT_TRUE(report.converged) << report.message;
+    EXPECT_EQ(warns_of(report, "coarse_contact"), radius_m < 0.005) << radius_m;
+  }
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

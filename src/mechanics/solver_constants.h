@@ -27,7 +27,7 @@ inline constexpr double kStillAtRest = 2e-3;  // residual beyond which a state h
 // Of E / (density size²): a stiffness over the mass below which a motion counts as resisted by nothing, and no state as
 // unstable for it. A slender column just above its load of buckling has 1e-5.
 inline constexpr double kNeutral = 1e-7;
-inline constexpr int kRefinements = 4;        // of a derivative, whose matrix is softened by ties; each brings 1e-2
+inline constexpr int kRefinements = 4;  // of a derivative, whose matrix is softened by ties; each brings 1e-2
 
 // --- Multipliers and slip (newton/multiplier_problem.h)
 

@@ -10,6 +10,7 @@
 namespace soft_robot_lab {
 namespace {
 
+const Eigen::Vector3d kZero = Eigen::Vector3d::Zero();
 const Material kSilicone{264200.0, 0.45, 1070.0};
 
 bool warns_of(const SolveReport& report, const std::string& kind) {
@@ -31,9 +32,7 @@ Body hanging_bar() {
 }
 
 Obstacle rod(double way_m) {
-  Obstacle obstacle{"rod", Capsule{{-0.0161, -0.1, -0.08}, {-0.0161, 0.1, -0.08}, 0.005}};
-  obstacle.motion = {{0.0}, {1.0, {way_m, 0, 0}}};
-  return obstacle;
+  return {"rod", Capsule{{-0.0161, -0.1, -0.08}, {-0.0161, 0.1, -0.08}, 0.005}, {{}, {1.0, {way_m, 0, 0}, kZero}}, 0.0};
 }
 
 TEST(RestPath, ARodPushesABarItDoesNotPassThrough) {
@@ -65,10 +64,8 @@ TEST(RestPath, AnEndThatIsTurnedByAWholeTurnTwistsTheBar) {
 TEST(RestPath, APlateThatMovesAsideInTheAirDragsNothing) {
   Body body(box_mesh({-0.01, -0.01, 0}, {0.01, 0.01, 0.02}, {2, 2, 2}), kSilicone);
   body.fix_nodes({-1, -1, -1}, {1, 1, 1e-6}, {true, true, true});
-  Obstacle plate{"plate", RoundedBox{{-0.01, 0, 0.0301}, {0.1, 0.1, 0.01}, 0.001}};
-  plate.motion = {{0.0}, {1.0, {0.01, 0, 0}}, {2.0, {0.01, 0, -0.0061}}};
-  plate.friction = 0.2;
-  body.set_obstacles({plate});
+  const std::vector<ObstaclePose> aside_and_down{{}, {1.0, {0.01, 0, 0}, kZero}, {2.0, {0.01, 0, -0.0061}, kZero}};
+  body.set_obstacles({{"plate", RoundedBox{{-0.01, 0, 0.0301}, {0.1, 0.1, 0.01}, 0.001}, aside_and_down, 0.2}});
   Simulation simulation = with_marker(std::move(body), {0, 0, 0.02});
   ASSERT_TRUE(simulation.solve_equilibrium().converged);
   ASSERT_EQ(simulation.contacts().size(), 1u);
@@ -80,9 +77,8 @@ TEST(RestPath, AnObstacleThatIsTooSmallForItsContactPointsIsNamed) {
   for (const double radius_m : {0.001, 0.008}) {
     Body body(box_mesh({-0.03, -0.03, -0.02}, {0.03, 0.03, 0}, {6, 6, 2}), kSilicone);
     body.fix_nodes({-1, -1, -1}, {1, 1, -0.019999}, {true, true, true});
-    Obstacle needle{"needle", Capsule{{0.001, 0.002, radius_m}, {0.001, 0.002, 0.05}, radius_m}};
-    needle.motion = {{0.0}, {1.0, {0, 0, -0.0005}}};
-    body.set_obstacles({needle});
+    const Capsule needle{{0.001, 0.002, radius_m + 1e-4}, {0.001, 0.002, 0.05}, radius_m};
+    body.set_obstacles({{"needle", needle, {{}, {1.0, {0, 0, -0.0006}, kZero}}, 0.0}});
     Simulation simulation = with_marker(std::move(body), {0, 0, 0});
     const SolveReport report = simulation.solve_equilibrium();
     ASSERT_TRUE(report.converged) << report.message;

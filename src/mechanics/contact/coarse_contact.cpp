@@ -12,9 +12,10 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kSmall = 0.5;  // of a face's size: an obstacle's half least extent below which points may miss it
-constexpr double kSeen = 0.05;  // of that extent: a depth that counts
-constexpr int kMostParts = 24;  // of a face's edge, that are looked at
+constexpr double kSmallObstacle =
+    0.5;                             // of a face's size: an obstacle's half least extent below which points may miss it
+constexpr double kSeenDepth = 0.05;  // of that extent: a depth that counts
+constexpr int kFinestGrid = 24;      // of a face's edge, that are looked at
 
 struct Deepest {
   double depth_m = 0.0, face_size_m = 0.0;
@@ -25,7 +26,7 @@ struct Deepest {
 void look_between_points(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Matrix3d& corners_m,
                          double face_size_m, Deepest& deepest) {
   const double half_m = size_m(shape);
-  const int parts = std::min(kMostParts, static_cast<int>(std::ceil(2.0 * face_size_m / half_m)));
+  const int parts = std::min(kFinestGrid, static_cast<int>(std::ceil(2.0 * face_size_m / half_m)));
   for (int i = 0; i <= parts; ++i) {
     for (int j = 0; i + j <= parts; ++j) {
       const Eigen::Vector3d at_m = corners_m * Eigen::Vector3d(parts - i - j, i, j) / parts;
@@ -63,7 +64,7 @@ std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& c
     Deepest deepest;
     for (int face = 0; face < points.face_count(); ++face) {
       const double face_size_m = points.face_size_m(points.first_point(face));
-      if (half_m >= kSmall * face_size_m) continue;
+      if (half_m >= kSmallObstacle * face_size_m) continue;
       Eigen::Matrix3d corners_m;
       for (int corner = 0; corner < 3; ++corner) corners_m.col(corner) = positions_m.col(points.node(face, corner));
       const Eigen::Vector3d middle_m = corners_m.rowwise().mean();
@@ -71,7 +72,7 @@ std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& c
       if (gap_to(obstacle.shape, pose, middle_m).gap_m > reach_m) continue;
       look_between_points(obstacle.shape, pose, corners_m, face_size_m, deepest);
     }
-    if (deepest.depth_m > kSeen * half_m) warnings.push_back(warning_of(obstacle, deepest));
+    if (deepest.depth_m > kSeenDepth * half_m) warnings.push_back(warning_of(obstacle, deepest));
   }
   return warnings;
 }

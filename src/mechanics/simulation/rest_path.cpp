@@ -14,7 +14,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kMostTurn_rad = 0.7853981633974483;  // of a hold in one stage: 45 degrees
-constexpr double kMostParts = 1e4;                    // of a stage
+constexpr double kMostStageParts = 1e4;               // of a stage
 constexpr double kShareMet = 1e-6;                    // of the way: nearer is there
 
 void add_poses(const std::vector<ObstaclePose>& motion, double from_s, double to_s, std::vector<double>& times_s) {
@@ -75,7 +75,7 @@ double RestPath::stage_end(double from, double to) const {
   state.time_s = from_s;
   const ObstacleCuts cuts =
       parts_for_obstacles(parts_.body, contact, parts_.state.positions_m, at_rest, state, still, time_s(to) - from_s);
-  parts = std::min(std::max(parts, std::ceil(cuts.parts)), kMostParts);
+  parts = std::min(std::max(parts, std::ceil(cuts.parts)), kMostStageParts);
   return parts > 1.0 ? from + (to - from) / parts : to;
 }
 

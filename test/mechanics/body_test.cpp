@@ -103,27 +103,6 @@ TEST(Body, ACurvedFaceIsCutWhereTheBoxCutsIt) {
   EXPECT_NEAR(body.add_traction({-0.0199, 0.001, 0.0117}, {0.0199, 0.009, 1}, {1, 0, 0}), high_m2, 3e-3 * high_m2);
 }
 
-// What hangs under its own weight has displacements that are quadratic along it: exact at every node.
-TEST(Body, GravityHasTheWeightsOfTheShapeFunctions) {
-  const double length_m = 0.1, density_kg_m3 = 1070.0, modulus_pa = 1e7;
-  const TetMesh mesh = box_mesh({0, 0, -length_m}, {0.02, 0.02, 0}, {1, 1, 3});
-  Body body(mesh, {modulus_pa, 0.0, density_kg_m3});
-  body.fix_nodes({-1, -1, -1e-9}, {1, 1, 1}, {false, false, true});
-  body.fix_nodes({-1, -1, -1}, {1e-9, 1, 1}, {true, false, false});
-  body.fix_nodes({-1, -1, -1}, {1, 1e-9, 1}, {false, true, false});
-  body.set_gravity({0, 0, -9.81});
-  EXPECT_NEAR(body.own_weights_kg().sum(), body.node_masses_kg().sum(), 1e-15);
-  SolverOptions options;
-  options.tolerance = 1e-10;
-  Simulation simulation(std::move(body), {}, {}, options);
-  ASSERT_TRUE(simulation.solve_equilibrium().converged);
-  const double most_m = density_kg_m3 * 9.81 * length_m * length_m / (2.0 * modulus_pa);
-  for (int node = 0; node < mesh.node_count(); ++node) {
-    const double z_m = mesh.nodes_m(2, node), share = -z_m / length_m;
-    EXPECT_NEAR(simulation.state().positions_m(2, node) - z_m, -most_m * share * (2.0 - share), 1e-3 * most_m);
-  }
-}
-
 TEST(Body, HoldsTheNodesInTheBoxOnTheGivenAxes) {
   Body body(box_mesh({0, 0, 0}, {0.1, 0.02, 0.02}, {5, 1, 1}), Material{});
   EXPECT_EQ(body.fixed_node_count(), 0);

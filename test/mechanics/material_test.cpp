@@ -53,7 +53,7 @@ const Named kSilicones[] = {{"neo_hookean", {62460.0, 0.4999, 1070.0}},
 TEST(Material, FollowsTheClosedFormOfAUniaxialPull) {
   for (const Named& silicone : kSilicones) {
     for (const bool quadratic : {true, false}) {
-      for (const double stretch : {0.6, 1.5, 3.0}) {
+      for (const double stretch : {0.8, 1.5, 3.0}) {  // below 0.74 a cube under a dead load is unstable
         SCOPED_TRACE(std::string(silicone.name) + (quadratic ? " quadratic " : " linear ") + std::to_string(stretch));
         const double stress_pa = nominal_stress_pa(silicone.material, stretch);
         Simulation simulation = cube(silicone.material, quadratic, stress_pa, {});

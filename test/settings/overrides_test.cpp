@@ -16,8 +16,8 @@ const char* const kRobot =
 
 TEST(Overrides, KeepEveryBitOfANumber) {
   for (const double number : {0.1, 1.0 / 3.0, 1e-300, -2.5e22, 3.0, 123456789.0}) {
-    const YamlNode both = Overrides().set({"body", "size_m"}, number).over(parse(kRobot));
-    EXPECT_EQ(both.child("body").number("size_m"), number);
+    const YamlNode both = Overrides().set({"body", "factor"}, number).over(parse(kRobot));
+    EXPECT_EQ(both.child("body").number("factor"), number);
     EXPECT_EQ(parse(Overrides().set({"n"}, number).text()).number("n"), number);
   }
 }

@@ -15,32 +15,15 @@ constexpr double kNear = 0.05;      // of the allowed depth: nearer than that is
 constexpr int kMostAdvances = 100;
 constexpr double kMostOverNodes = 5.0 / 3.0;  // a quadratic face's point moves over its nodes: sum of |N| at its middle
 
-// The pose of an obstacle after a part of the free obstacles' motion.
-Eigen::Isometry3d pose_along(const ContactTerm& contact, int obstacle, const ContactState& state,
-                             const FreeColumns& free_motion, double part) {
-  const int free = contact.free().index_of(obstacle);
-  if (free < 0 || free_motion.cols() == 0) return contact.pose_of(obstacle, state);
-  return contact.free().pose(free, moved(state.free, part * free_motion));
-}
-
+// How deep a point on a straight way may go into an obstacle that stands still.
 struct Sweep {
-  const ContactTerm& contact;
-  const ContactState& state;
-  const FreeColumns& free_motion;
   const ObstacleShape& shape;
-  int obstacle;
+  const Eigen::Isometry3d pose;
 
   double gap_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& way_m, double part) const {
-    return gap_to(shape, pose_along(contact, obstacle, state, free_motion, part), from_m + part * way_m).gap_m;
+    return gap_to(shape, pose, from_m + part * way_m).gap_m;
   }
 };
-
-// How far a free obstacle's motion carries any of its points at most.
-double reach_m(const ContactTerm& contact, int obstacle, const FreeColumns& free_motion) {
-  const int free = contact.free().index_of(obstacle);
-  if (free < 0 || free_motion.cols() == 0) return 0.0;
-  return free_motion.col(2 * free).norm() + free_motion.col(2 * free + 1).norm() * contact.free().size_m(free);
-}
 
 // Where the point first is deeper than `depth_m`.
 double part_until(const Sweep& sweep, const Eigen::Vector3d& from_m, const Eigen::Vector3d& way_m, double speed_m,
@@ -62,8 +45,7 @@ double allowed_depth_m(const Obstacle& obstacle, double face_size_m) {
 }
 
 double part_before_obstacles(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& positions_m,
-                             const Eigen::Matrix3Xd& motion_m, const ContactState& state,
-                             const FreeColumns& free_motion) {
+                             const Eigen::Matrix3Xd& motion_m, const ContactState& state) {
   const ContactPoints& points = contact.points();
   double part = 1.0;
   if (points.count() == 0) return part;
@@ -71,15 +53,13 @@ double part_before_obstacles(const Body& body, const ContactTerm& contact, const
                least_face_m = points.least_face_size_m();
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];
-    if (std::holds_alternative<Plane>(obstacle.shape)) continue;
-    const int index = static_cast<int>(i);
-    const Sweep sweep{contact, state, free_motion, obstacle.shape, index};
-    const double others_m = reach_m(contact, index, free_motion);
-    if (most_m + others_m <= allowed_depth_m(obstacle, least_face_m)) continue;
+    if (std::holds_alternative<Plane>(obstacle.shape) || obstacle.is_free()) continue;
+    const Sweep sweep{obstacle.shape, contact.pose_of(static_cast<int>(i), state)};
+    if (most_m <= allowed_depth_m(obstacle, least_face_m)) continue;
     for (int point = 0; point < points.count(); ++point) {
       const double allowed_m = allowed_depth_m(obstacle, points.face_size_m(point));
       const Eigen::Vector3d way_m = points.at(point, motion_m);
-      const double speed_m = way_m.norm() + others_m;
+      const double speed_m = way_m.norm();
       if (part * speed_m <= allowed_m) continue;
       const Eigen::Vector3d from_m = points.at(point, positions_m);
       const double gap_m = sweep.gap_m(from_m, way_m, 0.0);
@@ -89,24 +69,6 @@ double part_before_obstacles(const Body& body, const ContactTerm& contact, const
     }
   }
   return part;
-}
-
-TooDeep too_deep(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& positions_m,
-                 const ContactState& state) {
-  const ContactPoints& points = contact.points();
-  TooDeep worst;
-  for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
-    const Obstacle& obstacle = body.obstacles()[i];
-    if (std::holds_alternative<Plane>(obstacle.shape)) continue;
-    const Eigen::Isometry3d pose = contact.pose_of(static_cast<int>(i), state);
-    for (int point = 0; point < points.count(); ++point) {
-      const Eigen::Vector3d at_m = points.at(point, positions_m);
-      const double beyond_m =
-          -gap_to(obstacle.shape, pose, at_m).gap_m - allowed_depth_m(obstacle, points.face_size_m(point));
-      if (beyond_m > worst.beyond_m) worst = {beyond_m, static_cast<int>(i), at_m};
-    }
-  }
-  return worst;
 }
 
 }  // namespace soft_robot_lab

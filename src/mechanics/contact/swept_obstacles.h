@@ -13,20 +13,10 @@ namespace soft_robot_lab {
 // or half of the size of the point's face. Infinite for planes, which have no other side.
 double allowed_depth_m(const Obstacle& obstacle, double face_size_m);
 
-// The part in (0, 1] of a motion of the nodes, and of the free obstacles, up to which no contact point goes deeper into
+// The part in (0, 1] of a motion of the nodes up to which no contact point goes deeper into
 // an obstacle than allowed_depth_m, or than it is where the motion begins. By conservative advancement: a distance
-// changes no faster than the point moves (Mirtich 1996).
+// changes no faster than the point moves (Mirtich 1996). Free obstacles give way, and are left out.
 double part_before_obstacles(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& positions_m,
-                             const Eigen::Matrix3Xd& motion_m, const ContactState& state,
-                             const FreeColumns& free_motion);
-
-// By how much the deepest contact point is beyond allowed_depth_m, and its obstacle and place; 0 and -1 where none is.
-struct TooDeep {
-  double beyond_m = 0.0;
-  int obstacle = -1;
-  Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
-};
-TooDeep too_deep(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& positions_m,
-                 const ContactState& state);
+                             const Eigen::Matrix3Xd& motion_m, const ContactState& state);
 
 }  // namespace soft_robot_lab

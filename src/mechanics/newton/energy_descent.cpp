@@ -238,7 +238,7 @@ NewtonReport NewtonSolver::descend(const NewtonTask& task, NewtonState& state) {
     if (!(slope < -no_slope)) break;
 
     const Eigen::Map<const Eigen::Matrix3Xd> way_m(motion.data(), 3, state.positions_m.cols());
-    double length = part_before_obstacles(body_, contact_, state.positions_m, way_m, state.contact, FreeColumns(3, 0));
+    double length = part_before_obstacles(body_, contact_, state.positions_m, way_m, state.contact);
     bool fell = false;
     for (int halving = 0; halving <= constants::kDescentHalvings && !fell; ++halving) {
       if (halving > 0) length *= 0.5;

@@ -72,11 +72,11 @@ bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonS
                                double& length) const {
   if (skin_in_border_) here.contact = step.contact_start;
   const double start = merit(here, step);
-  const auto part_allowed = [&](const Eigen::Matrix3Xd& motion_m, const FreeColumns& free_motion) {
-    return part_before_obstacles(body_, contact_, state.positions_m, motion_m, state.contact, free_motion);
+  const auto part_allowed = [&](const Eigen::Matrix3Xd& motion_m) {
+    return part_before_obstacles(body_, contact_, state.positions_m, motion_m, state.contact);
   };
   length = std::min({first_length(step), contact_.skin().first_length(state.positions_m, step.motion_m),
-                     part_allowed(step.motion_m, step.free_motion)});
+                     part_allowed(step.motion_m)});
   for (int halving = 0; halving <= constants::kLineSearchHalvings; ++halving, length *= 0.5) {
     NewtonState trial = state;
     trial.positions_m = tables_->warp().follow(state.positions_m, length * step.motion_m);
@@ -84,7 +84,7 @@ bool NewtonSolver::search_line(const NewtonTask& task, const Step& step, NewtonS
     trial.constraint_multipliers += length * (step.constraint_multipliers - state.constraint_multipliers);
     trial.slips_m += length * (step.slips_m - state.slips_m);
     trial.contact = after(state, step, length);
-    if (part_allowed(trial.positions_m - state.positions_m, length * step.free_motion) < 1.0) continue;
+    if (part_allowed(trial.positions_m - state.positions_m) < 1.0) continue;
     Evaluation there = evaluate(task, trial);
     if (!there.finite) continue;
     const double allowed = start + 1e-4 * length * step.slope + 1e-12 * std::abs(start);

@@ -136,8 +136,8 @@ bool NewtonSolver::try_old_factor(const NewtonTask& task, NewtonState& state, Ev
     Step step;
     if (!find_step(from, at_from, step, mixing.size() == 0 ? kRoundsAhead : 0)) return false;
     NewtonState trial = mix(from, at_from, step, mixing);
-    if (part_before_obstacles(body_, contact_, from.positions_m, trial.positions_m - from.positions_m, from.contact,
-                              step.free_motion) < 1.0)
+    if (part_before_obstacles(body_, contact_, from.positions_m, trial.positions_m - from.positions_m, from.contact) <
+        1.0)
       return false;
     Evaluation there = evaluate(task, trial);
     const auto falls = [&] { return there.finite && there.relative_residual <= enough; };

@@ -73,10 +73,20 @@ std::string sliding(const SimulationParts& parts, const Eigen::Vector3d& way_m) 
   return text.str();
 }
 
+// What friction alone may hold, and skin that turns its push as it gives way, have no energy that could be judged by.
+bool judged_by_energy(const SimulationParts& parts, const NewtonState& found) {
+  const ContactTerm& contact = parts.workspace.newton.contact();
+  if (contact.free().count() > 0) return false;
+  if (!parts.body.touches_itself()) return true;
+  const ContactSums sums = contact.sums(found.positions_m, found.contact);
+  return std::none_of(sums.touches.begin(), sums.touches.end(),
+                      [](const ContactTouch& touch) { return touch.on_skin() && touch.pressure_pa > 0.0; });
+}
+
 // Whether Newton's method ended at a stable rest state, which then becomes the state.
 RestFound judge(SimulationParts& parts, const NewtonReport& newton, NewtonState&& found) {
   if (!newton.converged) return RestFound::none;
-  if (!parts.workspace.newton.minimum_at_rest(found)) return RestFound::saddle;
+  if (judged_by_energy(parts, found) && !parts.workspace.newton.minimum_at_rest(found)) return RestFound::saddle;
   parts.accept(std::move(found));
   return RestFound::stable;
 }
@@ -84,10 +94,8 @@ RestFound judge(SimulationParts& parts, const NewtonReport& newton, NewtonState&
 // The part of a motion that leads neither into obstacles nor into other skin.
 double free_part(const SimulationParts& parts, const Eigen::Matrix3Xd& motion_m) {
   const ContactTerm& contact = parts.workspace.newton.contact();
-  const FreeColumns still = FreeColumns::Zero(3, 2 * contact.free().count());
-  return std::min(
-      contact.skin().first_length(parts.state.positions_m, motion_m),
-      part_before_obstacles(parts.body, contact, parts.state.positions_m, motion_m, parts.state.contact, still));
+  return std::min(contact.skin().first_length(parts.state.positions_m, motion_m),
+                  part_before_obstacles(parts.body, contact, parts.state.positions_m, motion_m, parts.state.contact));
 }
 
 // Without load, contact and commands.

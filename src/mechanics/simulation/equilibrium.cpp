@@ -50,13 +50,15 @@ class Walk {
   const std::vector<Snap>& snaps() const { return snaps_; }
 
  private:
+  // Whether a shorter stage would change less.
   bool cuttable(double share) const {
-    return !options_.only_through_stable && path_.leads_anywhere() &&
+    return !options_.only_through_stable && path_.changes_in_stages() &&
            0.5 * (share - done_) * constants::kSmallestStage >= 1.0;
   }
-  bool try_stage(double share);
+  RestFound try_stage(double share);
+  bool fall_to(double share);
   bool lose_stability(double share);
-  bool fall(bool nudged);
+  bool go_on_from(double share, RestFound found, double& stage);
   void advance_to(double share, Eigen::Matrix3Xd&& from_m);
 
   SimulationParts& parts_;
@@ -77,22 +79,26 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
 
 // By Newton, through stable shapes alone where the stage can still be cut. A stage whose way leads through an unstable
 // shape, as where a body buckles, hardly ever converges: it is cut before it costs anything.
-bool Walk::try_stage(double share) {
+RestFound Walk::try_stage(double share) {
   Eigen::Matrix3Xd from_m = parts_.state.positions_m;
   path_.go_to(share);
   const bool strict = options_.only_through_stable || cuttable(share);
-  if (relax(parts_, report_, {options_.tolerance, strict}) != RestFound::stable) return false;
-  advance_to(share, std::move(from_m));
-  return true;
+  const RestFound found = relax(parts_, report_, {options_.tolerance, strict});
+  if (found == RestFound::stable) advance_to(share, std::move(from_m));
+  return found;
 }
 
-// Down to a stable shape, beside the present one where that is as good as unstable.
-bool Walk::fall(bool nudged) {
+// Down to a stable shape; the state stays where there is none.
+bool Walk::fall_to(double share) {
   const SimulationState start = parts_.state;
-  if (descend(parts_, report_)) return true;
-  if (held_by_friction_alone(parts_)) return false;
-  if (nudged) parts_.state = start;
-  return relax_from_below(parts_, report_) == RestFound::stable;
+  path_.go_to(share);
+  const bool rubs = held_by_friction_alone(parts_);
+  if ((!rubs && relax_from_below(parts_, report_) == RestFound::stable) || descend(parts_, report_)) {
+    advance_to(share, Eigen::Matrix3Xd(start.positions_m));
+    return true;
+  }
+  parts_.state = start;
+  return false;
 }
 
 // Where the smallest stage leads to no stable shape nearby: what follows is a motion in time that inertia does not
@@ -100,11 +106,12 @@ bool Walk::fall(bool nudged) {
 bool Walk::lose_stability(double share) {
   const SimulationState stable = parts_.state;
   path_.go_to(done_);
+  const bool pushed = !held_by_friction_alone(parts_) && parts_.workspace.newton.contact().free().count() == 0;
   Nudge nudge;
-  if (!held_by_friction_alone(parts_)) nudge = nudge_off(parts_, stable.positions_m - before_m_);
+  if (pushed) nudge = nudge_off(parts_, stable.positions_m - before_m_);
   path_.go_to(share);
   if (nudge.motion_m.cols() > 0) parts_.state.positions_m += nudge.motion_m;
-  if (!fall(nudge.motion_m.cols() > 0)) {
+  if (!descend(parts_, report_)) {
     parts_.state = stable;
     return false;
   }
@@ -119,26 +126,37 @@ bool Walk::lose_stability(double share) {
   return true;
 }
 
+// After a stage that found no stable rest state; false where there is no way on.
+bool Walk::go_on_from(double share, RestFound found, double& stage) {
+  // A saddle was reached by what came at once: it is to come slowly, so that it chooses the side.
+  if (found == RestFound::saddle && done_ == 0.0 && path_.bring_loads_slowly()) {
+    stage = 1.0;
+    return true;
+  }
+  if (cuttable(share) && snaps_.empty()) {
+    stage = 0.5 * (share - done_);
+    enter(SolveStage::halving, 1, report_.path);
+    return true;
+  }
+  stage = 1.0;
+  if (path_.loads_come_slowly()) return lose_stability(path_.stage_end(done_, std::min(1.0, done_ + kFallAhead)));
+  if (found == RestFound::saddle && !held_by_friction_alone(parts_)) return lose_stability(share) || fall_to(share);
+  // With all that is left a body that touches itself might fold.
+  const double end = parts_.body.touches_itself() && path_.changes_in_stages() ? share : path_.stage_end(done_, 1.0);
+  return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
+}
+
 double Walk::go() {
   double stage = 1.0;
-  bool grows = true;  // not right after a stage was cut
   const int patience = constants::kEquilibriumBudget * parts_.options.max_iterations;
   while (done_ < 1.0 && report_.iterations - iterations_before_ < patience) {
     const double from = done_, wanted = std::min(1.0, done_ + stage), share = path_.stage_end(done_, wanted);
-    if (try_stage(share)) {
-      if (grows && share == wanted) stage = std::max(stage, 2.0 * (share - from));
-      grows = true;
-      continue;
+    const RestFound found = try_stage(share);
+    if (found == RestFound::stable) {
+      if (share == wanted) stage = std::max(stage, 2.0 * (share - from));
+    } else if (options_.only_through_stable || !go_on_from(share, found, stage)) {
+      break;
     }
-    if (options_.only_through_stable) break;
-    if (cuttable(share) && snaps_.empty()) {
-      stage = 0.5 * (share - from);
-      grows = false;
-      enter(SolveStage::halving, 1, report_.path);
-      continue;
-    }
-    if (!lose_stability(path_.stage_end(done_, std::min(1.0, std::max(share, done_ + kFallAhead))))) break;
-    stage = 1.0;
   }
   return done_;
 }

@@ -36,16 +36,25 @@ double largest_turn_rad(const Body& body, double from_s, double to_s) {
 }  // namespace
 
 RestPath::RestPath(SimulationParts& parts)
-    : parts_(parts), commands_(parts.state.actuated_commands()), start_s_(parts.state.contact.time_s) {
+    : parts_(parts),
+      commands_(parts.state.actuated_commands()),
+      start_(parts.state),
+      start_s_(parts.state.contact.time_s) {
   const NewtonSolver& newton = parts.workspace.newton;
   end_s_ = std::max(newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s());
   for (const Obstacle& obstacle : parts.body.obstacles()) add_poses(obstacle.motion, start_s_, end_s_, poses_s_);
   for (const Hold& hold : parts.body.holds()) add_poses(hold.motion, start_s_, end_s_, poses_s_);
   std::sort(poses_s_.begin(), poses_s_.end());
-  const bool held = free_motion(parts.body, parts.state.positions_m, ContactSums()).empty();
-  if (held && newton.rest_residual(parts.unknowns()) > parts.options.tolerance)
-    left_n_ = newton.residual_n(parts.unknowns());
-  leads_anywhere_ = commands_ != parts.state.commands() || start_s_ != end_s_ || loads_come_slowly();
+}
+
+bool RestPath::bring_loads_slowly() {
+  NewtonSolver& newton = parts_.workspace.newton;
+  if (loads_come_slowly() || newton.contact().free().count() > 0) return false;
+  if (!free_motion(parts_.body, start_.positions_m, ContactSums()).empty()) return false;
+  parts_.state = start_;
+  if (newton.rest_residual(parts_.unknowns()) <= parts_.options.tolerance) return false;
+  left_n_ = newton.residual_n(parts_.unknowns());
+  return true;
 }
 
 RestPath::~RestPath() {

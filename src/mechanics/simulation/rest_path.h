@@ -13,16 +13,19 @@ namespace soft_robot_lab {
 
 class RestPath {
  public:
-  // From the state as it is. What is left of its forces is a load that leaves on the way: so gravity comes slowly to a
-  // body in its rest shape. Loads of a body that nothing holds come at once.
+  // From the state as it is. Its loads act at once.
   explicit RestPath(SimulationParts& parts);
   ~RestPath();  // with all loads as they are at the end
   RestPath(const RestPath&) = delete;
   RestPath& operator=(const RestPath&) = delete;
 
   void go_to(double share);
-  // Whether anything changes on the way that a part of it would change less.
-  bool leads_anywhere() const { return leads_anywhere_; }
+  // What is left of the forces where the path begins becomes a load that leaves on the way: so gravity comes slowly to
+  // a body in its rest shape. False where it does already, and where nothing holds the body or an obstacle.
+  bool bring_loads_slowly();
+  bool loads_come_slowly() const { return left_n_.cols() > 0; }
+  // Whether a part of the way changes less: commands, or loads that come slowly.
+  bool changes_in_stages() const { return loads_come_slowly() || commands_ != parts_.state.commands(); }
   // The furthest share up to `to` that one stage from the present state at `from` may reach: up to the next pose of a
   // motion, no hold turns by more than 45 degrees, and no obstacle goes into the skin by more than half of itself or of
   // a face.
@@ -30,14 +33,13 @@ class RestPath {
 
  private:
   double time_s(double share) const { return share == 1.0 ? end_s_ : start_s_ + share * (end_s_ - start_s_); }
-  bool loads_come_slowly() const { return left_n_.cols() > 0; }
 
   SimulationParts& parts_;
   std::vector<double> commands_;
+  SimulationState start_;
   double start_s_, end_s_;
   std::vector<double> poses_s_;  // times of poses, strictly between
   Eigen::Matrix3Xd left_n_;      // forces where it begins; empty where they leave at once
-  bool leads_anywhere_ = false;
 };
 
 }  // namespace soft_robot_lab

@@ -312,7 +312,7 @@ TEST(Contact, WithXpbdAFallingBlockComesToLieWithItsWeightOnTheFloor) {
   body.set_viscosity({10.0, 0.002, 0.0, 1.0});
   const double weight_n = 9.81 * body.node_masses_kg().sum();
   body.set_gravity({0, -9.81, 0});
-  Simulation simulation(std::move(body), {}, {}, xpbd(50, 0.01));
+  Simulation simulation(std::move(body), {}, {}, xpbd(200, 0.01));
   for (int i = 0; i < 60; ++i) {
     const SolveReport report = simulation.step();
     ASSERT_TRUE(report.converged) << report.message;

@@ -20,9 +20,11 @@ constexpr double kNearlyLost = 0.3;      // of the stiffness of the rest shape: 
 constexpr double kNoSide = 1e-3;         // of a way: what it has along the softest motions, so that it leads to no side
 constexpr double kShortestConvex = 0.1;  // of the time that a wave takes through the body: a step of the continuation
 constexpr double kSlow = 1e-3;           // of the body's size: a step's way after which Newton's method may do the rest
+constexpr double kVeryLong = 1e3;        // of a wave's time: inertia has no say any more
 constexpr double kLong = 30.0;           // of a wave's time: no shorter step says that the body is slow
 constexpr int kDoublings = 6;            // of that way
-constexpr double kFallTolerance = 1e-5;  // of the residual of a step of the continuation: what is soft moves by little
+constexpr double kFallTolerance = 1e-4;  // of the residual of a step of the continuation;
+constexpr double kConvexTolerance = 1e-5;  // of one whose energy is convex: what is soft moves by little
 const Eigen::Vector3d kFixedSide(1.0, 0.3, 0.1);
 
 NewtonTask rest_task(const SimulationParts& parts) {
@@ -37,7 +39,7 @@ NewtonTask rest_task(const SimulationParts& parts) {
 // would, the step is to be cut first.
 NewtonReport fall_for(double h, bool convex, SimulationParts& parts, NewtonState& unknown, SolveReport& report) {
   NewtonTask task = rest_task(parts);
-  task.tolerance = std::max(task.tolerance, kFallTolerance);
+  task.tolerance = std::max(task.tolerance, convex ? kConvexTolerance : kFallTolerance);
   task.min_iterations = 1;
   task.only_through_stable = convex;
   task.inertia_per_s2 = 1.0 / (h * h);
@@ -179,7 +181,9 @@ bool descend(SimulationParts& parts, SolveReport& report) {
   const double wave_s = parts.body.size_m() * std::sqrt(material.density_kg_m3 / material.youngs_modulus_pa);
   const int limit = report.iterations + constants::kTransientBudget * parts.options.max_iterations;
   double h = 3.0 * wave_s;
-  bool convex = true;
+  // What pressing skin or friction alone holds is never convex for long.
+  bool convex = parts.workspace.newton.contact().free().count() == 0 && !parts.body.touches_itself();
+  const double long_s = (convex ? kLong : kVeryLong) * wave_s;
   const Eigen::Vector3d start_m = parts.state.positions_m.rowwise().mean();
   while (report.iterations < limit && h > 1e-3 * wave_s) {
     enter(SolveStage::pseudo_transient, 1, report.path);
@@ -200,9 +204,9 @@ bool descend(SimulationParts& parts, SolveReport& report) {
       report.message = sliding(parts, way_m);
       if (!report.message.empty()) return false;
     }
-    const bool slow = moved_m < kSlow * parts.body.size_m();
-    if (slow && h > kLong * wave_s) {
-      if (relax(parts, report, {0.0, h < 1e3 * wave_s}) == RestFound::stable) return true;
+    const bool slow = !convex || moved_m < kSlow * parts.body.size_m();
+    if (slow && h > long_s) {
+      if (relax(parts, report, {0.0, h < kVeryLong * wave_s}) == RestFound::stable) return true;
       // Where nothing moves, it is tried once more without any inertia.
       if (moved_m == 0.0 && std::isinf(h)) return false;
       if (moved_m == 0.0) h = std::numeric_limits<double>::infinity();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -86,7 +87,9 @@ void read_depth(const sensor_msgs::Image& message, RgbdFrame& frame) {
     frame.depth_step_m = millimetre_m;
   } else if (message.encoding == sensor_msgs::image_encodings::TYPE_32FC1) {
     const cv::Mat depth_m = view(message, CV_32FC1, "depth");
-    const int measured = cv::countNonZero(depth_m > 0), too_far = cv::countNonZero(depth_m > most_depth_m);
+    const cv::Mat known =
+        (depth_m > 0) & (depth_m < std::numeric_limits<float>::max());  // what sees nothing may be inf
+    const int measured = cv::countNonZero(known), too_far = cv::countNonZero(known & (depth_m > most_depth_m));
     if (2 * too_far > measured)
       throw std::invalid_argument("depth: most of its 32FC1 values are above " + std::to_string(most_depth_m) +
                                   "; allowed: metres");

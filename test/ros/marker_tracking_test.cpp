@@ -325,9 +325,9 @@ TEST(ImageMessages, RefuseWhatTheyCannotBe) {
   const FrameMessages good = messages(two_cameras()[0], 0);
   FrameMessages bad = good;
   bad.colour.encoding = "mono8";
-  EXPECT_EQ(refusal(bad.colour, good.depth), "colour: encoding 'mono8' is not one of rgb8, bgr8");
-  bad.depth.encoding = "mono16";
-  EXPECT_EQ(refusal(good.colour, bad.depth), "depth: encoding 'mono16' is not one of 16UC1, 32FC1");
+  EXPECT_EQ(refusal(bad.colour, good.depth), "colour: encoding 'mono8' is not one of rgb8, bgr8, rgba8, bgra8");
+  bad.depth.encoding = "mono8";
+  EXPECT_EQ(refusal(good.colour, bad.depth), "depth: encoding 'mono8' is not one of 16UC1, mono16, 32FC1");
   bad = good;
   bad.depth.data.resize(10);
   EXPECT_NE(refusal(good.colour, bad.depth).find("data holds 10 bytes"), std::string::npos);

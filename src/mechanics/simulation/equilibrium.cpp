@@ -142,7 +142,8 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   if (path_.loads_come_slowly()) return lose_stability(path_.stage_end(done_, std::min(1.0, done_ + kFallAhead)));
   if (found == RestFound::saddle && !held_by_friction_alone(parts_)) return lose_stability(share) || fall_to(share);
   // With all that is left a body that touches itself might fold.
-  const double end = parts_.body.touches_itself() && path_.changes_in_stages() ? share : path_.stage_end(done_, 1.0);
+  const double end = path_.stage_end(done_, 1.0);
+  if (parts_.body.touches_itself() && path_.changes_in_stages() && fall_to(share)) return true;
   return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
 }
 

@@ -2,6 +2,9 @@
 // Robots judged by their surface, without a mesh for simulations.
 #include <sstream>
 
+#include <array>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "robot/casting/cast_robot.h"
@@ -150,10 +153,11 @@ std::string stl_of_boxes(const std::vector<Eigen::Vector4d>& boxes) {
   std::ostringstream text;
   text << "solid boxes\n";
   for (const Eigen::Vector4d& placed : boxes) {
-    const Surface surface = box(Eigen::Vector3d::Constant(placed[3])).surface();
+    const Surface surface = box(Eigen::Vector3d::Constant(std::abs(placed[3]))).surface();
+    const std::array<int, 3> order = placed[3] > 0 ? std::array{0, 1, 2} : std::array{0, 2, 1};  // below 0: a hollow
     for (int t = 0; t < surface.triangle_count(); ++t) {
       text << "facet normal 0 0 0\nouter loop\n";
-      for (int i = 0; i < 3; ++i) text << "vertex " << (surface.corner(t, i) + placed.head<3>()).transpose() << "\n";
+      for (const int i : order) text << "vertex " << (surface.corner(t, i) + placed.head<3>()).transpose() << "\n";
       text << "endloop\nendfacet\n";
     }
   }
@@ -172,9 +176,9 @@ TEST(CastSurface, RefusesAnStlThatCrossesItselfAndSaysWhere) {
     }
   };
   EXPECT_EQ(error({{0, 0, 0, 20}}), "");
-  EXPECT_EQ(error({{0, 0, 0, 20}, {0, 0, 5, 10}}), "") << "a cavity is no crossing";
+  EXPECT_EQ(error({{0, 0, 0, 20}, {0, 0, 5, -10}}), "") << "a cavity is no crossing";
   const std::string crossing = error({{0, 0, 0, 20}, {12, 8, 11, 15}});
-  EXPECT_NE(crossing.find("body: the surface crosses itself at ("), std::string::npos) << crossing;
+  EXPECT_NE(crossing.find("its surface cuts itself near ("), std::string::npos) << crossing;
 }
 
 TEST(CastSurface, RefusesWhatItDoesNotKnow) {

@@ -225,7 +225,7 @@ TEST(Scene, RefusesWithPlaceAndReason) {
        "the name has 101 characters, must have [1, 100]"},
       {"markers: [{name: far, position_m: [1.0e9, 0, 0]}]",
        "markers[0].position_m[0]: 1.0e9 is out of range [-1000, 1000]"},
-      {"run: {mode: dynamic, duration_s: 1.0e+19}", "run.duration_s: 1e+19 is out of range (0, "},
+      {"run: {mode: dynamic, duration_s: 1.0e+19}", "run.duration_s: 1.0e+19 is out of range [-1000000, 1000000]"},
       {"run: {mode: dynamic, duration_s: 1, record_every_s: 1}\nsolver: {time_step_s: 1.0e-17}",
        "run.duration_s: 1 is"},
       {"body:\n  fixed:\n  - {box: {min_m: [5, 5, 5], max_m: [6, 6, 6]}}",

@@ -84,6 +84,16 @@ void forbid_processes() {
   prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
 }
 
+bool allow_beneath(const std::string& folder, std::uint64_t access, int set) {
+  landlock_path_beneath_attr beneath{};
+  beneath.allowed_access = access;
+  beneath.parent_fd = open(folder.c_str(), O_PATH | O_CLOEXEC);
+  if (beneath.parent_fd < 0) return false;
+  const bool added = syscall(__NR_landlock_add_rule, set, LANDLOCK_RULE_PATH_BENEATH, &beneath, 0) == 0;
+  close(beneath.parent_fd);
+  return added;
+}
+
 void forbid_writing_outside(const std::string& folder) {
   landlock_ruleset_attr rules{};
   rules.handled_access_fs = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_REMOVE_DIR |
@@ -95,12 +105,8 @@ void forbid_writing_outside(const std::string& folder) {
     rules.handled_access_fs |= truncate;
   const auto set = static_cast<int>(syscall(__NR_landlock_create_ruleset, &rules, sizeof rules, 0));
   if (set < 0) return;
-  landlock_path_beneath_attr beneath{};
-  beneath.allowed_access = rules.handled_access_fs;
-  beneath.parent_fd = open(folder.c_str(), O_PATH | O_CLOEXEC);
-  if (beneath.parent_fd >= 0 && syscall(__NR_landlock_add_rule, set, LANDLOCK_RULE_PATH_BENEATH, &beneath, 0) == 0)
-    syscall(__NR_landlock_restrict_self, set, 0);
-  if (beneath.parent_fd >= 0) close(beneath.parent_fd);
+  allow_beneath("/dev/shm", rules.handled_access_fs, set);  // where LLVM's OpenMP notes that it is loaded
+  if (allow_beneath(folder, rules.handled_access_fs, set)) syscall(__NR_landlock_restrict_self, set, 0);
   close(set);
 }
 

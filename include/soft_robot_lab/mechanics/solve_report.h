@@ -18,7 +18,7 @@ namespace soft_robot_lab {
 //   fast_obstacle        way in a time step that is cut as often as may be: it may have passed through something
 //   free_motion          0: nothing resists a rigid motion of the body, which `text` names
 //   snapped              by how much a node moved where the way to a rest state became unstable
-//   negative_volume      the volume of a chamber whose walls have passed through one another
+//   negative_volume      of a chamber                      coarse_contact        depth between contact points
 struct SolveWarning {
   std::string kind;
   double size = 0.0;

@@ -12,13 +12,13 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kSmallObstacle =
-    0.5;                             // of a face's size: an obstacle's half least extent below which points may miss it
+// Of a face's size: an obstacle's half least extent below which points may miss it.
+constexpr double kSmallObstacle = 0.5;
 constexpr double kSeenDepth = 0.05;  // of that extent: a depth that counts
 constexpr int kFinestGrid = 24;      // of a face's edge, that are looked at
 
 struct Deepest {
-  double depth_m = 0.0, face_size_m = 0.0;
+  double depth_m = 0.0;
   Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
 };
 
@@ -31,7 +31,7 @@ void look_between_points(const ObstacleShape& shape, const Eigen::Isometry3d& po
     for (int j = 0; i + j <= parts; ++j) {
       const Eigen::Vector3d at_m = corners_m * Eigen::Vector3d(parts - i - j, i, j) / parts;
       const double depth_m = -gap_to(shape, pose, at_m).gap_m;
-      if (depth_m > deepest.depth_m) deepest = {depth_m, face_size_m, at_m};
+      if (depth_m > deepest.depth_m) deepest = {depth_m, at_m};
     }
   }
 }
@@ -56,10 +56,13 @@ std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& c
                                           const Eigen::Matrix3Xd& positions_m, const ContactState& state) {
   std::vector<SolveWarning> warnings;
   const ContactPoints& points = contact.points();
+  if (points.count() == 0) return warnings;
+  const double small_m = kSmallObstacle * points.largest_face_size_m();
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];
     if (std::holds_alternative<Plane>(obstacle.shape)) continue;
     const double half_m = size_m(obstacle.shape);
+    if (half_m >= small_m) continue;
     const Eigen::Isometry3d pose = contact.pose_of(static_cast<int>(i), state);
     Deepest deepest;
     for (int face = 0; face < points.face_count(); ++face) {

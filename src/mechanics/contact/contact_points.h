@@ -44,6 +44,7 @@ class ContactPoints {
   int beside(int point) const { return beside_[static_cast<std::size_t>(point)]; }  // the mesh's other face at a guard
   double face_size_m(int point) const { return sizes_m_[face_of(point)]; }          // edge of half a square of its area
   double least_face_size_m() const { return sizes_m_.minCoeff(); }
+  double largest_face_size_m() const { return sizes_m_.maxCoeff(); }
 
   Eigen::Vector3d at(int point, const Eigen::Matrix3Xd& columns) const;          // the nodes' columns, interpolated
   double present_area_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // that it stands for; guards: little

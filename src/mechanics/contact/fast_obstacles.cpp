@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "gap.h"
+#include "swept_obstacles.h"
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr double kMostWay = 0.5;  // of the obstacle's half least extent, or of a face's size
 
 // Where an obstacle stands after a time.
 Eigen::Isometry3d pose_after(const Obstacle& obstacle, int index, const ContactTerm& contact, const ContactState& state,
@@ -79,13 +78,12 @@ void against_skin(const Body& body, const ContactPoints& points, const Eigen::Ma
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];
     if (std::holds_alternative<Plane>(obstacle.shape)) continue;
-    const double half_m = size_m(obstacle.shape);
     const Eigen::Isometry3d &pose = all.poses[i], &way = all.ways[i];
-    if (bodys_way_m + longest_m(way, positions_m) <= kMostWay * std::min(half_m, smallest_m)) continue;
+    if (bodys_way_m + longest_m(way, positions_m) <= allowed_depth_m(obstacle, smallest_m)) continue;
     for (int point = 0; point < points.count(); ++point) {
       const Eigen::Vector3d at_m = points.at(point, positions_m);
       const double way_m = (h * points.at(point, velocities_m_s) - (way * at_m - at_m)).norm();
-      const double allowed_m = kMostWay * std::min(half_m, points.face_size_m(point));
+      const double allowed_m = allowed_depth_m(obstacle, points.face_size_m(point));
       if (way_m <= allowed_m || way_m - gap_to(obstacle.shape, pose, at_m).gap_m <= allowed_m) continue;
       ask(way_m, allowed_m, static_cast<int>(i), cuts);
     }
@@ -102,7 +100,7 @@ void against_one_another(const Body& body, const ContactTerm& contact, const Obs
       const Obstacle& other = body.obstacles()[k];
       if (k == i || std::holds_alternative<Plane>(other.shape)) continue;
       const Eigen::Vector3d way_m = end_m - all.ways[k] * start_m;
-      const double allowed_m = kMostWay * std::min(size_m(free.shape), size_m(other.shape));
+      const double allowed_m = allowed_depth_m(other, size_m(free.shape));
       if (way_m.norm() <= cuts.parts * allowed_m) continue;
       if (!way_m.allFinite() || goes_into(other.shape, all.poses[k], size_m(free.shape), start_m, way_m, allowed_m))
         ask(way_m.norm(), allowed_m, static_cast<int>(i), cuts);

@@ -15,24 +15,14 @@ constexpr double kNear = 0.05;      // of the allowed depth: nearer than that is
 constexpr int kMostAdvances = 100;
 constexpr double kMostOverNodes = 5.0 / 3.0;  // a quadratic face's point moves over its nodes: sum of |N| at its middle
 
-// How deep a point on a straight way may go into an obstacle that stands still.
-struct Sweep {
-  const ObstacleShape& shape;
-  const Eigen::Isometry3d pose;
-
-  double gap_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& way_m, double part) const {
-    return gap_to(shape, pose, from_m + part * way_m).gap_m;
-  }
-};
-
-// Where the point first is deeper than `depth_m`.
-double part_until(const Sweep& sweep, const Eigen::Vector3d& from_m, const Eigen::Vector3d& way_m, double speed_m,
-                  double depth_m, double near_m) {
+// The part of a straight way on which a point first is deeper than `depth_m` in an obstacle that stands still.
+double part_until(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& from_m,
+                  const Eigen::Vector3d& way_m, double depth_m, double near_m) {
   double part = 0.0;
   for (int advance = 0; advance < kMostAdvances && part < 1.0; ++advance) {
-    const double left_m = sweep.gap_m(from_m, way_m, part) + depth_m;
+    const double left_m = gap_to(shape, pose, from_m + part * way_m).gap_m + depth_m;
     if (left_m <= near_m && part > 0.0) return part;
-    part += std::max(left_m, near_m) / speed_m;
+    part += std::max(left_m, near_m) / way_m.norm();
   }
   return std::min(part, 1.0);
 }
@@ -54,18 +44,17 @@ double part_before_obstacles(const Body& body, const ContactTerm& contact, const
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];
     if (std::holds_alternative<Plane>(obstacle.shape) || obstacle.is_free()) continue;
-    const Sweep sweep{obstacle.shape, contact.pose_of(static_cast<int>(i), state)};
     if (most_m <= allowed_depth_m(obstacle, least_face_m)) continue;
+    const Eigen::Isometry3d pose = contact.pose_of(static_cast<int>(i), state);
     for (int point = 0; point < points.count(); ++point) {
       const double allowed_m = allowed_depth_m(obstacle, points.face_size_m(point));
       const Eigen::Vector3d way_m = points.at(point, motion_m);
-      const double speed_m = way_m.norm();
-      if (part * speed_m <= allowed_m) continue;
+      if (part * way_m.norm() <= allowed_m) continue;
       const Eigen::Vector3d from_m = points.at(point, positions_m);
-      const double gap_m = sweep.gap_m(from_m, way_m, 0.0);
+      const double gap_m = gap_to(obstacle.shape, pose, from_m).gap_m;
       const double depth_m = std::max(allowed_m, -gap_m + kNear * allowed_m);
-      if (part * speed_m > gap_m + depth_m)
-        part = std::min(part, part_until(sweep, from_m, way_m, speed_m, depth_m, kNear * allowed_m));
+      if (part * way_m.norm() > gap_m + depth_m)
+        part = std::min(part, part_until(obstacle.shape, pose, from_m, way_m, depth_m, kNear * allowed_m));
     }
   }
   return part;

@@ -59,7 +59,7 @@ Body::Body(TetMesh mesh, std::vector<Material> of_regions)
   dead_loads_n_ = Eigen::Matrix3Xd::Zero(3, mesh_.node_count());
   node_masses_kg_ = own_weights_kg_ = hung_weights_kg_ = Eigen::VectorXd::Zero(mesh_.node_count());
   for (int e = 0; e < mesh_.tet_count(); ++e) {
-    const double mass_kg = material_of(e).density_kg_m3 * volume_weights_m3(mesh_, e).sum();
+    const double mass_kg = material_of(e).density_kg_m3 * rest_volume_m3(mesh_, e);
     for (Eigen::Index a = 0; a < mesh_.tets.rows(); ++a) {
       const double fraction = !mesh_.quadratic() ? 0.25 : a < 4 ? 1.0 / 36.0 : 4.0 / 27.0;
       node_masses_kg_[mesh_.tets(a, e)] += fraction * mass_kg;

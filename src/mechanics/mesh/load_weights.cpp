@@ -134,16 +134,16 @@ Eigen::AlignedBox3d box_around(const TetMesh& mesh, Eigen::Index face) {
 
 }  // namespace
 
-Eigen::VectorXd volume_weights_m3(const TetMesh& mesh, int element) {
-  Eigen::VectorXd weights_m3 = Eigen::VectorXd::Zero(mesh.tets.rows());
+double rest_volume_m3(const TetMesh& mesh, int element) {
+  double sum_m3 = 0.0;
   for (const Eigen::Vector3d& point : tet_quadrature_points()) {
     const ShapeFunctions shape = shape_functions(static_cast<int>(mesh.tets.rows()), point);
     Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
     for (Eigen::Index a = 0; a < mesh.tets.rows(); ++a)
       jacobian += mesh.nodes_m.col(mesh.tets(a, element)) * shape.gradients.col(a).transpose();
-    weights_m3 += jacobian.determinant() / 24.0 * shape.values;
+    sum_m3 += jacobian.determinant() / 24.0;
   }
-  return weights_m3;
+  return sum_m3;
 }
 
 Eigen::VectorXd face_weights_m2(const TetMesh& mesh, Eigen::Index face, const Eigen::AlignedBox3d& asked,

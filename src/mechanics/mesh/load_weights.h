@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How loads on a body are shared among its nodes: by the integrals of the nodes' shape functions, so that their work is
-// that of the load on the material. Of a quadratic tetrahedron in a straight shape a corner then has -1/20 of the
-// weight, a mid-edge 1/5; of its face nothing and a third.
+// How loads on a face are shared among its nodes: by the integrals of the nodes' shape functions, so that their work is
+// that of the load on the material. Of a straight quadratic face a corner then has nothing, a mid-edge a third.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +10,7 @@
 
 namespace soft_robot_lab {
 
-// Of each node over an element's rest volume [m^3]: the columns of mesh.tets.
-Eigen::VectorXd volume_weights_m3(const TetMesh& mesh, int element);
+double rest_volume_m3(const TetMesh& mesh, int element);
 
 // Of each node of a face over the part of its rest area that lies in the box [m^2]. A corner that is no further than
 // `on_side_m` from one of the box's sides counts as on it: boxes are a little larger than the skin that they are meant

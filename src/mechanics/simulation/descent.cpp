@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kSlidAway = 0.05;       // of the body's size: a way after which sliding is no settling
 constexpr double kBesideSaddle = 0.01;   // of the body's size: a way off a rest state that is not stable
+constexpr int kDoublings = 6;            // of that way
 constexpr double kAsSoft = 0.02;         // of the stiffness of the stiffest soft mode: as soft as the softest
 constexpr double kNearlyLost = 0.3;      // of the stiffness of the rest shape: a shape that is about to give way
 constexpr double kNoSide = 1e-3;         // of a way: what it has along the softest motions, so that it leads to no side
@@ -22,7 +23,6 @@ constexpr double kShortestConvex = 0.1;  // of the time that a wave takes throug
 constexpr double kSlow = 1e-3;           // of the body's size: a step's way after which Newton's method may do the rest
 constexpr double kVeryLong = 1e3;        // of a wave's time: inertia has no say any more
 constexpr double kLong = 30.0;           // of a wave's time: no shorter step says that the body is slow
-constexpr int kDoublings = 6;            // of that way
 constexpr double kFallTolerance = 1e-4;  // of the residual of a step of the continuation;
 constexpr double kConvexTolerance = 1e-5;  // of one whose energy is convex: what is soft moves by little
 const Eigen::Vector3d kFixedSide(1.0, 0.3, 0.1);
@@ -169,7 +169,7 @@ Nudge nudge_off(SimulationParts& parts, const Eigen::Matrix3Xd& way_m) {
       nudge.other_side ? Eigen::VectorXd(modes.motions.col(0)) : Eigen::VectorXd(modes.motions.leftCols(count) * along);
   if (nudge.other_side) {
     const Eigen::VectorXd moment = masses_kg.cwiseProduct(motion);
-    if (moment.reshaped(3, way_m.cols()).rowwise().sum().dot(Eigen::Vector3d(kFixedSide)) < 0.0) motion = -motion;
+    if (moment.reshaped(3, way_m.cols()).rowwise().sum().dot(kFixedSide) < 0.0) motion = -motion;
   }
   motion *= kBesideSaddle * parts.body.size_m() / motion.reshaped(3, way_m.cols()).colwise().norm().maxCoeff();
   nudge.motion_m = downhill_along(parts, motion.reshaped(3, way_m.cols()));

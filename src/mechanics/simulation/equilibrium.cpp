@@ -34,11 +34,6 @@ void report_unfinished(double done, SolveReport& report) {
   report.message = reached.str();
 }
 
-double largest_motion_m(const Eigen::Matrix3Xd& from_m, const Eigen::Matrix3Xd& to_m, Eigen::Index* node = nullptr) {
-  Eigen::Index unused = 0;
-  return (to_m - from_m).colwise().norm().maxCoeff(node ? node : &unused);
-}
-
 // Walks along a path from one stable rest state to the next, in stages that are cut where one is too far.
 class Walk {
  public:
@@ -77,8 +72,8 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   iterations_before_ = report_.iterations;
 }
 
-// By Newton, through stable shapes alone where the stage can still be cut. A stage whose way leads through an unstable
-// shape, as where a body buckles, hardly ever converges: it is cut before it costs anything.
+// By Newton, through stable shapes alone where the stage can still be cut. Where that leads through an unstable
+// shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything.
 RestFound Walk::try_stage(double share) {
   Eigen::Matrix3Xd from_m = parts_.state.positions_m;
   path_.go_to(share);
@@ -118,7 +113,7 @@ bool Walk::lose_stability(double share) {
   Snap snap;
   Eigen::Index node = 0;
   snap.share = done_;
-  snap.moved_m = largest_motion_m(stable.positions_m, parts_.state.positions_m, &node);
+  snap.moved_m = (parts_.state.positions_m - stable.positions_m).colwise().norm().maxCoeff(&node);
   snap.rest_position_m = parts_.body.mesh().nodes_m.col(node);
   snap.other_side = nudge.other_side;
   if (nudge.unstable && snap.moved_m > kSameShape * parts_.body.size_m()) snaps_.push_back(snap);
@@ -220,10 +215,7 @@ void note_free_motions(SimulationParts& parts, SolveReport& report) {
 
 void refuse_impossible_actuators(const SimulationParts& parts, SolveReport& report) {
   for (std::size_t i = 0; i < parts.actuators.size(); ++i) {
-    ActuatorReading reading =
-        parts.actuators[i]->observe(parts.state.positions_m, parts.multipliers_of(i), parts.state.drives[i]);
-    reading.name = parts.actuators[i]->name();
-    const std::vector<SolveWarning> warnings = actuator_warnings(reading, parts.body);
+    const std::vector<SolveWarning> warnings = actuator_warnings(parts.reading_of(i), parts.body);
     if (!refuse_impossible(warnings, report)) continue;
     for (const SolveWarning& warning : warnings) add_warning(warning, report.warnings);
   }

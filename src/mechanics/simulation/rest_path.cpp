@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "descent.h"
 #include "free_motion.h"
 #include "mechanics/contact/fast_obstacles.h"
 #include "mechanics/contact/gap.h"
@@ -36,10 +35,7 @@ double largest_turn_rad(const Body& body, double from_s, double to_s) {
 }  // namespace
 
 RestPath::RestPath(SimulationParts& parts)
-    : parts_(parts),
-      commands_(parts.state.actuated_commands()),
-      start_(parts.state),
-      start_s_(parts.state.contact.time_s) {
+    : parts_(parts), commands_(parts.state.actuated_commands()), start_s_(parts.state.contact.time_s) {
   const NewtonSolver& newton = parts.workspace.newton;
   end_s_ = std::max(newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s());
   for (const Obstacle& obstacle : parts.body.obstacles()) add_poses(obstacle.motion, start_s_, end_s_, poses_s_);
@@ -50,15 +46,15 @@ RestPath::RestPath(SimulationParts& parts)
 bool RestPath::bring_loads_slowly() {
   NewtonSolver& newton = parts_.workspace.newton;
   if (loads_come_slowly() || newton.contact().free().count() > 0) return false;
-  if (!free_motion(parts_.body, start_.positions_m, ContactSums()).empty()) return false;
-  parts_.state = start_;
+  if (!free_motion(parts_.body, parts_.state.positions_m, ContactSums()).empty()) return false;
+  go_to(0.0);
   if (newton.rest_residual(parts_.unknowns()) <= parts_.options.tolerance) return false;
   left_n_ = newton.residual_n(parts_.unknowns());
   return true;
 }
 
 RestPath::~RestPath() {
-  if (loads_come_slowly()) parts_.workspace.newton.add_loads(0.0 * left_n_);
+  if (loads_come_slowly()) parts_.workspace.newton.add_loads(Eigen::Matrix3Xd::Zero(3, left_n_.cols()));
 }
 
 void RestPath::go_to(double share) {

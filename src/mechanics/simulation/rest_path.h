@@ -36,7 +36,6 @@ class RestPath {
 
   SimulationParts& parts_;
   std::vector<double> commands_;
-  SimulationState start_;
   double start_s_, end_s_;
   std::vector<double> poses_s_;  // times of poses, strictly between
   Eigen::Matrix3Xd left_n_;      // forces where it begins; empty where they leave at once

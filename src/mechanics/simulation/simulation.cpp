@@ -227,13 +227,7 @@ std::vector<Eigen::Isometry3d> Simulation::obstacle_poses() const {
 }
 
 ActuatorReading Simulation::actuator_state(int actuator) const {
-  const Actuator& chosen = *parts_->actuators.at(actuator);
-  const DriveState& drive = parts_->state.drives.at(actuator);
-  ActuatorReading state = chosen.observe(parts_->state.positions_m, parts_->multipliers_of(actuator), drive);
-  state.name = chosen.name();
-  state.command = drive.command;
-  state.actuated_command = drive.actuated_command;
-  return state;
+  return parts_->reading_of(static_cast<std::size_t>(actuator));
 }
 
 }  // namespace soft_robot_lab

@@ -93,6 +93,16 @@ std::vector<double> SimulationParts::multipliers_of(std::size_t actuator) const 
   return {begin, begin + actuators[actuator]->constraints().size()};
 }
 
+ActuatorReading SimulationParts::reading_of(std::size_t actuator) const {
+  const Actuator& chosen = *actuators.at(actuator);
+  const DriveState& drive = state.drives.at(actuator);
+  ActuatorReading reading = chosen.observe(state.positions_m, multipliers_of(actuator), drive);
+  reading.name = chosen.name();
+  reading.command = drive.command;
+  reading.actuated_command = drive.actuated_command;
+  return reading;
+}
+
 void SimulationParts::begin_step(double time_step_s) {
   for (std::size_t i = 0; i < actuators.size(); ++i)
     actuators[i]->begin_step({time_step_s, state.positions_m, state.velocities_m_s, multipliers_of(i)},

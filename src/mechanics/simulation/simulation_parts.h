@@ -39,6 +39,7 @@ struct SimulationParts {
   void forget_motion();  // velocities, the step before, and the stress of hysteresis: a body long at rest
 
   std::vector<double> multipliers_of(std::size_t actuator) const;  // its constraints' multipliers
+  ActuatorReading reading_of(std::size_t actuator) const;
 
   // Passes to the actuators from where a step starts, or with an infinite one an equilibrium.
   void begin_step(double time_step_s = std::numeric_limits<double>::infinity());

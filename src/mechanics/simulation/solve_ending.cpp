@@ -70,7 +70,7 @@ void tell_untangled(int elements, SolveReport& report) {
   add_warning(warning, report.warnings);
 }
 
-void tell_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& body, double h, SolveReport& report) {
+void report_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& body, double h, SolveReport& report) {
   if (cuts.parts <= most) return;
   SolveWarning warning;
   warning.kind = "fast_obstacle";

@@ -15,6 +15,6 @@ void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report)
 void tell_untangled(int elements, SolveReport& report);
 
 // That an obstacle was too fast for a step of length h, which is cut into no more than `most` parts.
-void tell_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& body, double h, SolveReport& report);
+void report_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& body, double h, SolveReport& report);
 
 }  // namespace soft_robot_lab

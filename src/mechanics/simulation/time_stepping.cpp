@@ -307,7 +307,7 @@ void step_in_time(SimulationParts& parts, double h, SolveReport& report) {
   if (!is_power_of_two(inverted_steps) || !advance_untangled(parts, h, cuts, report))
     advance(parts, h, CommandPath(parts, h), whole_step(cuts), report);
   parts.state.inverted_steps = report.inverted_elements > 0 ? inverted_steps + 1 : 0;
-  tell_fast_obstacle(cuts, constants::kMostParts, parts.body, h, report);
+  report_fast_obstacle(cuts, constants::kMostParts, parts.body, h, report);
   fall_asleep_where_still(parts, h, report);
 }
 

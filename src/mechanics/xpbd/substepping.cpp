@@ -223,7 +223,7 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
   const int most = task.substep_count << constants::kDoublings;
   task.substep_count = std::max(task.substep_count, static_cast<int>(std::ceil(std::min<double>(cuts.parts, most))));
   const XpbdReport done = advance_in_substeps(parts, task, before, report);
-  tell_fast_obstacle(cuts, most, parts.body, task.time_step_s, report);
+  report_fast_obstacle(cuts, most, parts.body, task.time_step_s, report);
   if (!done.finite) return;
   parts.state.time_s += task.time_step_s;
 }

@@ -57,14 +57,6 @@ void refuse_processes(Filter& filter) {
   answer(refused, filter);
 }
 
-#if defined(__SANITIZE_ADDRESS__)
-#define SOFT_ROBOT_LAB_SHADOW_MEMORY
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SOFT_ROBOT_LAB_SHADOW_MEMORY
-#endif
-#endif
-
 Filter system_calls() {
   constexpr std::uint32_t refused = SECCOMP_RET_ERRNO | EPERM;
   Filter filter;
@@ -80,9 +72,7 @@ Filter system_calls() {
 #endif
   for (const int call : {__NR_execve, __NR_execveat, __NR_socket, __NR_connect, __NR_process_vm_writev})
     answer_if(static_cast<std::uint32_t>(call), refused, filter);
-#ifndef SOFT_ROBOT_LAB_SHADOW_MEMORY  // whose search for leaks stops the threads by it
-  answer_if(__NR_ptrace, refused, filter);
-#endif
+  if (!kSanitisesAddresses) answer_if(__NR_ptrace, refused, filter);
   refuse_processes(filter);
   answer(SECCOMP_RET_ALLOW, filter);
   return filter;
@@ -130,13 +120,12 @@ void forbid_writing_outside(const std::string& folder) {
 
 void limit_memory() {
   std::set_new_handler(end_without_memory);
-#ifndef SOFT_ROBOT_LAB_SHADOW_MEMORY  // of terabytes, which the address sanitiser needs
+  if (kSanitisesAddresses) return;
   rlimit limit{};
   getrlimit(RLIMIT_AS, &limit);
   limit.rlim_cur = std::min(limit.rlim_max, static_cast<rlim_t>(limits::kMemory_gb * 1e9));
   limit.rlim_max = limit.rlim_cur;
   setrlimit(RLIMIT_AS, &limit);
-#endif
 }
 
 }  // namespace

@@ -10,4 +10,14 @@ namespace soft_robot_lab {
 // be done: seccomp needs Linux 3.17, and some containers refuse it; Landlock needs Linux 5.13.
 void confine_to(const std::string& folder);
 
+// Whether the address sanitiser is built in, which needs terabytes of addresses, and for its search for leaks ptrace:
+// then neither is limited.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kSanitisesAddresses = true;
+#elif defined(__has_feature)
+inline constexpr bool kSanitisesAddresses = __has_feature(address_sanitizer);
+#else
+inline constexpr bool kSanitisesAddresses = false;
+#endif
+
 }  // namespace soft_robot_lab

@@ -31,7 +31,7 @@ void command(SceneMotion& motion, const TimedCommands& timed) {
   for (const auto& [actuator, value] : timed.commands) motion.set_command(actuator, value);
 }
 
-void tell_early_end(double done, double all, const std::string& unit, SolveReport& total) {
+void report_early_end(double done, double all, const std::string& unit, SolveReport& total) {
   std::ostringstream text;
   text << "ended after " << done << " of " << all << " " << unit << ", as asked";
   total.converged = false;
@@ -41,7 +41,7 @@ void tell_early_end(double done, double all, const std::string& unit, SolveRepor
 // Whether the run shall end here; then `total` says so.
 bool ends_early(const RunProgress& progress, double done, double all, const std::string& unit, SolveReport& total) {
   if (!progress || progress(done / all) || done >= all) return false;
-  tell_early_end(done, all, unit, total);
+  report_early_end(done, all, unit, total);
   return true;
 }
 
@@ -114,7 +114,7 @@ SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double st
       total.message = text.str();
     }
     const std::function<bool()>& asked = motion.simulation().interrupt();
-    if (step.interrupted && asked && asked()) tell_early_end(now_s, run.duration_s, "s", total);
+    if (step.interrupted && asked && asked()) report_early_end(now_s, run.duration_s, "s", total);
     const bool ends = step.interrupted || ends_early(progress, now_s + step_s, run.duration_s, "s", total);
     if (!ends && now_s + step_s < static_cast<double>(recorded + 1) * record_every_s - close_s) continue;
     if (!step.interrupted || motion.time_s() > trajectory.time_s.back()) record(motion, trajectory);

@@ -123,7 +123,7 @@ class SimulatorNode {
   bool stop(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool load(LoadScene::Request& request, LoadScene::Response& response);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
-  void tell_what_lasts(const std::string& what, diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  void report_what_lasts(const std::string& what, diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void publish_frames();
   ros::Time session_time() const { return ros::Time(session_s_); }
 
@@ -361,8 +361,8 @@ bool SimulatorNode::load(LoadScene::Request& request, LoadScene::Response& respo
   return true;
 }
 
-void SimulatorNode::tell_what_lasts(const std::string& what,
-                                    diagnostic_updater::DiagnosticStatusWrapper& status) const {
+void SimulatorNode::report_what_lasts(const std::string& what,
+                                      diagnostic_updater::DiagnosticStatusWrapper& status) const {
   const auto lasts_s = static_cast<long>(machine_time_s() - since_s_);
   status.summary(diagnostic_msgs::DiagnosticStatus::WARN,
                  what + " for " + std::to_string(lasts_s) + " s; Stop ends it");
@@ -370,7 +370,7 @@ void SimulatorNode::tell_what_lasts(const std::string& what,
 
 void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const std::unique_lock lock(mutex_, std::chrono::milliseconds(500));
-  if (!lock || !scene_) return tell_what_lasts(lock ? "loading" : "solving", status);
+  if (!lock || !scene_) return report_what_lasts(lock ? "loading" : "solving", status);
   using Status = diagnostic_msgs::DiagnosticStatus;
   if (unconverged_steps_ > 0) {
     status.summary(Status::WARN, "steps that did not converge: " + last_report_.message);

@@ -153,9 +153,9 @@ void PanelLink::listen() {
   if (!command.names.empty()) {
     command.header.stamp = ros::Time::now();
     commands_.publish(command);
-    tell_where_nothing_moves();
+    report_where_nothing_moves();
   }
-  tell_drag();
+  report_drag();
   constexpr double look_period_s = 2.0;
   if (now_s() - looked_at_s_ > look_period_s) look_for_services();
 }
@@ -186,13 +186,13 @@ std::optional<geometry_msgs::Point> PanelLink::target(const std::string& marker)
 }
 
 // A slider sends its command all the same, and would move nothing.
-void PanelLink::tell_where_nothing_moves() {
+void PanelLink::report_where_nothing_moves() {
   if (const std::string fault = lamps_.link_fault(now_s()); has_motors_ && !fault.empty())
     notes_.push_back({"Move", false, "the simulation alone moves: " + fault});
 }
 
 // A search that is asked for by dragging the target has no answer but its progress.
-void PanelLink::tell_drag() {
+void PanelLink::report_drag() {
   constexpr double quiet_s = 0.7;
   if (progress_s_ < 0.0 || now_s() - progress_s_ < quiet_s) return;
   progress_s_ = -1.0;

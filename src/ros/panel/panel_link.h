@@ -77,8 +77,8 @@ class PanelLink {
   void on_scene(const std::string& scene);
   void on_surface(const visualization_msgs::Marker& surface);
   void on_ranges(const ActuatorRanges& ranges);
-  void tell_drag();
-  void tell_where_nothing_moves();
+  void report_drag();
+  void report_where_nothing_moves();
   void ask_trigger(const std::string& lane, const std::string& title, const std::string& service);
 
   ActuatorValues values_;

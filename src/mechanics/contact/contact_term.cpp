@@ -13,7 +13,7 @@ ContactTerm::ContactTerm(const Body& body)
       points_(obstacles_.empty() ? ContactPoints() : ContactPoints(body)),
       moduli_pa_(obstacles_.empty() ? Eigen::VectorXd() : moduli_of_faces_pa(body)(points_.mesh_faces())),
       free_(obstacles_, body.gravity_m_s2()),
-      rigid_(obstacles_, free_, body.material().youngs_modulus_pa) {
+      rigid_(obstacles_, free_) {
   int anchors = 0;
   for (const Obstacle& obstacle : obstacles_) {
     const bool rubs = obstacle.friction > 0.0;

@@ -20,6 +20,9 @@ struct FrictionLaw {
     return 0.02 * face_size_m / youngs_modulus_pa;
   }
 
+  // Of rigid things, with forces for tractions: as that of NormalLaw::of_rigid, ten times as soft.
+  static double compliance_of_rigid(double lighter_kg) { return 1e-8 / lighter_kg; }
+
   bool slips(const Eigen::Vector3d& away_m) const { return away_m.norm() > limit_pa * compliance_m_pa; }
 
   // Whether it slips, or has: an anchor that was dragged along is just at the limit, on other skin nearly.

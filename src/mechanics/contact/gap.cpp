@@ -143,6 +143,10 @@ Eigen::Isometry3d pose_at(const std::vector<ObstaclePose>& motion, const Vector3
   return pose;
 }
 
+Eigen::Isometry3d moved_about(const Vector3d& center_m, const Vector3d& way_m, const Vector3d& turn_rad) {
+  return Eigen::Translation3d(center_m + way_m) * turn(turn_rad) * Eigen::Translation3d(-center_m);
+}
+
 Gap gap_to(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& point_m) {
   const Gap own = gap_to(shape, pose.linear().transpose() * (point_m - pose.translation()));
   return {own.gap_m, pose.linear() * own.normal, pose.linear() * own.hessian * pose.linear().transpose()};

@@ -30,6 +30,10 @@ Eigen::Isometry3d pose_at(const std::vector<ObstaclePose>& motion, const Eigen::
 // From the shape as stated to where it stands.
 Eigen::Isometry3d pose_at(const Obstacle& obstacle, double time_s);
 
+// What takes all that moves with a centre along: it moves, and turns by an axis times an angle.
+Eigen::Isometry3d moved_about(const Eigen::Vector3d& center_m, const Eigen::Vector3d& way_m,
+                              const Eigen::Vector3d& turn_rad);
+
 // The gap to the shape where it stands.
 Gap gap_to(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& point_m);
 

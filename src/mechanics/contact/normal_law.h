@@ -17,6 +17,10 @@ struct NormalLaw {
     return {0.002 * face_size_m / youngs_modulus_pa, 0.05 * face_size_m / youngs_modulus_pa};
   }
 
+  // Of rigid things, with forces for pressures: the lighter sinks in by 10 nm under its own weight. The merit is so
+  // soft that a step which turns a thing may leave the way that a straight one takes.
+  static NormalLaw of_rigid(double lighter_kg) { return {1e-9 / lighter_kg, 2.5e-7 / lighter_kg}; }
+
   // Whether a Newton step takes the point for closed. So is one that just touches.
   bool closed(double gap_m, double pressure_pa) const {
     return pressure_pa * (soft_m_pa - compliance_m_pa) - gap_m > -1e-12;

@@ -98,7 +98,7 @@ void refuse_overlap(const Body& body, const std::vector<Obstacle>& obstacles) {
     refuse_swallowed(body, obstacle);
   }
   const FreeObstacles free(obstacles, Eigen::Vector3d::Zero());
-  RigidContact(obstacles, free, body.material().youngs_modulus_pa).refuse_overlap();
+  RigidContact(obstacles, free).refuse_overlap();
 }
 
 }  // namespace soft_robot_lab

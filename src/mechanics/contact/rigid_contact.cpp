@@ -12,43 +12,8 @@ namespace soft_robot_lab {
 namespace {
 
 using Eigen::Vector3d;
-using Points = std::vector<RoundedPoint>;
-
-constexpr int kOnAxis = 5, kOnEdge = 24;
-constexpr double kOverlap = 0.01;  // of an obstacle's size: so deep may it be at the start
-
-Points points(const Plane& /*never free*/) { return {}; }
-Points points(const Sphere& sphere) { return {{sphere.center_m, sphere.radius_m}}; }
-
-Points points(const Capsule& capsule) {
-  Points all;
-  for (int i = 0; i < kOnAxis; ++i)
-    all.push_back({capsule.start_m + i / (kOnAxis - 1.0) * (capsule.end_m - capsule.start_m), capsule.radius_m});
-  return all;
-}
-
-Points points(const Cylinder& cylinder) {
-  const Vector3d axis = (cylinder.end_m - cylinder.start_m).normalized(), across = axis.unitOrthogonal();
-  Points all;
-  for (int i = 0; i < kOnEdge; ++i) {
-    const double angle = 2.0 * M_PI * i / kOnEdge;
-    const Vector3d outward = std::cos(angle) * across + std::sin(angle) * axis.cross(across);
-    const Vector3d off = (cylinder.radius_m - cylinder.rounding_m) * outward;
-    all.push_back({cylinder.start_m + cylinder.rounding_m * axis + off, cylinder.rounding_m});
-    all.push_back({cylinder.end_m - cylinder.rounding_m * axis + off, cylinder.rounding_m});
-  }
-  return all;
-}
-
-Points points(const RoundedBox& box) {
-  Points all;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vector3d sign(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
-    all.push_back(
-        {box.center_m + sign.cwiseProduct(0.5 * box.size_m - Vector3d::Constant(box.rounding_m)), box.rounding_m});
-  }
-  return all;
-}
+constexpr double kOverlap = 0.01;     // of an obstacle's size: so deep may it be at the start
+constexpr double kDifference = 1e-6;  // of an obstacle's size: a way over which derivatives are taken
 
 // How the material moved, since the step began, past a place that an arm reaches all the while: with a turn the sum of
 // small ones, so that its slope is that of the tie's force.
@@ -69,33 +34,61 @@ Eigen::Matrix<double, 3, 6> follow(const Vector3d& arm_m) {
   return follow;
 }
 
-}  // namespace
-
-Points rounded_points(const ObstacleShape& shape) {
-  return std::visit([](const auto& one) { return points(one); }, shape);
+// How the motion of a free obstacle takes what moves with it along.
+Eigen::Isometry3d moved_about(const Vector3d& center_m, int free, const FreeColumns& motion) {
+  return soft_robot_lab::moved_about(center_m, motion.col(2 * free), motion.col(2 * free + 1));
 }
+
+// The same pair among touches, which are in order of their pairs; null: it is not near.
+const RigidTouch* found(const RigidTouches& all, int pair) {
+  const auto at = std::lower_bound(all.begin(), all.end(), pair,
+                                   [](const RigidTouch& touch, int index) { return touch.pair < index; });
+  return at != all.end() && at->pair == pair ? &*at : nullptr;
+}
+
+// With which the matrix was made; its own where the pair was open there.
+const Vector3d& normal_of(const RigidTouch& touch, const RigidTouches& linearised) {
+  const RigidTouch* known = found(linearised, touch.pair);
+  return known && known->closed ? known->normal : touch.normal;
+}
+
+}  // namespace
 
 void finish(ContactReading& reading) {
   if (reading.normal_force_n > 0.0) reading.center_m /= reading.normal_force_n;
   reading.normal.normalize();
 }
 
-RigidContact::RigidContact(const std::vector<Obstacle>& obstacles, const FreeObstacles& free, double youngs_modulus_pa)
-    : obstacles_(obstacles), free_(free), youngs_modulus_pa_(youngs_modulus_pa) {
+RigidContact::RigidContact(const std::vector<Obstacle>& obstacles, const FreeObstacles& free)
+    : obstacles_(obstacles), free_(free) {
   const auto friction = [&](int a, int b) {
     const auto& on = obstacles[static_cast<std::size_t>(a)].friction_on;
     const auto found = on.find(obstacles[static_cast<std::size_t>(b)].name);
     return found == on.end() ? 0.0 : found->second;
   };
-  for (int i = 0; i < free.count(); ++i) {
-    const int one = free.obstacle(i);
+  for (int one = 0; one < static_cast<int>(obstacles.size()); ++one) {
+    if (free.index_of(one) < 0) continue;
     for (int other = 0; other < static_cast<int>(obstacles.size()); ++other) {
-      if (other == one) continue;
-      for (const RoundedPoint& point : rounded_points(obstacles[static_cast<std::size_t>(one)].shape))
-        pairs_.push_back({i, one, other, free.index_of(other), point, free.size_m(i),
-                          std::max(friction(one, other), friction(other, one))});
+      const int other_free = free.index_of(other);
+      if (other == one || (other_free >= 0 && other < one)) continue;
+      const Obstacle &own = obstacles[static_cast<std::size_t>(one)],
+                     &others = obstacles[static_cast<std::size_t>(other)];
+      const double lighter_kg = other_free >= 0 ? std::min(own.mass_kg, others.mass_kg) : own.mass_kg;
+      for (const RigidPlace& place : rigid_places(own.shape, others.shape))
+        pairs_.push_back({free.index_of(one), one, other, other_free, place, free.size_m(free.index_of(one)),
+                          lighter_kg, std::max(friction(one, other), friction(other, one))});
     }
   }
+}
+
+// Whether it is the first of all of the same two obstacles.
+bool RigidContact::begins(std::size_t pair) const {
+  return pair == 0 || pairs_[pair].obstacle != pairs_[pair - 1].obstacle ||
+         pairs_[pair].other != pairs_[pair - 1].other;
+}
+
+PlacedShape RigidContact::placed(int obstacle, const FreePoses& poses, double time_s) const {
+  return {obstacles_[static_cast<std::size_t>(obstacle)].shape, pose(obstacle, poses, time_s)};
 }
 
 Eigen::Isometry3d RigidContact::pose(int obstacle, const FreePoses& poses, double time_s) const {
@@ -103,45 +96,67 @@ Eigen::Isometry3d RigidContact::pose(int obstacle, const FreePoses& poses, doubl
   return free >= 0 ? free_.pose(free, poses) : pose_at(obstacles_[static_cast<std::size_t>(obstacle)], time_s);
 }
 
+std::optional<RigidMeeting> RigidContact::meeting(const Pair& pair, const Eigen::Isometry3d& pose,
+                                                  const Eigen::Isometry3d& other_pose) const {
+  return meet(pair.place, obstacles_[static_cast<std::size_t>(pair.obstacle)].shape, pose,
+              obstacles_[static_cast<std::size_t>(pair.other)].shape, other_pose);
+}
+
+bool RigidContact::apart(const Pair& pair, const FreePoses& poses, double time_s) const {
+  return spheres_apart_m(placed(pair.obstacle, poses, time_s), placed(pair.other, poses, time_s)) > 0.0;
+}
+
+// Edges that do not cross are a size away from one another: open.
 RigidTouch RigidContact::touch(std::size_t index, const ContactState& state) const {
   const Pair& pair = pairs_[index];
   const auto column = static_cast<Eigen::Index>(index);
-  const Eigen::Isometry3d own = pose(pair.obstacle, state.free, state.time_s);
-  const Eigen::Isometry3d others = pose(pair.other, state.free, state.time_s);
-  const Vector3d center_m = own * pair.point.position_m;
-  const Gap gap = gap_to(obstacles_[static_cast<std::size_t>(pair.other)].shape, others, center_m);
   RigidTouch touch;
   touch.pair = static_cast<int>(index);
-  touch.gap_m = gap.gap_m - pair.point.radius_m;
   touch.force_n = state.rigid_forces_n[column];
+  touch.gap_m = pair.size_m;
+  touch.pose = pose(pair.obstacle, state.free, state.time_s);
+  touch.other_pose = pose(pair.other, state.free, state.time_s);
+  const std::optional<RigidMeeting> met = meeting(pair, touch.pose, touch.other_pose);
+  if (!met) return touch;
+  touch.gap_m = met->gap_m;
   touch.closed = law(pair).closed(touch.gap_m, touch.force_n);
-  touch.normal = gap.normal;
-  touch.bend = gap.hessian;
-  touch.position_m = center_m - pair.point.radius_m * gap.normal;
+  touch.normal = met->normal;
+  touch.bend = met->bend;
+  touch.position_m = met->position_m;
   touch.arm_m = touch.position_m - state.free.centers_m.col(pair.free);
   if (pair.other_free >= 0) touch.other_arm_m = touch.position_m - state.free.centers_m.col(pair.other_free);
   if (pair.friction == 0.0) return touch;
-  touch.friction = {FrictionLaw::compliance_of_skin(pair.size_m, youngs_modulus_pa_), pair.friction * touch.force_n};
+  touch.friction = {FrictionLaw::compliance_of_rigid(pair.lighter_kg), pair.friction * touch.force_n};
   touch.off_m = state.rigid_ties_m.col(column) + way_of_free(pair.free, touch.arm_m, state);
   if (pair.other_free >= 0) {
     touch.off_m -= way_of_free(pair.other_free, touch.other_arm_m, state);
   } else {
     const Eigen::Isometry3d before = pose(pair.other, state.free_before, state.before_s);
-    touch.off_m += before * (others.inverse() * touch.position_m) - touch.position_m;
+    touch.off_m += before * (touch.other_pose.inverse() * touch.position_m) - touch.position_m;
   }
   return touch;
 }
 
 RigidTouches RigidContact::touches(const ContactState& state) const {
-  RigidTouches all;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) all.push_back(touch(i, state));
-  return all;
+  RigidTouches near;
+  bool apart = false;
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const Pair& pair = pairs_[i];
+    if (begins(i)) apart = this->apart(pair, state.free, state.time_s);
+    const bool pressed = state.rigid_forces_n[static_cast<Eigen::Index>(i)] > 0.0;
+    if (apart && !pressed) continue;
+    RigidTouch touch = this->touch(i, state);
+    if (pressed || touch.gap_m < pair.size_m) near.push_back(std::move(touch));
+  }
+  return near;
 }
 
 double RigidContact::mismatch(const RigidTouches& at) const {
   double most = 0.0;
-  for (std::size_t i = 0; i < at.size(); ++i)
-    most = std::max(most, std::abs(law(pairs_[i]).mismatch_m(at[i].gap_m, at[i].force_n)) / pairs_[i].size_m);
+  for (const RigidTouch& touch : at) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
+    most = std::max(most, std::abs(law(pair).mismatch_m(touch.gap_m, touch.force_n)) / pair.size_m);
+  }
   return most;
 }
 
@@ -161,32 +176,35 @@ void RigidContact::add_at(const Pair& pair, const RigidTouch& touch, const Vecto
 }
 
 void RigidContact::add_forces(const RigidTouches& at, FreeColumns& residual) const {
-  for (std::size_t i = 0; i < at.size(); ++i)
-    add_at(pairs_[i], at[i], at[i].traction_n() - at[i].force_n * at[i].normal, residual);
+  for (const RigidTouch& touch : at)
+    add_at(pairs_[static_cast<std::size_t>(touch.pair)], touch, touch.traction_n() - touch.force_n * touch.normal,
+           residual);
 }
 
 void RigidContact::add_mismatch_forces(const RigidTouches& linearised, const RigidTouches& here,
                                        FreeColumns& residual) const {
-  for (std::size_t i = 0; i < here.size(); ++i) {
-    const double compliance = law(pairs_[i]).compliance_m_pa;
-    const bool known = linearised[i].closed;
-    const Vector3d force_n = here[i].closed ? Vector3d((here[i].gap_m + compliance * here[i].force_n) / compliance *
-                                                       (known ? linearised[i].normal : here[i].normal))
-                                            : Vector3d(here[i].force_n * here[i].normal);
-    add_at(pairs_[i], here[i], force_n, residual);
+  for (const RigidTouch& touch : here) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
+    Vector3d force_n = touch.force_n * touch.normal;
+    if (touch.closed) {
+      const double compliance = law(pair).compliance_m_pa;
+      force_n = (touch.gap_m + compliance * touch.force_n) / compliance * normal_of(touch, linearised);
+    }
+    add_at(pair, touch, force_n, residual);
   }
 }
 
 void RigidContact::add_beyond(const RigidTouches& at, FreeColumns& residual) const {
-  for (std::size_t i = 0; i < at.size(); ++i)
-    if (at[i].friction.held) add_at(pairs_[i], at[i], at[i].friction.beyond_pa(at[i].along(at[i].off_m)), residual);
+  for (const RigidTouch& touch : at)
+    if (touch.friction.held)
+      add_at(pairs_[static_cast<std::size_t>(touch.pair)], touch, touch.friction.beyond_pa(touch.along(touch.off_m)),
+             residual);
 }
 
 void RigidContact::add_hessian(const RigidTouches& at, bool convex, Eigen::MatrixXd& matrix) const {
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    const RigidTouch& touch = at[i];
+  for (const RigidTouch& touch : at) {
     if (!touch.closed) continue;
-    const Pair& pair = pairs_[i];
+    const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
     Eigen::Matrix3d block = touch.normal * touch.normal.transpose() / law(pair).compliance_m_pa;
     if (!convex) block -= touch.force_n * touch.bend;
     if (touch.rubs()) block += touch.friction.stiffness_pa_m(touch.along(touch.off_m), touch.normal);
@@ -197,18 +215,26 @@ void RigidContact::add_hessian(const RigidTouches& at, bool convex, Eigen::Matri
   }
 }
 
-Vector3d RigidContact::normal_motion(const Pair& pair, const RigidTouch& touch, const FreeColumns& motion) const {
-  const Vector3d to_ball_m = pair.point.radius_m * touch.normal;
-  Vector3d way_m = way_at(pair.free, touch.arm_m + to_ball_m, motion);
-  if (pair.other_free < 0) return touch.bend * way_m;
-  way_m -= way_at(pair.other_free, touch.other_arm_m + to_ball_m, motion);
-  return touch.bend * way_m + Vector3d(motion.col(2 * pair.other_free + 1)).cross(touch.normal);
-}
-
-Vector3d RigidContact::along_motion_m(const Pair& pair, const RigidTouch& touch, const FreeColumns& motion) const {
-  const Vector3d turn = normal_motion(pair, touch, motion);
-  return touch.along(relative_motion_m(pair, touch, motion)) - touch.normal * turn.dot(touch.off_m) -
-         turn * touch.normal.dot(touch.off_m);
+RigidContact::PlaceMotion RigidContact::place_motion(const RigidTouch& touch, const FreeColumns& motion) const {
+  const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
+  PlaceMotion at{Vector3d::Zero(), way_at(pair.free, touch.arm_m, motion), Vector3d::Zero()};
+  const double most = motion.cwiseAbs().maxCoeff();
+  const double length = most > 0.0 ? kDifference * std::min(1.0, pair.size_m) / most : 0.0;
+  const auto moved_by = [&](double share) {
+    Eigen::Isometry3d pose = moved_about(touch.position_m - touch.arm_m, pair.free, share * motion) * touch.pose,
+                      other = touch.other_pose;
+    if (pair.other_free >= 0)
+      other = moved_about(touch.position_m - touch.other_arm_m, pair.other_free, share * motion) * other;
+    return meeting(pair, pose, other);
+  };
+  const std::optional<RigidMeeting> after = moved_by(length), before = moved_by(-length);
+  if (length > 0.0 && after && before) {
+    at.turn = (after->normal - before->normal) / (2.0 * length);
+    at.moves_m = (after->position_m - before->position_m) / (2.0 * length);
+  }
+  at.along_m = touch.along(relative_motion_m(pair, touch, motion)) - touch.normal * at.turn.dot(touch.off_m) -
+               at.turn * touch.normal.dot(touch.off_m);
+  return at;
 }
 
 void RigidContact::add_slip(const RigidTouch& touch, FreeColumns& residual) const {
@@ -219,7 +245,7 @@ void RigidContact::add_slip(const RigidTouch& touch, FreeColumns& residual) cons
 double RigidContact::beyond_limit_m(const RigidTouch& touch, const FreeColumns& motion) const {
   const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
   const double closing_m = touch.normal.dot(relative_motion_m(pair, touch, motion));
-  return touch.along(touch.off_m).normalized().dot(along_motion_m(pair, touch, motion)) +
+  return touch.along(touch.off_m).normalized().dot(place_motion(touch, motion).along_m) +
          pair.friction * touch.friction.compliance_m_pa / law(pair).compliance_m_pa * closing_m;
 }
 
@@ -228,43 +254,48 @@ void RigidContact::add_turned(const RigidTouches& at, const FreeColumns& motion,
   for (const RigidTouch& touch : at) {
     if (!touch.closed) continue;
     const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
-    const Vector3d relative_m = relative_motion_m(pair, touch, motion), turn = normal_motion(pair, touch, motion);
-    Vector3d more_n = touch.force_n * (touch.bend * relative_m - turn);
+    const Vector3d relative_m = relative_motion_m(pair, touch, motion);
+    const PlaceMotion at_place = place_motion(touch, motion);
+    Vector3d more_n = touch.force_n * (touch.bend * relative_m - at_place.turn);
     if (touch.rubs())
-      more_n += along_motion_m(pair, touch, motion) / touch.friction.compliance_m_pa -
+      more_n += at_place.along_m / touch.friction.compliance_m_pa -
                 touch.friction.stiffness_pa_m(touch.along(touch.off_m), touch.normal) * relative_m;
     add_at(pair, touch, more_n, residual);
     const Vector3d force_n = touch.traction_n() - touch.force_n * touch.normal;
-    const Vector3d moves_m =
-        way_at(pair.free, touch.arm_m + pair.point.radius_m * touch.normal, motion) - pair.point.radius_m * turn;
-    residual.col(2 * pair.free + 1) += (moves_m - motion.col(2 * pair.free)).cross(force_n);
+    residual.col(2 * pair.free + 1) += (at_place.moves_m - motion.col(2 * pair.free)).cross(force_n);
     if (pair.other_free >= 0)
-      residual.col(2 * pair.other_free + 1) -= (moves_m - motion.col(2 * pair.other_free)).cross(force_n);
+      residual.col(2 * pair.other_free + 1) -= (at_place.moves_m - motion.col(2 * pair.other_free)).cross(force_n);
   }
 }
 
 bool RigidContact::same_set(const RigidTouches& a, const RigidTouches& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const RigidTouch& one, const RigidTouch& other) { return one.closed == other.closed; });
+  const auto closed = [](const RigidTouches& all) {
+    std::vector<int> pairs;
+    for (const RigidTouch& touch : all)
+      if (touch.closed) pairs.push_back(touch.pair);
+    return pairs;
+  };
+  return closed(a) == closed(b);
 }
 
 Eigen::VectorXd RigidContact::next_forces_n(const RigidTouches& linearised, const RigidTouches& here,
                                             const FreeColumns& motion) const {
   Eigen::VectorXd next = Eigen::VectorXd::Zero(pair_count());
-  for (std::size_t i = 0; i < here.size(); ++i) {
-    if (!here[i].closed) continue;
-    const Vector3d& normal = linearised[i].closed ? linearised[i].normal : here[i].normal;
-    next[static_cast<Eigen::Index>(i)] =
-        law(pairs_[i]).pressure_pa(here[i].gap_m + normal.dot(relative_motion_m(pairs_[i], here[i], motion)));
+  for (const RigidTouch& touch : here) {
+    if (!touch.closed) continue;
+    const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
+    const double closing_m = normal_of(touch, linearised).dot(relative_motion_m(pair, touch, motion));
+    next[touch.pair] = law(pair).pressure_pa(touch.gap_m + closing_m);
   }
   return next;
 }
 
 double RigidContact::merit_j(const RigidTouches& at, const RigidTouches& start, const Eigen::VectorXd& next_n) const {
   double sum = 0.0;
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    sum += law(pairs_[i]).merit_j_m2(at[i].gap_m, next_n[static_cast<Eigen::Index>(i)]);
-    if (start[i].rubs()) sum += start[i].friction.potential_j_m2(start[i].along(at[i].off_m));
+  for (const RigidTouch& touch : at) {
+    sum += law(pairs_[static_cast<std::size_t>(touch.pair)]).merit_j_m2(touch.gap_m, next_n[touch.pair]);
+    const RigidTouch* first = found(start, touch.pair);
+    if (first && first->rubs()) sum += first->friction.potential_j_m2(first->along(touch.off_m));
   }
   return sum;
 }
@@ -272,18 +303,19 @@ double RigidContact::merit_j(const RigidTouches& at, const RigidTouches& start, 
 double RigidContact::slope_change_j(const RigidTouches& start, const Eigen::VectorXd& next_n,
                                     const FreeColumns& motion) const {
   double sum = 0.0;
-  for (std::size_t i = 0; i < start.size(); ++i) {
-    const double push_n = law(pairs_[i]).merit_pa(start[i].gap_m, next_n[static_cast<Eigen::Index>(i)]);
-    sum += (start[i].force_n - push_n) * start[i].normal.dot(relative_motion_m(pairs_[i], start[i], motion));
+  for (const RigidTouch& touch : start) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(touch.pair)];
+    const double push_n = law(pair).merit_pa(touch.gap_m, next_n[touch.pair]);
+    sum += (touch.force_n - push_n) * touch.normal.dot(relative_motion_m(pair, touch, motion));
   }
   return sum;
 }
 
 void RigidContact::commit(ContactState& state) const {
   const RigidTouches at = touches(state);
-  for (std::size_t i = 0; i < at.size(); ++i)
-    state.rigid_ties_m.col(static_cast<Eigen::Index>(i)) =
-        at[i].force_n > 0.0 ? Vector3d(at[i].friction.compliance_m_pa * at[i].traction_n()) : Vector3d::Zero();
+  state.rigid_ties_m.setZero();
+  for (const RigidTouch& touch : at)
+    if (touch.force_n > 0.0) state.rigid_ties_m.col(touch.pair) = touch.friction.compliance_m_pa * touch.traction_n();
   state.free_before = state.free;
   state.before_s = state.time_s;
 }
@@ -300,38 +332,39 @@ double RigidContact::rubbed_j(const RigidTouches& at) const {
 
 std::vector<ContactReading> RigidContact::readings(const ContactState& state) const {
   std::vector<ContactReading> all;
-  const RigidTouches at = touches(state);
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    const Pair& pair = pairs_[i];
-    const std::string &own = obstacles_[static_cast<std::size_t>(pair.obstacle)].name,
-                      &other = obstacles_[static_cast<std::size_t>(pair.other)].name;
-    if (all.empty() || all.back().on != own || all.back().surface != other) {
+  const RigidTouches near = touches(state);
+  auto next = near.begin();
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    if (begins(i)) {
       all.emplace_back();
-      all.back().on = own;
-      all.back().surface = other;
+      all.back().on = obstacles_[static_cast<std::size_t>(pairs_[i].obstacle)].name;
+      all.back().surface = obstacles_[static_cast<std::size_t>(pairs_[i].other)].name;
     }
+    if (next == near.end() || next->pair != static_cast<int>(i)) continue;
     ContactReading& reading = all.back();
-    reading.force_n += at[i].force_n * at[i].normal - at[i].traction_n();
-    reading.normal_force_n += at[i].force_n;
-    reading.center_m += at[i].force_n * at[i].position_m;
-    reading.normal += at[i].force_n * at[i].normal;
-    reading.largest_penetration_m = std::max(reading.largest_penetration_m, -at[i].gap_m);
+    const RigidTouch& touch = *next++;
+    reading.force_n += touch.force_n * touch.normal - touch.traction_n();
+    reading.normal_force_n += touch.force_n;
+    reading.center_m += touch.force_n * touch.position_m;
+    reading.normal += touch.force_n * touch.normal;
+    reading.largest_penetration_m = std::max(reading.largest_penetration_m, -touch.gap_m);
   }
   for (ContactReading& reading : all) finish(reading);
   return all;
 }
 
 void RigidContact::refuse_overlap() const {
-  ContactState start;
-  start.free = start.free_before = free_.at_start();
-  start.rigid_forces_n = Eigen::VectorXd::Zero(pair_count());
-  start.rigid_ties_m = Eigen::Matrix3Xd::Zero(3, pair_count());
-  const RigidTouches at = touches(start);
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    if (at[i].gap_m >= -kOverlap * pairs_[i].size_m) continue;
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const Pair& pair = pairs_[i];
+    if (!begins(i)) continue;
+    const PlacedShape one = placed(pair.obstacle, free_.at_start(), 0.0),
+                      other = placed(pair.other, free_.at_start(), 0.0);
+    if (spheres_apart_m(one, other) > 0.0) continue;
+    const double apart_m = soft_robot_lab::apart_m(one, other);
+    if (apart_m >= -kOverlap * pair.size_m) continue;
     std::ostringstream text;
-    text << "obstacle '" << obstacles_[static_cast<std::size_t>(pairs_[i].obstacle)].name << "' is " << -at[i].gap_m
-         << " m inside obstacle '" << obstacles_[static_cast<std::size_t>(pairs_[i].other)].name
+    text << "obstacle '" << obstacles_[static_cast<std::size_t>(pair.obstacle)].name << "' is " << -apart_m
+         << " m inside obstacle '" << obstacles_[static_cast<std::size_t>(pair.other)].name
          << "' at the start; must be outside";
     throw std::invalid_argument(text.str());
   }

@@ -75,10 +75,12 @@ std::string free_motion(const ContactTerm& contact, int free, const ContactSums&
   for (const ContactTouch& touch : touching.touches)
     if (touch.free == free && touch.pressure_pa > 0.0)
       resist(touch.arm_m / size_m, touch.normal, touch.rubs() && touch.friction.limit_pa > 0.0, gram);
-  for (std::size_t i = 0; i < touching.rigid.size(); ++i) {
-    const RigidTouch& touch = touching.rigid[i];
-    if (contact.rigid().free_of(static_cast<Eigen::Index>(i)) == free && touch.force_n > 0.0)
-      resist(touch.arm_m / size_m, touch.normal, touch.rubs() && touch.friction.limit_pa > 0.0, gram);
+  for (const RigidTouch& touch : touching.rigid) {
+    const bool one = contact.rigid().free_of(touch.pair) == free,
+               other = contact.rigid().other_free_of(touch.pair) == free;
+    if ((one || other) && touch.force_n > 0.0)
+      resist((one ? touch.arm_m : touch.other_arm_m) / size_m, touch.normal,
+             touch.rubs() && touch.friction.limit_pa > 0.0, gram);
   }
   return unresisted(gram);
 }

@@ -31,9 +31,8 @@ std::vector<ContactSweep::Point> ContactSweep::touching(const Eigen::Matrix3Xd& 
   const ContactSums sums = contact_.sums(positions_m, state);
   for (const ContactTouch& touch : sums.touches)
     if (!touch.normal.isZero(0.0)) points.push_back(point_of(touch, positions_m));
-  for (std::size_t i = 0; i < sums.rigid.size(); ++i)
-    if (sums.rigid[i].closed || sums.rigid[i].force_n > 0.0)
-      points.push_back(point_of(static_cast<Eigen::Index>(i), sums.rigid[i]));
+  for (const RigidTouch& touch : sums.rigid)
+    if (touch.closed || touch.force_n > 0.0) points.push_back(point_of(touch.pair, touch));
   return points;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Gaps to rigid shapes, against closed forms and central differences.
 #include "mechanics/contact/gap.h"
+#include "mechanics/contact/rigid_places.h"
 
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -136,6 +138,63 @@ TEST(Obstacle, RefusesShapesAndMotionsOutOfRangeByName) {
   EXPECT_NE(message({"a", Sphere{{0, 0, std::nan("")}, 1.0}, {}, 0.0}).find("center_m"), std::string::npos);
   EXPECT_EQ(message({"a", Cylinder{{0, 0, 0}, {0, 0, 1}, 0.2, 0.02}, {{0.0, kZero, kZero}, {1.0, kZero, kZero}}, 0.3}),
             "");
+}
+
+// How far apart two convex shapes are, by going to and fro between their closest points.
+double by_projections_m(const PlacedShape& one, const PlacedShape& other) {
+  Vector3d at_m = one.pose * center_m(one.shape);
+  double gap_m = 0.0;
+  for (int i = 0; i < 10000; ++i) {
+    const PlacedShape& to = i % 2 == 0 ? other : one;
+    const Gap gap = gap_to(to.shape, to.pose, at_m);
+    gap_m = gap.gap_m;
+    at_m -= gap_m * gap.normal;
+  }
+  return gap_m;
+}
+
+// However two shapes are turned, one of the places where they may touch is the nearest of all.
+TEST(RigidPlaces, TheNearestIsAsFarAsTheShapesAre) {
+  const std::vector<ObstacleShape> shapes{Sphere{kZero, 0.01}, Capsule{{-0.03, 0, 0}, {0.03, 0, 0}, 0.005},
+                                          Cylinder{{0, 0, -0.02}, {0, 0, 0.02}, 0.01, 0.0005},
+                                          RoundedBox{kZero, {0.02, 0.04, 0.06}, 0.0005},
+                                          Cylinder{{0, 0, -0.002}, {0, 0, 0.002}, 0.02, 0.0002}};
+  std::mt19937 random(7);
+  std::normal_distribution<double> any;
+  const auto turned = [&] {
+    const double x = any(random), y = any(random), z = any(random), w = any(random);
+    return Eigen::Quaterniond(w, x, y, z).normalized();
+  };
+  for (std::size_t i = 0; i < 200; ++i) {
+    const std::size_t a = i % shapes.size(), b = i / shapes.size() % shapes.size();
+    PlacedShape one{shapes[a], Eigen::Isometry3d(turned())}, other{shapes[b], Eigen::Isometry3d(turned())};
+    const Vector3d way = turned() * Vector3d::UnitX();
+    double far_m = 0.2, near_m = 0.0;  // moved in until they are half a millimetre apart
+    for (int k = 0; k < 25; ++k) {
+      const double middle_m = 0.5 * (far_m + near_m);
+      one.pose.translation() = middle_m * way;
+      (apart_m(one, other) > 5e-4 ? far_m : near_m) = middle_m;
+    }
+    one.pose.translation() = far_m * way;
+    double least_m = 1.0;
+    for (const RigidPlace& place : rigid_places(one.shape, other.shape)) {
+      const std::optional<RigidMeeting> met = meet(place, one.shape, one.pose, other.shape, other.pose);
+      if (met) least_m = std::min(least_m, met->gap_m);
+    }
+    EXPECT_NEAR(least_m, 5e-4, 2e-6) << "shapes " << a << " and " << b << ", case " << i;
+    EXPECT_NEAR(by_projections_m(one, other), 5e-4, 2e-6) << "shapes " << a << " and " << b << ", case " << i;
+  }
+}
+
+TEST(RigidPlaces, OverlapsAreAsDeepAsTheyAre) {
+  const auto at = [](double x, double y, double z) { return Eigen::Isometry3d(Eigen::Translation3d(x, y, z)); };
+  const ObstacleShape ball = Sphere{kZero, 0.01}, bar = RoundedBox{kZero, {0.1, 0.01, 0.01}, 0.001},
+                      across = RoundedBox{kZero, {0.01, 0.1, 0.01}, 0.001}, floor = Plane{kZero, Vector3d::UnitZ()};
+  EXPECT_NEAR(apart_m({ball, at(0, 0, 0.004)}, {floor, at(0, 0, 0)}), -0.006, 1e-8);
+  EXPECT_NEAR(apart_m({ball, at(0, 0, 0.012)}, {ball, at(0, 0, 0)}), -0.008, 1e-8);
+  EXPECT_NEAR(apart_m({bar, at(0, 0, 0.007)}, {across, at(0, 0, 0)}), -0.003, 1e-8);
+  EXPECT_NEAR(apart_m({bar, at(0, 0, 0.013)}, {across, at(0, 0, 0)}), 0.003, 1e-8);
+  EXPECT_NEAR(apart_m({bar, at(0, 0, 0)}, {across, at(0, 0, 0)}), -0.01, 1e-8);
 }
 
 }  // namespace

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rigid_places.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "free_obstacles.h"
+#include "gap.h"
+
+namespace soft_robot_lab {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr int kOnRim = 24;
+constexpr double kApart = 2.0 * M_PI / kOnRim;
+constexpr int kHalvings = 50;         // of an arc in which the nearest point of a rim is
+constexpr double kFlat = 1e-3;        // of its radius: a rim whose points are so alike lies flat on the other
+constexpr double kParallel = 1e-6;    // sine of an angle
+constexpr double kBesideFace = 0.05;  // how far a normal may point past a face of its edge
+constexpr int kCuts = 250;            // each leaves 0.84 of the volume in which the nearest place is
+constexpr double kDeepest = 0.5;      // of the smaller of two half extents
+
+// What a shape touches with.
+struct Features {
+  std::vector<RoundedPoint> points;
+  std::vector<RoundedRim> rims;
+  std::vector<RoundedLine> lines;
+};
+
+Features features(const Plane& /*never free, and touched alone*/) { return {}; }
+Features features(const Sphere& sphere) { return {{{sphere.center_m, sphere.radius_m}}, {}, {}}; }
+
+Features features(const Capsule& capsule) {
+  return {{{capsule.start_m, capsule.radius_m}, {capsule.end_m, capsule.radius_m}},
+          {},
+          {{capsule.start_m, capsule.end_m, capsule.radius_m, {}}}};
+}
+
+Features features(const Cylinder& cylinder) {
+  const Vector3d axis = (cylinder.end_m - cylinder.start_m).normalized(), inwards = cylinder.rounding_m * axis;
+  const Vector3d start_m = cylinder.start_m + inwards, end_m = cylinder.end_m - inwards;
+  const double radius_m = cylinder.radius_m - cylinder.rounding_m;
+  return {{},
+          {{start_m, -axis, radius_m, cylinder.rounding_m}, {end_m, axis, radius_m, cylinder.rounding_m}},
+          {{start_m, end_m, cylinder.radius_m, {}}}};
+}
+
+Features features(const RoundedBox& box) {
+  const Vector3d half_m = 0.5 * box.size_m - Vector3d::Constant(box.rounding_m);
+  const auto corner = [&](const Vector3d& sign) -> Vector3d { return box.center_m + sign.cwiseProduct(half_m); };
+  Features all;
+  for (int bits = 0; bits < 8; ++bits) {
+    const Vector3d sign(bits & 1 ? 1.0 : -1.0, bits & 2 ? 1.0 : -1.0, bits & 4 ? 1.0 : -1.0);
+    all.points.push_back({corner(sign), box.rounding_m});
+    for (int axis = 0; axis < 3; ++axis) {
+      if (sign[axis] > 0.0) continue;
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      all.lines.push_back({corner(sign),
+                           corner(sign - 2.0 * sign[axis] * Vector3d::Unit(axis)),
+                           box.rounding_m,
+                           {sign[u] * Vector3d::Unit(u), sign[v] * Vector3d::Unit(v)}});
+    }
+  }
+  return all;
+}
+
+Features features_of(const ObstacleShape& shape) {
+  return std::visit([](const auto& one) { return features(one); }, shape);
+}
+
+Vector3d on_rim(const RoundedRim& rim, double angle_rad) {
+  const Vector3d across = rim.outward.unitOrthogonal();
+  return rim.middle_m + rim.radius_m * (std::cos(angle_rad) * across + std::sin(angle_rad) * rim.outward.cross(across));
+}
+
+void add_on_shape(const Features& features, bool of_other, std::vector<RigidPlace>& all) {
+  for (const RoundedPoint& point : features.points) all.push_back({of_other, BallOnShape{point}});
+  for (const RoundedRim& rim : features.rims) {
+    for (int i = 0; i < kOnRim; ++i) all.push_back({of_other, BallOnShape{{on_rim(rim, kApart * i), rim.rounding_m}}});
+    for (const int valley : {0, 1}) all.push_back({of_other, RimOnShape{rim, valley}});
+  }
+}
+
+// In robot_base.
+RoundedLine placed(const RoundedLine& line, const Isometry3d& pose) {
+  RoundedLine there{pose * line.from_m, pose * line.to_m, line.radius_m, {}};
+  for (const Vector3d& face : line.faces) there.faces.emplace_back(pose.linear() * face);
+  return there;
+}
+
+RoundedRim placed(const RoundedRim& rim, const Isometry3d& pose) {
+  return {pose * rim.middle_m, pose.linear() * rim.outward, rim.radius_m, rim.rounding_m};
+}
+
+// Whether a surface whose faces meet in an edge has this normal there.
+bool faces_towards(const std::vector<Vector3d>& faces, const Vector3d& normal) {
+  return std::all_of(faces.begin(), faces.end(),
+                     [&](const Vector3d& face) { return face.dot(normal) >= -kBesideFace; });
+}
+
+// The one of two opposite normals that points out of the second of two edges and into the first; of two axes the one
+// along which they are apart. Zero where there is none.
+Vector3d outward(const Vector3d& normal, const std::vector<Vector3d>& own, const std::vector<Vector3d>& other,
+                 const Vector3d& apart_m) {
+  const bool back = normal.dot(apart_m) < 0.0;
+  for (const double sign : {back ? -1.0 : 1.0, back ? 1.0 : -1.0}) {
+    if (own.empty() && other.empty() && sign != (back ? -1.0 : 1.0)) break;
+    if (faces_towards(other, sign * normal) && faces_towards(own, -sign * normal)) return sign * normal;
+  }
+  return Vector3d::Zero();
+}
+
+// Of the closest points of two straight lines: coordinates along them in lengths of their directions.
+Eigen::Vector2d closest(const Vector3d& own_m, const Vector3d& along, const Vector3d& other_m, const Vector3d& across) {
+  const Vector3d square = along.cross(across), way_m = other_m - own_m;
+  return Eigen::Vector2d(way_m.cross(across).dot(square), way_m.cross(along).dot(square)) / square.squaredNorm();
+}
+
+std::optional<RigidMeeting> meet_with(const BallOnShape& place, const ObstacleShape& /*own*/,
+                                      const Isometry3d& own_pose, const ObstacleShape& shape, const Isometry3d& pose) {
+  const Vector3d middle_m = own_pose * place.ball.position_m;
+  const Gap gap = gap_to(shape, pose, middle_m);
+  return RigidMeeting{gap.gap_m - place.ball.radius_m, gap.normal, middle_m - place.ball.radius_m * gap.normal,
+                      gap.hessian};
+}
+
+// Of the points of a rim that are nearer than those beside them the nearest, or the second; -1: there is none.
+int nearest(const std::array<double, kOnRim>& gaps_m, int which) {
+  const auto at = [&](int i) { return gaps_m[static_cast<std::size_t>((i + kOnRim) % kOnRim)]; };
+  std::array<int, 2> found{-1, -1};
+  for (int i = 0; i < kOnRim; ++i) {
+    if (at(i) > at(i - 1) || at(i) >= at(i + 1)) continue;
+    if (found[0] < 0 || at(i) < at(found[0]))
+      found = {i, found[0]};
+    else if (found[1] < 0 || at(i) < at(found[1]))
+      found[1] = i;
+  }
+  return found[static_cast<std::size_t>(which)];
+}
+
+std::optional<RigidMeeting> meet_with(const RimOnShape& place, const ObstacleShape& /*own*/, const Isometry3d& own_pose,
+                                      const ObstacleShape& shape, const Isometry3d& pose) {
+  const RoundedRim rim = placed(place.rim, own_pose);
+  const Vector3d across = own_pose.linear() * place.rim.outward.unitOrthogonal(), up = rim.outward.cross(across);
+  std::array<double, kOnRim> gaps_m;
+  for (int i = 0; i < kOnRim; ++i) {
+    const double angle_rad = kApart * i;
+    const Vector3d at_m = rim.middle_m + rim.radius_m * (std::cos(angle_rad) * across + std::sin(angle_rad) * up);
+    gaps_m[static_cast<std::size_t>(i)] = gap_to(shape, pose, at_m).gap_m;
+  }
+  const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.end());
+  const int valley = nearest(gaps_m, place.valley);
+  if (valley < 0 || *most - *least < kFlat * rim.radius_m) return std::nullopt;
+  Gap gap;
+  Vector3d at_m, along_m;
+  double curvature_m = 0.0, low_rad = kApart * (valley - 1), high_rad = kApart * (valley + 1);
+  for (int i = 0; i < kHalvings; ++i) {
+    const double angle_rad = 0.5 * (low_rad + high_rad);
+    const Vector3d out_m = rim.radius_m * (std::cos(angle_rad) * across + std::sin(angle_rad) * up);
+    at_m = rim.middle_m + out_m;
+    along_m = rim.outward.cross(out_m);
+    gap = gap_to(shape, pose, at_m);
+    curvature_m = along_m.dot(gap.hessian * along_m) - gap.normal.dot(out_m);
+    (gap.normal.dot(along_m) > 0.0 ? high_rad : low_rad) = angle_rad;
+  }
+  Eigen::Matrix3d bend = gap.hessian;
+  if (curvature_m > 0.0) {
+    const Vector3d turn = gap.hessian * along_m;
+    bend -= turn * turn.transpose() / curvature_m;
+  }
+  return RigidMeeting{gap.gap_m - rim.rounding_m, gap.normal, at_m - rim.rounding_m * gap.normal, bend};
+}
+
+std::optional<RigidMeeting> meet_with(const LineOnLine& place, const ObstacleShape& /*own*/, const Isometry3d& own_pose,
+                                      const ObstacleShape& /*shape*/, const Isometry3d& pose) {
+  const RoundedLine own = placed(place.own, own_pose), other = placed(place.other, pose);
+  const Vector3d along = own.to_m - own.from_m, across = other.to_m - other.from_m, square = along.cross(across);
+  if (square.norm() < kParallel * along.norm() * across.norm()) return std::nullopt;
+  const Eigen::Vector2d at = closest(own.from_m, along, other.from_m, across);
+  if (at.minCoeff() < 0.0 || at.maxCoeff() > 1.0) return std::nullopt;
+  const Vector3d own_m = own.from_m + at[0] * along, other_m = other.from_m + at[1] * across;
+  const Vector3d normal = outward(square.normalized(), own.faces, other.faces, own_m - other_m);
+  const double apart_m = normal.dot(own_m - other_m);
+  if (normal.isZero(0.0) || apart_m < -place.deepest_m) return std::nullopt;
+  // Halfway between the surfaces' closest points, as neither is the other's.
+  const Vector3d middle_m = 0.5 * (own_m - own.radius_m * normal + other_m + other.radius_m * normal);
+  return RigidMeeting{apart_m - own.radius_m - other.radius_m, normal, middle_m, Eigen::Matrix3d::Zero()};
+}
+
+double bound(const Plane& /*endless*/) { return std::numeric_limits<double>::infinity(); }
+double bound(const Sphere& sphere) { return sphere.radius_m; }
+double bound(const Capsule& capsule) { return 0.5 * (capsule.end_m - capsule.start_m).norm() + capsule.radius_m; }
+double bound(const Cylinder& cylinder) {
+  return std::hypot(0.5 * (cylinder.end_m - cylinder.start_m).norm(), cylinder.radius_m);
+}
+double bound(const RoundedBox& box) { return 0.5 * box.size_m.norm(); }
+
+}  // namespace
+
+std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleShape& other) {
+  const Features own = features_of(one), theirs = features_of(other);
+  std::vector<RigidPlace> all;
+  if (std::holds_alternative<Sphere>(other) && !std::holds_alternative<Sphere>(one)) {
+    add_on_shape(theirs, true, all);
+    return all;
+  }
+  add_on_shape(own, false, all);
+  if (std::holds_alternative<Sphere>(one)) return all;
+  add_on_shape(theirs, true, all);
+  const double deepest_m = kDeepest * std::min(size_m(one), size_m(other));
+  for (const RoundedLine& line : own.lines)
+    for (const RoundedLine& across : theirs.lines) all.push_back({false, LineOnLine{line, across, deepest_m}});
+  return all;
+}
+
+std::optional<RigidMeeting> meet(const RigidPlace& place, const ObstacleShape& one, const Isometry3d& one_pose,
+                                 const ObstacleShape& other, const Isometry3d& other_pose) {
+  const auto with = [&](const auto& kind) {
+    return place.of_other ? meet_with(kind, other, other_pose, one, one_pose)
+                          : meet_with(kind, one, one_pose, other, other_pose);
+  };
+  std::optional<RigidMeeting> met = std::visit(with, place.kind);
+  if (met && place.of_other) met->normal = -met->normal;
+  return met;
+}
+
+double bounding_radius_m(const ObstacleShape& shape) {
+  return std::visit([](const auto& one) { return bound(one); }, shape);
+}
+
+double spheres_apart_m(const PlacedShape& one, const PlacedShape& other) {
+  const Vector3d middle_m = one.pose * center_m(one.shape);
+  const double way_m = std::holds_alternative<Plane>(other.shape)
+                           ? gap_to(other.shape, other.pose, middle_m).gap_m
+                           : (other.pose * center_m(other.shape) - middle_m).norm() - bounding_radius_m(other.shape);
+  return way_m - bounding_radius_m(one.shape);
+}
+
+// The larger of the distances from a point to both is convex, and half of what they are apart where it is least: found
+// by ellipsoids around that place, each cut through its middle (Shor 1977).
+double apart_m(const PlacedShape& one, const PlacedShape& other) {
+  Vector3d at_m = one.pose * center_m(one.shape);
+  const double reach_m = bounding_radius_m(one.shape) + std::max(0.0, gap_to(other.shape, other.pose, at_m).gap_m);
+  Eigen::Matrix3d around_m2 = reach_m * reach_m * Eigen::Matrix3d::Identity();
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int cut = 0; cut < kCuts; ++cut) {
+    const Gap own = gap_to(one.shape, one.pose, at_m), others = gap_to(other.shape, other.pose, at_m);
+    const Gap& larger = own.gap_m > others.gap_m ? own : others;
+    least_m = std::min(least_m, larger.gap_m);
+    const Vector3d along_m2 = around_m2 * larger.normal;
+    const double square_m2 = larger.normal.dot(along_m2);
+    if (square_m2 <= 0.0) break;
+    at_m -= along_m2 / (4.0 * std::sqrt(square_m2));
+    around_m2 = 9.0 / 8.0 * (around_m2 - 0.5 / square_m2 * along_m2 * along_m2.transpose());
+  }
+  return 2.0 * least_m;
+}
+
+}  // namespace soft_robot_lab

@@ -38,25 +38,20 @@ void ask(double way_m, double allowed_m, int obstacle, ObstacleCuts& cuts) {
   cuts = {std::isfinite(parts) ? parts : std::numeric_limits<double>::infinity(), way_m, obstacle};
 }
 
-// Whether what has this radius goes into the shape by more than `allowed_m` on a straight way. It is followed in steps
-// of at least that; of a way of more steps than are taken only the first part is looked at.
-bool goes_into(const ObstacleShape& shape, const Eigen::Isometry3d& pose, double radius_m,
-               const Eigen::Vector3d& start_m, const Eigen::Vector3d& way_m, double allowed_m) {
-  constexpr int kMostSteps = 10000;
-  const double length_m = way_m.norm();
-  double at_m = 0.0;
-  for (int step = 0; step < kMostSteps && at_m < length_m; ++step) {
-    const double gap_m = gap_to(shape, pose, start_m + at_m / length_m * way_m).gap_m - radius_m;
-    if (gap_m < -allowed_m) return true;
-    at_m += std::max(gap_m, allowed_m);
-  }
-  return false;
-}
-
 // What the obstacles of a step do.
 struct ObstacleWays {
   std::vector<Eigen::Isometry3d> poses, ways;  // where it starts, and from there to where it would end
 };
+
+// An obstacle after a share of how it moves.
+PlacedShape placed(const Obstacle& obstacle, const ObstacleWays& all, std::size_t index, double share) {
+  const Eigen::Isometry3d& way = all.ways[index];
+  const Eigen::Vector3d middle_m = all.poses[index] * center_m(obstacle.shape);
+  const Eigen::AngleAxisd turn(way.linear());
+  return {obstacle.shape,
+          moved_about(middle_m, share * (way * middle_m - middle_m), share * turn.angle() * turn.axis()) *
+              all.poses[index]};
+}
 
 ObstacleWays ways_of(const Body& body, const ContactTerm& contact, const ContactState& state,
                      const FreeVelocities& free_velocities, double h) {
@@ -90,20 +85,44 @@ void against_skin(const Body& body, const ContactPoints& points, const Eigen::Ma
   }
 }
 
-// Of each free obstacle its middle.
-void against_one_another(const Body& body, const ContactTerm& contact, const ObstacleWays& all, ObstacleCuts& cuts) {
-  for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
-    const Obstacle& free = body.obstacles()[i];
-    if (contact.free().index_of(static_cast<int>(i)) < 0) continue;
-    const Eigen::Vector3d start_m = all.poses[i] * center_m(free.shape), end_m = all.ways[i] * start_m;
-    for (std::size_t k = 0; k < body.obstacles().size(); ++k) {
-      const Obstacle& other = body.obstacles()[k];
-      if (k == i || std::holds_alternative<Plane>(other.shape)) continue;
-      const Eigen::Vector3d way_m = end_m - all.ways[k] * start_m;
-      const double allowed_m = allowed_depth_m(other, size_m(free.shape));
-      if (way_m.norm() <= cuts.parts * allowed_m) continue;
-      if (!way_m.allFinite() || goes_into(other.shape, all.poses[k], size_m(free.shape), start_m, way_m, allowed_m))
-        ask(way_m.norm(), allowed_m, static_cast<int>(i), cuts);
+// Whether two obstacles go into one another by more than `allowed_m`. They are followed in steps of at least that; of a
+// way of more steps than are taken only the first part is looked at.
+bool go_into(const Body& body, const ObstacleWays& all, std::size_t one, std::size_t other, double way_m,
+             double allowed_m) {
+  constexpr int kMostSteps = 2000;
+  const std::vector<Obstacle>& obstacles = body.obstacles();
+  double share = 0.0;
+  for (int step = 0; step < kMostSteps && share < 1.0; ++step) {
+    const double gap_m = apart_m(placed(obstacles[one], all, one, share), placed(obstacles[other], all, other, share));
+    if (gap_m < -allowed_m) return true;
+    share += std::max(gap_m, allowed_m) / way_m;
+  }
+  return false;
+}
+
+// No point of one obstacle moves further against one of the other.
+double longest_m(const Body& body, const ObstacleWays& all, std::size_t one, std::size_t other) {
+  const auto turn_m = [&](std::size_t index) {
+    return Eigen::AngleAxisd(all.ways[index].linear()).angle() * bounding_radius_m(body.obstacles()[index].shape);
+  };
+  const auto way_m = [&](std::size_t index) -> Eigen::Vector3d {
+    const Eigen::Vector3d middle_m = all.poses[index] * center_m(body.obstacles()[index].shape);
+    return all.ways[index] * middle_m - middle_m;
+  };
+  return (way_m(one) - way_m(other)).norm() + turn_m(one) + turn_m(other);
+}
+
+void against_one_another(const Body& body, const ObstacleWays& all, ObstacleCuts& cuts) {
+  const std::vector<Obstacle>& obstacles = body.obstacles();
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    for (std::size_t k = 0; k < obstacles.size(); ++k) {
+      if (!obstacles[i].is_free() || k == i || (obstacles[k].is_free() && k < i)) continue;
+      if (std::holds_alternative<Plane>(obstacles[k].shape)) continue;
+      const double way_m = longest_m(body, all, i, k),
+                   allowed_m = allowed_depth_m(obstacles[k], size_m(obstacles[i].shape));
+      if (way_m <= cuts.parts * allowed_m) continue;
+      if (!std::isfinite(way_m) || go_into(body, all, i, k, way_m, allowed_m))
+        ask(way_m, allowed_m, static_cast<int>(i), cuts);
     }
   }
 }
@@ -117,7 +136,7 @@ ObstacleCuts parts_for_obstacles(const Body& body, const ContactTerm& contact, c
   if (body.obstacles().empty()) return cuts;
   const ObstacleWays all = ways_of(body, contact, state, free_velocities, h);
   against_skin(body, contact.points(), positions_m, velocities_m_s, all, h, cuts);
-  against_one_another(body, contact, all, cuts);
+  against_one_another(body, all, cuts);
   return cuts;
 }
 

@@ -29,6 +29,7 @@ inline MesherOptions mesher_options(const SceneOptions& options) {
 }
 std::string mesh_file(const YamlNode& scene, const MesherOptions& mesher);  // its path in the cache
 TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options);      // `body`, `bodies`: their shapes
+std::vector<YamlNode> body_sections(const YamlNode& scene);                 // `body`, and the items of `bodies`
 Body read_body(const YamlNode& scene, TetMesh mesh);                        // `body`, `bodies`, `loads`, gravity
 Material read_material(const YamlNode& node);                               // `body.material`, or a file of presets
 std::vector<std::unique_ptr<Actuator>> read_actuators(

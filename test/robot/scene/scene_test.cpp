@@ -270,6 +270,33 @@ TEST(Scene, RefusesWithPlaceAndReason) {
   });
 }
 
+// It would hold the default modulus, and none of the preset's numbers.
+TEST(Scene, RefusesAModelWithoutModulusOverAnIncludedPreset) {
+  const SceneFolder folder;
+  folder.write("soft.yaml", "include: bar.yaml\nbody: {material: {preset: ecoflex_00_50}}\n");
+  const auto refusal = [&](const std::string& material) -> std::string {
+    try {
+      load_scene(folder.write("over.yaml", "include: soft.yaml\nbody: {material: {" + material + "}}\n"), options());
+    } catch (const SettingsError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string model = refusal("model: neo_hookean, density_kg_m3: 1000");
+  EXPECT_NE(model.find("over.yaml:2: body.material.model: replaces `preset: ecoflex_00_50` of "), std::string::npos);
+  EXPECT_NE(model.find("soft.yaml with all its keys: give youngs_modulus_pa beside it, or leave it out"),
+            std::string::npos)
+      << model;
+  const std::string modulus = refusal("youngs_modulus_pa: 1.0e+5");
+  EXPECT_NE(modulus.find("over.yaml:2: body.material.youngs_modulus_pa: stands over `preset: ecoflex_00_50` of "),
+            std::string::npos);
+  EXPECT_NE(modulus.find("give the `model` of this modulus beside it"), std::string::npos) << modulus;
+  for (const std::string material :
+       {"model: neo_hookean, youngs_modulus_pa: 1.0e+5", "model: yeoh, c1_pa: 5.0e+4", "preset: dragon_skin_10",
+        "stiffness_ratio: 1.1", "density_kg_m3: 1000"})
+    EXPECT_EQ(refusal(material), "") << material;
+}
+
 TEST(Scene, RefusesFreeObstaclesWithPlaceAndReason) {
   const std::string ball = "{name: ball, sphere: {center_m: [0, 0, 1], radius_m: 0.1}";
   const std::string floor = "{name: floor, plane: {point_m: [0, 0, -1], normal: [0, 0, 1]}}";

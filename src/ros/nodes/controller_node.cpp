@@ -342,6 +342,7 @@ void ControllerNode::optimise_policy(const OptimisePolicy::Request& request, Opt
     PolicyAnswer answer = behind_others([&] { return search_.find(*model_, task, optimiser_options(request)); });
     count_as_reached(request, answer);
     fill_response(answer, task, response);
+    for (const std::string& warning : far_targets(*model_, task)) response.message += "; " + warning;
     if (answer.success) remember(task, answer);
   } catch (const std::exception& error) {
     response.success = false;

@@ -33,6 +33,7 @@ Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& op
   scene.simulation = in_section(settings, [&] {
     return std::make_unique<Simulation>(std::move(body), std::move(actuators), std::move(markers), solver);
   });
+  if (options.interrupt) scene.simulation->set_interrupt(options.interrupt);
   scene.run = read_run(settings, *scene.simulation);
   return scene;
 }

@@ -127,6 +127,7 @@ class ControllerNode {
 
 ControllerNode::ControllerNode() {
   scene_options_.actuator_factory = actuators_from_plugins();
+  scene_options_.interrupt = [] { return !ros::ok(); };
   const ros::NodeHandle parameters("~");
   parameters.getParam("ramp_s", ramp_s_);
   require_in_range("ramp_s", ramp_s_, {0.0, 3600.0});

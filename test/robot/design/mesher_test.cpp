@@ -279,6 +279,20 @@ TEST_F(MeshFileFor, KeepsTheCacheToItsOwnerWhateverTheUmask) {
   umask(before);
 }
 
+TEST_F(MeshFileFor, EndsWithTheMesherWhereItIsInterrupted) {
+  const fs::path note = folder_ / "mesher";
+  use_script("echo $$ > " + note.string() + "; sleep 100");
+  options_.interrupt = [&] { return fs::exists(note) && !text_of(note).empty(); };
+  try {
+    mesh_file_for(request_, options_);
+    ADD_FAILURE() << "went on";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "meshing was interrupted");
+  }
+  EXPECT_FALSE(is_alive(std::stoi(text_of(note))));
+  EXPECT_EQ(cached_files(), 0);
+}
+
 TEST_F(MeshFileFor, LimitsTheMeshersProcessorTime) {
   use_script("ulimit -t > \"$2\"");
   options_.time_limit_s = 7;

@@ -198,6 +198,13 @@ std::vector<YamlNode> body_sections(const YamlNode& scene) {
   return sections;
 }
 
+std::vector<YamlNode> materials_of(const YamlNode& body) {
+  std::vector<YamlNode> materials;
+  if (const std::optional<YamlNode> own = body.optional_child("material")) materials.push_back(*own);
+  for (const auto& [name, material] : own_materials(body)) materials.push_back(material);
+  return materials;
+}
+
 Body read_body(const YamlNode& scene, TetMesh mesh) {
   const YamlNode section = scene.child("body");
   const std::vector<YamlNode> sections = body_sections(scene);

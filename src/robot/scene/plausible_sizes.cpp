@@ -6,7 +6,6 @@
 
 #include "sections.h"
 #include "settings/words.h"
-#include "soft_robot_lab/robot/design/solid.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -28,9 +27,9 @@ SolveWarning about(const std::string& kind, double size, const std::string& unit
 
 // Where millimetres become metres: a file has a key for it, a solid has a shape.
 std::string way_to_metres(const YamlNode& section) {
-  const bool of_file = section.has("mesh") || names_file(read_solid(section.child("solid")));
-  return of_file ? "if its file has millimetres, set `scale: 0.001` beside it"
-                 : "if its solid has millimetres, write metres, or put it into `scale: {factor: 0.001, solid: ...}`";
+  return is_of_file(section)
+             ? "if its file has millimetres, set `scale: 0.001` beside it"
+             : "if its solid has millimetres, write metres, or put it into `scale: {factor: 0.001, solid: ...}`";
 }
 
 void check_body(const YamlNode& scene, const Body& body, std::vector<SolveWarning>& warnings) {
@@ -39,38 +38,20 @@ void check_body(const YamlNode& scene, const Body& body, std::vector<SolveWarnin
   if (length_m >= kShortest_m && length_m <= kLongest_m) return;
   std::ostringstream text;
   text << "the body is " << length_m << " m long, where robots are " << kShortest_m << " to " << kLongest_m
-       << " m: lengths are metres; " << way_to_metres(scene.child("body"));
+       << " m: lengths are metres; " << way_to_metres(body_sections(scene).front());
   warnings.push_back(about("implausible_size", length_m, "m", text));
-}
-
-// The key that says how stiff a material is.
-std::string stated_modulus(const YamlNode& node) {
-  const std::string model = node.text_or("model", "neo_hookean");
-  if (model == "yeoh") return "c1_pa";
-  if (model == "neo_hookean") return "youngs_modulus_pa";
-  return node.number("c10_pa") >= node.number("c01_pa") ? "c10_pa" : "c01_pa";
 }
 
 void check_material(const YamlNode& node, std::vector<SolveWarning>& warnings) {
   const double modulus_pa = read_material(node).youngs_modulus_pa;
-  if (modulus_pa >= kSoftest_pa || node.has("stiffness_ratio") || node.has("preset")) return;
-  const std::string key = stated_modulus(node);
-  const double stated_pa = node.number(key);
+  const std::optional<YamlNode> stated = stated_modulus(node);
+  if (modulus_pa >= kSoftest_pa || !stated) return;
+  const std::string path = stated->path(), key = path.substr(path.rfind('.') + 1);
   std::ostringstream text;
   text << "Young's modulus is " << modulus_pa << " Pa, where silicones have " << kSoftest_pa << " Pa and more: if "
-       << key << " was given in MPa, multiply it by 1e6: did you mean " << node.path() << "." << key << ": "
-       << format_number(1e6 * stated_pa) << "? A `stiffness_ratio` beside it says that it is meant";
+       << key << " was given in MPa, multiply it by 1e6: did you mean " << path << ": "
+       << format_number(1e6 * stated->as_number()) << "? A `stiffness_ratio` beside it says that it is meant";
   warnings.push_back(about("implausible_stiffness", modulus_pa, "Pa", text));
-}
-
-// Of the bodies, and of what lies in them.
-void check_materials(const YamlNode& section, std::vector<SolveWarning>& warnings) {
-  if (const std::optional<YamlNode> node = section.optional_child("material")) check_material(*node, warnings);
-  for (const YamlNode& region : section.optional_sequence("regions"))
-    check_material(region.child("material"), warnings);
-  if (!section.has("solid")) return;
-  for (const Solid& region : solids_with_material(read_solid(section.child("solid"))))
-    check_material(*region.material, warnings);
 }
 
 void check_gravity(const Body& body, std::vector<SolveWarning>& warnings) {
@@ -98,7 +79,8 @@ std::vector<SolveWarning> implausible_sizes(const YamlNode& scene, const Body& b
                                             const std::vector<Marker>& markers) {
   std::vector<SolveWarning> warnings;
   check_body(scene, body, warnings);
-  for (const YamlNode& section : body_sections(scene)) check_materials(section, warnings);
+  for (const YamlNode& section : body_sections(scene))
+    for (const YamlNode& material : materials_of(section)) check_material(material, warnings);
   check_gravity(body, warnings);
   for (const Marker& marker : markers) check_stalk(marker, body, locator, warnings);
   return warnings;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "mechanics/simulation/limit_hint.h"
 #include "refuse.h"
@@ -25,7 +26,8 @@ constexpr double kMostWeight = 1e6;
 void require_goal(const Simulation& simulation, const MarkerGoal& goal) {
   simulation.marker_index(goal.marker);
   if (!(goal.target_m.cwiseAbs().maxCoeff() <= limits::kPlace_m) || !goal.target_m.allFinite())
-    refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] is not within ", limits::kPlace_m, " m");
+    refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] is not within ", limits::kPlace_m,
+           " m; it is in metres");
   if (!(goal.weight > 0.0 && goal.weight <= kMostWeight))
     refuse("weight of ", goal.marker, ": ", goal.weight, " is not in (0, ", kMostWeight, "]");
 }
@@ -46,7 +48,26 @@ void require_bounds(const Simulation& simulation, const ActuatorBounds& asked) {
     refuse("limits: max_rate_per_s ", asked.max_rate_per_s, " for '", asked.actuator, "' is not in (0, inf]");
 }
 
+// No robot reaches further from where its marker hangs than it is large, give or take its stalk and its stretch.
+constexpr double kFarthest = 3.0;  // times the body's size
+
 }  // namespace
+
+std::vector<std::string> far_targets(const Simulation& simulation, const PolicyTask& task) {
+  std::vector<std::string> warnings;
+  const double size_m = simulation.body().size_m();
+  for (const Pose& pose : task.poses)
+    for (const MarkerGoal& goal : pose.goals) {
+      const auto index = static_cast<std::size_t>(simulation.marker_index(goal.marker));
+      const double away_m = (goal.target_m - simulation.markers()[index].rest_position_m()).norm();
+      if (!(away_m > kFarthest * size_m)) continue;
+      std::ostringstream text;
+      text << "the target of " << goal.marker << " is " << away_m << " m away from it, where the robot is " << size_m
+           << " m large: targets are in metres; are these numbers millimetres?";
+      warnings.push_back(text.str());
+    }
+  return warnings;
+}
 
 void require_task(const Simulation& simulation, const PolicyTask& task) {
   if (simulation.actuators().empty()) refuse("the scene has no actuators to optimise");

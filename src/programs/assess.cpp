@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "load_with_bar.h"
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -47,6 +48,7 @@ int assess_robot(const Arguments& arguments) {
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
   const Scene scene = load_scene(arguments.robot, options);
+  print_warnings("assess", scene);
   const nlohmann::ordered_json result = assess(arguments.robot, *scene.simulation, arguments.settings);
   for (const auto& [name, value] : result.items()) std::cout << name << " " << value.dump() << "\n";
   if (!arguments.result.empty()) write_file(arguments.result, result.dump(2) + "\n");

@@ -11,6 +11,7 @@
 
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
+#include "settings/interrupted.h"
 #include "settings/write_file.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "ros/recorded_session.h"
@@ -111,8 +112,10 @@ int fit(const Arguments& arguments) {
   FitRequest request = arguments.request;
   request.progress = [](int iteration, double rms_gap_m) {
     std::cerr << "iteration " << iteration << ": rms gap " << 1e3 * rms_gap_m << " mm\n";
-    return true;
+    return !interrupted();
   };
+  heed_interrupts();
+  options.interrupt = interrupted;
   const FitResult result = fit_model(scene, options, poses, request, measured_swings(recording));
   std::cout << summary(result);
   write_fitted_scene(result, scene, arguments.output);

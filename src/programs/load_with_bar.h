@@ -1,15 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <iostream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "progress_bar.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {
 
-// With a bar where a reduced model is trained, or a mesh is judged.
+inline void print_warning(const std::string& program, const SolveWarning& warning) {
+  std::cerr << program << ": warning: " << warning.text << "\n";
+}
+
+// What is known of a scene before it runs is said before it runs.
+inline void print_warnings(const std::string& program, const Scene& scene) {
+  for (const SolveWarning& warning : scene.warnings) print_warning(program, warning);
+}
+
+// Those of a run that were not said of its scene.
+inline void print_new_warnings(const std::string& program, const Scene& scene,
+                               const std::vector<SolveWarning>& of_run) {
+  for (const SolveWarning& warning : of_run)
+    if (std::none_of(scene.warnings.begin(), scene.warnings.end(),
+                     [&](const SolveWarning& said) { return said.text == warning.text; }))
+      print_warning(program, warning);
+}
+
+// With a bar where a reduced model is trained, or a mesh is judged. Warnings of the scene are printed.
 inline Scene load_with_bar(const std::string& program, const std::string& file, SceneOptions options) {
   std::optional<ProgressBar> bar;
   options.knows_reduced = true;
@@ -17,7 +38,10 @@ inline Scene load_with_bar(const std::string& program, const std::string& file, 
     if (!bar) bar.emplace(program);
     bar->show(fraction, what);
   };
-  return load_scene(file, options);
+  Scene scene = load_scene(file, options);
+  bar.reset();
+  print_warnings(program, scene);
+  return scene;
 }
 
 }  // namespace soft_robot_lab

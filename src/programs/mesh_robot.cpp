@@ -157,6 +157,14 @@ int report(int status, std::string message) {
   return status;
 }
 
+// The kernel of shapes says no more than that it failed.
+std::string in_our_words(const std::string& error) {
+  const bool of_kernel = error.find("OpenCASCADE") != std::string::npos || error.find("Standard_") != std::string::npos;
+  return of_kernel ? "the solid cannot be built: a part of it is below 1e-9 m, or parts meet in a line or a point (" +
+                         error + ")"
+                   : "Gmsh cannot mesh this: " + error;
+}
+
 }  // namespace
 
 // Asked for by the leak sanitiser, where the build has one: Gmsh and its kernel leave memory behind.
@@ -174,7 +182,7 @@ int main(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     return report(2, error.what());
   } catch (const std::string& error) {
-    return report(2, "Gmsh cannot mesh this: " + error);
+    return report(2, in_our_words(error));
   } catch (const std::exception& error) {
     return report(1, error.what());
   }

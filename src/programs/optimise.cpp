@@ -166,6 +166,14 @@ int replay_policy(const Arguments& arguments, Simulation& simulation) {
   return kGood;
 }
 
+void require_targets(const PolicyTask& task) {
+  for (const Pose& pose : task.poses)
+    for (const MarkerGoal& goal : pose.goals)
+      if (!goal.target_m.allFinite())
+        throw std::invalid_argument("--target: marker " + goal.marker +
+                                    " has none; give `--target X Y Z` [m] after its --marker");
+}
+
 PolicyTask complete(const Arguments& arguments, const Simulation& simulation) {
   PolicyTask task = arguments.task;
   for (Pose& pose : task.poses) pose.duration_s = arguments.duration_s;
@@ -217,12 +225,15 @@ int optimise_on_random_robots(const Arguments&, const SceneOptions&, const Polic
 int optimise_robot(Arguments& arguments) {
   if (arguments.tolerance_m) arguments.options.tolerance_m = *arguments.tolerance_m;
   arguments.options.validate();
+  if (arguments.replay.empty()) require_targets(arguments.task);
   SceneOptions scene_options;
   scene_options.actuator_factory = make_actuator;
   scene_options.overrides = parameter_overrides(arguments.robot, arguments.set);
   const Scene scene = load_with_bar("optimise", arguments.robot, scene_options);
   if (arguments.robust.empty() && (arguments.quantile || !arguments.output.empty()))
     throw std::invalid_argument("--quantile and --output belong to --robust");
+  for (const std::string& warning : far_targets(*scene.simulation, arguments.task))
+    std::cerr << "optimise: warning: " << warning << "\n";
   heed_interrupts();
   scene.simulation->set_interrupt(interrupted);
   if (!arguments.robust.empty())

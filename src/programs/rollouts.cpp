@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <string>
 #include <thread>
@@ -93,7 +94,7 @@ std::vector<RunReport> run(const Arguments& arguments, const Scene& scene, const
 }
 
 // What went wrong, once for all rollouts; whether anything did.
-bool warn(const std::vector<RunReport>& reports) {
+bool warn(const Scene& scene, const std::vector<RunReport>& reports) {
   std::vector<SolveWarning> warnings;
   std::size_t failed = 0, left = 0, missing = 0;
   for (const RunReport& report : reports) {
@@ -103,16 +104,26 @@ bool warn(const std::vector<RunReport>& reports) {
     failed += run && !report.solve.converged ? 1 : 0;
     left += report.left_reduced ? 1 : 0;
   }
-  for (const SolveWarning& warning : warnings)
-    if (warning.kind != "command_not_reached")  // at its end a rollout may be on its way; `reached` has how far
-      std::cerr << "rollouts: warning: " << warning.text << "\n";
+  // At its end a rollout may be on its way; `reached` has how far.
+  const auto on_its_way = [](const SolveWarning& warning) { return warning.kind == "command_not_reached"; };
+  warnings.erase(std::remove_if(warnings.begin(), warnings.end(), on_its_way), warnings.end());
+  print_new_warnings("rollouts", scene, warnings);
   if (left > 0) std::cerr << "rollouts: " << left << " left the reduced model, and went on by newton\n";
   if (failed > 0) std::cerr << "rollouts: " << failed << " did not converge\n";
   if (missing > 0) std::cerr << "rollouts: " << missing << " were not run\n";
   return failed + missing > 0;
 }
 
+// Who reads an archive goes by its ending. A device, such as /dev/null, needs none.
+void require_archive(const std::string& file) {
+  namespace fs = std::filesystem;
+  if (file.empty() || fs::path(file).extension() == ".npz" || (fs::exists(file) && !fs::is_regular_file(file))) return;
+  throw std::invalid_argument("--output: " + file + " must end in .npz: it is an archive of NumPy's arrays");
+}
+
 int make_rollouts(const Arguments& arguments) {
+  require_archive(arguments.output);
+  if (!arguments.commands.empty()) require_commands_ending(arguments.commands);
   SceneOptions options;
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.robot, arguments.set);
@@ -130,7 +141,7 @@ int make_rollouts(const Arguments& arguments) {
               arguments.duration_s, wall_s, cpu_s,
               static_cast<double>(reports.size()) * arguments.duration_s / std::max(cpu_s, 1e-9),
               (arguments.output.empty() ? arguments.result : arguments.output).c_str());
-  return warn(reports) ? kNotGood : kGood;
+  return warn(scene, reports) ? kNotGood : kGood;
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ int simulate(const Arguments& arguments) {
   options.estimate_error = arguments.estimate_error;
   Scene scene = load_with_bar("simulate", arguments.scene, options);
   const RunReport report = run(scene);
-  for (const SolveWarning& warning : report.solve.warnings) std::cerr << "simulate: warning: " << warning.text << "\n";
+  print_new_warnings("simulate", scene, report.solve.warnings);
   if (arguments.result.empty()) {
     std::cout << result_json(scene, report) << std::flush;
   } else {

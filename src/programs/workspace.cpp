@@ -5,6 +5,7 @@
 #include <string>
 #include <thread>
 
+#include "load_with_bar.h"
 #include "progress_bar.h"
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
@@ -72,6 +73,7 @@ int show_workspace(const Arguments& arguments) {
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(arguments.settings.robot, arguments.settings.set);
   const Scene scene = load_scene(arguments.settings.robot, options);
+  print_warnings("workspace", scene);
   const std::string version = program_version("workspace");
   WorkspacePlan plan = plan_workspace(arguments.settings, *scene.simulation, version);
   Journal journal(arguments.output);

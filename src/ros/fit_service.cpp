@@ -145,7 +145,9 @@ void FitService::answer(const FitModel::Request& request, FitModel::Response& re
     const std::string scene = request.scene.empty() ? recording.scene : request.scene;
     if (scene.empty()) throw std::invalid_argument("scene: none is given, and the recording does not name one");
     const std::vector<MeasuredPose> poses = measured_poses(recording);
-    const FitResult result = fit_model(scene, options_, poses, fit, measured_swings(recording));
+    SceneOptions options = options_;
+    options.interrupt = [this] { return cancelled_ || !ros::ok(); };
+    const FitResult result = fit_model(scene, options, poses, fit, measured_swings(recording));
     fill_response(result, response);
     if (!part.note.empty()) response.warnings.push_back(part.note);
     response.poses = static_cast<int>(

@@ -45,6 +45,8 @@ InteractiveMarkerControl arrow(const std::string& axis) {
   return control;
 }
 
+double now_s() { return ros::SteadyTime::now().toSec(); }
+
 }  // namespace
 
 TargetMarker::TargetMarker(ros::NodeHandle& node, Moved moved)
@@ -54,7 +56,7 @@ TargetMarker::TargetMarker(ros::NodeHandle& node, Moved moved)
 
 void TargetMarker::show(const std::string& marker, const Eigen::Vector3d& target_m, double size_m) {
   const std::lock_guard lock(mutex_);
-  if (held() && marker == marker_) return;
+  if (held_.held(now_s()) && marker == marker_) return;
   InteractiveMarker target;
   target.header.frame_id = robot_frame();
   target.name = "target";
@@ -73,21 +75,18 @@ void TargetMarker::show(const std::string& marker, const Eigen::Vector3d& target
   size_m_ = size_m;
 }
 
-// A window that is gone never lets go; one that holds it says so several times a second.
-bool TargetMarker::held() const {
-  constexpr double silence_s = 2.0;
-  return held_ && (ros::SteadyTime::now() - heard_).toSec() < silence_s;
-}
-
 void TargetMarker::on_feedback(const Feedback& feedback) {
   const bool down = feedback.event_type == Feedback::MOUSE_DOWN, up = feedback.event_type == Feedback::MOUSE_UP;
   std::string marker;
   {
     const std::lock_guard lock(mutex_);
-    if (feedback.event_type == Feedback::KEEP_ALIVE && held()) heard_ = ros::SteadyTime::now();
+    if (feedback.event_type == Feedback::KEEP_ALIVE) held_.keep(now_s());
     if (!down && !up && feedback.event_type != Feedback::POSE_UPDATE) return;
-    held_ = !up;
-    heard_ = ros::SteadyTime::now();
+    if (up) {
+      held_.let_go();
+    } else {
+      held_.take(now_s());
+    }
     marker = marker_;
   }
   if (down) return;

@@ -13,6 +13,7 @@
 #include <tf2_ros/buffer.h>
 
 #include "frame_listener.h"
+#include "session/held_target.h"
 
 namespace soft_robot_lab {
 
@@ -34,15 +35,13 @@ class TargetMarker {
  private:
   using Feedback = visualization_msgs::InteractiveMarkerFeedback;
   void on_feedback(const Feedback& feedback);
-  bool held() const;
   void on_goal(const geometry_msgs::PoseStamped& goal);
 
   Moved moved_;
   std::mutex mutex_;  // guards what follows; held briefly
   std::string marker_;
   double size_m_ = 0.0;
-  bool held_ = false;
-  ros::SteadyTime heard_;  // of the hand that holds it
+  HeldTarget held_;
 
   tf2_ros::Buffer frames_;
   FrameListener listener_{frames_};

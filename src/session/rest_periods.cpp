@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "same_place.h"
 #include "settings/quantile.h"
@@ -137,6 +138,18 @@ std::vector<MeasuredMarker> seen_markers(const ObservedMarkers& at) {
   return seen;
 }
 
+// Why a hold ends without a rest.
+std::string reason_without_rest(const Recording& recording, const Stay& hold, const RestCriterion& criterion) {
+  std::ostringstream text;
+  if (seen_between(recording, hold.end_s - criterion.window_s, hold.end_s, criterion).empty()) {
+    text << "no marker was seen " << criterion.observations << " times in its last " << criterion.window_s << " s";
+  } else {
+    text << "in the " << hold.end_s - hold.commands.time_s << " s of it no marker came to rest within "
+         << 1e3 * criterion.measured_motion_m << " mm; hold longer";
+  }
+  return text.str();
+}
+
 }  // namespace
 
 std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriterion& asked) {
@@ -159,6 +172,7 @@ std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestC
     poses.back().held_s = hold.end_s - hold.commands.time_s;
     poses.back().rest_from_s = period ? period->start_s - hold.commands.time_s : 0.0;
     poses.back().seen = seen_in(recording, hold, criterion);
+    if (poses.back().markers.empty()) poses.back().left_out = reason_without_rest(recording, hold, criterion);
   }
   return poses;
 }

@@ -21,7 +21,7 @@ struct RestPeriod {
 std::vector<RestPeriod> rest_periods(const Recording& recording, const RestCriterion& criterion = {});
 
 // For a fit: the rest periods, and between them, without markers, commands that were held without rest, so that
-// friction knows the way.
+// friction knows the way; these say in `left_out` why.
 std::vector<MeasuredPose> measured_poses(const Recording& recording, const RestCriterion& criterion = {});
 
 // For a fit of damping: wherever the robot rested, was moved, and then left to itself for two windows at least, what

@@ -30,6 +30,17 @@ int refuse_arguments(const CLI::App& app, const std::string& why) {
   return kFailed;
 }
 
+// The reader of JSON names itself and its number for the error first.
+std::string without_library(const std::string& what) {
+  const std::string library = "[json.exception.";
+  const std::size_t end = what.find("] ");
+  const std::size_t start = what.find(library);
+  if (start == std::string::npos || end == std::string::npos) return what;
+  const bool text = what.find("type_error.316", start) == start + library.size();
+  return what.substr(0, start) + (text ? "a text is not UTF-8: " : "not the JSON that is expected: ") +
+         what.substr(what.find("] ", start) + 2);
+}
+
 }  // namespace
 
 Argument Argument::type_name(const std::string& name) const { return Argument(option_->type_name(name)); }
@@ -146,7 +157,7 @@ int run_program(CommandLine& line, int argc, char** argv, const std::function<in
     std::cerr << line.program() << ": " << error.what() << "\n";
     return kNotGood;
   } catch (const std::exception& error) {
-    std::cerr << line.program() << ": " << error.what() << "\n";
+    std::cerr << line.program() << ": " << without_library(error.what()) << "\n";
     return kFailed;
   }
 }

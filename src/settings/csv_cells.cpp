@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "csv_cells.h"
 
+#include <string_view>
+
 namespace soft_robot_lab {
 namespace {
+
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 std::string trimmed(const std::string& text) {
   const char* blanks = " \t\r";
@@ -15,7 +19,8 @@ std::string trimmed(const std::string& text) {
 std::vector<std::string> csv_cells(const std::string& line) {
   std::vector<std::string> cells(1);
   bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
+  const std::size_t start = line.rfind(kByteOrderMark, 0) == 0 ? kByteOrderMark.size() : 0;
+  for (std::size_t i = start; i < line.size(); ++i) {
     const bool doubled = quoted && line.compare(i, 2, "\"\"") == 0;
     if (line[i] == '"' && !doubled) {
       quoted = !quoted;

@@ -59,6 +59,28 @@ void check_size(const std::string& text, const std::string& source) {
   }
 }
 
+bool indented_by_tab(const std::string& line) {
+  const std::size_t tab = line.find('\t'), text = line.find_first_not_of(" \t\r");
+  return tab < text && text != std::string::npos;
+}
+
+// The last line up to this one in which a tab indents, counted from 1; 0 where none does.
+int tab_line(const std::string& text, int up_to) {
+  std::istringstream lines(text);
+  int last = 0;
+  std::string line;
+  for (int number = 1; number <= up_to && std::getline(lines, line); ++number)
+    if (indented_by_tab(line)) last = number;
+  return last;
+}
+
+[[noreturn]] void fail_as_no_yaml(const YAML::Exception& error, const std::string& text, const std::string& source) {
+  const int line = error.mark.is_null() ? 1 : error.mark.line + 1;
+  if (const int tab = tab_line(text, line); tab > 0)
+    fail_at(source, tab, "", "not YAML: a tab indents this line, where YAML takes spaces alone");
+  fail_at(source, line, "", "not YAML: " + error.msg);
+}
+
 }  // namespace
 
 // `place` carries source, line and path of the node.
@@ -126,7 +148,7 @@ YamlNode YamlNode::parse(const std::string& text, const std::string& source_name
     if (documents.size() > 1) throw SettingsError(source_name + ": holds more than one YAML document");
     return Data::build(documents[0], std::move(root), 0, bytes_left);
   } catch (const YAML::Exception& error) {
-    fail_at(source_name, error.mark.is_null() ? 1 : error.mark.line + 1, "", "not YAML: " + error.msg);
+    fail_as_no_yaml(error, text, source_name);
   }
 }
 

@@ -83,6 +83,7 @@ std::string YamlNode::choice(const std::string& key, const std::vector<std::stri
 
 Eigen::Vector3d YamlNode::vector3(const std::string& key) const {
   const YamlNode node = child(key);
+  if (node.is_scalar()) node.fail("must be a list [x, y, z], not the one value '" + node.as_text() + "'");
   const Eigen::VectorXd numbers = node.as_numbers();
   if (numbers.size() != 3) node.fail("has " + std::to_string(numbers.size()) + " numbers, must have 3: [x, y, z]");
   return numbers;

@@ -2,12 +2,14 @@
 // In which order nodes are eliminated, and what that costs.
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <numeric>
 #include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <time.h>
 
 #include "mechanics/linear_algebra/elimination_order.h"
 
@@ -84,6 +86,44 @@ TEST(EliminationOrder, TakesNodesThatNothingCouples) {
   std::vector<int> order = elimination_order({{}, {}, {}});
   std::sort(order.begin(), order.end());
   EXPECT_EQ(order, (std::vector<int>{0, 1, 2}));
+}
+
+volatile std::sig_atomic_t signals_seen = 0;
+
+// SIGTERM every two milliseconds, which METIS's own handler takes while it runs.
+class Alarm {
+ public:
+  Alarm() : before_(std::signal(SIGTERM, [](int) { signals_seen = signals_seen + 1; })) {
+    sigevent event{};
+    event.sigev_notify = SIGEV_SIGNAL;
+    event.sigev_signo = SIGTERM;
+    timer_create(CLOCK_MONOTONIC, &event, &timer_);
+    const itimerspec often{{0, 2000000}, {0, 2000000}};
+    timer_settime(timer_, 0, &often, nullptr);
+  }
+  ~Alarm() {
+    timer_delete(timer_);
+    std::signal(SIGTERM, before_);
+  }
+  Alarm(const Alarm&) = delete;
+  Alarm& operator=(const Alarm&) = delete;
+
+ private:
+  void (*before_)(int);
+  timer_t timer_{};
+};
+
+TEST(EliminationOrder, IsThereAlthoughASignalEndsMetis) {
+  const Neighbours neighbours = grid(16, 16, 16);
+  std::vector<int> order;
+  signals_seen = 0;
+  {
+    const Alarm alarm;
+    order = elimination_order(neighbours);
+  }
+  EXPECT_GT(signals_seen, 0) << "they reach the program's own handler";
+  std::sort(order.begin(), order.end());
+  EXPECT_EQ(order, ascending(neighbours));
 }
 
 }  // namespace

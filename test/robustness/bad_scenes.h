@@ -3,13 +3,16 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace soft_robot_lab {
 
 struct BadScene {
-  std::string name;  // what was done, and to which key
-  std::string text;  // of the scene's file
+  std::string name;                                             // what was done, and to which key
+  std::string text;                                             // of the scene's file
+  std::vector<std::pair<std::string, std::string>> files = {};  // beside it: names and contents
+  std::string commands = "";  // of them, what `rollouts` takes with the scene; empty: `simulate` runs it
 };
 
 // Every scalar of each good scene replaced by each of a list of bad values, every key misspelt, repeated and left out,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// robustness_check SIMULATE FOLDER [PART]: runs `simulate` on bad and extreme scenes, of which PART takes every
-// PART-th only, and counts how each ended. Status 1 where one ended as none may; its scene stays in FOLDER.
+// robustness_check SIMULATE FOLDER [PART [SEED]]: runs `simulate`, or `rollouts` beside it, on bad and extreme scenes
+// and files, of which PART takes every PART-th only, and counts how each ended. Another SEED makes other ones. Status 1
+// where one ended as none may; its scene stays in FOLDER.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -16,9 +17,12 @@
 #include <map>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "bad_files.h"
 #include "bad_scenes.h"
 #include "run_program.h"
 
@@ -42,8 +46,16 @@ struct Ended {
   bool in_time = true;
 };
 
-Ended run(const std::string& simulate, const std::string& folder) {
-  const std::string scene = folder + "/scene.yaml", result = folder + "/result.json", errors = folder + "/errors.txt";
+Ended run(const std::string& simulate, const BadScene& bad, const std::string& folder) {
+  const std::string result = folder + "/result.json", errors = folder + "/errors.txt";
+  const std::string rollouts = std::filesystem::path(simulate).parent_path() / "rollouts";
+  std::vector<std::string> words = {bad.commands.empty() ? simulate : rollouts, folder + "/scene.yaml", "--result",
+                                    result};
+  if (!bad.commands.empty())
+    for (const char* word : {"--commands", bad.commands.c_str(), "--duration", "0.1"}) words.emplace_back(word);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   const pid_t child = fork();
   if (child == 0) {
     limit(RLIMIT_AS, kMemory_bytes);
@@ -53,7 +65,7 @@ Ended run(const std::string& simulate, const std::string& folder) {
     dup2(nothing, 0);
     dup2(nothing, 1);
     dup2(error_file, 2);
-    execl(simulate.c_str(), simulate.c_str(), scene.c_str(), "--result", result.c_str(), static_cast<char*>(nullptr));
+    if (chdir(folder.c_str()) == 0) execv(arguments[0], arguments.data());
     _exit(127);
   }
   const auto begin = std::chrono::steady_clock::now();
@@ -78,8 +90,9 @@ bool has_nonsense(const Json& json) {
   return false;
 }
 
-bool is_nonsense(const std::string& text) {
+bool is_nonsense(const std::string& text, bool of_rollouts) {
   const Json result = Json::parse(text, nullptr, false);
+  if (of_rollouts) return result.is_discarded() || has_nonsense(result);
   if (result.is_discarded() || !result.contains("solver")) return true;
   if (result["solver"].value("inverted", 0) > 0) return true;
   for (const char* part : {"markers", "cables", "chambers", "trajectory"})
@@ -91,14 +104,15 @@ bool is_nonsense(const std::string& text) {
   return false;
 }
 
-std::string outcome_of(const Ended& ended, const std::string& folder) {
+std::string outcome_of(const Ended& ended, const BadScene& bad, const std::string& folder) {
+  if (std::filesystem::exists(folder + "/" + kTrace)) return "ran a script";
   const std::string errors = contents(folder + "/errors.txt");
   if (errors.find("bad_alloc") != std::string::npos) return "out of memory";
   if (!ended.in_time || (WIFSIGNALED(ended.status) && WTERMSIG(ended.status) == SIGXCPU)) return "hang";
   if (!WIFEXITED(ended.status)) return "crash";
   switch (WEXITSTATUS(ended.status)) {
     case 0:
-      return is_nonsense(contents(folder + "/result.json")) ? "silent nonsense" : "valid";
+      return is_nonsense(contents(folder + "/result.json"), !bad.commands.empty()) ? "silent nonsense" : "valid";
     case 1:
       return errors.empty() ? "status 1 without reason" : "status 1 with reason";
     case 2:
@@ -112,16 +126,18 @@ bool is_good(const std::string& outcome) {
   return outcome == "valid" || outcome == "clean error" || outcome == "status 1 with reason";
 }
 
-int check(const std::string& simulate, const std::string& folder, std::size_t part) {
+int check(const std::string& simulate, const std::string& folder, std::size_t part, unsigned seed) {
   std::map<std::string, int> counts;
   int bad = 0;
-  const std::vector<BadScene> scenes = bad_scenes(1);
+  std::vector<BadScene> scenes = bad_scenes(seed);
+  for (BadScene& file : bad_files(seed)) scenes.push_back(std::move(file));
   for (std::size_t i = 0; i < scenes.size(); i += part) {
     const std::string here = folder + "/" + std::to_string(i);
     std::filesystem::remove_all(here);
     std::filesystem::create_directories(here);
     std::ofstream(here + "/scene.yaml", std::ios::binary) << scenes[i].text;
-    const std::string outcome = outcome_of(run(simulate, here), here);
+    for (const auto& [name, content] : scenes[i].files) std::ofstream(here + "/" + name, std::ios::binary) << content;
+    const std::string outcome = outcome_of(run(simulate, scenes[i], here), scenes[i], here);
     ++counts[outcome];
     if (is_good(outcome)) {
       std::filesystem::remove_all(here);
@@ -139,10 +155,11 @@ int check(const std::string& simulate, const std::string& folder, std::size_t pa
 
 int main(int argc, char** argv) {
   const std::size_t part = argc > 3 ? std::strtoul(argv[3], nullptr, 10) : 1;
+  const auto seed = static_cast<unsigned>(argc > 4 ? std::strtoul(argv[4], nullptr, 10) : 1);
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (argc < 3 || part == 0) {
-    std::fputs("usage: robustness_check SIMULATE FOLDER [PART]\n", stderr);
+    std::fputs("usage: robustness_check SIMULATE FOLDER [PART [SEED]]\n", stderr);
     return 2;
   }
-  return soft_robot_lab::check(argv[1], std::filesystem::absolute(argv[2]).string(), part);
+  return soft_robot_lab::check(argv[1], std::filesystem::absolute(argv[2]).string(), part, seed);
 }

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""launch_words_test.py ROOT: what a user gives to session.launch reaches programs as one word, whatever stands in it."""
+"""launch_words_test.py ROOT: what a user gives to launch files reaches programs as one word, or is refused before nodes start."""
 import contextlib
 import io
 import os
 import shlex
+import subprocess
 import sys
 
 os.environ['ROS_PACKAGE_PATH'] = sys.argv[1] + ':' + os.environ.get('ROS_PACKAGE_PATH', '')
@@ -25,3 +26,21 @@ for folder in ('/tmp/bags', '/tmp/my bags', "/tmp/it's here", '/tmp/"a" b\'c', '
     assert words == [folder, 'spinebot', 'false'], words
     words = words_of('rig_emulator', 'emulated:=true', 'rviz:=false', 'rig:=/tmp/my rig.yaml')
     assert words[-1] == '/tmp/my rig.yaml', words
+
+
+def refusal(file, *arguments):
+    """What roslaunch says of arguments before any node starts; it ends with a status that is not 0."""
+    run = subprocess.run(['roslaunch', '--nodes', sys.argv[1] + '/launch/' + file, *arguments], stderr=subprocess.PIPE,
+                         stdout=subprocess.DEVNULL, text=True)
+    assert (run.returncode != 0) == bool(run.stderr), (run.returncode, run.stderr)
+    return run.stderr
+
+
+assert "robot: there is no 'spinbot' (did you mean 'spinebot'?); known: bubblebot, " in refusal('session.launch', 'robot:=spinbot')
+assert "cameras: there is no 'renderd' (did you mean 'rendered'?); known: none, rendered" in refusal('session.launch', 'cameras:=renderd')
+assert "robot: there is no 'griper' (did you mean 'gripper'?)" in refusal('motor.launch', 'robot:=griper')
+assert "robot: there is no 'xyz'; known" in refusal('session.launch', 'robot:=xyz')
+assert "hanging_bar/plant.yaml" in refusal('session.launch', 'robot:=hanging_bar', 'emulated:=true')
+assert "scene: there is no file /nowhere/it's.yaml" in refusal('session.launch', "scene:=/nowhere/it's.yaml")
+assert "robot: there is no 'gripr'" in refusal('replay.launch', 'bag:=session.bag', 'output:=markers.bag', 'robot:=gripr')
+assert not refusal('session.launch', 'scene:=' + sys.argv[1] + '/test/data/scenes/cable_bar.yaml', 'robot:=mine')

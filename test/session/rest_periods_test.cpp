@@ -72,6 +72,22 @@ TEST(RestPeriods, BeginAfterAMarkerJumped) {
   }
 }
 
+TEST(RestPeriods, SayWhyAHoldHasNone) {
+  Recording recording;
+  for (int i = 0; i < 60; ++i) recording.add_measured(seen_at(10.0 + 0.1 * i, 0.001 * i));  // 10 mm a second
+  for (int i = 60; i < 120; ++i) {
+    ObservedMarkers markers = seen_at(10.0 + 0.1 * i, 0.06);
+    markers.markers[0].seen = false;
+    recording.add_measured(markers);
+  }
+  command(recording, 1.0, 10.0);
+  command(recording, 0.9, 16.0);
+  const std::vector<MeasuredPose> poses = measured_poses(recording);
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[0].left_out, "in the 6 s of it no marker came to rest within 0.5 mm; hold longer");
+  EXPECT_EQ(poses[1].left_out, "no marker was seen 3 times in its last 0.5 s");
+}
+
 MotorReading motor(double left, bool moving, bool known) { return {"left", left, 0.0, known, moving, ""}; }
 
 TEST(RestPeriods, StandWhereTheMotorsStood) {

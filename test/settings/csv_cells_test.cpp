@@ -14,6 +14,11 @@ TEST(CsvCells, HaveNoBlanksAtTheirEnds) {
   EXPECT_EQ(csv_cells(""), (Cells{""}));
 }
 
+TEST(CsvCells, BeginBehindAByteOrderMark) {
+  EXPECT_EQ(csv_cells("\xef\xbb\xbfrollout,left"), (Cells{"rollout", "left"}));
+  EXPECT_EQ(csv_cells("\xef\xbb\xbf\"a, b\",c"), (Cells{"a, b", "c"}));
+}
+
 TEST(CsvCells, MayHoldCommasAndQuotesInQuotes) {
   EXPECT_EQ(csv_cells(R"("a, b",c)"), (Cells{"a, b", "c"}));
   EXPECT_EQ(csv_cells(R"("said ""no""",2)"), (Cells{R"(said "no")", "2"}));

@@ -41,6 +41,10 @@ struct PolicyTask {
   double effort_m = 0.0;  // as in ReachProblem
 };
 
+// What is odd about a valid task: a target so far from its marker that nobody can have meant metres. Empty where
+// nothing is. Throws std::invalid_argument for an unknown marker.
+std::vector<std::string> far_targets(const Simulation& simulation, const PolicyTask& task);
+
 struct PolicyAnswer {
   bool success = false;                        // every pose has a usable summary
   CommandPolicy policy;                        // a step for each pose that has one

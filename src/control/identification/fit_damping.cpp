@@ -247,7 +247,7 @@ void fit_damping(const std::string& scene, const SceneOptions& asked, const std:
   add_by_logarithms({named}, Eigen::VectorXd::Constant(1, damping_s),
                     Eigen::MatrixXd::Constant(1, 1, problem.information_of_damping()), result);
   warn_of(result.values.back(), number, result);
-  result.overrides = with_damping(options, damping_s).overrides;
+  if (result.values.back().identifiable) result.overrides = with_damping(options, damping_s).overrides;
   result.swings = static_cast<int>(chosen.swings.size());
   result.swing_rms_m = problem.rms_m();
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fit_in_time.h"
 
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -14,7 +17,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kSettled_s = 1.0;  // after the drives stood: what swings has died away
+constexpr double kLongEnough = 2.0;  // times the relaxation time
+constexpr double kSettled_s = 1.0;   // after the drives stood: what swings has died away
 
 void require_seen_while_held(const std::vector<MeasuredPose>& poses) {
   std::size_t seen = 0;
@@ -101,6 +105,20 @@ void add_values(const FitParameters& parameters, const SightFit& fit, FitResult&
   result.backlash_m = parameters.backlash_m(values);
 }
 
+// Of a slow relaxation a short hold shows the beginning, which others fit as well.
+void warn_of_short_holds(const std::vector<MeasuredPose>& poses, FitResult& result) {
+  double longest_s = 0.0;
+  for (const MeasuredPose& pose : poses) longest_s = std::max(longest_s, pose.held_s);
+  const double relaxation_s = result.values.back().value;
+  if (longest_s >= kLongEnough * relaxation_s) return;
+  std::ostringstream text;
+  text << std::setprecision(3) << "creep.relaxation_time_s is " << relaxation_s
+       << " s, and no command was held for more "
+       << "than " << longest_s << " s: intervals may exclude the truth; hold longer, for " << kLongEnough * relaxation_s
+       << " s";
+  result.warnings.push_back(text.str());
+}
+
 }  // namespace
 
 FitResult fit_in_time(const FitParameters& parameters, const std::string& scene, const SceneOptions& options,
@@ -118,8 +136,9 @@ FitResult fit_in_time(const FitParameters& parameters, const std::string& scene,
     moving += add_pose(poses, p, sight, holds[p].arrived_s + kSettled_s, request.model_error_m, fit);
   if (moving == 0) throw std::invalid_argument("parameters: creep: no marker was seen twice while a command was held");
   FitResult result = fit.solve(poses, request);
-  result.overrides = model.overrides(fit.values());
   add_values(parameters, fit, result);
+  result.overrides = model.overrides(fit.values(), unidentified(result));
+  warn_of_short_holds(poses, result);
   return result;
 }
 

@@ -43,9 +43,9 @@ FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene,
   FitResult result = fit.solve(poses, request);
   const Eigen::VectorXd values = fit.values();
   result.measured_from_base = parameters.measured_from_base(values);
-  result.overrides = parameters.overrides(values);
   result.backlash_m = parameters.backlash_m(values);
   add_statistics(parameters, values, fit.jacobian(), fit.residuals(), result);
+  result.overrides = parameters.overrides(values, unidentified(result));
   return result;
 }
 
@@ -61,6 +61,21 @@ FitResult fit_with_creep(const FitParameters& parameters, const std::string& sce
   for (std::size_t i = 0; i < parameters.numbers().size(); ++i) result.values[i].start = first.values[i].start;
   result.iterations += first.iterations;
   return result;
+}
+
+// What was found before an interrupt stays.
+void add_damping(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredSwing>& swings,
+                 const FitNumber& damping, const FitRequest& request, FitResult& result) {
+  const auto interrupted = [&] { return options.interrupt && options.interrupt() && !result.values.empty(); };
+  const FitResult at_rest = result;
+  try {
+    if (!interrupted()) return fit_damping(scene, options, swings, damping, request, result);
+  } catch (const std::runtime_error&) {
+    if (!interrupted()) throw;
+    result = at_rest;
+  }
+  result.converged = false;
+  result.message = "interrupted before damping was fitted";
 }
 
 }  // namespace
@@ -91,10 +106,11 @@ FitResult fit_model(const std::string& scene, const SceneOptions& asked, const s
   } else if (parameters.creep().empty()) {
     std::vector<double> unknowns(parameters.numbers().size(), 0.0);
     result = fit_to_rest(parameters, scene, options, poses, request, unknowns);
+    warn_of_creep(poses, request, result);
   } else {
     result = fit_with_creep(parameters, scene, options, poses, request);
   }
-  if (parameters.damping()) fit_damping(scene, options, swings, *parameters.damping(), request, result);
+  if (parameters.damping()) add_damping(scene, options, swings, *parameters.damping(), request, result);
   require(!result.values.empty(),
           "parameters: none that data could identify; damping is identified by a robot that swings");
   result.cpu_s = cpu_time_s() - start_cpu_s;

@@ -216,11 +216,12 @@ std::vector<FitNumber> FitParameters::numbers_in_time() const {
   return all;
 }
 
-Overrides FitParameters::overrides(const Eigen::VectorXd& values) const {
+Overrides FitParameters::overrides(const Eigen::VectorXd& values, const std::set<std::string>& left_out) const {
   Overrides overrides = base_overrides_;
   std::optional<double> modulus_pa, density_kg_m3;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     const FitNumber& number = numbers_[i];
+    if (left_out.count(number.name) > 0) continue;
     const double value = values[static_cast<Eigen::Index>(i)];
     if (number.kind == FitNumber::Kind::modulus) modulus_pa = value;
     if (number.kind == FitNumber::Kind::density) density_kg_m3 = value;

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,8 @@ class FitParameters {
   const std::vector<FitNumber>& creep() const { return creep_; }  // stiffness ratio and relaxation time, or none
   std::vector<FitNumber> numbers_in_time() const;                 // the numbers, and the logarithms of both of creep
 
-  Overrides overrides(const Eigen::VectorXd& values) const;  // with those of the scene's options
+  // With those of the scene's options; numbers of these names stay as the scene has them.
+  Overrides overrides(const Eigen::VectorXd& values, const std::set<std::string>& left_out = {}) const;
   Eigen::Isometry3d measured_from_base(const Eigen::VectorXd& values) const;
   std::map<std::string, double> backlash_m(const Eigen::VectorXd& values) const;  // by cable
   // d measured marker / d number, each in its `size`, at a point of robot_base; `by_model` are the columns of the

@@ -15,7 +15,7 @@ void FitPredictor::PrepareForEvaluation(bool derivatives, bool) {
   const Eigen::VectorXd asked = values();
   if (differentiated_.is_at(asked)) now_ = differentiated_;
   if (now_.is_at(asked) && (!derivatives || differentiated_.is_at(asked))) return;
-  now_ = {asked, {}};
+  now_ = {asked, {}, unknowns_};
   try {
     now_.sights = predict_(asked, derivatives);
     if (derivatives) differentiated_ = now_;

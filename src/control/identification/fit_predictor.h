@@ -33,11 +33,15 @@ class FitPredictor : public ceres::EvaluationCallback {
   void require_good(const std::string& what);
   bool good() const { return !now_.sights.empty(); }
 
+  // Where derivatives were last known: the best so far, where a solve failed or was interrupted since.
+  const std::vector<double>& last_good() const { return differentiated_.unknowns; }
+
  private:
   struct Point {
     bool is_at(const Eigen::VectorXd& place) const { return at.size() == place.size() && at == place; }
     Eigen::VectorXd at;
     std::vector<PosePrediction> sights;  // none where there is no equilibrium
+    std::vector<double> unknowns = {};
   };
 
   const FitParameters& parameters_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <optional>
 #include <sstream>
 
 #include <Eigen/Eigenvalues>
@@ -68,6 +69,31 @@ void warn_of_pairs(const std::vector<FitNumber>& numbers, FitResult& result) {
                                 "): changed together they fit nearly as well");
     }
   }
+}
+
+constexpr double kLate = 0.5;    // of a hold, from where drives and swings are over
+constexpr double kCreeps = 0.5;  // times what the model may miss
+
+// How far a marker moves from the third to the last quarter of a hold, beyond the noise; none where it was seen too
+// seldom.
+std::optional<double> late_drift_m(const MeasuredPose& pose, const std::string& name) {
+  Eigen::Vector3d sums[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  double variances_m2[2] = {0.0, 0.0};
+  int counts[2] = {0, 0};
+  for (const MarkersAt& at : pose.seen) {
+    if (at.time_s < kLate * pose.held_s) continue;
+    const int part = at.time_s < 0.5 * (1.0 + kLate) * pose.held_s ? 0 : 1;
+    for (const MeasuredMarker& marker : at.markers) {
+      if (marker.name != name) continue;
+      sums[part] += marker.position_m;
+      variances_m2[part] += marker.covariance_m2.trace();
+      ++counts[part];
+    }
+  }
+  if (counts[0] == 0 || counts[1] == 0) return std::nullopt;
+  const double noise_m =
+      std::sqrt(variances_m2[0] / (counts[0] * counts[0]) + variances_m2[1] / (counts[1] * counts[1]));
+  return std::max(0.0, (sums[1] / counts[1] - sums[0] / counts[0]).norm() - 2.0 * noise_m);
 }
 
 }  // namespace
@@ -158,11 +184,34 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
   warn_of_pairs(numbers, result);
 }
 
+std::set<std::string> unidentified(const FitResult& result) {
+  std::set<std::string> names;
+  for (const FittedValue& value : result.values)
+    if (!value.identifiable) names.insert(value.name);
+  return names;
+}
+
+void warn_of_creep(const std::vector<MeasuredPose>& poses, const FitRequest& request, FitResult& result) {
+  std::vector<double> drifts_m;
+  for (const MeasuredPose& pose : poses)
+    for (const MeasuredMarker& marker : pose.markers)
+      if (const std::optional<double> drift_m = late_drift_m(pose, marker.name)) drifts_m.push_back(*drift_m);
+  if (drifts_m.empty()) return;
+  const double usual_m = median(std::move(drifts_m));
+  if (usual_m <= kCreeps * request.model_error_m) return;
+  result.warnings.push_back("markers still move by " + short_text(1e3 * usual_m) +
+                            " mm, the median of all, late in a hold: the robot creeps, and intervals may exclude the "
+                            "truth; hold longer, or fit creep");
+}
+
 // As far as `outlier_deviations` times the median of all is nothing special.
 void add_configurations(const std::vector<MeasuredPose>& poses, const std::vector<double>& before_m,
                         const std::vector<double>& after_m, const FitRequest& request, FitResult& result) {
   std::vector<double> seen_m;
   for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (!poses[p].left_out.empty())
+      result.warnings.push_back("a hold of (" + commands_text(poses[p].commands) +
+                                ") is left out: " + poses[p].left_out);
     if (poses[p].markers.empty()) continue;
     result.configurations.push_back({poses[p].commands, before_m[p], after_m[p], false});
     seen_m.push_back(after_m[p]);
@@ -210,7 +259,8 @@ std::string summary(const FitResult& result) {
   for (const FittedValue& value : result.values)
     text << value.name << " = " << std::setprecision(5) << value.value << " +- " << std::setprecision(2)
          << value.deviation << std::setprecision(5) << " (95 %: " << value.low << " to " << value.high << "; was "
-         << value.start << ")" << (value.identifiable ? "" : ", not identifiable from the data") << "\n";
+         << value.start << ")"
+         << (value.identifiable ? "" : ", not identifiable from the data: left as the scene has it") << "\n";
   text << std::setprecision(3) << "rms gap " << 1e3 * result.before.rms_m << " mm before, " << 1e3 * result.after.rms_m
        << " mm after\n";
   for (const auto& [marker, rms_m] : result.before.marker_rms_m)

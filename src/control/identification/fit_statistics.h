@@ -3,6 +3,8 @@
 #pragma once
 
 #include <functional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include <ceres/crs_matrix.h>
@@ -35,6 +37,13 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
                     const std::vector<double>& residuals, FitResult& result);
 
 // Fills configurations, and warns of those that lie far beyond the others. Gaps [m] are one for each pose.
+// Names of values that the data do not identify.
+std::set<std::string> unidentified(const FitResult& result);
+
+// Says so where markers still move while commands are held, and creep is not fitted: a rest then counts creep as
+// stiffness.
+void warn_of_creep(const std::vector<MeasuredPose>& poses, const FitRequest& request, FitResult& result);
+
 void add_configurations(const std::vector<MeasuredPose>& poses, const std::vector<double>& before_m,
                         const std::vector<double>& after_m, const FitRequest& request, FitResult& result);
 

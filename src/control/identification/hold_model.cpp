@@ -34,9 +34,11 @@ HoldModel::HoldModel(std::string scene, SceneOptions options, const std::vector<
     markers_[marker.name()] = loaded.simulation->marker_index(marker.name());
 }
 
-Overrides HoldModel::overrides(const Eigen::VectorXd& values) const {
+Overrides HoldModel::overrides(const Eigen::VectorXd& values, const std::set<std::string>& left_out) const {
   const Eigen::Vector2d creep = values.tail<2>().array().exp();
-  return parameters_.overrides(values)
+  for (const FitNumber& number : parameters_.creep())  // either says nothing without the other
+    if (left_out.count(number.name) > 0) return parameters_.overrides(values, left_out);
+  return parameters_.overrides(values, left_out)
       .set({"body", "hysteresis", "stiffness_ratio"}, creep[0])
       .set({"body", "hysteresis", "relaxation_time_s"}, creep[1]);
 }

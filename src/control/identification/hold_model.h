@@ -2,6 +2,7 @@
 // What a scene says about poses in time: it goes through them as the robot did, and creeps while commands are held.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,8 @@ class HoldModel {
   std::vector<PosePrediction> predict(const Eigen::VectorXd& values, bool derivatives);
 
   std::vector<SimulatedHold> holds(const Eigen::VectorXd& values) const;
-  Overrides overrides(const Eigen::VectorXd& values) const;
+  // Without numbers of these names.
+  Overrides overrides(const Eigen::VectorXd& values, const std::set<std::string>& left_out = {}) const;
 
  private:
   std::vector<Eigen::Matrix3Xd> places(const Eigen::VectorXd& values) const;  // of each prediction

@@ -97,6 +97,8 @@ FitResult SightFit::solve(const std::vector<MeasuredPose>& poses, const FitReque
   result.message = end.message;
   result.iterations = end.iterations;
 
+  predictor_.PrepareForEvaluation(true, true);
+  if (!predictor_.good()) unknowns_ = predictor_.last_good();
   predictor_.require_good("the fitted scene has no equilibrium: ");
   ceres::CRSMatrix sparse;
   problem_.Evaluate({}, nullptr, &residuals_, nullptr, &sparse);

@@ -37,7 +37,7 @@ SimulatedSwing simulate(Simulation& simulation, const MeasuredSwing& swing, doub
   for (double time_s = start_s; time_s < free_s + window_s; time_s += step_s) {
     for (; next < swing.commands.size() && swing.commands[next].time_s <= time_s; ++next)
       for (const auto& [name, value] : swing.commands[next].commands) command(simulation, name, value);
-    simulation.step();
+    if (simulation.step().interrupted) throw std::runtime_error("a swing was interrupted");
     markers_m.push_back(places(simulation));
     if (next < swing.commands.size() || moved(simulation)) free_s = time_s + step_s;
   }

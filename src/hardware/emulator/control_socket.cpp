@@ -41,8 +41,11 @@ ControlSocket::ControlSocket(const std::string& path) : path_(path) {
   std::memcpy(address.sun_path, path.c_str(), path.size());
   remove_socket(path, address);
   listener_ = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (listener_ < 0 || bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0 ||
-      listen(listener_, 8) != 0) {
+  // Linux gives the file the socket's mode less the umask.
+  constexpr mode_t owner_alone = S_IRUSR | S_IWUSR;
+  if (listener_ < 0 || fchmod(listener_, owner_alone) != 0 ||
+      bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0 ||
+      chmod(path.c_str(), owner_alone) != 0 || listen(listener_, 8) != 0) {
     throw std::runtime_error(path + ": " + std::strerror(errno));
   }
 }

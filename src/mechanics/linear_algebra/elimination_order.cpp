@@ -2,7 +2,7 @@
 #include "elimination_order.h"
 
 #include <algorithm>
-#include <stdexcept>
+#include <csignal>
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
@@ -11,7 +11,7 @@
 namespace soft_robot_lab {
 namespace {
 
-// METIS is deterministic for a fixed seed.
+// METIS is deterministic for a fixed seed. Nothing where it fails, as where memory is short.
 std::vector<int> nested_dissection(const Neighbours& neighbours) {
   idx_t count = static_cast<idx_t>(neighbours.size());
   std::vector<idx_t> start{0}, adjacent;
@@ -23,9 +23,12 @@ std::vector<int> nested_dissection(const Neighbours& neighbours) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
-  if (METIS_NodeND(&count, start.data(), adjacent.data(), nullptr, options, order.data(), inverse.data()) != METIS_OK)
-    throw std::runtime_error("METIS could not order the nodes");
-  return {order.begin(), order.end()};
+  const int status =
+      METIS_NodeND(&count, start.data(), adjacent.data(), nullptr, options, order.data(), inverse.data());
+  if (status == METIS_OK) return {order.begin(), order.end()};
+  // METIS takes a SIGTERM that comes meanwhile as an error of its own. Who lives on asks whether it is interrupted.
+  if (status == METIS_ERROR) std::raise(SIGTERM);
+  return {};
 }
 
 std::vector<int> minimum_degree(const Neighbours& neighbours) {
@@ -73,6 +76,7 @@ std::vector<int> elimination_order(const Neighbours& neighbours) {
       std::any_of(neighbours.begin(), neighbours.end(), [](const auto& list) { return !list.empty(); });
   if (!coupled) return order;  // METIS refuses those
   std::vector<int> dissected = nested_dissection(neighbours);
+  if (dissected.empty()) return order;
   return factor_operations(order, neighbours) < factor_operations(dissected, neighbours) ? order : dissected;
 }
 

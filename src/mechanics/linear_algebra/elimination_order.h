@@ -10,7 +10,8 @@ using Neighbours = std::vector<std::vector<int>>;  // per node, sorted, without 
 
 // Nodes, the first to be eliminated first: by nested dissection (METIS) or by approximate minimum degree (Amestoy,
 // Davis and Duff 1996, in Eigen), whichever takes the fewest operations. Slender bodies mostly take the latter, thick
-// ones the former. Throws std::runtime_error where METIS fails.
+// ones the former. Where METIS fails it is the latter.
+// A SIGTERM that METIS takes for its own is raised again.
 std::vector<int> elimination_order(const Neighbours& neighbours);
 
 // Renumbers so that every subtree of the elimination tree is contiguous; the factor's size stays the same.

@@ -85,7 +85,7 @@ bool MeshSizes::name_surfaces() const {
   return std::any_of(refinements.begin(), refinements.end(), [](const auto& r) { return !r.surface.empty(); });
 }
 
-void check_count(double volume_m3, const MeshSizes& sizes) {
+void check_count(double volume_m3, const MeshSizes& sizes, bool of_file) {
   double count = kElementsPerCube * volume_m3 / std::pow(sizes.element_size_m, 3);
   for (const MeshRefinement& r : sizes.refinements) {
     const double ball_m3 = 4.0 / 3.0 * M_PI * std::pow(r.radius_m, 3);
@@ -98,8 +98,10 @@ void check_count(double volume_m3, const MeshSizes& sizes) {
           << " elements, which take " << needed_gb << " GB; at most " << kMostElements << " elements and "
           << kMostMemory_gb << " GB are taken; choose larger ones" << (sizes.quadratic ? ", or element: linear" : "");
   if (volume_m3 > kLargestRobot_m3)
-    message << "; or are the numbers of a file of " << volume_m3 << " m3 millimetres? `scale: 0.001` of the body makes "
-            << "them metres";
+    message << "; or are the numbers of a " << (of_file ? "file" : "solid") << " of " << volume_m3
+            << " m3 millimetres? "
+            << (of_file ? "`scale: 0.001` of the body makes them metres"
+                        : "write metres, or put it into `scale: {factor: 0.001, solid: ...}`");
   throw std::invalid_argument(message.str());
 }
 

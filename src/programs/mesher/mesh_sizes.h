@@ -17,7 +17,8 @@ struct MeshSizes {
 };
 
 // Throws std::invalid_argument where so many elements are asked for that memory and time are not those of a robot.
-void check_count(double volume_m3, const MeshSizes& sizes);
+// `of_file`: whether the solid's numbers are a file's, which the body's `scale` multiplies.
+void check_count(double volume_m3, const MeshSizes& sizes, bool of_file);
 
 // Gives Gmsh the sizes for the current model. Refinements that name surfaces need their entities; throws
 // std::invalid_argument where there is no such surface.

@@ -106,7 +106,7 @@ TetMesh mesh_facets(const Solid& solid, const MeshSizes& sizes, Facets facets) {
   const std::vector<NamedEntities> surfaces = build_stl(solid, sizes, facets);
   double box[6];
   gmsh::model::getBoundingBox(-1, -1, box[0], box[1], box[2], box[3], box[4], box[5]);
-  check_count((box[3] - box[0]) * (box[4] - box[1]) * (box[5] - box[2]) / 4, sizes);
+  check_count((box[3] - box[0]) * (box[4] - box[1]) * (box[5] - box[2]) / 4, sizes, true);
   generate(sizes.quadratic);
   return extract_mesh(surfaces, {}, 1.0);
 }
@@ -136,7 +136,7 @@ TetMesh mesh_kernel_solid(const Solid& solid, const MeshSizes& sizes, const std:
   const int body = build_body(solid);
   double volume = 0;
   gmsh::model::occ::getMass(3, body, volume);
-  check_count(volume / std::pow(kKernelUnitsPerMetre, 3), sizes);
+  check_count(volume / std::pow(kKernelUnitsPerMetre, 3), sizes, names_file(solid));
   const std::vector<NamedEntities> regions = cut_body(body, solid, names);
   gmsh::vectorpair volumes;
   gmsh::model::getEntities(volumes, 3);

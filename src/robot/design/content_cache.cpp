@@ -46,6 +46,7 @@ bool is_whole(const fs::path& path, const std::string& key, const std::string& e
   }
 }
 
+constexpr mode_t kOwnersAlone = S_IRWXU;
 constexpr const char* kWorkFolder = "work.";
 constexpr std::chrono::minutes kYoung{1};  // may not be locked yet
 
@@ -61,6 +62,14 @@ bool is_abandoned(const fs::path& path) {
   const bool free = flock(folder, LOCK_EX | LOCK_NB) == 0;
   close(folder);
   return free;
+}
+
+// Whatever the umask. Folders that are there keep their modes.
+void make_private_folders(const fs::path& path) {
+  if (path.empty() || fs::is_directory(path)) return;
+  make_private_folders(path.parent_path());
+  if (mkdir(path.c_str(), kOwnersAlone) == 0) chmod(path.c_str(), kOwnersAlone);
+  if (!fs::is_directory(path)) throw std::runtime_error(path.string() + ": cannot be made: " + std::strerror(errno));
 }
 
 void remove_abandoned(const fs::path& beside) {
@@ -93,15 +102,17 @@ std::string ContentCache::find(const std::string& key, const std::string& ending
 
 std::string ContentCache::keep(const std::string& part, const std::string& key, const std::string& ending) const {
   const fs::path place = fs::path(folder_) / name_of(key, checksum(part), ending);
+  fs::permissions(part, fs::perms::owner_read | fs::perms::owner_write);
   fs::rename(part, place);
   return place;
 }
 
 WorkFolder::WorkFolder(const std::string& beside) : path_(beside + "/" + kWorkFolder + "XXXXXX") {
-  fs::create_directories(beside);
+  make_private_folders(beside);
   remove_abandoned(beside);
   if (mkdtemp(path_.data()) == nullptr)
     throw std::runtime_error(beside + ": cannot be written to: " + std::strerror(errno));
+  chmod(path_.c_str(), kOwnersAlone);
   lock_ = open_folder(path_);
   if (lock_ >= 0) flock(lock_, LOCK_EX);
 }
@@ -113,8 +124,7 @@ WorkFolder::~WorkFolder() {
 }
 
 void require_private_folder(const std::string& folder) {
-  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
-    throw std::runtime_error(folder + ": cannot be made: " + std::strerror(errno));
+  make_private_folders(folder);
   struct stat status {};
   const bool own = lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == geteuid() &&
                    (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;

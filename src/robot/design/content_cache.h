@@ -15,7 +15,8 @@ class ContentCache {
   // its content, and it must be the caller's own; otherwise it is removed, as far as that is allowed.
   std::string find(const std::string& key, const std::string& ending) const;
 
-  // Moves a finished file of the cache's folder to its place, whole or not at all; returns its path.
+  // Moves a finished file of the cache's folder to its place, whole or not at all, readable by its owner alone; returns
+  // its path.
   std::string keep(const std::string& part, const std::string& key, const std::string& ending) const;
 
   const std::string& folder() const { return folder_; }
@@ -28,7 +29,8 @@ class ContentCache {
 // removed by the next that makes one beside them.
 class WorkFolder {
  public:
-  explicit WorkFolder(const std::string& beside);  // makes that too; throws std::runtime_error
+  // Makes that too, for its owner alone whatever the umask; throws std::runtime_error.
+  explicit WorkFolder(const std::string& beside);
   ~WorkFolder();
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;

@@ -131,6 +131,8 @@ void require_success(const ProcessEnd& end, const std::string& words, const std:
            << " s and was stopped; a larger element_size_m is faster";
       if (std::any_of(files.begin(), files.end(), ends_with_stl)) what << ", and so is STEP instead of STL";
       throw std::runtime_error(what.str());
+    case ProcessEnd::Kind::interrupted:
+      throw std::runtime_error("meshing was interrupted");
     case ProcessEnd::Kind::signalled:
       what << "the mesher was ended by signal " << end.value << (words.empty() ? "" : ": ") << words;
       throw std::runtime_error(what.str());
@@ -176,7 +178,8 @@ std::string run_mesher(const std::string& text, const std::vector<std::string>& 
   const std::string request_file = work.file("request.yaml"), output = work.file("output" + ending),
                     errors = work.file("errors");
   write_file(request_file, text);
-  const ProcessEnd end = run_with_limit({find_mesher(options), request_file, output}, errors, options.time_limit_s);
+  const ProcessEnd end =
+      run_with_limit({find_mesher(options), request_file, output}, errors, options.time_limit_s, options.interrupt);
   require_success(end, read_text(errors), files, options);
   if (!fs::is_regular_file(output)) throw std::runtime_error("the mesher ended without a mesh");
   return cache.keep(output, key, ending);

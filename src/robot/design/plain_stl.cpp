@@ -2,10 +2,12 @@
 #include "plain_stl.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -26,6 +28,36 @@ void require_few(std::size_t triangles) {
                                 std::to_string(limits::kTriangles) + " are read; make its mesh coarser");
 }
 
+// Of a file's unit, which a scale of [0.001, 1000] makes metres. Gmsh computes without end, or ends by a signal,
+// beyond.
+constexpr double kLargest = 1e3 * limits::kPlace_m, kSmallestBody = 1e-9;
+
+// Of all corners, along the axes.
+class Extent {
+ public:
+  // `where` is the line or facet.
+  void add(std::size_t axis, double value, const std::string& where) {
+    if (!std::isfinite(value)) fail(where + " has a corner that is no finite number");
+    if (!(std::abs(value) <= kLargest))
+      throw std::invalid_argument(where + ": " + format_number(value) + " is out of range [" +
+                                  format_number(-kLargest) + ", " + format_number(kLargest) + "]");
+    min_[axis] = std::min(min_[axis], value);
+    max_[axis] = std::max(max_[axis], value);
+  }
+
+  void require_a_body() const {
+    double longest = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) longest = std::max(longest, max_[axis] - min_[axis]);
+    if (longest < kSmallestBody)
+      throw std::invalid_argument("its body is " + format_number(longest) + " large, out of range [" +
+                                  format_number(kSmallestBody) + ", " + format_number(2 * kLargest) + "]");
+  }
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+  std::array<double, 3> min_{kNone, kNone, kNone}, max_{-kNone, -kNone, -kNone};
+};
+
 // Least byte first.
 std::uint32_t word_at(const std::string& bytes, std::size_t at) {
   std::uint32_t word = 0;
@@ -45,14 +77,16 @@ std::string plain_binary(const std::string& bytes) {
   if (triangles > held)
     fail("it announces " + std::to_string(triangles) + " triangles, and has bytes for " + std::to_string(held));
   require_few(triangles);
+  Extent extent;
   for (std::size_t facet = 0; facet < triangles; ++facet) {
     for (std::size_t i = 3; i < 3 + kCorners; ++i) {  // after its normal
       const std::uint32_t word = word_at(bytes, kStart + kFacet * facet + 4 * i);
       float value;
       std::memcpy(&value, &word, sizeof value);
-      if (!std::isfinite(value)) fail("facet " + std::to_string(facet) + " has a corner that is no finite number");
+      extent.add(i % 3, value, "facet " + std::to_string(facet));
     }
   }
+  extent.require_a_body();
   return std::string(kHeader, '\0') + bytes.substr(kHeader, 4 + kFacet * triangles);
 }
 
@@ -79,17 +113,21 @@ class StlText {
     }
   }
 
-  // Three numbers, with a blank before each. Normals may be anything: they follow from the corners.
-  std::string point(bool finite) {
+  // Three numbers, with a blank before each.
+  std::string corner(Extent& extent) {
     std::string text;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::string found = word();
       const std::optional<double> value = parse_number<double>(found);
-      if (finite && (!value || !std::isfinite(*value)))
-        fail_here("'" + found.substr(0, 40) + "' is not a finite number");
-      text += finite ? " " + found : " 0";
+      if (!value || !std::isfinite(*value)) fail_here("'" + found.substr(0, 40) + "' is not a finite number");
+      extent.add(axis, *value, "line " + std::to_string(line_));
+      text += " " + found;
     }
     return text;
+  }
+
+  void skip_words(int count) {
+    for (int i = 0; i < count; ++i) word();
   }
 
   void skip_line() { at_ = std::min(bytes_.find('\n', at_), bytes_.size()); }
@@ -105,13 +143,14 @@ class StlText {
 };
 
 // After the word "facet".
-void copy_facet(StlText& text, std::string& to) {
+void copy_facet(StlText& text, Extent& extent, std::string& to) {
   text.expect("normal");
-  to += "facet normal" + text.point(false) + "\nouter loop\n";
+  text.skip_words(3);  // whatever they are: normals follow from the corners
+  to += "facet normal 0 0 0\nouter loop\n";
   text.expect("outer loop");
   for (int corner = 0; corner < 3; ++corner) {
     text.expect("vertex");
-    to += "vertex" + text.point(true) + "\n";
+    to += "vertex" + text.corner(extent) + "\n";
   }
   text.expect("endloop endfacet");
   to += "endloop\nendfacet\n";
@@ -121,9 +160,10 @@ std::string plain_text(const std::string& bytes) {
   StlText text(bytes);
   std::string plain = "solid body\n";
   std::size_t triangles = 0;
+  Extent extent;
   for (std::string word = text.word(); !word.empty(); word = text.word()) {
     if (word == "facet") {
-      copy_facet(text, plain);
+      copy_facet(text, extent, plain);
       ++triangles;
     } else if (word == "solid" || word == "endsolid") {
       if (word == "solid" && triangles > 0) plain += "endsolid body\nsolid body\n";
@@ -133,6 +173,7 @@ std::string plain_text(const std::string& bytes) {
     }
   }
   require_few(triangles);
+  extent.require_a_body();
   return plain + "endsolid body\n";
 }
 

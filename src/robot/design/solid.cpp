@@ -303,6 +303,11 @@ void scale_files(const YamlNode& body, Solid& solid) {
     body.child("scale").fail("multiplies files, and the solid names neither an STL nor a STEP file");
 }
 
+bool names_file(const Solid& solid) {
+  return solid.kind == Kind::step_file || solid.kind == Kind::stl_file ||
+         std::any_of(solid.parts.begin(), solid.parts.end(), names_file);
+}
+
 Solid read_body_solid(const YamlNode& body) {
   Solid solid = read_solid(body.child("solid"));
   scale_files(body, solid);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -85,24 +86,28 @@ pid_t start(const std::vector<std::string>& command, const std::string& error_fi
 
 }  // namespace
 
-ProcessEnd run_with_limit(const std::vector<std::string>& command, const std::string& error_file, double limit_s) {
+ProcessEnd run_with_limit(const std::vector<std::string>& command, const std::string& error_file, double limit_s,
+                          const std::function<bool()>& ends) {
   constexpr int waits_per_look = 4;
   const pid_t process = start(command, error_file, limit_s);
   UsedTime used(process);
   int status = 0;
-  bool timed_out = false;
+  std::optional<ProcessEnd::Kind> killed;
   for (int waits = 1;; ++waits) {
-    const pid_t ended = waitpid(process, &status, timed_out ? 0 : WNOHANG);
+    const pid_t ended = waitpid(process, &status, killed ? 0 : WNOHANG);
     if (ended == process) break;
     if (ended < 0 && errno != EINTR) throw std::runtime_error(command[0] + ": " + std::strerror(errno));
     if (waits % waits_per_look == 0) used.look();
-    if (!timed_out && used.seconds() > limit_s) {
-      timed_out = true;
+    if (killed) continue;
+    if (used.seconds() > limit_s) killed = ProcessEnd::Kind::timed_out;
+    if (ends && ends()) killed = ProcessEnd::Kind::interrupted;
+    if (killed) {
       kill(-process, SIGKILL);
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    if (!timed_out) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  if (timed_out) return {ProcessEnd::Kind::timed_out, 0};
+  if (killed) return {*killed, 0};
   if (WIFSIGNALED(status)) return {ProcessEnd::Kind::signalled, WTERMSIG(status)};
   return {ProcessEnd::Kind::exited, WEXITSTATUS(status)};
 }

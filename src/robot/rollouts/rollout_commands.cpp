@@ -40,6 +40,10 @@ class CommandTable {
  public:
   CommandTable(const std::string& file, const std::string& header, const Model& model)
       : file_(file), columns_(csv_cells(header)), model_(model) {
+    if (columns_.size() == 1 && header.find(';') != std::string::npos)
+      fail(file + ":1", "its cells are parted by ';', must be by ',', with a point in decimal numbers");
+    if (header.rfind("\xff\xfe", 0) == 0 || header.rfind("\xfe\xff", 0) == 0)
+      fail(file + ":1", "is text in UTF-16; save it as CSV in UTF-8");
     for (const std::string& column : columns_)
       if (column != "rollout" && column != "time_s") model.actuator_index(column);
   }
@@ -62,7 +66,12 @@ class CommandTable {
         timed.commands.emplace_back(columns_[i], value);
       }
     }
-    place(where, rollout, all).push_back(std::move(timed));
+    RolloutCommands& commands = place(where, rollout, all);
+    const double before_s = commands.empty() ? 0.0 : commands.back().time_s;
+    if (!(timed.time_s >= before_s))
+      fail(where, "time_s: " + format_number(timed.time_s) + " comes after " + format_number(before_s) +
+                      " of the same rollout; rows stand in the order of time, from 0 on");
+    commands.push_back(std::move(timed));
   }
 
  private:
@@ -151,6 +160,10 @@ bool ends_with(const std::string& file, const std::string& ending) {
 
 }  // namespace
 
+void require_commands_ending(const std::string& file) {
+  if (!ends_with(file, ".csv") && !ends_with(file, ".npz")) fail(file, "must end in .csv or .npz");
+}
+
 CommandBox command_box(const Scene& scene) {
   if (scene.reduction) return scene.reduction->choice.model->box;
   CommandBox box;
@@ -188,9 +201,8 @@ std::vector<RolloutCommands> random_commands(const RandomCommands& random, const
 }
 
 std::vector<RolloutCommands> read_commands_file(const std::string& file, double hold_s, const Model& model) {
-  if (ends_with(file, ".csv")) return from_table(file, model);
-  if (ends_with(file, ".npz")) return from_arrays(file, hold_s, model);
-  fail(file, "must end in .csv or .npz");
+  require_commands_ending(file);
+  return ends_with(file, ".csv") ? from_table(file, model) : from_arrays(file, hold_s, model);
 }
 
 }  // namespace soft_robot_lab

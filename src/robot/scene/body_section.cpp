@@ -144,12 +144,6 @@ void load(const YamlNode& item, const YamlNode& scene, Body& body) {
   }
 }
 
-std::vector<YamlNode> body_sections(const YamlNode& scene) {
-  std::vector<YamlNode> sections{scene.child("body")};
-  for (const YamlNode& further : scene.optional_sequence("bodies")) sections.push_back(further);
-  return sections;
-}
-
 // Names of regions, and where their materials stand: with a solid, or in `regions` for the groups of a mesh file.
 std::map<std::string, YamlNode> own_materials(const YamlNode& section) {
   std::map<std::string, YamlNode> materials;
@@ -197,6 +191,19 @@ std::vector<Material> region_materials(const std::vector<YamlNode>& sections, co
 }
 
 }  // namespace
+
+std::vector<YamlNode> body_sections(const YamlNode& scene) {
+  std::vector<YamlNode> sections{scene.child("body")};
+  for (const YamlNode& further : scene.optional_sequence("bodies")) sections.push_back(further);
+  return sections;
+}
+
+std::vector<YamlNode> materials_of(const YamlNode& body) {
+  std::vector<YamlNode> materials;
+  if (const std::optional<YamlNode> own = body.optional_child("material")) materials.push_back(*own);
+  for (const auto& [name, material] : own_materials(body)) materials.push_back(material);
+  return materials;
+}
 
 Body read_body(const YamlNode& scene, TetMesh mesh) {
   const YamlNode section = scene.child("body");

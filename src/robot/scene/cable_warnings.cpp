@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cable_warnings.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <sstream>
 
@@ -14,9 +16,10 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kLongestSpan = 3.0;  // times an element's edge
-constexpr int kSamples = 16;          // along a span
-constexpr double kOnSkin = 0.1;       // of the plug's radius
+constexpr double kLongestSpan = 3.0;   // times an element's edge
+constexpr int kSamples = 16;           // along a span
+constexpr double kOnSkin = 0.1;        // of the plug's radius
+constexpr double kFarFromClamp = 3.0;  // elements' edges
 
 // Of a regular element of the mean volume.
 double mean_edge_m(const TetMesh& mesh) { return std::cbrt(6.0 * std::sqrt(2.0) * volume(mesh) / mesh.tet_count()); }
@@ -71,14 +74,33 @@ std::optional<SolveWarning> plug_on_skin(const YamlNode& cable, const CablePath&
   return about("plug_on_skin", skin.distance_m, text);
 }
 
+double to_held_m(const Eigen::Vector3d& point_m, const Body& body) {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const Hold& hold : body.holds())
+    for (const int node : hold.nodes) nearest_m = std::min(nearest_m, (body.mesh().nodes_m.col(node) - point_m).norm());
+  return nearest_m;
+}
+
+// The drive stands at the clamp, unless `drive_points_m` says where else.
+std::optional<SolveWarning> back_to_front(const YamlNode& cable, const CablePath& path, const Body& body) {
+  if (body.holds().empty() || cable.has("drive_points_m")) return std::nullopt;
+  const double edge_m = mean_edge_m(body.mesh()), first_m = to_held_m(path.points_m.front(), body);
+  if (first_m <= kFarFromClamp * edge_m || to_held_m(path.points_m.back(), body) > edge_m) return std::nullopt;
+  std::ostringstream text;
+  text << "cable " << read_name(cable) << " ends at " << point_text(path.points_m.back())
+       << ", where the body is held, and starts " << first_m << " m away from it: " << path.key
+       << " goes from the drive, at the clamp, to the plug; turn its order round, or state the drive in drive_points_m";
+  return about("cable_back_to_front", first_m, text);
+}
+
 }  // namespace
 
 std::vector<SolveWarning> cable_warnings(const YamlNode& scene, const Body& body, const MeshLocator& locator) {
   std::vector<SolveWarning> warnings;
   for (const YamlNode& cable : scene.optional_sequence("cables")) {
     const CablePath path = read_cable_path(cable);
-    for (const auto& warning :
-         {straight_span(cable, path, body.mesh(), locator), plug_on_skin(cable, path, body, locator)})
+    for (const auto& warning : {straight_span(cable, path, body.mesh(), locator),
+                                plug_on_skin(cable, path, body, locator), back_to_front(cable, path, body)})
       if (warning) warnings.push_back(*warning);
   }
   return warnings;

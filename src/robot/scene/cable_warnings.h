@@ -15,6 +15,7 @@ namespace soft_robot_lab {
 //   more than three elements the body bends around it and the cable does not. Its longest span is named; none where
 //   `via_points: given` says that it is meant.
 // - `plug_on_skin`: a path_m or spline_m ends on the skin. Silicone snaps over the plug there: steps in time are slow.
+// - `cable_back_to_front`: it ends where the body is held and starts far from there, as if the drive sat at the tip.
 std::vector<SolveWarning> cable_warnings(const YamlNode& scene, const Body& body, const MeshLocator& locator);
 
 }  // namespace soft_robot_lab

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "sections.h"
 #include "soft_robot_lab/settings/config_folder.h"
@@ -62,6 +63,14 @@ Material read_material(const YamlNode& node) {
     material.youngs_modulus_pa = 2.0 * mu_pa * (1.0 + material.poissons_ratio);
   in_section(node, [&] { material.validate(); });
   return material;
+}
+
+std::optional<YamlNode> stated_modulus(const YamlNode& node) {
+  if (node.has("preset") || node.has("stiffness_ratio")) return std::nullopt;
+  const std::string model = node.text_or("model", "neo_hookean");
+  if (model == "neo_hookean") return node.optional_child("youngs_modulus_pa");
+  if (model == "yeoh") return node.child("c1_pa");
+  return node.child(node.number("c10_pa") >= node.number("c01_pa") ? "c10_pa" : "c01_pa");
 }
 
 }  // namespace soft_robot_lab

@@ -88,6 +88,8 @@ std::string mesh_file_of(const MeshRequest& request, const YamlNode& body, const
 
 }  // namespace
 
+bool is_of_file(const YamlNode& body) { return body.has("mesh") || names_file(read_solid(body.child("solid"))); }
+
 std::string mesh_file(const YamlNode& scene, const MesherOptions& mesher) {
   const YamlNode body = scene.child("body");
   return mesh_file_of(read_request(scene, kFirstBody, body), body, mesher);

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plausible_sizes.h"
 
+#include <optional>
 #include <sstream>
+
+#include "sections.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -9,6 +13,8 @@ namespace {
 constexpr double kShortest_m = 1e-3, kLongest_m = 2.0;  // of a body, along its longest axis
 constexpr double kSoftest_pa = 1e3;                     // a tenth of the softest silicone that is cast
 constexpr double kLongestStalk = 1.0;                   // times the body's size
+constexpr double kLargestGravity_m_s2 = 50.0;           // five times the earth's
+constexpr double kEarth_m_s2 = 9.81;
 
 SolveWarning about(const std::string& kind, double size, const std::string& unit, const std::ostringstream& text) {
   SolveWarning warning;
@@ -19,23 +25,42 @@ SolveWarning about(const std::string& kind, double size, const std::string& unit
   return warning;
 }
 
-void check_body(const Body& body, std::vector<SolveWarning>& warnings) {
+// Where millimetres become metres: a file has a key for it, a solid has a shape.
+std::string way_to_metres(const YamlNode& section) {
+  return is_of_file(section)
+             ? "if its file has millimetres, set `scale: 0.001` beside it"
+             : "if its solid has millimetres, write metres, or put it into `scale: {factor: 0.001, solid: ...}`";
+}
+
+void check_body(const YamlNode& scene, const Body& body, std::vector<SolveWarning>& warnings) {
   const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
   const double length_m = (nodes_m.rowwise().maxCoeff() - nodes_m.rowwise().minCoeff()).maxCoeff();
   if (length_m >= kShortest_m && length_m <= kLongest_m) return;
   std::ostringstream text;
   text << "the body is " << length_m << " m long, where robots are " << kShortest_m << " to " << kLongest_m
-       << " m: lengths are metres; if its file has millimetres, set `scale: 0.001` beside it";
+       << " m: lengths are metres; " << way_to_metres(body_sections(scene).front());
   warnings.push_back(about("implausible_size", length_m, "m", text));
 }
 
-void check_modulus(const Body& body, std::vector<SolveWarning>& warnings) {
-  const double modulus_pa = body.material().youngs_modulus_pa;
-  if (modulus_pa >= kSoftest_pa) return;
+void check_material(const YamlNode& node, std::vector<SolveWarning>& warnings) {
+  const double modulus_pa = read_material(node).youngs_modulus_pa;
+  const std::optional<YamlNode> stated = stated_modulus(node);
+  if (modulus_pa >= kSoftest_pa || !stated) return;
+  const std::string path = stated->path(), key = path.substr(path.rfind('.') + 1);
   std::ostringstream text;
-  text << "Young's modulus is " << modulus_pa << " Pa, where silicones have " << kSoftest_pa
-       << " Pa and more: if youngs_modulus_pa was given in MPa, multiply it by 1e6";
+  text << "Young's modulus is " << modulus_pa << " Pa, where silicones have " << kSoftest_pa << " Pa and more: if "
+       << key << " was given in MPa, multiply it by 1e6: did you mean " << path << ": "
+       << format_number(1e6 * stated->as_number()) << "? A `stiffness_ratio` beside it says that it is meant";
   warnings.push_back(about("implausible_stiffness", modulus_pa, "Pa", text));
+}
+
+void check_gravity(const Body& body, std::vector<SolveWarning>& warnings) {
+  const double gravity_m_s2 = body.gravity_m_s2().norm();
+  if (gravity_m_s2 <= kLargestGravity_m_s2) return;
+  std::ostringstream text;
+  text << "gravity_m_s2 is " << gravity_m_s2 << " m/s2 long, " << gravity_m_s2 / kEarth_m_s2
+       << " times the earth's: it is in metres; did you mean [0, 0, -9.81]?";
+  warnings.push_back(about("implausible_gravity", gravity_m_s2, "m/s2", text));
 }
 
 void check_stalk(const Marker& marker, const Body& body, const MeshLocator& locator,
@@ -50,11 +75,13 @@ void check_stalk(const Marker& marker, const Body& body, const MeshLocator& loca
 
 }  // namespace
 
-std::vector<SolveWarning> implausible_sizes(const Body& body, const MeshLocator& locator,
+std::vector<SolveWarning> implausible_sizes(const YamlNode& scene, const Body& body, const MeshLocator& locator,
                                             const std::vector<Marker>& markers) {
   std::vector<SolveWarning> warnings;
-  check_body(body, warnings);
-  check_modulus(body, warnings);
+  check_body(scene, body, warnings);
+  for (const YamlNode& section : body_sections(scene))
+    for (const YamlNode& material : materials_of(section)) check_material(material, warnings);
+  check_gravity(body, warnings);
   for (const Marker& marker : markers) check_stalk(marker, body, locator, warnings);
   return warnings;
 }

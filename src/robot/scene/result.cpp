@@ -7,6 +7,7 @@
 #include "fidelity_json.h"
 #include "reaction.h"
 #include "reduction.h"
+#include "settings/words.h"
 #include "soft_robot_lab/robot/scene/run_scene.h"
 
 namespace soft_robot_lab {
@@ -229,6 +230,27 @@ std::string moved_text(const std::vector<PathChange>& changes) {
   return text.str();
 }
 
+// Where free obstacles are, and what they touch.
+std::string free_text(const Simulation& simulation) {
+  std::ostringstream text;
+  const SimulationState& state = simulation.state();
+  Eigen::Index free = 0;
+  for (const Obstacle& obstacle : simulation.body().obstacles()) {
+    if (!obstacle.is_free()) continue;
+    std::vector<std::string> touched;
+    for (const ContactReading& contact : simulation.contacts()) {
+      if (contact.normal_force_n == 0.0) continue;
+      if (contact.on == obstacle.name) touched.push_back(contact.surface);
+      if (contact.surface == obstacle.name) touched.push_back(contact.on);
+    }
+    text << "free " << obstacle.name << " at " << millimetres(state.contact.free.centers_m.col(free)) << ", "
+         << 1e3 * state.free_velocities.linear_m_s.col(free).norm() << " mm/s, touches "
+         << (touched.empty() ? "nothing" : join(touched)) << "\n";
+    ++free;
+  }
+  return text.str();
+}
+
 }  // namespace
 
 std::string result_json(const Scene& scene, const RunReport& report) {
@@ -276,10 +298,10 @@ std::string result_summary(const Scene& scene, const RunReport& report) {
     text << "marker " << marker.name() << " at " << millimetres(position_m) << ", moved "
          << millimetres(position_m - marker.rest_position_m()) << "\n";
   }
+  text << free_text(simulation);
   for (const ContactReading& contact : simulation.contacts()) {
     if (contact.normal_force_n == 0.0) continue;
-    if (contact.on != kSkin) text << contact.on << " ";
-    text << "touches " << contact.surface << " with " << contact.normal_force_n << " N";
+    text << contact.on << " touches " << contact.surface << " with " << contact.normal_force_n << " N";
     if (contact.area_m2 > 0.0) text << " on " << 1e6 * contact.area_m2 << " mm2";
     text << "\n";
   }

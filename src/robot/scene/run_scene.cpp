@@ -204,7 +204,10 @@ RunReport run_as_asked(Scene& scene, const RunProgress& progress) {
 
 RunReport run_scene(Scene& scene, const RunProgress& progress) {
   RunReport report = run_as_asked(scene, progress);
-  for (const SolveWarning& warning : scene.warnings) add_warning(warning, report.solve.warnings);
+  std::vector<SolveWarning> warnings;
+  for (const auto& part : {scene.warnings, report.solve.warnings})
+    for (const SolveWarning& warning : part) add_warning(warning, warnings);
+  report.solve.warnings = std::move(warnings);
   return report;
 }
 

@@ -7,6 +7,7 @@
 #include "parameters.h"
 #include "plausible_sizes.h"
 #include "reduction.h"
+#include "still_parts.h"
 #include "robot/design/casting_settings.h"
 
 namespace soft_robot_lab {
@@ -25,12 +26,14 @@ Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& op
   auto markers = read_markers(settings, body, locator);
 
   Scene scene;
-  scene.warnings = implausible_sizes(body, locator, markers);
-  for (const auto& more : {cable_warnings(settings, body, locator), locking_warnings(body)})
+  scene.warnings = implausible_sizes(settings, body, locator, markers);
+  for (const auto& more :
+       {still_parts(body, locator, markers), cable_warnings(settings, body, locator), locking_warnings(body)})
     scene.warnings.insert(scene.warnings.end(), more.begin(), more.end());
   scene.simulation = in_section(settings, [&] {
     return std::make_unique<Simulation>(std::move(body), std::move(actuators), std::move(markers), solver);
   });
+  if (options.interrupt) scene.simulation->set_interrupt(options.interrupt);
   scene.run = read_run(settings, *scene.simulation);
   return scene;
 }

@@ -25,12 +25,17 @@ YamlNode with_overrides(const YamlNode& scene, const Overrides& overrides);  // 
 Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& options);
 
 inline MesherOptions mesher_options(const SceneOptions& options) {
-  return {options.mesher, options.cache_folder, options.meshing_limit_s};
+  return {options.mesher, options.cache_folder, options.meshing_limit_s, options.interrupt};
 }
 std::string mesh_file(const YamlNode& scene, const MesherOptions& mesher);  // its path in the cache
 TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options);      // `body`, `bodies`: their shapes
-Body read_body(const YamlNode& scene, TetMesh mesh);                        // `body`, `bodies`, `loads`, gravity
-Material read_material(const YamlNode& node);                               // `body.material`, or a file of presets
+std::vector<YamlNode> body_sections(const YamlNode& scene);                 // `body`, and the items of `bodies`
+std::vector<YamlNode> materials_of(const YamlNode& body);                   // its own, and those of its regions
+// The number that says how stiff a material is: none beside a preset or a `stiffness_ratio`.
+std::optional<YamlNode> stated_modulus(const YamlNode& material);
+bool is_of_file(const YamlNode& body);  // whether its shape has numbers of a file, which `scale` multiplies
+Body read_body(const YamlNode& scene, TetMesh mesh);  // `body`, `bodies`, `loads`, gravity
+Material read_material(const YamlNode& node);         // `body.material`, or a file of presets
 std::vector<std::unique_ptr<Actuator>> read_actuators(
     const YamlNode& scene, const Body& body, const MeshLocator& locator,
     const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`

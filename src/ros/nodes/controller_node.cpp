@@ -127,6 +127,7 @@ class ControllerNode {
 
 ControllerNode::ControllerNode() {
   scene_options_.actuator_factory = actuators_from_plugins();
+  scene_options_.interrupt = [] { return !ros::ok(); };
   const ros::NodeHandle parameters("~");
   parameters.getParam("ramp_s", ramp_s_);
   require_in_range("ramp_s", ramp_s_, {0.0, 3600.0});
@@ -342,6 +343,7 @@ void ControllerNode::optimise_policy(const OptimisePolicy::Request& request, Opt
     PolicyAnswer answer = behind_others([&] { return search_.find(*model_, task, optimiser_options(request)); });
     count_as_reached(request, answer);
     fill_response(answer, task, response);
+    for (const std::string& warning : far_targets(*model_, task)) response.message += "; " + warning;
     if (answer.success) remember(task, answer);
   } catch (const std::exception& error) {
     response.success = false;

@@ -162,6 +162,7 @@ class SimulatorNode {
 
 SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options) {
   scene_options_.actuator_factory = actuators_from_plugins();
+  scene_options_.interrupt = [] { return !ros::ok(); };
   publish_frames();
   serve();
   auto first = prepare(options_.scene);

@@ -82,6 +82,9 @@ TEST(FitCreep, FindsBothNumbersAndTheStiffnessBeside) {
   EXPECT_GT(std::abs(value_of(blind, "youngs_modulus_pa").value - 264200), 0.01 * 264200)
       << "what is left of creep would count as stiffness\n"
       << summary(blind);
+  EXPECT_TRUE(warns(blind, "the robot creeps, and intervals may exclude the truth; hold longer, or fit creep"))
+      << summary(blind);
+  EXPECT_FALSE(warns(result, "hold longer")) << summary(result);
 }
 
 // Where cables rub, creep and swings decide where they hold: fitted after each other, rest states and creep hide errors
@@ -122,11 +125,22 @@ TEST(FitCreep, FollowsARobotOnItsWayInTheScenesOwnSteps) {
   EXPECT_LT((hold.markers_m.back() - places(bar)).norm(), 1e-9);
 }
 
+TEST(FitCreep, AsksForLongerHoldsOfASlowRelaxation) {
+  const FitResult result = fit_model(kScene, options_with(kBar), watch(creeping_bar(0.25, 12.0), kHolds), request());
+  EXPECT_TRUE(
+      warns(result, "no command was held for more than 6 s: intervals may exclude the truth; hold longer, for "))
+      << summary(result);
+}
+
 TEST(FitCreep, SaysWhereNothingCreeps) {
   const std::vector<MeasuredPose> poses = watch(options_with(kBar + "solver: {time_step_s: 0.1}\n"), {kHolds[0]});
   const FitResult result = fit_model(kScene, options_with(kBar), poses, request());
   EXPECT_FALSE(value_of(result, "creep.stiffness_ratio").identifiable) << summary(result);
   EXPECT_TRUE(warns(result, "cannot identify creep")) << summary(result);
+  EXPECT_FALSE(result.overrides.has({"body", "hysteresis"})) << result.overrides.text();
+  FitRequest without = request();
+  without.parameters.pop_back();
+  EXPECT_FALSE(warns(fit_model(kScene, options_with(kBar), poses, without), "creeps"));
 }
 
 TEST(FitCreep, RefusesWhatItCannotKnow) {

@@ -56,6 +56,45 @@ TEST(FitModel, FindsWhatMadeTheData) {
   std::filesystem::remove(file);
 }
 
+// In the midst of a solve; the best so far counts where there is one.
+TEST(FitModel, EndsWithinASolveWhereItIsInterrupted) {
+  FitRequest request;
+  request.parameters = {{"youngs_modulus_pa", 150000.0, {}, {}}};
+  const std::vector<MeasuredPose> poses = measure(kLying, kWay, Eigen::Isometry3d::Identity(), 5e-5, 1);
+  int asked = 0, iterations = 0, answers = 5;
+  bool stop = false;
+  SceneOptions options = options_with(kLying);
+  options.interrupt = [&] { return stop && ++asked > answers; };
+  request.progress = [&](int iteration, double) {
+    iterations = iteration;
+    stop = iteration >= 1;
+    return asked == 0;
+  };
+  const FitResult result = fit_model(kScene, options, poses, request);
+  EXPECT_EQ(iterations, 2) << "the next iteration ended within its first solves";
+  EXPECT_FALSE(result.converged);
+  EXPECT_GT(value_of(result, "youngs_modulus_pa").value, 200000.0);
+  EXPECT_LT(result.after.rms_m, result.before.rms_m);
+  for (const int later : {50, 100, 150, 200, 300}) {  // among the derivatives of what was found last, too
+    stop = false;
+    asked = 0;
+    answers = later;
+    EXPECT_LT(fit_model(kScene, options, poses, request).after.rms_m, result.before.rms_m) << later;
+  }
+  options.interrupt = [] { return true; };
+  EXPECT_THROW(fit_model(kScene, options, poses, request), std::runtime_error);
+}
+
+TEST(FitModel, NamesHoldsThatAreLeftOut) {
+  std::vector<MeasuredPose> poses = measure(kLying, kWay, Eigen::Isometry3d::Identity(), 5e-5, 1);
+  poses[2].markers.clear();
+  poses[2].left_out = "no marker was seen";
+  FitRequest request;
+  request.parameters = {{"youngs_modulus_pa", {}, {}, {}}};
+  EXPECT_TRUE(warns(fit_model(kScene, options_with(kLying), poses, request),
+                    "a hold of (left 0.9, right 1) is left out: no marker was seen"));
+}
+
 // As a service may be asked to by anybody.
 TEST(FitModel, WritesOverNothingThatNoFitWrote) {
   namespace fs = std::filesystem;
@@ -247,6 +286,9 @@ TEST(FitModel, SaysWhatTheDataCannotTell) {
   EXPECT_TRUE(warns(result, "damping"));
   EXPECT_FALSE(value_of(result, "compliance_m_n.left").identifiable);
   EXPECT_TRUE(value_of(result, "youngs_modulus_pa").identifiable);
+  EXPECT_TRUE(result.overrides.has({"body", "material"})) << result.overrides.text();
+  EXPECT_FALSE(result.overrides.has({"cables", "left"})) << "left as the scene has it\n" << result.overrides.text();
+  EXPECT_NE(summary(result).find("not identifiable from the data: left as the scene has it"), std::string::npos);
   for (const FittedValue& value : result.values) EXPECT_TRUE(std::isfinite(value.deviation)) << value.name;
 }
 

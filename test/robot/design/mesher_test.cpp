@@ -262,6 +262,37 @@ TEST_F(MeshFileFor, LeavesAloneWhatOthersAreMaking) {
   EXPECT_TRUE(fs::exists(work.file("a")));
 }
 
+TEST_F(MeshFileFor, KeepsTheCacheToItsOwnerWhateverTheUmask) {
+  const auto mode_of = [](const fs::path& path) { return fs::status(path).permissions(); };
+  use_script("cp \"$1\" \"$2\"");
+  const std::string folder = options_.cache_folder;
+  const mode_t before = umask(0);
+  for (const mode_t mask : {0, 022, 077}) {
+    umask(mask);
+    options_.cache_folder = folder + "/" + std::to_string(mask) + "/below";
+    EXPECT_EQ(mode_of(mesh_file_for(request_, options_)), fs::perms::owner_read | fs::perms::owner_write) << mask;
+    EXPECT_EQ(mode_of(options_.cache_folder), fs::perms::owner_all) << mask;
+    EXPECT_EQ(mode_of(fs::path(options_.cache_folder).parent_path()), fs::perms::owner_all) << mask;
+    const WorkFolder work(options_.cache_folder);
+    EXPECT_EQ(mode_of(fs::path(work.file("a")).parent_path()), fs::perms::owner_all) << mask;
+  }
+  umask(before);
+}
+
+TEST_F(MeshFileFor, EndsWithTheMesherWhereItIsInterrupted) {
+  const fs::path note = folder_ / "mesher";
+  use_script("echo $$ > " + note.string() + "; sleep 100");
+  options_.interrupt = [&] { return fs::exists(note) && !text_of(note).empty(); };
+  try {
+    mesh_file_for(request_, options_);
+    ADD_FAILURE() << "went on";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "meshing was interrupted");
+  }
+  EXPECT_FALSE(is_alive(std::stoi(text_of(note))));
+  EXPECT_EQ(cached_files(), 0);
+}
+
 TEST_F(MeshFileFor, LimitsTheMeshersProcessorTime) {
   use_script("ulimit -t > \"$2\"");
   options_.time_limit_s = 7;

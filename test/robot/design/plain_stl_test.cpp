@@ -54,6 +54,16 @@ TEST(PlainStl, CountsTrianglesBeforeItBelievesTheFile) {
   EXPECT_EQ(refusal("short"), "is no STL file: it has 5 bytes, a binary one at least 84");
 }
 
+// Gmsh computed without end there, or ended by a signal.
+TEST(PlainStl, RefusesPlacesAndSizesThatNoScaleMakesARobot) {
+  EXPECT_EQ(refusal(binary(2, 2, 1e7F)), "facet 0: 10000000 is out of range [-1000000, 1000000]");
+  EXPECT_EQ(refusal(binary(2, 2, 1e-20F)).find("its body is 9.999999683e-21 large, out of range [1e-09, "), 0u);
+  EXPECT_EQ(refusal("solid\n" + facet("-1e150") + "endsolid\n"), "line 4: -1e+150 is out of range [-1000000, 1000000]");
+  const std::string point =
+      "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 0 0\nvertex 1 0 1e-60\nendloop\nendfacet\n";
+  EXPECT_EQ(refusal("solid\n" + point + "endsolid\n"), "its body is 1e-60 large, out of range [1e-09, 2000000]");
+}
+
 TEST(PlainStl, KeepsTheNumbersOfText) {
   const std::string plain = plain_stl("SOLID a name\r\n  " + facet("-1.25E-3") + "endsolid a name\n");
   EXPECT_EQ(plain,

@@ -160,7 +160,8 @@ TEST_F(RolloutsOfABar, RandomCommandsOfFewAreTheFirstOfMany) {
 TEST_F(RolloutsOfABar, ReadTheSameCommandsFromATableAndFromArrays) {
   const Scene scene = load(kNewton);
   const Model& model = *scene.simulation->model();
-  const std::string table = folder_->write("c.csv", "rollout,time_s,left\n0,0,0.95\n0,0.5,0.9\n1,0,1\n1,0.5,0.93\r\n");
+  const std::string table =
+      folder_->write("c.csv", "\xef\xbb\xbfrollout,time_s,left\n0,0,0.95\n0,0.5,0.9\n1,0,1\n1,0.5,0.93\r\n");
   const std::string arrays = folder_->path("c.npz");
   std::ofstream(arrays, std::ios::binary) << npz({numbers_array("left", {2, 2}, {0.95, 0.9, 1.0, 0.93})});
   const std::vector<RolloutCommands> a = read_commands_file(table, 0.5, model),
@@ -186,7 +187,12 @@ TEST_F(RolloutsOfABar, NameWhatIsWrongInATable) {
       {"rollout,time_s,left\n0,0,much\n", "bad.csv:2: left: 'much'"},
       {"rollout,time_s,left\n0,0,0.95\n0,1,nan\n", "bad.csv:3: left"},
       {"rollout,time_s,left\n0,0,9\n", "bad.csv:2: "},
-      {"rollout,time_s,left\n1,0,0.95\n", "rollout 1 comes after -1"},
+      {"rollout,time_s,left\n1,0,0.95\n", "bad.csv:2: rollout 1 comes after -1"},
+      {"rollout,time_s,left\n0,0,1\n1,0,1\n0,1,1\n", "bad.csv:4: rollout 0 comes after 1"},
+      {"rollout,time_s,left\n0,0,1\n\n0,1,1\n0,0.5,1\n", "bad.csv:5: time_s: 0.5 comes after 1"},
+      {"rollout,time_s,left\n0,-1,1\n", "bad.csv:2: time_s: -1 comes after 0"},
+      {"rollout;time_s;left\n0;0;1\n", "bad.csv:1: its cells are parted by ';', must be by ','"},
+      {"\xff\xfer", "bad.csv:1: is text in UTF-16"},
   };
   for (const auto& one : cases) {
     try {
@@ -262,6 +268,11 @@ TEST_F(RolloutsOfABar, ProgramNamesWrongArguments) {
     EXPECT_EQ(outcome.exit_status, 2);
     EXPECT_NE(outcome.err.find(one.words), std::string::npos) << outcome.err;
   }
+  // What can be said before anything is read.
+  EXPECT_NE(run("missing.yaml --random 1 --output data.txt").err.find("--output: data.txt must end in .npz"),
+            std::string::npos);
+  EXPECT_NE(run("missing.yaml --commands a.txt --output a.npz").err.find("a.txt: must end in .csv or .npz"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -94,6 +94,21 @@ TEST(RunScene, WritesWhatTouchesAndNothingElse) {
   EXPECT_NE(outcome.summary.find("touches post with "), std::string::npos) << outcome.summary;
 }
 
+TEST(RunScene, SaysWhereFreeThingsAreAndWhatTheyTouch) {
+  const Outcome outcome =
+      run("gravity_m_s2: [0, 0, -9.81]\n"
+          "contact:\n"
+          "  obstacles:\n"
+          "    - {name: floor, plane: {point_m: [0, 0, -0.1], normal: [0, 0, 1]}}\n"
+          "    - {name: ball, sphere: {center_m: [0.3, 0, -0.09], radius_m: 0.01}, mass_kg: 0.01}\n"
+          "    - {name: high, sphere: {center_m: [0.4, 0, 0.5], radius_m: 0.01}, mass_kg: 0.01}\n"
+          "run: {mode: dynamic, duration_s: 0.1}\n");
+  EXPECT_NE(outcome.summary.find("free ball at [300.000, 0.000, -90."), std::string::npos) << outcome.summary;
+  EXPECT_NE(outcome.summary.find(" mm/s, touches floor\n"), std::string::npos) << outcome.summary;
+  EXPECT_NE(outcome.summary.find("free high at [400.000, 0.000, 4"), std::string::npos) << outcome.summary;
+  EXPECT_NE(outcome.summary.find(" mm/s, touches nothing\n"), std::string::npos) << outcome.summary;
+}
+
 TEST(RunScene, ABodyThatLiesOnTheFloorNeedNotBeHeld) {
   const SceneFolder folder;
   SceneOptions options;

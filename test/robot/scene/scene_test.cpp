@@ -270,6 +270,32 @@ TEST(Scene, RefusesWithPlaceAndReason) {
   });
 }
 
+// It would hold the default modulus, and none of the preset's numbers.
+TEST(Scene, RefusesAModelWithoutModulusOverAnIncludedPreset) {
+  const SceneFolder folder;
+  folder.write("soft.yaml", "include: bar.yaml\nbody: {material: {preset: ecoflex_00_50}}\n");
+  const auto refusal = [&](const std::string& material) -> std::string {
+    try {
+      load_scene(folder.write("over.yaml", "include: soft.yaml\nbody: {material: {" + material + "}}\n"), options());
+    } catch (const SettingsError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string model = refusal("model: neo_hookean, density_kg_m3: 1000");
+  EXPECT_NE(model.find("over.yaml:2: body.material.model: replaces `preset: ecoflex_00_50` of "), std::string::npos);
+  EXPECT_NE(model.find("soft.yaml with all its keys: give youngs_modulus_pa beside it, or leave it out"),
+            std::string::npos)
+      << model;
+  const std::string modulus = refusal("youngs_modulus_pa: 1.0e+5");
+  EXPECT_NE(modulus.find("over.yaml:2: body.material.youngs_modulus_pa: stands over `preset: ecoflex_00_50` of "),
+            std::string::npos);
+  EXPECT_NE(modulus.find("give the `model` of this modulus beside it"), std::string::npos) << modulus;
+  for (const std::string material : {"model: neo_hookean, youngs_modulus_pa: 1.0e+5", "model: yeoh, c1_pa: 5.0e+4",
+                                     "preset: dragon_skin_10", "stiffness_ratio: 1.1", "density_kg_m3: 1000"})
+    EXPECT_EQ(refusal(material), "") << material;
+}
+
 TEST(Scene, RefusesFreeObstaclesWithPlaceAndReason) {
   const std::string ball = "{name: ball, sphere: {center_m: [0, 0, 1], radius_m: 0.1}";
   const std::string floor = "{name: floor, plane: {point_m: [0, 0, -1], normal: [0, 0, 1]}}";
@@ -289,6 +315,33 @@ TEST(Scene, RefusesFreeObstaclesWithPlaceAndReason) {
            ", mass_kg: 1}, {name: wall, plane: {point_m: [0, 0, 1], normal: [0, 0, 1]}}]}",
        "obstacle 'wall' is"},
   });
+}
+
+// A step's time grows by the cube of their number, so whoever wants many says so.
+TEST(Scene, TakesAsManyFreeObstaclesAsItIsToldTo) {
+  const SceneFolder folder;
+  const auto refusal = [&](int count, const std::string& more) -> std::string {
+    std::string balls;
+    for (int i = 0; i < count; ++i)
+      balls += "{name: b" + std::to_string(i) + ", sphere: {center_m: [" + std::to_string(0.03 * i) +
+               ", 0, 1], radius_m: 0.01}, mass_kg: 0.01}, ";
+    try {
+      load_scene(folder.write("balls.yaml", "include: bar.yaml\ncontact: {" + more + "obstacles: [" + balls + "]}\n"),
+                 options());
+    } catch (const SettingsError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(100, ""), "");
+  EXPECT_NE(refusal(101, "").find("101 have mass_kg, at most contact.max_free_obstacles, 100"), std::string::npos)
+      << refusal(101, "");
+  EXPECT_EQ(refusal(101, "max_free_obstacles: 101, "), "");
+  EXPECT_NE(refusal(3, "max_free_obstacles: 2, ").find("3 have mass_kg, at most contact.max_free_obstacles, 2"),
+            std::string::npos);
+  EXPECT_NE(refusal(1, "max_free_obstacles: 0, ").find("1 have mass_kg"), std::string::npos);
+  EXPECT_NE(refusal(1, "max_free_obstacles: 1001, ").find("max_free_obstacles: 1001 is out of range [0, 1000]"),
+            std::string::npos);
 }
 
 TEST(Scene, RefusesSolversAndRunsWithPlaceAndReason) {

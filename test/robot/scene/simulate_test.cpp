@@ -68,6 +68,21 @@ TEST(Simulate, ShowsHowFarItIsAndKeepsWhatIsDoneAtCtrlC) {
   EXPECT_GE(result["trajectory"]["time_s"].size(), 2u);
 }
 
+// Before a solve that may take long, and once.
+TEST(Simulate, SaysFirstWhatIsKnownWhenTheFileIsRead) {
+  const SceneFolder folder;
+  const std::string scene = folder.write(
+      "soft.yaml",
+      "include: bar.yaml\nbody: {material: {youngs_modulus_pa: 0.2642}}\nsolver: {time_limit_s: 1.0e-9}\n");
+  const Outcome outcome = simulate(folder, scene + " --result " + folder.path("result.json"));
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.out;
+  const std::string words = "simulate: warning: Young's modulus is 0.2642 Pa";
+  EXPECT_EQ(outcome.err.find(words), 0u) << outcome.err;
+  EXPECT_EQ(outcome.err.rfind(words), 0u) << outcome.err;
+  EXPECT_EQ(Json::parse(contents(folder.path("result.json")))["solver"]["warnings"][0]["kind"],
+            "implausible_stiffness");
+}
+
 TEST(Simulate, WritesTheSameBytesTwiceButForTheTime) {
   const SceneFolder folder;
   const auto without_time = [](const std::string& text) {
@@ -126,6 +141,10 @@ TEST(Simulate, TellsWhatIsWrongWithASceneOrArgument) {
       {folder.path("bad.yaml"), "bad.yaml:2: body.element: 'cubic' is not one of linear, quadratic"},
       {folder.path("missing.yaml"), "missing.yaml: cannot be read"},
       {folder.write("text.yaml", "body: [1, 2\n"), "text.yaml:2: not YAML"},
+      {folder.write("tab.yaml", "body:\n  element: linear\n\telement_size_m: 0.02\n"),
+       "tab.yaml:3: not YAML: a tab indents this line, where YAML takes spaces alone"},
+      {folder.write("one.yaml", "include: bar.yaml\ngravity_m_s2: -9.81\n"),
+       "one.yaml:2: gravity_m_s2: must be a list [x, y, z], not the one value '-9.81'"},
       {"", "SCENE is required\nUsage: simulate [OPTIONS] SCENE\n"},
       {"--resutl x " + kCantilever, "unknown option --resutl"},
       {kCantilever + " --result", "--result: 1 required FILE missing"},

@@ -118,6 +118,22 @@ TEST(Sizes, ImplausibleOnesAreWarnedOf) {
        "`scale: 0.001`"},
       {"include: bar.yaml\nbody: {material: {youngs_modulus_pa: 0.2642}}", "implausible_stiffness",
        "Young's modulus is 0.2642 Pa, where silicones have 1000 Pa and more: if youngs_modulus_pa was given in MPa"},
+      {"include: bar.yaml\nbody: {material: {youngs_modulus_pa: 0.2642}}", "implausible_stiffness",
+       "did you mean body.material.youngs_modulus_pa: 264200? A `stiffness_ratio` beside it says that it is meant"},
+      {"include: bar.yaml\nbody: {material: {model: yeoh, c1_pa: 0.044}}", "implausible_stiffness",
+       "if c1_pa was given in MPa, multiply it by 1e6: did you mean body.material.c1_pa: 44000?"},
+      {"include: bar.yaml\nbody: {material: {model: mooney_rivlin, c10_pa: 0.044, c01_pa: 0}}", "implausible_stiffness",
+       "did you mean body.material.c10_pa: 44000?"},
+      {"include: bar.yaml\nbodies: [{name: second, solid: {sphere: {radius_m: 0.01, center_m: [0, 0.1, 0]}}, "
+       "material: {youngs_modulus_pa: 0.5}, fixed: [{box: {min_m: [-1, 0.1, -1], max_m: [1, 1, 1]}}]}]",
+       "implausible_stiffness", "did you mean bodies[0].material.youngs_modulus_pa: 500000?"},
+      {"include: bar.yaml\ngravity_m_s2: [0, 0, -981]", "implausible_gravity",
+       "gravity_m_s2 is 981 m/s2 long, 100 times the earth's: it is in metres; did you mean [0, 0, -9.81]?"},
+      {"include: bar.yaml\ngravity_m_s2: [0, 9810, 0]", "implausible_gravity", "gravity_m_s2 is 9810 m/s2 long"},
+      {"body: {solid: {box: {size_m: [100, 20, 20], center_m: [0, 0, 0]}}, element_size_m: 20, fixed: [{box: {min_m: "
+       "[-99, -99, -99], "
+       "max_m: [-49, 99, 99]}}]}",
+       "implausible_size", "write metres, or put it into `scale: {factor: 0.001, solid: ...}`"},
       {"include: bar.yaml\nmarkers: [{name: tip, position_m: [1, 0, 0]}]", "implausible_stalk",
        "marker tip is 0.9 m off the body, which is 0.10392"},
   };
@@ -128,7 +144,32 @@ TEST(Sizes, ImplausibleOnesAreWarnedOf) {
     EXPECT_EQ(scene.warnings[0].kind, each.kind);
     EXPECT_NE(scene.warnings[0].text.find(each.words), std::string::npos) << scene.warnings[0].text;
   }
-  EXPECT_TRUE(load_scene(folder.path("bar.yaml"), with_mesher()).warnings.empty());
+  for (const std::string text :
+       {"", "body: {material: {youngs_modulus_pa: 0.2642, stiffness_ratio: 1}}\n", "gravity_m_s2: [0, 0, 20]\n"})
+    EXPECT_TRUE(load_scene(folder.write("meant.yaml", "include: bar.yaml\n" + text), with_mesher()).warnings.empty());
+}
+
+// Whatever is commanded.
+TEST(Sizes, WhatCannotMoveIsWarnedOf) {
+  const SceneFolder folder;
+  const auto warnings = [&](const std::string& boxes) {
+    const std::string text = "include: bar.yaml\nbody: {fixed: [" + boxes + "]}\n";
+    return load_scene(folder.write("held.yaml", text), with_mesher()).warnings;
+  };
+  const std::string left = "{box: {min_m: [-1, -1, -1], max_m: [1.0e-6, 1, 1]}",
+                    right = "{box: {min_m: [0.0999, -1, -1], max_m: [1, 1, 1]}";
+  const std::vector<SolveWarning> all = warnings("{box: {min_m: [-1, -1, -1], max_m: [1, 1, 1]}}");
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].kind, "nothing_moves");
+  EXPECT_NE(all[0].text.find("all nodes are held, so nothing can move"), std::string::npos) << all[0].text;
+  const std::vector<SolveWarning> both = warnings(left + "}, " + right + "}");
+  ASSERT_EQ(both.size(), 1u);
+  EXPECT_EQ(both[0].kind, "held_marker");
+  EXPECT_NE(both[0].text.find("marker tip lies where the body is held, and cannot move"), std::string::npos);
+  EXPECT_TRUE(warnings(left + "}").empty());
+  EXPECT_TRUE(warnings(left + "}, " + right + ", axes: [x, y]}").empty()) << "it moves along z";
+  EXPECT_TRUE(
+      warnings(left + "}, " + right + ", motion: [{time_s: 0}, {time_s: 1, translation_m: [0.01, 0, 0]}]}").empty());
 }
 
 // Every solver comes to a wrong shape there, and calls it converged.
@@ -160,6 +201,10 @@ TEST(Sizes, CablesThatAreSeldomMeantSoAreWarnedOf) {
   const std::string straight = "points_m: [[0.005, 0, 0.005], [0.095, 0, 0.005]]";
   const std::vector<std::vector<std::string>> table = {
       {straight, "straight_in_silicone", "cable left is straight for 90 mm of silicone after its point 0"},
+      {"path_m: [[0.095, 0, 0.005], [0, 0, 0.005]]", "cable_back_to_front",
+       "cable left ends at (0, 0, 0.005) m, where the body is held, and starts 0.095"},
+      {"points_m: [[0.095, 0, 0.005], [0.005, 0, 0.005]], via_points: given", "cable_back_to_front",
+       "points_m goes from the drive, at the clamp, to the plug; turn its order round"},
       {"path_m: [[0.005, 0, 0.005], [0.1, 0, 0.005]]", "plug_on_skin",
        "the plug of cable left lies on the skin at (0.1, 0, 0.005) m"}};
   for (const auto& each : table) {
@@ -168,9 +213,11 @@ TEST(Sizes, CablesThatAreSeldomMeantSoAreWarnedOf) {
     EXPECT_EQ(seen[0].kind, each[1]);
     EXPECT_NE(seen[0].text.find(each[2]), std::string::npos) << seen[0].text;
   }
-  for (const std::string& path : {straight + ", via_points: per_element", straight + ", via_points: given",
-                                  std::string("path_m: [[0.005, 0, 0.005], [0.095, 0, 0.005]]"),
-                                  std::string("points_m: [[0.005, 0, 0.005], [0.025, 0, 0.005]]")})
+  for (const std::string& path :
+       {straight + ", via_points: per_element", straight + ", via_points: given",
+        std::string("path_m: [[0.005, 0, 0.005], [0.095, 0, 0.005]]"),
+        std::string("drive_points_m: [[0.12, 0, 0]], path_m: [[0.095, 0, 0.005], [0, 0, 0.005]]"),
+        std::string("points_m: [[0.005, 0, 0.005], [0.025, 0, 0.005]]")})
     EXPECT_TRUE(warnings(path).empty()) << path;
 }
 
@@ -183,6 +230,19 @@ TEST(Sizes, WarningsReachTheReportOfARun) {
   EXPECT_EQ(report.solve.warnings[0].kind, "implausible_stalk");
 }
 
+TEST(Sizes, APartTooSmallForTheKernelIsNamed) {
+  const SceneFolder folder;
+  try {
+    load_scene(folder.write("tiny.yaml", body("solid: {box: {size_m: [1.0e-300, 1, 1], center_m: [0, 0, 0]}}")),
+               with_mesher());
+    ADD_FAILURE() << "accepted";
+  } catch (const SettingsError& error) {
+    EXPECT_NE(std::string(error.what()).find("the solid cannot be built: a part of it is below 1e-9 m"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 // Before anything is meshed, or the mesher would run into its limit of time.
 TEST(Sizes, ASolidTooLargeToMeshIsAskedForItsUnit) {
   const SceneFolder folder;
@@ -192,6 +252,15 @@ TEST(Sizes, ASolidTooLargeToMeshIsAskedForItsUnit) {
     ADD_FAILURE() << "accepted";
   } catch (const SettingsError& error) {
     EXPECT_NE(std::string(error.what()).find("millimetres? `scale: 0.001`"), std::string::npos) << error.what();
+  }
+  try {
+    load_scene(folder.write("large.yaml", body("solid: {box: {size_m: [100, 20, 20], center_m: [0, 0, 0]}}")),
+               with_mesher());
+    ADD_FAILURE() << "accepted";
+  } catch (const SettingsError& error) {
+    EXPECT_NE(std::string(error.what()).find("a solid of 40000 m3 millimetres? write metres, or put it into"),
+              std::string::npos)
+        << error.what();
   }
 }
 

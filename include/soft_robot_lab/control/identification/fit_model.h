@@ -48,6 +48,7 @@ struct MeasuredPose {
   // times of it saw. Not known where held_s is 0.
   double held_s = 0.0, rest_from_s = 0.0;
   std::vector<MarkersAt> seen = {};
+  std::string left_out = {};  // why there are no markers, in words for its reader; empty where nothing is to be said
 };
 
 // From rest under `from`, moved by `commands`, then left to itself. All times by one clock.
@@ -98,20 +99,21 @@ struct FitResult {
   std::string message;  // why it stopped
   std::vector<FittedValue> values;
   Eigen::MatrixXd correlations;       // of the values, ones on the diagonal
-  std::vector<std::string> warnings;  // what the data cannot identify, with the parameters' names
+  std::vector<std::string> warnings;  // what the data cannot identify, and configurations that are left out
   ModelGap before, after;             // at rest
   std::vector<FittedConfiguration> configurations;
   int swings = 0;            // that identified the damping
   double swing_rms_m = 0.0;  // by which the fitted model misses them
   int iterations = 0;
   double cpu_s = 0.0;
-  Overrides overrides;                       // to be laid over the scene
+  Overrides overrides;                       // to be laid over the scene: what is identifiable
   std::map<std::string, double> backlash_m;  // by cable, of those that were fitted; no scene holds it
   Eigen::Isometry3d measured_from_base = Eigen::Isometry3d::Identity();
 };
 
 // Throws std::invalid_argument for unknown names, values out of range, too few data; std::runtime_error where the scene
-// has no equilibrium at its present values.
+// has no equilibrium at its present values. Where `options.interrupt` answers true, solves end, and the best so far is
+// the result, where the first iteration has one; else it throws std::runtime_error.
 FitResult fit_model(const std::string& scene, const SceneOptions& options, const std::vector<MeasuredPose>& poses,
                     const FitRequest& request, const std::vector<MeasuredSwing>& swings = {});
 

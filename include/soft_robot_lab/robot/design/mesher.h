@@ -3,6 +3,7 @@
 // it may hang.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,13 +42,15 @@ struct MesherOptions {
   // Empty: $XDG_CACHE_HOME/soft_robot_lab, or ~/.cache/soft_robot_lab, or a private folder among temporary files.
   std::string cache_folder;
   double time_limit_s = 120.0;
+  std::function<bool()> interrupt = {};  // asked while a mesh is made: true kills the mesher; empty: never
 };
 
 // Where meshes, and what others found out about them, are kept by content.
 std::string cache_folder(const MesherOptions& options);
 
 // The path of an MSH 2.2 text file for the request, made now or found in the cache. Safe against a second process doing
-// the same. Throws std::invalid_argument with the mesher's own words, or std::runtime_error when the time limit passed.
+// the same. Throws std::invalid_argument with the mesher's own words, or std::runtime_error when the time limit passed
+// or it was interrupted.
 std::string mesh_file_for(const MeshRequest& request, const MesherOptions& options);
 
 }  // namespace soft_robot_lab

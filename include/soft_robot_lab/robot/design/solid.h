@@ -71,6 +71,8 @@ double read_scale(const YamlNode& body);
 // solid. Throws SettingsError where the body has a scale, and its solid no file.
 void scale_files(const YamlNode& body, Solid& solid);
 
+bool names_file(const Solid& solid);  // an STL or STEP file, here or below: `scale` of the body multiplies it
+
 Solid read_body_solid(const YamlNode& body);  // its `solid`, with its files scaled
 
 // Of shape, place and names alike, whatever their materials.

@@ -60,6 +60,9 @@ struct SceneOptions {
   bool estimate_error = false;                               // judge the scene as it is (scene/fidelity.h)
   Overrides overrides;                                       // laid over the file, as a file that includes it would be
   std::function<void(TetMesh&)> change_mesh;                 // applied before anything binds to the mesh; may be empty
+  // Asked while the scene is meshed, judged or trained for, and by its simulation's solves (Simulation::set_interrupt),
+  // from every thread that loads it: true ends them. Empty: never.
+  std::function<bool()> interrupt = {};
 };
 
 // Reads the file (and those it includes), meshes or reads the body, binds actuators and markers.

@@ -50,6 +50,47 @@ SolveWarning warning_of(const Obstacle& obstacle, const Deepest& deepest) {
   return warning;
 }
 
+// Pressed skin of an obstacle.
+struct Patch {
+  double area_m2 = 0.0, face_m2 = 0.0;  // of the largest face in it
+  bool round = false;
+  Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
+};
+
+SolveWarning warning_of(const Obstacle& obstacle, const Patch& patch) {
+  SolveWarning warning;
+  warning.kind = "coarse_contact";
+  warning.actuator = obstacle.name;
+  warning.size = patch.face_m2 / patch.area_m2;
+  warning.unit = "1";
+  std::ostringstream text;
+  text << "obstacle '" << obstacle.name << "' presses round skin over " << patch.area_m2
+       << " m^2, less than one of its faces, at " << point_text(patch.at_m) << ": rolling is braked; elements there of "
+       << std::sqrt(patch.area_m2) << " m (body.refinements, or body.element_size_m) would do";
+  warning.text = text.str();
+  return warning;
+}
+
+// A body that nothing holds rolls on what it touches, from one contact point to the next where these are far apart.
+void warn_of_rolling(const Body& body, const ContactTerm& contact, const Eigen::Matrix3Xd& positions_m,
+                     const ContactState& state, std::vector<SolveWarning>& warnings) {
+  if (body.fixed().any()) return;
+  const ContactPoints& points = contact.points();
+  std::vector<Patch> patches(body.obstacles().size());
+  for (const ContactTouch& touch : contact.sums(positions_m, state).touches) {
+    if (touch.on_skin() || touch.pressure_pa == 0.0 || !touch.rubs()) continue;
+    const int point = touch.pair % points.count();
+    Patch& patch = patches[static_cast<std::size_t>(touch.pair / points.count())];
+    patch.area_m2 += points.present_area_m2(point, positions_m);
+    patch.face_m2 = std::max(patch.face_m2, 0.5 * std::pow(points.face_size_m(point), 2));
+    patch.round = patch.round || points.is_round(point);
+    patch.at_m = points.at(point, positions_m);
+  }
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    if (patches[i].round && patches[i].area_m2 < patches[i].face_m2)
+      warnings.push_back(warning_of(body.obstacles()[i], patches[i]));
+}
+
 }  // namespace
 
 std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& contact,
@@ -57,6 +98,7 @@ std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& c
   std::vector<SolveWarning> warnings;
   const ContactPoints& points = contact.points();
   if (points.count() == 0) return warnings;
+  warn_of_rolling(body, contact, positions_m, state, warnings);
   const double small_m = kSmallObstacle * points.largest_face_size_m();
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];

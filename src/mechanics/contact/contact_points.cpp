@@ -14,8 +14,9 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kSharp = 0.9;    // cosine of the angle between two faces, below which their edge is sharp
-constexpr int kPartsOfEdge = 8;   // between the points on a sharp edge
+constexpr double kSharp = 0.9;  // cosine of the angle between two faces, below which their edge is sharp
+constexpr double kLeastRound = 0.45, kRound = 0.985;  // of faces of round skin that meet: not an edge, and not flat
+constexpr int kPartsOfEdge = 8;                       // between the points on a sharp edge
 constexpr double kOfEdge = 0.02;  // of the face's area: what the points on such an edge count for where they touch
 
 // Places in the triangle, whose area is one half, and what they stand for of it.
@@ -67,15 +68,20 @@ bool held(const Body& body, Eigen::Index face) {
   return true;
 }
 
+Eigen::Vector3d flat_normal(const TetMesh& mesh, int face) {
+  const Eigen::Vector3d from = mesh.nodes_m.col(mesh.faces(0, face));
+  const Eigen::Vector3d r = mesh.nodes_m.col(mesh.faces(1, face)) - from,
+                        s = mesh.nodes_m.col(mesh.faces(2, face)) - from;
+  return r.cross(s).normalized();
+}
+
 // Per face of the mesh and side, the face beyond it where the body has a sharp edge there that stands out and that the
 // first of the two faces that can move is to guard; else -1.
 using Edges = std::vector<std::array<int, 3>>;
 
 Edges sharp_edges(const TetMesh& mesh, const std::vector<int>& can_move) {
   const auto corner = [&](int face, int i) { return mesh.nodes_m.col(mesh.faces(i % 3, face)); };
-  const auto normal = [&](int face) -> Eigen::Vector3d {
-    return Eigen::Vector3d(corner(face, 1) - corner(face, 0)).cross(corner(face, 2) - corner(face, 0)).normalized();
-  };
+  const auto normal = [&](int face) { return flat_normal(mesh, face); };
   std::map<std::pair<int, int>, std::pair<int, int>> sides;
   Edges beyond(static_cast<std::size_t>(mesh.faces.cols()), {-1, -1, -1});
   for (int face = 0; face < mesh.faces.cols(); ++face) {
@@ -155,12 +161,29 @@ ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
   first_.push_back(static_cast<int>(face_of_.size()));
   weights_m2_.resize(first_.back());
   for (int point = 0; point < count(); ++point) weights_m2_[point] = present_area_m2(point, mesh.nodes_m);
+  set_round(mesh);
   sizes_m_.resize(face_count());
   for (int face = 0; face < face_count(); ++face) {
     const double area_m2 = weights_m2_.segment(first_point(face), points_inside_).sum();
     sizes_m_[face] = std::sqrt(2.0 * area_m2);
     const int guards = first_point(face + 1) - first_point(face) - points_inside_;
     weights_m2_.segment(first_point(face) + points_inside_, guards).setConstant(area_m2 / points_inside_);
+  }
+}
+
+void ContactPoints::set_round(const TetMesh& mesh) {
+  std::map<int, std::vector<int>> at_corners;
+  for (int face = 0; face < mesh.faces.cols(); ++face)
+    for (int i = 0; i < 3; ++i) at_corners[mesh.faces(i, face)].push_back(face);
+  for (const int face : mesh_faces_) {
+    bool is_round = false;
+    for (int i = 0; i < 3; ++i) {
+      for (const int other : at_corners[mesh.faces(i, face)]) {
+        const double cosine = flat_normal(mesh, face).dot(flat_normal(mesh, other));
+        is_round = is_round || (cosine > kLeastRound && cosine < kRound);
+      }
+    }
+    round_.push_back(is_round);
   }
 }
 

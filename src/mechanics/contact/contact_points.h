@@ -42,7 +42,8 @@ class ContactPoints {
   double weight_m2(int point) const { return weights_m2_[point]; }
   bool guards(int point) const { return beside(point) >= 0; }
   int beside(int point) const { return beside_[static_cast<std::size_t>(point)]; }  // the mesh's other face at a guard
-  double face_size_m(int point) const { return sizes_m_[face_of(point)]; }          // edge of half a square of its area
+  bool is_round(int point) const { return round_[static_cast<std::size_t>(face_of(point))]; }  // its face, with others
+  double face_size_m(int point) const { return sizes_m_[face_of(point)]; }  // edge of half a square of its area
   double least_face_size_m() const { return sizes_m_.minCoeff(); }
   double largest_face_size_m() const { return sizes_m_.maxCoeff(); }
 
@@ -51,6 +52,7 @@ class ContactPoints {
   Eigen::Vector3d outward_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // normal, as long as that
 
  private:
+  void set_round(const TetMesh& mesh);
   int place_of(int point) const { return place_of_[static_cast<std::size_t>(point)]; }
 
   Eigen::MatrixXi faces_;
@@ -61,6 +63,7 @@ class ContactPoints {
   Eigen::MatrixXd along_r_, along_s_;  // its derivatives
   Eigen::VectorXd shares_;             // of twice the area
   Eigen::VectorXd weights_m2_, sizes_m_;
+  std::vector<bool> round_;             // per face
   int points_inside_ = kPointsPerFace;  // a face, before its guards
 };
 

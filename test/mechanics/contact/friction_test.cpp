@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coulomb friction on rigid obstacles, against references and closed forms.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "contact_bodies.h"
+#include "mechanics/round_mesh.h"
 #include "reference_table.h"
 
 namespace soft_robot_lab {
@@ -39,6 +41,23 @@ double speed_m_s(const Simulation& simulation) {
 }
 
 const double kSlope = std::atan(0.5);  // 26.565 degrees
+
+TEST(Friction, ARoundBodyThatRollsOnLessThanAFaceIsNamed) {
+  Body body(quarter_ball(0.015, 2), kSilicone);
+  body.set_gravity({0, -kGravity, 0});
+  body.set_obstacles({{"floor", Plane{{0, -0.015, 0}, {0, 1, 0}}, {}, 0.5}});
+  Simulation rolls(std::move(body), {}, {}, steps_of(0.004));
+  Simulation stands = block_on_slope(0.5, 0.1, steps_of(0.004));
+  const auto named = [](const SolveReport& report) {
+    return std::any_of(report.warnings.begin(), report.warnings.end(), [](const SolveWarning& warning) {
+      return warning.kind == "coarse_contact" && warning.text.find("'floor'") != std::string::npos;
+    });
+  };
+  bool is_named = false;
+  for (int i = 0; i < 10; ++i) is_named = named(rolls.step()) || is_named;
+  EXPECT_TRUE(is_named);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(stands.step().warnings.empty());
+}
 
 TEST(Friction, ASlopeHoldsABlockAtItsCoefficientAndNotBelow) {
   for (const Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2}) {

@@ -14,9 +14,11 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kSharp = 0.9;  // cosine of the angle between two faces, below which their edge is sharp
-constexpr double kLeastRound = 0.45, kRound = 0.985;  // of faces of round skin that meet: not an edge, and not flat
-constexpr int kPartsOfEdge = 8;                       // between the points on a sharp edge
+constexpr double kSharp = 0.9;    // cosine of the angle between two faces, below which their edge is sharp
+constexpr double kFoot = 0.45;    // the same where a body may stand or tip: no facet of a coarse round body
+constexpr double kRound = 0.985;  // of faces that meet, below which they are round, if not sharp
+constexpr int kPointsOfFoot = 7;
+constexpr int kPartsOfEdge = 8;   // between the points on a sharp edge
 constexpr double kOfEdge = 0.02;  // of the face's area: what the points on such an edge count for where they touch
 
 // Places in the triangle, whose area is one half, and what they stand for of it.
@@ -44,6 +46,20 @@ Rule inside(int parts) {
   return rule;
 }
 
+// The rule of degree 3 with corners and middles of the sides (Stroud 1971).
+void add_foot(Rule& rule) {
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1)}) {
+    rule.places.push_back(at);
+    rule.weights.push_back(1.0 / 40.0);
+  }
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(0.5, 0), Eigen::Vector2d(0.5, 0.5), Eigen::Vector2d(0, 0.5)}) {
+    rule.places.push_back(at);
+    rule.weights.push_back(1.0 / 15.0);
+  }
+  rule.places.emplace_back(1.0 / 3.0, 1.0 / 3.0);
+  rule.weights.push_back(9.0 / 40.0);
+}
+
 void add_edge(int edge, Rule& rule) {
   constexpr std::array<std::array<double, 2>, 3> corners{{{0, 0}, {1, 0}, {0, 1}}};
   const Eigen::Vector2d from(corners[edge].data()), to(corners[(edge + 1) % 3].data());
@@ -55,8 +71,12 @@ void add_edge(int edge, Rule& rule) {
 }
 
 // Bits of the sides that are sharp; a combination of three has a rule.
-Rule rule_for(int sharp) {
-  Rule rule = inside(2);
+Rule rule_for(int sharp, PointSpread spread) {
+  Rule rule = inside(spread == PointSpread::dense ? 2 : 1);
+  if (spread == PointSpread::sparse) {
+    if (sharp != 0) add_foot(rule);
+    return rule;
+  }
   for (int edge = 0; edge < 3; ++edge)
     if (sharp >> edge & 1) add_edge(edge, rule);
   return rule;
@@ -68,6 +88,17 @@ bool held(const Body& body, Eigen::Index face) {
   return true;
 }
 
+// As faces in planes of symmetry are, beyond which the body goes on.
+bool held_along_an_axis(const Body& body, int face) {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    bool all = true;
+    for (Eigen::Index a = 0; a < body.mesh().faces.rows(); ++a)
+      all = all && body.fixed()(axis, body.mesh().faces(a, face));
+    if (all) return true;
+  }
+  return false;
+}
+
 Eigen::Vector3d flat_normal(const TetMesh& mesh, int face) {
   const Eigen::Vector3d from = mesh.nodes_m.col(mesh.faces(0, face));
   const Eigen::Vector3d r = mesh.nodes_m.col(mesh.faces(1, face)) - from,
@@ -75,11 +106,13 @@ Eigen::Vector3d flat_normal(const TetMesh& mesh, int face) {
   return r.cross(s).normalized();
 }
 
-// Per face of the mesh and side, the face beyond it where the body has a sharp edge there that stands out and that the
-// first of the two faces that can move is to guard; else -1.
+// Per face of the mesh and side, the face beyond it where the body has a sharp edge there that stands out; else -1. In
+// the dense spread only the first of two faces that can move knows of it: that one guards it.
 using Edges = std::vector<std::array<int, 3>>;
 
-Edges sharp_edges(const TetMesh& mesh, const std::vector<int>& can_move) {
+Edges sharp_edges(const Body& body, const std::vector<int>& can_move, PointSpread spread) {
+  const TetMesh& mesh = body.mesh();
+  const bool both = spread == PointSpread::sparse;
   const auto corner = [&](int face, int i) { return mesh.nodes_m.col(mesh.faces(i % 3, face)); };
   const auto normal = [&](int face) { return flat_normal(mesh, face); };
   std::map<std::pair<int, int>, std::pair<int, int>> sides;
@@ -91,11 +124,11 @@ Edges sharp_edges(const TetMesh& mesh, const std::vector<int>& can_move) {
       if (first) continue;
       const auto& [other, of_other] = found->second;
       const bool stands_out = normal(face).dot(corner(other, of_other + 2) - corner(face, side)) < 0.0;
-      if (!stands_out || normal(face).dot(normal(other)) > kSharp) continue;
-      if (std::binary_search(can_move.begin(), can_move.end(), other))
-        beyond[static_cast<std::size_t>(other)][static_cast<std::size_t>(of_other)] = face;
-      else
-        beyond[static_cast<std::size_t>(face)][static_cast<std::size_t>(side)] = other;
+      if (!stands_out || normal(face).dot(normal(other)) > (both ? kFoot : kSharp)) continue;
+      if (both && (held_along_an_axis(body, face) || held_along_an_axis(body, other))) continue;
+      const bool other_moves = std::binary_search(can_move.begin(), can_move.end(), other);
+      if (other_moves || both) beyond[static_cast<std::size_t>(other)][static_cast<std::size_t>(of_other)] = face;
+      if (!other_moves || both) beyond[static_cast<std::size_t>(face)][static_cast<std::size_t>(side)] = other;
     }
   }
   return beyond;
@@ -121,11 +154,11 @@ ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
   for (int face = 0; face < mesh.faces.cols(); ++face)
     if (!held(body, face)) mesh_faces_.push_back(face);
   faces_ = mesh.faces(Eigen::all, mesh_faces_);
-  const bool dense = spread == PointSpread::dense;
-  std::vector<Rule> rules{inside(dense ? 2 : 1)};
+  std::vector<Rule> rules;
+  for (int sides = 0; sides < 8; ++sides) rules.push_back(rule_for(sides, spread));
   points_inside_ = static_cast<int>(rules[0].places.size());
-  for (int sides = 1; dense && sides < 8; ++sides) rules.push_back(rule_for(sides));
-  const Edges beyond = dense ? sharp_edges(mesh, mesh_faces_) : Edges(mesh.faces.cols(), {-1, -1, -1});
+  const Edges beyond = sharp_edges(body, mesh_faces_, spread);
+  if (spread == PointSpread::sparse) set_beyond(mesh);
   std::vector<int> first_place{0};
   for (const Rule& rule : rules) first_place.push_back(first_place.back() + static_cast<int>(rule.places.size()));
   shape_.resize(faces_.rows(), first_place.back());
@@ -149,8 +182,9 @@ ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
     for (std::size_t side = 0; side < 3; ++side) {
       if (edges[side] < 0) continue;
       rule |= 1u << side;
-      besides.insert(besides.end(), kPartsOfEdge + 1, edges[side]);
+      if (spread == PointSpread::dense) besides.insert(besides.end(), kPartsOfEdge + 1, edges[side]);
     }
+    besides.resize(rules[rule].places.size(), -1);
     first_.push_back(static_cast<int>(face_of_.size()));
     beside_.insert(beside_.end(), besides.begin(), besides.end());
     for (int at = first_place[rule]; at < first_place[rule + 1]; ++at) {
@@ -161,30 +195,57 @@ ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
   first_.push_back(static_cast<int>(face_of_.size()));
   weights_m2_.resize(first_.back());
   for (int point = 0; point < count(); ++point) weights_m2_[point] = present_area_m2(point, mesh.nodes_m);
-  set_round(mesh);
   sizes_m_.resize(face_count());
   for (int face = 0; face < face_count(); ++face) {
     const double area_m2 = weights_m2_.segment(first_point(face), points_inside_).sum();
     sizes_m_[face] = std::sqrt(2.0 * area_m2);
+    if (spread == PointSpread::sparse) continue;
     const int guards = first_point(face + 1) - first_point(face) - points_inside_;
     weights_m2_.segment(first_point(face) + points_inside_, guards).setConstant(area_m2 / points_inside_);
   }
 }
 
-void ContactPoints::set_round(const TetMesh& mesh) {
+void ContactPoints::set_beyond(const TetMesh& mesh) {
+  corners_ = mesh.faces.topRows<3>();
   std::map<int, std::vector<int>> at_corners;
-  for (int face = 0; face < mesh.faces.cols(); ++face)
-    for (int i = 0; i < 3; ++i) at_corners[mesh.faces(i, face)].push_back(face);
+  for (int face = 0; face < corners_.cols(); ++face)
+    for (int i = 0; i < 3; ++i) at_corners[corners_(i, face)].push_back(face);
   for (const int face : mesh_faces_) {
+    std::vector<int>& others = beyond_.emplace_back();
     bool is_round = false;
     for (int i = 0; i < 3; ++i) {
-      for (const int other : at_corners[mesh.faces(i, face)]) {
+      for (const int other : at_corners[corners_(i, face)]) {
         const double cosine = flat_normal(mesh, face).dot(flat_normal(mesh, other));
-        is_round = is_round || (cosine > kLeastRound && cosine < kRound);
+        if (cosine < kFoot) others.push_back(other);
+        is_round = is_round || (cosine >= kFoot && cosine < kRound);
       }
     }
     round_.push_back(is_round);
   }
+}
+
+bool ContactPoints::stands(int face) const {
+  return first_point(face + 1) - first_point(face) == points_inside_ + kPointsOfFoot;
+}
+
+bool ContactPoints::serves(int point, bool flat) const {
+  const int face = face_of(point);
+  return !stands(face) || flat == (point >= first_point(face) + points_inside_);
+}
+
+bool ContactPoints::looks_most(int point, const Eigen::Vector3d& way, double margin,
+                               const Eigen::Matrix3Xd& positions_m) const {
+  const int face = face_of(point);
+  if (!stands(face) || point - first_point(face) < points_inside_) return true;
+  const auto along = [&](int mesh_face) {
+    const Eigen::Vector3d from = positions_m.col(corners_(0, mesh_face));
+    const Eigen::Vector3d r = positions_m.col(corners_(1, mesh_face)) - from,
+                          s = positions_m.col(corners_(2, mesh_face)) - from;
+    return r.cross(s).normalized().dot(way);
+  };
+  const double own = along(mesh_faces_[static_cast<std::size_t>(face)]);
+  const std::vector<int>& others = beyond_[static_cast<std::size_t>(face)];
+  return std::all_of(others.begin(), others.end(), [&](int other) { return own > along(other) - margin; });
 }
 
 Eigen::Vector3d ContactPoints::at(int point, const Eigen::Matrix3Xd& columns) const {

@@ -11,14 +11,14 @@
 
 namespace soft_robot_lab {
 
-constexpr int kPointsPerFace = 3;  // of the sparse spread
-
 // Young's modulus of the element behind each face of the mesh [Pa].
 Eigen::VectorXd moduli_of_faces_pa(const Body& body);
 
 enum class PointSpread {
-  sparse,  // three points inside each face: enough for what is smooth
-  dense,   // twelve, and guards along the edges that stand out sharply at rest: for other skin, which has edges
+  // For obstacles: three points inside each face, enough for what is smooth. Of a face with an edge that is sharp at
+  // rest also seven with its corners and sides, for what is flat: a body stands on its whole foot.
+  sparse,
+  dense,  // twelve, and guards along the edges that stand out sharply at rest: for other skin, which has edges
 };
 
 class ContactPoints {
@@ -42,6 +42,11 @@ class ContactPoints {
   double weight_m2(int point) const { return weights_m2_[point]; }
   bool guards(int point) const { return beside(point) >= 0; }
   int beside(int point) const { return beside_[static_cast<std::size_t>(point)]; }  // the mesh's other face at a guard
+  // Of the sparse spread, for an obstacle that is flat or not.
+  bool serves(int point, bool flat) const;
+  // Whether the point's face looks along a direction as much as any that meets it in a sharp edge or corner, less a
+  // margin (cosine): of the faces that have a point there, which one counts.
+  bool looks_most(int point, const Eigen::Vector3d& way, double margin, const Eigen::Matrix3Xd& positions_m) const;
   bool is_round(int point) const { return round_[static_cast<std::size_t>(face_of(point))]; }  // its face, with others
   double face_size_m(int point) const { return sizes_m_[face_of(point)]; }  // edge of half a square of its area
   double least_face_size_m() const { return sizes_m_.minCoeff(); }
@@ -52,7 +57,8 @@ class ContactPoints {
   Eigen::Vector3d outward_m2(int point, const Eigen::Matrix3Xd& positions_m) const;  // normal, as long as that
 
  private:
-  void set_round(const TetMesh& mesh);
+  void set_beyond(const TetMesh& mesh);
+  bool stands(int face) const;  // has points for what is flat
   int place_of(int point) const { return place_of_[static_cast<std::size_t>(point)]; }
 
   Eigen::MatrixXi faces_;
@@ -63,8 +69,10 @@ class ContactPoints {
   Eigen::MatrixXd along_r_, along_s_;  // its derivatives
   Eigen::VectorXd shares_;             // of twice the area
   Eigen::VectorXd weights_m2_, sizes_m_;
-  std::vector<bool> round_;             // per face
-  int points_inside_ = kPointsPerFace;  // a face, before its guards
+  std::vector<std::vector<int>> beyond_;  // per face the mesh's that meet it sharply; of the sparse spread
+  std::vector<bool> round_;               // per face, likewise
+  Eigen::Matrix3Xi corners_;              // of the mesh's faces
+  int points_inside_ = 0;                 // a face, before its guards or those of its foot
 };
 
 }  // namespace soft_robot_lab

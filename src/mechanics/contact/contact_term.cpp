@@ -3,10 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "gap.h"
 
 namespace soft_robot_lab {
+namespace {
+
+// By how much less a face may look at an obstacle than another that meets it in an edge (cosines).
+constexpr double kLooksAway = 0.05, kPressedLooksAway = 0.1;
+
+}  // namespace
 
 ContactTerm::ContactTerm(const Body& body)
     : obstacles_(body.obstacles()),
@@ -87,7 +94,7 @@ ContactSums ContactTerm::sums(const Eigen::Matrix3Xd& positions_m, const Contact
   ContactSums sums;
   if (empty()) return sums;
   sums.points_m = all_points(positions_m);
-  for (std::size_t i = 0; i < obstacles_.size(); ++i) find_touches(static_cast<int>(i), state, sums);
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) find_touches(static_cast<int>(i), positions_m, state, sums);
   if (skin_.pair_count() > 0) skin_.find_touches(positions_m, state, sums.touches);
   if (skin_.rubs()) sums.positions_m = positions_m;
   for (const ContactTouch& touch : sums.touches) {
@@ -108,23 +115,29 @@ Eigen::Isometry3d ContactTerm::pose_of(int obstacle, const ContactState& state) 
 }
 
 // A gap grows no faster than its point moves, so a face that is far away is passed by at one look.
-void ContactTerm::find_touches(int obstacle, const ContactState& state, ContactSums& sums) const {
+void ContactTerm::find_touches(int obstacle, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                               ContactSums& sums) const {
   const Obstacle& one = obstacles_[static_cast<std::size_t>(obstacle)];
   const Eigen::Isometry3d pose = pose_of(obstacle, state);
   const int free = free_.index_of(obstacle);
+  const bool flat = std::holds_alternative<Plane>(one.shape) || std::holds_alternative<RoundedBox>(one.shape);
   for (int face = 0; face < points_.face_count(); ++face) {
-    const int first = kPointsPerFace * face, first_pair = obstacle * points_.count() + first;
-    const auto places_m = sums.points_m.middleCols<kPointsPerFace>(first);
+    const int first = points_.first_point(face), count = points_.first_point(face + 1) - first;
+    const int first_pair = obstacle * points_.count() + first;
+    const auto places_m = sums.points_m.middleCols(first, count);
     const Eigen::Vector3d middle_m = places_m.rowwise().mean();
     const double reach_m = (places_m.colwise() - middle_m).colwise().norm().maxCoeff();
-    if (state.pressures_pa.segment<kPointsPerFace>(first_pair).isZero(0.0) &&
+    if (state.pressures_pa.segment(first_pair, count).isZero(0.0) &&
         gap_to(one.shape, pose, middle_m).gap_m > reach_m + 1e-12)
       continue;
-    for (int k = 0; k < kPointsPerFace; ++k) {
+    for (int k = 0; k < count; ++k) {
+      if (!points_.serves(first + k, flat)) continue;
       const int pair = first_pair + k;
       const Gap gap = gap_to(one.shape, pose, places_m.col(k));
       const double pressure_pa = state.pressures_pa[pair];
-      const bool closed = law_on_obstacle(first + k).closed(gap.gap_m, pressure_pa);
+      const double margin = pressure_pa > 0.0 ? kPressedLooksAway : kLooksAway;
+      const bool closed = law_on_obstacle(first + k).closed(gap.gap_m, pressure_pa) &&
+                          points_.looks_most(first + k, -gap.normal, margin, positions_m);
       if (!closed && pressure_pa == 0.0) continue;
       ContactTouch touch{pair, closed, gap.gap_m, pressure_pa, gap.normal, gap.hessian, {}};
       touch.free = free;
@@ -263,7 +276,7 @@ void ContactTerm::commit(const Eigen::Matrix3Xd& positions_m, ContactState& stat
     const Eigen::Isometry3d back = pose_of(static_cast<int>(i), state).inverse();
     ContactSums sums;
     sums.points_m = all_points(positions_m);
-    find_touches(static_cast<int>(i), state, sums);
+    find_touches(static_cast<int>(i), positions_m, state, sums);
     for (const ContactTouch& touch : sums.touches)
       if (touch.pressure_pa > 0.0)
         sums.points_m.col(point_of(touch.pair)) -=

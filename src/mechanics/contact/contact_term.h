@@ -162,7 +162,8 @@ class ContactTerm {
   double slack_m(int pair) const { return of_skin(pair) ? skin_.slack_m(point_of(pair)) : 0.0; }
   const Obstacle& obstacle_of(int pair) const { return obstacles_[static_cast<std::size_t>(pair / points_.count())]; }
   Eigen::Matrix3Xd all_points(const Eigen::Matrix3Xd& positions_m) const;
-  void find_touches(int obstacle, const ContactState& state, ContactSums& sums) const;
+  void find_touches(int obstacle, const Eigen::Matrix3Xd& positions_m, const ContactState& state,
+                    ContactSums& sums) const;
   // Along the surface, from its anchor to where a touch of `start` now is.
   Eigen::Vector3d away_m(const ContactTouch& touch, const ContactSums& start, const ContactSums& now) const;
   void add_friction(const Eigen::Isometry3d& pose, int obstacle, const ContactState& state, const ContactSums& sums,

@@ -86,16 +86,22 @@ TEST(ContactPoints, WeighTheSkinThatCanMove) {
   const Body body = block({2, 2, 2});
   const ContactPoints points(body);
   EXPECT_EQ(points.face_count(), 5 * 8);  // not the clamped top
-  double area = 0.0, moment = 0.0;
-  for (int point = 0; point < points.count(); ++point) {
-    area += points.weight_m2(point);
-    const Vector3d at = points.at(point, body.mesh().nodes_m);
-    if (at.y() < 1e-9) moment += points.weight_m2(point) * at.x() * at.x();
-    EXPECT_NEAR(points.shape(point).sum(), 1.0, 1e-14);
-    EXPECT_NEAR(points.present_area_m2(point, 2.0 * body.mesh().nodes_m), 4.0 * points.weight_m2(point), 1e-12);
+  for (const bool flat : {false, true}) {
+    double area = 0.0, moment = 0.0, foot = 0.0;
+    for (int point = 0; point < points.count(); ++point) {
+      if (!points.serves(point, flat)) continue;
+      area += points.weight_m2(point);
+      const Vector3d at = points.at(point, body.mesh().nodes_m);
+      const bool below = points.looks_most(point, -Vector3d::UnitY(), 0.05, body.mesh().nodes_m) && at.y() < 1e-9;
+      if (below) moment += points.weight_m2(point) * at.x() * at.x();
+      if (below) foot = std::max(foot, at.x());
+      EXPECT_NEAR(points.shape(point).sum(), 1.0, 1e-14);
+      EXPECT_NEAR(points.present_area_m2(point, 2.0 * body.mesh().nodes_m), 4.0 * points.weight_m2(point), 1e-12);
+    }
+    EXPECT_NEAR(area, 5 * 4e-4, 1e-12);
+    EXPECT_NEAR(moment, 0.02 * std::pow(0.02, 3) / 12.0, 1e-15);
+    EXPECT_EQ(flat, foot == 0.01) << foot;
   }
-  EXPECT_NEAR(area, 5 * 4e-4, 1e-12);
-  EXPECT_NEAR(moment, 0.02 * std::pow(0.02, 3) / 12.0, 1e-15);
 }
 
 // Takes the blocks of a clique where every face has the same few nodes as the whole body.

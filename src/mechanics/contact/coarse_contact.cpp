@@ -36,18 +36,26 @@ void look_between_points(const ObstacleShape& shape, const Eigen::Isometry3d& po
   }
 }
 
-SolveWarning warning_of(const Obstacle& obstacle, const Deepest& deepest) {
+// `why`, and how large elements should be there.
+SolveWarning about(const Obstacle& obstacle, double size, const std::string& unit, const std::string& why,
+                   double element_size_m) {
   SolveWarning warning;
   warning.kind = "coarse_contact";
   warning.actuator = obstacle.name;
-  warning.size = deepest.depth_m;
-  warning.unit = "m";
+  warning.size = size;
+  warning.unit = unit;
   std::ostringstream text;
-  text << "obstacle '" << obstacle.name << "' is too small for the contact points that meet it: it is "
-       << deepest.depth_m << " m deep in the skin between them, at " << point_text(deepest.at_m)
-       << "; elements there of " << size_m(obstacle.shape) << " m (body.refinements, or body.element_size_m) would do";
+  text << "obstacle '" << obstacle.name << "' " << why << "; elements there of " << element_size_m
+       << " m (body.refinements, or body.element_size_m) would do";
   warning.text = text.str();
   return warning;
+}
+
+SolveWarning warning_of(const Obstacle& obstacle, const Deepest& deepest) {
+  std::ostringstream why;
+  why << "is too small for the contact points that meet it: it is " << deepest.depth_m
+      << " m deep in the skin between them, at " << point_text(deepest.at_m);
+  return about(obstacle, deepest.depth_m, "m", why.str(), size_m(obstacle.shape));
 }
 
 // Pressed skin of an obstacle.
@@ -58,17 +66,10 @@ struct Patch {
 };
 
 SolveWarning warning_of(const Obstacle& obstacle, const Patch& patch) {
-  SolveWarning warning;
-  warning.kind = "coarse_contact";
-  warning.actuator = obstacle.name;
-  warning.size = patch.face_m2 / patch.area_m2;
-  warning.unit = "1";
-  std::ostringstream text;
-  text << "obstacle '" << obstacle.name << "' presses round skin over " << patch.area_m2
-       << " m^2, less than one of its faces, at " << point_text(patch.at_m) << ": rolling is braked; elements there of "
-       << std::sqrt(patch.area_m2) << " m (body.refinements, or body.element_size_m) would do";
-  warning.text = text.str();
-  return warning;
+  std::ostringstream why;
+  why << "presses round skin over " << patch.area_m2 << " m^2, less than one of its faces, at "
+      << point_text(patch.at_m) << ": rolling is braked";
+  return about(obstacle, patch.face_m2 / patch.area_m2, "1", why.str(), std::sqrt(patch.area_m2));
 }
 
 // A body that nothing holds rolls on what it touches, from one contact point to the next where these are far apart.

@@ -82,27 +82,18 @@ Rule rule_for(int sharp, PointSpread spread) {
   return rule;
 }
 
-bool held(const Body& body, Eigen::Index face) {
-  for (Eigen::Index a = 0; a < body.mesh().faces.rows(); ++a)
-    if (!body.fixed().col(body.mesh().faces(a, face)).all()) return false;
-  return true;
+// Along which axes all nodes of a face are.
+Eigen::Matrix<bool, 3, 1> held_axes(const Body& body, int face) {
+  return body.fixed()(Eigen::all, body.mesh().faces.col(face)).rowwise().all();
 }
 
 // As faces in planes of symmetry are, beyond which the body goes on.
-bool held_along_an_axis(const Body& body, int face) {
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    bool all = true;
-    for (Eigen::Index a = 0; a < body.mesh().faces.rows(); ++a)
-      all = all && body.fixed()(axis, body.mesh().faces(a, face));
-    if (all) return true;
-  }
-  return false;
-}
+bool held_along_an_axis(const Body& body, int face) { return held_axes(body, face).any(); }
 
-Eigen::Vector3d flat_normal(const TetMesh& mesh, int face) {
-  const Eigen::Vector3d from = mesh.nodes_m.col(mesh.faces(0, face));
-  const Eigen::Vector3d r = mesh.nodes_m.col(mesh.faces(1, face)) - from,
-                        s = mesh.nodes_m.col(mesh.faces(2, face)) - from;
+// Of the triangle of its corners.
+Eigen::Vector3d flat_normal(const Eigen::MatrixXi& faces, int face, const Eigen::Matrix3Xd& nodes_m) {
+  const Eigen::Vector3d from = nodes_m.col(faces(0, face));
+  const Eigen::Vector3d r = nodes_m.col(faces(1, face)) - from, s = nodes_m.col(faces(2, face)) - from;
   return r.cross(s).normalized();
 }
 
@@ -114,7 +105,7 @@ Edges sharp_edges(const Body& body, const std::vector<int>& can_move, PointSprea
   const TetMesh& mesh = body.mesh();
   const bool both = spread == PointSpread::sparse;
   const auto corner = [&](int face, int i) { return mesh.nodes_m.col(mesh.faces(i % 3, face)); };
-  const auto normal = [&](int face) { return flat_normal(mesh, face); };
+  const auto normal = [&](int face) { return flat_normal(mesh.faces, face, mesh.nodes_m); };
   std::map<std::pair<int, int>, std::pair<int, int>> sides;
   Edges beyond(static_cast<std::size_t>(mesh.faces.cols()), {-1, -1, -1});
   for (int face = 0; face < mesh.faces.cols(); ++face) {
@@ -152,7 +143,7 @@ Eigen::VectorXd moduli_of_faces_pa(const Body& body) {
 ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
   const TetMesh& mesh = body.mesh();
   for (int face = 0; face < mesh.faces.cols(); ++face)
-    if (!held(body, face)) mesh_faces_.push_back(face);
+    if (!held_axes(body, face).all()) mesh_faces_.push_back(face);
   faces_ = mesh.faces(Eigen::all, mesh_faces_);
   std::vector<Rule> rules;
   for (int sides = 0; sides < 8; ++sides) rules.push_back(rule_for(sides, spread));
@@ -206,16 +197,17 @@ ContactPoints::ContactPoints(const Body& body, PointSpread spread) {
 }
 
 void ContactPoints::set_beyond(const TetMesh& mesh) {
-  corners_ = mesh.faces.topRows<3>();
+  all_faces_ = mesh.faces;
   std::map<int, std::vector<int>> at_corners;
-  for (int face = 0; face < corners_.cols(); ++face)
-    for (int i = 0; i < 3; ++i) at_corners[corners_(i, face)].push_back(face);
+  for (int face = 0; face < all_faces_.cols(); ++face)
+    for (int i = 0; i < 3; ++i) at_corners[all_faces_(i, face)].push_back(face);
   for (const int face : mesh_faces_) {
+    const Eigen::Vector3d own = flat_normal(all_faces_, face, mesh.nodes_m);
     std::vector<int>& others = beyond_.emplace_back();
     bool is_round = false;
     for (int i = 0; i < 3; ++i) {
-      for (const int other : at_corners[corners_(i, face)]) {
-        const double cosine = flat_normal(mesh, face).dot(flat_normal(mesh, other));
+      for (const int other : at_corners[all_faces_(i, face)]) {
+        const double cosine = own.dot(flat_normal(all_faces_, other, mesh.nodes_m));
         if (cosine < kFoot) others.push_back(other);
         is_round = is_round || (cosine >= kFoot && cosine < kRound);
       }
@@ -237,12 +229,7 @@ bool ContactPoints::looks_most(int point, const Eigen::Vector3d& way, double mar
                                const Eigen::Matrix3Xd& positions_m) const {
   const int face = face_of(point);
   if (!stands(face) || point - first_point(face) < points_inside_) return true;
-  const auto along = [&](int mesh_face) {
-    const Eigen::Vector3d from = positions_m.col(corners_(0, mesh_face));
-    const Eigen::Vector3d r = positions_m.col(corners_(1, mesh_face)) - from,
-                          s = positions_m.col(corners_(2, mesh_face)) - from;
-    return r.cross(s).normalized().dot(way);
-  };
+  const auto along = [&](int mesh_face) { return flat_normal(all_faces_, mesh_face, positions_m).dot(way); };
   const double own = along(mesh_faces_[static_cast<std::size_t>(face)]);
   const std::vector<int>& others = beyond_[static_cast<std::size_t>(face)];
   return std::all_of(others.begin(), others.end(), [&](int other) { return own > along(other) - margin; });

@@ -71,7 +71,7 @@ class ContactPoints {
   Eigen::VectorXd weights_m2_, sizes_m_;
   std::vector<std::vector<int>> beyond_;  // per face the mesh's that meet it sharply; of the sparse spread
   std::vector<bool> round_;               // per face, likewise
-  Eigen::Matrix3Xi corners_;              // of the mesh's faces
+  Eigen::MatrixXi all_faces_;             // the mesh's; likewise
   int points_inside_ = 0;                 // a face, before its guards or those of its foot
 };
 

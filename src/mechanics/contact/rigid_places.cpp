@@ -72,15 +72,17 @@ Features features_of(const ObstacleShape& shape) {
   return std::visit([](const auto& one) { return features(one); }, shape);
 }
 
-Vector3d on_rim(const RoundedRim& rim, double angle_rad) {
-  const Vector3d across = rim.outward.unitOrthogonal();
-  return rim.middle_m + rim.radius_m * (std::cos(angle_rad) * across + std::sin(angle_rad) * rim.outward.cross(across));
+// A radius of a rim, by its angle from one that goes `across`.
+Vector3d radius_at_m(const RoundedRim& rim, const Vector3d& across, double angle_rad) {
+  return rim.radius_m * (std::cos(angle_rad) * across + std::sin(angle_rad) * rim.outward.cross(across));
 }
 
 void add_on_shape(const Features& features, bool of_other, std::vector<RigidPlace>& all) {
   for (const RoundedPoint& point : features.points) all.push_back({of_other, BallOnShape{point}});
   for (const RoundedRim& rim : features.rims) {
-    for (int i = 0; i < kOnRim; ++i) all.push_back({of_other, BallOnShape{{on_rim(rim, kApart * i), rim.rounding_m}}});
+    const Vector3d across = rim.outward.unitOrthogonal();
+    for (int i = 0; i < kOnRim; ++i)
+      all.push_back({of_other, BallOnShape{{rim.middle_m + radius_at_m(rim, across, kApart * i), rim.rounding_m}}});
     for (const int valley : {0, 1}) all.push_back({of_other, RimOnShape{rim, valley}});
   }
 }
@@ -120,8 +122,8 @@ Eigen::Vector2d closest(const Vector3d& own_m, const Vector3d& along, const Vect
   return Eigen::Vector2d(way_m.cross(across).dot(square), way_m.cross(along).dot(square)) / square.squaredNorm();
 }
 
-std::optional<RigidMeeting> meet_with(const BallOnShape& place, const ObstacleShape& /*own*/,
-                                      const Isometry3d& own_pose, const ObstacleShape& shape, const Isometry3d& pose) {
+std::optional<RigidMeeting> meet_with(const BallOnShape& place, const Isometry3d& own_pose, const ObstacleShape& shape,
+                                      const Isometry3d& pose) {
   const Vector3d middle_m = own_pose * place.ball.position_m;
   const Gap gap = gap_to(shape, pose, middle_m);
   return RigidMeeting{gap.gap_m - place.ball.radius_m, gap.normal, middle_m - place.ball.radius_m * gap.normal,
@@ -142,14 +144,13 @@ int nearest(const std::array<double, kOnRim>& gaps_m, int which) {
   return found[static_cast<std::size_t>(which)];
 }
 
-std::optional<RigidMeeting> meet_with(const RimOnShape& place, const ObstacleShape& /*own*/, const Isometry3d& own_pose,
-                                      const ObstacleShape& shape, const Isometry3d& pose) {
+std::optional<RigidMeeting> meet_with(const RimOnShape& place, const Isometry3d& own_pose, const ObstacleShape& shape,
+                                      const Isometry3d& pose) {
   const RoundedRim rim = placed(place.rim, own_pose);
-  const Vector3d across = own_pose.linear() * place.rim.outward.unitOrthogonal(), up = rim.outward.cross(across);
+  const Vector3d across = own_pose.linear() * place.rim.outward.unitOrthogonal();
   std::array<double, kOnRim> gaps_m;
   for (int i = 0; i < kOnRim; ++i) {
-    const double angle_rad = kApart * i;
-    const Vector3d at_m = rim.middle_m + rim.radius_m * (std::cos(angle_rad) * across + std::sin(angle_rad) * up);
+    const Vector3d at_m = rim.middle_m + radius_at_m(rim, across, kApart * i);
     gaps_m[static_cast<std::size_t>(i)] = gap_to(shape, pose, at_m).gap_m;
   }
   const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.end());
@@ -160,7 +161,7 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const ObstacleSha
   double curvature_m = 0.0, low_rad = kApart * (valley - 1), high_rad = kApart * (valley + 1);
   for (int i = 0; i < kHalvings; ++i) {
     const double angle_rad = 0.5 * (low_rad + high_rad);
-    const Vector3d out_m = rim.radius_m * (std::cos(angle_rad) * across + std::sin(angle_rad) * up);
+    const Vector3d out_m = radius_at_m(rim, across, angle_rad);
     at_m = rim.middle_m + out_m;
     along_m = rim.outward.cross(out_m);
     gap = gap_to(shape, pose, at_m);
@@ -175,7 +176,7 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const ObstacleSha
   return RigidMeeting{gap.gap_m - rim.rounding_m, gap.normal, at_m - rim.rounding_m * gap.normal, bend};
 }
 
-std::optional<RigidMeeting> meet_with(const LineOnLine& place, const ObstacleShape& /*own*/, const Isometry3d& own_pose,
+std::optional<RigidMeeting> meet_with(const LineOnLine& place, const Isometry3d& own_pose,
                                       const ObstacleShape& /*shape*/, const Isometry3d& pose) {
   const RoundedLine own = placed(place.own, own_pose), other = placed(place.other, pose);
   const Vector3d along = own.to_m - own.from_m, across = other.to_m - other.from_m, square = along.cross(across);
@@ -220,8 +221,7 @@ std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleSha
 std::optional<RigidMeeting> meet(const RigidPlace& place, const ObstacleShape& one, const Isometry3d& one_pose,
                                  const ObstacleShape& other, const Isometry3d& other_pose) {
   const auto with = [&](const auto& kind) {
-    return place.of_other ? meet_with(kind, other, other_pose, one, one_pose)
-                          : meet_with(kind, one, one_pose, other, other_pose);
+    return place.of_other ? meet_with(kind, other_pose, one, one_pose) : meet_with(kind, one_pose, other, other_pose);
   };
   std::optional<RigidMeeting> met = std::visit(with, place.kind);
   if (met && place.of_other) met->normal = -met->normal;

@@ -33,12 +33,11 @@ int refuse_arguments(const CLI::App& app, const std::string& why) {
 // The reader of JSON names itself and its number for the error first.
 std::string without_library(const std::string& what) {
   const std::string library = "[json.exception.";
-  const std::size_t end = what.find("] ");
-  const std::size_t start = what.find(library);
+  const std::size_t start = what.find(library), end = what.find("] ", start);
   if (start == std::string::npos || end == std::string::npos) return what;
   const bool text = what.find("type_error.316", start) == start + library.size();
   return what.substr(0, start) + (text ? "a text is not UTF-8: " : "not the JSON that is expected: ") +
-         what.substr(what.find("] ", start) + 2);
+         what.substr(end + 2);
 }
 
 }  // namespace

@@ -36,7 +36,6 @@ Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix);
 void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian,
                     const std::vector<double>& residuals, FitResult& result);
 
-// Fills configurations, and warns of those that lie far beyond the others. Gaps [m] are one for each pose.
 // Names of values that the data do not identify.
 std::set<std::string> unidentified(const FitResult& result);
 
@@ -44,6 +43,8 @@ std::set<std::string> unidentified(const FitResult& result);
 // stiffness.
 void warn_of_creep(const std::vector<MeasuredPose>& poses, const FitRequest& request, FitResult& result);
 
+// Fills configurations, and warns of those that lie far beyond the others and of holds that are left out. Gaps [m] are
+// one for each pose.
 void add_configurations(const std::vector<MeasuredPose>& poses, const std::vector<double>& before_m,
                         const std::vector<double>& after_m, const FitRequest& request, FitResult& result);
 

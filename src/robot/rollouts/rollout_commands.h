@@ -25,10 +25,12 @@ struct RandomCommands {
 // std::invalid_argument for a number out of range, and for an actuator without limits.
 std::vector<RolloutCommands> random_commands(const RandomCommands& random, const Model& model);
 
+// Throws std::invalid_argument where a file of commands ends in neither .csv nor .npz.
+void require_commands_ending(const std::string& file);
+
 // .csv: columns `rollout` (0, 1, ... in order), `time_s` and any actuator by its name; an empty cell leaves the
 // command. .npz: per actuator an array `rollouts x holds`, by its name, each command held for hold_s. Throws
 // std::invalid_argument with file, line, name and value.
-void require_commands_ending(const std::string& file);
 std::vector<RolloutCommands> read_commands_file(const std::string& file, double hold_s, const Model& model);
 
 }  // namespace soft_robot_lab

@@ -10,6 +10,7 @@
 #include "mechanics/mesh/cable_path.h"
 #include "mechanics/mesh/held.h"
 #include "mechanics/mesh/skin.h"
+#include "scene_warning.h"
 #include "settings/point_text.h"
 #include "settings/read_name.h"
 
@@ -30,15 +31,6 @@ bool in_silicone(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, con
   return true;
 }
 
-SolveWarning about(const std::string& kind, double size_m, const std::ostringstream& text) {
-  SolveWarning warning;
-  warning.kind = kind;
-  warning.size = size_m;
-  warning.unit = "m";
-  warning.text = text.str();
-  return warning;
-}
-
 std::optional<SolveWarning> straight_span(const YamlNode& cable, const CablePath& path, const TetMesh& mesh,
                                           const MeshLocator& locator) {
   if (path.routes_itself() || cable.has("via_points")) return std::nullopt;
@@ -56,7 +48,7 @@ std::optional<SolveWarning> straight_span(const YamlNode& cable, const CablePath
   std::ostringstream text;
   text << "cable " << read_name(cable) << " is straight for " << 1e3 * worst_m << " mm of silicone after its point "
        << worst << ", however the body bends there: set `via_points: per_element`, or `given` where it is meant so";
-  return about("straight_in_silicone", worst_m, text);
+  return scene_warning("straight_in_silicone", text.str(), worst_m, "m");
 }
 
 // A held plug moves with what holds it.
@@ -71,7 +63,7 @@ std::optional<SolveWarning> plug_on_skin(const YamlNode& cable, const CablePath&
   std::ostringstream text;
   text << "the plug of cable " << read_name(cable) << " lies on the skin at " << point_text(plug_m)
        << ", where silicone snaps over it: end the path at least plug_radius_m, " << radius_m << " m, inside the body";
-  return about("plug_on_skin", skin.distance_m, text);
+  return scene_warning("plug_on_skin", text.str(), skin.distance_m, "m");
 }
 
 double to_held_m(const Eigen::Vector3d& point_m, const Body& body) {
@@ -90,7 +82,7 @@ std::optional<SolveWarning> back_to_front(const YamlNode& cable, const CablePath
   text << "cable " << read_name(cable) << " ends at " << point_text(path.points_m.back())
        << ", where the body is held, and starts " << first_m << " m away from it: " << path.key
        << " goes from the drive, at the clamp, to the plug; turn its order round, or state the drive in drive_points_m";
-  return about("cable_back_to_front", first_m, text);
+  return scene_warning("cable_back_to_front", text.str(), first_m, "m");
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "scene_warning.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -25,11 +27,7 @@ std::vector<SolveWarning> locking_warnings(const Body& body) {
   std::ostringstream text;
   text << "linear elements are too stiff at a Poisson's ratio of " << ratio << ": from " << kLocks
        << " on they lock; set body.element to quadratic";
-  SolveWarning warning;
-  warning.kind = "locking_elements";
-  warning.size = ratio;
-  warning.text = text.str();
-  return {warning};
+  return {scene_warning("locking_elements", text.str(), ratio)};
 }
 
 }  // namespace soft_robot_lab

@@ -4,6 +4,7 @@
 #include <optional>
 #include <sstream>
 
+#include "scene_warning.h"
 #include "sections.h"
 #include "settings/words.h"
 
@@ -15,15 +16,6 @@ constexpr double kSoftest_pa = 1e3;                     // a tenth of the softes
 constexpr double kLongestStalk = 1.0;                   // times the body's size
 constexpr double kLargestGravity_m_s2 = 50.0;           // five times the earth's
 constexpr double kEarth_m_s2 = 9.81;
-
-SolveWarning about(const std::string& kind, double size, const std::string& unit, const std::ostringstream& text) {
-  SolveWarning warning;
-  warning.kind = kind;
-  warning.size = size;
-  warning.unit = unit;
-  warning.text = text.str();
-  return warning;
-}
 
 // Where millimetres become metres: a file has a key for it, a solid has a shape.
 std::string way_to_metres(const YamlNode& section) {
@@ -39,7 +31,7 @@ void check_body(const YamlNode& scene, const Body& body, std::vector<SolveWarnin
   std::ostringstream text;
   text << "the body is " << length_m << " m long, where robots are " << kShortest_m << " to " << kLongest_m
        << " m: lengths are metres; " << way_to_metres(body_sections(scene).front());
-  warnings.push_back(about("implausible_size", length_m, "m", text));
+  warnings.push_back(scene_warning("implausible_size", text.str(), length_m, "m"));
 }
 
 void check_material(const YamlNode& node, std::vector<SolveWarning>& warnings) {
@@ -51,7 +43,7 @@ void check_material(const YamlNode& node, std::vector<SolveWarning>& warnings) {
   text << "Young's modulus is " << modulus_pa << " Pa, where silicones have " << kSoftest_pa << " Pa and more: if "
        << key << " was given in MPa, multiply it by 1e6: did you mean " << path << ": "
        << format_number(1e6 * stated->as_number()) << "? A `stiffness_ratio` beside it says that it is meant";
-  warnings.push_back(about("implausible_stiffness", modulus_pa, "Pa", text));
+  warnings.push_back(scene_warning("implausible_stiffness", text.str(), modulus_pa, "Pa"));
 }
 
 void check_gravity(const Body& body, std::vector<SolveWarning>& warnings) {
@@ -60,7 +52,7 @@ void check_gravity(const Body& body, std::vector<SolveWarning>& warnings) {
   std::ostringstream text;
   text << "gravity_m_s2 is " << gravity_m_s2 << " m/s2 long, " << gravity_m_s2 / kEarth_m_s2
        << " times the earth's: it is in metres; did you mean [0, 0, -9.81]?";
-  warnings.push_back(about("implausible_gravity", gravity_m_s2, "m/s2", text));
+  warnings.push_back(scene_warning("implausible_gravity", text.str(), gravity_m_s2, "m/s2"));
 }
 
 void check_stalk(const Marker& marker, const Body& body, const MeshLocator& locator,
@@ -70,7 +62,7 @@ void check_stalk(const Marker& marker, const Body& body, const MeshLocator& loca
   std::ostringstream text;
   text << "marker " << marker.name() << " is " << stalk_m << " m off the body, which is " << body.size_m()
        << " m large: its position_m is in metres, and turns with the skin on a stalk of that length";
-  add_warning(about("implausible_stalk", stalk_m, "m", text), warnings);
+  add_warning(scene_warning("implausible_stalk", text.str(), stalk_m, "m"), warnings);
 }
 
 }  // namespace

@@ -2,35 +2,27 @@
 #include "still_parts.h"
 
 #include "mechanics/mesh/held.h"
+#include "scene_warning.h"
 
 namespace soft_robot_lab {
-namespace {
-
-SolveWarning about(const std::string& kind, const std::string& text) {
-  SolveWarning warning;
-  warning.kind = kind;
-  warning.text = text;
-  return warning;
-}
-
-}  // namespace
 
 std::vector<SolveWarning> still_parts(const Body& body, const MeshLocator& locator,
                                       const std::vector<Marker>& markers) {
   if (body.holds_move()) return {};
   const bool all_held = body.fixed().all();
   if (all_held && body.obstacles().empty())  // on which free ones may lie
-    return {
-        about("nothing_moves",
-              "all nodes are held, so nothing can move: the boxes in `fixed` are too large, where a clamp holds one "
-              "end")};
+    return {scene_warning(
+        "nothing_moves",
+        "all nodes are held, so nothing can move: the boxes in `fixed` are too large, where a clamp holds one "
+        "end")};
   if (all_held) return {};
   std::vector<SolveWarning> warnings;
   for (const Marker& marker : markers)
     if (held(locator.embed(marker.rest_position_m()), body.fixed()))
-      warnings.push_back(about("held_marker", "marker " + marker.name() +
-                                                  " lies where the body is held, and cannot move: move it, or the box "
-                                                  "in `fixed`"));
+      warnings.push_back(
+          scene_warning("held_marker", "marker " + marker.name() +
+                                           " lies where the body is held, and cannot move: move it, or the box "
+                                           "in `fixed`"));
   return warnings;
 }
 

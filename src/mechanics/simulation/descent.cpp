@@ -25,6 +25,7 @@ constexpr double kVeryLong = 1e3;        // of a wave's time: inertia has no say
 constexpr double kLong = 30.0;           // of a wave's time: no shorter step says that the body is slow
 constexpr double kFallTolerance = 1e-4;  // of the residual of a step of the continuation;
 constexpr double kConvexTolerance = 1e-5;  // of one whose energy is convex: what is soft moves by little
+constexpr double kAlike = 0.5;             // of a change of energy: both sides are as easy
 const Eigen::Vector3d kFixedSide(1.0, 0.3, 0.1);
 
 NewtonTask rest_task(const SimulationParts& parts) {
@@ -111,6 +112,20 @@ double softest_at_rest_per_s2(SimulationParts& parts) {
   return modes.stiffness_per_s2.size() > 0 ? modes.stiffness_per_s2[0] : 0.0;
 }
 
+// Whether the energy changes alike to both sides of a motion, as where a straight body buckles; where a shape snaps
+// through it does not.
+bool alike_on_both_sides(SimulationParts& parts, const Eigen::Matrix3Xd& motion_m) {
+  const NewtonState here = parts.unknowns();
+  double rises_j[2];
+  for (const int side : {0, 1}) {
+    NewtonState there = here;
+    there.positions_m += (side == 0 ? 1.0 : -1.0) * motion_m;
+    rises_j[side] = parts.workspace.newton.potential_rise_j(NewtonTask{}, here, there);
+  }
+  const double larger_j = std::max(std::abs(rises_j[0]), std::abs(rises_j[1]));
+  return std::abs(rises_j[0] - rises_j[1]) < kAlike * larger_j;
+}
+
 // As far along a motion, bent as the body turns with it, as the energy falls, in doubled ways.
 Eigen::Matrix3Xd downhill_along(SimulationParts& parts, const Eigen::Matrix3Xd& motion_m) {
   const NewtonState here = parts.unknowns();
@@ -163,15 +178,16 @@ Nudge nudge_off(SimulationParts& parts, const Eigen::Matrix3Xd& way_m) {
   const Eigen::VectorXd along = modes.motions.leftCols(count).transpose() * masses_kg.cwiseProduct(as_vector(way_m));
   const double way = std::sqrt(masses_kg.dot(as_vector(way_m).cwiseAbs2()));
   Nudge nudge;
-  nudge.other_side = along.norm() <= kNoSide * way;
+  const bool no_side = along.norm() <= kNoSide * way;
   nudge.unstable = modes.stiffness_per_s2[0] < kNearlyLost * softest_at_rest_per_s2(parts);
   Eigen::VectorXd motion =
-      nudge.other_side ? Eigen::VectorXd(modes.motions.col(0)) : Eigen::VectorXd(modes.motions.leftCols(count) * along);
-  if (nudge.other_side) {
+      no_side ? Eigen::VectorXd(modes.motions.col(0)) : Eigen::VectorXd(modes.motions.leftCols(count) * along);
+  if (no_side) {
     const Eigen::VectorXd moment = masses_kg.cwiseProduct(motion);
     if (moment.reshaped(3, way_m.cols()).rowwise().sum().dot(kFixedSide) < 0.0) motion = -motion;
   }
   motion *= kBesideSaddle * parts.body.size_m() / motion.reshaped(3, way_m.cols()).colwise().norm().maxCoeff();
+  nudge.other_side = alike_on_both_sides(parts, motion.reshaped(3, way_m.cols()));
   nudge.motion_m = downhill_along(parts, motion.reshaped(3, way_m.cols()));
   return nudge;
 }

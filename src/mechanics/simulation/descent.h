@@ -25,11 +25,11 @@ bool held_by_friction_alone(const SimulationParts& parts);
 bool descend(SimulationParts& parts, SolveReport& report);
 
 // A small way along what the present rest state resists least, to the side that `way_m` has led to; where that has led
-// to neither, to a side that a fixed rule chooses, and then `other_side` is true. Cut where it would go into obstacles
-// or other skin. 3 x nodes; empty where there is no factor.
+// to neither, to a side that a fixed rule chooses. Cut where it would go into obstacles or other skin. 3 x nodes; empty
+// where there is no factor.
 struct Nudge {
   Eigen::Matrix3Xd motion_m;
-  bool other_side = false;
+  bool other_side = false;  // which is as easy
   bool unstable = false;  // what gives way is far softer than the softest motion of the rest shape
 };
 Nudge nudge_off(SimulationParts& parts, const Eigen::Matrix3Xd& way_m);

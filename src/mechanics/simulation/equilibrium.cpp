@@ -51,6 +51,8 @@ class Walk {
            0.5 * (share - done_) * constants::kSmallestStage >= 1.0;
   }
   RestFound try_stage(double share);
+  Nudge softest_way();
+  void note_snap_from(const SimulationState& stable, const Nudge& nudge);
   bool fall_to(double share);
   bool lose_stability(double share);
   bool go_on_from(double share, RestFound found, double& stage);
@@ -83,33 +85,14 @@ RestFound Walk::try_stage(double share) {
   return found;
 }
 
-// Down to a stable shape; the state stays where there is none.
-bool Walk::fall_to(double share) {
-  const SimulationState start = parts_.state;
-  path_.go_to(share);
-  const bool rubs = held_by_friction_alone(parts_);
-  if ((!rubs && relax_from_below(parts_, report_) == RestFound::stable) || descend(parts_, report_)) {
-    advance_to(share, Eigen::Matrix3Xd(start.positions_m));
-    return true;
-  }
-  parts_.state = start;
-  return false;
+// Which way the last stable shape gives way. What friction alone holds has no energy that could say.
+Nudge Walk::softest_way() {
+  path_.go_to(done_);
+  if (held_by_friction_alone(parts_) || parts_.workspace.newton.contact().free().count() > 0) return {};
+  return nudge_off(parts_, parts_.state.positions_m - before_m_);
 }
 
-// Where the smallest stage leads to no stable shape nearby: what follows is a motion in time that inertia does not
-// drive, from the last stable shape and a small way off it.
-bool Walk::lose_stability(double share) {
-  const SimulationState stable = parts_.state;
-  path_.go_to(done_);
-  const bool pushed = !held_by_friction_alone(parts_) && parts_.workspace.newton.contact().free().count() == 0;
-  Nudge nudge;
-  if (pushed) nudge = nudge_off(parts_, stable.positions_m - before_m_);
-  path_.go_to(share);
-  if (nudge.motion_m.cols() > 0) parts_.state.positions_m += nudge.motion_m;
-  if (!descend(parts_, report_)) {
-    parts_.state = stable;
-    return false;
-  }
+void Walk::note_snap_from(const SimulationState& stable, const Nudge& nudge) {
   Snap snap;
   Eigen::Index node = 0;
   snap.share = done_;
@@ -117,14 +100,43 @@ bool Walk::lose_stability(double share) {
   snap.rest_position_m = parts_.body.mesh().nodes_m.col(node);
   snap.other_side = nudge.other_side;
   if (nudge.unstable && snap.moved_m > kSameShape * parts_.body.size_m()) snaps_.push_back(snap);
+}
+
+// Down to a stable shape; the state stays where there is none. Down the energy alone a body might slip off an obstacle.
+bool Walk::fall_to(double share) {
+  const SimulationState stable = parts_.state;
+  const Nudge nudge = softest_way();
+  path_.go_to(share);
+  const bool direct = parts_.body.obstacles().empty();
+  if ((!direct || relax_from_below(parts_, report_) != RestFound::stable) && !descend(parts_, report_)) {
+    parts_.state = stable;
+    return false;
+  }
+  note_snap_from(stable, nudge);
+  advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
+  return true;
+}
+
+// Where the smallest stage leads to no stable shape nearby: what follows is a motion in time that inertia does not
+// drive, from the last stable shape and a small way off it.
+bool Walk::lose_stability(double share) {
+  const SimulationState stable = parts_.state;
+  const Nudge nudge = softest_way();
+  path_.go_to(share);
+  if (nudge.motion_m.cols() > 0) parts_.state.positions_m += nudge.motion_m;
+  if (!descend(parts_, report_)) {
+    parts_.state = stable;
+    return false;
+  }
+  note_snap_from(stable, nudge);
   advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
   return true;
 }
 
 // After a stage that found no stable rest state; false where there is no way on.
 bool Walk::go_on_from(double share, RestFound found, double& stage) {
-  // A saddle was reached by what came at once: it is to come slowly, so that it chooses the side.
-  if (found == RestFound::saddle && done_ == 0.0 && path_.bring_loads_slowly()) {
+  // What comes at once leads to no stable shape: it is to come slowly, so that it chooses the side.
+  if (done_ == 0.0 && (found == RestFound::saddle || !cuttable(share)) && path_.bring_loads_slowly()) {
     stage = 1.0;
     return true;
   }
@@ -136,9 +148,10 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   stage = 1.0;
   if (path_.loads_come_slowly()) return lose_stability(path_.stage_end(done_, std::min(1.0, done_ + kFallAhead)));
   if (found == RestFound::saddle && !held_by_friction_alone(parts_)) return lose_stability(share) || fall_to(share);
-  // With all that is left a body that touches itself might fold.
+  // With all that is left a body that touches something might fold, or slip off it.
   const double end = path_.stage_end(done_, 1.0);
-  if (parts_.body.touches_itself() && path_.changes_in_stages() && fall_to(share)) return true;
+  const bool touches = parts_.body.touches_itself() || !parts_.body.obstacles().empty();
+  if (touches && path_.changes_in_stages() && fall_to(share)) return true;
   return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
 }
 
@@ -180,7 +193,7 @@ void note_snap(const Snap& snap, SolveReport& report) {
   std::ostringstream text;
   text << "beyond " << 100.0 * snap.share << " % of the way the shape was unstable; it moved by " << snap.moved_m
        << " m at rest position " << point_text(snap.rest_position_m);
-  if (snap.other_side) text << "; nothing chose the side, so the mirrored shape is a rest state too";
+  if (snap.other_side) text << "; the other side is as easy, so there is a rest state too";
   warning.text = text.str();
   add_warning(warning, report.warnings);
 }

@@ -7,31 +7,33 @@
 #include <variant>
 
 #include "gap.h"
+#include "mechanics/mesh/shape_functions.h"
 #include "settings/point_text.h"
 
 namespace soft_robot_lab {
 namespace {
 
-// Of a face's size: an obstacle's half least extent below which points may miss it.
-constexpr double kSmallObstacle = 0.5;
-constexpr double kSeenDepth = 0.05;  // of that extent: a depth that counts
-constexpr int kFinestGrid = 24;      // of a face's edge, that are looked at
+constexpr double kSeenDepth = 0.05;                 // of an obstacle's half least extent, or of a face's size
+constexpr double kFiner = 0.5;                      // of a face: one that sees more
+constexpr int kCoarsestGrid = 4, kFinestGrid = 24;  // of a face's edge, that are looked at
 
 struct Deepest {
   double depth_m = 0.0;
   Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
+  double face_size_m = 0.0;
 };
 
-// Along an even grid over the flat triangle of a face's corners.
-void look_between_points(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Matrix3d& corners_m,
+// Along an even grid over a face, of these nodes.
+void look_between_points(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Matrix3Xd& face_m,
                          double face_size_m, Deepest& deepest) {
-  const double half_m = size_m(shape);
-  const int parts = std::min(kFinestGrid, static_cast<int>(std::ceil(2.0 * face_size_m / half_m)));
+  const int parts =
+      std::clamp(static_cast<int>(std::ceil(2.0 * face_size_m / size_m(shape))), kCoarsestGrid, kFinestGrid);
   for (int i = 0; i <= parts; ++i) {
     for (int j = 0; i + j <= parts; ++j) {
-      const Eigen::Vector3d at_m = corners_m * Eigen::Vector3d(parts - i - j, i, j) / parts;
+      const Eigen::Vector3d at_m =
+          face_m * face_shape(face_m.cols(), static_cast<double>(i) / parts, static_cast<double>(j) / parts).values;
       const double depth_m = -gap_to(shape, pose, at_m).gap_m;
-      if (depth_m > deepest.depth_m) deepest = {depth_m, at_m};
+      if (depth_m > deepest.depth_m) deepest = {depth_m, at_m, face_size_m};
     }
   }
 }
@@ -53,9 +55,10 @@ SolveWarning about(const Obstacle& obstacle, double size, const std::string& uni
 
 SolveWarning warning_of(const Obstacle& obstacle, const Deepest& deepest) {
   std::ostringstream why;
-  why << "is too small for the contact points that meet it: it is " << deepest.depth_m
+  why << "is too small or too sharp for the contact points that meet it: it is " << deepest.depth_m
       << " m deep in the skin between them, at " << point_text(deepest.at_m);
-  return about(obstacle, deepest.depth_m, "m", why.str(), size_m(obstacle.shape));
+  return about(obstacle, deepest.depth_m, "m", why.str(),
+               std::min(size_m(obstacle.shape), kFiner * deepest.face_size_m));
 }
 
 // Pressed skin of an obstacle.
@@ -100,25 +103,22 @@ std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& c
   const ContactPoints& points = contact.points();
   if (points.count() == 0) return warnings;
   warn_of_rolling(body, contact, positions_m, state, warnings);
-  const double small_m = kSmallObstacle * points.largest_face_size_m();
   for (std::size_t i = 0; i < body.obstacles().size(); ++i) {
     const Obstacle& obstacle = body.obstacles()[i];
     if (std::holds_alternative<Plane>(obstacle.shape)) continue;
-    const double half_m = size_m(obstacle.shape);
-    if (half_m >= small_m) continue;
     const Eigen::Isometry3d pose = contact.pose_of(static_cast<int>(i), state);
     Deepest deepest;
     for (int face = 0; face < points.face_count(); ++face) {
-      const double face_size_m = points.face_size_m(points.first_point(face));
-      if (half_m >= kSmallObstacle * face_size_m) continue;
-      Eigen::Matrix3d corners_m;
-      for (int corner = 0; corner < 3; ++corner) corners_m.col(corner) = positions_m.col(points.node(face, corner));
-      const Eigen::Vector3d middle_m = corners_m.rowwise().mean();
-      const double reach_m = (corners_m.colwise() - middle_m).colwise().norm().maxCoeff();
+      Eigen::Matrix3Xd face_m(3, points.nodes_per_face());
+      for (int node = 0; node < points.nodes_per_face(); ++node)
+        face_m.col(node) = positions_m.col(points.node(face, node));
+      const Eigen::Vector3d middle_m = face_m.rowwise().mean();
+      const double reach_m = (face_m.colwise() - middle_m).colwise().norm().maxCoeff();
       if (gap_to(obstacle.shape, pose, middle_m).gap_m > reach_m) continue;
-      look_between_points(obstacle.shape, pose, corners_m, face_size_m, deepest);
+      look_between_points(obstacle.shape, pose, face_m, points.face_size_m(points.first_point(face)), deepest);
     }
-    if (deepest.depth_m > kSeenDepth * half_m) warnings.push_back(warning_of(obstacle, deepest));
+    if (deepest.depth_m > kSeenDepth * std::min(size_m(obstacle.shape), deepest.face_size_m))
+      warnings.push_back(warning_of(obstacle, deepest));
   }
   return warnings;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Obstacles that are smaller than the spacing of the contact points: skin may go into them where no point is.
+// Obstacles that are too small or too sharp for the spacing of the contact points: skin goes into them where none is.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,8 @@
 
 namespace soft_robot_lab {
 
-// A warning `coarse_contact` for each obstacle whose half least extent is below half the size of a face that it has
-// gone into, between that face's contact points, by more than a twentieth of that extent. Its size is the depth [m].
+// A warning `coarse_contact` for each obstacle that has gone into a face, between that face's contact points, by more
+// than a twentieth of its half least extent, or of the face's size. Its size is the depth [m].
 // And for each on which round skin of a body that nothing holds rubs over less than a face. Its size is that face's
 // area over it [1].
 std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& contact,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "control/identification/simulated_now.h"
+#include "drawn_rest_states.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "settings/cpu_time.h"
 #include "soft_robot_lab/settings/yaml_node.h"
@@ -32,6 +33,7 @@ struct RestSettings {
   double rayleigh_mass_per_s, start_share, still_m, still_for_s, longest_s;
   std::vector<RestBody> bodies;
   std::vector<RestMethod> methods;
+  DrawnSettings drawn;
 };
 
 std::vector<double> optional_numbers(const YamlNode& node, const std::string& key) {
@@ -64,6 +66,7 @@ RestSettings read_rest_settings(const ExperimentContext& context) {
       item.fail("substeps must name one for each of steps_s");
     settings.methods.push_back(method);
   }
+  settings.drawn = read_drawn_settings(node.child("drawn"));
   node.require_all_read();
   return settings;
 }
@@ -144,6 +147,37 @@ Overrides solver_of(const RestMethod& method, std::size_t i) {
   return solver;
 }
 
+// Rows of those whose equilibrium says something or is not where time leads.
+void judge_drawn_scenes(const DrawnSettings& settings, const ExperimentContext& context, ExperimentResult& result) {
+  int right = 0, said = 0;
+  double worst_m = 0.0;
+  for (int i = 0; i < settings.scenes; ++i) {
+    context.report(0.5 + 0.5 * i / settings.scenes, "drawn scene " + std::to_string(i));
+    const JudgedScene judged =
+        judge_drawn_scene(settings.first_seed + static_cast<std::uint64_t>(i), settings, context);
+    const bool apart = judged.apart_m > settings.within_m;
+    if (judged.right(settings.within_m)) {
+      ++right;
+      said += apart ? 1 : 0;
+      if (!apart) worst_m = std::max(worst_m, judged.apart_m);
+    } else {
+      result.converged = false;
+      result.message += judged.name + ": " + (judged.failed.empty() ? "apart" : judged.failed) + "; ";
+    }
+    if (apart || !judged.failed.empty() || !judged.said.empty())
+      result.table.rows.push_back({judged.name, "newton, slowly", 1e3 * settings.time_step_s, judged.rest_after_s,
+                                   judged.cpu_s, 1e3 * judged.moved_m, 1e6 * judged.apart_m,
+                                   judged.failed.empty() ? judged.said : judged.failed});
+  }
+  result.numbers["drawn_scenes"] = settings.scenes;
+  result.numbers["drawn_right"] = right;
+  std::ostringstream words;
+  words.precision(2);
+  words << " Of " << settings.scenes << " drawn scenes " << right << " rest where a slow motion in time leads, within "
+        << 1e6 * worst_m << " um, or say why not (" << said << ").";
+  result.we_find += words.str();
+}
+
 }  // namespace
 
 ExperimentResult run_rest_states_experiment(const ExperimentContext& context) {
@@ -188,6 +222,7 @@ ExperimentResult run_rest_states_experiment(const ExperimentContext& context) {
   words << "at rest, no marker is further than " << 1e6 * worst_m
         << " um from the equilibrium, by any solver and with any time step.";
   result.we_find = words.str();
+  judge_drawn_scenes(settings.drawn, context, result);
   return result;
 }
 

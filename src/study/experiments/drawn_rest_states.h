@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Time as the judge of equilibria: a drawn scene is solved for its rest state, and is brought there by a slow, damped
+// motion in time of gravity, loads, commands, obstacles and holds, all in step.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "study/experiment.h"
+#include "soft_robot_lab/settings/yaml_node.h"
+
+namespace soft_robot_lab {
+
+struct DrawnSettings {
+  std::uint64_t first_seed;
+  int scenes;
+  double motion_s, time_step_s, rayleigh_mass_per_s;
+  double within_m;                         // between the two rest states
+  double still_m, still_for_s, longest_s;  // at rest: no node goes further than this in that time
+};
+
+// Throws SettingsError.
+DrawnSettings read_drawn_settings(const YamlNode& node);
+
+struct JudgedScene {
+  std::string name;      // seed, kind, friction
+  double apart_m = 0.0;  // the nodes at most
+  double moved_m = 0.0;  // from the rest shape, in time
+  double rest_after_s = 0.0, cpu_s = 0.0;
+  std::string said;           // kinds of the equilibrium's warnings
+  std::string failed;         // what did not converge or come to rest
+  bool another_side = false;  // of a snap, which the equilibrium names
+  bool coarse = false;        // it names contact that the mesh is too coarse for
+  // Whether the equilibrium is what time leads to, or says why not.
+  bool right(double within_m) const { return failed.empty() && (apart_m <= within_m || another_side || coarse); }
+};
+
+JudgedScene judge_drawn_scene(std::uint64_t seed, const DrawnSettings& settings, const ExperimentContext& context);
+
+}  // namespace soft_robot_lab

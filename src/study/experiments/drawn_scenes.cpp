@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawn_scenes.h"
+
+#include <random>
+#include <sstream>
+
+namespace soft_robot_lab {
+namespace {
+
+using Eigen::Vector3d;
+
+// Of std::mt19937_64, whose numbers the standard fixes; its distributions are left to each library.
+class Dice {
+ public:
+  explicit Dice(std::uint64_t seed) : random_(seed) {}
+  double between(double low, double high) {
+    return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53;
+  }
+  bool chance(double share) { return between(0.0, 1.0) < share; }
+  template <class T>
+  T one_of(const std::vector<T>& all) {
+    return all[static_cast<std::size_t>(between(0.0, static_cast<double>(all.size())))];
+  }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+struct Bar {
+  double length_m, width_m;
+};
+
+std::ostream& operator<<(std::ostream& out, const Vector3d& v) {
+  return out << '[' << v.x() << ", " << v.y() << ", " << v.z() << ']';
+}
+
+std::string motion(double motion_s, const Vector3d& way_m, const Vector3d& turn_rad) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "motion: [{time_s: 0}, {time_s: " << motion_s << ", translation_m: " << way_m
+       << ", rotation_rad: " << turn_rad << "}]";
+  return text.str();
+}
+
+std::string shape(const std::string& kind, const Vector3d& at_m, double radius_m) {
+  const Vector3d across(0.0, 0.1, 0.0);
+  std::ostringstream text;
+  text.precision(17);
+  if (kind == "ball")
+    text << "sphere: {center_m: " << at_m << ", radius_m: " << radius_m << "}";
+  else if (kind == "box")
+    text << "box: {center_m: " << at_m << ", size_m: " << Vector3d(radius_m * Vector3d(2.0, 4.0, 2.0)) << "}";
+  else
+    text << (kind == "post" ? "cylinder" : "capsule") << ": {start_m: " << Vector3d(at_m - across)
+         << ", end_m: " << Vector3d(at_m + across) << ", radius_m: " << radius_m << "}";
+  return text.str();
+}
+
+// Something beside the bar, that stands or is pushed into it; where it stands, an end load may press the bar against
+// it.
+void add_obstacle(const Bar& bar, double motion_s, Dice& dice, DrawnScene& scene, std::ostream& text) {
+  const double side = dice.chance(0.5) ? 1.0 : -1.0, radius_m = dice.between(0.5, 0.8) * bar.width_m;
+  const double z_m = -bar.length_m * dice.between(0.4, 0.9);
+  const double x_m = side * (0.5 * bar.width_m + radius_m + dice.between(0.0005, 0.004));
+  const bool moves = scene.kind == "rod" || dice.chance(0.5);
+  scene.friction = dice.chance(0.5) ? dice.one_of<double>({0.2, 0.5}) : 0.0;
+  text << "contact:\n  friction: " << scene.friction << "\n  obstacles:\n    - {name: it, "
+       << shape(scene.kind, {x_m, 0.0, z_m}, radius_m);
+  if (moves) {
+    const double way_m = dice.between(0.45, 1.5) * bar.width_m;
+    text << ", " << motion(motion_s, {-side * way_m, 0.0, 0.0}, Vector3d::Zero());
+  } else if (dice.chance(0.6)) {
+    scene.end_force_n = {side * dice.between(0.02, 0.2), 0.0, 0.0};
+  }
+  text << "}\n";
+}
+
+void add_cables(const Bar& bar, Dice& dice, DrawnScene& scene, std::ostream& text) {
+  text << "cables:\n";
+  for (int i = 0; i < (scene.kind == "cables" ? 2 : 1); ++i) {
+    const std::string name = i == 0 ? "first" : "second";
+    const Vector3d from_m((i == 0 ? 0.3 : -0.3) * bar.width_m, 0.0, 0.0);
+    text << "  - {name: " << name << ", path_m: [" << from_m << ", "
+         << Vector3d(from_m - Vector3d(0.0, 0.0, 0.9 * bar.length_m)) << "], plug_radius_m: " << 0.15 * bar.width_m
+         << "}\n";
+    scene.commands.emplace_back(name, dice.between(0.75, 0.98));
+  }
+}
+
+std::string held_end(const Bar& bar, double motion_s, Dice& dice) {
+  const Vector3d way_m = bar.width_m * Vector3d(dice.between(-1, 1), dice.between(-1, 1), dice.between(-0.2, 0.8));
+  std::ostringstream text;
+  text.precision(17);
+  text << ", {name: end, box: {min_m: [-1, -1, -1], max_m: [1, 1, " << 1e-6 - bar.length_m << "]}, "
+       << motion(motion_s, way_m, {dice.between(-0.5, 0.5), dice.between(-0.5, 0.5), dice.between(-3.0, 3.0)}) << "}";
+  return text.str();
+}
+
+}  // namespace
+
+std::string DrawnScene::text(double share_of_loads) const {
+  std::ostringstream all;
+  all.precision(17);
+  all << body_and_contact << "gravity_m_s2: " << Vector3d(share_of_loads * gravity_m_s2) << "\n";
+  if (!end_force_n.isZero(0.0))
+    all << "loads: [{box: {min_m: [-1, -1, -1], max_m: [1, 1, " << end_z_m
+        << "]}, force_n: " << Vector3d(share_of_loads * end_force_n) << "}]\n";
+  return all.str();
+}
+
+DrawnScene draw_scene(std::uint64_t seed, double motion_s) {
+  Dice dice(seed);
+  const Bar bar{dice.one_of<double>({0.06, 0.1, 0.14}), dice.one_of<double>({0.012, 0.02})};
+  DrawnScene scene;
+  scene.gravity_m_s2 = dice.one_of<Vector3d>({{0, 0, -9.81}, {9.81, 0, 0}, {0, 0, 9.81}});
+  scene.kind = dice.one_of<std::string>({"post", "ball", "box", "rod", "load", "cable", "cables", "hold"});
+  scene.end_z_m = 1e-6 - bar.length_m;
+  std::ostringstream text;
+  text.precision(17);
+  text << "body:\n  solid: {box: {size_m: " << Vector3d(bar.width_m, bar.width_m, bar.length_m)
+       << ", center_m: " << Vector3d(0, 0, -0.5 * bar.length_m) << "}}\n"
+       << "  element_size_m: " << dice.one_of<double>({0.5, 1.0}) * bar.width_m << "\n"
+       << "  material: {youngs_modulus_pa: 264200, poissons_ratio: " << dice.one_of<double>({0.45, 0.499})
+       << ", density_kg_m3: 1070}\n"
+       << "  fixed: [{name: base, box: {min_m: [-1, -1, -1.0e-6], max_m: [1, 1, 1]}}"
+       << (scene.kind == "hold" ? held_end(bar, motion_s, dice) : "") << "]\n";
+  if (scene.kind == "load")
+    scene.end_force_n = {dice.between(-0.1, 0.1), dice.between(-0.05, 0.05), dice.between(-0.2, 0.3)};
+  else if (scene.kind == "cable" || scene.kind == "cables")
+    add_cables(bar, dice, scene, text);
+  else if (scene.kind != "hold")
+    add_obstacle(bar, motion_s, dice, scene, text);
+  scene.body_and_contact = text.str();
+  return scene;
+}
+
+}  // namespace soft_robot_lab

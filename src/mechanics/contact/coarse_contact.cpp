@@ -13,7 +13,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kSeenDepth = 0.05;                 // of an obstacle's half least extent, or of a face's size
+constexpr double kSeenDepth = 0.05;                 // of an obstacle's half least extent: a depth that counts
 constexpr double kFiner = 0.5;                      // of a face: one that sees more
 constexpr int kCoarsestGrid = 4, kFinestGrid = 24;  // of a face's edge, that are looked at
 
@@ -117,8 +117,7 @@ std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& c
       if (gap_to(obstacle.shape, pose, middle_m).gap_m > reach_m) continue;
       look_between_points(obstacle.shape, pose, face_m, points.face_size_m(points.first_point(face)), deepest);
     }
-    if (deepest.depth_m > kSeenDepth * std::min(size_m(obstacle.shape), deepest.face_size_m))
-      warnings.push_back(warning_of(obstacle, deepest));
+    if (deepest.depth_m > kSeenDepth * size_m(obstacle.shape)) warnings.push_back(warning_of(obstacle, deepest));
   }
   return warnings;
 }

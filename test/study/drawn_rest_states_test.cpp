@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Time as the judge: drawn scenes rest where a slow, damped motion in time leads.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "study/experiments/drawn_rest_states.h"
+#include "study/experiments/drawn_scenes.h"
+
+namespace soft_robot_lab {
+namespace {
+
+constexpr int kScenesEach = 10;
+
+class DrawnRestStates : public testing::TestWithParam<int> {};
+
+TEST_P(DrawnRestStates, AreThoseThatTimeLeadsToOrSayWhyNot) {
+  ExperimentContext context;
+  context.mesher = SOFT_ROBOT_LAB_MESHER;
+  const std::string file = SOFT_ROBOT_LAB_SOURCE "/config/experiments/rest_states.yaml";
+  const DrawnSettings settings = read_drawn_settings(YamlNode::load_file(file).child("drawn"));
+  int within = 0;
+  for (int i = 0; i < kScenesEach; ++i) {
+    const JudgedScene judged =
+        judge_drawn_scene(static_cast<std::uint64_t>(kScenesEach * GetParam() + i), settings, context);
+    EXPECT_TRUE(judged.right(settings.within_m))
+        << judged.name << ": " << 1e3 * judged.apart_m << " mm apart; says '" << judged.said << "' " << judged.failed;
+    within += judged.apart_m <= settings.within_m ? 1 : 0;
+    RecordProperty(judged.name, std::to_string(1e3 * judged.apart_m) + " mm " + judged.said);
+  }
+  EXPECT_GE(within, kScenesEach - 3) << "most have nothing to say";
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, DrawnRestStates, testing::Range(0, 4));
+
+TEST(DrawnScenes, AreTheSameForTheSameSeed) {
+  EXPECT_EQ(draw_scene(7, 4.0).text(1.0), draw_scene(7, 4.0).text(1.0));
+  EXPECT_NE(draw_scene(7, 4.0).text(1.0), draw_scene(8, 4.0).text(1.0));
+}
+
+}  // namespace
+}  // namespace soft_robot_lab

@@ -6,6 +6,7 @@ Reads what a scene's body.mesh may name: legacy VTK files, as SOFA and ParaView 
 whose nodes stand in the wrong order are turned, pieces whose nodes coincide are joined, and hollows inside become chambers.
 Overwrites nothing."""
 import argparse
+import errno
 import os
 import re
 import shutil
@@ -37,16 +38,16 @@ def quoted(text):
 
 def convert(source, unit, target):
     """Writes the mesh in metres; what was done to it, as lists of words by their first one."""
-    with tempfile.TemporaryDirectory(prefix='import_mesh.') as folder:
-        request, output = os.path.join(folder, 'request.yaml'), os.path.join(folder, 'output.msh')
-        with open(request, 'w', encoding='utf-8') as file:
-            file.write('mesh_file: %s\nscale: %r\nimport: true\n' % (quoted(source), UNITS_M[unit]))
-        done = subprocess.run([mesher(), request, output], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise ValueError(done.stderr.strip() or 'the mesher ended with status %d' % done.returncode)
-        shutil.copyfile(output, target)
+    request = os.path.join(os.path.dirname(target), 'request.yaml')
+    with open(request, 'w', encoding='utf-8') as file:
+        file.write('mesh_file: %s\nscale: %r\nimport: true\n' % (quoted(source), UNITS_M[unit]))
+    done = subprocess.run([mesher(), request, target], stdin=subprocess.DEVNULL, capture_output=True, check=False)
+    if done.returncode == 1:  # its words name a file that its user never named
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    if done.returncode != 0:
+        raise ValueError(done.stderr.decode(errors='replace').strip() or 'the mesher ended with status %d' % done.returncode)
     words = {}
-    for line in done.stdout.split('\n'):
+    for line in done.stdout.decode().split('\n'):
         if line:
             words.setdefault(line.split()[0], []).extend(line.split()[1:])
     return words
@@ -140,7 +141,10 @@ def main():
     given = arguments()
     try:
         text = make_robot(given)
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        print("import_mesh.py: %s: cannot be written: %s" % (os.getcwd(), error.strerror), file=sys.stderr)
+        return 1 if error.errno == errno.ENOSPC else 2
+    except ValueError as error:
         reason = str(error).replace(os.path.abspath(given.mesh), given.mesh)
         print('import_mesh.py: ' + (reason if reason.startswith(given.mesh + ':') else given.mesh + ': ' + reason), file=sys.stderr)
         return 2

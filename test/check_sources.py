@@ -102,23 +102,82 @@ def check_headers(root):
 
 LIMITS = os.path.join('src', 'settings', 'limits.h')
 LIMIT = re.compile(r'inline constexpr \S+ (k\w+) = ([^;]+); +// (.*)')
-OWN_LIMIT = re.compile(r'constexpr [\w:]+ (k(?:Largest|Most|Farthest|Longest|Max)\w*(?:_bytes|_gb|Copies|Rollouts|Depth|Nodes|Bytes)|kFarthest_m|kFarAway_m)'
+OWN_LIMIT = re.compile(r'constexpr [\w:]+ (k?(?:[Ll]argest|[Mm]ost|[Ff]arthest|[Ll]ongest|[Mm]ax)_?\w*(?:_bytes|_gb|Copies|Rollouts|Depth|depth_m|Nodes|Bytes'
+                       r'|Threads|Workers|Slots|Tasks|Samples|Weight|Elements|[Ll]ine|Command)|kMost(?:Steps|Iterations)|kFarthest_m|kFarAway_m)'
                        r' = ([^;,]*)')
-DOORS = ('settings', 'robot', 'control', 'programs')  # below src: what reads the files and requests of others
+DOORS = ('settings', 'robot', 'control', 'session', 'study', 'perception', 'hardware', 'ros', 'programs')  # below src: what files, requests and others reach
+INSIDE = {  # no limits of what comes in
+    'src/robot/casting/thickness.cpp': 'points that are looked from', 'src/robot/casting/extraction.cpp': 'rounds', 'src/hardware/motor/wire.h': 'the protocol'}
+# What turns text into numbers, and what bounds them there.
+TO_NUMBER = re.compile(r'\b(sto[dfil]\w*|strto\w+|ato[fil]|from_chars|sscanf)\(')
+READERS = {
+    'src/settings/words.h': 'its callers', 'src/programs/mesher/read_vtk.cpp': 'the size of the file; check_mesh', 'src/mechanics/mesh/mesh_file.cpp': 'check_mesh',
+    'src/programs/mesher/msh_counts.cpp': 'compared with the lines that are there', 'src/ros/message_layout.cpp': 'definitions of messages',
+    'src/ros/panel/poses.cpp': 'two digits', 'src/hardware/emulator/control.cpp': 'the range of each word', 'src/hardware/testbench/testbench.cpp': 'two digits',
+    'src/study/experiments/': 'overrides of a scene, and arguments of its own', 'src/study/charts/': 'overrides of a scene'}
+PARAMETERS = os.path.join('src', 'ros', 'nodes', 'read_parameter.h')
+ROS_PARAMETER = re.compile(r'\bgetParam(?:Cached)?\(|\.param(?:<[^;]*?>)?\(')
+ARGUMENTS = os.path.join('src', 'settings', 'command_line.cpp')
+HEARD = re.compile(r'subscribe<(?:\w+::)?(\w+)>|\b(?:on|add)_\w+\(const (\w+)&')
+
+
+def own_limits(root):
+    """Limits, readers of text, parameters and arguments beside the doors that take theirs from limits.h."""
+    faults = []
+    for name in files(root, [os.path.join('src', door) for door in DOORS], ('.h', '.cpp')):
+        text = contents(root, name)
+        if name not in INSIDE:
+            faults += ['%s: %s is a limit of its own, %s; take it from settings/limits.h' % (name, what, value)
+                       for what, value in OWN_LIMIT.findall(text) if name != LIMITS and 'limits::' not in value]
+        if not name.startswith(tuple(READERS)):
+            faults += ['%s: %s() reads a number without a limit; parse_number() and settings/limits.h do' % (name, what) for what in TO_NUMBER.findall(text)]
+        if name != PARAMETERS and name.startswith(os.path.join('src', 'ros')) and ROS_PARAMETER.search(text):
+            faults.append('%s: reads a parameter without a limit; read_parameter() does' % name)
+        if not name.startswith(ARGUMENTS[:-3]) and 'CLI::' in text:
+            faults.append('%s: reads arguments without limits; CommandLine does' % name)
+    return faults
+
+
+def has_numbers(root, lines):
+    """Of a message's or request's definition: a floating-point number, in it or in a message within."""
+    for line in lines:
+        kind = (line.split('#')[0].split() or [''])[0].split('/')[-1].split('[')[0]
+        own = os.path.join(root, 'msg', kind + '.msg')
+        if kind in ('float32', 'float64', 'Point', 'Vector3', 'Pose', 'PoseStamped'):
+            return True
+        if os.path.exists(own) and has_numbers(root, contents(root, os.path.join('msg', kind + '.msg')).splitlines()):
+            return True
+    return False
+
+
+def doors_of_messages(root):
+    """Requests, goals and messages that a node hears are handed to require_in_limits<TYPE>() or is_in_limits<TYPE>()."""
+    sources = {name: contents(root, name) for name in files(root, [os.path.join('src', 'ros')], ('.h', '.cpp'))}
+    checked = set(re.findall(r'in_limits<([\w:]+)>', '\n'.join(sources.values())))
+    needed = {}
+    for folder, ending, suffix in (('srv', '.srv', '::Request'), ('action', '.action', 'Goal')):
+        for name in files(root, [folder], (ending,)):
+            kind = os.path.basename(name)[:-len(ending)]
+            if has_numbers(root, contents(root, name).split('\n---')[0].splitlines()) and not kind + '::Request' in checked:
+                needed[kind + suffix] = name
+    for name, text in sources.items():
+        for kind in {one or other for one, other in HEARD.findall(text)} if os.path.join('ros', 'panel') not in name else ():
+            path = os.path.join('msg', kind + '.msg')
+            if os.path.exists(os.path.join(root, path)) and has_numbers(root, contents(root, path).splitlines()):
+                needed.setdefault(kind, name)
+    return ['%s: the numbers of %s come in without a limit; require_in_limits<%s>() does' % (name, kind, kind) for kind, name in sorted(needed.items())
+            if kind not in checked]
 
 
 def check_limits(root):
-    """Each limit has its row in config/README.md, and those that read files take theirs from there."""
+    """Each limit has its row in config/README.md, and every door takes its limits from there."""
     if not os.path.exists(os.path.join(root, LIMITS)):
         return []
     found = LIMIT.findall(re.sub(r'\n  +//', ' //', contents(root, LIMITS)))
     readme = contents(root, os.path.join('config', 'README.md'))
     faults = ['config/README.md: no row "| %s | %s |" for %s of limits.h' % (what, value, name) for name, value, what in found
               if '| %s | %s |' % (what, value) not in readme]
-    for name in files(root, [os.path.join('src', door) for door in DOORS], ('.h', '.cpp')):
-        faults += ['%s: %s is a limit of its own, %s; take it from settings/limits.h' % (name, what, value)
-                   for what, value in OWN_LIMIT.findall(contents(root, name)) if name != LIMITS and 'limits::' not in value]
-    return faults
+    return faults + own_limits(root) + doors_of_messages(root)
 
 
 CHECKS = {'functions': check_functions, 'names': check_names, 'licences': check_licences, 'headers': check_headers, 'limits': check_limits}

@@ -9,12 +9,11 @@
 
 #include "refuse.h"
 #include "search.h"
+#include "settings/limits.h"
 #include "soft_robot_lab/control/forward_model.h"
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr int kMostIterations = 1000000;
 
 // Of this thread: other threads of a node are not the search's cost.
 double thread_cpu_s() {
@@ -108,8 +107,8 @@ void OptimiserOptions::validate() const {
     for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
     refuse("method: '", method, "' is not one of ", names);
   }
-  if (max_iterations < 0 || max_iterations > kMostIterations) {
-    refuse("max_iterations: ", max_iterations, " is out of range [0, ", kMostIterations, "]");
+  if (max_iterations < 0 || max_iterations > limits::kIterations) {
+    refuse("max_iterations: ", max_iterations, " is out of range [0, ", limits::kIterations, "]");
   }
   if (!std::isfinite(tolerance_m) || tolerance_m <= 0.0) {
     refuse("tolerance_m: ", tolerance_m, " is out of range (0, inf)");

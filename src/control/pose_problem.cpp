@@ -21,15 +21,13 @@ std::vector<std::string> movable(const Simulation& simulation, const Pose& pose)
   return all;
 }
 
-constexpr double kMostWeight = 1e6;
-
 void require_goal(const Simulation& simulation, const MarkerGoal& goal) {
   simulation.marker_index(goal.marker);
   if (!(goal.target_m.cwiseAbs().maxCoeff() <= limits::kPlace_m) || !goal.target_m.allFinite())
     refuse("target of ", goal.marker, ": [", goal.target_m.transpose(), "] is not within ", limits::kPlace_m,
            " m; it is in metres");
-  if (!(goal.weight > 0.0 && goal.weight <= kMostWeight))
-    refuse("weight of ", goal.marker, ": ", goal.weight, " is not in (0, ", kMostWeight, "]");
+  if (!(goal.weight > 0.0 && goal.weight <= limits::kWeight))
+    refuse("weight of ", goal.marker, ": ", goal.weight, " is not in (0, ", limits::kWeight, "]");
 }
 
 void require_bounds(const Simulation& simulation, const ActuatorBounds& asked) {

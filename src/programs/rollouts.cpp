@@ -17,6 +17,7 @@
 #include "settings/command_line.h"
 #include "settings/interrupted.h"
 #include "settings/cpu_time.h"
+#include "settings/limits.h"
 #include "settings/words.h"
 #include "settings/write_file.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
@@ -52,7 +53,7 @@ void declare(CommandLine& app, Arguments& arguments) {
   app.add_option("--seed", arguments.seed, "of random commands").type_name("N").show_default();
   app.add_option("--range", arguments.range, "of an actuator's random commands, instead of its limits")
       .type_name("NAME MIN MAX");
-  app.add_option("--threads", arguments.threads, "at a time").type_name("N").range(1, 1000).show_default();
+  app.add_option("--threads", arguments.threads, "at a time").type_name("N").range(1, limits::kThreads).show_default();
   app.add_set_option(arguments.set);
   app.footer(
       "Ctrl-C writes the rollouts that have ended. Exit status: 0 all converged, 1 some did not or were not run, 2 "

@@ -7,6 +7,7 @@
 
 #include "progress_bar.h"
 #include "settings/command_line.h"
+#include "settings/limits.h"
 #include "study/search/design_report.h"
 
 namespace {
@@ -28,7 +29,7 @@ void declare(CommandLine& app, Arguments& arguments) {
       .required();
   app.add_option("--workers", arguments.workers, "how many designs are tried at a time")
       .type_name("N")
-      .range(1, 1000)
+      .range(1, limits::kThreads)
       .show_default();
   app.footer(
       "The same command goes on where it was stopped. Exit status: 0 a design was found, 1 none was, or it was "

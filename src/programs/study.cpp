@@ -9,6 +9,7 @@
 
 #include "progress_bar.h"
 #include "settings/command_line.h"
+#include "settings/limits.h"
 #include "study/sweeps/hosts.h"
 #include "study/sweeps/slurm.h"
 #include "study/sweeps/study_report.h"
@@ -35,7 +36,7 @@ void declare_ways(CommandLine& app, Arguments& arguments) {
   const Argument workers =
       app.add_option("--workers", arguments.workers, "how many tasks run at a time, each in one thread")
           .type_name("N")
-          .range(1, 1000)
+          .range(1, limits::kThreads)
           .show_default();
   const Argument hosts =
       app.add_option("--hosts", arguments.hosts, "run on these machines: lines of a name and a number of workers")
@@ -46,7 +47,7 @@ void declare_ways(CommandLine& app, Arguments& arguments) {
           .type_name("COMMAND");
   const Argument slurm = app.add_option("--slurm", arguments.slurm, "run in an array of so many jobs of Slurm")
                              .type_name("N")
-                             .range(1, 100000);
+                             .range(1, limits::kJobs);
   app.add_option("--sbatch", arguments.sbatch, "what takes such an array, with arguments of the site")
       .type_name("COMMAND")
       .show_default();

@@ -10,6 +10,7 @@
 #include "robot/scene/parameters.h"
 #include "settings/command_line.h"
 #include "settings/interrupted.h"
+#include "settings/limits.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "study/workspace/refinement.h"
@@ -46,7 +47,7 @@ void declare(CommandLine& app, Arguments& arguments) {
   app.add_option("--seed", settings.seed, "of the samples").type_name("N").show_default();
   app.add_option("--range", settings.range, "of an actuator's command, instead of its limits")
       .type_name("NAME MIN MAX");
-  app.add_option("--threads", arguments.threads, "at a time").type_name("N").range(1, 1000).show_default();
+  app.add_option("--threads", arguments.threads, "at a time").type_name("N").range(1, limits::kThreads).show_default();
   app.add_set_option(settings.set);
   app.footer(
       "Ctrl-C shows what is there; the same command goes on from it. Exit status: 0 every command has a rest state,\n"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "conversions.h"
+#include "message_limits.h"
 #include "same_fields.h"
 #include "topics.h"
 
@@ -117,6 +118,7 @@ void ControllerActions::reach(const ReachGoalConstPtr& goal) {
 ReachResult ControllerActions::search_and_move(const ReachGoal& goal) {
   ReachResult result;
   result.final_distance_m = -1.0;
+  require_in_limits<ReachGoal>(goal);
   const Eigen::Vector3d target_m = handlers_.in_robot_base(goal.target);
   show_stage("searches");
   const OptimisePolicy::Response found = search(goal, target_m);
@@ -156,6 +158,7 @@ void ControllerActions::show_stage(const std::string& stage) {
 }
 
 void ControllerActions::on_progress(const PolicyProgress& progress) {
+  if (!is_in_limits<PolicyProgress>(progress)) return;
   const std::lock_guard lock(mutex_);
   if (optimises_) {
     OptimisePolicyFeedback feedback;

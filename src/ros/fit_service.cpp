@@ -6,6 +6,7 @@
 
 #include "conversions.h"
 #include "log_text.h"
+#include "message_limits.h"
 #include "recorded_session.h"
 #include "session/rest_periods.h"
 #include "topics.h"
@@ -39,6 +40,7 @@ FitRequest fit_request(const FitModel::Request& request) {
   if (request.mass_kg != 0.0) fit.mass_kg = request.mass_kg;
   if (request.model_error_m != 0.0) fit.model_error_m = request.model_error_m;
   fit.validate();
+  require_in_limits<FitModel::Request>(request);
   return fit;
 }
 
@@ -86,6 +88,7 @@ FitService::FitService(ros::NodeHandle& node, SceneOptions options, const std::s
 }
 
 void FitService::on_command(const ActuatorCommand& command) {
+  if (!is_in_limits<ActuatorCommand>(command)) return;  // no model takes it either
   const std::lock_guard lock(mutex_);
   recording_.add_commands(command.names, command.values, command.header.stamp.toSec());
 }

@@ -15,6 +15,7 @@
 
 #include "conversions.h"
 #include "frames.h"
+#include "settings/limits.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -63,7 +64,7 @@ cv::Mat view(const sensor_msgs::Image& message, int type, const std::string& wha
 }
 
 constexpr double millimetre_m = 0.001;
-constexpr double most_depth_m = 65.535;  // that 16 bits hold
+constexpr double most_depth_m = limits::kDepth_m;  // that 16 bits hold
 
 bool is_whole_millimetres(double step_m) {
   const double steps = step_m / millimetre_m;

@@ -11,6 +11,7 @@
 #include "conversions.h"
 #include "log_text.h"
 #include "marker_frames.h"
+#include "message_limits.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -69,9 +70,7 @@ void PolicyExecution::add_measured(const MarkerObservations& markers) {
 }
 
 void PolicyExecution::add_drives(const ActuatorState& state) {
-  const bool whole =
-      state.names.size() == state.commands.size() &&
-      std::all_of(state.commands.begin(), state.commands.end(), [](double c) { return std::isfinite(c); });
+  const bool whole = state.names.size() == state.commands.size() && is_in_limits<ActuatorState>(state);
   if (whole) execution_.add_drives(state.names, state.commands);
 }
 

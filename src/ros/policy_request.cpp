@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "conversions.h"
+#include "message_limits.h"
 #include "settings/limits.h"
 
 namespace soft_robot_lab {
@@ -59,6 +60,7 @@ PolicyTask policy_task(const OptimisePolicy::Request& request, double ramp_s) {
   }
   for (const ActuatorLimits& limits : request.limits) task.bounds.push_back(bounds_of(limits));
   task.effort_m = request.effort_m;
+  require_in_limits<OptimisePolicy::Request>(request);
   return task;
 }
 
@@ -99,6 +101,7 @@ OptimiserOptions optimiser_options(const OptimisePolicy::Request& request) {
 }
 
 double execution_time_limit_s(const ExecutePolicy::Request& request) {
+  require_in_limits<ExecutePolicy::Request>(request);
   const double default_settling_s = request.closed_loop ? 180.0 : 30.0;
   const double end_s = request.policy.steps.back().time_s;
   if (request.time_limit_s == 0.0) return end_s + default_settling_s;

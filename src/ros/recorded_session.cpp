@@ -10,6 +10,7 @@
 #include "bag_index.h"
 #include "conversions.h"
 #include "gap_meter.h"
+#include "message_limits.h"
 #include "recorded_topics.h"
 #include "topics.h"
 #include "tracker_parameters.h"
@@ -17,6 +18,7 @@
 namespace soft_robot_lab {
 
 std::vector<MotorReading> motor_readings(const MotorState& motors) {
+  require_in_limits<MotorState>(motors);
   const size_t count = motors.names.size();
   if (motors.values.size() != count || motors.known.size() != count || motors.moving.size() != count)
     throw std::runtime_error("motor/state: lists of different lengths");

@@ -2,15 +2,21 @@
 #include "command_line.h"
 
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <map>
 #include <tuple>
+#include <type_traits>
 
 #include <CLI/CLI.hpp>
 #include <unistd.h>
+
+#include "limits.h"
+#include "words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -40,6 +46,30 @@ std::string without_library(const std::string& what) {
          what.substr(end + 2);
 }
 
+// The largest number by what the help calls it, as "S" of "--duration S".
+double largest_of(const std::string& type_name) {
+  static const std::map<std::string, double> largest = {{"S", limits::kTime_s},      {"SECONDS", limits::kTime_s},
+                                                        {"M", limits::kPlace_m},     {"METRES", limits::kPlace_m},
+                                                        {"X Y Z", limits::kPlace_m}, {"KG", limits::kMass_kg}};
+  const auto found = largest.find(type_name.substr(0, type_name.find(':')));
+  return found == largest.end() ? limits::kNumber : found->second;
+}
+
+// Of each number that is given; NaN is in no range. Words that are no numbers are left to their reader.
+template <class Value>
+void limit_numbers(CLI::Option* option) {
+  using Number = std::conditional_t<std::is_same_v<Value, int> || std::is_same_v<Value, unsigned>, int, double>;
+  const auto check = [option](const std::string& word) -> std::string {
+    const std::optional<double> value = parse_number<double>(word);
+    const double largest = std::is_same_v<Number, int> ? limits::kCount : largest_of(option->get_type_name());
+    if (!value || std::abs(*value) <= largest) return "";
+    return word + " is not in [" + format_number(-largest) + ", " + format_number(largest) + "]";
+  };
+  if (!std::is_same_v<Value, std::string> && !std::is_same_v<Value, std::vector<std::string>> &&
+      !std::is_same_v<Value, std::uint64_t>)
+    option->check(check, "");
+}
+
 }  // namespace
 
 Argument Argument::type_name(const std::string& name) const { return Argument(option_->type_name(name)); }
@@ -64,13 +94,17 @@ CommandLine::CommandLine(std::shared_ptr<CLI::App> app) : app_(std::move(app)) {
 
 template <class Value>
 Argument CommandLine::add_option(const std::string& name, Value& value, const std::string& meaning) {
-  return Argument(app_->add_option(name, value, meaning));
+  CLI::Option* const option = app_->add_option(name, value, meaning);
+  limit_numbers<Value>(option);
+  return Argument(option);
 }
 
 template <class Value>
 Argument CommandLine::add_option_function(const std::string& name, const std::function<void(const Value&)>& take,
                                           const std::string& meaning) {
-  return Argument(app_->add_option_function<Value>(name, take, meaning));
+  CLI::Option* const option = app_->add_option_function<Value>(name, take, meaning);
+  limit_numbers<Value>(option);
+  return Argument(option);
 }
 
 template Argument CommandLine::add_option(const std::string&, std::string&, const std::string&);

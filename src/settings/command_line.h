@@ -54,6 +54,7 @@ class CommandLine {
   CommandLine(const std::string& what, const std::string& program);
 
   // Value: std::string, int, unsigned, std::uint64_t, double, an optional double, a list of strings or of ranges.
+  // Numbers are within limits.h, by the unit that type_name names.
   template <class Value>
   Argument add_option(const std::string& name, Value& value, const std::string& meaning = "");
   // Value: std::string, double, a list of either.

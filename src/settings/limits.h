@@ -19,6 +19,19 @@ inline constexpr double kAngle_rad = 1e4;           // an angle (`_rad`)
 inline constexpr double kAngle_deg = 1e6;           // an angle (`_deg`)
 inline constexpr double kAngularSpeed_rad_s = 1e4;  // an angular speed (`_rad_s`)
 inline constexpr double kMass_kg = 1e6;             // a mass (`_kg`)
+inline constexpr double kNumber = 1e12;             // any other number of an argument, a message or a service
+inline constexpr int kCount = 1000000;              // any other count of an argument
+inline constexpr double kFilePlace = 1e6;           // a coordinate of a mesh or STL file, before its scale
+inline constexpr double kDepth_m = 65.535;          // a depth in an image
+inline constexpr double kWeight = 1e6;              // the weight of a target
+
+// Of runs.
+inline constexpr double kSteps = 1e9;        // time steps of a run or a rollout
+inline constexpr int kIterations = 1000000;  // iterations of a search
+inline constexpr int kTasks = 1000000;       // tasks of a study, and designs of a search
+inline constexpr int kSamples = 50000;       // rest states of a workspace
+inline constexpr int kThreads = 1000;        // threads or workers at a time, on each host
+inline constexpr int kJobs = 100000;         // jobs of Slurm
 
 // Counts in a scene.
 inline constexpr int kSolids = 1000;                // solids in a `solid`, copies of arrays counted each
@@ -39,6 +52,10 @@ inline constexpr std::uintmax_t kSettings_bytes = 16777216;  // bytes of a setti
 inline constexpr std::uintmax_t kMesh_bytes = 536870912;       // bytes of a mesh, STL or STEP file
 inline constexpr std::uintmax_t kCommands_bytes = 1073741824;  // bytes of a file of rollouts' commands
 inline constexpr std::uintmax_t kStep_bytes = 1073741824;      // bytes of a STEP file that is written
+inline constexpr std::uintmax_t kResult_bytes = 268435456;     // bytes of what a task of a study gives
+inline constexpr std::uintmax_t kTaskFile_bytes = 4294967296;  // bytes of a program, library or file that a task uses
+inline constexpr std::uintmax_t kLog_bytes = 1048576;          // bytes of what a program said that is read
+inline constexpr std::size_t kCommandLine_bytes = 4096;        // bytes of a request to the emulated rig
 inline constexpr std::size_t kArchive_bytes = 4294967294;      // bytes of an npz file
 inline constexpr long kTree_bytes = 256000000;                 // bytes of a settings file with all that aliases repeat
 inline constexpr long kTree_nodes = 500000;                    // values in a settings file
@@ -46,5 +63,6 @@ inline constexpr int kTree_depth = 100;                        // maps and lists
 
 // Of the mesher.
 inline constexpr double kMemory_gb = 6.0;  // memory of a body's factor, and of the mesher
+inline constexpr double kElements = 2e6;   // elements that are meshed
 
 }  // namespace soft_robot_lab::limits

@@ -4,12 +4,14 @@
 
 #include <fstream>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "csv_cells.h"
+#include "words.h"
 
 namespace soft_robot_lab {
 
@@ -18,7 +20,10 @@ class ReferenceRow {
  public:
   explicit ReferenceRow(std::map<std::string, std::string> cells) : cells_(std::move(cells)) {}
   const std::string& text(const std::string& column) const { return cells_.at(column); }
-  double number(const std::string& column) const { return std::stod(text(column)); }
+  double number(const std::string& column) const {
+    if (const std::optional<double> value = parse_number<double>(text(column))) return *value;
+    throw std::invalid_argument(column + ": '" + text(column) + "' is no number");
+  }
 
  private:
   std::map<std::string, std::string> cells_;

@@ -2,6 +2,7 @@
 #include "unit_limits.h"
 
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -58,7 +59,8 @@ AllowedRange range_of_unit(const std::string& path) {
 }
 
 void require_in_unit(const std::string& name, double value) {
-  const AllowedRange range = range_of_unit(name);
+  AllowedRange range = range_of_unit(name);
+  if (std::isinf(range.max)) range = {-limits::kNumber, limits::kNumber};
   if (!range.contains(value))
     throw std::invalid_argument(name + ": " + format_number(value) + " is not in " + range.to_string());
 }

@@ -14,7 +14,8 @@ namespace soft_robot_lab {
 // limit for the unit.
 AllowedRange range_of_unit(const std::string& path);
 
-// For values that come by services and topics. Throws std::invalid_argument: "target_m: 1e+19 is not in [-1000, 1000]".
+// For values that come by services and topics; without a unit they are within limits::kNumber. Throws
+// std::invalid_argument: "target_m: 1e+19 is not in [-1000, 1000]".
 void require_in_unit(const std::string& name, double value);
 void require_in_unit(const std::string& name, const Eigen::Ref<const Eigen::VectorXd>& values);
 

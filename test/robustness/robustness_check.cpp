@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // robustness_check SIMULATE FOLDER [PART [SEED]]: runs `simulate`, or `rollouts` beside it, on bad and extreme scenes
-// and files, of which PART takes every PART-th only, and counts how each ended. Another SEED makes other ones. Status 1
-// where one ended as none may; its scene stays in FOLDER.
+// and files, of which PART takes every PART-th only, and counts how each ended. Another SEED makes and takes other
+// ones. Status 1 where one ended as none may; its scene stays in FOLDER.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -131,7 +131,7 @@ int check(const std::string& simulate, const std::string& folder, std::size_t pa
   int bad = 0;
   std::vector<BadScene> scenes = bad_scenes(seed);
   for (BadScene& file : bad_files(seed)) scenes.push_back(std::move(file));
-  for (std::size_t i = 0; i < scenes.size(); i += part) {
+  for (std::size_t i = seed % part; i < scenes.size(); i += part) {
     const std::string here = folder + "/" + std::to_string(i);
     std::filesystem::remove_all(here);
     std::filesystem::create_directories(here);

@@ -1,12 +1,14 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# required_nodes_test.sh [ARGUMENT:=VALUE...] NODE...: a session of a coarse bar with cameras ends when one of these nodes
-# is killed, says which, and leaves no process, link or socket.
+# required_nodes_test.sh [ARGUMENT:=VALUE...] KILL|TERM NODE...: a session of a coarse bar with cameras ends when one of
+# these nodes gets this signal, says which, and leaves no process, link or socket.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 data=$here/../data
 arguments=()
 while [[ ${1-} == *:=* ]]; do arguments+=("$1") && shift; done
+signal=$1
+shift
 said=$(mktemp)
 session=
 cleanup() {
@@ -44,14 +46,16 @@ expect_end() { # NODE
   await 60 is_complete "$1" || { cat "$said"; echo "$1 did not start"; exit 1; }
   device=$(rosparam get /motor/device 2>/dev/null || true)
   pid=$(pid_of "$1")
-  kill -KILL "$pid"
+  kill "-$signal" "$pid"
   await 60 has_ended "$session" || { cat "$said"; echo "the session did not end without $1"; exit 1; }
   wait "$session" || true
   session=
-  grep -qE "REQUIRED process \[$1-[0-9]+\] has died" "$said" && grep -q "exit code -9" "$said" ||
+  grep -qE "REQUIRED process \[$1-[0-9]+\] has died" "$said" && grep -qE "$how" "$said" ||
     { cat "$said"; echo "nothing says that $1 ended the session"; exit 1; }
   [[ -z $device ]] || [[ ! -L $device && ! -e $device.control ]] || { echo "$device was left"; exit 1; }
   echo "without $1 the session ended, and said so"
 }
 
+how="exit code -$(kill -l "$signal")"
+[[ $signal == KILL ]] || how="$how|finished cleanly" # the emulator's own answer to it
 for node in "$@"; do expect_end "$node"; done

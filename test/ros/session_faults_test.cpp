@@ -180,16 +180,33 @@ class SessionFaults : public testing::Test {
     return found;
   }
 
-  void kill_and_await(const std::string& node) {
+  void end_and_await(const std::string& node, int signal) {
     const pid_t killed = process_of("/" + node);
     const int before = restarts(node);
-    ASSERT_EQ(kill(killed, SIGKILL), 0);
-    if (node == "session_watch") {
+    ASSERT_EQ(kill(killed, signal), 0);
+    if (before < 0) {  // nothing counts its starts
       EXPECT_TRUE(spin_until([&] { return process_of("/" + node) != killed; }, patience_s));
     } else {
       EXPECT_TRUE(spin_until([&] { return restarts(node) == before + 1; }, patience_s)) << node << lamp_.message;
     }
-    expect_flows("killing " + node);
+    expect_flows("the end of " + node);
+  }
+
+  // Each node that the session starts again.
+  void expect_all_come_back(int signal) {
+    expect_flows("the start");
+    // The recorder runs before it opens its bag.
+    ASSERT_TRUE(spin_until([this] { return !bags().empty(); }, patience_s));
+    const auto before = bags();
+    std::vector<std::string> nodes = {"overlay", "controller", "recorder", "session_watch", "design"};
+    if (emulated_) nodes.insert(nodes.end(), {"motor", "emulated_rig"});
+    for (const std::string& node : nodes) end_and_await(node, signal);
+    expect_plays(0.97, "the end of each");
+    const auto after = bags();
+    EXPECT_EQ(after.size(), before.size() + 1) << "another part";
+    // rosbag ends its bag before it follows SIGTERM.
+    for (fs::path bag : before)
+      EXPECT_TRUE(fs::exists(signal == SIGTERM ? bag.replace_extension() : bag)) << bag << " was overwritten";
   }
 
   void stop_for_5_s(const std::vector<std::string>& nodes) {
@@ -241,19 +258,8 @@ class SessionFaults : public testing::Test {
   std::vector<ros::Subscriber> subscribers_;
 };
 
-TEST_F(SessionFaults, KilledNodesComeBackAndTheLampSaysSo) {
-  expect_flows("the start");
-  // The recorder runs before it opens its bag.
-  ASSERT_TRUE(spin_until([this] { return !bags().empty(); }, patience_s));
-  const auto before = bags();
-  std::vector<std::string> nodes = {"overlay", "controller", "recorder", "session_watch"};
-  if (emulated_) nodes.insert(nodes.end(), {"motor", "emulated_rig"});
-  for (const std::string& node : nodes) kill_and_await(node);
-  expect_plays(0.97, "killing all");
-  const auto after = bags();
-  EXPECT_EQ(after.size(), before.size() + 1) << "another part";
-  for (const fs::path& bag : before) EXPECT_TRUE(fs::exists(bag)) << bag << " was overwritten";
-}
+TEST_F(SessionFaults, KilledNodesComeBackAndTheLampSaysSo) { expect_all_come_back(SIGKILL); }
+TEST_F(SessionFaults, TerminatedNodesComeBackAndTheLampSaysSo) { expect_all_come_back(SIGTERM); }
 
 TEST_F(SessionFaults, StoppedNodesGoOn) {
   expect_flows("the start");

@@ -4,6 +4,8 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -44,6 +46,40 @@ TEST(CommandLine, SaysWhatALibraryThrewInOurWords) {
     }
   });
   EXPECT_EQ(of_file.find("nothing: runs.json: not the JSON that is expected: parse error"), 0u) << of_file;
+}
+
+// What a program says of one argument for `--hold S --place X Y Z --price P --count N --range NAME MIN MAX`.
+std::string said_of(const std::vector<std::string>& words) {
+  CommandLine line("Does nothing.", "nothing");
+  double hold_s = 0.0, price = 0.0;
+  int count = 0;
+  std::vector<std::tuple<std::string, double, double>> ranges;
+  std::vector<double> place_m;
+  line.add_option("--hold", hold_s).type_name("S").show_default();
+  line.add_option("--price", price).type_name("P");
+  line.add_option("--count", count).type_name("N");
+  line.add_option("--range", ranges).type_name("NAME MIN MAX");
+  const std::function<void(const std::vector<double>&)> take = [&](const std::vector<double>& at) { place_m = at; };
+  line.add_option_function("--place", take, "where").type_name("X Y Z").expected(3);
+  std::vector<std::string> all = {"nothing"};
+  all.insert(all.end(), words.begin(), words.end());
+  std::vector<char*> arguments;
+  for (std::string& word : all) arguments.push_back(word.data());
+  testing::internal::CaptureStderr();
+  line.read(static_cast<int>(arguments.size()), arguments.data());
+  const std::string errors = testing::internal::GetCapturedStderr();
+  return errors.substr(0, errors.find('\n'));
+}
+
+TEST(CommandLine, TakesNumbersWithinTheLimitsOfTheirUnits) {
+  EXPECT_EQ(said_of({"--hold", "1e6", "--price", "-1e12", "--count", "1000000", "--place", "1", "2", "-1000"}), "");
+  EXPECT_EQ(said_of({"--range", "left", "0", "1", "--range", "right", "-1e12", "1"}), "");
+  EXPECT_EQ(said_of({"--hold", "1.1e6"}), "nothing: --hold: 1.1e6 is not in [-1000000, 1000000]");
+  EXPECT_EQ(said_of({"--hold", "nan"}), "nothing: --hold: nan is not in [-1000000, 1000000]");
+  EXPECT_EQ(said_of({"--place", "0", "1e300", "0"}), "nothing: --place: 1e300 is not in [-1000, 1000]");
+  EXPECT_EQ(said_of({"--price", "-inf"}), "nothing: --price: -inf is not in [-1e+12, 1e+12]");
+  EXPECT_EQ(said_of({"--count", "1000001"}), "nothing: --count: 1000001 is not in [-1000000, 1000000]");
+  EXPECT_EQ(said_of({"--range", "left", "0", "1e13"}), "nothing: --range: 1e13 is not in [-1e+12, 1e+12]");
 }
 
 }  // namespace

@@ -12,11 +12,12 @@
 
 #include "answers.h"
 #include "line_socket.h"
+#include "settings/limits.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr std::size_t kLongestCommand = 1000;
+constexpr std::size_t kLongestCommand = limits::kCommandLine_bytes;
 
 }  // namespace
 

@@ -11,10 +11,12 @@
 #include <Eigen/Core>
 
 #include "block_matrix.h"
+#include "settings/limits.h"
 
 namespace soft_robot_lab {
 
-constexpr double kMostMemory_gb = 6.0;  // that a body may take: a machine that runs out of it ends other programs first
+constexpr double kMostMemory_gb =
+    limits::kMemory_gb;  // that a body may take: a machine that runs out of it ends other programs first
 
 // What is known of the factors of all matrices of one pattern; they share it.
 class FactorPattern {

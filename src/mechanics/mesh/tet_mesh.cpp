@@ -13,6 +13,7 @@
 
 #include <Eigen/Dense>
 
+#include "settings/limits.h"
 #include "settings/point_text.h"
 #include "tet_faces.h"
 #include "shape_functions.h"
@@ -22,7 +23,8 @@ namespace {
 
 // Part of the longest edge cubed; a regular element has 0.7.
 constexpr double kFlat = 1e-9;
-constexpr double kFarthest_m = 1e6;  // millimetres without a scale are nearer; volumes of what lies far beyond overflow
+constexpr double kFarthest_m =
+    limits::kFilePlace;  // millimetres without a scale are nearer; volumes of what lies far beyond overflow
 
 using Barycentric = Eigen::Vector4d;  // weights of the corners, summing to one
 

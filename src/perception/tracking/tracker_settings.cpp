@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <set>
 
+#include "settings/limits.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
 namespace {
 
 constexpr double kFullCircleDeg = 360;
-constexpr double kFarthest_m = 65.535;  // of 16 bits in mm
+constexpr double kFarthest_m = limits::kDepth_m;  // of 16 bits in mm
 
 // Two numbers of a list "KEY: [min, max]".
 void read_pair(const YamlNode& node, const std::string& key, double max_allowed, double& min, double& max) {

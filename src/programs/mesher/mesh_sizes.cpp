@@ -18,8 +18,7 @@ namespace field = gmsh::model::mesh::field;
 
 constexpr double kGrowth = 0.4;     // of element size per distance, around refinements
 constexpr double kMostCurved = 10;  // curvature makes elements this much smaller at most: the tip of a cone has no end
-static_assert(kMostMemory_gb == limits::kMemory_gb, "the mesher may take what a body may");
-constexpr double kMostElements = 2e6;
+constexpr double kMostElements = limits::kElements;
 constexpr double kLargestRobot_m3 = 1.0;  // whoever exceeds it by far has written millimetres
 // What an element takes until it is known what its factorisation will, measured: its share of nodes, and of a matrix.
 constexpr double kQuadraticElement_kb = 6.5, kLinearElement_kb = 2.0;

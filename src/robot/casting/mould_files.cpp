@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "make_mould.h"
@@ -173,13 +176,17 @@ fs::path place_of(const std::string& folder) {
   return place.has_filename() ? place : place.parent_path();
 }
 
+[[noreturn]] void refuse_writing(const fs::path& folder) {
+  throw std::runtime_error(folder.string() + ": cannot be written: " + std::strerror(errno));
+}
+
 // The nearest folder above that there is must let others be made in it.
 void require_writable(const fs::path& place) {
   fs::path above = place.parent_path();
   while (!fs::exists(above) && above.has_relative_path()) above = above.parent_path();
   if (!fs::is_directory(above)) throw std::runtime_error(above.string() + ": is no folder");
   std::string probe = (above / "mould.XXXXXX").string();  // permissions are not all: a disk may be read-only
-  if (!mkdtemp(probe.data())) throw std::runtime_error(above.string() + ": cannot be written to");
+  if (!mkdtemp(probe.data())) refuse_writing(above);
   fs::remove(probe);
 }
 
@@ -197,6 +204,31 @@ void put_in_place(const fs::path& made, const fs::path& folder) {
   if (replaces) fs::rename(folder, old);
   fs::rename(made, folder);
   if (replaces) fs::remove_all(old);
+}
+
+void write_files(const Mould& mould, const std::string& robot_name, const std::string& folder) {
+  for (const MouldPart& part : mould.parts) {
+    write_file(folder + "/" + part.name + ".stl", binary_stl(part.surface, "soft_robot_lab mould, millimetres"));
+    write_file(folder + "/" + part.name + ".3mf", three_mf(part.surface, part.name));
+    write_file(folder + "/" + part.name + ".step", read_regular_file(part.step_file, kLargestMesh_bytes));
+    write_file(folder + "/" + part.name + ".png", picture_png(part.surface, Paint{}));
+  }
+  write_file(folder + "/robot.png", picture_png(mould.robot, Paint{0.95, 0.72, 0.55}));
+  write_file(folder + "/instructions.html", mould_instructions(mould, robot_name));
+  write_file(folder + "/" + kDescription, mould_json(mould));
+}
+
+// As mkdir would, which lets the umask take from it.
+void give_mode_of_folders(const std::string& folder) {
+  const mode_t mask = umask(0);
+  umask(mask);
+  if (chmod(folder.c_str(), 0777 & ~mask) != 0)
+    throw fs::filesystem_error(folder, std::error_code(errno, std::generic_category()));
+}
+
+void remove_quietly(const std::string& folder) {
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
 }
 
 }  // namespace
@@ -251,23 +283,16 @@ void write_mould(const Mould& mould, const std::string& robot_name, const std::s
   const fs::path place = place_of(folder);
   fs::create_directories(place.parent_path());
   std::string made = place.string() + ".XXXXXX";
-  if (!mkdtemp(made.data())) throw std::runtime_error(place.string() + ": its folder cannot be written to");
+  if (!mkdtemp(made.data())) refuse_writing(place.parent_path());
   try {
-    for (const MouldPart& part : mould.parts) {
-      write_file(made + "/" + part.name + ".stl", binary_stl(part.surface, "soft_robot_lab mould, millimetres"));
-      write_file(made + "/" + part.name + ".3mf", three_mf(part.surface, part.name));
-      write_file(made + "/" + part.name + ".step", read_regular_file(part.step_file, kLargestMesh_bytes));
-      write_file(made + "/" + part.name + ".png", picture_png(part.surface, Paint{}));
-    }
-    write_file(made + "/robot.png", picture_png(mould.robot, Paint{0.95, 0.72, 0.55}));
-    write_file(made + "/instructions.html", mould_instructions(mould, robot_name));
-    write_file(made + "/" + kDescription, mould_json(mould));
-    fs::permissions(made, fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec |
-                              fs::perms::others_read | fs::perms::others_exec);
+    write_files(mould, robot_name, made);
+    give_mode_of_folders(made);
     put_in_place(made, place);
+  } catch (const WriteError& error) {
+    remove_quietly(made);
+    throw WriteError(place.string() + std::string(error.what()).substr(made.size()));
   } catch (...) {
-    std::error_code ignored;
-    fs::remove_all(made, ignored);
+    remove_quietly(made);
     throw;
   }
 }

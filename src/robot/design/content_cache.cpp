@@ -17,6 +17,7 @@
 
 #include "content_hash.h"
 #include "settings/read_file.h"
+#include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -64,12 +65,18 @@ bool is_abandoned(const fs::path& path) {
   return free;
 }
 
-// Whatever the umask. Folders that are there keep their modes.
-void make_private_folders(const fs::path& path) {
-  if (path.empty() || fs::is_directory(path)) return;
-  make_private_folders(path.parent_path());
-  if (mkdir(path.c_str(), kOwnersAlone) == 0) chmod(path.c_str(), kOwnersAlone);
-  if (!fs::is_directory(path)) throw std::runtime_error(path.string() + ": cannot be made: " + std::strerror(errno));
+// Whatever the umask. Folders that are there keep their modes. 0, or why there is none.
+int make_private_folders(const fs::path& path) {
+  std::error_code ignored;
+  if (path.empty() || fs::is_directory(path, ignored)) return 0;
+  if (const int error = make_private_folders(path.parent_path()); error != 0) return error;
+  if (mkdir(path.c_str(), kOwnersAlone) == 0) return chmod(path.c_str(), kOwnersAlone) == 0 ? 0 : errno;
+  const int error = errno;
+  return fs::is_directory(path, ignored) ? 0 : error;
+}
+
+[[noreturn]] void refuse_folder(const std::string& folder, const std::string& why) {
+  throw std::runtime_error(folder + ": " + why + "; set HOME or XDG_CACHE_HOME to a folder of your own");
 }
 
 void remove_abandoned(const fs::path& beside) {
@@ -107,11 +114,23 @@ std::string ContentCache::keep(const std::string& part, const std::string& key, 
   return place;
 }
 
+void ContentCache::keep_text(const std::string& text, const std::string& key, const std::string& ending) const {
+  try {
+    const WorkFolder work(folder_);
+    const std::string part = work.file("text");
+    write_file(part, text);
+    keep(part, key, ending);
+  } catch (const std::runtime_error&) {
+    return;
+  }
+}
+
 WorkFolder::WorkFolder(const std::string& beside) : path_(beside + "/" + kWorkFolder + "XXXXXX") {
-  make_private_folders(beside);
+  if (const int error = make_private_folders(beside); error != 0)
+    refuse_folder(beside, std::string("cannot be made: ") + std::strerror(error));
   remove_abandoned(beside);
   if (mkdtemp(path_.data()) == nullptr)
-    throw std::runtime_error(beside + ": cannot be written to: " + std::strerror(errno));
+    refuse_folder(beside, std::string("cannot be written to: ") + std::strerror(errno));
   chmod(path_.c_str(), kOwnersAlone);
   lock_ = open_folder(path_);
   if (lock_ >= 0) flock(lock_, LOCK_EX);
@@ -123,13 +142,17 @@ WorkFolder::~WorkFolder() {
   if (lock_ >= 0) close(lock_);
 }
 
+bool can_be_private(const std::string& folder) {
+  return make_private_folders(folder) == 0 && access(folder.c_str(), R_OK | W_OK | X_OK) == 0;
+}
+
 void require_private_folder(const std::string& folder) {
-  make_private_folders(folder);
+  if (const int error = make_private_folders(folder); error != 0)
+    refuse_folder(folder, std::string("cannot be made: ") + std::strerror(error));
   struct stat status {};
   const bool own = lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == geteuid() &&
                    (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
-  if (!own)
-    throw std::runtime_error(folder + ": others may write there; set HOME or XDG_CACHE_HOME to a folder of your own");
+  if (!own) refuse_folder(folder, "others may write there");
 }
 
 }  // namespace soft_robot_lab

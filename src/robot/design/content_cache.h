@@ -19,6 +19,9 @@ class ContentCache {
   // its path.
   std::string keep(const std::string& part, const std::string& key, const std::string& ending) const;
 
+  // Keeps a text. Does nothing where it cannot be written whole: it only saves the time to make it again.
+  void keep_text(const std::string& text, const std::string& key, const std::string& ending) const;
+
   const std::string& folder() const { return folder_; }
 
  private:
@@ -41,6 +44,9 @@ class WorkFolder {
   std::string path_;
   int lock_ = -1;  // held as long as the program lives
 };
+
+// Whether the folder is there, or could be made for its owner alone, and files can be made in it.
+bool can_be_private(const std::string& folder);
 
 // A folder that nobody else may write to, made where there is none. Throws std::runtime_error where it is another's.
 void require_private_folder(const std::string& folder);

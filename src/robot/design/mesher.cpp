@@ -2,8 +2,10 @@
 #include "soft_robot_lab/robot/design/mesher.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <locale>
@@ -139,9 +141,30 @@ void require_success(const ProcessEnd& end, const std::string& words, const std:
     case ProcessEnd::Kind::exited:
       if (end.value == 0) return;
       if (end.value == 2) throw std::invalid_argument(words);
+      // On a full disk its words are lost too.
+      if (end.value == 1 && (words.empty() || words.find("cannot be written") != std::string::npos))
+        throw WriteError(words);
       what << "the mesher failed with status " << end.value << (words.empty() ? "" : ": ") << words;
       throw std::runtime_error(what.str());
   }
+}
+
+void mesh_into(const std::string& output, const std::string& text, const std::vector<std::string>& files,
+               const WorkFolder& work, const MesherOptions& options) {
+  const std::string request_file = work.file("request.yaml"), errors = work.file("errors");
+  write_file(request_file, text);
+  const ProcessEnd end =
+      run_with_limit({find_mesher(options), request_file, output}, errors, options.time_limit_s, options.interrupt);
+  require_success(end, read_text(errors), files, options);
+  if (!fs::is_regular_file(output)) throw std::runtime_error("the mesher ended without a mesh");
+}
+
+// Its words name a file that its user never named.
+[[noreturn]] void refuse_cache(const std::string& folder, const std::string& words) {
+  const std::size_t colon = words.rfind(": ");
+  throw WriteError(folder + ": the mesh cannot be kept there: " +
+                   (colon == std::string::npos ? std::strerror(ENOSPC) : words.substr(colon + 2)) +
+                   "; make space, or set XDG_CACHE_HOME to another folder");
 }
 
 }  // namespace
@@ -154,8 +177,10 @@ std::string cache_folder(const MesherOptions& options) {
   if (!options.cache_folder.empty()) return options.cache_folder;
   if (fs::path(variable("XDG_CACHE_HOME")).is_absolute())
     return fs::path(variable("XDG_CACHE_HOME")) / "soft_robot_lab";
-  if (!variable("HOME").empty()) return fs::path(variable("HOME")) / ".cache" / "soft_robot_lab";
-  // Without a home there is only a folder that all users share: ours in it must be ours.
+  // A service's user, or one that was changed to without its home, may write nothing at HOME.
+  const std::string at_home = fs::path(variable("HOME")) / ".cache" / "soft_robot_lab";
+  if (!variable("HOME").empty() && can_be_private(at_home)) return at_home;
+  // Else there is only a folder that all users share: ours in it must be ours.
   const std::string own = fs::temp_directory_path() / ("soft_robot_lab_" + std::to_string(geteuid()));
   require_private_folder(own);
   return own;
@@ -175,13 +200,12 @@ std::string run_mesher(const std::string& text, const std::vector<std::string>& 
   if (const std::string found = cache.find(key, ending); !found.empty()) return found;
 
   const WorkFolder work(cache.folder());
-  const std::string request_file = work.file("request.yaml"), output = work.file("output" + ending),
-                    errors = work.file("errors");
-  write_file(request_file, text);
-  const ProcessEnd end =
-      run_with_limit({find_mesher(options), request_file, output}, errors, options.time_limit_s, options.interrupt);
-  require_success(end, read_text(errors), files, options);
-  if (!fs::is_regular_file(output)) throw std::runtime_error("the mesher ended without a mesh");
+  const std::string output = work.file("output" + ending);
+  try {
+    mesh_into(output, text, files, work, options);
+  } catch (const WriteError& error) {
+    refuse_cache(cache.folder(), error.what());
+  }
   return cache.keep(output, key, ending);
 }
 

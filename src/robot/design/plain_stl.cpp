@@ -30,7 +30,7 @@ void require_few(std::size_t triangles) {
 
 // Of a file's unit, which a scale of [0.001, 1000] makes metres. Gmsh computes without end, or ends by a signal,
 // beyond.
-constexpr double kLargest = 1e3 * limits::kPlace_m, kSmallestBody = 1e-9;
+constexpr double kLargest = limits::kFilePlace, kSmallestBody = 1e-9;
 
 // Of all corners, along the axes.
 class Extent {

@@ -9,13 +9,11 @@
 
 #include "mechanics/simulation/require.h"
 #include "robot/scene/scene_motion.h"
+#include "settings/limits.h"
 #include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr int kMostThreads = 1000;
-constexpr double kMostSteps = 1e9;  // of a rollout
 
 void require_commands(const RolloutCommands& commands, const Model& model) {
   double before_s = 0.0;
@@ -93,8 +91,8 @@ class Rollouts {
 RolloutBatch::RolloutBatch(const Scene& scene) : model_(scene.simulation->model()), reduction_(scene.reduction) {}
 
 void RolloutBatch::require_valid(const RolloutPlan& plan, int threads) const {
-  require(threads >= 1 && threads <= kMostThreads, "threads", threads, "[1, 1000]");
-  const double longest_s = kMostSteps * model_->options().time_step_s;
+  require(threads >= 1 && threads <= limits::kThreads, "threads", threads, "[1, 1000]");
+  const double longest_s = limits::kSteps * model_->options().time_step_s;
   require(plan.duration_s > 0.0 && plan.duration_s <= longest_s, "duration_s", plan.duration_s,
           ("(0, " + format_number(longest_s) + "]").c_str());
   require(plan.record_every_s >= 0.0, "record_every_s", plan.record_every_s, "[0, inf]");

@@ -3,7 +3,6 @@
 #include "fidelity_json.h"
 #include "robot/design/content_cache.h"
 #include "settings/read_file.h"
-#include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -28,11 +27,7 @@ std::optional<FidelityReport> find_fidelity(const std::string& key, const SceneO
 }
 
 void keep_fidelity(const std::string& key, const FidelityReport& report, const SceneOptions& options) {
-  const ContentCache cache = cache_of(options);
-  const WorkFolder work(cache.folder());
-  const std::string part = work.file("fidelity.json");
-  write_file(part, kept_json(report).dump(2) + "\n");
-  cache.keep(part, key, kEnding);
+  cache_of(options).keep_text(kept_json(report).dump(2) + "\n", key, kEnding);
 }
 
 }  // namespace soft_robot_lab

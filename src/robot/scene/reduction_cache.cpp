@@ -7,7 +7,6 @@
 #include "robot/design/content_cache.h"
 #include "robot/design/content_hash.h"
 #include "settings/read_file.h"
-#include "settings/write_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -118,11 +117,7 @@ void keep_reduction(const std::string& key, const ReducedChoice& choice, const S
                      {"transient", kept_error(choice.transient)},
                      {"cpu_s", choice.cpu_s}};
   const std::vector<std::uint8_t> cbor = Kept::to_cbor(json);
-  const ContentCache cache = cache_of(options);
-  const WorkFolder work(cache.folder());
-  const std::string part = work.file("reduced.cbor");
-  write_file(part, std::string(cbor.begin(), cbor.end()));
-  cache.keep(part, key, kEnding);
+  cache_of(options).keep_text(std::string(cbor.begin(), cbor.end()), key, kEnding);
 }
 
 }  // namespace soft_robot_lab

@@ -4,6 +4,7 @@
 #include "sections.h"
 #include "mechanics/simulation/limit_hint.h"
 #include "mechanics/simulation/modal.h"
+#include "settings/limits.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -31,11 +32,10 @@ TimedCommands read_commands(const YamlNode& node, const Simulation& simulation) 
 
 // More would take weeks for the smallest body, and beyond 2^63 they cannot be counted.
 void require_steps(const YamlNode& run, double duration_s, double time_step_s) {
-  constexpr double kMostSteps = 1e9;
-  if (duration_s / time_step_s <= kMostSteps) return;
+  if (duration_s / time_step_s <= limits::kSteps) return;
   std::ostringstream text;
-  text << duration_s << " is out of range (0, " << kMostSteps * time_step_s << "]: " << duration_s / time_step_s
-       << " steps of solver.time_step_s = " << time_step_s << ", at most " << kMostSteps;
+  text << duration_s << " is out of range (0, " << limits::kSteps * time_step_s << "]: " << duration_s / time_step_s
+       << " steps of solver.time_step_s = " << time_step_s << ", at most " << limits::kSteps;
   run.child("duration_s").fail(text.str());
 }
 

@@ -15,12 +15,14 @@
 #include <std_srvs/SetBool.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "hardware/plant/plant.h"
 #include "ros/camera_driver.h"
 #include "ros/frames.h"
 #include "ros/image_messages.h"
 #include "ros/log_text.h"
+#include "ros/message_limits.h"
 #include "ros/rendered_rig.h"
 #include "ros/topics.h"
 #include "perception/calibration/calibration.h"
@@ -52,13 +54,13 @@ struct CameraOptions {
 
 CameraOptions read_options(const ros::NodeHandle& node) {
   CameraOptions options;
-  if (!node.getParam("cameras", options.cameras))
+  if (!read_parameter(node, "cameras", options.cameras))
     throw std::invalid_argument("cameras: missing; give the path of a rig of cameras");
-  node.getParam("seed", options.seed);
-  node.getParam("balls", options.balls);
-  node.getParam("show_balls", options.show_balls);
-  node.getParam("max_rate_hz", options.max_rate_hz);
-  node.getParam("plant", options.plant);
+  read_parameter(node, "seed", options.seed);
+  read_parameter(node, "balls", options.balls);
+  read_parameter(node, "show_balls", options.show_balls);
+  read_parameter(node, "max_rate_hz", options.max_rate_hz);
+  read_parameter(node, "plant", options.plant);
   options.validate();
   return options;
 }
@@ -225,6 +227,7 @@ bool CameraNode::show_balls(std_srvs::SetBool::Request& request, std_srvs::SetBo
 bool CameraNode::move(MoveCamera::Request& request, MoveCamera::Response& response) {
   const auto vector = [](const geometry_msgs::Vector3& v) { return Eigen::Vector3d(v.x, v.y, v.z); };
   try {
+    require_in_limits<MoveCamera::Request>(request);
     const RigCamera& camera = rig_.move(request.name, vector(request.translation), vector(request.rotation));
     publish_true_poses();
     std::ostringstream text;

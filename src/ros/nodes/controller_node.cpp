@@ -15,10 +15,12 @@
 #include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "ros/behind_others.h"
 #include "ros/actuator_plugins.h"
 #include "ros/controller_actions.h"
+#include "ros/message_limits.h"
 #include "ros/policy_execution.h"
 #include "ros/fit_service.h"
 #include "ros/interruptible.h"
@@ -47,7 +49,7 @@ a closed loop stops).)";
 
 ClosedLoopOptions read_loop_options() {
   ClosedLoopOptions options;
-  ros::NodeHandle("~").getParam("lost_after_s", options.lost_after_s);
+  read_parameter(ros::NodeHandle("~"), "lost_after_s", options.lost_after_s);
   options.validate();
   return options;
 }
@@ -129,17 +131,17 @@ ControllerNode::ControllerNode() {
   scene_options_.actuator_factory = actuators_from_plugins();
   scene_options_.interrupt = [] { return !ros::ok(); };
   const ros::NodeHandle parameters("~");
-  parameters.getParam("ramp_s", ramp_s_);
+  read_parameter(parameters, "ramp_s", ramp_s_);
   require_in_range("ramp_s", ramp_s_, {0.0, 3600.0});
   std::string scene;
-  if (parameters.getParam("scene", scene)) load(scene);
+  if (read_parameter(parameters, "scene", scene)) load(scene);
 
   command_publisher_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 100);
   subscribers_ = {
       node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
       node_.subscribe(topics::simulator_actuators, 1, &ControllerNode::on_actuators, this),
       node_.subscribe(topics::simulator_markers, 100, &ControllerNode::on_markers, this),
-      node_.subscribe(parameters.param<std::string>("markers_topic", topics::tracker_markers), 100,
+      node_.subscribe(text_parameter(parameters, "markers_topic", topics::tracker_markers), 100,
                       &PolicyExecution::add_measured, &execution_),
       node_.subscribe(topics::motor_state, 100, &PolicyExecution::add_motors, &execution_),
   };
@@ -308,6 +310,7 @@ void ControllerNode::on_scene(const std_msgs::String& path) {
 
 // What a policy commands has its ghost.
 void ControllerNode::on_actuators(const ActuatorState& actuators) {
+  if (!is_in_limits<ActuatorState>(actuators)) return;
   execution_.add_drives(actuators);
   std::unique_lock lock(mutex_);
   const bool was_shown = preview_.shown();
@@ -315,7 +318,7 @@ void ControllerNode::on_actuators(const ActuatorState& actuators) {
   if (was_shown && !preview_.shown()) shown_preview_.publish(no_preview());
   const std::map<std::string, double> before = commands_;
   for (size_t i = 0; i < std::min(actuators.names.size(), actuators.commands.size()); ++i)
-    if (std::isfinite(actuators.commands[i])) commands_[actuators.names[i]] = actuators.commands[i];
+    commands_[actuators.names[i]] = actuators.commands[i];
   const bool asked = !before.empty() && commands_ != before;
   lock.unlock();
   if (asked && shown_preview_.has_subscribers() && !execution_.running())
@@ -323,6 +326,7 @@ void ControllerNode::on_actuators(const ActuatorState& actuators) {
 }
 
 void ControllerNode::on_markers(const MarkerObservations& markers) {
+  if (!is_in_limits<MarkerObservations>(markers)) return;
   execution_.add_simulated(markers);
   std::vector<Eigen::Vector3d> positions_m;
   for (const geometry_msgs::Point& position : markers.positions)

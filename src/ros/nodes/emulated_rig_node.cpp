@@ -7,6 +7,7 @@
 #include <ros/ros.h>
 #include <soft_robot_lab/RigCommand.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "hardware/motor/rig_settings.h"
 #include "hardware/plant/plant.h"
@@ -26,7 +27,7 @@ absent: none).)";
 
 std::string required(const ros::NodeHandle& node, const std::string& name) {
   std::string value;
-  if (!node.getParam(name, value)) throw std::invalid_argument(name + ": missing");
+  if (!read_parameter(node, name, value)) throw std::invalid_argument(name + ": missing");
   return value;
 }
 
@@ -47,7 +48,7 @@ class EmulatedRigNode {
  public:
   explicit EmulatedRigNode(const ros::NodeHandle& node)
       : rig_(load_rig(required(node, "rig"))), path_(required(node, "control")), control_(connect(path_)) {
-    if (const auto path = node.param<std::string>("plant", ""); !path.empty()) plant_ = load_plant(path);
+    if (const auto path = text_parameter(node, "plant"); !path.empty()) plant_ = load_plant(path);
     set_backlash();
     shafts_ = node_.advertise<ShaftState>(topics::rig_shafts, 10);
     command_ = node_.advertiseService(topics::rig_command, &EmulatedRigNode::command, this);

@@ -12,10 +12,12 @@
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_srvs/Trigger.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "hardware/motor/motor_driver.h"
 #include "hardware/motor/serial_port.h"
 #include "ros/log_text.h"
+#include "ros/message_limits.h"
 #include "ros/motor_messages.h"
 #include "ros/topics.h"
 
@@ -33,16 +35,16 @@ double now_s() { return std::chrono::duration<double>(SteadyClock::now().time_si
 
 RigSettings read_rig(const ros::NodeHandle& node) {
   std::string path;
-  if (!node.getParam("rig", path)) throw std::invalid_argument("rig: missing; give the path of a rig's file");
+  if (!read_parameter(node, "rig", path)) throw std::invalid_argument("rig: missing; give the path of a rig's file");
   RigSettings rig = load_rig(path);
-  const std::string device = node.param<std::string>("device", "");
+  const std::string device = text_parameter(node, "device");
   if (!device.empty()) rig.device = device;
   return rig;
 }
 
 DriverOptions read_options(const ros::NodeHandle& node) {
   DriverOptions options;
-  node.getParam("zero_at_start", options.zero_at_start);
+  read_parameter(node, "zero_at_start", options.zero_at_start);
   // Another session than the last run's, which the board may still be in.
   options.first_session = static_cast<std::uint8_t>(ros::WallTime::now().toNSec() / 1000000);
   return options;
@@ -94,6 +96,7 @@ class MotorNode {
 
   void on_command(const ActuatorCommand& command) {
     try {
+      require_in_limits<ActuatorCommand>(command);
       driver_.command(command.names, command.values, sent_s(command.header.stamp));
     } catch (const std::invalid_argument& error) {
       ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::actuator_command, log_text(error.what()).c_str());

@@ -6,6 +6,7 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_broadcaster.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "ros/camera_overlay.h"
 #include "ros/conversions.h"
@@ -14,6 +15,7 @@
 #include "ros/gap_meter.h"
 #include "ros/image_messages.h"
 #include "ros/log_text.h"
+#include "ros/message_limits.h"
 #include "ros/overlay.h"
 #include "ros/stamps.h"
 #include "ros/topics.h"
@@ -43,7 +45,7 @@ class OverlayNode {
         node.subscribe(topics::controller_target, 1, &OverlayNode::on_target, this),
         node.subscribe(topics::simulator_contacts, 1, &OverlayNode::on_contacts, this),
     };
-    const std::string camera = ros::NodeHandle("~").param<std::string>("camera", "");
+    const std::string camera = text_parameter(ros::NodeHandle("~"), "camera");
     if (camera.empty()) return;
     optical_frame_ = optical_frame(camera);
     image_publisher_ = node.advertise<Image>(topics::overlay_image, 1);
@@ -79,12 +81,19 @@ class OverlayNode {
     }
   }
   void on_gap(const RealityGap& gap) {
+    if (!is_in_limits<RealityGap>(gap)) return;
     inputs_.gap = gap;
     gap_publisher_.publish(gap);
   }
-  void on_actuators(const ActuatorState& actuators) { inputs_.actuators = actuators; }
-  void on_contacts(const Contacts& contacts) { inputs_.contacts = contacts; }
-  void on_target(const Target& target) { inputs_.target = target; }
+  void on_actuators(const ActuatorState& actuators) {
+    if (is_in_limits<ActuatorState>(actuators)) inputs_.actuators = actuators;
+  }
+  void on_contacts(const Contacts& contacts) {
+    if (is_in_limits<Contacts>(contacts)) inputs_.contacts = contacts;
+  }
+  void on_target(const Target& target) {
+    if (is_in_limits<Target>(target)) inputs_.target = target;
+  }
   void on_info(const CameraInfo& info) { info_ = info; }
   void on_surface(const visualization_msgs::Marker& surface) { surface_ = surface; }
 

@@ -9,6 +9,7 @@
 #include <ros/ros.h>
 #include <soft_robot_lab/ShaftState.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "hardware/plant/real_time_plant.h"
 #include "hardware/plant/same_commands.h"
@@ -16,6 +17,7 @@
 #include "ros/latched_publisher.h"
 #include "ros/conversions.h"
 #include "ros/log_text.h"
+#include "ros/message_limits.h"
 #include "ros/surface_marker.h"
 #include "ros/topics.h"
 #include "settings/require_in_range.h"
@@ -38,7 +40,7 @@ SceneOptions scene_options() {
 
 PlantSettings read_plant(const ros::NodeHandle& parameters) {
   std::string path;
-  if (!parameters.getParam("plant", path)) throw std::invalid_argument("plant: missing; give its file's path");
+  if (!read_parameter(parameters, "plant", path)) throw std::invalid_argument("plant: missing; give its file's path");
   return load_plant(path);
 }
 
@@ -47,9 +49,9 @@ class PlantNode {
   explicit PlantNode(const ros::NodeHandle& parameters)
       : plant_(read_plant(parameters), scene_options_, [] { return !ros::ok(); }),
         surface_(plant_.simulation().body().mesh()) {
-    if (const auto rig = parameters.param<std::string>("rig", ""); !rig.empty())
-      require_same_commands(plant_.simulation(), parameters.param<std::string>("plant", ""), load_rig(rig), rig);
-    parameters.getParam("surface_rate_hz", surface_rate_hz_);
+    if (const auto rig = text_parameter(parameters, "rig"); !rig.empty())
+      require_same_commands(plant_.simulation(), text_parameter(parameters, "plant"), load_rig(rig), rig);
+    read_parameter(parameters, "surface_rate_hz", surface_rate_hz_);
     require_in_range("surface_rate_hz", surface_rate_hz_, {0.0, 1000.0, true});
     markers_publisher_ = node_.advertise<MarkerObservations>(topics::plant_markers, 10);
     surface_publisher_ = advertise_latched<visualization_msgs::Marker>(topics::plant_surface,
@@ -72,7 +74,9 @@ class PlantNode {
   }
 
  private:
-  void on_shafts(const ShaftState& shafts) { late_.add(shafts.header.stamp.toSec(), shafts.names, shafts.values); }
+  void on_shafts(const ShaftState& shafts) {
+    if (is_in_limits<ShaftState>(shafts)) late_.add(shafts.header.stamp.toSec(), shafts.names, shafts.values);
+  }
 
   // A shaft that turned beyond what the robot's cables allow stays where it was.
   void advance(double now_s) {

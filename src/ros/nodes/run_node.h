@@ -3,12 +3,15 @@
 #pragma once
 
 #include <chrono>
+#include <clocale>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <langinfo.h>
 #include <ros/ros.h>
 #include <unistd.h>
 
@@ -39,6 +42,12 @@ inline void require_free_name(double longest_answer_s = 0.5) {
                              "; end that session first, or start this one in a namespace of its own");
 }
 
+// ROS writes its log in the letters of the locale: by default those of ASCII, and question marks for all others.
+inline void write_letters_as_they_are() {
+  const char* const set = std::setlocale(LC_CTYPE, "");
+  if (set == nullptr || std::strcmp(nl_langinfo(CODESET), "UTF-8") != 0) std::setlocale(LC_CTYPE, "C.UTF-8");
+}
+
 // Runs `run` after ROS has been set up; what it throws is written to the log, and gives the exit status 2. `about` is
 // what --help prints: what the node does, and its parameters.
 template <class Run>
@@ -49,6 +58,7 @@ int run_node(int argc, char** argv, const std::string& name, const std::string& 
     outlast_launch(static_cast<int>(words.size()), words.data(), begin);
     return 2;
   };
+  write_letters_as_they_are();
   ros::init(argc, argv, name);
   if (const std::optional<int> ended = read_node_arguments(argc, argv, name, about)) return *ended;
   try {

@@ -8,6 +8,7 @@
 #include <std_msgs/Bool.h>
 #include <std_srvs/SetBool.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "ros/node_process.h"
 #include "ros/recorder_process.h"
@@ -37,11 +38,13 @@ Moment present() {
 class SessionWatchNode {
  public:
   explicit SessionWatchNode(const ros::NodeHandle& parameters)
-      : recorder_(parameters.param<std::string>("recorder", "")),
-        bag_folder_(parameters.param<std::string>("bag_folder", "")),
-        robot_(parameters.param<std::string>("robot", "session")),
-        images_(parameters.param("record_images", false)) {
-    for (const std::string& name : parameters.param<std::vector<std::string>>("nodes", {})) nodes_.emplace_back(name);
+      : recorder_(text_parameter(parameters, "recorder")),
+        bag_folder_(text_parameter(parameters, "bag_folder")),
+        robot_(text_parameter(parameters, "robot", "session")) {
+    read_parameter(parameters, "record_images", images_);
+    std::vector<std::string> names;
+    read_parameter(parameters, "nodes", names);
+    for (const std::string& name : names) nodes_.emplace_back(name);
     if (!recorder_.empty()) nodes_.emplace_back(recorder_);
     diagnostics_.setHardwareID("session");
     diagnostics_.add("session", this, &SessionWatchNode::diagnose);
@@ -141,7 +144,7 @@ class SessionWatchNode {
 
   static constexpr double longest_answer_s = 0.5, longest_closing_s = 10.0;
   std::string recorder_, bag_folder_, robot_, logged_;
-  bool images_;
+  bool images_ = false;
   int told_ = -1;          // what was last said of the recording
   RecorderProcess asked_;  // by the service
   BagWatch asked_bag_;

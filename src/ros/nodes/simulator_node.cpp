@@ -28,6 +28,7 @@
 #include "ros/latched_publisher.h"
 #include "ros/least_determinant.h"
 #include "ros/log_text.h"
+#include "ros/message_limits.h"
 #include "ros/publish_limit.h"
 #include "ros/pulling_hand.h"
 #include "ros/simulation_publisher.h"
@@ -289,6 +290,7 @@ double SimulatorNode::step() {
 void SimulatorNode::on_command(const ActuatorCommand& command) {
   const std::lock_guard lock(mutex_);
   try {
+    require_in_limits<ActuatorCommand>(command);
     apply_command(command, *scene_->simulation);
   } catch (const std::invalid_argument& error) {
     ++refused_commands_;
@@ -311,6 +313,7 @@ Eigen::Vector3d SimulatorNode::in_robot_base(const SkinPull& pull) const {
 void SimulatorNode::on_pull(const SkinPull& pull) {
   const std::lock_guard lock(mutex_);
   try {
+    require_in_limits<SkinPull>(pull);
     hand_.take(pull, in_robot_base(pull), machine_time_s(), *scene_->simulation);
   } catch (const std::invalid_argument& error) {
     ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::simulator_pull, log_text(error.what()).c_str());

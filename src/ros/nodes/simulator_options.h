@@ -10,6 +10,7 @@
 
 #include <ros/ros.h>
 
+#include "read_parameter.h"
 #include "settings/require_in_range.h"
 
 namespace soft_robot_lab {
@@ -45,16 +46,17 @@ struct SimulatorOptions {
 // Throws std::invalid_argument naming the parameter.
 inline SimulatorOptions read_options(const ros::NodeHandle& node) {
   SimulatorOptions options;
-  if (!node.getParam("scene", options.scene)) throw std::invalid_argument("scene: missing; give the path of a scene");
-  node.getParam("real_time_factor", options.real_time_factor);
-  node.getParam("start_at_rest", options.start_at_rest);
-  node.getParam("surface_rate_hz", options.surface_rate_hz);
-  node.getParam("skin_opacity", options.skin_opacity);
-  node.getParam("publish_clock", options.publish_clock);
-  node.getParam("rig", options.rig);
-  node.getParam("max_publish_rate_hz", options.max_publish_rate_hz);
-  node.getParam("max_pull_n", options.max_pull_n);
-  node.getParam("position_m", options.position_m);
+  if (!read_parameter(node, "scene", options.scene))
+    throw std::invalid_argument("scene: missing; give the path of a scene");
+  read_parameter(node, "real_time_factor", options.real_time_factor);
+  read_parameter(node, "start_at_rest", options.start_at_rest);
+  read_parameter(node, "surface_rate_hz", options.surface_rate_hz);
+  read_parameter(node, "skin_opacity", options.skin_opacity);
+  read_parameter(node, "publish_clock", options.publish_clock);
+  read_parameter(node, "rig", options.rig);
+  read_parameter(node, "max_publish_rate_hz", options.max_publish_rate_hz);
+  read_parameter(node, "max_pull_n", options.max_pull_n);
+  read_parameter(node, "position_m", options.position_m);
   options.validate();
   return options;
 }

@@ -16,6 +16,7 @@
 #include <std_msgs/String.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "ros/calibrate_request.h"
 #include "ros/camera_diagnosis.h"
@@ -57,19 +58,19 @@ struct NodeOptions {
 NodeOptions read_options(const ros::NodeHandle& node) {
   NodeOptions options;
   TrackingInputOptions& input = options.input;
-  node.getParam("cameras", input.tracking.cameras);
-  node.getParam("sync_tolerance_s", input.tracking.sync_tolerance_s);
-  node.getParam("sync_timeout_s", input.tracking.sync_timeout_s);
-  if (!node.getParam("tracker", input.tracker))
+  read_parameter(node, "cameras", input.tracking.cameras);
+  read_parameter(node, "sync_tolerance_s", input.tracking.sync_tolerance_s);
+  read_parameter(node, "sync_timeout_s", input.tracking.sync_timeout_s);
+  if (!read_parameter(node, "tracker", input.tracker))
     throw std::invalid_argument("tracker: missing; give the path of its settings");
-  if (!node.getParam("poses", input.poses))
+  if (!read_parameter(node, "poses", input.poses))
     throw std::invalid_argument("poses: missing; give the path of the cameras' poses");
-  node.getParam("default_poses", input.default_poses);
-  node.getParam("scene", input.scene);
-  node.getParam("use_simulated", input.use_simulated);
-  node.getParam("balls", options.balls);
-  node.getParam("bag", options.bag);
-  node.getParam("output", options.output);
+  read_parameter(node, "default_poses", input.default_poses);
+  read_parameter(node, "scene", input.scene);
+  read_parameter(node, "use_simulated", input.use_simulated);
+  read_parameter(node, "balls", options.balls);
+  read_parameter(node, "bag", options.bag);
+  read_parameter(node, "output", options.output);
   if (!options.bag.empty() && options.output.empty())
     throw std::invalid_argument("output: missing; give the path of the bag to write, beside bag");
   return options;

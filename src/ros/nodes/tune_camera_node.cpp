@@ -13,6 +13,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "ros/camera_driver.h"
 #include "ros/image_messages.h"
@@ -51,12 +52,12 @@ struct Options {
 
 Options read_options(const ros::NodeHandle& node) {
   Options options;
-  if (!node.getParam("camera", options.camera)) throw std::invalid_argument("camera: missing; give its name");
-  node.getParam("output", options.output);
-  node.getParam("timeout_s", options.timeout_s);
-  node.getParam("settle_frames", options.settle_frames);
-  node.getParam("radius_m", options.finder.radius_m);
-  node.getParam("max_exposure", options.tuning.limits.max_exposure);
+  if (!read_parameter(node, "camera", options.camera)) throw std::invalid_argument("camera: missing; give its name");
+  read_parameter(node, "output", options.output);
+  read_parameter(node, "timeout_s", options.timeout_s);
+  read_parameter(node, "settle_frames", options.settle_frames);
+  read_parameter(node, "radius_m", options.finder.radius_m);
+  read_parameter(node, "max_exposure", options.tuning.limits.max_exposure);
   options.validate();
   return options;
 }

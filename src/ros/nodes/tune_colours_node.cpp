@@ -13,6 +13,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/Image.h>
 
+#include "read_parameter.h"
 #include "run_node.h"
 #include "ros/image_messages.h"
 #include "ros/tracking_input.h"
@@ -86,14 +87,14 @@ class ColourTuner {
 ColourTuner::ColourTuner(const ros::NodeHandle& options) {
   std::string camera, colour;
   int place = 0;
-  if (!options.getParam("camera", camera)) throw std::invalid_argument("camera: missing; give its name");
-  if (!options.getParam("tracker", tracker_))
+  if (!read_parameter(options, "camera", camera)) throw std::invalid_argument("camera: missing; give its name");
+  if (!read_parameter(options, "tracker", tracker_))
     throw std::invalid_argument("tracker: missing; give the path of the tracker's settings");
-  output_ = options.param("output", tracker_);
+  output_ = text_parameter(options, "output", tracker_);
   settings_ = load_tracker(tracker_);
   std::vector<MarkerColour>& colours = settings_.detector.colours;
-  options.param("colour", colour, colours.empty() ? std::string("marker") : colours.front().name);
-  options.param("range", place, 0);
+  colour = text_parameter(options, "colour", colours.empty() ? "marker" : colours.front().name);
+  read_parameter(options, "range", place);
   colour_ = static_cast<std::size_t>(
       std::find_if(colours.begin(), colours.end(), [&](const MarkerColour& one) { return one.name == colour; }) -
       colours.begin());

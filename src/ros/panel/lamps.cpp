@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
+
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -80,7 +81,7 @@ Lamp Lamps::lamp_of(const std::string& name, const std::string& task, double now
 std::optional<double> Lamps::value_of(const std::string& key, double now_s) const {
   if (lamp_of("", simulation, now_s).level == Lamp::Level::unknown) return std::nullopt;
   for (const auto& value : heard_.at(simulation).status.values)
-    if (value.key == key) return std::atof(value.value.c_str());
+    if (value.key == key) return parse_number<double>(value.value);
   return std::nullopt;
 }
 
@@ -100,7 +101,7 @@ Lamp Lamps::speed(double now_s) const {
   if (lamp.level == Lamp::Level::unknown) return lamp;
   for (const auto& value : heard_.at(simulation).status.values) {
     if (value.key != "real-time factor") continue;
-    const double factor = std::atof(value.value.c_str());
+    const double factor = parse_number<double>(value.value).value_or(0.0);
     lamp.level = factor < 0.9 ? Lamp::Level::warn : Lamp::Level::ok;
     lamp.value = text_of(factor, "%.2f x");
     lamp.reason = "simulated seconds in a second";

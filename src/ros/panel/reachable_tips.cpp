@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
 #include "settings/csv_cells.h"
+#include "settings/limits.h"
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -37,11 +40,10 @@ class Columns {
 };
 
 double number(const std::string& cell) {
-  std::size_t end = 0;
-  const double value = std::stod(cell, &end);
-  if (end != cell.size() || !std::isfinite(value))
-    throw std::invalid_argument("results.csv: '" + cell + "' is no number");
-  return value;
+  const std::optional<double> value = parse_number<double>(cell);
+  if (!value || !(std::abs(*value) <= limits::kNumber))
+    throw std::invalid_argument("results.csv: '" + cell + "' is no number in [-1e12, 1e12]");
+  return *value;
 }
 
 // The columns of what actuators work with: cables by tension, else chambers by pressure.

@@ -2,6 +2,7 @@
 #include "session_panel.h"
 
 #include <algorithm>
+#include <clocale>
 #include <ctime>
 
 #include <QAbstractItemView>
@@ -40,6 +41,7 @@ void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int colum
 }  // namespace
 
 SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
+  std::setlocale(LC_NUMERIC, "C");  // Qt has taken the user's: files and messages have decimal points
   auto* column = new QVBoxLayout(this);
   column->setSpacing(4);
   lamps_ = plain_label("", this);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "settings/find_program.h"
+#include "settings/limits.h"
 #include "settings/read_file.h"
 #include "settings/words.h"
 #include "shell_words.h"
@@ -12,7 +13,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kMostWorkers = 1000;
+constexpr int kMostWorkers = limits::kThreads;
 
 int workers_of(const std::vector<std::string>& line, const std::string& place) {
   if (line.size() > 2) throw std::invalid_argument(place + ": must be a host and its number of workers");

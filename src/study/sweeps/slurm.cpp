@@ -13,6 +13,7 @@
 #include "robot/design/content_hash.h"
 #include "robot/design/timed_process.h"
 #include "settings/find_program.h"
+#include "settings/limits.h"
 #include "settings/read_file.h"
 #include "settings/write_file.h"
 #include "shell_words.h"
@@ -29,7 +30,7 @@ constexpr double kSubmitLimit_s = 120.0;
 constexpr int kMostSilences = 60;             // of squeue, one after the other
 constexpr std::chrono::seconds kLook{1};      // between looks at the files
 constexpr std::chrono::seconds kMostWait{5};  // between questions to Slurm, which begin more often
-constexpr std::uintmax_t kLargestLog_bytes = 1 << 20;
+constexpr std::uintmax_t kLargestLog_bytes = limits::kLog_bytes;
 
 // Complete lines that came into a file since the last look.
 class GrowingFile {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "settings/limits.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
@@ -48,6 +49,6 @@ std::vector<StudyParameter> read_study_parameters(const YamlNode& file, Sampling
 std::string read_scene_path(const YamlNode& file, const std::string& key);
 
 // More would not be kept in memory.
-constexpr int kMostTasks = 1000000;
+constexpr int kMostTasks = limits::kTasks;
 
 }  // namespace soft_robot_lab

@@ -9,6 +9,7 @@
 #include "robot/scene/parameters.h"
 #include "sampling.h"
 #include "settings/find_program.h"
+#include "settings/limits.h"
 #include "settings/read_file.h"
 #include "soft_robot_lab/settings/config_folder.h"
 
@@ -18,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kLargestFile_bytes = std::uintmax_t{4} << 30;
+constexpr std::uintmax_t kLargestFile_bytes = limits::kTaskFile_bytes;
 
 // Our libraries that the programs of tasks may load; not those of this runner. Recordings are read by ROS.
 bool counts(const std::string& library, const std::string& program) {

@@ -9,15 +9,17 @@
 
 #include <poll.h>
 
+#include "settings/limits.h"
+
 namespace soft_robot_lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostSlots = 1000;  // of one command
-constexpr int kMostStarts = 3;            // of a worker that never answers
-constexpr double kGrace_s = 60.0;         // beyond a task's limit, until its worker counts as hung
+constexpr std::size_t kMostSlots = limits::kThreads;  // of one command
+constexpr int kMostStarts = 3;                        // of a worker that never answers
+constexpr double kGrace_s = 60.0;                     // beyond a task's limit, until its worker counts as hung
 
 struct Slot {
   bool ready = false;

@@ -18,6 +18,7 @@
 #include "robot/design/content_cache.h"
 #include "robot/design/timed_process.h"
 #include "settings/find_program.h"
+#include "settings/limits.h"
 #include "settings/read_file.h"
 #include "settings/words.h"
 #include "task.h"
@@ -28,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kLargestResult_bytes = 256u << 20;
+constexpr std::uintmax_t kLargestResult_bytes = limits::kResult_bytes;
 
 std::string text_of(const std::string& file) {
   std::error_code ignored;

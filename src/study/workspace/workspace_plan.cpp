@@ -6,13 +6,14 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "settings/limits.h"
 #include "settings/words.h"
 #include "study/sweeps/sampling.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kMostSamples = 50000;  // each is compared with all others
+constexpr int kMostSamples = limits::kSamples;  // each is compared with all others
 
 StudyParameter parameter_of(const WorkspaceSettings& settings, const Actuator& actuator) {
   const CommandLimits& limits = actuator.limits();

@@ -30,7 +30,7 @@ bool descend(SimulationParts& parts, SolveReport& report);
 struct Nudge {
   Eigen::Matrix3Xd motion_m;
   bool other_side = false;  // which is as easy
-  bool unstable = false;  // what gives way is far softer than the softest motion of the rest shape
+  bool unstable = false;    // what gives way is far softer than the softest motion of the rest shape
 };
 Nudge nudge_off(SimulationParts& parts, const Eigen::Matrix3Xd& way_m);
 

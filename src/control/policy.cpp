@@ -66,6 +66,12 @@ void validate(const CommandPolicy& policy, const CommandLimitsByName& limits) {
   for (size_t i = 0; i < policy.steps.size(); ++i) validate_step(policy, i, limits);
 }
 
+void require_robot(const CommandPolicy& policy, const std::string& robot) {
+  if (policy.robot.empty() || policy.robot == robot) return;
+  refuse("policy.robot: this policy is for '", policy.robot, "', and '", robot,
+         "' runs; leave `robot` out to play it all the same");
+}
+
 CommandPolicy load_policy(const std::string& path) {
   const YamlNode file = YamlNode::load_file(path);
   CommandPolicy policy;
@@ -76,13 +82,16 @@ CommandPolicy load_policy(const std::string& path) {
     for (const YamlNode& value : step.sequence("values")) values.values.push_back(value.as_number());
     policy.steps.push_back(std::move(values));
   }
+  if (file.has("robot")) policy.robot = file.text("robot");
   file.require_all_read();
   return policy;
 }
 
 std::string policy_yaml(const CommandPolicy& policy) {
   std::ostringstream out;
-  out << std::setprecision(17) << "names: [";
+  out << std::setprecision(17);
+  if (!policy.robot.empty()) out << "robot: " << quote(policy.robot) << "\n";
+  out << "names: [";
   for (size_t i = 0; i < policy.names.size(); ++i) out << (i ? ", " : "") << quote(policy.names[i]);
   out << "]\nsteps:\n";
   for (const TimedCommandValues& step : policy.steps) {

@@ -77,6 +77,21 @@ TEST(PolicyValidation, RefusesEachWrongField) {
   }
 }
 
+TEST(Policy, BelongsToItsRobot) {
+  CommandPolicy policy = two_steps();
+  require_robot(policy, "spinebot");
+  policy.robot = "gripper";
+  require_robot(policy, "gripper");
+  try {
+    require_robot(policy, "spinebot");
+    ADD_FAILURE() << "it is the gripper's";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "policy.robot: this policy is for 'gripper', and 'spinebot' runs; leave `robot` out to play it all the same");
+  }
+}
+
 std::string written(const std::string& text) {
   const std::string path = testing::TempDir() + "policy_test.yaml";
   std::ofstream(path) << text;
@@ -86,7 +101,10 @@ std::string written(const std::string& text) {
 TEST(PolicyFile, ReadsWhatItWroteToTheLastDigit) {
   CommandPolicy policy = two_steps();
   policy.steps[0].values[0] = 0.1 + 0.7;
+  EXPECT_EQ(load_policy(written(policy_yaml(policy))).robot, "");
+  policy.robot = "it's: mine";
   const CommandPolicy read = load_policy(written(policy_yaml(policy)));
+  EXPECT_EQ(read.robot, policy.robot);
   EXPECT_EQ(read.names, policy.names);
   ASSERT_EQ(read.steps.size(), 2u);
   for (size_t i = 0; i < 2; ++i) {

@@ -23,6 +23,7 @@ struct TimedCommandValues {
 struct CommandPolicy {
   std::vector<std::string> names;         // of actuators
   std::vector<TimedCommandValues> steps;  // in order of time
+  std::string robot = {};                 // that it is for (robot_name); empty: any
 };
 
 // What a command may be; and how a message about one beyond that ends: which key of the scene moves the limit.
@@ -35,6 +36,9 @@ CommandLimitsByName limits_of(const Simulation& simulation);
 // Throws std::invalid_argument naming field, value and allowed range: no actuator or step, unknown or repeated names,
 // times that do not grow, values that are not one per actuator or outside their limits.
 void validate(const CommandPolicy& policy, const CommandLimitsByName& limits);
+
+// Names of actuators are alike on many robots, forces are not. Throws std::invalid_argument where it is for another.
+void require_robot(const CommandPolicy& policy, const std::string& robot);
 
 // Throws SettingsError: file, line, key. What it says of actuators is checked by validate().
 CommandPolicy load_policy(const std::string& path);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/robot/scene/scene_file.h"
 
+#include <filesystem>
 #include <set>
 
 #include "sections.h"
@@ -20,6 +21,26 @@ bool is_scene_file(const std::string& path) {
   } catch (const SettingsError&) {
     return false;
   }
+}
+
+// What cannot be read is said by those that load it; a circle of files ends where it is met again.
+std::string robot_file(const std::string& scene) {
+  std::string file = std::filesystem::absolute(scene).lexically_normal().string();
+  std::set<std::string> met;
+  try {
+    while (met.insert(file).second) {
+      const std::optional<YamlNode> include = YamlNode::load_file(file).optional_child("include");
+      if (!include) break;
+      file = beside(*include, include->as_text());
+    }
+  } catch (const SettingsError&) {
+  }
+  return file;
+}
+
+std::string robot_name(const std::string& scene) {
+  const std::filesystem::path file = robot_file(scene);
+  return (file.filename() == "robot.yaml" ? file.parent_path().filename() : file.stem()).string();
 }
 
 }  // namespace soft_robot_lab

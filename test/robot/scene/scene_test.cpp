@@ -9,6 +9,7 @@
 
 #include "scene_files.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
+#include "soft_robot_lab/robot/scene/scene_file.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
@@ -94,6 +95,21 @@ run: {mode: dynamic, duration_s: 0.5, record_every_s: 0.1, commands: []}
   ASSERT_EQ(scene.simulation->markers().size(), 1u);  // lists replace
   EXPECT_EQ(scene.run.mode, RunMode::dynamic);
   EXPECT_EQ(scene.run.duration_s, 0.5);
+}
+
+TEST(SceneFile, KnowsItsRobot) {
+  const SceneFolder files;
+  files.write("ball.yaml", "include: ./bar.yaml\n");
+  files.write("table.yaml", "include: ball.yaml\n");
+  files.write("round.yaml", "include: circle.yaml\n");
+  files.write("circle.yaml", "include: round.yaml\n");
+  for (const char* name : {"bar.yaml", "ball.yaml", "table.yaml"}) {
+    EXPECT_EQ(robot_file(files.path(name)), files.path("bar.yaml"));
+    EXPECT_EQ(robot_name(files.path(name)), "bar");
+  }
+  EXPECT_EQ(robot_file(files.path("none.yaml")), files.path("none.yaml"));
+  EXPECT_FALSE(robot_file(files.path("round.yaml")).empty()) << "it ends";
+  EXPECT_EQ(robot_name("/robots/gripper/robot.yaml"), "gripper");
 }
 
 TEST(Scene, AveragesTheVolumeOfLinearElements) {

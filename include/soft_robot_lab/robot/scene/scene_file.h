@@ -9,4 +9,10 @@ namespace soft_robot_lab {
 // meshed.
 bool is_scene_file(const std::string& path);
 
+// The robot's file: the last of those that include one another. The scene itself where it includes none.
+std::string robot_file(const std::string& scene);
+
+// What people call that robot: its folder where the file is a robot.yaml, else the file, without its ending.
+std::string robot_name(const std::string& scene);
+
 }  // namespace soft_robot_lab

@@ -60,8 +60,9 @@ std::vector<std::string> far_targets(const Simulation& simulation, const PolicyT
       const double away_m = (goal.target_m - simulation.markers()[index].rest_position_m()).norm();
       if (!(away_m > kFarthest * size_m)) continue;
       std::ostringstream text;
-      text << "the target of " << goal.marker << " is " << away_m << " m away from it, where the robot is " << size_m
-           << " m large: targets are in metres; are these numbers millimetres?";
+      text.precision(4);
+      text << "the target of " << goal.marker << " is " << 1e3 * away_m << " mm away from it, where the robot is "
+           << 1e3 * size_m << " mm large";
       warnings.push_back(text.str());
     }
   return warnings;

@@ -20,6 +20,7 @@
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/robot/scene/scene.h"
+#include "soft_robot_lab/robot/scene/scene_file.h"
 #ifdef SOFT_ROBOT_LAB_ROBUST
 #include "study/robust/robust_policy.h"
 #include "study/robust/robust_report.h"
@@ -207,7 +208,8 @@ int optimise_on_random_robots(const Arguments& arguments, const SceneOptions& op
   const Randomisation randomisation = read_randomisation(arguments.robust, arguments.robot);
   std::vector<RandomRobot> robots = draw_robots(randomisation, options);
   for (const RandomRobot& robot : robots) robot.simulation->set_interrupt(interrupted);
-  const CommandPolicy policy = policy_for(arguments, robots, task);
+  CommandPolicy policy = policy_for(arguments, robots, task);
+  policy.robot = robot_name(arguments.robot);
   const std::vector<double> distances = distances_m(robots, policy, task.poses.back());
   std::cout << robust_summary(distances);
   if (!arguments.output.empty()) write_robust_report(randomisation, robots, distances, arguments.output);
@@ -233,7 +235,7 @@ int optimise_robot(Arguments& arguments) {
   if (arguments.robust.empty() && (arguments.quantile || !arguments.output.empty()))
     throw std::invalid_argument("--quantile and --output belong to --robust");
   for (const std::string& warning : far_targets(*scene.simulation, arguments.task))
-    std::cerr << "optimise: warning: " << warning << "\n";
+    std::cerr << "optimise: warning: " << warning << ": targets are in metres; are these numbers millimetres?\n";
   heed_interrupts();
   scene.simulation->set_interrupt(interrupted);
   if (!arguments.robust.empty())
@@ -257,6 +259,7 @@ int optimise_robot(Arguments& arguments) {
         },
         scene.reduction ? &scene.reduction->choice : nullptr);
   }
+  answer.policy.robot = robot_name(arguments.robot);
   if (!arguments.tolerance_m) count_as_reached(answer);
   nlohmann::ordered_json result;
   for (size_t i = 0; i < answer.summaries.size(); ++i) {

@@ -40,10 +40,11 @@ ActuatorBounds bounds_of(const ActuatorLimits& asked) {
 std::string outcome(const OptimisationSummary& summary, const Pose& pose) {
   if (!summary.usable || summary.target_reached || summary.stop_reason != "converged") return summary.stop_reason;
   std::ostringstream text;
+  text.precision(4);
   text << summary.stop_reason << "; out of reach by " << 1e3 * summary.final_distance_m << " mm, nearest:";
   for (Eigen::Index k = 0; k < summary.markers_m.cols(); ++k)
-    text << " " << pose.goals[static_cast<size_t>(k)].marker << " at [" << summary.markers_m.col(k).transpose()
-         << "] m";
+    text << " " << pose.goals[static_cast<size_t>(k)].marker << " at [" << 1e3 * summary.markers_m.col(k).transpose()
+         << "] mm";
   for (const std::string& limit : summary.active_limits) text << "; " << limit;
   return text.str();
 }
@@ -117,6 +118,7 @@ double execution_time_limit_s(const ExecutePolicy::Request& request) {
 CommandPolicy from_message(const Policy& message) {
   CommandPolicy policy;
   policy.names = message.names;
+  policy.robot = message.robot;
   for (const PolicyStep& step : message.steps) policy.steps.push_back({step.time_s, step.values});
   return policy;
 }
@@ -124,6 +126,7 @@ CommandPolicy from_message(const Policy& message) {
 Policy to_message(const CommandPolicy& policy) {
   Policy message;
   message.names = policy.names;
+  message.robot = policy.robot;
   for (const TimedCommandValues& step : policy.steps) {
     message.steps.emplace_back();
     message.steps.back().time_s = step.time_s;

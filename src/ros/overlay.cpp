@@ -326,8 +326,9 @@ void draw_error(const MarkerObservations& markers, const Target& target, const O
   const geometry_msgs::Point& to = target.position;
   drawing.line("error", target.marker, {from, to}, 0.5 * options.cable_width_m, error_colour);
   const double distance_m = std::hypot(to.x - from.x, to.y - from.y, to.z - from.z);
-  geometry_msgs::Point place = to;
-  place.z -= options.target_radius_m + options.text_height_m;
+  geometry_msgs::Point place = before_skin(to, options);  // between the arrows that move the target, apart from names
+  place.x += 4.5 * options.text_height_m;
+  place.z += 3.0 * options.text_height_m;
   drawing.text("error_text", target.marker, place, text_of(1000.0 * distance_m, "%.2f mm"));
 }
 
@@ -422,6 +423,12 @@ visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const
   shown_ = drawing.numbers();
   full_tension_n_ = full_tension_n;
   return array;
+}
+
+void Overlay::forget() {
+  simulated_trail_ = {};
+  measured_trail_ = {};
+  full_tension_n_ = 0.0;
 }
 
 }  // namespace soft_robot_lab

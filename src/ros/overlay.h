@@ -59,6 +59,9 @@ class Overlay {
   // finite or not whole; then the next array follows the one before.
   visualization_msgs::MarkerArray draw(const OverlayInputs& inputs, const ros::Time& stamp);
 
+  // Trails and scale begin anew, as another robot's.
+  void forget();
+
  private:
   OverlayOptions options_;
   OverlayNumbers shown_;

@@ -142,6 +142,8 @@ TEST(Overlay, FitsTheScaleOfTensionsToWhatTheRobotShows) {
   EXPECT_EQ(end_of_scale(overlay.draw(loose, ros::Time(1.0))), "1 N");
   EXPECT_EQ(end_of_scale(overlay.draw(inputs(), ros::Time(2.0))), "10 N");
   EXPECT_EQ(end_of_scale(overlay.draw(loose, ros::Time(3.0))), "10 N") << "a scale that shrinks recolours all";
+  overlay.forget();
+  EXPECT_EQ(end_of_scale(overlay.draw(loose, ros::Time(4.0))), "1 N") << "of another robot";
   const Shape bar = shapes_in(inputs(), "tension_scale").at(0);
   EXPECT_EQ(bar.colors.size(), bar.points.size());
 }
@@ -261,6 +263,9 @@ TEST(Overlay, DrawsTheTrailOfTheTipForTenSeconds) {
   const auto later = trail_after(overlay, {{12.5, -0.09}});
   ASSERT_EQ(later.size(), 2u) << "what is older is forgotten";
   EXPECT_EQ(later.front().z, -0.098);
+  overlay.forget();
+  EXPECT_EQ(trail_after(overlay, {{12.6, -0.08}}).size(), 0u) << "of another robot";
+  trail_after(overlay, {{12.7, -0.09}});
   EXPECT_EQ(trail_after(overlay, {{5.0, -0.1}}).size(), 0u) << "the clock went back";
 }
 

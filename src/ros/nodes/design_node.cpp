@@ -72,8 +72,10 @@ class DesignNode {
   DesignNode() {
     options_.actuator_factory = actuators_from_plugins();
     ros::NodeHandle node;
-    scene_subscriber_ =
-        node.subscribe<std_msgs::String>(topics::simulator_scene, 1, [this](const auto& path) { scene_ = path->data; });
+    scene_subscriber_ = node.subscribe<std_msgs::String>(topics::simulator_scene, 1, [this](const auto& path) {
+      if (!scene_.empty() && scene_ != path->data) skin_.publish(no_skin(kSkin));  // of a robot that is gone
+      scene_ = path->data;
+    });
     service_ = node.advertiseService(topics::check_design, &DesignNode::on_request, this);
   }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include <ros/ros.h>
+#include <std_msgs/String.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_broadcaster.h>
 
@@ -44,6 +45,7 @@ class OverlayNode {
         node.subscribe(topics::simulator_actuators, 1, &OverlayNode::on_actuators, this),
         node.subscribe(topics::controller_target, 1, &OverlayNode::on_target, this),
         node.subscribe(topics::simulator_contacts, 1, &OverlayNode::on_contacts, this),
+        node.subscribe(topics::simulator_scene, 1, &OverlayNode::on_scene, this),
     };
     const std::string camera = text_parameter(ros::NodeHandle("~"), "camera");
     if (camera.empty()) return;
@@ -92,7 +94,17 @@ class OverlayNode {
     if (is_in_limits<Contacts>(contacts)) inputs_.contacts = contacts;
   }
   void on_target(const Target& target) {
-    if (is_in_limits<Target>(target)) inputs_.target = target;
+    if (!is_in_limits<Target>(target)) return;
+    inputs_.target = target;
+    if (target.marker.empty()) inputs_.target.reset();
+  }
+  // Nothing stays of another robot but what cameras see. The first one's target may have been heard before.
+  void on_scene(const std_msgs::String& scene) {
+    if (!scene_.empty()) {
+      inputs_ = OverlayInputs{{}, inputs_.measured, {}, {}, {}, {}};
+      overlay_.forget();
+    }
+    scene_ = scene.data;
   }
   void on_info(const CameraInfo& info) { info_ = info; }
   void on_surface(const visualization_msgs::Marker& surface) { surface_ = surface; }
@@ -133,6 +145,7 @@ class OverlayNode {
   }
 
   static constexpr double period_s = 1.0 / 15.0;
+  std::string scene_;
   OverlayInputs inputs_;
   Overlay overlay_;
   GapMeter gap_{[this](const RealityGap& gap) { on_gap(gap); }};

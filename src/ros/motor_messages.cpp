@@ -47,13 +47,14 @@ void diagnose_motors(const MotorDriver& driver, diagnostic_updater::DiagnosticSt
   using Status = diagnostic_msgs::DiagnosticStatus;
   const auto motors = driver.motors();
   status.summary(Status::OK, "linked");
-  if (driver.emergency_stopped()) status.mergeSummary(Status::ERROR, "emergency stop");
+  if (driver.emergency_stopped())
+    status.mergeSummary(Status::WARN, "stopped; Clear (motor/clear) lets the motors move");
   if (!driver.ready()) {
     status.mergeSummary(Status::ERROR, "no link: " + driver.link_failure());
   } else {
     for (std::size_t i = 0; i < motors.size(); ++i) {
       const std::string name = driver.rig().motors[i].name + ": ";
-      const bool fault = (motors[i].flags & (wire::fault_flags | wire::flag_emergency_stop)) != 0;
+      const bool fault = (motors[i].flags & wire::fault_flags) != 0;
       if (fault) status.mergeSummary(Status::ERROR, name + motors[i].fault);
       if (!fault && !motors[i].known) status.mergeSummary(Status::WARN, name + motors[i].fault);
       if ((motors[i].flags & wire::flag_thermal_warning) != 0) status.mergeSummary(Status::WARN, name + "gets hot");

@@ -21,26 +21,33 @@ inline void print_warnings(const std::string& program, const Scene& scene) {
   for (const SolveWarning& warning : scene.warnings) print_warning(program, warning);
 }
 
-// Those of a run that were not said of its scene.
+// Those that were not said of the scene.
 inline void print_new_warnings(const std::string& program, const Scene& scene,
-                               const std::vector<SolveWarning>& of_run) {
-  for (const SolveWarning& warning : of_run)
+                               const std::vector<SolveWarning>& warnings) {
+  for (const SolveWarning& warning : warnings)
     if (std::none_of(scene.warnings.begin(), scene.warnings.end(),
                      [&](const SolveWarning& said) { return said.text == warning.text; }))
       print_warning(program, warning);
 }
 
-// With a bar where a reduced model is trained, or a mesh is judged. Warnings of the scene are printed.
+// With a bar where a reduced model is trained, or a mesh is judged. Warnings of the scene are printed, as far as they
+// are known before that.
 inline Scene load_with_bar(const std::string& program, const std::string& file, SceneOptions options) {
   std::optional<ProgressBar> bar;
+  Scene said;
   options.knows_reduced = true;
   options.progress = [&](double fraction, const std::string& what) {
     if (!bar) bar.emplace(program);
     bar->show(fraction, what);
   };
+  options.on_warnings = [&](const std::vector<SolveWarning>& warnings) {
+    bar.reset();
+    print_new_warnings(program, said, warnings);
+    said.warnings.insert(said.warnings.end(), warnings.begin(), warnings.end());
+  };
   Scene scene = load_scene(file, options);
   bar.reset();
-  print_warnings(program, scene);
+  print_new_warnings(program, said, scene.warnings);
   return scene;
 }
 

@@ -114,6 +114,7 @@ std::vector<std::vector<double>> judged_commands(const Simulation& simulation, c
 MeshError estimate_mesh_error(const YamlNode& settings, const TetMesh& mesh, const SceneOptions& options) {
   MeshError error;
   Scene coarse = build_scene(settings, mesh, options);
+  if (options.on_warnings) options.on_warnings(coarse.warnings);
   const TetMesh& whole = coarse.simulation->body().mesh();
   const std::vector<int> surface = surface_nodes(whole);
   const std::vector<SimulationState> states = furthest(rest_states(coarse, error.trouble), whole, surface);

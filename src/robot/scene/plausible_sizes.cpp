@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kShortest_m = 1e-3, kLongest_m = 2.0;  // of a body, along its longest axis
 constexpr double kSoftest_pa = 1e3;                     // a tenth of the softest silicone that is cast
+constexpr double kMostMegapascals = 20.0;               // of what is cast; a larger number was rather meant in kPa
 constexpr double kLongestStalk = 1.0;                   // times the body's size
 constexpr double kLargestGravity_m_s2 = 50.0;           // five times the earth's
 constexpr double kEarth_m_s2 = 9.81;
@@ -39,10 +40,12 @@ void check_material(const YamlNode& node, std::vector<SolveWarning>& warnings) {
   const std::optional<YamlNode> stated = stated_modulus(node);
   if (modulus_pa >= kSoftest_pa || !stated) return;
   const std::string path = stated->path(), key = path.substr(path.rfind('.') + 1);
+  const bool megapascals = modulus_pa < kMostMegapascals;
   std::ostringstream text;
   text << "Young's modulus is " << modulus_pa << " Pa, where silicones have " << kSoftest_pa << " Pa and more: if "
-       << key << " was given in MPa, multiply it by 1e6: did you mean " << path << ": "
-       << format_number(1e6 * stated->as_number()) << "? A `stiffness_ratio` beside it says that it is meant";
+       << key << " was given in " << (megapascals ? "MPa, multiply it by 1e6" : "kPa, multiply it by 1000")
+       << ": did you mean " << path << ": " << format_number((megapascals ? 1e6 : 1e3) * stated->as_number())
+       << "? A `stiffness_ratio` beside it says that it is meant";
   warnings.push_back(scene_warning("implausible_stiffness", text.str(), modulus_pa, "Pa"));
 }
 

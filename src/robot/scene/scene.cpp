@@ -53,6 +53,7 @@ Scene load_scene(const YamlNode& node, const SceneOptions& options) {
   read_casting_settings(settings);
   const std::optional<ReducedRequest> request = read_reduced(settings, scene);
   settings.require_all_read();
+  if (request && options.on_warnings) options.on_warnings(scene.warnings);
   if (request) scene.reduction = reduce(settings, scene, *request, options);
   scene.file = node.source();
   scene.fidelity = std::move(fidelity);

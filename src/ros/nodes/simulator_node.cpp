@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -208,11 +209,17 @@ void SimulatorNode::publish_frames() {
 }
 
 std::unique_ptr<RunningScene> SimulatorNode::prepare(const std::string& path) const {
-  auto scene = std::make_unique<RunningScene>(load_scene(path, scene_options_), options_.skin_opacity);
+  std::set<std::string> said;
+  SceneOptions scene_options = scene_options_;
+  scene_options.on_warnings = [&](const std::vector<SolveWarning>& warnings) {
+    for (const SolveWarning& warning : warnings)
+      if (said.insert(warning.text).second) ROS_WARN("%s: %s", path.c_str(), log_text(warning.text).c_str());
+  };
+  auto scene = std::make_unique<RunningScene>(load_scene(path, scene_options), options_.skin_opacity);
   if (!options_.rig.empty()) require_same_commands(*scene->simulation, path, load_rig(options_.rig), options_.rig);
   const TetMesh& mesh = scene->simulation->body().mesh();
   ROS_INFO("%s: %d elements, %d nodes", path.c_str(), mesh.tet_count(), mesh.node_count());
-  for (const SolveWarning& warning : scene->warnings) ROS_WARN("%s: %s", path.c_str(), log_text(warning.text).c_str());
+  scene_options.on_warnings(scene->warnings);
   if (scene->fidelity) {
     ROS_INFO("%s: %s", path.c_str(), summary(*scene->fidelity).c_str());
     if (!scene->fidelity->met)

@@ -83,6 +83,19 @@ TEST(Simulate, SaysFirstWhatIsKnownWhenTheFileIsRead) {
             "implausible_stiffness");
 }
 
+// Before what may last minutes, and once.
+TEST(Simulate, WarnsBeforeItTrains) {
+  const SceneFolder folder;
+  const std::string scene = folder.write("odd.yaml", R"(include: bar.yaml
+gravity_m_s2: [0, -60, 0]
+solver: {method: reduced, modes: 1, tolerance_m: 1, commands: {left: [0.99, 1], right: [0.99, 1]}}
+)");
+  const Outcome outcome = simulate(folder, scene + " --result " + folder.path("result.json"));
+  const std::string words = "simulate: warning: gravity_m_s2 is 60 m/s2 long";
+  EXPECT_EQ(outcome.err.find(words), 0u) << outcome.err;
+  EXPECT_EQ(outcome.err.rfind(words), 0u) << outcome.err;
+}
+
 TEST(Simulate, WritesTheSameBytesTwiceButForTheTime) {
   const SceneFolder folder;
   const auto without_time = [](const std::string& text) {

@@ -122,6 +122,8 @@ TEST(Sizes, ImplausibleOnesAreWarnedOf) {
        "did you mean body.material.youngs_modulus_pa: 264200? A `stiffness_ratio` beside it says that it is meant"},
       {"include: bar.yaml\nbody: {material: {model: yeoh, c1_pa: 0.044}}", "implausible_stiffness",
        "if c1_pa was given in MPa, multiply it by 1e6: did you mean body.material.c1_pa: 44000?"},
+      {"include: bar.yaml\nbody: {material: {youngs_modulus_pa: 264.2}}", "implausible_stiffness",
+       "was given in kPa, multiply it by 1000: did you mean body.material.youngs_modulus_pa: 264200?"},
       {"include: bar.yaml\nbody: {material: {model: mooney_rivlin, c10_pa: 0.044, c01_pa: 0}}", "implausible_stiffness",
        "did you mean body.material.c10_pa: 44000?"},
       {"include: bar.yaml\nbodies: [{name: second, solid: {sphere: {radius_m: 0.01, center_m: [0, 0.1, 0]}}, "
@@ -228,6 +230,27 @@ TEST(Sizes, WarningsReachTheReportOfARun) {
   const RunReport report = run_scene(scene);
   ASSERT_EQ(report.solve.warnings.size(), 1u);
   EXPECT_EQ(report.solve.warnings[0].kind, "implausible_stalk");
+}
+
+// An interrupt ends what follows the warnings, so that they came first.
+TEST(Sizes, WarningsComeBeforeAMeshIsJudgedOrAModelTrained) {
+  const SceneFolder folder;
+  const std::string odd = "include: bar.yaml\ngravity_m_s2: [0, -60, 0]\n";
+  for (const std::string& more :
+       {std::string("solver: {method: reduced, commands: {left: [0.9, 1], right: [0.9, 1]}}\n"),
+        std::string("fidelity: {tolerance_m: 1, max_nodes: 300}\n")}) {
+    SceneOptions options = with_mesher();
+    std::vector<SolveWarning> seen;
+    options.knows_reduced = true;
+    options.on_warnings = [&](const auto& warnings) { seen = warnings; };
+    options.interrupt = [&] { return !seen.empty(); };
+    try {
+      load_scene(folder.write("odd.yaml", odd + more), options);
+    } catch (const std::exception&) {  // as it is interrupted
+    }
+    ASSERT_FALSE(seen.empty()) << more;
+    EXPECT_EQ(seen[0].kind, "implausible_gravity");
+  }
 }
 
 TEST(Sizes, APartTooSmallForTheKernelIsNamed) {

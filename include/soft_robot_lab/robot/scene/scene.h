@@ -57,9 +57,11 @@ struct SceneOptions {
   ActuatorFactory actuator_factory;
   bool knows_reduced = false;  // runs the scene by run_scene; otherwise method reduced is refused
   std::function<void(double, const std::string&)> progress;  // of training, and of judging a mesh, 0 to 1; may be empty
-  bool estimate_error = false;                               // judge the scene as it is (scene/fidelity.h)
-  Overrides overrides;                                       // laid over the file, as a file that includes it would be
-  std::function<void(TetMesh&)> change_mesh;                 // applied before anything binds to the mesh; may be empty
+  // Before a model is trained or a mesh is judged, with what is odd about the scene as it is read; may be empty.
+  std::function<void(const std::vector<SolveWarning>&)> on_warnings = {};
+  bool estimate_error = false;                // judge the scene as it is (scene/fidelity.h)
+  Overrides overrides;                        // laid over the file, as a file that includes it would be
+  std::function<void(TetMesh&)> change_mesh;  // applied before anything binds to the mesh; may be empty
   // Asked while the scene is meshed, judged or trained for, and by its simulation's solves (Simulation::set_interrupt),
   // from every thread that loads it: true ends them. Empty: never.
   std::function<bool()> interrupt = {};

@@ -44,7 +44,12 @@ bool PolicySearch::cancel() {
   return true;
 }
 
-void PolicySearch::publish_target(const MarkerGoal& goal) const {
+void PolicySearch::forget_target() {
+  if (has_target_.exchange(false)) publish_target({});
+}
+
+void PolicySearch::publish_target(const MarkerGoal& goal) {
+  has_target_ = !goal.marker.empty();
   Target target;
   target.header.stamp = ros::Time::now();
   target.header.frame_id = robot_frame();

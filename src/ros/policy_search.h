@@ -31,12 +31,16 @@ class PolicySearch {
   // Within a solve too. False where nothing is searched for; the answer then has the poses found so far.
   bool cancel();
 
+  // Another robot runs: controller/target then names no marker. Nothing where nothing was searched for.
+  void forget_target();
+
  private:
-  void publish_target(const MarkerGoal& goal) const;
+  void publish_target(const MarkerGoal& goal);
   void publish_progress(const std::string& method, const std::string& marker, const std::vector<std::string>& actuators,
                         const OptimisationProgress& progress) const;
 
   ros::Publisher progress_publisher_, target_publisher_;
+  std::atomic<bool> has_target_{false};
   std::atomic<bool> searching_{false};
   std::atomic<bool> cancelled_{false};
 };

@@ -20,8 +20,11 @@ constexpr char simulator_pull[] = "simulator/pull";            // pulls at the s
 constexpr char simulator_scene[] = "simulator/scene";          // std_msgs/String, latched: path of the scene that runs
 constexpr char controller_progress[] = "controller/progress";
 constexpr char controller_target[] = "controller/target";     // latched: what the last accepted request asked for
-constexpr char controller_goal[] = "controller/goal";         // geometry_msgs/PoseStamped: where a marker shall go
-constexpr char controller_ghost[] = "controller/ghost";       // latched: where the policy that was found last leads
+constexpr char target_answer[] = "controller/target_answer";  // OptimisePolicyResult: of a target that was let go
+constexpr char target_shown[] =
+    "controller/target_shown";                           // Target: where the ball to drag shall stand, not sought yet
+constexpr char controller_goal[] = "controller/goal";    // geometry_msgs/PoseStamped: where a marker shall go
+constexpr char controller_ghost[] = "controller/ghost";  // latched: where the policy that was found last leads
 constexpr char controller_preview[] = "controller/preview";   // latched: where the present commands lead
 constexpr char target_marker[] = "controller/target_marker";  // an interactive marker
 constexpr char design_casting[] = "design/casting";           // latched: skin coloured by what casting says of it

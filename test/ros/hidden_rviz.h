@@ -24,6 +24,7 @@ class HiddenRviz {
   // the robot needs.
   explicit HiddenRviz(const std::string& config) : config_(copy_that_draws_seldom(config)), process_(fork()) {
     if (process_ == 0) {
+      setenv("ROS_HOME", home().c_str(), 1);  // where the panel keeps poses
       setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
       setenv("MALLOC_PERTURB_", "165", 1);  // what uses memory that it gave back, crashes
       execlp("rviz", "rviz", "--disable-anti-aliasing", "-d", config_.c_str(), "__name:=panel_rviz", nullptr);
@@ -40,7 +41,10 @@ class HiddenRviz {
   ~HiddenRviz() {
     end();
     std::filesystem::remove(config_);
+    std::filesystem::remove_all(home());
   }
+
+  std::string home() const { return config_ + "_home"; }
 
   // As Ctrl-C does; its status, as waitpid gives it. Takes 10 s at most.
   int end() {

@@ -2,10 +2,14 @@
 // What the panel knows beside actuators: lamps, poses, and services that are asked on threads.
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "ros/panel/calls.h"
 #include "ros/panel/framing.h"
@@ -14,6 +18,7 @@
 #include "ros/panel/lamps.h"
 #include "ros/panel/poses.h"
 #include "ros/panel/reachable_tips.h"
+#include "ros/panel/robot_choices.h"
 #include "ros/panel/turn_watch.h"
 
 namespace soft_robot_lab {
@@ -103,6 +108,30 @@ TEST(History, KeepsTheLastSecondsOfATipThatMoves) {
   EXPECT_TRUE(history.curves("tension [N]").empty());
 }
 
+TEST(History, ZoomsNoNearerThanItsNoiseMatters) {
+  History history;
+  EXPECT_EQ(history.range("tip [mm]"), std::pair(-0.5, 0.5)) << "of nothing";
+  MarkerObservations markers;
+  markers.names = {"tip"};
+  markers.positions.resize(1);
+  ActuatorState state;
+  state.cables.resize(1);
+  state.chambers.resize(1);
+  for (const int i : {0, 1}) {
+    state.header.stamp = markers.header.stamp = ros::Time(100.0 + i);
+    markers.positions[0].x = 1e-7 * i;
+    state.cables[0].tension_n = 3.0 + 1e-6 * i;
+    state.chambers[0].gauge_pressure_pa = 2000.0 * i;
+    history.add(markers, "tip");
+    history.add(state);
+  }
+  EXPECT_NEAR(history.range("tip [mm]").first, -0.5, 1e-4);
+  EXPECT_NEAR(history.range("tip [mm]").second, 0.5, 1e-3);
+  EXPECT_NEAR(history.range("tension [N]").first, 2.95, 1e-5);
+  EXPECT_NEAR(history.range("tension [N]").second, 3.05, 1e-5);
+  EXPECT_EQ(history.range("pressure [kPa]"), std::pair(0.0, 2.0)) << "what is larger fills it";
+}
+
 TEST(Lamps, TurnGreyInSilence) {
   Lamps lamps;
   lamps.add(diagnosis("simulator: simulation", 0, "runs", "1"), 0.0);
@@ -179,6 +208,14 @@ TEST(Poses, LeaveOutLinesThatCannotBeRead) {
 }
 
 // Names of actuators are alike on many robots, forces are not.
+TEST(Poses, AreInTheUnitOfTheCommand) {
+  std::vector<ActuatorRow> shown = rows(0.9, 1.1);
+  shown[0].command_per_unit = 1000.0;  // kPa
+  Poses poses;
+  poses.store("bent", shown);
+  EXPECT_EQ(poses.policy("bent", shown, 1.0).steps[0].values, (std::vector<double>{900.0, 1.1}));
+}
+
 TEST(Poses, BelongToTheRobotTheyWereStoredFor) {
   Poses poses, again;
   poses.read("old: left=0.95");
@@ -199,12 +236,47 @@ TEST(Poses, BelongToTheRobotTheyWereStoredFor) {
   EXPECT_EQ(again.policy("bent", rows(1, 1), 1.0).steps[0].values, (std::vector<double>{1.2, 1.2}));
 }
 
+TEST(Poses, AreKeptInAFileOfTheUserForAllScenesOfARobot) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / ("poses_" + std::to_string(getpid()));
+  fs::create_directories(folder / "arm");
+  std::ofstream(folder / "arm/robot.yaml") << "body: {}\n";
+  std::ofstream(folder / "arm/ball.yaml") << "include: robot.yaml\n";
+  const std::string file = folder / "new/poses.txt";
+  Poses poses, again;
+  poses.read_file(file);
+  EXPECT_TRUE(poses.names().empty()) << "there is none yet";
+  poses.set_scene(folder / "arm/robot.yaml");
+  poses.store("bent", rows(0.9, 1.1));
+  poses.write_file(file);
+  again.set_scene(folder / "arm/ball.yaml");
+  again.read_file(file);
+  ASSERT_EQ(again.names(), std::vector<std::string>{"bent"});
+  EXPECT_EQ(again.policy("bent", rows(1, 1), 1.0).robot, "arm");
+  again.set_scene(folder / "arm/other.yaml");
+  EXPECT_TRUE(again.names().empty());
+  fs::remove_all(folder);
+}
+
 TEST(Poses, MoveOnlyActuatorsThatTheRobotHas) {
   Poses poses;
   poses.read("other: left=0.2 tail=3\nalien: tail=3");
   EXPECT_EQ(poses.policy("other", rows(1, 1), 1.0).steps[0].values, std::vector<double>{0.7});  // within its limits
   EXPECT_THROW(poses.policy("alien", rows(1, 1), 1.0), std::invalid_argument);
   EXPECT_THROW(poses.policy("unknown", rows(1, 1), 1.0), std::invalid_argument);
+}
+
+TEST(RobotChoices, OfferTheScenesOfEachRobot) {
+  std::set<std::string> labels;
+  for (const auto& [label, file] : robot_choices(SOFT_ROBOT_LAB_SOURCE "/config/robots")) {
+    EXPECT_TRUE(labels.insert(label).second) << label;
+    EXPECT_EQ(label_of(file), label);
+  }
+  for (const char* label : {"gripper", "gripper: ball", "spinebot", "spinebot: touching", "bubblebot: fine"})
+    EXPECT_EQ(labels.count(label), 1u) << label;
+  EXPECT_EQ(labels.count("spinebot: motors"), 0u);
+  EXPECT_EQ(labels.count("spinebot: random"), 0u);
+  EXPECT_TRUE(robot_choices("/nowhere").empty());
 }
 
 std::vector<CallOutcome> outcomes_of(Calls& calls) {

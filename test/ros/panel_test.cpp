@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <future>
 #include <memory>
 #include <optional>
@@ -18,9 +19,12 @@
 #include <ros/ros.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/OptimisePolicy.h>
+#include <soft_robot_lab/OptimisePolicyResult.h>
 #include <std_msgs/Bool.h>
+#include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
 #include <sys/resource.h>
+#include <visualization_msgs/InteractiveMarkerInit.h>
 #include <visualization_msgs/Marker.h>
 
 #include "hidden_rviz.h"
@@ -124,6 +128,10 @@ TEST_F(Panel, StoresAPoseAndPlaysIt) {
   rviz_->press("alt+t");
   ASSERT_TRUE(press_until("alt+r", [&] { return at_rest_commands(); }));
   EXPECT_TRUE(press_until("alt+y", [&] { return commands_ == pose; }));
+  std::ifstream kept(rviz_->home() + "/soft_robot_lab/poses.txt");
+  std::string line;
+  EXPECT_TRUE(std::getline(kept, line)) << "in the user's folder";
+  EXPECT_NE(line.find("cable_bar.yaml"), std::string::npos) << line;
 }
 
 TEST_F(Panel, ExecutesWhatWasFoundForAPoseAndShowsItsGhostBefore) {
@@ -198,6 +206,184 @@ TEST_F(Panel, KeepsATargetThatItHearsOfBeforeItsRobot) {
   ASSERT_TRUE(hears([&] { return link.values().rows().size() == 2; }));
   ASSERT_TRUE(link.target("tip"));
   EXPECT_EQ(link.target("tip")->x, 0.03);
+}
+
+// A session of another namespace, of which this test is all nodes.
+class Elsewhere : public testing::Test {
+ protected:
+  template <typename Condition>
+  bool hears(const Condition& condition, double limit_s = patience_s) {
+    const auto listened = [&] {
+      link_.listen();
+      for (const CallOutcome& outcome : link_.take_outcomes())
+        if (!outcome.title.empty()) outcomes_.push_back(outcome);
+      return condition();
+    };
+    return spin_until(listened, limit_s);
+  }
+  template <typename Message>
+  ros::Publisher latched(const std::string& topic) {
+    return elsewhere_.advertise<Message>(topic, 1, true);
+  }
+  static ActuatorRanges ranges_at(double time_s) {
+    ActuatorRanges ranges;
+    ranges.header.stamp = ros::Time(time_s);
+    ranges.names = {"left"};
+    ranges.units = {"1"};
+    ranges.rests = {1.0};
+    ranges.mins = {0.7};
+    ranges.maxs = {1.3};
+    return ranges;
+  }
+  static MarkerObservations tip_at(double time_s, double x_m) {
+    MarkerObservations markers;
+    markers.header.stamp = ros::Time(time_s);
+    markers.names = {"tip"};
+    markers.positions.resize(1);
+    markers.positions[0].x = x_m;
+    return markers;
+  }
+  const CallOutcome* last(const std::string& title) const {
+    const CallOutcome* found = nullptr;
+    for (const CallOutcome& outcome : outcomes_)
+      if (outcome.title == title) found = &outcome;
+    return found;
+  }
+
+  ros::NodeHandle elsewhere_{"elsewhere"};
+  PanelLink link_{"elsewhere"};
+  std::vector<CallOutcome> outcomes_;
+};
+
+TEST_F(Elsewhere, NothingIsShownOfARobotThatIsGone) {
+  ros::Publisher scenes = latched<std_msgs::String>(topics::simulator_scene);
+  ros::Publisher ranges = latched<ActuatorRanges>(topics::simulator_ranges);
+  ros::Publisher markers = latched<MarkerObservations>(topics::simulator_markers);
+  ros::Publisher targets = latched<Target>(topics::controller_target);
+  std_msgs::String scene;
+  scene.data = "/robots/one.yaml";
+  Target target;
+  target.marker = "tip";
+  target.position.x = 0.5;
+  link_.plot("tip");
+  scenes.publish(scene);
+  ranges.publish(ranges_at(10.0));
+  ASSERT_TRUE(hears([&] { return link_.robots() > 0 && link_.scene() == scene.data; }));
+  markers.publish(tip_at(11.0, 0.01));
+  targets.publish(target);
+  ASSERT_TRUE(hears([&] { return link_.target_marker() == "tip" && !link_.history().titles().empty(); }));
+  EXPECT_EQ(link_.target("tip")->x, 0.5);
+
+  const int before = link_.robots();
+  scene.data = "/robots/two.yaml";
+  scenes.publish(scene);
+  ranges.publish(ranges_at(20.0));
+  ASSERT_TRUE(hears([&] { return link_.robots() >= before + 2; }));
+  EXPECT_FALSE(link_.target("tip"));
+  EXPECT_TRUE(link_.markers().empty());
+  EXPECT_TRUE(link_.history().titles().empty());
+  markers.publish(tip_at(19.99, 0.01));  // of the first robot, and late
+  EXPECT_FALSE(hears([&] { return link_.target("tip").has_value(); }, 0.5));
+  markers.publish(tip_at(20.01, 0.02));
+  ASSERT_TRUE(hears([&] { return link_.target("tip").has_value(); }));
+  EXPECT_EQ(link_.target("tip")->x, 0.02);
+
+  target.marker.clear();  // as the controller says it
+  const int heard = link_.targets();
+  targets.publish(target);
+  ASSERT_TRUE(hears([&] { return link_.targets() > heard; }));
+  EXPECT_EQ(link_.target_marker(), "");
+}
+
+TEST_F(Elsewhere, SaysWhatCameOfATargetThatIsLetGo) {
+  ros::Publisher answers = latched<OptimisePolicyResult>(topics::target_answer);
+  OptimisePolicyResult answer;
+  answer.success = true;
+  answer.message = "converged";
+  answer.summary.final_distance_m = 0.00123;
+  answer.summary.iterations = 4;
+  answers.publish(answer);
+  ASSERT_TRUE(hears([&] { return last("Target"); }));
+  EXPECT_TRUE(last("Target")->success);
+  EXPECT_EQ(last("Target")->message, "1.23 mm from the target after 4 iterations. converged; Execute goes there");
+  answer.success = false;
+  answer.message = "no rest state";
+  answers.publish(answer);
+  ASSERT_TRUE(hears([&] { return !last("Target")->success; }));
+  EXPECT_EQ(last("Target")->message, "no rest state");
+}
+
+// What a user stops has not failed, and drives that are to hold are none that move alone.
+TEST_F(Elsewhere, OnesOwnStopIsNoFault) {
+  std::atomic<bool> stopped{false};
+  const auto trigger = [&](const std::string& name) {
+    return elsewhere_.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
+        name, [&](auto&, auto& response) { return stopped = true, response.success = true; });
+  };
+  const ros::ServiceServer stop = trigger(topics::motor_stop), cancel = trigger(topics::cancel_policy);
+  const ros::ServiceServer execute = elsewhere_.advertiseService<ExecutePolicy::Request, ExecutePolicy::Response>(
+      topics::execute_policy, [&](auto&, auto& response) {
+        while (!stopped && ros::ok()) ros::WallDuration(0.01).sleep();
+        response.message = "fault: emergency stop; clear it with motor/clear";
+        return true;
+      });
+  ros::AsyncSpinner answering(2);
+  ros::Publisher motors = latched<MotorState>(topics::motor_state);
+  ros::Publisher ranges = latched<ActuatorRanges>(topics::simulator_ranges);
+  ros::Publisher states = latched<ActuatorState>(topics::simulator_actuators);
+  MotorState motor;
+  motor.linked = true;
+  motors.publish(motor);
+  ranges.publish(ranges_at(10.0));
+  ActuatorState state;
+  state.header.stamp = ros::Time(11.0);
+  state.names = {"left"};
+  state.commands = {0.8};
+  state.actuated_commands = {0.9};
+  ASSERT_TRUE(hears([&] { return link_.robots() > 0 && link_.offers(topics::motor_stop); }));
+  states.publish(state);
+  ASSERT_TRUE(hears([&] { return link_.values().rows()[0].shown == 0.8; }));
+  answering.start();
+  link_.execute();
+  motor.emergency_stop = true;
+  motors.publish(motor);
+  link_.stop();
+  const auto listen_only = [&](const std::string& title) {
+    const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(patience_s);
+    while (!last(title) && ros::WallTime::now() < limit) {
+      link_.listen();
+      for (const CallOutcome& outcome : link_.take_outcomes()) outcomes_.push_back(outcome);
+      ros::WallDuration(0.01).sleep();
+    }
+    return last(title) != nullptr;
+  };
+  ASSERT_TRUE(listen_only("Execute"));
+  ASSERT_TRUE(listen_only("Stop"));
+  for (const CallOutcome& outcome : outcomes_) EXPECT_TRUE(outcome.success) << outcome.title << outcome.message;
+  EXPECT_EQ(last("Execute")->message, "ended by Stop");
+  EXPECT_EQ(last("Move"), nullptr);
+  link_.values().edit("left", 1.1, PanelLink::now_s());  // now by hand
+  ASSERT_TRUE(listen_only("Move"));
+  EXPECT_FALSE(last("Move")->success);
+  EXPECT_EQ(last("Move")->message, "the simulation alone moves: the motors hold until Clear");
+}
+
+TEST_F(Panel, ShowsTheTargetThatIsChosen) {
+  const auto shown_x_m = [&] {
+    return hear<visualization_msgs::InteractiveMarkerInit>(node_, std::string(topics::target_marker) + "/update_full");
+  };
+  const auto ball_m = [&] { return shown_x_m()->markers.at(0).pose.position.x; };
+  const double before_m = ball_m();
+  ros::Publisher shown = node_.advertise<Target>(topics::target_shown, 1, true);
+  Target target;
+  target.marker = "tip";
+  target.position = to_message(Eigen::Vector3d(before_m + 0.011, 0.0, -0.09));
+  shown.publish(target);
+  EXPECT_TRUE(spin_until([&] { return std::abs(ball_m() - before_m - 0.011) < 1e-9; }, patience_s));
+  target.marker = "nose";
+  target.position.x += 1.0;
+  shown.publish(target);
+  EXPECT_FALSE(spin_until([&] { return std::abs(ball_m() - target.position.x) < 1e-9; }, 1.0)) << "there is no nose";
 }
 
 TEST_F(Panel, OptimisesForTheTargetThatItShows) {

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Names and messages that look like HTML are shown as they are. Qt would open the files that they name: a FIFO for
-// ever.
+// ever. And what is drawn of numbers.
 #include "ros/panel/plain_text.h"
 
 #include <string>
 
 #include <QApplication>
+#include <QComboBox>
+#include <QImage>
 #include <QTextDocument>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "ros/panel/actuator_editor.h"
+#include "ros/panel/plot_view.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -46,6 +49,59 @@ TEST_F(PanelText, HintsAndLampsHoldNoHtmlOfOthers) {
     EXPECT_FALSE(text.contains("<img")) << text.toStdString();
     EXPECT_TRUE(text.contains("&lt;img"));
   }
+}
+
+// Of the colour of what is filled, left and right of rest.
+std::pair<int, int> filled_beside_rest(double shown) {
+  RestSlider slider(nullptr);
+  slider.setRange(0, 80);
+  slider.set_rest(30);
+  slider.setValue(static_cast<int>(80 * shown));
+  slider.resize(300, 30);
+  const QImage image = slider.grab().toImage();
+  const QColor wanted = slider.palette().highlight().color();
+  const int rest_px = image.width() * 30 / 80, y = image.height() / 2;
+  std::pair<int, int> filled;
+  for (int x = 0; x < image.width(); ++x)
+    if (image.pixelColor(x, y) == wanted) ++(x < rest_px ? filled.first : filled.second);
+  return filled;
+}
+
+TEST(PanelSlider, IsFilledFromRestToWhereItStands) {
+  const auto [less_left, less_right] = filled_beside_rest(0.1);
+  const auto [more_left, more_right] = filled_beside_rest(0.8);
+  EXPECT_GT(less_left, 50);
+  EXPECT_LT(less_right, 5);
+  EXPECT_LT(more_left, 5);
+  EXPECT_GT(more_right, 100);
+  const auto [none_left, none_right] = filled_beside_rest(30.0 / 80.0);
+  EXPECT_LT(none_left + none_right, 5);
+}
+
+TEST(PanelPlot, KeepsWhatWasChosenThoughAnotherRobotBeginsWithout) {
+  History history;
+  MarkerObservations markers;
+  markers.names = {"tip"};
+  markers.positions.resize(1);
+  ActuatorState state;
+  state.cables.resize(1);
+  history.add(markers, "tip");
+  history.add(state);
+  PlotView plot(nullptr);
+  plot.show();
+  plot.show_history(history);
+  auto* title = plot.findChild<QComboBox*>();
+  ASSERT_EQ(title->count(), 2);
+  EXPECT_EQ(title->currentText(), "tension [N]");
+  title->setCurrentText("tip [mm]");
+  Q_EMIT title->textActivated("tip [mm]");
+  History next;
+  next.add(state);
+  plot.show_history(next);
+  EXPECT_EQ(title->currentText(), "tension [N]") << "there is nothing else yet";
+  next.add(markers, "tip");
+  plot.show_history(next);
+  EXPECT_EQ(title->currentText(), "tip [mm]");
 }
 
 }  // namespace

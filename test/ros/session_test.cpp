@@ -297,6 +297,14 @@ TEST_F(Session, BringsTheTipCloserAsTheModelExpects) {
   ExecutePolicy::Request play;
   play.policy = optimised.policy;
   play.wait_until_rest = true;
+  EXPECT_EQ(play.policy.robot, "cable_bar");
+  play.policy.robot = "gripper";
+  const auto refused = ask<ExecutePolicy>(topics::execute_policy, play);
+  EXPECT_FALSE(refused.success);
+  EXPECT_EQ(
+      refused.message,
+      "policy.robot: this policy is for 'gripper', and 'cable_bar' runs; leave `robot` out to play it all the same");
+  play.policy.robot = optimised.policy.robot;
   const auto executed = ask<ExecutePolicy>(topics::execute_policy, play);
   ASSERT_TRUE(executed.success) << executed.message;
   EXPECT_GE(executed.duration_s, optimised.policy.steps.back().time_s);

@@ -20,6 +20,7 @@
 #include "ros/behind_others.h"
 #include "ros/actuator_plugins.h"
 #include "ros/controller_actions.h"
+#include "ros/conversions.h"
 #include "ros/message_limits.h"
 #include "ros/policy_execution.h"
 #include "ros/fit_service.h"
@@ -28,6 +29,7 @@
 #include "ros/log_text.h"
 #include "ros/policy_request.h"
 #include "ros/policy_search.h"
+#include "ros/same_fields.h"
 #include "ros/surface_marker.h"
 #include "ros/target_marker.h"
 #include "ros/topics.h"
@@ -36,6 +38,7 @@
 #include "settings/require_in_range.h"
 #include "soft_robot_lab/control/forward_model.h"
 #include "soft_robot_lab/robot/scene/scene.h"
+#include "soft_robot_lab/robot/scene/scene_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -54,6 +57,10 @@ ClosedLoopOptions read_loop_options() {
   return options;
 }
 
+double largest_extent_m(const TetMesh& mesh) {
+  return (mesh.nodes_m.rowwise().maxCoeff() - mesh.nodes_m.rowwise().minCoeff()).maxCoeff();
+}
+
 template <typename Service, typename Handler>
 ros::ServiceServer serve(ros::NodeHandle& node, const std::string& name, Handler handler) {
   return node.advertiseService<typename Service::Request, typename Service::Response>(
@@ -69,6 +76,7 @@ class ControllerNode {
 
  private:
   void load(const std::string& path);
+  std::string robot() const;
   void offer_services();  // once there is a model to answer with
   void on_scene(const std_msgs::String& path);
   void on_actuators(const ActuatorState& actuators);
@@ -76,6 +84,9 @@ class ControllerNode {
   void on_markers(const MarkerObservations& markers);
   void on_target(const std::string& marker, const Eigen::Vector3d& target_m, bool released);
   void answer_target(const MarkerGoal& goal, bool released, const std::function<bool()>& interrupted);
+  void say_what_came(const PolicyTask& task, const PolicyAnswer& answer) const;
+  void say_why_not(const std::string& why) const;
+  void on_target_shown(const Target& target);
   void answer_commands();
   bool model_follows(const std::map<std::string, double>& commands);  // false where it finds no rest state there
   void hide_preview();
@@ -103,6 +114,9 @@ class ControllerNode {
 
   mutable std::mutex mutex_;  // guards what follows; held briefly
   CommandLimitsByName limits_;
+  std::string robot_;                       // whose model it is
+  std::vector<std::string> markers_;        // its names
+  double size_m_ = 0.0;                     // of its body at rest, along one axis
   std::map<std::string, double> commands_;  // as the actuators last said, whoever sent them
   std::optional<PolicyTask> found_;         // the last task that a policy was found for
   CommandPolicy found_policy_;              // and that policy
@@ -116,7 +130,7 @@ class ControllerNode {
 
   ros::NodeHandle node_;
   PolicySearch search_{node_};
-  ros::Publisher command_publisher_;
+  ros::Publisher command_publisher_, target_answers_;
   PresentPublisher<visualization_msgs::Marker> ghost_{topics::controller_ghost};
   PresentPublisher<visualization_msgs::Marker> shown_preview_{topics::controller_preview};
   std::vector<ros::Subscriber> subscribers_;
@@ -136,6 +150,7 @@ ControllerNode::ControllerNode() {
   std::string scene;
   if (read_parameter(parameters, "scene", scene)) load(scene);
 
+  target_answers_ = node_.advertise<OptimisePolicyResult>(topics::target_answer, 10);
   command_publisher_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 100);
   subscribers_ = {
       node_.subscribe(topics::simulator_scene, 1, &ControllerNode::on_scene, this),
@@ -144,6 +159,7 @@ ControllerNode::ControllerNode() {
       node_.subscribe(text_parameter(parameters, "markers_topic", topics::tracker_markers), 100,
                       &PolicyExecution::add_measured, &execution_),
       node_.subscribe(topics::motor_state, 100, &PolicyExecution::add_motors, &execution_),
+      node_.subscribe(topics::target_shown, 10, &ControllerNode::on_target_shown, this),
   };
   fit_service_ = std::make_unique<FitService>(node_, scene_options_, scene);
   if (model_) offer_services();
@@ -184,6 +200,10 @@ void ControllerNode::load(const std::string& path) {
   {
     const std::lock_guard lock(mutex_);
     limits_ = std::move(limits);
+    robot_ = robot_name(path);
+    markers_.clear();
+    for (const Marker& marker : model_->markers()) markers_.push_back(marker.name());
+    size_m_ = largest_extent_m(model_->body().mesh());
     commands_.clear();
     found_.reset();
     found_policy_ = {};
@@ -191,6 +211,7 @@ void ControllerNode::load(const std::string& path) {
   }
   ghost_.publish(no_ghost());
   shown_preview_.publish(no_preview());
+  search_.forget_target();
   const std::vector<Marker>& markers = model_->markers();
   if (markers.empty()) return;
   const auto tip = std::find_if(markers.begin(), markers.end(), [](const auto& one) { return one.name() == "tip"; });
@@ -199,11 +220,32 @@ void ControllerNode::load(const std::string& path) {
   show_target(markers[static_cast<size_t>(shown)].name(), model_->marker_position(shown));
 }
 
+std::string ControllerNode::robot() const {
+  const std::lock_guard lock(mutex_);
+  return robot_;
+}
+
 void ControllerNode::show_target(const std::string& marker, const Eigen::Vector3d& target_m) {
-  const Eigen::Matrix3Xd& nodes_m = model_->body().mesh().nodes_m;
-  const double size_m = (nodes_m.rowwise().maxCoeff() - nodes_m.rowwise().minCoeff()).maxCoeff();
+  std::unique_lock lock(mutex_);
+  const double size_m = size_m_;
+  lock.unlock();
   constexpr double least_m = 0.028;  // with a ball that the overlay's does not hide
   target_.show(marker, target_m, std::max(0.25 * size_m, least_m));
+}
+
+// As the panel does where another marker is chosen, or a number typed.
+void ControllerNode::on_target_shown(const Target& target) {
+  std::unique_lock lock(mutex_);
+  const bool known = std::find(markers_.begin(), markers_.end(), target.marker) != markers_.end();
+  lock.unlock();
+  try {
+    require_in_limits<Target>(target);
+    const Eigen::Vector3d position_m = from_message(target.position, "position");
+    if (!known) throw std::invalid_argument("marker: the scene has no '" + target.marker + "'");
+    show_target(target.marker, position_m);
+  } catch (const std::exception& error) {
+    ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::target_shown, log_text(error.what()).c_str());
+  }
 }
 
 void ControllerNode::show_ghost() {
@@ -237,15 +279,36 @@ bool ControllerNode::show_iterate(const OptimisationProgress& progress) {
 }
 
 void ControllerNode::on_target(const std::string& marker, const Eigen::Vector3d& target_m, bool released) {
-  live_.ask(LiveAnswers::Kind::target, [this, goal = MarkerGoal{marker, target_m, 1.0}, released](
-                                           const auto& interrupted) { answer_target(goal, released, interrupted); });
+  live_.ask(LiveAnswers::Kind::target,
+            [this, goal = MarkerGoal{marker, target_m, 1.0}, released](const auto& interrupted) {
+              try {
+                answer_target(goal, released, interrupted);
+              } catch (const std::exception& error) {
+                if (released && !interrupted()) say_why_not(error.what());
+              }
+            });
+}
+
+void ControllerNode::say_why_not(const std::string& why) const {
+  OptimisePolicyResult result;
+  result.message = why;
+  target_answers_.publish(result);
+}
+
+void ControllerNode::say_what_came(const PolicyTask& task, const PolicyAnswer& answer) const {
+  OptimisePolicy::Response response;
+  PolicyAnswer counted = answer;
+  count_as_reached(counted);
+  fill_response(counted, task, response);
+  for (const std::string& warning : far_targets(*model_, task)) response.message += "; " + warning;
+  target_answers_.publish(same_fields<OptimisePolicyResult>(response));
 }
 
 // While the target is dragged, from where the model is; where it is let go, as the service does it. The ghost follows
 // after each iteration, and a newer target ends the search there: to replay what was found so far would cost as much.
 void ControllerNode::answer_target(const MarkerGoal& goal, bool released, const std::function<bool()>& interrupted) {
   const std::unique_lock lock(model_mutex_, std::try_to_lock);
-  if (!lock || !model_) return;
+  if (!lock || !model_) throw std::runtime_error("the model is used by another request; drag the target when it ended");
   model_searched_ = true;
   const Interruptible interruptible(*model_, [this] { return live_.must_end(); });
   PolicyTask task;
@@ -263,8 +326,11 @@ void ControllerNode::answer_target(const MarkerGoal& goal, bool released, const 
     if ((shown || released) && interrupted()) throw std::runtime_error("a newer target counts");
     return true;
   };
-  const PolicyAnswer answer = search_.go_on(*model_, task, options, show);
-  if (answer.success && !live_.must_end()) remember(task, answer);
+  PolicyAnswer answer = search_.go_on(*model_, task, options, show);
+  answer.policy.robot = robot();
+  if (live_.must_end()) return;
+  if (answer.success) remember(task, answer);
+  if (released) say_what_came(task, answer);
 }
 
 // Shows at once where the robot will rest: its drives and its silicone take their time.
@@ -345,9 +411,11 @@ void ControllerNode::optimise_policy(const OptimisePolicy::Request& request, Opt
     model_searched_ = true;
     const PolicyTask task = policy_task(request, ramp_s_);
     PolicyAnswer answer = behind_others([&] { return search_.find(*model_, task, optimiser_options(request)); });
+    answer.policy.robot = robot();
     count_as_reached(request, answer);
     fill_response(answer, task, response);
-    for (const std::string& warning : far_targets(*model_, task)) response.message += "; " + warning;
+    for (const std::string& warning : far_targets(*model_, task))
+      response.message += "; " + warning + ": a request's numbers are metres";
     if (answer.success) remember(task, answer);
   } catch (const std::exception& error) {
     response.success = false;
@@ -414,6 +482,7 @@ ExecutionOrder ControllerNode::order_of(const ExecutePolicy::Request& request) c
   const std::lock_guard lock(mutex_);
   ExecutionOrder order;
   order.policy = from_message(request.policy);
+  require_robot(order.policy, robot_);
   validate(order.policy, limits_);
   for (const std::string& name : order.policy.names) {
     const auto seen = commands_.find(name);

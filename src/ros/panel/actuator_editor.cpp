@@ -26,10 +26,11 @@ QString title_of(const ActuatorRow& row, int number) {
 
 ActuatorEditor::ActuatorEditor(const ActuatorRow& row, int number, const Edit& edit, QWidget* parent)
     : QWidget(parent),
-      slider_(new QSlider(Qt::Horizontal, this)),
+      slider_(new RestSlider(this)),
       number_(new QDoubleSpinBox(this)),
       measured_(plain_label("", this)) {
   slider_->setRange(0, row.positions() - 1);
+  slider_->set_rest(row.position_of(row.rest));
   slider_->setPageStep(row.positions() / 10);
   number_->setDecimals(row.decimals);
   number_->setRange(row.min, row.max);

@@ -6,10 +6,10 @@
 
 #include <QDoubleSpinBox>
 #include <QLabel>
-#include <QSlider>
 #include <QWidget>
 
 #include "actuator_values.h"
+#include "rest_slider.h"
 
 namespace soft_robot_lab {
 
@@ -25,7 +25,7 @@ class ActuatorEditor : public QWidget {
  private:
   void lay_out(const ActuatorRow& row, int number, const Edit& edit);
 
-  QSlider* slider_;
+  RestSlider* slider_;
   QDoubleSpinBox* number_;
   QLabel* measured_;
 };

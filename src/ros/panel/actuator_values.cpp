@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 namespace soft_robot_lab {
 namespace {
@@ -20,14 +22,23 @@ double rounded(double value, int decimals) {
   return std::round(value * scale) / scale;
 }
 
+// As people say it, and how much of the command's unit that is.
+std::pair<std::string, double> shown_unit(const std::string& unit, double largest) {
+  if (unit == "1") return {"", 1.0};
+  if (unit == "m") return {"mm", 1e-3};
+  if (unit == "Pa" && largest >= 1e3) return {"kPa", 1e3};
+  return {unit, 1.0};
+}
+
 // A slider has 200 to 2000 positions; a typed number is ten times as fine.
 ActuatorRow row_of(const ActuatorRanges& ranges, std::size_t i) {
   ActuatorRow row;
   row.name = ranges.names[i];
-  row.unit = ranges.units[i] == "1" ? "" : ranges.units[i];
-  row.rest = ranges.rests[i];
-  row.min = ranges.mins[i];
-  row.max = ranges.maxs[i];
+  std::tie(row.unit, row.command_per_unit) =
+      shown_unit(ranges.units[i], std::max(std::abs(ranges.mins[i]), std::abs(ranges.maxs[i])));
+  row.rest = ranges.rests[i] / row.command_per_unit;
+  row.min = ranges.mins[i] / row.command_per_unit;
+  row.max = ranges.maxs[i] / row.command_per_unit;
   if (!std::isfinite(row.rest) || !std::isfinite(row.min) || !std::isfinite(row.max) || !(row.max > row.min))
     throw std::invalid_argument("ranges: '" + row.name + "' has no finite range");
   const int exponent = static_cast<int>(std::floor(std::log10((row.max - row.min) / 200.0)));
@@ -51,23 +62,24 @@ std::map<std::string, std::string> readings_of(const ActuatorState& state) {
 
 int ActuatorRow::positions() const { return static_cast<int>(std::ceil((max - min) / step - 1e-6)) + 1; }
 
-int ActuatorRow::position() const { return static_cast<int>(std::lround((shown - min) / step)); }
+int ActuatorRow::position_of(double value) const { return static_cast<int>(std::lround((value - min) / step)); }
 
 double ActuatorRow::value_at(int slider_position) const {
   return slider_position >= positions() - 1 ? max : min + slider_position * step;
 }
 
 void ActuatorValues::set_ranges(const ActuatorRanges& ranges) {
+  rows_.clear();
+  edits_.clear();
+  commands_.clear();
+  reached_.clear();
+  ++revision_;
   const std::size_t count = ranges.names.size();
   for (const std::size_t size : {ranges.units.size(), ranges.rests.size(), ranges.mins.size(), ranges.maxs.size()})
     if (size != count) throw std::invalid_argument("ranges: lists of different lengths");
   std::vector<ActuatorRow> rows;
   for (std::size_t i = 0; i < count; ++i) rows.push_back(row_of(ranges, i));
   rows_ = std::move(rows);
-  edits_.clear();
-  commands_.clear();
-  reached_.clear();
-  ++revision_;
 }
 
 ActuatorRow* ActuatorValues::find(const std::string& name) {
@@ -79,12 +91,12 @@ bool ActuatorValues::follow(ActuatorRow& row, double command, double now_s) {
   commands_[row.name] = command;
   const auto edit = edits_.find(row.name);
   if (edit != edits_.end()) {
-    const bool holds = edit->second.sent && command == edit->second.value;
+    const bool holds = edit->second.sent && command == edit->second.command;
     if (!holds && now_s - edit->second.since_s < timeout_s) return false;
     edits_.erase(edit);
   }
   const double before = row.shown;
-  row.shown = rounded(command, row.decimals);
+  row.shown = rounded(command / row.command_per_unit, row.decimals);
   return row.shown != before;
 }
 
@@ -97,8 +109,9 @@ bool ActuatorValues::add_state(const ActuatorState& state, double now_s) {
     ActuatorRow* row = find(state.names[i]);
     if (row == nullptr || !std::isfinite(state.commands[i]) || !std::isfinite(state.actuated_commands[i])) continue;
     changed = follow(*row, state.commands[i], now_s) || changed;
-    reached_[row->name] = state.actuated_commands[i];
-    std::string measured = text_of(state.actuated_commands[i], std::max(0, row->decimals - 1), row->unit);
+    const double reached = state.actuated_commands[i] / row->command_per_unit;
+    reached_[row->name] = reached;
+    std::string measured = text_of(reached, std::max(0, row->decimals - 1), row->unit);
     if (const auto reading = readings.find(row->name); reading != readings.end()) measured += ", " + reading->second;
     changed = changed || measured != row->measured;
     row->measured = measured;
@@ -112,7 +125,7 @@ void ActuatorValues::edit(const std::string& name, double value, double now_s) {
   const double next = std::clamp(rounded(value, row->decimals), row->min, row->max);
   if (next == row->shown) return;
   row->shown = next;
-  edits_[name] = {next, now_s, false};
+  edits_[name] = {row->command(), now_s, false};
 }
 
 void ActuatorValues::edit_all_to_rest(double now_s) {
@@ -129,7 +142,7 @@ ActuatorCommand ActuatorValues::take_command() {
     if (edit.sent) continue;
     edit.sent = true;
     command.names.push_back(name);
-    command.values.push_back(edit.value);
+    command.values.push_back(edit.command);
   }
   return command;
 }

@@ -12,11 +12,13 @@
 
 namespace soft_robot_lab {
 
-// One actuator as it is shown.
+// One actuator as it is shown: metres as millimetres, large pressures as kPa. All numbers are in the unit that is
+// shown.
 struct ActuatorRow {
   std::string name;
-  std::string unit;   // to be written behind numbers; empty for contraction and beta
-  double rest = 0.0;  // the command that asks for nothing
+  std::string unit;               // to be written behind numbers; empty for contraction and beta
+  double command_per_unit = 1.0;  // of the command, for one that is shown
+  double rest = 0.0;              // the command that asks for nothing
   double min = 0.0;
   double max = 0.0;
   double step = 0.001;   // of the slider
@@ -24,15 +26,18 @@ struct ActuatorRow {
   double shown = 0.0;    // the number that is shown is the number that is sent
   std::string measured;  // "0.912, 3.1 N": as reached within the drive's speed, and what it measures
 
-  int positions() const;  // of the slider, counted from 0
-  int position() const;   // nearest to what is shown
+  double command() const { return command_per_unit * shown; }  // in its own unit
+
+  int positions() const;                // of the slider, counted from 0
+  int position_of(double value) const;  // nearest
+  int position() const { return position_of(shown); }
   double value_at(int slider_position) const;
 };
 
 class ActuatorValues {
  public:
   // Rows begin anew, at the model's values. Throws std::invalid_argument for lists of different lengths, and for ranges
-  // that are empty or not finite.
+  // that are empty or not finite; then there are no rows.
   void set_ranges(const ActuatorRanges& ranges);
 
   // What holds now, whoever asked for it. A row that was just edited keeps its value until its own command holds, or
@@ -55,7 +60,7 @@ class ActuatorValues {
 
  private:
   struct Edit {
-    double value;
+    double command;
     double since_s;
     bool sent;
   };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace soft_robot_lab {
 
@@ -51,6 +52,20 @@ const History::Curves& History::curves(const std::string& title) const {
   static const Curves none;
   const auto found = curves_.find(title);
   return found == curves_.end() ? none : found->second;
+}
+
+std::pair<double, double> History::range(const std::string& title) const {
+  double least = std::numeric_limits<double>::infinity(), greatest = -least;
+  for (const auto& [name, points] : curves(title))
+    for (const auto& [time_s, value] : points) {
+      least = std::min(least, value);
+      greatest = std::max(greatest, value);
+    }
+  if (!(least <= greatest)) least = greatest = 0.0;
+  const bool length = title.size() > 4 && title.compare(title.size() - 4, 4, "[mm]") == 0;
+  const double missing = (length ? 1.0 : 0.1) - (greatest - least);
+  if (missing <= 0.0) return {least, greatest};
+  return {least - 0.5 * missing, greatest + 0.5 * missing};
 }
 
 }  // namespace soft_robot_lab

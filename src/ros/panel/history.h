@@ -24,6 +24,9 @@ class History {
   void add(const ActuatorState& actuators);  // tensions [N], gauge pressures [kPa]
   void add(const RealityGap& gap);           // rms [mm]
 
+  // From the least to the greatest value, and wide enough that noise looks like noise: a millimetre, 0.1 N, 0.1 kPa.
+  std::pair<double, double> range(const std::string& title) const;
+
   // What there is something to show of: "tip [mm]", "tension [N]", ...
   std::vector<std::string> titles() const;
   const Curves& curves(const std::string& title) const;  // none for an unknown title

@@ -10,7 +10,6 @@
 #include <soft_robot_lab/Calibrate.h>
 #include <soft_robot_lab/ExecutePolicy.h>
 #include <soft_robot_lab/LoadScene.h>
-#include <soft_robot_lab/PolicyProgress.h>
 #include <soft_robot_lab/ZeroMotors.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/String.h>
@@ -20,6 +19,7 @@
 #include <xmlrpcpp/XmlRpc.h>
 
 #include "ros/plasma.h"
+#include "ros/stamps.h"
 #include "ros/topics.h"
 
 namespace soft_robot_lab {
@@ -56,7 +56,9 @@ geometry_msgs::Point point_message(const Eigen::Vector3d& position_m) {
   return message;
 }
 
-std::string found_text(const OptimisePolicy::Response& found) {
+// Of the service's answer, and of the same fields where a target was let go.
+template <typename Answer>
+std::string found_text(const Answer& found) {
   std::ostringstream text;
   text.precision(3);
   text << 1e3 * found.summary.final_distance_m << " mm from the target after " << found.summary.iterations
@@ -71,6 +73,7 @@ PanelLink::PanelLink(const std::string& session) : node_(session) {
   lamps_ = Lamps(without_slashes(node_.getNamespace()));
   commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
   diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
+  target_shown_ = node_.advertise<Target>(topics::target_shown, 10);
   tips_ = node_.advertise<visualization_msgs::Marker>(topics::panel_tips, 1, true);
   subscribers_ = {
       listen_to<ActuatorRanges>(node_, topics::simulator_ranges, 1, [this](const auto& m) { on_ranges(m); }),
@@ -79,22 +82,10 @@ PanelLink::PanelLink(const std::string& session) : node_(session) {
                                  values_.add_state(m, now_s());
                                  history_.add(m);
                                }),
-      listen_to<MarkerObservations>(node_, topics::simulator_markers, 1,
-                                    [this](const auto& m) {
-                                      markers_ = m;
-                                      history_.add(m, plotted_);
-                                    }),
+      listen_to<MarkerObservations>(node_, topics::simulator_markers, 1, [this](const auto& m) { on_markers(m); }),
       listen_to<std_msgs::String>(node_, topics::simulator_scene, 1, [this](const auto& m) { on_scene(m.data); }),
-      listen_to<Target>(node_, topics::controller_target, 1,
-                        [this](const auto& m) {
-                          target_ = m;
-                          ++targets_;
-                        }),
-      listen_to<PolicyProgress>(node_, topics::controller_progress, 100,
-                                [this](const auto& m) {
-                                  progress_s_ = now_s();
-                                  progress_m_ = m.distance_m;
-                                }),
+      listen_to<Target>(node_, topics::controller_target, 1, [this](const auto& m) { on_target(m); }),
+      listen_to<OptimisePolicyResult>(node_, topics::target_answer, 10, [this](const auto& m) { on_target_answer(m); }),
       listen_to<RealityGap>(node_, topics::reality_gap, 1,
                             [this](const auto& m) {
                               lamps_.add(m, now_s());
@@ -102,7 +93,7 @@ PanelLink::PanelLink(const std::string& session) : node_(session) {
                             }),
       listen_to<std_msgs::Bool>(node_, topics::session_recording, 1,
                                 [this](const auto& m) { recording_ = m.data != 0; }),
-      listen_to<MotorState>(node_, topics::motor_state, 1, [this](const auto&) { has_motors_ = true; }),
+      listen_to<MotorState>(node_, topics::motor_state, 1, [this](const auto& m) { motors_ = m; }),
       listen_to<diagnostic_msgs::DiagnosticArray>(node_, "/diagnostics", 50,
                                                   [this](const auto& m) { lamps_.add(m, now_s()); }),
   };
@@ -112,29 +103,49 @@ double PanelLink::now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// The first robot's target may have been heard before it.
+void PanelLink::forget() {
+  if (robots_++ > 0) target_.reset();
+  markers_ = {};
+  history_ = {};
+  ++targets_;
+}
+
 void PanelLink::on_ranges(const ActuatorRanges& ranges) {
-  const bool another_robot = values_.revision() > 0;  // the first one's target may have been heard before
+  forget();
+  started_ = ranges.header.stamp;
   try {
     values_.set_ranges(ranges);
-    if (another_robot) target_.reset();
   } catch (const std::invalid_argument& error) {
-    ROS_WARN("%s: %s", topics::simulator_ranges, error.what());
+    notes_.push_back({"Actuators", false, error.what()});
   }
 }
 
-// Another robot, another plot.
+// Those that came late of the robot before move neither plot nor target. A clock that was set back counts anew.
+void PanelLink::on_markers(const MarkerObservations& markers) {
+  const double after_s = seconds_between(started_, markers.header.stamp);
+  if (after_s <= 0.0 && after_s > -1.0) return;
+  markers_ = markers;
+  history_.add(markers, plotted_);
+}
+
 void PanelLink::on_scene(const std::string& scene) {
-  if (!scene_.empty() && scene != scene_) {  // the first one's target may have been heard before
-    target_.reset();
-    markers_ = {};
-    progress_s_ = -1.0;
-    ++targets_;
-  }
+  if (!scene_.empty() && scene != scene_) forget();
   scene_ = scene;
-  history_ = {};
   robot_box_m_.reset();
   surface_ = listen_to<visualization_msgs::Marker>(node_, topics::simulator_surface, 1,
                                                    [this](const auto& m) { on_surface(m); });
+}
+
+void PanelLink::on_target(const Target& target) {
+  target_ = target;
+  if (target.marker.empty()) target_.reset();
+  ++targets_;
+}
+
+void PanelLink::on_target_answer(const OptimisePolicyResult& answer) {
+  const bool found = answer.success != 0;
+  notes_.push_back({"Target", found, found ? found_text(answer) + "; Execute goes there" : answer.message});
 }
 
 void PanelLink::on_surface(const visualization_msgs::Marker& surface) {
@@ -149,15 +160,17 @@ void PanelLink::on_surface(const visualization_msgs::Marker& surface) {
 void PanelLink::listen() {
   queue_.callAvailable();
   if (robot_box_m_) surface_.shutdown();
-  ActuatorCommand command = values_.take_command();
-  if (!command.names.empty()) {
-    command.header.stamp = ros::Time::now();
-    commands_.publish(command);
-    report_where_nothing_moves();
-  }
-  report_drag();
+  if (send_edits()) report_where_nothing_moves();
   constexpr double look_period_s = 2.0;
   if (now_s() - looked_at_s_ > look_period_s) look_for_services();
+}
+
+bool PanelLink::send_edits() {
+  ActuatorCommand command = values_.take_command();
+  if (command.names.empty()) return false;
+  command.header.stamp = ros::Time::now();
+  commands_.publish(command);
+  return true;
 }
 
 void PanelLink::look_for_services() {
@@ -187,20 +200,9 @@ std::optional<geometry_msgs::Point> PanelLink::target(const std::string& marker)
 
 // A slider sends its command all the same, and would move nothing.
 void PanelLink::report_where_nothing_moves() {
-  if (const std::string fault = lamps_.link_fault(now_s()); has_motors_ && !fault.empty())
-    notes_.push_back({"Move", false, "the simulation alone moves: " + fault});
-}
-
-// A search that is asked for by dragging the target has no answer but its progress.
-void PanelLink::report_drag() {
-  constexpr double quiet_s = 0.7;
-  if (progress_s_ < 0.0 || now_s() - progress_s_ < quiet_s) return;
-  progress_s_ = -1.0;
-  if (busy()) return;
-  std::ostringstream text;
-  text.precision(3);
-  text << 1e3 * progress_m_ << " mm from it; Execute goes there";
-  notes_.push_back({"Target", true, text.str()});
+  std::string fault = lamps_.link_fault(now_s());
+  if (motors_ && motors_->emergency_stop) fault = "the motors hold until Clear";
+  if (motors_ && !fault.empty()) notes_.push_back({"Move", false, "the simulation alone moves: " + fault});
 }
 
 // A policy that was just stopped may have sent one more command meanwhile. What Stop ends has not failed.
@@ -208,14 +210,20 @@ std::vector<CallOutcome> PanelLink::take_outcomes() {
   const bool goes_on = busy();  // before its outcome is taken
   std::vector<CallOutcome> outcomes = calls_.take_outcomes();
   for (CallOutcome& outcome : outcomes) {
-    if (outcome.title == "Stop") values_.edit_all_to_reached(now_s());
-    if (!outcome.success && stopped_ && outcome.message.find("cancelled") != std::string::npos)
+    if (outcome.title == "Stop") hold();
+    if (!outcome.success && stopped_ && outcome.title != "Stop" && outcome.title != "Calibrate")
       outcome = {outcome.title, true, "ended by Stop"};
   }
   if (!goes_on) stopped_ = false;
   outcomes.insert(outcomes.end(), notes_.begin(), notes_.end());
   notes_.clear();
   return outcomes;
+}
+
+// Of those drives nothing has to be said that stand where they are.
+void PanelLink::hold() {
+  values_.edit_all_to_reached(now_s());
+  send_edits();
 }
 
 void PanelLink::optimise(const std::string& method, const std::string& marker, const Eigen::Vector3d& target_m) {
@@ -226,6 +234,15 @@ void PanelLink::optimise(const std::string& method, const std::string& marker, c
   calls_.start(slow_lane, "Optimise", [this, request] {
     return found_text(calls_.ask<OptimisePolicy>(node_, topics::optimise_policy, request));
   });
+}
+
+void PanelLink::show_target(const std::string& marker, const Eigen::Vector3d& target_m) {
+  Target shown;
+  shown.header.stamp = ros::Time::now();
+  shown.header.frame_id = markers_.header.frame_id;
+  shown.marker = marker;
+  shown.position = point_message(target_m);
+  target_shown_.publish(shown);
 }
 
 void PanelLink::show_tips(const ReachableTips& tips, const TipQuantity& coloured_by) {
@@ -282,7 +299,7 @@ void PanelLink::play(const Policy& policy) {
 
 // A controller that has nothing to stop is no fault.
 void PanelLink::stop() {
-  values_.edit_all_to_reached(now_s());
+  hold();
   stopped_ = busy();
   const bool cancels = offers(topics::cancel_policy), stops = offers(topics::motor_stop);
   const bool ends_solve = !stops && offers(topics::simulator_stop);
@@ -298,7 +315,7 @@ void PanelLink::stop() {
 }
 
 void PanelLink::reset() {
-  if (has_motors_) {
+  if (motors_) {
     values_.edit_all_to_rest(now_s());
   } else {
     ask_trigger(quick_lane, "Reset", topics::simulator_reset);

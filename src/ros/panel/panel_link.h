@@ -15,6 +15,7 @@
 #include <soft_robot_lab/MarkerObservations.h>
 #include <soft_robot_lab/MotorState.h>
 #include <soft_robot_lab/OptimisePolicy.h>
+#include <soft_robot_lab/OptimisePolicyResult.h>
 #include <soft_robot_lab/Policy.h>
 #include <soft_robot_lab/Target.h>
 #include <visualization_msgs/Marker.h>
@@ -44,12 +45,17 @@ class PanelLink {
   const History& history() const { return history_; }
   void plot(const std::string& marker) { plotted_ = marker; }
   int targets() const { return targets_; }  // how many were heard of
+  int robots() const { return robots_; }    // likewise: another number, and nothing holds of before
+  // The marker that was last searched for; empty: none yet, of this robot.
+  std::string target_marker() const { return target_ ? target_->marker : ""; }
 
   bool offers(const std::string& service) const;
   bool busy() const { return calls_.busy(slow_lane); }
   std::vector<CallOutcome> take_outcomes();  // of what was asked, and what else the window should say
 
   void optimise(const std::string& method, const std::string& marker, const Eigen::Vector3d& target_m);
+  // Moves the ball in rviz there, and searches for nothing yet.
+  void show_target(const std::string& marker, const Eigen::Vector3d& target_m);
   void execute();  // what was found last
   // In rviz's scene; none take those away that are there.
   void show_tips(const ReachableTips& tips, const TipQuantity& coloured_by);
@@ -74,10 +80,15 @@ class PanelLink {
   static constexpr char slow_lane[] = "slow", quick_lane[] = "quick", look_lane[] = "look";
 
   void look_for_services();
+  void forget();  // what belongs to the robot that runs no longer
   void on_scene(const std::string& scene);
+  void on_markers(const MarkerObservations& markers);
+  void on_target(const Target& target);
+  void on_target_answer(const OptimisePolicyResult& answer);
   void on_surface(const visualization_msgs::Marker& surface);
   void on_ranges(const ActuatorRanges& ranges);
-  void report_drag();
+  bool send_edits();  // false where there are none
+  void hold();        // the drives, where they are
   void report_where_nothing_moves();
   void ask_trigger(const std::string& lane, const std::string& title, const std::string& service);
 
@@ -85,12 +96,13 @@ class PanelLink {
   Lamps lamps_;
   MarkerObservations markers_;
   std::optional<Target> target_;
-  int targets_ = 0;
+  int targets_ = 0, robots_ = 0;
+  ros::Time started_;  // the scene
   std::string scene_, plotted_;
   History history_;
-  bool has_motors_ = false, recording_ = false;
-  bool stopped_ = false;                         // what runs in the slow lane, by the user
-  double progress_s_ = -1.0, progress_m_ = 0.0;  // of a search that a drag asked for: when last, and how far
+  std::optional<MotorState> motors_;  // of a rig
+  bool recording_ = false;
+  bool stopped_ = false;  // what runs in the slow lane, by the user
   std::vector<CallOutcome> notes_;
   double looked_at_s_ = -1.0;
 
@@ -99,7 +111,7 @@ class PanelLink {
 
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
-  ros::Publisher commands_, tips_, diagnostics_;
+  ros::Publisher commands_, target_shown_, tips_, diagnostics_;
   std::vector<ros::Subscriber> subscribers_;
   ros::Subscriber surface_;  // until the box is known
   std::optional<Eigen::AlignedBox3d> robot_box_m_;

@@ -27,6 +27,8 @@ QVector<QPointF> points_of(const History::Points& points, double now_s) {
 }  // namespace
 
 PlotView::PlotView(QWidget* parent) : QWidget(parent), title_(new QComboBox(this)), plot_(new QwtPlot(this)) {
+  connect(title_, QOverload<const QString&>::of(&QComboBox::textActivated), this,
+          [this](const QString& title) { wanted_ = title; });
   title_->setToolTip("What is plotted, over the last 20 s of the session");
   plot_->setAxisScale(QwtPlot::xBottom, -History::kept_s, 0.0, 5.0);
   plot_->setMinimumHeight(90);
@@ -47,10 +49,9 @@ void PlotView::offer(const History& history) {
   for (const std::string& title : history.titles()) titles << QString::fromStdString(title);
   for (int i = 0; i < title_->count(); ++i) offered << title_->itemText(i);
   if (titles == offered) return;
-  const QString before = title_->currentText();
   title_->clear();
   title_->addItems(titles);
-  title_->setCurrentIndex(std::max(0, titles.indexOf(before)));
+  title_->setCurrentIndex(std::max(0, titles.indexOf(wanted_)));
 }
 
 QwtPlotCurve* PlotView::curve(const std::string& name) {
@@ -82,6 +83,9 @@ void PlotView::show_history(const History& history) {
     old = curves_.erase(old);
   }
   for (const auto& [name, points] : shown) curve(name)->setSamples(points_of(points, history.now_s()));
+  const auto [least, greatest] = history.range(title);
+  const double margin = 0.05 * (greatest - least);
+  plot_->setAxisScale(QwtPlot::yLeft, least - margin, greatest + margin);
   plot_->replot();
 }
 

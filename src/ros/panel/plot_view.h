@@ -28,6 +28,7 @@ class PlotView : public QWidget {
   QComboBox* title_;
   QwtPlot* plot_;
   std::map<std::string, QwtPlotCurve*> curves_;  // owned by the plot
+  QString wanted_;                               // what was chosen, though there may be nothing of it yet
   std::string shown_;                            // the title that these belong to
 };
 

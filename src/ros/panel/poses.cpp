@@ -4,9 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <set>
 #include <sstream>
 #include <stdexcept>
+
+#include "settings/read_file.h"
+#include "settings/write_file.h"
+#include "soft_robot_lab/robot/scene/scene_file.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -46,7 +51,7 @@ std::string decoded(const std::string& word) {
   return path;
 }
 
-std::string scene_of(const std::string& text) {
+std::string robot_of(const std::string& text) {
   std::istringstream words(text);
   for (std::string word; words >> word;)
     if (word.rfind("@=", 0) == 0) return decoded(word.substr(2));
@@ -67,31 +72,36 @@ std::map<std::string, double> values_of(const std::string& text) {
 
 }  // namespace
 
+void Poses::set_scene(const std::string& path) {
+  robot_ = path.empty() ? "" : robot_file(path);
+  robot_name_ = path.empty() ? "" : robot_name(path);
+}
+
 std::string Poses::store(const std::string& name, const std::vector<ActuatorRow>& rows) {
   std::string key = plain(name);
   for (int number = 1; key.empty(); ++number)
     if (const std::string free = "pose " + std::to_string(number); !find(free)) key = free;
   remove(key);
-  Values& values = poses_[{scene_, key}];
-  for (const ActuatorRow& row : rows) values[row.name] = row.shown;
+  Values& values = poses_[{robot_, key}];
+  for (const ActuatorRow& row : rows) values[row.name] = row.command();
   return key;
 }
 
 void Poses::remove(const std::string& name) {
-  poses_.erase({scene_, name});
+  poses_.erase({robot_, name});
   poses_.erase({"", name});
 }
 
 const Poses::Values* Poses::find(const std::string& name) const {
-  for (const std::string& scene : {scene_, std::string()})
-    if (const auto found = poses_.find({scene, name}); found != poses_.end()) return &found->second;
+  for (const std::string& robot : {robot_, std::string()})
+    if (const auto found = poses_.find({robot, name}); found != poses_.end()) return &found->second;
   return nullptr;
 }
 
 std::vector<std::string> Poses::names() const {
   std::set<std::string> names;
   for (const auto& [of, values] : poses_)
-    if (of.first.empty() || of.first == scene_) names.insert(of.second);
+    if (of.first.empty() || of.first == robot_) names.insert(of.second);
   return {names.begin(), names.end()};
 }
 
@@ -99,11 +109,13 @@ Policy Poses::policy(const std::string& name, const std::vector<ActuatorRow>& ro
   Policy policy;
   policy.steps.emplace_back();
   policy.steps.back().time_s = duration_s;
+  policy.robot = robot_name_;
   const Values* pose = find(name);
   for (const ActuatorRow& row : rows) {
     if (!pose || pose->count(row.name) == 0) continue;
     policy.names.push_back(row.name);
-    policy.steps.back().values.push_back(std::clamp(pose->at(row.name), row.min, row.max));
+    policy.steps.back().values.push_back(
+        std::clamp(pose->at(row.name), row.command_per_unit * row.min, row.command_per_unit * row.max));
   }
   if (policy.names.empty())
     throw std::invalid_argument("pose '" + name + "' has no command for any actuator of this robot");
@@ -129,8 +141,17 @@ void Poses::read(const std::string& text) {
     const std::size_t colon = line.find(':');
     if (colon == std::string::npos || colon == 0) continue;
     const std::string rest = line.substr(colon + 1);
-    if (auto values = values_of(rest); !values.empty()) poses_[{scene_of(rest), line.substr(0, colon)}] = values;
+    if (auto values = values_of(rest); !values.empty()) poses_[{robot_of(rest), line.substr(0, colon)}] = values;
   }
+}
+
+void Poses::read_file(const std::string& file) {
+  read(std::filesystem::exists(file) ? read_regular_file(file, kLargestSettings_bytes) : "");
+}
+
+void Poses::write_file(const std::string& file) const {
+  std::filesystem::create_directories(std::filesystem::path(file).parent_path());
+  soft_robot_lab::write_file(file, text());
 }
 
 }  // namespace soft_robot_lab

@@ -21,6 +21,7 @@
 
 #include "framing.h"
 #include "plain_text.h"
+#include "robot_choices.h"
 #include "ros/topics.h"
 #include "settings/write_file.h"
 #include "soft_robot_lab/control/policy.h"
@@ -31,6 +32,11 @@ namespace {
 constexpr double pose_duration_s = 1.0;
 constexpr int refresh_period_ms = 20;  // a slider that is drawn sends as often
 constexpr int rows_at_once = 3;        // of actuators
+
+std::string poses_file() {
+  const QString ros_home = qEnvironmentVariable("ROS_HOME", QDir::homePath() + "/.ros");
+  return (ros_home + "/soft_robot_lab/poses.txt").toStdString();
+}
 
 void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int columns) {
   for (int i = 0; i < static_cast<int>(widgets.size()); ++i)
@@ -60,7 +66,7 @@ SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
   column->addWidget(make_target());
   column->addWidget(make_buttons());
   column->addWidget(make_poses());
-  column->addWidget(make_views(), 1);
+  column->addWidget(make_views(), 2);
   column->addWidget(message_);
   connect(&timer_, &QTimer::timeout, this, [this] { refresh(); });
 }
@@ -77,9 +83,8 @@ QPushButton* SessionPanel::button(const QString& text, const QString& hint, cons
 QWidget* SessionPanel::make_chooser() {
   scene_ = new QComboBox(this);
   scene_->setToolTip("The robot that is simulated. Another is meshed beside the one that runs");
-  const QDir robots(QString::fromStdString(ros::package::getPath("soft_robot_lab")) + "/config/robots");
-  for (const QString& name : robots.entryList(QDir::Dirs | QDir::NoDotAndDotDot, QDir::Name))
-    if (robots.exists(name + "/robot.yaml")) scene_->addItem(name, robots.absoluteFilePath(name + "/robot.yaml"));
+  for (const auto& [label, file] : robot_choices(ros::package::getPath("soft_robot_lab") + "/config/robots"))
+    scene_->addItem(QString::fromStdString(label), QString::fromStdString(file));
   scene_->addItem("Another file ...");
   connect(scene_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) { choose_scene(index); });
   return scene_;
@@ -118,9 +123,15 @@ QWidget* SessionPanel::make_target() {
     target_mm_[axis]->setRange(-9999.0, 9999.0);
     target_mm_[axis]->setPrefix(QString("xyz"[axis]) + " ");
     target_mm_[axis]->setMinimumWidth(0);
+    target_mm_[axis]->setKeyboardTracking(false);  // a number counts when it is typed to its end
+    connect(target_mm_[axis], qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this] { show_target(); });
     grid->addWidget(target_mm_[axis], 1, axis);
   }
-  connect(marker_, &QComboBox::currentTextChanged, this, [this] { shown_targets_ = -1; });
+  connect(marker_, QOverload<int>::of(&QComboBox::activated), this, [this] {
+    shown_targets_ = link_->targets();
+    write_target();
+    show_target();
+  });
   return box;
 }
 
@@ -147,16 +158,12 @@ QWidget* SessionPanel::make_poses() {
   pose_->setEditable(true);
   pose_->setInsertPolicy(QComboBox::NoInsert);
   pose_->lineEdit()->setPlaceholderText("name of a pose");
-  store_ = button("S&tore", "Keeps the values above under that name, in this rviz file", [this] { store_pose(); });
+  store_ = button("S&tore", "Keeps the values above under that name, for this robot", [this] { store_pose(); });
   play_ = button("Pla&y", "Moves the robot to that pose, within a second where its drives are as fast",
                  [this] { play_pose(); });
   save_ = button("Save ...", "Writes that pose into a policy file, for play_policy_node and simulate",
                  [this] { save_pose(); });
-  forget_ = button("For&get", "Removes that pose", [this] {
-    poses_.remove(pose_->currentText().toStdString());
-    refresh_poses();
-    Q_EMIT configChanged();
-  });
+  forget_ = button("For&get", "Removes that pose", [this] { forget_pose(); });
   auto* grid = new QGridLayout(box);
   grid->addWidget(pose_, 0, 0, 1, 4);
   grid->addWidget(store_, 1, 0);
@@ -196,19 +203,16 @@ void SessionPanel::connect_to(const QString& session) {
 
 void SessionPanel::load(const rviz::Config& config) {
   rviz::Panel::load(config);
-  QString session, poses;
+  QString session;
   config.mapGetString("Session", &session);
-  if (config.mapGetString("Poses", &poses)) poses_.read(poses.replace(" | ", "\n").toStdString());
   if (int steps = 0; config.mapGetInt("Workspace Steps", &steps)) workspace_->set_steps(std::clamp(steps, 2, 200));
   connect_to(session);
-  refresh_poses();
 }
 
 void SessionPanel::save(rviz::Config config) const {
   rviz::Panel::save(config);
   config.mapSetValue("Session", session_);
   config.mapSetValue("Workspace Steps", workspace_->steps());
-  config.mapSetValue("Poses", QString::fromStdString(poses_.text()).trimmed().replace("\n", " | "));
 }
 
 void SessionPanel::refresh() {
@@ -258,7 +262,7 @@ void SessionPanel::refresh_rows() {
     empty_->setVisible(editors_.empty());
     show_whole_rows();
     shown_revision_ = values.revision();
-    if (!editors_.empty()) message_->setText("Move a slider, or type a number.");
+    if (!editors_.empty()) report_success("Move a slider, or type a number.");
   }
   for (std::size_t i = 0; i < editors_.size(); ++i) editors_[i]->show_row(values.rows()[i]);
 }
@@ -269,6 +273,7 @@ void SessionPanel::show_whole_rows() {
   const int rows = std::min(rows_at_once, static_cast<int>(editors_.size()));
   const int row_px = editors_.front()->sizeHint().height() + rows_->spacing();
   area_->setMinimumHeight(rows * row_px);
+  area_->setMaximumHeight(static_cast<int>(editors_.size()) * row_px + rows_->spacing());
 }
 
 // Follows what runs.
@@ -278,13 +283,13 @@ void SessionPanel::refresh_scene() {
     posed_ = path;
     wanted_.reset();
     poses_.set_scene(link_->scene());
-    refresh_poses();
+    read_poses();
   }
   if (path.isEmpty() || path == scene_->currentData().toString() || scene_->view()->isVisible()) return;
   int index = scene_->findData(path);
   if (index < 0) {
     index = scene_->count() - 1;
-    scene_->insertItem(index, QFileInfo(path).fileName(), path);
+    scene_->insertItem(index, QString::fromStdString(label_of(link_->scene())), path);
   }
   if (!link_->busy()) scene_->setCurrentIndex(index);
 }
@@ -319,7 +324,7 @@ void SessionPanel::refresh_workspace() {
   wanted_.reset();
 }
 
-// Follows what is searched for; a number that is being typed stays.
+// Follows what is searched for, and of which marker; a number that is being typed stays, unless another robot came.
 void SessionPanel::refresh_target() {
   QStringList names;
   for (const std::string& name : link_->markers()) names << QString::fromStdString(name);
@@ -328,18 +333,36 @@ void SessionPanel::refresh_target() {
   if (names != shown) {
     marker_->clear();
     marker_->addItems(names);
-    if (const int tip = names.indexOf("tip"); tip >= 0) marker_->setCurrentIndex(tip);
+    const int tip = names.indexOf("tip");  // else the last, as the controller's ball
+    marker_->setCurrentIndex(tip >= 0 ? tip : names.size() - 1);
     shown_targets_ = -1;
   }
-  if (shown_targets_ == link_->targets()) return;
+  if (shown_targets_ == link_->targets() || names.isEmpty()) return;
+  shown_targets_ = link_->targets();
+  if (const int asked = names.indexOf(QString::fromStdString(link_->target_marker())); asked >= 0)
+    marker_->setCurrentIndex(asked);
+  write_target();
+}
+
+void SessionPanel::write_target() {
   const auto target = link_->target(marker_->currentText().toStdString());
   if (!target) return;
-  shown_targets_ = link_->targets();
+  const bool another_robot = target_of_ != link_->robots();
+  target_of_ = link_->robots();
   const double position_m[3] = {target->x, target->y, target->z};
   for (int axis = 0; axis < 3; ++axis) {
     const QSignalBlocker quiet(target_mm_[axis]);
-    if (!target_mm_[axis]->hasFocus()) target_mm_[axis]->setValue(1e3 * position_m[axis]);
+    if (another_robot || !target_mm_[axis]->hasFocus()) target_mm_[axis]->setValue(1e3 * position_m[axis]);
   }
+}
+
+Eigen::Vector3d SessionPanel::target_m() const {
+  return 1e-3 * Eigen::Vector3d(target_mm_[0]->value(), target_mm_[1]->value(), target_mm_[2]->value());
+}
+
+// What is chosen here is what stands in the scene.
+void SessionPanel::show_target() {
+  if (link_ && marker_->count() > 0) link_->show_target(marker_->currentText().toStdString(), target_m());
 }
 
 void SessionPanel::refresh_buttons() {
@@ -369,6 +392,15 @@ void SessionPanel::refresh_lamps() {
   lamps_->setToolTip(lamp_reasons(lamps));
 }
 
+void SessionPanel::read_poses() {
+  try {
+    poses_.read_file(poses_file());
+  } catch (const std::exception& error) {
+    report_failure(error.what());
+  }
+  refresh_poses();
+}
+
 void SessionPanel::refresh_poses() {
   const QString before = pose_->currentText();
   pose_->clear();
@@ -386,6 +418,10 @@ void SessionPanel::report(const CallOutcome& outcome) {
   const QString text =
       QString::fromStdString(outcome.title + ": " + (outcome.message.empty() ? "done" : outcome.message));
   if (!outcome.success) return report_failure(text);
+  report_success(text);
+}
+
+void SessionPanel::report_success(const QString& text) {
   message_->setStyleSheet("");
   message_->setText(text);
 }
@@ -396,18 +432,35 @@ void SessionPanel::report_failure(const QString& text) {
 }
 
 void SessionPanel::optimise() {
-  const Eigen::Vector3d target_mm(target_mm_[0]->value(), target_mm_[1]->value(), target_mm_[2]->value());
-  link_->optimise(method_->currentText().toStdString(), marker_->currentText().toStdString(), 1e-3 * target_mm);
-  message_->setStyleSheet("");
-  message_->setText("Searches ...");
+  link_->optimise(method_->currentText().toStdString(), marker_->currentText().toStdString(), target_m());
+  report_success("Searches ...");
 }
 
 void SessionPanel::store_pose() {
-  const std::string name = poses_.store(pose_->currentText().trimmed().toStdString(), link_->values().rows());
-  refresh_poses();
+  std::string name;
+  const auto store = [&] { name = poses_.store(pose_->currentText().trimmed().toStdString(), link_->values().rows()); };
+  if (!change_poses(store)) return;
   pose_->setCurrentText(QString::fromStdString(name));
-  message_->setText("Stored '" + QString::fromStdString(name) + "'; save the rviz file to keep it.");
-  Q_EMIT configChanged();
+  report_success("Stored '" + QString::fromStdString(name) + "'.");
+}
+
+void SessionPanel::forget_pose() {
+  const std::string name = pose_->currentText().toStdString();
+  if (change_poses([&] { poses_.remove(name); })) report_success("Forgot '" + QString::fromStdString(name) + "'.");
+}
+
+// In the user's folder, where another window may have written meanwhile.
+bool SessionPanel::change_poses(const std::function<void()>& change) {
+  try {
+    poses_.read_file(poses_file());
+    change();
+    poses_.write_file(poses_file());
+    refresh_poses();
+    return true;
+  } catch (const std::exception& error) {
+    report_failure(error.what());
+    return false;
+  }
 }
 
 void SessionPanel::choose_scene(int index) {
@@ -415,19 +468,19 @@ void SessionPanel::choose_scene(int index) {
   const QString folder = QFileInfo(QString::fromStdString(link_->scene())).absolutePath();
   if (path.isEmpty()) path = QFileDialog::getOpenFileName(this, "A robot's or scene's file", folder, "YAML (*.yaml)");
   if (path.isEmpty() || path == QString::fromStdString(link_->scene())) return;
-  message_->setStyleSheet("");
-  message_->setText("Meshes " + QFileInfo(path).fileName() + " ...");
+  report_success("Meshes " + QFileInfo(path).fileName() + " ...");
   link_->load(path.toStdString());
 }
 
 void SessionPanel::save_pose() {
   try {
     const Policy pose = poses_.policy(pose_->currentText().toStdString(), link_->values().rows(), pose_duration_s);
-    const QString path =
-        QFileDialog::getSaveFileName(this, "Policy file", pose_->currentText() + ".yaml", "YAML (*.yaml)");
+    const QString path = QFileDialog::getSaveFileName(
+        this, "Policy file", QDir::homePath() + "/" + pose_->currentText() + ".yaml", "YAML (*.yaml)");
     if (path.isEmpty()) return;
-    write_file(path.toStdString(), policy_yaml({pose.names, {{pose.steps[0].time_s, pose.steps[0].values}}}));
-    message_->setText("Written: " + path);
+    write_file(path.toStdString(),
+               policy_yaml({pose.names, {{pose.steps[0].time_s, pose.steps[0].values}}, pose.robot}));
+    report_success("Written: " + path);
   } catch (const std::exception& error) {
     report_failure(error.what());
   }

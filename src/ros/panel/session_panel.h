@@ -53,13 +53,20 @@ class SessionPanel : public rviz::Panel {
   void refresh_plot();
   void refresh_workspace();
   void refresh_target();
+  void write_target();
+  void show_target();
+  Eigen::Vector3d target_m() const;
   void refresh_buttons();
+  void read_poses();
   void refresh_poses();
+  bool change_poses(const std::function<void()>& change);
   void report(const CallOutcome& outcome);
+  void report_success(const QString& text);
   void report_failure(const QString& text);
   void optimise();
   void choose_scene(int index);
   void store_pose();
+  void forget_pose();
   void save_pose();
   void play_pose();
   void calibrate();
@@ -72,6 +79,7 @@ class SessionPanel : public rviz::Panel {
   QString posed_;       // the scene whose poses are offered
   std::string framed_;  // the scene that the camera was set to
   int shown_revision_ = -1, shown_targets_ = -1;
+  int target_of_ = -1;       // of which robot the numbers are
   bool with_balls_ = false;  // which step of a calibration comes next
 
   QTimer timer_;

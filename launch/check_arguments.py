@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME]: for launch files, before any node starts. Prints ROBOT where all
-is well. Ends with an error where there is no such robot, file or kind of cameras, and names the nearest."""
+"""check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME] [load=SCENE]: for launch files, before any node starts. Prints
+ROBOT where all is well. Ends with an error where there is no such robot, file or kind of cameras, and names the nearest,
+and where the scene to be loaded is wrong: once nodes run, roslaunch ends with status 0 whatever they end with."""
 import difflib
 import os
+import subprocess
 import sys
 
 CAMERAS = ('none', 'rendered')
@@ -26,11 +28,21 @@ def check_file(argument, path, robot):
     sys.exit(f'{argument}: there is no file {path}')
 
 
-robot = sys.argv[1]
+def check_scene(scene, rig):
+    """With the rig, where there is one, which has to take its commands."""
+    command = ['rosrun', 'soft_robot_lab', 'check_scene_node', scene] + (['--rig', rig] if os.path.exists(rig) else [])
+    if subprocess.run(command, stdin=subprocess.DEVNULL, stdout=sys.stderr).returncode:
+        sys.exit(f'scene: {scene} cannot be run')
+
+
+robot, given = sys.argv[1], {}
 for word in sys.argv[2:]:
     name, value = word.split('=', 1)
+    given[name] = value
     if name == 'cameras' and value not in CAMERAS:
         refuse(name, value, CAMERAS)
-    if name != 'cameras' and value:
+    if name not in ('cameras', 'load') and value:
         check_file(name, value, robot)
+if 'load' in given:
+    check_scene(given['load'], given.get('rig', ''))
 print(robot, end='')

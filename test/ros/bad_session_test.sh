@@ -1,10 +1,11 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# bad_session_test.sh ERROR ARGUMENT...: a session of such arguments ends by itself, says ERROR, and leaves nothing behind.
+# bad_session_test.sh ERROR STATUS ARGUMENT...: a session of such arguments ends by itself with that status, says ERROR, and
+# leaves nothing behind. The status is 1 where roslaunch was told before it started nodes; of what they end with it is 0.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-error=$1
-shift
+error=$1 expected=$2
+shift 2
 . "$here/../../launch/environment.sh"
 said=$(mktemp)
 trap 'rm -f "$said"; pkill -f -- "rosmaster --core -p $master_port " || true' EXIT
@@ -13,6 +14,7 @@ timeout --signal=INT --kill-after=5 60 roslaunch -p "$master_port" soft_robot_la
   >"$said" 2>&1 || status=$?
 cat "$said"
 ((status != 124 && status != 137)) || { echo "roslaunch had to be stopped"; exit 1; }
+((status == expected)) || { echo "status $status"; exit 1; }
 # roslaunch stops halfway where a required node ends while it still starts others.
 ! grep -qF "after process monitor has been shut down" "$said"
 ! pgrep -f -- "rosmaster --core -p $master_port " >/dev/null || { echo "the master was left behind"; exit 1; }

@@ -7,6 +7,7 @@ import os
 import shlex
 import subprocess
 import sys
+import tempfile
 
 os.environ['ROS_PACKAGE_PATH'] = sys.argv[1] + ':' + os.environ.get('ROS_PACKAGE_PATH', '')
 import roslaunch.config  # noqa: E402
@@ -21,11 +22,16 @@ def words_of(node, *arguments):
     return [shlex.split(one.args) for one in config.nodes if one.name == node][0]
 
 
+path = os.environ['PATH']
+no_checks = tempfile.TemporaryDirectory()
+os.symlink('/bin/true', no_checks.name + '/rosrun')
+os.environ['PATH'] = no_checks.name + ':' + path
 for folder in ('/tmp/bags', '/tmp/my bags', "/tmp/it's here", '/tmp/"a" b\'c', '/tmp/ü  x'):
     words = words_of('recorder', 'record:=true', 'rviz:=false', 'bag_folder:=' + folder)
     assert words == [folder, 'spinebot', 'false'], words
     words = words_of('rig_emulator', 'emulated:=true', 'rviz:=false', 'rig:=/tmp/my rig.yaml')
     assert words[-1] == '/tmp/my rig.yaml', words
+os.environ['PATH'] = path
 
 
 def refusal(file, *arguments):
@@ -43,4 +49,7 @@ assert "robot: there is no 'xyz'; known" in refusal('session.launch', 'robot:=xy
 assert "hanging_bar/plant.yaml" in refusal('session.launch', 'robot:=hanging_bar', 'emulated:=true')
 assert "scene: there is no file /nowhere/it's.yaml" in refusal('session.launch', "scene:=/nowhere/it's.yaml")
 assert "robot: there is no 'gripr'" in refusal('replay.launch', 'bag:=session.bag', 'output:=markers.bag', 'robot:=gripr')
+unknown_key = refusal('session.launch', 'scene:=' + sys.argv[1] + '/test/data/scenes/unknown_key.yaml')
+assert "unknown_key.yaml:5: body: unknown key 'colour'" in unknown_key and 'cannot be run' in unknown_key, unknown_key
+assert "unknown key 'colour'" in refusal('view.launch', 'scene:=' + sys.argv[1] + '/test/data/scenes/unknown_key.yaml')
 assert not refusal('session.launch', 'scene:=' + sys.argv[1] + '/test/data/scenes/cable_bar.yaml', 'robot:=mine')

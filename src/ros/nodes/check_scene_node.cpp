@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Before a session starts: roslaunch ends with status 0 whatever its nodes end with, but not where this one fails
+// first.
+#include <string>
+
+#include "hardware/plant/same_commands.h"
+#include "ros/actuator_plugins.h"
+#include "settings/command_line.h"
+#include "soft_robot_lab/robot/scene/scene.h"
+
+namespace soft_robot_lab {
+namespace {
+
+struct Arguments {
+  std::string scene, rig;
+};
+
+// As simulator_node loads it, which then finds the mesh in the cache.
+int check(const Arguments& arguments) {
+  SceneOptions options;
+  options.actuator_factory = actuators_from_plugins();
+  const Scene scene = load_scene(arguments.scene, options);
+  if (!arguments.rig.empty())
+    require_same_commands(*scene.simulation, arguments.scene, load_rig(arguments.rig), arguments.rig);
+  return kGood;
+}
+
+}  // namespace
+}  // namespace soft_robot_lab
+
+int main(int argc, char** argv) {
+  using namespace soft_robot_lab;
+  CommandLine app("Says whether a session can run a scene: reads and meshes it, and needs no ROS master.",
+                  "check_scene_node");
+  Arguments arguments;
+  app.add_option("SCENE", arguments.scene, "a scene's or robot's file").type_name("FILE").required();
+  app.add_option("--rig", arguments.rig, "the rig that has to take its commands").type_name("FILE");
+  app.footer("Exit status: 0 it can, 2 it cannot; why stands on the standard error.");
+  return run_program(app, argc, argv, [&] { return check(arguments); });
+}

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
 # bad_session_test.sh ERROR STATUS ARGUMENT...: a session of such arguments ends by itself with that status, says ERROR, and
-# leaves nothing behind. The status is 1 where roslaunch was told before it started nodes; of what they end with it is 0.
+# leaves nothing behind. The status is 1 where something is refused before nodes start; whatever they end with, it is 0.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 error=$1 expected=$2

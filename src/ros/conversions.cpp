@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "frames.h"
-#include "message_limits.h"
 #include "robot/scene/reaction.h"
 #include "settings/limits.h"
 
@@ -97,7 +96,6 @@ void require_whole(const MarkerObservations& markers) {
                                 std::to_string(markers.positions.size()) + " positions and " +
                                 std::to_string(markers.sources.size()) + " sources; they must be as many");
   for (const geometry_msgs::Point& position : markers.positions) from_message(position, "positions");
-  require_in_limits<MarkerObservations>(markers);
 }
 
 MarkerObservations marker_observations(const Simulation& simulation, const ros::Time& stamp) {

@@ -209,7 +209,7 @@ int optimise_on_random_robots(const Arguments& arguments, const SceneOptions& op
   std::vector<RandomRobot> robots = draw_robots(randomisation, options);
   for (const RandomRobot& robot : robots) robot.simulation->set_interrupt(interrupted);
   CommandPolicy policy = policy_for(arguments, robots, task);
-  policy.robot = robot_name(arguments.robot);
+  policy.robot = name_of_robot(arguments.robot);
   const std::vector<double> distances = distances_m(robots, policy, task.poses.back());
   std::cout << robust_summary(distances);
   if (!arguments.output.empty()) write_robust_report(randomisation, robots, distances, arguments.output);
@@ -259,7 +259,7 @@ int optimise_robot(Arguments& arguments) {
         },
         scene.reduction ? &scene.reduction->choice : nullptr);
   }
-  answer.policy.robot = robot_name(arguments.robot);
+  answer.policy.robot = name_of_robot(arguments.robot);
   if (!arguments.tolerance_m) count_as_reached(answer);
   nlohmann::ordered_json result;
   for (size_t i = 0; i < answer.summaries.size(); ++i) {

@@ -23,7 +23,7 @@ struct TimedCommandValues {
 struct CommandPolicy {
   std::vector<std::string> names;         // of actuators
   std::vector<TimedCommandValues> steps;  // in order of time
-  std::string robot = {};                 // that it is for (robot_name); empty: any
+  std::string robot = {};                 // that it is for (name_of_robot); empty: any
 };
 
 // What a command may be; and how a message about one beyond that ends: which key of the scene moves the limit.

@@ -16,6 +16,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kFallAhead = 0.25;  // of the way: just where stability is lost next to nothing drives the shape away
+constexpr double kFollows = 1.1;     // times the way of what moves: a node that follows it
 constexpr double kSameShape = 0.01;  // of the body's size: a way that leads on, not away
 
 // A loss of stability on the way.
@@ -75,13 +76,20 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
 }
 
 // By Newton, through stable shapes alone where the stage can still be cut. Where that leads through an unstable
-// shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything.
+// shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything. Skin that is
+// pressed by what moves may be unstable on the way to a stable shape; there no node may go further than what moves.
 RestFound Walk::try_stage(double share) {
-  Eigen::Matrix3Xd from_m = parts_.state.positions_m;
+  SimulationState from = parts_.state;
   path_.go_to(share);
-  const bool strict = options_.only_through_stable || cuttable(share);
+  const bool strict = options_.only_through_stable || (cuttable(share) && path_.changes_loads());
   const RestFound found = relax(parts_, report_, {options_.tolerance, strict});
-  if (found == RestFound::stable) advance_to(share, std::move(from_m));
+  if (found != RestFound::stable) return found;
+  const double way_m = (parts_.state.positions_m - from.positions_m).colwise().norm().maxCoeff();
+  if (!strict && cuttable(share) && way_m > kFollows * path_.largest_way_m(done_, share)) {
+    parts_.state = std::move(from);
+    return RestFound::none;
+  }
+  advance_to(share, std::move(from.positions_m));
   return found;
 }
 

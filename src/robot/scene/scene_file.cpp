@@ -38,7 +38,7 @@ std::string robot_file(const std::string& scene) {
   return file;
 }
 
-std::string robot_name(const std::string& scene) {
+std::string name_of_robot(const std::string& scene) {
   const std::filesystem::path file = robot_file(scene);
   return (file.filename() == "robot.yaml" ? file.parent_path().filename() : file.stem()).string();
 }

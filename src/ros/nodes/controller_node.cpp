@@ -200,7 +200,7 @@ void ControllerNode::load(const std::string& path) {
   {
     const std::lock_guard lock(mutex_);
     limits_ = std::move(limits);
-    robot_ = robot_name(path);
+    robot_ = name_of_robot(path);
     markers_.clear();
     for (const Marker& marker : model_->markers()) markers_.push_back(marker.name());
     size_m_ = largest_extent_m(model_->body().mesh());

@@ -74,7 +74,7 @@ std::map<std::string, double> values_of(const std::string& text) {
 
 void Poses::set_scene(const std::string& path) {
   robot_ = path.empty() ? "" : robot_file(path);
-  robot_name_ = path.empty() ? "" : robot_name(path);
+  robot_name_ = path.empty() ? "" : name_of_robot(path);
 }
 
 std::string Poses::store(const std::string& name, const std::vector<ActuatorRow>& rows) {

@@ -21,7 +21,7 @@ std::set<fs::path> entries_of(const fs::path& folder) {
 }  // namespace
 
 std::string label_of(const std::string& scene) {
-  const std::string name = robot_name(scene);
+  const std::string name = name_of_robot(scene);
   const bool robot = fs::absolute(scene).lexically_normal() == robot_file(scene);
   return robot ? name : name + ": " + fs::path(scene).stem().string();
 }

@@ -105,11 +105,11 @@ TEST(SceneFile, KnowsItsRobot) {
   files.write("circle.yaml", "include: round.yaml\n");
   for (const char* name : {"bar.yaml", "ball.yaml", "table.yaml"}) {
     EXPECT_EQ(robot_file(files.path(name)), files.path("bar.yaml"));
-    EXPECT_EQ(robot_name(files.path(name)), "bar");
+    EXPECT_EQ(name_of_robot(files.path(name)), "bar");
   }
   EXPECT_EQ(robot_file(files.path("none.yaml")), files.path("none.yaml"));
   EXPECT_FALSE(robot_file(files.path("round.yaml")).empty()) << "it ends";
-  EXPECT_EQ(robot_name("/robots/gripper/robot.yaml"), "gripper");
+  EXPECT_EQ(name_of_robot("/robots/gripper/robot.yaml"), "gripper");
 }
 
 TEST(Scene, AveragesTheVolumeOfLinearElements) {

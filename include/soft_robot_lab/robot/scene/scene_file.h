@@ -13,6 +13,6 @@ bool is_scene_file(const std::string& path);
 std::string robot_file(const std::string& scene);
 
 // What people call that robot: its folder where the file is a robot.yaml, else the file, without its ending.
-std::string robot_name(const std::string& scene);
+std::string name_of_robot(const std::string& scene);
 
 }  // namespace soft_robot_lab

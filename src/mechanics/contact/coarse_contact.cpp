@@ -8,6 +8,7 @@
 
 #include "gap.h"
 #include "mechanics/mesh/shape_functions.h"
+#include "present_faces.h"
 #include "settings/point_text.h"
 
 namespace soft_robot_lab {
@@ -24,7 +25,7 @@ struct Deepest {
 };
 
 // Along an even grid over a face, of these nodes.
-void look_between_points(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const Eigen::Matrix3Xd& face_m,
+void look_between_points(const ObstacleShape& shape, const Eigen::Isometry3d& pose, const FaceNodes& face_m,
                          double face_size_m, Deepest& deepest) {
   const int parts =
       std::clamp(static_cast<int>(std::ceil(2.0 * face_size_m / size_m(shape))), kCoarsestGrid, kFinestGrid);
@@ -109,9 +110,7 @@ std::vector<SolveWarning> coarse_contacts(const Body& body, const ContactTerm& c
     const Eigen::Isometry3d pose = contact.pose_of(static_cast<int>(i), state);
     Deepest deepest;
     for (int face = 0; face < points.face_count(); ++face) {
-      Eigen::Matrix3Xd face_m(3, points.nodes_per_face());
-      for (int node = 0; node < points.nodes_per_face(); ++node)
-        face_m.col(node) = positions_m.col(points.node(face, node));
+      const FaceNodes face_m = nodes_of(points.faces(), face, positions_m);
       const Eigen::Vector3d middle_m = face_m.rowwise().mean();
       const double reach_m = (face_m.colwise() - middle_m).colwise().norm().maxCoeff();
       if (gap_to(obstacle.shape, pose, middle_m).gap_m > reach_m) continue;

@@ -116,14 +116,13 @@ double softest_at_rest_per_s2(SimulationParts& parts) {
 // through it does not.
 bool alike_on_both_sides(SimulationParts& parts, const Eigen::Matrix3Xd& motion_m) {
   const NewtonState here = parts.unknowns();
-  double rises_j[2];
-  for (const int side : {0, 1}) {
+  const auto rise_j = [&](double side) {
     NewtonState there = here;
-    there.positions_m += (side == 0 ? 1.0 : -1.0) * motion_m;
-    rises_j[side] = parts.workspace.newton.potential_rise_j(NewtonTask{}, here, there);
-  }
-  const double larger_j = std::max(std::abs(rises_j[0]), std::abs(rises_j[1]));
-  return std::abs(rises_j[0] - rises_j[1]) < kAlike * larger_j;
+    there.positions_m += side * motion_m;
+    return parts.workspace.newton.potential_rise_j(NewtonTask{}, here, there);
+  };
+  const double one_j = rise_j(1.0), other_j = rise_j(-1.0);
+  return std::abs(one_j - other_j) < kAlike * std::max(std::abs(one_j), std::abs(other_j));
 }
 
 // As far along a motion, bent as the body turns with it, as the energy falls, in doubled ways.

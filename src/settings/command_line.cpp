@@ -46,13 +46,18 @@ std::string without_library(const std::string& what) {
          what.substr(end + 2);
 }
 
-// The largest number by what the help calls it, as "S" of "--duration S".
-double largest_of(const std::string& type_name) {
-  static const std::map<std::string, double> largest = {{"S", limits::kTime_s},      {"SECONDS", limits::kTime_s},
-                                                        {"M", limits::kPlace_m},     {"METRES", limits::kPlace_m},
-                                                        {"X Y Z", limits::kPlace_m}, {"KG", limits::kMass_kg}};
+struct Largest {
+  double number;
+  std::string unit;
+};
+
+// By what the help calls a number, as "S" of "--duration S".
+Largest largest_of(const std::string& type_name) {
+  static const Largest time{limits::kTime_s, " s"}, place{limits::kPlace_m, " m"}, mass{limits::kMass_kg, " kg"};
+  static const std::map<std::string, Largest> largest = {{"S", time},       {"SECONDS", time}, {"M", place},
+                                                         {"METRES", place}, {"X Y Z", place},  {"KG", mass}};
   const auto found = largest.find(type_name.substr(0, type_name.find(':')));
-  return found == largest.end() ? limits::kNumber : found->second;
+  return found == largest.end() ? Largest{limits::kNumber, ""} : found->second;
 }
 
 // Of each number that is given; NaN is in no range. Words that are no numbers are left to their reader.
@@ -61,9 +66,10 @@ void limit_numbers(CLI::Option* option) {
   using Number = std::conditional_t<std::is_same_v<Value, int> || std::is_same_v<Value, unsigned>, int, double>;
   const auto check = [option](const std::string& word) -> std::string {
     const std::optional<double> value = parse_number<double>(word);
-    const double largest = std::is_same_v<Number, int> ? limits::kCount : largest_of(option->get_type_name());
+    const auto [largest, unit] =
+        std::is_same_v<Number, int> ? Largest{limits::kCount, ""} : largest_of(option->get_type_name());
     if (!value || std::abs(*value) <= largest) return "";
-    return word + " is not in [" + format_number(-largest) + ", " + format_number(largest) + "]";
+    return word + " is not in [" + format_number(-largest) + ", " + format_number(largest) + "]" + unit;
   };
   if (!std::is_same_v<Value, std::string> && !std::is_same_v<Value, std::vector<std::string>> &&
       !std::is_same_v<Value, std::uint64_t>)

@@ -63,7 +63,7 @@ TEST(Optimise, CountsATargetAsReachedWithinHalfAMillimetre) {
 TEST(Optimise, AsksWhetherAFarTargetIsInMetres) {
   const SceneFolder folder;
   const Outcome far = optimise(folder, bar + "--marker tip --target 3 1 -10.5 --iterations 1");
-  EXPECT_EQ(far.err.find("optimise: warning: the target of tip is 10."), 0u) << far.err;
+  EXPECT_EQ(far.err.find("optimise: warning: the target of tip is 1.087e+04 mm away"), 0u) << far.err;
   EXPECT_NE(far.err.find("targets are in metres; are these numbers millimetres?"), std::string::npos) << far.err;
   const Outcome near = optimise(folder, bar + "--marker tip --target 0.1 0 -0.1 --iterations 1");
   EXPECT_EQ(near.err.find("warning"), std::string::npos) << near.err;
@@ -79,7 +79,7 @@ TEST(Optimise, NamesWhatIsWrongWithItsArguments) {
       {bar + "--marker tip --then --target 0 0 0", "--target: comes after its --marker"},
       {bar + "--marker tip", "--target: marker tip has none; give `--target X Y Z` [m] after its --marker"},
       {bar + "--marker tip --target 0 0 -0.1 --then --marker middle", "--target: marker middle has none"},
-      {bar + "--marker tip --target 30000 10 -105", "is not within 1000 m; it is in metres"},
+      {bar + "--marker tip --target 30000 10 -105", "--target: 30000 is not in [-1000, 1000] m\n"},
       {bar + "--marker tip --target 0 0", "--target: At least 3 required but received 2"},
       {bar + "--marker tip --target 0 0 -0.1m", "--target = 0,0,-0.1m"},
       {bar + "--marker tip --iterations 2.5", "--iterations = 2.5"},

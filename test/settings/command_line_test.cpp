@@ -74,8 +74,8 @@ std::string said_of(const std::vector<std::string>& words) {
 TEST(CommandLine, TakesNumbersWithinTheLimitsOfTheirUnits) {
   EXPECT_EQ(said_of({"--hold", "1e6", "--price", "-1e12", "--count", "1000000", "--place", "1", "2", "-1000"}), "");
   EXPECT_EQ(said_of({"--range", "left", "0", "1", "--range", "right", "-1e12", "1"}), "");
-  EXPECT_EQ(said_of({"--hold", "1.1e6"}), "nothing: --hold: 1.1e6 is not in [-1000000, 1000000]");
-  EXPECT_EQ(said_of({"--hold", "nan"}), "nothing: --hold: nan is not in [-1000000, 1000000]");
+  EXPECT_EQ(said_of({"--hold", "1.1e6"}), "nothing: --hold: 1.1e6 is not in [-1000000, 1000000] s");
+  EXPECT_EQ(said_of({"--hold", "nan"}), "nothing: --hold: nan is not in [-1000000, 1000000] s");
   EXPECT_EQ(said_of({"--place", "0", "1e300", "0"}), "nothing: --place: 1e300 is not in [-1000, 1000] m");
   EXPECT_EQ(said_of({"--price", "-inf"}), "nothing: --price: -inf is not in [-1e+12, 1e+12]");
   EXPECT_EQ(said_of({"--count", "1000001"}), "nothing: --count: 1000001 is not in [-1000000, 1000000]");

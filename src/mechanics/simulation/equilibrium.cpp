@@ -16,6 +16,9 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kFallAhead = 0.25;  // of the way: just where stability is lost next to nothing drives the shape away
+constexpr double kFollows = 1.1;     // times the way of what moves: a node that follows it
+constexpr double kSameLever = 1.25;  // times as far in half the way: not a jump, but a lever
+constexpr double kSmallWay = 1e-3;   // of the body's size: no jump
 constexpr double kSameShape = 0.01;  // of the body's size: a way that leads on, not away
 
 // A loss of stability on the way.
@@ -50,7 +53,10 @@ class Walk {
     return !options_.only_through_stable && path_.changes_in_stages() &&
            0.5 * (share - done_) * constants::kSmallestStage >= 1.0;
   }
+  bool jumped(double share, const Eigen::Matrix3Xd& from_m);
   RestFound try_stage(double share);
+  Nudge softest_way();
+  void note_snap_from(const SimulationState& stable, const Nudge& nudge);
   bool fall_to(double share);
   bool lose_stability(double share);
   bool go_on_from(double share, RestFound found, double& stage);
@@ -61,6 +67,7 @@ class Walk {
   SolveReport& report_;
   RestPath path_;
   double done_ = 0.0;
+  double follows_ = kFollows, lever_before_ = 0.0;
   int iterations_before_ = 0;  // the stage that goes on
   Eigen::Matrix3Xd before_m_;  // where the stage before began
   std::vector<Snap> snaps_;
@@ -72,44 +79,43 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   iterations_before_ = report_.iterations;
 }
 
+// Whether a node went further than what moves takes it along. A jump is as far in half the stage, a lever half as far.
+bool Walk::jumped(double share, const Eigen::Matrix3Xd& from_m) {
+  const double way_m = (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
+  const double lever = way_m / (path_.largest_way_m(done_, share) + kSmallWay * parts_.body.size_m());
+  if (lever <= follows_) return false;
+  if (lever < kSameLever * lever_before_) follows_ = kSameLever * lever;
+  lever_before_ = lever;
+  return lever > follows_;
+}
+
 // By Newton, through stable shapes alone where the stage can still be cut. Where that leads through an unstable
-// shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything.
+// shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything. Skin that is
+// pressed by what moves may be unstable on the way to a stable shape; there no node may jump.
 RestFound Walk::try_stage(double share) {
-  Eigen::Matrix3Xd from_m = parts_.state.positions_m;
+  SimulationState from = parts_.state;
   path_.go_to(share);
-  const bool strict = options_.only_through_stable || cuttable(share);
-  const RestFound found = relax(parts_, report_, {options_.tolerance, strict});
-  if (found == RestFound::stable) advance_to(share, std::move(from_m));
+  const bool cut_can_help = cuttable(share), pressed = cut_can_help && !path_.changes_loads();
+  const bool strict = options_.only_through_stable || (cut_can_help && !pressed);
+  RestFound found = relax(parts_, report_, {options_.tolerance, strict});
+  if (pressed && found == RestFound::none && !held_by_friction_alone(parts_)) found = relax_from_below(parts_, report_);
+  if (found != RestFound::stable) return found;
+  if (pressed && jumped(share, from.positions_m)) {
+    parts_.state = std::move(from);
+    return RestFound::saddle;  // it went over one
+  }
+  advance_to(share, std::move(from.positions_m));
   return found;
 }
 
-// Down to a stable shape; the state stays where there is none.
-bool Walk::fall_to(double share) {
-  const SimulationState start = parts_.state;
-  path_.go_to(share);
-  const bool rubs = held_by_friction_alone(parts_);
-  if ((!rubs && relax_from_below(parts_, report_) == RestFound::stable) || descend(parts_, report_)) {
-    advance_to(share, Eigen::Matrix3Xd(start.positions_m));
-    return true;
-  }
-  parts_.state = start;
-  return false;
+// Which way the last stable shape gives way. What friction alone holds has no energy that could say.
+Nudge Walk::softest_way() {
+  path_.go_to(done_);
+  if (held_by_friction_alone(parts_) || parts_.workspace.newton.contact().free().count() > 0) return {};
+  return nudge_off(parts_, parts_.state.positions_m - before_m_);
 }
 
-// Where the smallest stage leads to no stable shape nearby: what follows is a motion in time that inertia does not
-// drive, from the last stable shape and a small way off it.
-bool Walk::lose_stability(double share) {
-  const SimulationState stable = parts_.state;
-  path_.go_to(done_);
-  const bool pushed = !held_by_friction_alone(parts_) && parts_.workspace.newton.contact().free().count() == 0;
-  Nudge nudge;
-  if (pushed) nudge = nudge_off(parts_, stable.positions_m - before_m_);
-  path_.go_to(share);
-  if (nudge.motion_m.cols() > 0) parts_.state.positions_m += nudge.motion_m;
-  if (!descend(parts_, report_)) {
-    parts_.state = stable;
-    return false;
-  }
+void Walk::note_snap_from(const SimulationState& stable, const Nudge& nudge) {
   Snap snap;
   Eigen::Index node = 0;
   snap.share = done_;
@@ -117,14 +123,44 @@ bool Walk::lose_stability(double share) {
   snap.rest_position_m = parts_.body.mesh().nodes_m.col(node);
   snap.other_side = nudge.other_side;
   if (nudge.unstable && snap.moved_m > kSameShape * parts_.body.size_m()) snaps_.push_back(snap);
+}
+
+// Down to a stable shape; the state stays where there is none.
+bool Walk::fall_to(double share) {
+  const SimulationState stable = parts_.state;
+  const Nudge nudge = softest_way();
+  path_.go_to(share);
+  const bool rubs = held_by_friction_alone(parts_);
+  if ((rubs || relax_from_below(parts_, report_) != RestFound::stable) && !descend(parts_, report_)) {
+    parts_.state = stable;
+    return false;
+  }
+  note_snap_from(stable, nudge);
+  advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
+  return true;
+}
+
+// Where the smallest stage leads to no stable shape nearby: what follows is a motion in time that inertia does not
+// drive, from the last stable shape and a small way off it.
+bool Walk::lose_stability(double share) {
+  const SimulationState stable = parts_.state;
+  const Nudge nudge = softest_way();
+  path_.go_to(share);
+  if (nudge.motion_m.cols() > 0) parts_.state.positions_m += nudge.motion_m;
+  if (!descend(parts_, report_)) {
+    parts_.state = stable;
+    return false;
+  }
+  note_snap_from(stable, nudge);
   advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
   return true;
 }
 
 // After a stage that found no stable rest state; false where there is no way on.
 bool Walk::go_on_from(double share, RestFound found, double& stage) {
-  // A saddle was reached by what came at once: it is to come slowly, so that it chooses the side.
-  if (found == RestFound::saddle && done_ == 0.0 && path_.bring_loads_slowly()) {
+  // What comes at once leads to no stable shape: it is to come slowly, so that it chooses the side.
+  const bool at_a_loss = found == RestFound::saddle || (!path_.something_moves() && !cuttable(share));
+  if (done_ == 0.0 && at_a_loss && path_.bring_loads_slowly()) {
     stage = 1.0;
     return true;
   }
@@ -136,9 +172,10 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   stage = 1.0;
   if (path_.loads_come_slowly()) return lose_stability(path_.stage_end(done_, std::min(1.0, done_ + kFallAhead)));
   if (found == RestFound::saddle && !held_by_friction_alone(parts_)) return lose_stability(share) || fall_to(share);
-  // With all that is left a body that touches itself might fold.
+  // With all that is left a body that is pressed might fold, or slip off what presses it.
   const double end = path_.stage_end(done_, 1.0);
-  if (parts_.body.touches_itself() && path_.changes_in_stages() && fall_to(share)) return true;
+  const bool pressed = parts_.body.touches_itself() || path_.something_moves();
+  if (pressed && path_.changes_in_stages() && fall_to(share)) return true;
   return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "actuator_warnings.h"
 #include "descent.h"
@@ -17,9 +18,10 @@ namespace {
 
 constexpr double kFallAhead = 0.25;  // of the way: just where stability is lost next to nothing drives the shape away
 constexpr double kFollows = 1.1;     // times the way of what moves: a node that follows it
-constexpr double kSameLever = 1.25;  // times as far in half the way: not a jump, but a lever
-constexpr double kSmallWay = 1e-3;   // of the body's size: no jump
-constexpr double kSameShape = 0.01;  // of the body's size: a way that leads on, not away
+constexpr double kFrictionStages = 20;  // of a way that rubs, which end where it leads: their number changes it by 2 %
+constexpr double kSameLever = 1.25;     // times as far in half the way: not a jump, but a lever
+constexpr double kSmallWay = 1e-3;      // of the body's size: no jump
+constexpr double kSameShape = 0.01;     // of the body's size: a way that leads on, not away
 
 // A loss of stability on the way.
 struct Snap {
@@ -53,6 +55,8 @@ class Walk {
     return !options_.only_through_stable && path_.changes_in_stages() &&
            0.5 * (share - done_) * constants::kSmallestStage >= 1.0;
   }
+  bool slow_down();
+  bool way_counts(const SimulationState& from) const;
   bool jumped(double share, const Eigen::Matrix3Xd& from_m);
   RestFound try_stage(double share);
   Nudge softest_way();
@@ -67,6 +71,7 @@ class Walk {
   SolveReport& report_;
   RestPath path_;
   double done_ = 0.0;
+  double longest_ = 1.0;  // stage
   double follows_ = kFollows, lever_before_ = 0.0;
   int iterations_before_ = 0;  // the stage that goes on
   Eigen::Matrix3Xd before_m_;  // where the stage before began
@@ -77,6 +82,23 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   done_ = share;
   before_m_ = std::move(from_m);
   iterations_before_ = report_.iterations;
+}
+
+// Loads come slowly from here on, and what rubs goes in small stages. False where that is so already.
+bool Walk::slow_down() {
+  const bool rubs = parts_.state.contact.anchors_m.cols() > 0 && parts_.workspace.newton.contact().free().count() == 0;
+  const bool shorter = rubs && longest_ == 1.0;
+  if (rubs) longest_ = 1.0 / kFrictionStages;
+  return path_.bring_loads_slowly() || shorter;
+}
+
+// Whether a rest state may be another one at the end of a slower way: past an obstacle, or where skin rubs.
+bool Walk::way_counts(const SimulationState& from) const {
+  const ContactState& contact = parts_.state.contact;
+  const bool touches = contact.pressures_pa.size() > 0 && contact.pressures_pa.maxCoeff() > 0.0;
+  const double way_m = (parts_.state.positions_m - from.positions_m).colwise().norm().maxCoeff();
+  return touches && way_m > kSmallWay * parts_.body.size_m() &&
+         (contact.anchors_m.cols() > 0 || !parts_.body.obstacles().empty());
 }
 
 // Whether a node went further than what moves takes it along. A jump is as far in half the stage, a lever half as far.
@@ -159,8 +181,7 @@ bool Walk::lose_stability(double share) {
 // After a stage that found no stable rest state; false where there is no way on.
 bool Walk::go_on_from(double share, RestFound found, double& stage) {
   // What comes at once leads to no stable shape: it is to come slowly, so that it chooses the side.
-  const bool at_a_loss = found == RestFound::saddle || (!path_.something_moves() && !cuttable(share));
-  if (done_ == 0.0 && at_a_loss && path_.bring_loads_slowly()) {
+  if (done_ == 0.0 && (found == RestFound::saddle || !path_.changes_loads()) && slow_down()) {
     stage = 1.0;
     return true;
   }
@@ -170,7 +191,12 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
     return true;
   }
   stage = 1.0;
-  if (path_.loads_come_slowly()) return lose_stability(path_.stage_end(done_, std::min(1.0, done_ + kFallAhead)));
+  if (path_.loads_come_slowly()) {
+    const bool stiff = path_.something_moves() && !softest_way().unstable;  // pressed skin
+    if (stiff && fall_to(share)) return true;
+    const double ahead = path_.stage_end(done_, std::min(1.0, done_ + kFallAhead));
+    return lose_stability(ahead) || fall_to(ahead);
+  }
   if (found == RestFound::saddle && !held_by_friction_alone(parts_)) return lose_stability(share) || fall_to(share);
   // With all that is left a body that is pressed might fold, or slip off what presses it.
   const double end = path_.stage_end(done_, 1.0);
@@ -181,11 +207,21 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
 
 double Walk::go() {
   double stage = 1.0;
+  bool first = !options_.only_through_stable;
   const int patience = constants::kEquilibriumBudget * parts_.options.max_iterations;
   while (done_ < 1.0 && report_.iterations - iterations_before_ < patience) {
-    const double from = done_, wanted = std::min(1.0, done_ + stage), share = path_.stage_end(done_, wanted);
+    const double from = done_, wanted = std::min(1.0, done_ + std::min(stage, longest_));
+    const double share = path_.stage_end(done_, wanted);
+    SimulationState start;
+    if (first) start = parts_.state;
     const RestFound found = try_stage(share);
-    if (found == RestFound::stable) {
+    if (found == RestFound::stable && std::exchange(first, false) && way_counts(start)) {
+      std::swap(parts_.state, start);
+      if (slow_down())
+        done_ = 0.0;
+      else
+        std::swap(parts_.state, start);
+    } else if (found == RestFound::stable) {
       if (share == wanted) stage = std::max(stage, 2.0 * (share - from));
     } else if (options_.only_through_stable || !go_on_from(share, found, stage)) {
       break;

@@ -24,11 +24,10 @@ class RestPath {
   // a body in its rest shape. False where it does already, and where nothing holds the body or an obstacle.
   bool bring_loads_slowly();
   bool loads_come_slowly() const { return left_n_.cols() > 0; }
-  // Whether a part of the way changes less: commands or loads that come slowly, or what moves without friction.
+  // Commands, or loads that come slowly.
   bool changes_loads() const { return loads_come_slowly() || commands_ != parts_.state.commands(); }
-  bool changes_in_stages() const {
-    return changes_loads() || (something_moves() && parts_.state.contact.anchors_m.cols() == 0);
-  }
+  // Whether a part of the way changes less.
+  bool changes_in_stages() const { return changes_loads() || something_moves(); }
   // An obstacle or a hold.
   bool something_moves() const { return start_s_ != end_s_; }
   // How far what moves goes in a stage, an obstacle's centre or a held node at most.

@@ -84,9 +84,10 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   iterations_before_ = report_.iterations;
 }
 
-// Loads come slowly from here on, and what rubs goes in small stages. False where that is so already.
+// Loads come slowly from here on, and what rubs goes in small stages, but for commands. False where that is so already.
 bool Walk::slow_down() {
-  const bool rubs = parts_.state.contact.anchors_m.cols() > 0 && parts_.workspace.newton.contact().free().count() == 0;
+  const bool rubs = parts_.state.contact.anchors_m.cols() > 0 && !path_.changes_commands() &&
+                    parts_.workspace.newton.contact().free().count() == 0;
   const bool shorter = rubs && longest_ == 1.0;
   if (rubs) longest_ = 1.0 / kFrictionStages;
   return path_.bring_loads_slowly() || shorter;

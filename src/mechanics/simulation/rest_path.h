@@ -24,8 +24,8 @@ class RestPath {
   // a body in its rest shape. False where it does already, and where nothing holds the body or an obstacle.
   bool bring_loads_slowly();
   bool loads_come_slowly() const { return left_n_.cols() > 0; }
-  // Commands, or loads that come slowly.
-  bool changes_loads() const { return loads_come_slowly() || commands_ != parts_.state.commands(); }
+  bool changes_commands() const { return commands_ != parts_.state.commands(); }
+  bool changes_loads() const { return loads_come_slowly() || changes_commands(); }
   // Whether a part of the way changes less.
   bool changes_in_stages() const { return changes_loads() || something_moves(); }
   // An obstacle or a hold.

@@ -31,14 +31,17 @@ TetMesh mirrored_column() {
 }
 
 // Euler's load is 540 Pa on the top.
-Simulation column(double pressure_pa, bool held_straight) {
+Simulation column(double pressure_pa, bool held_straight,
+                  SolverOptions::Method method = SolverOptions::Method::newton) {
   Body body(mirrored_column(), {264200.0, 0.45, 1070.0});
   body.fix_nodes({-1, -1, -1}, {1, 1e-6, 1}, {true, true, true});
   if (held_straight) body.fix_nodes({-1e-9, -1, -1}, {1e-9, 1, 1}, {true, false, false});
   body.add_traction({-1, 0.099999, -1}, {1, 1, 1}, {0, -pressure_pa, 0});
   std::vector<Marker> markers;
   markers.emplace_back("top", Eigen::Vector3d(0, 0.1, 0), body.mesh(), MeshLocator(body.mesh()));
-  return Simulation(std::move(body), {}, std::move(markers), {});
+  SolverOptions options;
+  options.method = method;
+  return Simulation(std::move(body), {}, std::move(markers), options);
 }
 
 bool snapped(const SolveReport& report) {
@@ -75,6 +78,40 @@ TEST(Saddle, IsLeftWhereALoadBucklesAColumnFromItsRestShape) {
     ASSERT_TRUE(report.converged) << over_euler << ": " << report.message;
     EXPECT_GT(std::abs(column.marker_position(0).x()), 0.02) << over_euler;
     EXPECT_TRUE(snapped(report)) << over_euler;
+  }
+}
+
+// A column that is held straight stands at 1.3 times Euler's load, and so does a mirrored one without a push.
+TEST(Saddle, IsLeftByXpbdToo) {
+  Simulation newton = column(700.0, false), xpbd = column(700.0, false, SolverOptions::Method::xpbd);
+  ASSERT_TRUE(newton.solve_equilibrium().converged);
+  const SolveReport report = xpbd.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  EXPECT_TRUE(snapped(report));
+  EXPECT_NEAR(std::abs(xpbd.marker_position(0).x()), std::abs(newton.marker_position(0).x()), 1e-4);
+  EXPECT_NEAR(xpbd.marker_position(0).y(), newton.marker_position(0).y(), 1e-4);
+}
+
+TEST(Saddle, IsNoneOfAColumnThatXpbdBringsToRestBelowEulersLoad) {
+  Simulation xpbd = column(300.0, false, SolverOptions::Method::xpbd);
+  const SolveReport report = xpbd.solve_equilibrium();
+  ASSERT_TRUE(report.converged) << report.message;
+  EXPECT_FALSE(snapped(report));
+  EXPECT_LT(std::abs(xpbd.marker_position(0).x()), 1e-6);
+}
+
+// A body that falls beside the ball that is below it.
+TEST(FailedEquilibrium, LeavesTheStateToTheLastBit) {
+  for (const auto method : {SolverOptions::Method::newton, SolverOptions::Method::xpbd}) {
+    Body body(box_mesh({0, 0, 0}, {0.01, 0.01, 0.01}, {1, 1, 1}), {264200.0, 0.45, 1070.0});
+    body.set_gravity({0, 0, -9.81});
+    body.set_obstacles({{"ball", Sphere{{0.5, 0, -0.1}, 0.01}, {}, 0.0}});
+    SolverOptions options;
+    options.method = method;
+    Simulation falling(std::move(body), {}, {}, options);
+    const SimulationState before = falling.state();
+    EXPECT_FALSE(falling.solve_equilibrium().converged);
+    EXPECT_TRUE(falling.state() == before) << (method == SolverOptions::Method::xpbd ? "xpbd" : "newton");
   }
 }
 

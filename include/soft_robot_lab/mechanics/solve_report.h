@@ -19,6 +19,7 @@ namespace soft_robot_lab {
 //   free_motion          0: nothing resists a rigid motion of the body, which `text` names
 //   snapped              by how much a node moved where the way to a rest state became unstable
 //   negative_volume      of a chamber                      coarse_contact        depth between contact points
+//   cable_in_silicone    depth below the skin of a cable that is in the air at rest
 struct SolveWarning {
   std::string kind;
   double size = 0.0;

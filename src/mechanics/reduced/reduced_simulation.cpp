@@ -76,19 +76,17 @@ ReducedReport ReducedSimulation::run(const std::function<void(ReducedReport&)>& 
     interrupt_.check();
     solve(report);
   } catch (const SolveInterrupted& interrupted) {
-    state_ = before;
     report.converged = false;
     report.interrupted = interrupted.why;
   }
+  if (!report.converged) state_ = before;
   return report;
 }
 
 ReducedReport ReducedSimulation::step() {
   return run([this](ReducedReport& report) {
-    const ReducedState before = state_;
     const double h = model_->full->options().time_step_s;
     report.converged = advance(h, advance_drives(h), 0.0, 1.0, report);
-    if (!report.converged) state_ = before;
   });
 }
 

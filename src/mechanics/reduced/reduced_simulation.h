@@ -41,16 +41,15 @@ class ReducedSimulation {
   void set_interrupt(std::function<bool()> ends) { interrupt_.ends = std::move(ends); }
 
   // One time step of the full model's SolverOptions::time_step_s, in halves where it does not converge. Where it fails
-  // the state stays as it was, but for the commands.
+  // the state stays as it was.
   ReducedReport step();
 
   // The stable rest state near the present one; where there is none, and the actuators come from their rest commands,
   // that beside one to which training went from there. Where none of those leads to one it has not converged, as which
-  // of several sides a search takes is chance. From elsewhere it searches; the state is the furthest it came.
+  // of several sides a search takes is chance. From elsewhere it searches. Where it fails the state stays as it was.
   ReducedReport solve_equilibrium();
 
-  // The same by Newton's method alone: converges only to what is near. Where it does not the state stays as it was, but
-  // for the commands.
+  // The same by Newton's method alone: converges only to what is near. Where it does not the state stays as it was.
   ReducedReport solve_nearby();
 
   // Rms displacement of the last Newton iteration, > 0; smaller than the model's error is of no use.

@@ -86,10 +86,18 @@ bool judged_by_energy(const SimulationParts& parts, const NewtonState& found) {
                       [](const ContactTouch& touch) { return touch.on_skin() && touch.pressure_pa > 0.0; });
 }
 
+}  // namespace
+
+bool is_minimum(SimulationParts& parts, const NewtonState& found) {
+  return !judged_by_energy(parts, found) || parts.workspace.newton.minimum_at_rest(found);
+}
+
+namespace {
+
 // Whether Newton's method ended at a stable rest state, which then becomes the state.
 RestFound judge(SimulationParts& parts, const NewtonReport& newton, NewtonState&& found) {
   if (!newton.converged) return RestFound::none;
-  if (judged_by_energy(parts, found) && !parts.workspace.newton.minimum_at_rest(found)) return RestFound::saddle;
+  if (!is_minimum(parts, found)) return RestFound::saddle;
   parts.accept(std::move(found));
   return RestFound::stable;
 }
@@ -172,7 +180,9 @@ Nudge nudge_off(SimulationParts& parts, const Eigen::Matrix3Xd& way_m) {
   if (modes.motions.cols() == 0) return {};
   const Eigen::VectorXd masses_kg = parts.body.node_masses_kg().transpose().replicate<3, 1>().reshaped();
   // A round or square body gives way to all sides alike: all that is as soft counts.
-  const double soft = modes.stiffness_per_s2[0] + kAsSoft * modes.stiffness_per_s2.cwiseAbs().maxCoeff();
+  // Off a saddle only what is unstable leads.
+  const double as_soft = modes.stiffness_per_s2[0] + kAsSoft * modes.stiffness_per_s2.cwiseAbs().maxCoeff();
+  const double soft = modes.stiffness_per_s2[0] < 0.0 ? std::min(as_soft, 0.0) : as_soft;
   const Eigen::Index count = (modes.stiffness_per_s2.array() <= soft).count();
   const Eigen::VectorXd along = modes.motions.leftCols(count).transpose() * masses_kg.cwiseProduct(as_vector(way_m));
   const double way = std::sqrt(masses_kg.dot(as_vector(way_m).cwiseAbs2()));

@@ -9,7 +9,6 @@
 #include "descent.h"
 #include "free_motion.h"
 #include "rest_path.h"
-#include "settings/point_text.h"
 #include "solve_ending.h"
 #include "mechanics/solver_constants.h"
 
@@ -22,14 +21,6 @@ constexpr double kFrictionStages = 20;  // of a way that rubs, which end where i
 constexpr double kSameLever = 1.25;     // times as far in half the way: not a jump, but a lever
 constexpr double kSmallWay = 1e-3;      // of the body's size: no jump
 constexpr double kSameShape = 0.01;     // of the body's size: a way that leads on, not away
-
-// A loss of stability on the way.
-struct Snap {
-  double share = 0.0;  // of the way, where it was lost
-  double moved_m = 0.0;
-  Eigen::Vector3d rest_position_m = Eigen::Vector3d::Zero();  // of the node that moved so far
-  bool other_side = false;
-};
 
 void report_unfinished(double done, SolveReport& report) {
   report.converged = false;
@@ -139,12 +130,7 @@ Nudge Walk::softest_way() {
 }
 
 void Walk::note_snap_from(const SimulationState& stable, const Nudge& nudge) {
-  Snap snap;
-  Eigen::Index node = 0;
-  snap.share = done_;
-  snap.moved_m = (parts_.state.positions_m - stable.positions_m).colwise().norm().maxCoeff(&node);
-  snap.rest_position_m = parts_.body.mesh().nodes_m.col(node);
-  snap.other_side = nudge.other_side;
+  const Snap snap = snap_between(stable.positions_m, parts_.state.positions_m, done_, nudge.other_side, parts_.body);
   if (nudge.unstable && snap.moved_m > kSameShape * parts_.body.size_m()) snaps_.push_back(snap);
 }
 
@@ -243,20 +229,6 @@ void start_from_rest_shape(SimulationParts& parts) {
     parts.state.drives[i].command = command;
   }
   parts.begin_step();
-}
-
-void note_snap(const Snap& snap, SolveReport& report) {
-  SolveWarning warning;
-  warning.kind = "snapped";
-  warning.size = snap.moved_m;
-  warning.unit = "m";
-  warning.rest_position_m = snap.rest_position_m;
-  std::ostringstream text;
-  text << "beyond " << 100.0 * snap.share << " % of the way the shape was unstable; it moved by " << snap.moved_m
-       << " m at rest position " << point_text(snap.rest_position_m);
-  if (snap.other_side) text << "; the other side is as easy, so there is a rest state too";
-  warning.text = text.str();
-  add_warning(warning, report.warnings);
 }
 
 void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {

@@ -114,15 +114,18 @@ SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
   for (const auto& actuator : parts_->actuators)
     if (const std::string why = actuator->why_no_equilibrium(); !why.empty())
       throw std::invalid_argument("actuator '" + actuator->name() + "': " + why);
-  return timed([&](SolveReport& report) {
+  SolveReport report = timed([&](SolveReport& solved) {
     parts_->forget_motion();
     parts_->begin_step();
     if (parts_->workspace.xpbd) {
-      settle_in_substeps(*parts_, report);
+      settle_in_substeps(*parts_, solved);
     } else {
-      find_equilibrium(*parts_, options, report);
+      find_equilibrium(*parts_, options, solved);
     }
   });
+  if (report.converged)
+    for (const SolveWarning& warning : cables_in_silicone()) add_warning(warning, report.warnings);
+  return report;
 }
 
 Eigen::MatrixXd Simulation::marker_sensitivities(Eigen::MatrixXd* tensions_n) {
@@ -217,6 +220,12 @@ Eigen::Vector3d Simulation::marker_position(int marker) const {
 
 std::vector<ContactReading> Simulation::contacts() const {
   return parts_->workspace.newton.contact().readings(parts_->state.positions_m, parts_->state.contact);
+}
+
+std::vector<SolveWarning> Simulation::cables_in_silicone() const {
+  std::vector<std::vector<Eigen::Vector3d>> paths_m;
+  for (std::size_t i = 0; i < actuators().size(); ++i) paths_m.push_back(parts_->reading_of(i).path_m);
+  return parts_->model->tables().air_spans.in_silicone(body().mesh(), parts_->state.positions_m, paths_m);
 }
 
 std::vector<Eigen::Isometry3d> Simulation::obstacle_poses() const {

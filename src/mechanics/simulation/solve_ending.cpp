@@ -70,6 +70,29 @@ void tell_untangled(int elements, SolveReport& report) {
   add_warning(warning, report.warnings);
 }
 
+Snap snap_between(const Eigen::Matrix3Xd& before_m, const Eigen::Matrix3Xd& after_m, double share, bool other_side,
+                  const Body& body) {
+  Snap snap{share, 0.0, Eigen::Vector3d::Zero(), other_side};
+  Eigen::Index node = 0;
+  snap.moved_m = (after_m - before_m).colwise().norm().maxCoeff(&node);
+  snap.rest_position_m = body.mesh().nodes_m.col(node);
+  return snap;
+}
+
+void note_snap(const Snap& snap, SolveReport& report) {
+  SolveWarning warning;
+  warning.kind = "snapped";
+  warning.size = snap.moved_m;
+  warning.unit = "m";
+  warning.rest_position_m = snap.rest_position_m;
+  std::ostringstream text;
+  text << "beyond " << 100.0 * snap.share << " % of the way the shape was unstable; it moved by " << snap.moved_m
+       << " m at rest position " << point_text(snap.rest_position_m);
+  if (snap.other_side) text << "; the other side is as easy, so there is a rest state too";
+  warning.text = text.str();
+  add_warning(warning, report.warnings);
+}
+
 void report_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& body, double h, SolveReport& report) {
   if (cuts.parts <= most) return;
   SolveWarning warning;

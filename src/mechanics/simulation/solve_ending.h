@@ -14,6 +14,19 @@ void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report)
 // That nodes did not move by the laws of mechanics: inverted elements and those around them were laid out anew.
 void tell_untangled(int elements, SolveReport& report);
 
+// A loss of stability on the way to a rest state.
+struct Snap {
+  double share = 0.0;  // of the way, where it was lost
+  double moved_m = 0.0;
+  Eigen::Vector3d rest_position_m = Eigen::Vector3d::Zero();  // of the node that moved so far
+  bool other_side = false;                                    // is as easy
+};
+
+// Between the positions before and after it, 3 x nodes.
+Snap snap_between(const Eigen::Matrix3Xd& before_m, const Eigen::Matrix3Xd& after_m, double share, bool other_side,
+                  const Body& body);
+void note_snap(const Snap& snap, SolveReport& report);
+
 // That an obstacle was too fast for a step of length h, which is cut into no more than `most` parts.
 void report_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& body, double h, SolveReport& report);
 

@@ -33,7 +33,8 @@ const char* name_of(SolveStage stage) {
 
 bool may_follow(SolveStage before, SolveStage after) {
   if (after == SolveStage::more || before == SolveStage::more) return after == SolveStage::more;
-  if (before == SolveStage::xpbd || after == SolveStage::xpbd) return before == after;
+  if (before == SolveStage::xpbd) return after == SolveStage::xpbd || after == SolveStage::pseudo_transient;
+  if (after == SolveStage::xpbd) return before <= SolveStage::convexify;  // that it left a saddle by
   if (before == SolveStage::reduced) return after == SolveStage::newton;  // where it is left for good
   if (after == SolveStage::reduced) return false;
   switch (before) {

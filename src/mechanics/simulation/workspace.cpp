@@ -28,7 +28,8 @@ std::vector<SharedLength> shared_lengths_of(const Actuators& actuators) {
 }  // namespace
 
 SolverTables::SolverTables(const Body& body, const Actuators& actuators, SolverOptions::Method method)
-    : newton(std::make_shared<const NewtonTables>(body, constraints_of(actuators), shared_lengths_of(actuators))) {
+    : newton(std::make_shared<const NewtonTables>(body, constraints_of(actuators), shared_lengths_of(actuators))),
+      air_spans(body, actuators) {
   if (method == SolverOptions::Method::xpbd)
     xpbd = std::make_shared<const XpbdTables>(body, constraints_of(actuators), shared_lengths_of(actuators));
 }

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "air_spans.h"
 #include "mechanics/xpbd/xpbd_solver.h"
 #include "mechanics/newton/newton_solver.h"
 #include "interrupt.h"
@@ -19,6 +20,7 @@ struct SolverTables {
 
   std::shared_ptr<const NewtonTables> newton;
   std::shared_ptr<const XpbdTables> xpbd;  // where it is the method
+  AirSpans air_spans;
 };
 
 struct Workspace {

@@ -8,11 +8,15 @@
 #include <utility>
 
 #include "mechanics/linear_algebra/anderson_mixing.h"
+#include "mechanics/simulation/descent.h"
 #include "mechanics/simulation/solve_ending.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
+
+constexpr double kNoSnap = 0.01;  // of the body's size: a way that is no snap
+constexpr int kMostSaddles = 4;   // on the way to one rest state
 
 // Of the last substep; null without any.
 std::shared_ptr<const StrainTarget> dashpots_of(const SimulationParts& parts, double substep_s,
@@ -228,16 +232,19 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
   parts.state.time_s += task.time_step_s;
 }
 
-void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
+namespace {
+
+// `start`: what slips does so from there, as nothing of the way is remembered.
+void seek_rest(SimulationParts& parts, const Past& start, SolveReport& report) {
   const std::vector<double> from = parts.state.actuated_commands(), to = parts.state.commands();
   const double from_s = parts.state.contact.time_s,
                until_s = std::max(
                    {from_s, parts.workspace.newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s()});
-  const Past start(parts.state);  // what slips does so from here: nothing of the way is remembered
   XpbdTask task = substepping(parts);
   task.at_rest = true;
   task.substep_count = constants::kRestSweeps;
   stand_still(parts.state);
+  report.converged = false;
   RestPace pace;
   // Of the way of what is moved.
   double reached = from != to || until_s > from_s ? 0.0 : 1.0,
@@ -272,6 +279,42 @@ void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
   parts.state.linearisation.reset();
   if (!report.converged)
     report.message = "not at rest after " + std::to_string(report.steps) + " steps: " + report.message;
+}
+
+// Off a shape that is no minimum of the energy, to which `way_m` has led, and on to rest; a report without convergence
+// where no way leads off it. Sweeps leave a saddle slowly, and Anderson's mixing leads back to it as Newton's method
+// would, so the continuation of `newton` goes down from there.
+void leave_saddle(SimulationParts& parts, const Past& start, const Eigen::Matrix3Xd& way_m, SolveReport& report) {
+  SimulationState& state = parts.state;
+  const Eigen::Matrix3Xd saddle_m = state.positions_m;
+  const Nudge nudge = nudge_off(parts, way_m);
+  report.converged = false;
+  if (nudge.motion_m.cols() == 0) return;
+  state.positions_m += nudge.motion_m;
+  if (!descend(parts, report)) return;
+  state.linearisation.reset();
+  state.element_forces_n = parts.workspace.xpbd->forces_of(parts.unknowns());
+  seek_rest(parts, start, report);
+  const Snap snap = snap_between(saddle_m, state.positions_m, 1.0, nudge.other_side, parts.body);
+  if (report.converged && snap.moved_m > kNoSnap * parts.body.size_m()) note_snap(snap, report);
+}
+
+}  // namespace
+
+void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
+  const SimulationState before = parts.state;
+  const Past start(before);
+  seek_rest(parts, start, report);
+  for (int left = 0; report.converged && !is_minimum(parts, parts.unknowns()); ++left) {
+    if (left == kMostSaddles) {
+      report.converged = false;
+      report.message = "the shape that was found is unstable";
+    } else {
+      leave_saddle(parts, start, parts.state.positions_m - before.positions_m, report);
+      if (!report.converged) report.message = "no stable shape beside an unstable one: " + report.message;
+    }
+  }
+  if (!report.converged) parts.state = before;
 }
 
 }  // namespace soft_robot_lab

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <numeric>
 
 #include "mechanics/mesh/cable_path.h"
 #include "sections.h"
@@ -86,6 +87,56 @@ std::string mesh_file_of(const MeshRequest& request, const YamlNode& body, const
   return in_section(body, [&] { return mesh_file_for(request, mesher); });
 }
 
+// Where each of these is in an order by rank; equal ranks stay in theirs.
+std::vector<Eigen::Index> by_rank(const std::vector<int>& ranks) {
+  std::vector<Eigen::Index> order(ranks.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return ranks[static_cast<std::size_t>(a)] < ranks[static_cast<std::size_t>(b)];
+  });
+  return order;
+}
+
+// Numbers of bodies in the order of the places of their middles.
+std::vector<int> ranks_by_place(const TetMesh& mesh, const std::vector<int>& of_nodes) {
+  const auto count = static_cast<Eigen::Index>(mesh.bodies.size());
+  Eigen::Matrix3Xd middles_m = Eigen::Matrix3Xd::Zero(3, count);
+  Eigen::RowVectorXd nodes = Eigen::RowVectorXd::Zero(count);
+  for (std::size_t node = 0; node < of_nodes.size(); ++node) {
+    middles_m.col(of_nodes[node]) += mesh.nodes_m.col(static_cast<Eigen::Index>(node));
+    nodes[of_nodes[node]] += 1.0;
+  }
+  middles_m.array().rowwise() /= nodes.array();
+  std::vector<int> bodies(static_cast<std::size_t>(count)), ranks(bodies.size());
+  std::iota(bodies.begin(), bodies.end(), 0);
+  std::stable_sort(bodies.begin(), bodies.end(), [&](int a, int b) {
+    return std::lexicographical_compare(middles_m.col(a).begin(), middles_m.col(a).end(), middles_m.col(b).begin(),
+                                        middles_m.col(b).end());
+  });
+  for (std::size_t i = 0; i < bodies.size(); ++i) ranks[static_cast<std::size_t>(bodies[i])] = static_cast<int>(i);
+  return ranks;
+}
+
+// Numbers nodes, elements and faces by where their bodies are, so that no sum depends on the order of the file.
+void number_by_place(TetMesh& mesh) {
+  const std::vector<int> of_nodes = bodies_of_nodes(mesh), ranks = ranks_by_place(mesh, of_nodes);
+  std::vector<int> node_ranks, tet_ranks, face_ranks;
+  for (const int body : of_nodes) node_ranks.push_back(ranks[static_cast<std::size_t>(body)]);
+  for (int tet = 0; tet < mesh.tet_count(); ++tet)
+    tet_ranks.push_back(ranks[static_cast<std::size_t>(mesh.body_of(tet))]);
+  for (const int node : mesh.faces.row(0)) face_ranks.push_back(node_ranks[static_cast<std::size_t>(node)]);
+  const std::vector<Eigen::Index> nodes = by_rank(node_ranks), tets = by_rank(tet_ranks), faces = by_rank(face_ranks);
+  Eigen::VectorXi number_of(mesh.node_count());
+  for (std::size_t i = 0; i < nodes.size(); ++i) number_of[nodes[i]] = static_cast<int>(i);
+  const auto renumbered = [&](int node) { return number_of[node]; };
+  mesh.nodes_m = Eigen::Matrix3Xd(mesh.nodes_m(Eigen::all, nodes));
+  mesh.tets = Eigen::MatrixXi(mesh.tets(Eigen::all, tets).unaryExpr(renumbered));
+  mesh.faces = Eigen::MatrixXi(mesh.faces(Eigen::all, faces).unaryExpr(renumbered));
+  const std::vector<int> regions = mesh.tet_region, surfaces = mesh.face_surface;
+  for (std::size_t i = 0; i < tets.size(); ++i) mesh.tet_region[i] = regions[static_cast<std::size_t>(tets[i])];
+  for (std::size_t i = 0; i < faces.size(); ++i) mesh.face_surface[i] = surfaces[static_cast<std::size_t>(faces[i])];
+}
+
 }  // namespace
 
 bool is_of_file(const YamlNode& body) { return body.has("mesh") || names_file(read_solid(body.child("solid"))); }
@@ -107,6 +158,7 @@ TetMesh read_mesh(const YamlNode& scene, const SceneOptions& options) {
     const std::string name = read_name(body);
     in_section(body, [&] { add_body(name, shape_of(name, body), mesh); });
   }
+  if (mesh.bodies.size() > 1) number_by_place(mesh);
   if (options.change_mesh) options.change_mesh(mesh);
   return mesh;
 }

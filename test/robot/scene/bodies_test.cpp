@@ -188,6 +188,29 @@ TEST(Bodies, ItemsOfASceneBelongToTheOneThatTheyName) {
   EXPECT_LT((scene.simulation->marker_position(0) - Eigen::Vector3d(0.05, 0.005, 0)).norm(), 1e-12);
 }
 
+// A block that is pressed and drawn over another one, with friction; each as `body`, and as the other.
+TEST(Bodies, RestAlikeInWhateverOrderTheyAreListed) {
+  const std::string of_both = "element_size_m: 0.012, material: {youngs_modulus_pa: 2.0e5, poissons_ratio: 0.45}";
+  const std::string lower = "solid: {box: {size_m: [0.03, 0.03, 0.02], center_m: [0, 0, -0.0101]}}, " + of_both +
+                            ", fixed: [{box: {min_m: [-1, -1, -1], max_m: [1, 1, -0.02]}}]";
+  const std::string upper = "solid: {box: {size_m: [0.02, 0.024, 0.02], center_m: [0.002, 0.001, 0.0101]}}, " +
+                            of_both +
+                            ", fixed: [{name: lid, box: {min_m: [-1, -1, 0.02], max_m: [1, 1, 1]}, motion: [{time_s: "
+                            "0}, {time_s: 1, translation_m: [0, 0, -0.002]}, {time_s: 2, translation_m: [0.003, 0, "
+                            "-0.002]}]}]";
+  const auto scene = [](const std::string& first, const std::string& second, const std::string& name_of_upper) {
+    return "body: {" + first + "}\nbodies: [{name: other, " + second +
+           "}]\ncontact: {self: true, friction: 0.4}\nmarkers: [{name: tip, position_m: [0.01, 0.005, 0.001], body: " +
+           name_of_upper + "}]\n";
+  };
+  Scene one = scene_of(scene(lower, upper, "other")), turned = scene_of(scene(upper, lower, "body"));
+  const RunReport first = run_scene(one), second = run_scene(turned);
+  ASSERT_TRUE(first.solve.converged && second.solve.converged) << first.solve.message << second.solve.message;
+  EXPECT_EQ(one.simulation->marker_position(0), turned.simulation->marker_position(0));
+  EXPECT_EQ(first.solve.iterations, second.solve.iterations);
+  EXPECT_GT(one.simulation->marker_position(0).x(), 0.0102) << "it was drawn along";
+}
+
 TEST(Bodies, AChamberMayBeInAnyOfThem) {
   const std::string hollow =
       "name: second\n    solid: {difference: [{box: {size_m: [0.04, 0.02, 0.02], center_m: [0.02, 0.05, 0]}}, "

@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "element_crossings.h"
+#include "mechanics/mesh/element_crossings.h"
 #include "settings/point_text.h"
 
 namespace soft_robot_lab {

@@ -28,7 +28,7 @@ SECTIONS = {
                    'robot/scene/fidelity_section.cpp', 'robot/scene/include_files.cpp', 'robot/scene/material_section.cpp', 'robot/scene/mesh_section.cpp',
                    'robot/scene/parameters.cpp', 'robot/scene/reduction_section.cpp', 'robot/scene/run_section.cpp', 'robot/scene/solver_section.cpp'],
         'loose': ['robot/scene/choose_fidelity.cpp', 'robot/scene/fidelity_report.cpp', 'robot/scene/scene_cables.cpp',
-                  'robot/scene/scene_file.cpp', 'robot/design/mesher.cpp', 'robot/design/surface_file.cpp',
+                  'robot/scene/scene_file.cpp', 'robot/scene/plausible_sizes.cpp', 'robot/design/mesher.cpp', 'robot/design/surface_file.cpp',
                   'robot/casting/cast_robot.cpp', 'robot/scene/cable_warnings.cpp', 'programs/export_solid.cpp'],
     },
     'Material preset': {'config': ['materials']},

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -126,6 +127,22 @@ TEST(BlockCholesky, GoesOnWithOtherPatternsAsOneThatIsNew) {
     ASSERT_GT(expected.size(), 0) << count;
     EXPECT_EQ(solution(next, factor), expected) << count;
   }
+}
+
+// Where that ends it, the next factor is as one that is new.
+TEST(BlockCholesky, AsksBeforeEachFrontWhetherToEnd) {
+  const BlockMatrix matrix = chain(200);
+  BlockCholesky factor(matrix);
+  int asked = 0;
+  ASSERT_TRUE(factor.factorise(matrix, [&] { ++asked; }));
+  ASSERT_GT(asked, 2);
+  EXPECT_LE(asked, matrix.node_count());
+  int left = asked / 2;
+  const auto ask = [&] {
+    if (left-- == 0) throw std::runtime_error("ended");
+  };
+  EXPECT_THROW(factor.factorise(matrix, ask), std::runtime_error);
+  EXPECT_EQ(solution(matrix, factor), solution(matrix, BlockCholesky(matrix)));
 }
 
 }  // namespace

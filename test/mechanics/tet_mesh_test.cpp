@@ -154,6 +154,9 @@ TEST(CheckMesh, RefusesMeshesThatAreNotWhole) {
        [](TetMesh& m) { m.nodes_m.col(4) << 0.5, 0.5, 0; }},
       {"degenerate", [](TetMesh& m) { m.tets(0, 1) = m.tets(3, 1); }},
       {"node 3 at (0, 0, 1e+300) m lies out of range [-1e+06, 1e+06] m", [](TetMesh& m) { m.nodes_m(2, 3) = 1e300; }},
+      {"it is 1e-10 m large, out of range [1e-09, 2e+06] m: its numbers are metres, unless a `scale` beside it says",
+       [](TetMesh& m) { m.nodes_m *= 1e-10; }},
+      {"it is 1e-300 m large", [](TetMesh& m) { m.nodes_m *= 1e-300; }},
       {"element 0 at (0.25, 0.25, 0.25) m with signed volume 0.166667 m^3 and element 1 at (0, 0, 0) m with signed "
        "volume 0.666667 m^3 lie on the same side of the face that they share: one is folded over the other",
        [](TetMesh& m) {

@@ -27,6 +27,7 @@ rosrun soft_robot_lab run_table_node "$data/bar_table.yaml"
 kill -INT "$session"
 wait "$session" || { echo "roslaunch ended with status $?"; exit 1; }
 session=
+[[ $(rosbag info -y -k compression "$bags"/*_spinebot.bag) == lz4 ]] || { echo "images are not compressed"; exit 1; }
 
 for run in first second; do
   roslaunch -p "$master_port" soft_robot_lab replay.launch bag:="$(echo "$bags"/*_spinebot.bag)" output:="$bags/$run.bag" \

@@ -217,10 +217,12 @@ bool BlockCholesky::factorise_front(const BlockMatrix& matrix, const Supernode& 
   return true;
 }
 
-bool BlockCholesky::factorise(const BlockMatrix& matrix) {
+bool BlockCholesky::factorise(const BlockMatrix& matrix, const std::function<void()>& ask) {
   std::vector<int> place(matrix.node_count());
-  for (const Supernode& node : pattern_->nodes_)
+  for (const Supernode& node : pattern_->nodes_) {
+    ask();
     if (!factorise_front(matrix, node, place)) return false;
+  }
   negative_pivots_ = static_cast<int>(std::count(signs_.begin(), signs_.end(), -1.0));
   return true;
 }

@@ -5,6 +5,7 @@
 // not ill-conditioned.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -58,8 +59,10 @@ class BlockCholesky {
   // Goes on with matrices of another pattern, in the same memory.
   void follow(std::shared_ptr<const FactorPattern> pattern);
 
-  // False when a pivot vanishes or is not finite; the factor is then not usable.
-  bool factorise(const BlockMatrix& matrix);
+  // False when a pivot vanishes or is not finite; the factor is then not usable. `ask` comes before each front, of
+  // which there are fewer than nodes, and may throw; likewise.
+  bool factorise(
+      const BlockMatrix& matrix, const std::function<void()>& ask = [] {});
 
   int negative_pivots() const { return negative_pivots_; }  // 0: positive definite
 

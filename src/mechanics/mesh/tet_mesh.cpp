@@ -23,6 +23,7 @@ namespace {
 
 // Part of the longest edge cubed; a regular element has 0.7.
 constexpr double kFlat = 1e-9;
+constexpr double kSmallest_m = 1e-9;  // of a body, and of what STL files and solids may hold
 constexpr double kFarthest_m =
     limits::kFilePlace;  // millimetres without a scale are nearer; volumes of what lies far beyond overflow
 
@@ -134,6 +135,16 @@ void check_nodes(const TetMesh& mesh) {
       refuse(name + " lies out of range [-1e+06, 1e+06] m");
     if (!used[static_cast<size_t>(node)]) refuse(name + " belongs to no element");
   }
+}
+
+// Before its elements are called flat, whose volumes round to nothing.
+void check_size(const TetMesh& mesh) {
+  const double size_m = (mesh.nodes_m.rowwise().maxCoeff() - mesh.nodes_m.rowwise().minCoeff()).maxCoeff();
+  if (size_m >= kSmallest_m) return;
+  std::ostringstream text;
+  text << "it is " << size_m << " m large, out of range [1e-09, 2e+06] m: its numbers are metres, unless a `scale` "
+       << "beside it says how many metres one is";
+  refuse(text.str());
 }
 
 // det(dx/dr) below this counts as flat.
@@ -370,6 +381,7 @@ void check_mesh(const TetMesh& mesh) {
   check_regions(mesh);
   check_nodes(mesh);
   check_bodies_apart(mesh);
+  check_size(mesh);
   check_elements(mesh);
   const TetSides sides(mesh);
   check_connected(mesh, sides);

@@ -89,13 +89,16 @@ bool NewtonSolver::factorise(bool convex) {
     const double hard_pa = kHardPressed * contact_.skin().youngs_modulus_pa(touch);
     return !skin_in_border_ || (!convex && touch.pressure_pa > hard_pa);
   };
+  const auto ask = [&] {
+    if (interrupt_) interrupt_->check();
+  };
   std::vector<FacePair> closed;
   for (const ContactTouch& touch : touches_)
     if (joins_matrix(touch)) closed.push_back(contact_.skin().faces_of(touch));
   skin_in_matrix_ = !closed.empty();
   if (!skin_in_matrix_) {
     matrix_.hold(body_.fixed());
-    return factor_.factorise(matrix_);
+    return factor_.factorise(matrix_, ask);
   }
   include_in_pattern(std::move(closed));
   if (with_skin_)
@@ -111,7 +114,7 @@ bool NewtonSolver::factorise(bool convex) {
     pairs.add_dense(contact_pattern_->index_of(contact_.skin().faces_of(touch)), hessian);
   }
   with_skin_->matrix.hold(body_.fixed());
-  return with_skin_->factor.factorise(with_skin_->matrix);
+  return with_skin_->factor.factorise(with_skin_->matrix, ask);
 }
 
 // Each costs a solution with the factor. What slips is no constraint; nor may skin be one that a free obstacle moves.

@@ -20,6 +20,7 @@
 namespace soft_robot_lab {
 namespace {
 
+constexpr size_t kMostCuts = 100000;
 constexpr double kNoise = 1e-6;  // of the surface's size: what single precision makes of facets that meet
 
 using Point = Eigen::Vector3d;
@@ -40,6 +41,7 @@ class Surface {
 
   int count() const { return static_cast<int>(facets_.size()); }
   const FaceKey& facet(int i) const { return facets_[static_cast<size_t>(i)]; }
+  Point vertex(int i) const { return vertices_.col(i); }
   Point corner(int i, int k) const { return vertices_.col(facet(i)[static_cast<size_t>(k)]); }
   Point centre(int i) const { return (corner(i, 0) + corner(i, 1) + corner(i, 2)) / 3; }
   Point middle(const Edge& edge) const { return (vertices_.col(edge.first) + vertices_.col(edge.second)) / 2; }
@@ -188,8 +190,9 @@ Point normal_of(const Surface& surface, int i) {
   return (surface.corner(i, 1) - surface.corner(i, 0)).cross(surface.corner(i, 2) - surface.corner(i, 0));
 }
 
-// Where an edge of one facet passes through another, off its plane and inside its edges by more than the noise.
-std::optional<Point> piercing(const Surface& surface, int of, int through) {
+// Where an edge of one facet passes through another, off its plane by more than the noise, and inside its edges by more
+// than `inside_m`.
+std::optional<Point> piercing(const Surface& surface, int of, int through, double inside_m) {
   const Point a = surface.corner(through, 0), area = normal_of(surface, through);
   if (area.norm() < surface.noise_m() * surface.noise_m()) return std::nullopt;
   const Point n = area.normalized();
@@ -201,7 +204,7 @@ std::optional<Point> piercing(const Surface& surface, int of, int through) {
     bool inside = true;
     for (int side = 0; side < 3 && inside; ++side) {
       const Point from = surface.corner(through, side), along = surface.corner(through, (side + 1) % 3) - from;
-      inside = n.dot(along.cross(at - from)) > surface.noise_m() * along.norm();
+      inside = n.dot(along.cross(at - from)) > inside_m * along.norm();
     }
     if (inside) return at;
   }
@@ -229,16 +232,24 @@ std::optional<Point> overlap(const Surface& surface, int one, int other) {
   return (surface.centre(one) + surface.centre(other)) / 2;
 }
 
-std::optional<Point> cut(const Surface& surface, int one, int other) {
+struct Cut {
+  int one, other;  // facets
+  Point at;
+  bool pierces;  // or lies on the other
+};
+
+std::optional<Cut> cut(const Surface& surface, int one, int other) {
   const int shared = surface.shared_corners(one, other);
+  const double inside_m = shared == 0 ? -surface.noise_m() : surface.noise_m();  // facets of like grids meet in edges
   if (shared < 2)
     for (const auto& [of, through] : {std::pair(one, other), std::pair(other, one)})
-      if (const std::optional<Point> at = piercing(surface, of, through)) return at;
-  return overlap(surface, one, other);
+      if (const std::optional<Point> at = piercing(surface, of, through, inside_m)) return Cut{one, other, *at, true};
+  if (const std::optional<Point> at = overlap(surface, one, other)) return Cut{one, other, *at, false};
+  return std::nullopt;
 }
 
-// Sweeps along the axis on which facets are shortest.
-void refuse_cuts(const Surface& surface) {
+// Up to the most that are looked for. Sweeps along the axis on which facets are shortest.
+std::vector<Cut> cuts_of(const Surface& surface) {
   std::vector<Eigen::AlignedBox3d> boxes;
   Eigen::AlignedBox3d all;
   Point lengths = Point::Zero();
@@ -253,12 +264,34 @@ void refuse_cuts(const Surface& surface) {
   std::vector<int> order(boxes.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](int a, int b) { return box(a).min()[axis] < box(b).min()[axis]; });
-  for (size_t i = 0; i < order.size(); ++i)
+  std::vector<Cut> cuts;
+  for (size_t i = 0; i < order.size() && cuts.size() < kMostCuts; ++i)
     for (size_t k = i + 1; k < order.size() && box(order[k]).min()[axis] <= box(order[i]).max()[axis]; ++k) {
       if (!box(order[i]).intersects(box(order[k]))) continue;
-      if (const std::optional<Point> at = cut(surface, order[i], order[k]))
-        refuse("its surface cuts itself near " + point_text(*at));
+      if (const std::optional<Cut> found = cut(surface, order[i], order[k])) cuts.push_back(*found);
     }
+  return cuts;
+}
+
+// A corner that was moved through a wall takes all its facets along, and what overlaps follows from that: the place is
+// the cut nearest to the corner in which most cuts meet.
+Point worst_of(const Surface& surface, std::vector<Cut> cuts) {
+  if (std::any_of(cuts.begin(), cuts.end(), [](const Cut& cut) { return cut.pierces; }))
+    cuts.erase(std::remove_if(cuts.begin(), cuts.end(), [](const Cut& cut) { return !cut.pierces; }), cuts.end());
+  std::map<int, int> counts;
+  for (const Cut& cut : cuts)
+    for (const int facet : {cut.one, cut.other})
+      for (const int vertex : surface.facet(facet)) ++counts[vertex];
+  const Point corner = surface.vertex(
+      std::max_element(counts.begin(), counts.end(), [](auto& a, auto& b) { return a.second < b.second; })->first);
+  return std::min_element(cuts.begin(), cuts.end(),
+                          [&](const Cut& a, const Cut& b) { return (a.at - corner).norm() < (b.at - corner).norm(); })
+      ->at;
+}
+
+void refuse_cuts(const Surface& surface) {
+  const std::vector<Cut> cuts = cuts_of(surface);
+  if (!cuts.empty()) refuse("its surface cuts itself near " + point_text(worst_of(surface, cuts)));
 }
 
 }  // namespace

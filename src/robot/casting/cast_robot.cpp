@@ -38,7 +38,9 @@ Surface surface_of_body(const Solid& solid, const MesherOptions& options) {
   request.edges_across = kEdgesAcross;
   request.smallest_edge_m = kFinestEdge_m;
   Surface surface = read_off(surface_file_for(request, options));
-  if (holds_stl(solid)) refuse_crossing(surface);  // the geometry kernel makes no such surface
+  if (!holds_stl(solid)) return surface;
+  refuse_crossing(surface);  // the geometry kernel makes no such surface
+  surface.estimate_sags();   // and knows the normals of its own
   return surface;
 }
 

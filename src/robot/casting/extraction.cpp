@@ -14,6 +14,8 @@ namespace soft_robot_lab {
 namespace {
 
 const double kTolerance = std::sin(0.1 * M_PI / 180);  // of a normal that is meant to be at right angles
+const double kSteepest = std::sin(15 * M_PI / 180);    // of a facet that may follow an upright round wall
+constexpr double kSags = 1.5;                          // facets of one wall differ
 constexpr double kSampleEdge = 1.0 / 60;               // of the robot's size: rays from larger facets are several
 
 bool counts(const Surface& surface, int triangle) {
@@ -61,6 +63,26 @@ void measure_trap(const RayTree& tree, const HullPlane* top, int triangle, doubl
     result.trap_depth_m = depth;
     result.at_m = p;
   });
+}
+
+Eigen::Vector3d across(const Eigen::Vector3d& normal, const Eigen::Vector3d& direction) {
+  return (normal - normal.dot(direction) * direction).normalized();
+}
+
+// Facets of a round wall may lean, as those of a twisted grid do. They hold nothing where the silicone goes on to the
+// top within what they may stand off the wall.
+bool leans_only(const RayTree& tree, const std::vector<char>& in_top, int triangle, const Eigen::Vector3d& direction) {
+  const Surface& surface = tree.surface();
+  const Eigen::Vector3d n = surface.true_normals.col(triangle);
+  if (surface.sags_m.size() == 0 || surface.sags_m[triangle] == 0 || n.dot(direction) > kSteepest) return false;
+  const Eigen::Vector3d inward_m = -kSags * surface.sags_m[triangle] * across(n, direction);
+  bool goes_on = true;
+  sample_triangle(surface, triangle, kSampleEdge * tree.size_m(), [&](const Eigen::Vector3d& p, double) {
+    if (!goes_on) return;
+    const auto hit = tree.first_hit(p + inward_m, direction, 0);
+    goes_on = hit && in_top[static_cast<size_t>(hit->triangle)];
+  });
+  return goes_on;
 }
 
 // --- the best direction: max t with d . n <= -t, as a problem that three normals decide ---
@@ -186,7 +208,8 @@ Extraction verify_extraction(const RayTree& tree, const std::vector<HullPlane>& 
   double steepest = -1;
   for (int t = 0; t < surface.triangle_count(); ++t) {
     if (in_top[static_cast<size_t>(t)] || !counts(surface, t)) continue;
-    const double cosine = surface.true_normals.col(t).dot(direction);
+    double cosine = surface.true_normals.col(t).dot(direction);
+    if (cosine > kTolerance && leans_only(tree, in_top, t, direction)) cosine = 0;
     steepest = std::max(steepest, cosine);
     if (cosine <= kTolerance) continue;
     result.blocked.push_back(t);
@@ -234,8 +257,11 @@ TwoPart verify_two_parts(const RayTree& tree, const Eigen::Vector3d& direction) 
     const double cosine = surface.true_normals.col(t).dot(direction);
     if (!counts(surface, t) || std::abs(cosine) <= kTolerance) continue;
     const Eigen::Vector3d away = cosine > 0 ? direction : Eigen::Vector3d(-direction);
+    const bool leans = surface.sags_m.size() > 0 && std::abs(cosine) < kSteepest;
+    const Eigen::Vector3d outward_m =
+        (leans ? kSags * surface.sags_m[t] : 0.0) * across(surface.true_normals.col(t), direction);
     sample_triangle(surface, t, kSampleEdge * tree.size_m(), [&](const Eigen::Vector3d& p, double area) {
-      const auto hit = tree.first_hit(p, away, tree.skip_m());
+      const auto hit = tree.first_hit(p + outward_m, away, tree.skip_m());
       if (!hit) return;
       result.blocked_area_m2 += area;
       result.undercut_volume_m3 += 0.5 * hit->distance_m * area * std::abs(cosine);  // seen from both of its sides

@@ -131,6 +131,21 @@ bool Surface::is_curved(int triangle) const {
   return false;
 }
 
+// A chord over an arc: half of it times the tangent of a quarter of the arc's angle, which neighbours share at most
+// twice.
+void Surface::estimate_sags() {
+  constexpr double kEdge = 0.77, kMost = 0.02;  // cosine of 40 degrees; of the size
+  const double most_m = kMost * size_m();
+  sags_m = Eigen::VectorXd::Zero(triangle_count());
+  for (int t = 0; t < triangle_count(); ++t)
+    for (int e = 0; e < 3; ++e) {
+      const double cosine = normals.col(t).dot(normals.col(neighbours(e, t)));
+      if (cosine < kEdge || cosine >= 1) continue;
+      const double width_m = 2 * areas_m2[t] / (corner(t, (e + 1) % 3) - corner(t, e)).norm();
+      sags_m[t] = std::max(sags_m[t], std::min(most_m, width_m / 2 * std::tan(std::acos(cosine) / 2)));
+    }
+}
+
 double Surface::volume_m3() const { return std::accumulate(shell_volumes_m3.begin(), shell_volumes_m3.end(), 0.0); }
 
 double Surface::size_m() const { return (vertices_m.rowwise().maxCoeff() - vertices_m.rowwise().minCoeff()).norm(); }

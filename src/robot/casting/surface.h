@@ -15,6 +15,8 @@ struct Surface {
   Eigen::Matrix3Xd normals;       // unit; zero where a triangle has no area
   Eigen::Matrix3Xd true_normals;  // at the triangles' centres, of the geometry that they follow, where that is known
   Eigen::VectorXd areas_m2;
+  Eigen::VectorXd
+      sags_m;  // how far a triangle may stand off the round face that it follows; empty: true normals say it
   Eigen::Matrix3Xi neighbours;           // across the edges 01, 12, 20
   std::vector<int> shell;                // of each triangle: which connected part of the surface it belongs to
   std::vector<double> shell_volumes_m3;  // signed: negative for a cavity that is closed all round
@@ -25,6 +27,8 @@ struct Surface {
     return (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3;
   }
   bool is_curved(int triangle) const;  // it follows a round face with some neighbour
+  // For triangles without true normals, as those of an STL file: `sags_m`, from the angles between neighbours.
+  void estimate_sags();
   double volume_m3() const;
   double size_m() const;  // diagonal of its box
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plausible_sizes.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <sstream>
 
@@ -17,6 +19,7 @@ constexpr double kMostMegapascals = 20.0;               // of what is cast; a la
 constexpr double kLongestStalk = 1.0;                   // times the body's size
 constexpr double kLargestGravity_m_s2 = 50.0;           // five times the earth's
 constexpr double kEarth_m_s2 = 9.81;
+constexpr double kLargestStrain = 2.0;  // by what the file loads a body with
 
 // Where millimetres become metres: a file has a key for it, a solid has a shape.
 std::string way_to_metres(const YamlNode& section) {
@@ -25,20 +28,20 @@ std::string way_to_metres(const YamlNode& section) {
              : "if its solid has millimetres, write metres, or put it into `scale: {factor: 0.001, solid: ...}`";
 }
 
-void check_body(const YamlNode& scene, const Body& body, std::vector<SolveWarning>& warnings) {
+std::optional<SolveWarning> odd_body(const YamlNode& scene, const Body& body) {
   const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
   const double length_m = (nodes_m.rowwise().maxCoeff() - nodes_m.rowwise().minCoeff()).maxCoeff();
-  if (length_m >= kShortest_m && length_m <= kLongest_m) return;
+  if (length_m >= kShortest_m && length_m <= kLongest_m) return std::nullopt;
   std::ostringstream text;
   text << "the body is " << length_m << " m long, where robots are " << kShortest_m << " to " << kLongest_m
        << " m: lengths are metres; " << way_to_metres(body_sections(scene).front());
-  warnings.push_back(scene_warning("implausible_size", text.str(), length_m, "m"));
+  return scene_warning("implausible_size", text.str(), length_m, "m");
 }
 
-void check_material(const YamlNode& node, std::vector<SolveWarning>& warnings) {
+std::optional<SolveWarning> odd_material(const YamlNode& node) {
   const double modulus_pa = read_material(node).youngs_modulus_pa;
   const std::optional<YamlNode> stated = stated_modulus(node);
-  if (modulus_pa >= kSoftest_pa || !stated) return;
+  if (modulus_pa >= kSoftest_pa || !stated) return std::nullopt;
   const std::string path = stated->path(), key = path.substr(path.rfind('.') + 1);
   const bool megapascals = modulus_pa < kMostMegapascals;
   std::ostringstream text;
@@ -46,16 +49,16 @@ void check_material(const YamlNode& node, std::vector<SolveWarning>& warnings) {
        << key << " was given in " << (megapascals ? "MPa, multiply it by 1e6" : "kPa, multiply it by 1000")
        << ": did you mean " << path << ": " << format_number((megapascals ? 1e6 : 1e3) * stated->as_number())
        << "? A `stiffness_ratio` beside it says that it is meant";
-  warnings.push_back(scene_warning("implausible_stiffness", text.str(), modulus_pa, "Pa"));
+  return scene_warning("implausible_stiffness", text.str(), modulus_pa, "Pa");
 }
 
-void check_gravity(const Body& body, std::vector<SolveWarning>& warnings) {
+std::optional<SolveWarning> odd_gravity(const Body& body) {
   const double gravity_m_s2 = body.gravity_m_s2().norm();
-  if (gravity_m_s2 <= kLargestGravity_m_s2) return;
+  if (gravity_m_s2 <= kLargestGravity_m_s2) return std::nullopt;
   std::ostringstream text;
   text << "gravity_m_s2 is " << gravity_m_s2 << " m/s2 long, " << gravity_m_s2 / kEarth_m_s2
        << " times the earth's: it is in metres; did you mean [0, 0, -9.81]?";
-  warnings.push_back(scene_warning("implausible_gravity", text.str(), gravity_m_s2, "m/s2"));
+  return scene_warning("implausible_gravity", text.str(), gravity_m_s2, "m/s2");
 }
 
 void check_stalk(const Marker& marker, const Body& body, const MeshLocator& locator,
@@ -68,17 +71,88 @@ void check_stalk(const Marker& marker, const Body& body, const MeshLocator& loca
   add_warning(scene_warning("implausible_stalk", text.str(), stalk_m, "m"), warnings);
 }
 
+void add(const std::optional<SolveWarning>& warning, std::vector<SolveWarning>& warnings) {
+  if (warning) warnings.push_back(*warning);
+}
+
+// Of a column of the material, as high as the body.
+double weight_pa(const Material& material, const Body& body) {
+  const double gravity_m_s2 = body.gravity_m_s2().norm();
+  if (gravity_m_s2 == 0.0) return 0.0;
+  const Eigen::RowVectorXd heights_m = (body.gravity_m_s2() / gravity_m_s2).transpose() * body.mesh().nodes_m;
+  return material.density_kg_m3 * gravity_m_s2 * (heights_m.maxCoeff() - heights_m.minCoeff());
+}
+
+// The largest side of the box around the body: no section through it is much larger.
+double largest_side_m2(const Body& body) {
+  const Eigen::Matrix3Xd& nodes_m = body.mesh().nodes_m;
+  const Eigen::Vector3d size_m = nodes_m.rowwise().maxCoeff() - nodes_m.rowwise().minCoeff();
+  return size_m.prod() / size_m.minCoeff();
+}
+
+// What the run commands in Pa, and in N.
+double commanded_pa(const Simulation& simulation, const RunSettings& run) {
+  double most_pa = 0.0;
+  for (const TimedCommands& timed : run.commands)
+    for (const auto& [name, value] : timed.commands) {
+      const std::string unit = simulation.actuators()[simulation.actuator_index(name)]->limits().unit;
+      if (unit == "Pa") most_pa = std::max(most_pa, std::abs(value));
+      if (unit == "N") most_pa = std::max(most_pa, std::abs(value) / largest_side_m2(simulation.body()));
+    }
+  return most_pa;
+}
+
+double strain(const Material& material, const Body& body, double loads_pa) {
+  return std::max(weight_pa(material, body), loads_pa) / material.youngs_modulus_pa;
+}
+
+// Without `material`: the default one.
+void refuse_odd(const YamlNode& scene, const YamlNode& section, const YamlNode* material, const Body& body,
+                double strain) {
+  if (strain <= kLargestStrain) return;
+  const auto refuse = [&](const YamlNode& where, const std::string& why) {
+    std::ostringstream text;
+    text << "its weight, loads or commands would strain the body by " << strain << ", where robots bear "
+         << kLargestStrain << ": " << why;
+    where.fail(text.str());
+  };
+  const std::string lifts = "; a `stiffness_ratio: 1` in its `material` says that it is meant";
+  if (const auto odd = material ? odd_material(*material) : std::nullopt) refuse(*stated_modulus(*material), odd->text);
+  if (const auto odd = odd_gravity(body)) refuse(scene.child("gravity_m_s2"), odd->text + lifts);
+  if (const auto odd = odd_body(scene, body)) refuse(section, odd->text + lifts);
+}
+
 }  // namespace
 
 std::vector<SolveWarning> implausible_sizes(const YamlNode& scene, const Body& body, const MeshLocator& locator,
                                             const std::vector<Marker>& markers) {
   std::vector<SolveWarning> warnings;
-  check_body(scene, body, warnings);
+  add(odd_body(scene, body), warnings);
   for (const YamlNode& section : body_sections(scene))
-    for (const YamlNode& material : materials_of(section)) check_material(material, warnings);
-  check_gravity(body, warnings);
+    for (const YamlNode& material : materials_of(section)) add(odd_material(material), warnings);
+  add(odd_gravity(body), warnings);
   for (const Marker& marker : markers) check_stalk(marker, body, locator, warnings);
   return warnings;
+}
+
+void refuse_megapascals(const YamlNode& scene) {
+  for (const YamlNode& section : body_sections(scene))
+    for (const YamlNode& material : materials_of(section)) {
+      const auto odd = odd_material(material);
+      if (odd && odd->size < kMostMegapascals) stated_modulus(material)->fail(odd->text);
+    }
+}
+
+void refuse_unbearable(const YamlNode& scene, const Simulation& simulation, const RunSettings& run) {
+  const Body& body = simulation.body();
+  const double loads_pa =
+      std::max(body.dead_loads_n().colwise().norm().sum() / largest_side_m2(body), commanded_pa(simulation, run));
+  for (const YamlNode& section : body_sections(scene)) {
+    for (const YamlNode& material : materials_of(section))
+      if (!material.has("stiffness_ratio"))
+        refuse_odd(scene, section, &material, body, strain(read_material(material), body, loads_pa));
+    if (!section.has("material")) refuse_odd(scene, section, nullptr, body, strain(Material(), body, loads_pa));
+  }
 }
 
 }  // namespace soft_robot_lab

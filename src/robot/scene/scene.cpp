@@ -35,6 +35,7 @@ Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& op
   });
   if (options.interrupt) scene.simulation->set_interrupt(options.interrupt);
   scene.run = read_run(settings, *scene.simulation);
+  refuse_unbearable(settings, *scene.simulation, scene.run);
   return scene;
 }
 
@@ -45,6 +46,7 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
 Scene load_scene(const YamlNode& node, const SceneOptions& options) {
   const YamlNode stated = with_overrides(node, options.overrides);
   read_parameters(stated);
+  refuse_megapascals(stated);
   refuse_unknown_reduced(stated, options);
   std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
   const bool chosen = fidelity && fidelity->choice;

@@ -71,6 +71,7 @@ class DesignNode {
  public:
   DesignNode() {
     options_.actuator_factory = actuators_from_plugins();
+    options_.interrupt = [] { return !ros::ok(); };
     ros::NodeHandle node;
     scene_subscriber_ = node.subscribe<std_msgs::String>(topics::simulator_scene, 1, [this](const auto& path) {
       if (!scene_.empty() && scene_ != path->data) skin_.publish(no_skin(kSkin));  // of a robot that is gone

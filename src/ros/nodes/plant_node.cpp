@@ -35,6 +35,7 @@ Parameters: ~plant (path: how it differs from the model), ~rig (path: whose shaf
 SceneOptions scene_options() {
   SceneOptions options;
   options.actuator_factory = actuators_from_plugins();
+  options.interrupt = [] { return !ros::ok(); };
   return options;
 }
 

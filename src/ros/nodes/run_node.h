@@ -48,7 +48,8 @@ inline void write_letters_as_they_are() {
   if (set == nullptr || std::strcmp(nl_langinfo(CODESET), "UTF-8") != 0) std::setlocale(LC_CTYPE, "C.UTF-8");
 }
 
-// Runs `run` after ROS has been set up; what it throws is written to the log, and gives the exit status 2. `about` is
+// Runs `run` after ROS has been set up; what it throws is written to the log, and gives the exit status 2, unless the
+// node was asked to end. `about` is
 // what --help prints: what the node does, and its parameters.
 template <class Run>
 int run_node(int argc, char** argv, const std::string& name, const std::string& about, Run run) {
@@ -72,6 +73,7 @@ int run_node(int argc, char** argv, const std::string& name, const std::string& 
   try {
     run();
   } catch (const std::exception& error) {
+    if (!ros::ok()) return 0;  // asked to end, it ended what it did
     ROS_FATAL("%s", error.what());
     return fail();
   }

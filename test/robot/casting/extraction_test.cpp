@@ -55,6 +55,44 @@ TEST(Extraction, TurnsAFrustumOverByItself) {
   EXPECT_NEAR(direction->dot(-kUp), 1, 1e-9);
 }
 
+// Round its axis, by `share` of a facet of `around` over the height.
+Surface twisted(Shape shape, double height, double share, int around) {
+  Surface surface = shape.surface();
+  Eigen::Matrix3Xd vertices_m = surface.vertices_m;
+  for (Eigen::Index i = 0; i < vertices_m.cols(); ++i) {
+    const double angle = share * 2 * kPi / around * vertices_m(2, i) / height;
+    vertices_m.col(i) = Eigen::AngleAxisd(angle, kUp) * surface.vertices_m.col(i);
+  }
+  return make_surface(vertices_m, surface.triangles);
+}
+
+// The facets of an STL file lean where its grid is twisted; its walls do not.
+TEST(Extraction, TakesLeaningFacetsForTheRoundWallThatTheyFollow) {
+  for (const auto& [around, share] : {std::pair(12, 0.3), {16, 0.5}, {16, -0.5}, {48, 1.0}}) {
+    Surface tube = twisted(pipe(0.02, 0.012, 0.05, around), 0.05, share, around);
+    EXPECT_FALSE(verify(tube, kUp).passed) << "known as it is";
+    tube.estimate_sags();
+    const Extraction out = verify(tube, kUp);
+    EXPECT_TRUE(out.passed) << around;
+    EXPECT_NEAR(out.draft_deg, 0, 0.1) << around;
+    EXPECT_TRUE(verify_two_parts(RayTree(tube), kUp).passed) << around;
+  }
+}
+
+TEST(Extraction, HoldsRoundWallsThatLeanAllTheWayOrBulge) {
+  const auto held = [](const std::vector<Eigen::Vector2d>& outline) {
+    Surface surface = revolved(outline, 32).surface();
+    surface.estimate_sags();
+    return verify(surface, kUp).blocked_area_m2;
+  };
+  EXPECT_EQ(held({{0.002, 0}, {0.01, 0}, {0.01, 0.05}, {0.002, 0.05}}), 0);
+  EXPECT_GT(held({{0.002, 0}, {0.01, 0}, {0.0091, 0.05}, {0.002, 0.05}}), 0.001);
+  std::vector<Eigen::Vector2d> barrel{{0.002, 0}};
+  for (int i = 0; i <= 20; ++i) barrel.emplace_back(0.01 + 0.001 * std::sin(i * kPi / 20), 0.0025 * i);
+  barrel.emplace_back(0.002, 0.05);
+  EXPECT_GT(held(barrel), 0.0005);
+}
+
 TEST(Extraction, FindsTheOnlyWayOutOfAShearedPrism) {
   const double moved = 0.02 * std::tan(30 * kPi / 180);
   const Surface surface = frustum({0.01, 0.01}, {0.01, 0.01}, 0.02, {moved, 0}).surface();

@@ -496,6 +496,10 @@ TEST_F(MeshRobot, SaysWhereTheSurfaceOfAnStlFileIsFaultyInMetresOfTheScene) {
   for (auto& corners : pierced)  // the middle of the side at x = 20 goes out through the one at x = 0
     for (Eigen::Vector3d& corner : corners)
       if (corner == Eigen::Vector3d(20, 10, 20)) corner = {-10, 8, 17};
+  Triangles aligned = both(box, turned(box_of_facets({5, 5, 10}, {15, 15, 30})));
+  for (auto& corners : aligned)  // of the hollow, out through the side at x = 20, whose edges its own edges meet
+    for (Eigen::Vector3d& corner : corners)
+      if (corner == Eigen::Vector3d(15, 10, 20)) corner = {26, 10, 20};
   const auto words_of = [&](const Triangles& triangles) {
     const fs::path file = write("part.stl", stl_text(triangles));
     const std::string words = refusal("{scale: {solid: {stl: \"" + file.string() + "\"}, factor: 0.001}}", 0.01),
@@ -508,7 +512,9 @@ TEST_F(MeshRobot, SaysWhereTheSurfaceOfAnStlFileIsFaultyInMetresOfTheScene) {
   EXPECT_EQ(words_of(open).rfind("its surface is not closed: the edge at (0, 0.01, 0.01) m has one facet; 2 more", 0),
             0u);
   EXPECT_EQ(words_of(twice).rfind("a facet stands twice, at (0, 0.0", 0), 0u) << words_of(twice);
-  EXPECT_EQ(words_of(pierced).rfind("its surface cuts itself near (", 0), 0u) << words_of(pierced);
+  EXPECT_EQ(words_of(pierced).rfind("its surface cuts itself near (0, 0.012, 0.02) m", 0), 0u) << words_of(pierced);
+  EXPECT_EQ(words_of(aligned).rfind("its surface cuts itself near (0.02, 0.0127273, 0.02) m", 0), 0u)
+      << words_of(aligned);
   EXPECT_EQ(
       words_of(both(box, box_of_facets({40, 0, 0}, {60, 20, 40}))),
       "its surface has 2 shells: those at (0, 0, 0) m and (0.04, 0, 0) m lie apart, and a body must hang together; "

@@ -172,7 +172,8 @@ TEST(RunScene, SolvesEveryTimedCommandAndReportsTheLast) {
 // A bar of next to no stiffness falls through itself; each of its steps is solved.
 TEST(RunScene, DoesNotConvergeToElementsThatAreInsideOut) {
   const Outcome outcome =
-      run("body: {element: linear, element_size_m: 0.05, material: {youngs_modulus_pa: 1.0e-3, poissons_ratio: 0.3}}\n"
+      run("body: {element: linear, element_size_m: 0.05, material: {youngs_modulus_pa: 1.0e-3, stiffness_ratio: 1, "
+          "poissons_ratio: 0.3}}\n"
           "cables: []\nrun: {mode: dynamic, duration_s: 0.3}\n");
   EXPECT_GT(outcome.report.solve.inverted_elements, 0);
   EXPECT_FALSE(outcome.report.solve.converged);

@@ -72,11 +72,10 @@ TEST(Simulate, ShowsHowFarItIsAndKeepsWhatIsDoneAtCtrlC) {
 TEST(Simulate, SaysFirstWhatIsKnownWhenTheFileIsRead) {
   const SceneFolder folder;
   const std::string scene = folder.write(
-      "soft.yaml",
-      "include: bar.yaml\nbody: {material: {youngs_modulus_pa: 0.2642}}\nsolver: {time_limit_s: 1.0e-9}\n");
+      "soft.yaml", "include: bar.yaml\nbody: {material: {youngs_modulus_pa: 264.2}}\nsolver: {time_limit_s: 1.0e-9}\n");
   const Outcome outcome = simulate(folder, scene + " --result " + folder.path("result.json"));
   EXPECT_EQ(outcome.exit_status, 1) << outcome.out;
-  const std::string words = "simulate: warning: Young's modulus is 0.2642 Pa";
+  const std::string words = "simulate: warning: Young's modulus is 264.2 Pa";
   EXPECT_EQ(outcome.err.find(words), 0u) << outcome.err;
   EXPECT_EQ(outcome.err.rfind(words), 0u) << outcome.err;
   EXPECT_EQ(Json::parse(contents(folder.path("result.json")))["solver"]["warnings"][0]["kind"],

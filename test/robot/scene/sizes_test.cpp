@@ -116,19 +116,15 @@ TEST(Sizes, ImplausibleOnesAreWarnedOf) {
       {"body: {mesh: part.vtk, fixed: [{box: {min_m: [-1, -1, -1], max_m: [99, 99, 1.0e-6]}}]}", "implausible_size",
        "the body is 60 m long, where robots are 0.001 to 2 m: lengths are metres; if its file has millimetres, set "
        "`scale: 0.001`"},
-      {"include: bar.yaml\nbody: {material: {youngs_modulus_pa: 0.2642}}", "implausible_stiffness",
-       "Young's modulus is 0.2642 Pa, where silicones have 1000 Pa and more: if youngs_modulus_pa was given in MPa"},
-      {"include: bar.yaml\nbody: {material: {youngs_modulus_pa: 0.2642}}", "implausible_stiffness",
-       "did you mean body.material.youngs_modulus_pa: 264200? A `stiffness_ratio` beside it says that it is meant"},
-      {"include: bar.yaml\nbody: {material: {model: yeoh, c1_pa: 0.044}}", "implausible_stiffness",
-       "if c1_pa was given in MPa, multiply it by 1e6: did you mean body.material.c1_pa: 44000?"},
+      {"include: bar.yaml\nbody: {material: {model: yeoh, c1_pa: 44}}", "implausible_stiffness",
+       "if c1_pa was given in kPa, multiply it by 1000: did you mean body.material.c1_pa: 44000?"},
       {"include: bar.yaml\nbody: {material: {youngs_modulus_pa: 264.2}}", "implausible_stiffness",
        "was given in kPa, multiply it by 1000: did you mean body.material.youngs_modulus_pa: 264200?"},
-      {"include: bar.yaml\nbody: {material: {model: mooney_rivlin, c10_pa: 0.044, c01_pa: 0}}", "implausible_stiffness",
+      {"include: bar.yaml\nbody: {material: {model: mooney_rivlin, c10_pa: 44, c01_pa: 0}}", "implausible_stiffness",
        "did you mean body.material.c10_pa: 44000?"},
       {"include: bar.yaml\nbodies: [{name: second, solid: {sphere: {radius_m: 0.01, center_m: [0, 0.1, 0]}}, "
-       "material: {youngs_modulus_pa: 0.5}, fixed: [{box: {min_m: [-1, 0.1, -1], max_m: [1, 1, 1]}}]}]",
-       "implausible_stiffness", "did you mean bodies[0].material.youngs_modulus_pa: 500000?"},
+       "material: {youngs_modulus_pa: 800}, fixed: [{box: {min_m: [-1, 0.1, -1], max_m: [1, 1, 1]}}]}]",
+       "implausible_stiffness", "did you mean bodies[0].material.youngs_modulus_pa: 800000?"},
       {"include: bar.yaml\ngravity_m_s2: [0, 0, -981]", "implausible_gravity",
        "gravity_m_s2 is 981 m/s2 long, 100 times the earth's: it is in metres; did you mean [0, 0, -9.81]?"},
       {"include: bar.yaml\ngravity_m_s2: [0, 9810, 0]", "implausible_gravity", "gravity_m_s2 is 9810 m/s2 long"},
@@ -149,6 +145,75 @@ TEST(Sizes, ImplausibleOnesAreWarnedOf) {
   for (const std::string text :
        {"", "body: {material: {youngs_modulus_pa: 0.2642, stiffness_ratio: 1}}\n", "gravity_m_s2: [0, 0, 20]\n"})
     EXPECT_TRUE(load_scene(folder.write("meant.yaml", "include: bar.yaml\n" + text), with_mesher()).warnings.empty());
+}
+
+void expect_refused(const std::string& file, const std::vector<std::string>& words,
+                    const std::string& mesher = SOFT_ROBOT_LAB_MESHER) {
+  try {
+    SceneOptions options = with_mesher();
+    options.mesher = mesher;
+    load_scene(file, options);
+    ADD_FAILURE() << "accepted";
+  } catch (const SettingsError& error) {
+    for (const std::string& each : words)
+      EXPECT_NE(std::string(error.what()).find(each), std::string::npos) << error.what();
+  }
+}
+
+// Before it is meshed, as no mesher is there.
+TEST(Sizes, MegapascalsAreRefusedAtOnce) {
+  const SceneFolder folder;
+  const std::string bodies = "bodies: [{name: second, solid: {sphere: {radius_m: 0.01, center_m: [0, 0.1, 0]}}, ";
+  const std::vector<std::vector<std::string>> table = {
+      {"body: {material: {youngs_modulus_pa: 0.2642}}", "odd.yaml:2: body.material.youngs_modulus_pa: ",
+       "Young's modulus is 0.2642 Pa, where silicones have 1000 Pa and more: if youngs_modulus_pa was given in MPa",
+       "did you mean body.material.youngs_modulus_pa: 264200? A `stiffness_ratio` beside it says that it is meant"},
+      {"body: {material: {model: yeoh, c1_pa: 0.044}}", "multiply it by 1e6: did you mean body.material.c1_pa: 44000?"},
+      {"body: {material: {model: mooney_rivlin, c10_pa: 0.01, c01_pa: 0.03}}",
+       "did you mean body.material.c01_pa: 30000"},
+      {bodies + "material: {youngs_modulus_pa: 0.5}, fixed: [{box: {min_m: [-1, 0.1, -1], max_m: [1, 1, 1]}}]}]",
+       "did you mean bodies[0].material.youngs_modulus_pa: 500000?"}};
+  for (const std::vector<std::string>& each : table) {
+    SCOPED_TRACE(each[0]);
+    const std::string file = folder.write("odd.yaml", "include: bar.yaml\n" + each[0] + "\n");
+    expect_refused(file, {each.begin() + 1, each.end()}, "/nowhere");
+  }
+}
+
+TEST(Sizes, OddOnesThatStrainABodyBeyondSenseAreRefused) {
+  const SceneFolder folder;
+  const std::string soft = "body: {material: {youngs_modulus_pa: 50}}\n", fall = "gravity_m_s2: [-9.81, 0, 0]\n";
+  const std::string weight = "loads: [{box: {min_m: [0.0999, -1, -1], max_m: [1, 1, 1]}, force_n: [0.5, 0, 0]}]\n";
+  const std::string large =
+      "body: {solid: {box: {size_m: [40, 10, 10], center_m: [20, 0, 0]}}, element_size_m: 10, fixed: [{box: {min_m: "
+      "[-1, -9, -9], max_m: [1.0e-6, 9, 9]}}]";
+  const std::string pressed =
+      "body: {solid: {difference: [{box: {size_m: [0.1, 0.02, 0.02], center_m: [0.05, 0, 0]}}, {name: hollow, box: "
+      "{size_m: [0.05, 0.01, 0.01], center_m: [0.05, 0, 0]}}]}, fixed: [{box: {min_m: [-1, -1, -1], max_m: [1.0e-6, 1, "
+      "1]}}], material: {youngs_modulus_pa: 500}}\nchambers: [{name: "
+      "air, surface: hollow, command: gauge_pressure, max_gauge_pressure_pa: 9000}]\nrun: {commands: [{air: 2000}]}\n";
+  const std::string lifts = "says that it is meant";
+  const std::vector<std::vector<std::string>> table = {
+      {"include: bar.yaml\n" + soft + fall,
+       "body.material.youngs_modulus_pa: its weight, loads or commands would strain", "the body by 20.",
+       ", where robots bear 2: Young's modulus is 50 Pa", lifts},
+      {"include: bar.yaml\n" + soft + weight, "the body by 5.00097, where robots bear 2", lifts},
+      {"include: bar.yaml\ngravity_m_s2: [9810, 0, 0]\n", "odd.yaml:2: gravity_m_s2: its weight", "the body by 3.",
+       "did you mean [0, 0, -9.81]?", "`stiffness_ratio: 1` in its `material` " + lifts},
+      {large + ", material: {youngs_modulus_pa: 1.0e+5}}\n" + fall, "odd.yaml:1: body: its weight",
+       "the body is 40 m long", lifts},
+      {pressed, "commands would strain the body by 4, where robots bear 2", lifts},
+      {large + "}\ngravity_m_s2: [-20, 0, 0]\n", "the body by 3.", "the body is 40 m long", lifts}};
+  for (const std::vector<std::string>& each : table) {
+    SCOPED_TRACE(each[0]);
+    expect_refused(folder.write("odd.yaml", each[0]), {each.begin() + 1, each.end()});
+  }
+  for (const std::string& text : {soft + "gravity_m_s2: [0, 0, 0]\n", soft + "gravity_m_s2: [-0.5, 0, 0]\n", fall,
+                                  "body: {material: {youngs_modulus_pa: 50, stiffness_ratio: 1}}\n" + fall,
+                                  std::string("gravity_m_s2: [981, 0, 0]\n")}) {
+    SCOPED_TRACE(text);
+    EXPECT_NO_THROW(load_scene(folder.write("borne.yaml", "include: bar.yaml\n" + text), with_mesher()));
+  }
 }
 
 // Whatever is commanded.

@@ -76,8 +76,11 @@ struct FitRequest {
 struct FittedValue {
   std::string name;
   double start = 0.0, value = 0.0;
-  double deviation = 0.0;        // standard
-  double low = 0.0, high = 0.0;  // of 95 %, within the bounds
+  double deviation = 0.0;  // standard
+  // Of 95 %, within the bounds. The variance is that of the residuals, at least the stated noise, so a model that
+  // misses widens it; residuals count as independent. Where a creeping robot makes them alike, `warnings` ask to hold
+  // longer.
+  double low = 0.0, high = 0.0;
   double min = 0.0, max = 0.0;
   bool identifiable = true;  // from the data; otherwise the interval is all that the bounds leave
 };

@@ -10,7 +10,7 @@ shift $(($# < 3 ? 2 : 3)) # the rest is for ROS: __name:=..., __log:=...
 session=/${ROS_NAMESPACE:-}/
 session=$(tr -s / <<<"$session") # "/left/" in the namespace left, else "/"
 topics=(actuators/command simulator/markers simulator/actuators simulator/surface simulator/scene tracker/markers
-  tracker/parameter_updates controller/progress controller/target overlay reality_gap motor/state rig/shafts plant/markers)
+  tracker/parameter_updates controller/progress controller/target overlay overlay/labels reality_gap motor/state rig/shafts plant/markers)
 topics=("${topics[@]/#/$session}" /tf /tf_static /diagnostics /rosout)
 [[ $images != true ]] || topics+=("${session}tracker/steps" --regex "$session[^/]+/(color|aligned_depth_to_color)/(image_raw|camera_info)")
 for argument in "$@"; do # ROS would end the one that runs

@@ -92,6 +92,16 @@ TEST(SeenSkin, FollowsASkinThatMovesAndAnotherOne) {
   EXPECT_TRUE(skin.sorted_from(before).empty());
 }
 
+TEST(SeenSkin, FollowsAPlaceThatIsHeld) {
+  SeenSkin skin = cubes({0.0f});
+  const SeenSkin::Place held = skin.nearest({0.3f, -0.2f, 0.6f});
+  EXPECT_LT((skin.at(held) - Point(0.3f, 0.0f, 0.6f)).norm(), 1e-5f);
+  std::vector<Point> corners = skin.corners_m();
+  for (Point& corner : corners) corner += Point(0.0f, corner.x(), 0.0f);
+  skin.set_corners(corners);
+  EXPECT_LT((skin.at(held) - Point(0.3f, 0.3f, 0.6f)).norm(), 1e-5f);
+}
+
 TEST(SeenSkin, LeavesOutTrianglesWithoutAnArea) {
   SeenSkin skin;
   skin.set_corners({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}});

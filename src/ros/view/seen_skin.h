@@ -26,6 +26,14 @@ class SeenSkin {
   // Cosine between a corner's smooth normal and the way to the eye; 0 where it turns away.
   float facing(int corner, const Eigen::Vector3f& eye_m) const;
 
+  // A place of the skin, which goes along with it.
+  struct Place {
+    int triangle = 0;
+    Eigen::Vector3f weights = Eigen::Vector3f::UnitX();
+  };
+  Place nearest(const Eigen::Vector3f& point_m) const;  // there is a triangle
+  Eigen::Vector3f at(const Place& place) const;
+
   struct Edge {
     int from, to;                  // corners
     std::array<int, 2> triangles;  // beside it; the same twice at a border

@@ -14,6 +14,7 @@
 #include <OgreTechnique.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <rviz/display_context.h>
+#include <rviz/display_group.h>
 #include <rviz/frame_manager.h>
 #include <rviz/properties/bool_property.h>
 #include <rviz/properties/ros_topic_property.h>
@@ -105,6 +106,17 @@ void SkinDisplay::reset() {
 }
 
 void SkinDisplay::setTopic(const QString& topic, const QString& /*datatype*/) { topic_->setString(topic); }
+
+std::string SkinDisplay::topic() const { return topic_->getTopicStd(); }
+
+const SkinDisplay* find_skin(rviz::DisplayContext& context, const std::string& topic) {
+  const rviz::DisplayGroup& displays = *context.getRootDisplayGroup();
+  for (int i = 0; i < displays.numDisplays(); ++i) {
+    const auto* skin = dynamic_cast<SkinDisplay*>(displays.getDisplayAt(i));
+    if (skin && QString::fromStdString("/" + skin->topic()).endsWith(QString::fromStdString("/" + topic))) return skin;
+  }
+  return nullptr;
+}
 
 void SkinDisplay::subscribe() {
   subscriber_.shutdown();

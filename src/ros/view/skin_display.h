@@ -36,6 +36,7 @@ class SkinDisplay : public rviz::Display {
   void reset() override;
   void setTopic(const QString& topic, const QString& datatype) override;
 
+  std::string topic() const;
   // In the frame of the display's scene node; without corners where nothing is shown.
   const SeenSkin& skin() const { return skin_; }
 
@@ -66,5 +67,8 @@ class SkinDisplay : public rviz::Display {
   bool translucent_ = false, changed_ = false;
   Ogre::Vector3 drawn_from_ = Ogre::Vector3::ZERO;
 };
+
+// The first that shows a topic with this end, as "left/simulator/surface"; null where there is none.
+const SkinDisplay* find_skin(rviz::DisplayContext& context, const std::string& topic);
 
 }  // namespace soft_robot_lab

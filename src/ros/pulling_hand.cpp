@@ -52,23 +52,23 @@ void PullingHand::take(const SkinPull& pull, double now_s, Simulation& simulatio
 Eigen::Matrix3d PullingHand::measured_yield_m_n(Simulation& simulation) const {
   constexpr double probe_n = 1e-3;
   const SimulationState before = simulation.state();
-  const auto place_m = [&](const Eigen::Vector3d& force_n) {
+  const auto position_m = [&](const Eigen::Vector3d& force_n) {
     simulation.pull(*hold_, force_n);
     simulation.step();
     const Eigen::Vector3d moved_m = hold_->at(simulation.state().positions_m);
     simulation.set_state(before);
     return moved_m;
   };
-  const Eigen::Vector3d free_m = place_m(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d free_m = position_m(Eigen::Vector3d::Zero());
   Eigen::Matrix3d yield_m_n;
   for (int axis = 0; axis < 3; ++axis)
-    yield_m_n.col(axis) = (place_m(probe_n * Eigen::Vector3d::Unit(axis)) - free_m) / probe_n;
+    yield_m_n.col(axis) = (position_m(probe_n * Eigen::Vector3d::Unit(axis)) - free_m) / probe_n;
   simulation.pull(*hold_, Eigen::Vector3d::Zero());
   return yield_m_n;
 }
 
-Eigen::Vector3d PullingHand::asked_n(const Eigen::Vector3d& place_m) const {
-  return force_n_ + stiffness_n_m_ * (hand_m_ - place_m);
+Eigen::Vector3d PullingHand::asked_n(const Eigen::Vector3d& position_m) const {
+  return force_n_ + stiffness_n_m_ * (hand_m_ - position_m);
 }
 
 void PullingHand::pull(const Eigen::Vector3d& force_n, Simulation& simulation) {
@@ -85,14 +85,15 @@ SolveReport PullingHand::step(Simulation& simulation) {
   const SimulationState before = simulation.state();
   SolveReport report = simulation.step();
   for (int tries = 1; tries < most_tries && !report.interrupted; ++tries) {
-    const Eigen::Vector3d place_m = hold_->at(simulation.state().positions_m), force_n = acting_n_;
+    const Eigen::Vector3d position_m = hold_->at(simulation.state().positions_m), force_n = acting_n_;
     const Eigen::Matrix3d stiffer = Eigen::Matrix3d::Identity() + stiffness_n_m_ * yield_m_n_;
-    const Eigen::Vector3d wanted_n = stiffer.partialPivLu().solve(asked_n(place_m) - force_n);
+    const Eigen::Vector3d wanted_n = stiffer.partialPivLu().solve(asked_n(position_m) - force_n);
     if (!wanted_n.allFinite() || wanted_n.norm() < felt_n + accuracy * force_n.norm()) break;
     simulation.set_state(before);
     pull(force_n + wanted_n, simulation);
     report = simulation.step();
-    const Eigen::Vector3d moved_m = hold_->at(simulation.state().positions_m) - place_m, change_n = acting_n_ - force_n;
+    const Eigen::Vector3d moved_m = hold_->at(simulation.state().positions_m) - position_m,
+                          change_n = acting_n_ - force_n;
     if (change_n.norm() > felt_n)
       yield_m_n_ += (moved_m - yield_m_n_ * change_n) * change_n.transpose() / change_n.squaredNorm();
   }

@@ -32,7 +32,7 @@ class PullingHand {
  private:
   void pull(const Eigen::Vector3d& force_n, Simulation& simulation);
   Eigen::Matrix3d measured_yield_m_n(Simulation& simulation) const;
-  Eigen::Vector3d asked_n(const Eigen::Vector3d& place_m) const;
+  Eigen::Vector3d asked_n(const Eigen::Vector3d& position_m) const;
 
   double largest_n_;
   std::optional<EmbeddedPoint> hold_;

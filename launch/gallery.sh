@@ -24,20 +24,17 @@ declare -A poses=(
 declare -A scenes=([gripper]=gripper/ball.yaml)
 (($# > 0)) || set -- spinebot hammerbot finger_a1 finger_a2 gripper tentacle bubblebot bubblefinger hollow_cuboid hanging_bar
 
-# The session's view, from a little to the left and above, of the robot alone.
+# The session's view of the robot alone.
 /usr/bin/python3 - "$launch/../config/rviz/session.rviz" "$folder/gallery.rviz" <<'PYTHON'
 import sys
 import yaml
 with open(sys.argv[1]) as file:
     view = yaml.safe_load(file)
 manager = view['Visualization Manager']
-manager['Displays'] = [one for one in manager['Displays'] if one['Name'] not in ('Target', 'World')]
+manager['Displays'] = [one for one in manager['Displays'] if one['Name'] not in ('Target', 'World', 'Labels')]
 for display in manager['Displays']:
     if display['Name'] == 'Overlay':
-        display['Namespaces'] = {
-            'simulated_names': False, 'simulated_trail': False, 'chamber_pressures': False,
-            'cable_tensions': False, 'tension_scale': False, 'tension_scale_text': False}
-manager['Views']['Current'].update({'Yaw': 4.25, 'Pitch': 0.25})
+        display['Namespaces'] = {'simulated_trail': False}
 with open(sys.argv[2], 'w') as file:
     yaml.safe_dump(view, file, sort_keys=False)
 PYTHON

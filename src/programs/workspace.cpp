@@ -54,6 +54,8 @@ void declare(CommandLine& app, Arguments& arguments) {
       "1 some have none or were not asked, 2 bad robot or arguments.");
 }
 
+constexpr int kShownEvery_percent = 4;  // who looks on sees points as they come
+
 void find_points(const Arguments& arguments, const WorkspacePlan& plan, const std::shared_ptr<const Model>& model,
                  Journal& journal) {
   ProgressBar bar("workspace");
@@ -64,6 +66,7 @@ void find_points(const Arguments& arguments, const WorkspacePlan& plan, const st
       percent = next;
       bar.show(fraction, std::to_string(now.done) + " of " + std::to_string(now.points) + " commands, " +
                              std::to_string(now.failed) + " without a rest state");
+      if (percent % kShownEvery_percent == 0) write_results(workspace_table(plan, journal), arguments.output);
     }
     return !interrupted();
   });

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 
 #include "conversions.h"
 #include "frames.h"
+#include "overlay_names.h"
 #include "plasma.h"
 
 namespace soft_robot_lab {
@@ -47,6 +49,14 @@ std::string text_of(double value, const char* format) {
   return text;
 }
 
+// Texts, and what belongs to them: a window lays these out, so that they have a fixed size and overlap nothing.
+bool is_label(const std::string& ns) {
+  static const std::set<std::string> names = {"simulated_names",  "measured_names",     "cable_tensions",
+                                              "gap_text",         "chamber_pressures",  "contact_forces",
+                                              overlay_names::gap, overlay_names::error, overlay_names::tension_scale};
+  return names.count(ns) > 0;
+}
+
 // Collects shapes; each has a name of its own within its namespace, and the number that it had before.
 class Drawing {
  public:
@@ -70,12 +80,13 @@ class Drawing {
     shape.scale.z = 2.0 * semi_axes_m.z();
   }
 
-  void line(const std::string& ns, const std::string& name, const std::vector<geometry_msgs::Point>& points,
-            double width_m, const std_msgs::ColorRGBA& rgba, const std::vector<std_msgs::ColorRGBA>& along = {}) {
+  Shape& line(const std::string& ns, const std::string& name, const std::vector<geometry_msgs::Point>& points,
+              double width_m, const std_msgs::ColorRGBA& rgba, const std::vector<std_msgs::ColorRGBA>& along = {}) {
     Shape& shape = add(ns, name, Shape::LINE_STRIP, rgba);
     shape.points = points;
     shape.colors = along;
     shape.scale.x = width_m;
+    return shape;
   }
 
   void arrow(const std::string& ns, const std::string& name, const Eigen::Vector3d& from_m,
@@ -105,14 +116,14 @@ class Drawing {
   }
 
   // With what was shown before and is not now deleted.
-  visualization_msgs::MarkerArray finished() {
+  DrawnOverlay finished() {
     for (const auto& [key, number] : before_) {
       if (numbers_.count(key) > 0) continue;
       Shape gone = shape_of(key.first, number);
       gone.action = Shape::DELETE;
-      array_.markers.push_back(gone);
+      markers_of(key.first).push_back(gone);
     }
-    return std::move(array_);
+    return std::move(drawn_);
   }
 
   const OverlayNumbers& numbers() const { return numbers_; }
@@ -127,8 +138,12 @@ class Drawing {
     shape.type = type;
     shape.color = rgba;
     shape.lifetime = ros::Duration(1.0);  // all vanishes with the node
-    array_.markers.push_back(shape);
-    return array_.markers.back();
+    markers_of(ns).push_back(shape);
+    return markers_of(ns).back();
+  }
+
+  std::vector<Shape>& markers_of(const std::string& ns) {
+    return is_label(ns) ? drawn_.labels.markers : drawn_.shapes.markers;
   }
 
   Shape shape_of(const std::string& ns, int number) const {
@@ -146,14 +161,8 @@ class Drawing {
   const OverlayNumbers& before_;
   int& next_;
   OverlayNumbers numbers_;
-  visualization_msgs::MarkerArray array_;
+  DrawnOverlay drawn_;
 };
-
-// Out of the skin, towards who stands in front of the robot.
-geometry_msgs::Point before_skin(geometry_msgs::Point place, const OverlayOptions& options) {
-  place.y -= 3.5 * options.text_height_m;
-  return place;
-}
 
 // Names that are written already are not written again: two of them half over each other cannot be read.
 void draw_markers(const MarkerObservations& markers, const std::string& ns, const std_msgs::ColorRGBA& rgba,
@@ -161,9 +170,7 @@ void draw_markers(const MarkerObservations& markers, const std::string& ns, cons
   for (size_t i = 0; i < markers.names.size(); ++i) {
     drawing.sphere(ns, markers.names[i], markers.positions[i], options.marker_radius_m, rgba);
     if (std::find(written.begin(), written.end(), markers.names[i]) != written.end()) continue;
-    geometry_msgs::Point above = before_skin(markers.positions[i], options);
-    above.z += options.marker_radius_m + 1.1 * options.text_height_m;
-    drawing.text(ns + "_names", markers.names[i], above, markers.names[i]);
+    drawing.text(ns + "_names", markers.names[i], markers.positions[i], markers.names[i]);
   }
 }
 
@@ -223,41 +230,19 @@ void draw_tension_scale(const geometry_msgs::Point& middle, double full_tension_
     points[static_cast<size_t>(i)].x += half_m * (2.0 * i / parts - 1.0);
     colours.push_back(tension_colour(static_cast<double>(i) / parts));
   }
-  drawing.line("tension_scale", "bar", points, 0.6 * options.text_height_m, colours.front(), colours);
-  for (const bool end : {false, true}) {
-    geometry_msgs::Point place = middle;
-    place.x += (end ? 1.0 : -1.0) * (half_m + 1.4 * options.text_height_m);
-    drawing.text("tension_scale_text", end ? "full" : "none", place, end ? text_of(full_tension_n, "%g N") : "0");
-  }
-}
-
-// Names that would lie over one another for who stands in front of the robot stand in lines.
-geometry_msgs::Point above_others(geometry_msgs::Point place, const OverlayOptions& options,
-                                  const std::vector<geometry_msgs::Point>& written) {
-  const double width_m = 8.0 * options.text_height_m, line_m = 1.3 * options.text_height_m;
-  const auto covered = [&] {
-    return std::any_of(written.begin(), written.end(), [&](const geometry_msgs::Point& other) {
-      return std::abs(other.x - place.x) < width_m && std::abs(other.z - place.z) < 0.99 * line_m;
-    });
-  };
-  while (covered()) place.z += line_m;
-  return place;
+  drawing.line(overlay_names::tension_scale, "bar", points, 0.6 * options.text_height_m, colours.front(), colours)
+      .text = text_of(full_tension_n, "%g N");
 }
 
 void draw_cables(const ActuatorState& actuators, double full_tension_n, const OverlayOptions& options,
                  Drawing& drawing) {
   std::optional<geometry_msgs::Point> top;
-  std::vector<geometry_msgs::Point> written;
   for (const CableState& cable : actuators.cables) {
     if (cable.path.size() < 2) continue;
     drawing.line("cables", cable.name, cable.path, options.cable_width_m,
                  tension_colour(cable.tension_n / full_tension_n));
-    geometry_msgs::Point place = cable.path.front();
+    const geometry_msgs::Point& place = cable.path.front();
     if (!top || place.z > top->z) top = place;
-    place.x += (place.x < 0.0 ? -4.0 : 4.0) * options.text_height_m;
-    place.z += 2.0 * options.text_height_m;
-    place = above_others(place, options, written);
-    written.push_back(place);
     drawing.text("cable_tensions", cable.name, place, cable.name + text_of(cable.tension_n, " %.1f N"));
   }
   if (!top) return;
@@ -289,9 +274,7 @@ void draw_contacts(const Contacts& contacts, const OverlayOptions& options, Draw
     if (contact.area_m2 > 0.0 && !normal.isZero())
       drawing.disc("contact_areas", name, center_m, normal, contact.area_m2,
                    contact.slipping_area_m2 > contact.sticking_area_m2 ? slipping_colour : sticking_colour);
-    geometry_msgs::Point place = contact.center;
-    place.z += 1.5 * options.text_height_m;
-    drawing.text("contact_forces", name, place, text_of(contact.normal_force_n, "%.2f N"));
+    drawing.text("contact_forces", name, contact.center, text_of(contact.normal_force_n, "%.2f N"));
   }
 }
 
@@ -309,13 +292,11 @@ void draw_gap(const RealityGap& gap, const OverlayOptions& options, Drawing& dra
     simulated.y -= gap.gaps[i].y;
     simulated.z -= gap.gaps[i].z;
     drawing.line("gap", gap.names[i], {simulated, measured}, 0.5 * options.cable_width_m, error_colour);
-    geometry_msgs::Point beside = before_skin(measured, options);
-    beside.x += 3.0 * options.text_height_m;
-    drawing.text("gap_text", gap.names[i], beside, text_of(1e3 * gap.distances_m[i], "%.2f mm"));
+    drawing.text("gap_text", gap.names[i], measured, text_of(1e3 * gap.distances_m[i], "%.2f mm"));
   }
   geometry_msgs::Point above;
   above.z = 8.4 * options.text_height_m;  // above the axes of the frame and the scale of tensions
-  drawing.text("gap_rms", "rms", above, text_of(1e3 * gap.rms_m, "gap %.2f mm rms"));
+  drawing.text(overlay_names::gap, "rms", above, text_of(1e3 * gap.rms_m, "gap %.2f mm rms"));
 }
 
 void draw_error(const MarkerObservations& markers, const Target& target, const OverlayOptions& options,
@@ -324,12 +305,9 @@ void draw_error(const MarkerObservations& markers, const Target& target, const O
   if (found == markers.names.end()) return;
   const geometry_msgs::Point& from = markers.positions[found - markers.names.begin()];
   const geometry_msgs::Point& to = target.position;
-  drawing.line("error", target.marker, {from, to}, 0.5 * options.cable_width_m, error_colour);
   const double distance_m = std::hypot(to.x - from.x, to.y - from.y, to.z - from.z);
-  geometry_msgs::Point place = before_skin(to, options);  // between the arrows that move the target, apart from names
-  place.x += 4.5 * options.text_height_m;
-  place.z += 3.0 * options.text_height_m;
-  drawing.text("error_text", target.marker, place, text_of(1000.0 * distance_m, "%.2f mm"));
+  drawing.line(overlay_names::error, target.marker, {from, to}, 0.5 * options.cable_width_m, error_colour).text =
+      text_of(1000.0 * distance_m, "%.2f mm");
 }
 
 void require_number(double value, const char* field) {
@@ -394,7 +372,7 @@ void Trail::add(const MarkerObservations& markers, double now_s, double kept_s) 
   points_.emplace_back(now_s, at);
 }
 
-visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const ros::Time& stamp) {
+DrawnOverlay Overlay::draw(const OverlayInputs& inputs, const ros::Time& stamp) {
   for (const MarkerObservations* markers : {&inputs.simulated, &inputs.measured}) require_whole(*markers);
   require_whole(inputs.actuators);
   if (inputs.gap) require_whole(*inputs.gap);
@@ -419,10 +397,10 @@ visualization_msgs::MarkerArray Overlay::draw(const OverlayInputs& inputs, const
     draw_target(*inputs.target, options_, drawing);
     draw_error(inputs.measured.names.empty() ? inputs.simulated : inputs.measured, *inputs.target, options_, drawing);
   }
-  visualization_msgs::MarkerArray array = drawing.finished();
+  DrawnOverlay drawn = drawing.finished();
   shown_ = drawing.numbers();
   full_tension_n_ = full_tension_n;
-  return array;
+  return drawn;
 }
 
 void Overlay::forget() {

@@ -26,6 +26,11 @@ struct OverlayInputs {
   Contacts contacts;
 };
 
+// Labels: texts at the places that they name, and what overlay_names.h lists. A window of its own lays them out.
+struct DrawnOverlay {
+  visualization_msgs::MarkerArray shapes, labels;
+};
+
 // Of what is shown: by namespace and name.
 using OverlayNumbers = std::map<std::pair<std::string, std::string>, int>;
 
@@ -56,8 +61,8 @@ class Overlay {
 
   // All shapes of now. A shape keeps its number as long as it is drawn, so that rviz moves it and nothing takes the
   // place of a marker that hides; what is not drawn any more is deleted. Throws std::invalid_argument for what is not
-  // finite or not whole; then the next array follows the one before.
-  visualization_msgs::MarkerArray draw(const OverlayInputs& inputs, const ros::Time& stamp);
+  // finite or not whole; then the next drawing follows the one before.
+  DrawnOverlay draw(const OverlayInputs& inputs, const ros::Time& stamp);
 
   // Trails and scale begin anew, as another robot's.
   void forget();

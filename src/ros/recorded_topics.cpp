@@ -15,8 +15,8 @@ const std::vector<std::string>& known_topics() {
   static const std::vector<std::string> all = {
       topics::actuator_command,    topics::simulator_markers, topics::tracker_markers, topics::tracker_steps,
       topics::simulator_actuators, topics::simulator_surface, topics::simulator_scene, topics::controller_progress,
-      topics::controller_target,   topics::overlay,           topics::reality_gap,     topics::motor_state,
-      topics::rig_shafts,          topics::plant_markers,     tracker_updates};
+      topics::controller_target,   topics::overlay,           topics::overlay_labels,  topics::reality_gap,
+      topics::motor_state,         topics::rig_shafts,        topics::plant_markers,   tracker_updates};
   return all;
 }
 

@@ -400,23 +400,34 @@ TEST(ReachableTips, HaveAConvexHull) {
   EXPECT_TRUE(convex_hull({}).empty());
 }
 
-// Half of 45 degrees up and down, 1.3 times as much to the sides.
-TEST(Framing, ShowsTheWholeRobotAndWhatIsWrittenAboveIt) {
-  for (const Eigen::Vector3d& size_m : {Eigen::Vector3d(0.03, 0.02, 0.1), Eigen::Vector3d(0.2, 0.2, 0.05),
-                                        Eigen::Vector3d(0.3, 0.02, 0.02), Eigen::Vector3d(0.005, 0.005, 0.4)}) {
-    const Eigen::AlignedBox3d box_m(Eigen::Vector3d(-0.5 * size_m.x(), -0.5 * size_m.y(), -size_m.z()),
-                                    Eigen::Vector3d(0.5 * size_m.x(), 0.5 * size_m.y(), 0.0));
-    const Framing framing = framing_of(box_m);
+// Boxes of robots that hang, stand, lie and reach far, from before, from the corner of our rviz files, and from above.
+class FramingOf : public testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(FramingOf, ShowsTheWholeRobotAndNotFromAfar) {
+  const auto [yaw_rad, pitch_rad] = GetParam();
+  const Eigen::Matrix3d eye_from_world = (Eigen::AngleAxisd(-pitch_rad, Eigen::Vector3d::UnitX()) *
+                                          Eigen::AngleAxisd(-yaw_rad - M_PI_2, Eigen::Vector3d::UnitZ()))
+                                             .toRotationMatrix();  // x to the right, y ahead, z up
+  for (const Eigen::Vector3d& size_m :
+       {Eigen::Vector3d(0.03, 0.02, 0.1), Eigen::Vector3d(0.2, 0.2, 0.05), Eigen::Vector3d(0.3, 0.02, 0.02),
+        Eigen::Vector3d(0.02, 0.3, 0.02), Eigen::Vector3d(0.005, 0.005, 0.4)}) {
+    const Eigen::AlignedBox3d box_m(Eigen::Vector3d(0.1, -0.2, -size_m.z()),
+                                    Eigen::Vector3d(0.1, -0.2, 0.0) + Eigen::Vector3d(size_m.x(), size_m.y(), 0.0));
+    const Framing framing = framing_of(box_m, {yaw_rad, pitch_rad});
     for (int corner = 0; corner < 8; ++corner) {
-      Eigen::Vector3d at_m = box_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
-      if (at_m.z() > -0.01) at_m.z() += 0.04;
-      const double ahead_m = framing.distance_m + at_m.y() - framing.focus_m.y();
-      EXPECT_LT(std::abs(at_m.z() - framing.focus_m.z()) / ahead_m, std::tan(M_PI / 8)) << size_m.transpose();
-      EXPECT_LT(std::abs(at_m.x() - framing.focus_m.x()) / ahead_m, 1.3 * std::tan(M_PI / 8)) << size_m.transpose();
+      Eigen::Vector3d at_m =
+          eye_from_world * (box_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - framing.focus_m);
+      at_m.y() += framing.distance_m;
+      EXPECT_LT(std::abs(at_m.z()) / at_m.y(), std::tan(M_PI / 8)) << size_m.transpose();
+      EXPECT_LT(std::abs(at_m.x()) / at_m.y(), 1.1 * std::tan(M_PI / 8)) << size_m.transpose();
     }
-    EXPECT_LT(framing.distance_m, 4.0 * size_m.maxCoeff() + 0.2) << "not from afar";
+    EXPECT_LT(framing.distance_m, 3.5 * size_m.maxCoeff()) << "not from afar";
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Eyes, FramingOf,
+                         testing::Values(std::pair(4.712389, 0.0), std::pair(4.15, 0.3), std::pair(1.0, -0.7),
+                                         std::pair(0.0, 1.2)));
 
 }  // namespace
 }  // namespace soft_robot_lab

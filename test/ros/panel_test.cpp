@@ -174,7 +174,7 @@ TEST_F(Panel, DragsTheTargetInsideItsGhost) {
   bool dragged = false;
   for (int i = 0; i < 5 && !dragged; ++i) {
     rviz_->point(" mousemove 1200 100 click 1 sleep 0.3 key i sleep 0.3");
-    rviz_->drag(951, 692, 851, 692, [&] { dragged = spin_until([&] { return target_m->x() < 0.015; }, 8.0); });
+    rviz_->drag(931, 548, 846, 548, [&] { dragged = spin_until([&] { return target_m->x() < 0.015; }, 8.0); });
   }
   EXPECT_TRUE(dragged) << "the camera turned";
   const Eigen::Vector3d released_m = *target_m;
@@ -432,7 +432,7 @@ TEST_F(Panel, PullsAtTheSkinUnderTheMouse) {
   bool pulled = false;
   for (int i = 0; i < 5 && !pulled; ++i) {
     rviz_->point(" mousemove 1200 100 click 1 sleep 0.3 key h sleep 0.3");
-    rviz_->drag(874, 650, 724, 650, [&] { pulled = spin_until([&] { return (tip_ - rest_tip_).x() < -0.004; }, 8.0); });
+    rviz_->drag(874, 540, 724, 540, [&] { pulled = spin_until([&] { return (tip_ - rest_tip_).x() < -0.004; }, 8.0); });
   }
   EXPECT_TRUE(pulled);
   EXPECT_TRUE(spin_until([&] { return (tip_ - rest_tip_).norm() < 1e-3; }, patience_s)) << "it is let go";
@@ -522,7 +522,7 @@ TEST_F(Panel, EndsWithoutACrash) {
   int status = -1;
   for (int i = 0; i < 5 && !pulled; ++i) {
     rviz_->point(" mousemove 1200 100 click 1 sleep 0.3 key h sleep 0.3");
-    rviz_->drag(874, 650, 724, 650, [&] {
+    rviz_->drag(874, 540, 724, 540, [&] {
       pulled = spin_until([&] { return (tip_ - rest_tip_).x() < -0.004; }, 8.0);
       if (pulled) status = rviz_->end();
     });

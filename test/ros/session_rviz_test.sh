@@ -5,7 +5,7 @@
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-printf '#!/bin/bash\necho "rviz $*"\n' >"$folder/rviz"
+printf '#!/bin/bash\necho "rviz $*${SAY_LOCALE:+ $LANG ${LC_ALL-none} $LC_NUMERIC}"\n' >"$folder/rviz"
 chmod +x "$folder/rviz"
 export PATH=$folder:$PATH LIBGL_ALWAYS_SOFTWARE=1
 expect() { # SAID ARGUMENTS...
@@ -18,3 +18,5 @@ expect "rviz --disable-anti-aliasing -d a.rviz" auto -d a.rviz
 expect "rviz --disable-anti-aliasing -d a.rviz" false -d a.rviz
 expect "rviz -d a.rviz __name:=b" true -d a.rviz __name:=b
 expect "session_rviz: smooth_edges: 'perhaps', must be auto, true or false" perhaps -d a.rviz
+# What rviz loads reads files with decimal points, in whatever locale.
+LC_ALL=de_DE.UTF-8 SAY_LOCALE=1 expect "rviz --disable-anti-aliasing -d a.rviz de_DE.UTF-8 none C" false -d a.rviz

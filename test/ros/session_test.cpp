@@ -503,8 +503,9 @@ TEST_F(Session, PublishesAndDrawsWhatTouches) {
     const auto array = hear<visualization_msgs::MarkerArray>(topic);
     return std::any_of(array->markers.begin(), array->markers.end(), [&](const auto& shape) { return shape.ns == ns; });
   };
-  for (const char* ns : {"contacts", "contact_areas", "contact_forces"})
+  for (const char* ns : {"contacts", "contact_areas"})
     EXPECT_TRUE(spin_until([&] { return drawn(topics::overlay, ns); })) << ns;
+  EXPECT_TRUE(spin_until([&] { return drawn(topics::overlay_labels, "contact_forces"); }));
   EXPECT_TRUE(drawn(topics::simulator_obstacles, "floor"));
   request.path = scenes + "cable_bar.yaml";
   EXPECT_TRUE(ask<LoadScene>(topics::simulator_load, request).success);

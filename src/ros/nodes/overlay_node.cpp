@@ -37,6 +37,7 @@ class OverlayNode {
   OverlayNode() {
     ros::NodeHandle node;
     publisher_ = node.advertise<visualization_msgs::MarkerArray>(topics::overlay, 1);
+    label_publisher_ = node.advertise<visualization_msgs::MarkerArray>(topics::overlay_labels, 1);
     gap_publisher_ = node.advertise<RealityGap>(topics::reality_gap, 100);
     // A message lost here and not by a recorder makes another gap than its replay: none is, in 16 s at 60 Hz.
     subscribers_ = {
@@ -126,7 +127,9 @@ class OverlayNode {
     const double age_s = seconds_between(published_, stamp);
     if (age_s >= 0.0 && age_s < period_s) return;
     published_ = stamp;
-    publisher_.publish(overlay_.draw(inputs_, stamp));
+    const DrawnOverlay drawn = overlay_.draw(inputs_, stamp);
+    publisher_.publish(drawn.shapes);
+    label_publisher_.publish(drawn.labels);
   }
 
   // As frames that are not turned. `stamp`: of the last that were sent.
@@ -155,7 +158,7 @@ class OverlayNode {
   std::optional<visualization_msgs::Marker> surface_;
   ros::Time published_, simulated_stamp_, tracked_stamp_;
   tf2_ros::TransformBroadcaster marker_frames_;
-  ros::Publisher publisher_, gap_publisher_, image_publisher_;
+  ros::Publisher publisher_, label_publisher_, gap_publisher_, image_publisher_;
   tf2_ros::Buffer frames_;
   FrameListener listener_{frames_};
   std::vector<ros::Subscriber> subscribers_;

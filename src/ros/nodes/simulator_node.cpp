@@ -120,7 +120,7 @@ class SimulatorNode {
   void serve_until(SteadyClock::time_point deadline);
   void on_command(const ActuatorCommand& command);
   void on_pull(const SkinPull& pull);
-  Eigen::Vector3d in_robot_base(const SkinPull& pull) const;
+  SkinPull in_robot_base(SkinPull pull) const;
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool stop(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool load(LoadScene::Request& request, LoadScene::Response& response);
@@ -282,7 +282,7 @@ double SimulatorNode::step() {
   const std::lock_guard lock(mutex_);
   since_s_ = machine_time_s();
   hand_.let_go_if_silent(machine_time_s(), *scene_->simulation);
-  last_report_ = scene_->simulation->step();
+  last_report_ = hand_.step(*scene_->simulation);
   if (last_report_.interrupted && (ends_ || !ros::ok())) return 0.0;
   if (!last_report_.converged) ++unconverged_steps_;
   for (const SolveWarning& warning : last_report_.warnings) add_warning(warning, warnings_);
@@ -307,21 +307,22 @@ void SimulatorNode::on_command(const ActuatorCommand& command) {
 }
 
 // The room is not turned against robot_base.
-Eigen::Vector3d SimulatorNode::in_robot_base(const SkinPull& pull) const {
-  const Eigen::Vector3d point_m = from_message(pull.point, "point");
+SkinPull SimulatorNode::in_robot_base(SkinPull pull) const {
   const std::string& frame = pull.header.frame_id;
-  if (frame == robot_frame() || frame == world_frame()) return point_m;
+  if (frame == robot_frame() || frame == world_frame()) return pull;
   if (frame != room_frame)
     throw std::invalid_argument("header.frame_id: '" + frame + "' is none of " + robot_frame() + ", " + world_frame() +
                                 ", " + room_frame);
-  return point_m - Eigen::Vector3d::Map(options_.position_m.data());
+  for (geometry_msgs::Point* place : {&pull.point, &pull.hand})
+    *place = to_message(from_message(*place, "point") - Eigen::Vector3d::Map(options_.position_m.data()));
+  return pull;
 }
 
 void SimulatorNode::on_pull(const SkinPull& pull) {
   const std::lock_guard lock(mutex_);
   try {
     require_in_limits<SkinPull>(pull);
-    hand_.take(pull, in_robot_base(pull), machine_time_s(), *scene_->simulation);
+    hand_.take(in_robot_base(pull), machine_time_s(), *scene_->simulation);
   } catch (const std::invalid_argument& error) {
     ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::simulator_pull, log_text(error.what()).c_str());
   }

@@ -2,23 +2,28 @@
 #include "framing.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kAbove_m = 0.04;           // scale and names (Overlay)
-constexpr double kHalfAngleTangent = 0.32;  // of what rviz shows of the height, with a margin
-constexpr double kAspect = 1.3;             // of the window beside the panel
+constexpr double kHalfAngleTangent = 0.31;  // of what rviz shows of the height, with room for what is written
+constexpr double kAspect = 1.1;             // of the window beside the panel
+constexpr double kBent = 1.6;               // of its height a robot that hangs is wide, when it bends
 
 }  // namespace
 
-Framing framing_of(const Eigen::AlignedBox3d& robot_m) {
-  Eigen::AlignedBox3d seen_m = robot_m;
-  seen_m.max().z() += kAbove_m;
-  const Eigen::Vector3d size_m = seen_m.sizes();
-  const double bent_m = 1.6 * robot_m.sizes().z();  // across, of a robot that hangs
-  const double half_m = 0.5 * std::max(size_m.z(), std::max(size_m.x(), bent_m) / kAspect);
-  return {seen_m.center(), half_m / kHalfAngleTangent + 0.5 * size_m.y()};
+Framing framing_of(const Eigen::AlignedBox3d& robot_m, const EyeAngles& eye) {
+  const double level = std::cos(eye.pitch_rad);
+  const Eigen::Vector3d towards(level * std::cos(eye.yaw_rad), level * std::sin(eye.yaw_rad), std::sin(eye.pitch_rad));
+  const Eigen::Vector3d right(-std::sin(eye.yaw_rad), std::cos(eye.yaw_rad), 0.0), up = towards.cross(right);
+  double distance_m = 0.5 * kBent * robot_m.sizes().z() / (kAspect * kHalfAngleTangent);
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d way_m = robot_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)) - robot_m.center();
+    const double half_m = std::max(std::abs(up.dot(way_m)), std::abs(right.dot(way_m)) / kAspect);
+    distance_m = std::max(distance_m, half_m / kHalfAngleTangent + towards.dot(way_m));
+  }
+  return {robot_m.center(), distance_m};
 }
 
 }  // namespace soft_robot_lab

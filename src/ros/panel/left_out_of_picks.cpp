@@ -20,7 +20,7 @@ LeftOutOfPicks::LeftOutOfPicks(rviz::DisplayContext& context, std::vector<std::s
 LeftOutOfPicks::~LeftOutOfPicks() { context_.getSceneManager()->removeListener(this); }
 
 bool LeftOutOfPicks::is_left_out(rviz::Display& display) const {
-  if (!display.getClassId().startsWith("rviz/Marker")) return false;
+  if (!display.getClassId().startsWith("rviz/Marker") && display.getClassId() != "soft_robot_lab/Skin") return false;
   const std::string topic = display.subProp("Marker Topic")->getValue().toString().toStdString();
   return std::any_of(topics_.begin(), topics_.end(), [&](const std::string& end) {
     return topic == end || (topic.size() > end.size() &&

@@ -18,15 +18,16 @@
 #include <soft_robot_lab/SkinPull.h>
 
 #include "ros/topics.h"
+#include "ros/view/skin_display.h"
 
 namespace soft_robot_lab {
 
 PullTool::PullTool() {
   shortcut_key_ = 'h';
-  gain_ = new rviz::FloatProperty("Newtons per metre", 20.0f, "By how much the pull grows with the way of the mouse",
-                                  getPropertyContainer());
-  gain_->setMin(0.01f);
-  gain_->setMax(10000.0f);
+  stiffness_n_m_ = new rviz::FloatProperty("Newtons per metre", 20.0f, "Of the spring from the skin to the mouse",
+                                           getPropertyContainer());
+  stiffness_n_m_->setMin(0.01f);
+  stiffness_n_m_->setMax(1000.0f);
   topic_ = new rviz::StringProperty("Topic", topics::simulator_pull, "Where soft_robot_lab/SkinPull goes",
                                     getPropertyContainer());
   connect(topic_, &rviz::Property::changed, this, [this] { advertise(); });
@@ -36,7 +37,7 @@ PullTool::~PullTool() = default;
 
 void PullTool::onInitialize() {
   setName("Pull");
-  setDescription("Drag the skin with the left button: the robot is pulled while you hold it");
+  setDescription("Drag the skin with the left button: a spring pulls it to the mouse while you hold it");
   arrow_ = std::make_unique<rviz::Arrow>(scene_manager_);
   arrow_->setColor(0.85f, 0.35f, 0.05f, 1.0f);
   arrow_->getSceneNode()->setVisible(false);
@@ -45,11 +46,13 @@ void PullTool::onInitialize() {
 
 void PullTool::advertise() { pulls_ = node_.advertise<SkinPull>(topic_->getStdString(), 10); }
 
-void PullTool::activate() { setStatus("Drag the skin with the left button: the farther, the harder it is pulled."); }
+void PullTool::activate() { setStatus("Drag the skin with the left button: a spring pulls it to the mouse."); }
 void PullTool::deactivate() { let_go(); }
 
 void PullTool::update(float /*wall_dt*/, float /*ros_dt*/) {
-  if (hold_m_ && force_n_ != Ogre::Vector3::ZERO) send(force_n_);
+  if (!hold_m_ || !hand_m_) return;
+  send(*hand_m_, stiffness_n_m_->getFloat());
+  show();
 }
 
 int PullTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
@@ -69,6 +72,12 @@ void PullTool::take_hold(rviz::ViewportMouseEvent& event) {
   Ogre::Vector3 point_m;
   if (!context_->getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point_m)) return;
   hold_m_ = point_m;
+  hand_m_.reset();
+  const SkinDisplay* skin = find_skin(*context_, topics::simulator_surface);
+  if (skin && skin->skin().triangle_count() > 0) {
+    const Ogre::Vector3 local_m = skin->getSceneNode()->convertWorldToLocalPosition(point_m);
+    held_ = skin->skin().nearest({local_m.x, local_m.y, local_m.z});
+  }
   frame_ = context_->getFixedFrame().toStdString();
 }
 
@@ -77,34 +86,50 @@ void PullTool::drag(rviz::ViewportMouseEvent& event) {
   Ogre::Plane plane(event.viewport->getCamera()->getDerivedDirection(), *hold_m_);
   Ogre::Vector3 mouse_m;
   if (!rviz::getPointOnPlaneFromWindowXY(event.viewport, plane, event.x, event.y, mouse_m)) return;
-  const Ogre::Vector3 way_m = mouse_m - *hold_m_;
-  force_n_ = gain_->getFloat() * way_m;
-  arrow_->setPosition(*hold_m_);
-  if (way_m.length() > 1e-6f) arrow_->setDirection(way_m);
+  hand_m_ = mouse_m;
+  send(mouse_m, stiffness_n_m_->getFloat());
+  show();
+}
+
+// Where the skin that was taken hold of is now; where it was, if its display is gone.
+Ogre::Vector3 PullTool::held_m() const {
+  const SkinDisplay* skin = find_skin(*context_, topics::simulator_surface);
+  if (!skin || held_.triangle >= skin->skin().triangle_count()) return *hold_m_;
+  const Eigen::Vector3f local_m = skin->skin().at(held_);
+  return skin->getSceneNode()->convertLocalToWorldPosition({local_m.x(), local_m.y(), local_m.z()});
+}
+
+void PullTool::show() {
+  const Ogre::Vector3 from_m = held_m(), way_m = *hand_m_ - from_m;
   const float length_m = way_m.length(), width_m = 0.002f;
+  arrow_->setPosition(from_m);
+  if (length_m > 1e-6f) arrow_->setDirection(way_m);
   arrow_->set(0.85f * length_m, width_m, 0.15f * length_m, 2.0f * width_m);
   arrow_->getSceneNode()->setVisible(length_m > 1e-6f);
-  setStatus(QString("Pulls with %1 N").arg(static_cast<double>(force_n_.length()), 0, 'f', 2));
-  send(force_n_);
+  const float force_n = stiffness_n_m_->getFloat() * length_m;
+  setStatus(QString("Pulls with %1 N: %2 N/m over %3 mm")
+                .arg(static_cast<double>(force_n), 0, 'f', 2)
+                .arg(static_cast<double>(stiffness_n_m_->getFloat()))
+                .arg(1e3 * static_cast<double>(length_m), 0, 'f', 1));
 }
 
 void PullTool::let_go() {
-  if (hold_m_) send(Ogre::Vector3::ZERO);
+  if (hold_m_) send(*hold_m_, 0.0f);
   hold_m_.reset();
-  force_n_ = Ogre::Vector3::ZERO;
+  hand_m_.reset();
   arrow_->getSceneNode()->setVisible(false);
 }
 
-void PullTool::send(const Ogre::Vector3& force_n) {
+void PullTool::send(const Ogre::Vector3& hand_m, float stiffness_n_m) {
   SkinPull pull;
   pull.header.stamp = ros::Time::now();
   pull.header.frame_id = frame_;
-  pull.point.x = hold_m_->x;
-  pull.point.y = hold_m_->y;
-  pull.point.z = hold_m_->z;
-  pull.force.x = force_n.x;
-  pull.force.y = force_n.y;
-  pull.force.z = force_n.z;
+  for (const auto& [place, from] : {std::pair(&pull.point, *hold_m_), std::pair(&pull.hand, hand_m)}) {
+    place->x = from.x;
+    place->y = from.y;
+    place->z = from.z;
+  }
+  pull.stiffness_n_m = stiffness_n_m;
   pulls_.publish(pull);
 }
 

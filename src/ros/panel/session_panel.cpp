@@ -298,9 +298,10 @@ void SessionPanel::refresh_scene() {
 void SessionPanel::refresh_view() {
   if (!link_->robot_box() || framed_ == link_->scene()) return;
   framed_ = link_->scene();
-  const Framing framing = framing_of(*link_->robot_box());
   rviz::ViewController* view = vis_manager_->getViewManager()->getCurrent();
   if (!view || view->getClassId() != "rviz/Orbit") return;
+  const auto angle = [&](const char* name) { return view->subProp(name)->getValue().toDouble(); };
+  const Framing framing = framing_of(*link_->robot_box(), {angle("Yaw"), angle("Pitch")});
   view->subProp("Target Frame")->setValue(QString::fromStdString(link_->robot_frame()));
   view->subProp("Distance")->setValue(framing.distance_m);
   for (int axis = 0; axis < 3; ++axis)

@@ -2,6 +2,7 @@
 // session_rviz auto|true|false ARGUMENTS...: rviz, with smooth edges or without. `auto`: without where software draws,
 // as smoothing them takes most of its time there, and the window answers late.
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,13 @@ bool software_draws(int argc, char** argv) {
   return false;
 }
 
+// Files have decimal points: what LC_ALL says of all else, LANG says then.
+void keep_decimal_points() {
+  if (const char* all = std::getenv("LC_ALL"); all && *all) setenv("LANG", all, 1);
+  unsetenv("LC_ALL");
+  setenv("LC_NUMERIC", "C", 1);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -38,6 +46,7 @@ int main(int argc, char** argv) {
   if (smooth == "false" || (smooth == "auto" && software_draws(argc, argv)))
     arguments.push_back(const_cast<char*>("--disable-anti-aliasing"));
   arguments.insert(arguments.end(), argv + 2, argv + argc + 1);  // with the null at their end
+  keep_decimal_points();
   execvp("rviz", arguments.data());
   std::perror("session_rviz: rviz");
   return 127;

@@ -8,6 +8,7 @@
 #include <QCryptographicHash>
 #include <QDir>
 #include <QFile>
+#include <QFileInfo>
 #include <QGridLayout>
 #include <QSignalBlocker>
 #include <QStandardPaths>
@@ -179,6 +180,7 @@ void WorkspaceView::start() {
   log_.clear();
   find_->setText("Stop f&inding");
   state_->setText("Begins ...");
+  started_ = QDateTime::currentDateTime();
   process_.setStandardInputFile(QProcess::nullDevice());
   process_.start("nice", arguments);
 }
@@ -187,7 +189,19 @@ void WorkspaceView::read_progress() {
   const QString text = QString::fromUtf8(process_.readAllStandardError()).trimmed();
   if (text.isEmpty() || outdated_) return;
   log_ = text.section('\n', -1);
+  load_what_came();
   state_->setText(QString(log_).remove("workspace: "));
+}
+
+// What the program has written since it was started; what it found before that may be another robot's by now.
+void WorkspaceView::load_what_came() {
+  const QDateTime written = QFileInfo(folder_ + "/results.csv").lastModified();
+  if (!written.isValid() || written < started_ || written == loaded_) return;
+  loaded_ = written;
+  try {
+    load();
+  } catch (const std::exception&) {  // nothing of this marker yet: the end says so
+  }
 }
 
 void WorkspaceView::finish(int status) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <QComboBox>
+#include <QDateTime>
 #include <QLabel>
 #include <QProcess>
 #include <QPushButton>
@@ -41,6 +42,7 @@ class WorkspaceView : public QWidget {
   void toggle();
   void start();
   void read_progress();
+  void load_what_came();
   void finish(int status);
   void load();
   void take(ReachableTips tips);
@@ -56,7 +58,8 @@ class WorkspaceView : public QWidget {
   std::function<void(const ReachableTip&)> chosen_;
   QString scene_, marker_, wanted_colour_;
   int actuators_ = 0, steps_ = 21;
-  QString folder_, log_;  // of the search; its last line
+  QString folder_, log_;        // of the search; its last line
+  QDateTime started_, loaded_;  // the search; when that was written which is shown
   ReachableTips tips_;
   std::vector<TipQuantity> quantities_;
   QProcess process_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The program `workspace` as a user runs it.
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -62,6 +63,19 @@ TEST(WorkspaceProgram, GoesOnWhereItWasStopped) {
   ASSERT_EQ(again.exit_status, 0) << again.err;
   EXPECT_NE(again.err.find("34 of 64 commands"), std::string::npos) << "began anew: " << again.err;
   EXPECT_EQ(contents(folder.path("run/results.csv")), whole);
+}
+
+// Its progress goes to who stops to listen, which ends it.
+TEST(WorkspaceProgram, ShowsPointsAsTheyCome) {
+  const SceneFolder folder;
+  write_robot(folder);
+  const std::string command = std::string(SOFT_ROBOT_LAB_WORKSPACE) + " " + folder.path("robot.yaml") + " --output " +
+                              folder.path("run") + " " + kNear + "--steps 10 --threads 1 2>&1 >/dev/null | head -n 20";
+  ASSERT_EQ(std::system((command + " >/dev/null").c_str()), 0);
+  const std::string csv = contents(folder.path("run/results.csv"));
+  EXPECT_EQ(lines(csv), 101) << "a row a command, also of those that are not asked yet";
+  EXPECT_NE(csv.find("good"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder.path("run/workspace.html"))) << "it went to its end";
 }
 
 TEST(WorkspaceProgram, AsksSamplesOfSobolsSequence) {

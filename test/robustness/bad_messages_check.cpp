@@ -262,11 +262,13 @@ Contacts contacts() {
 }
 
 void draw(const OverlayInputs& inputs) {
-  for (const auto& shape : Overlay().draw(inputs, ros::Time(10.0)).markers) {
-    require_finite(shape.pose.position, "a drawn place");
-    for (const auto& point : shape.points) require_finite(point, "a drawn line");
-    for (const double part : {shape.color.r, shape.color.g, shape.color.b}) require_finite(part, "a colour");
-  }
+  const DrawnOverlay drawn = Overlay().draw(inputs, ros::Time(10.0));
+  for (const visualization_msgs::MarkerArray& shapes : {drawn.shapes, drawn.labels})
+    for (const visualization_msgs::Marker& shape : shapes.markers) {
+      require_finite(shape.pose.position, "a drawn place");
+      for (const auto& point : shape.points) require_finite(point, "a drawn line");
+      for (const double part : {shape.color.r, shape.color.g, shape.color.b}) require_finite(part, "a colour");
+    }
 }
 
 OverlayInputs inputs() { return {two_markers(10.0), two_markers(10.0), actuators(), target(), gap(), contacts()}; }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kFallAhead = 0.25;  // of the way: just where stability is lost next to nothing drives the shape away
 constexpr double kFollows = 1.1;     // times the way of what moves: a node that follows it
-constexpr double kFrictionStages = 20;  // of a way that rubs, which end where it leads: their number changes it by 2 %
+constexpr double kFrictionStages = 20;  // of a way that rubs: where it ends depends on it
 constexpr double kSameLever = 1.25;     // times as far in half the way: not a jump, but a lever
 constexpr double kSmallWay = 1e-3;      // of the body's size: no jump
 constexpr double kSameShape = 0.01;     // of the body's size: a way that leads on, not away

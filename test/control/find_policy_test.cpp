@@ -64,7 +64,7 @@ TEST(FindPolicy, EndsALongPathAtOnceWhereTheSimulationIsInterrupted) {
   simulation.reset();
   task.poses.resize(1000, task.poses.front());
   int asked = 0;
-  constexpr int patience = 500;
+  constexpr int patience = 4000;
   simulation.set_interrupt([&] { return ++asked > patience; });
   const PolicyAnswer answer = find_policy(simulation, task, {});
   EXPECT_FALSE(answer.success);

@@ -75,22 +75,22 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   iterations_before_ = report_.iterations;
 }
 
-// Loads come slowly from here on, and what rubs goes in small stages, but for commands. False where that is so already.
+// Loads come slowly from here on, and what rubs on obstacles goes in small stages, but for commands. False where that
+// is so already.
 bool Walk::slow_down() {
-  const bool rubs = parts_.state.contact.anchors_m.cols() > 0 && !path_.changes_commands() &&
-                    parts_.workspace.newton.contact().free().count() == 0;
+  const bool rubs = parts_.state.contact.anchors_m.cols() > 0 && !parts_.body.obstacles().empty() &&
+                    !path_.changes_commands() && parts_.workspace.newton.contact().free().count() == 0;
   const bool shorter = rubs && longest_ == 1.0;
   if (rubs) longest_ = 1.0 / kFrictionStages;
   return path_.bring_loads_slowly() || shorter;
 }
 
-// Whether a rest state may be another one at the end of a slower way: past an obstacle, or where skin rubs.
+// Whether a rest state may be another one at the end of a slower way: past an obstacle, or where it rubs on one.
 bool Walk::way_counts(const SimulationState& from) const {
   const ContactState& contact = parts_.state.contact;
   const bool touches = contact.pressures_pa.size() > 0 && contact.pressures_pa.maxCoeff() > 0.0;
   const double way_m = (parts_.state.positions_m - from.positions_m).colwise().norm().maxCoeff();
-  return touches && way_m > kSmallWay * parts_.body.size_m() &&
-         (contact.anchors_m.cols() > 0 || !parts_.body.obstacles().empty());
+  return touches && !parts_.body.obstacles().empty() && way_m > kSmallWay * parts_.body.size_m();
 }
 
 // Whether a node went further than what moves takes it along. A jump is as far in half the stage, a lever half as far.

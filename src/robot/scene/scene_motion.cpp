@@ -67,10 +67,16 @@ SolveReport SceneMotion::step() {
   return finish(done ? *done : simulation_.step());
 }
 
+// Where `newton` answers it starts where the reduced model did: a way that ends elsewhere may lead to another side.
 SolveReport SceneMotion::solve_equilibrium() {
+  std::optional<ReducedState> before;
+  if (fast_) before = fast_->state();
   const auto done = by_reduced(&ReducedSimulation::solve_equilibrium, "the reduced model found no equilibrium");
   const std::string why = done && done->converged ? audit(true) : "";
-  if (!why.empty()) leave(why);
+  if (!why.empty()) {
+    fast_->set_state(*before);
+    leave(why);
+  }
   return finish(done && why.empty() ? *done : simulation_.solve_equilibrium());
 }
 

@@ -179,7 +179,10 @@ TEST_F(Panel, DragsTheTargetInsideItsGhost) {
   EXPECT_TRUE(dragged) << "the camera turned";
   const Eigen::Vector3d released_m = *target_m;
   EXPECT_TRUE(spin_until([&] { return ghost; }, patience_s));
-  EXPECT_NEAR(released_m.y(), 0.0, 0.01) << "in the plane that faces the eye";
+  const double yaw = 4.15, pitch = 0.3;  // of config/session.rviz
+  const Eigen::Vector3d eye(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch));
+  const Eigen::Vector3d way_m = released_m - Eigen::Vector3d(0.02, 0.0, -0.095);
+  EXPECT_NEAR(way_m.dot(eye), 0.0, 1e-3) << "in the plane that faces the eye: " << way_m.transpose();
   EXPECT_EQ(commands_, (std::vector<double>{1.0, 1.0}));
 }
 
@@ -416,7 +419,7 @@ TEST_F(Panel, FindsReachableTipsAndTheGhostOfOneThatIsChosen) {
   ASSERT_TRUE(press_until(
       "alt+i", [&] { return !tips.empty(); }, 120.0))
       << "pressed again it would stop";
-  EXPECT_GT(tips.size(), 20u);
+  EXPECT_TRUE(spin_until([&] { return tips.size() > 20u; }, 120.0)) << tips.size() << " came one by one";
   const auto is_a_tip = [&](const Eigen::Vector3d& place_m) {
     return std::any_of(tips.begin(), tips.end(),
                        [&](const auto& tip) { return (from_message(tip, "tips") - place_m).norm() < 1e-6; });

@@ -179,7 +179,8 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   }
   stage = 1.0;
   if (path_.loads_come_slowly()) {
-    const bool stiff = path_.something_moves() && !softest_way().unstable;  // pressed skin
+    // Pressed skin, or one that rubs: no stability is lost.
+    const bool stiff = (path_.something_moves() || longest_ < 1.0) && !softest_way().unstable;
     if (stiff && fall_to(share)) return true;
     const double ahead = path_.stage_end(done_, std::min(1.0, done_ + kFallAhead));
     return lose_stability(ahead) || fall_to(ahead);

@@ -3,6 +3,8 @@
 
 #include <stdexcept>
 
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 #include "shapes.h"

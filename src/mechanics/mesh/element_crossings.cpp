@@ -14,28 +14,20 @@ constexpr double kOnFace = 1e-9;   // in barycentric coordinates
 constexpr double kTouched = 0.01;  // of an element's longest edge: a shorter way only touches it
 constexpr double kSameWay = 0.5;   // of the shorter of two ways: elements that share more lie side by side
 
-using Corners = Eigen::Matrix<double, 3, 4>;
-
-Corners corners_of(const TetMesh& mesh, int tet) {
-  Corners corners;
-  for (int i = 0; i < 4; ++i) corners.col(i) = mesh.nodes_m.col(mesh.tets(i, tet));
-  return corners;
-}
-
-bool boxes_meet(const Corners& corners, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+bool boxes_meet(const TetCorners& corners, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Array3d least = corners.rowwise().minCoeff(), most = corners.rowwise().maxCoeff();
   const Eigen::Array3d margin = kOnFace * (most - least);
   return (a.cwiseMin(b).array() <= most + margin).all() && (a.cwiseMax(b).array() >= least - margin).all();
 }
 
-Eigen::Vector4d barycentric(const Corners& corners, const Eigen::Vector3d& point) {
+Eigen::Vector4d barycentric(const TetCorners& corners, const Eigen::Vector3d& point) {
   Eigen::Matrix3d edges;
   for (int i = 0; i < 3; ++i) edges.col(i) = corners.col(i + 1) - corners.col(0);
   const Eigen::Vector3d inner = edges.partialPivLu().solve(point - corners.col(0));
   return {1.0 - inner.sum(), inner.x(), inner.y(), inner.z()};
 }
 
-double longest_edge_m(const Corners& corners) {
+double longest_edge_m(const TetCorners& corners) {
   double longest = 0.0;
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < i; ++j) longest = std::max(longest, (corners.col(i) - corners.col(j)).norm());
@@ -65,11 +57,17 @@ bool same_way(const ElementCrossing& a, const ElementCrossing& b) {
 
 }  // namespace
 
+TetCorners corners_of(const TetMesh& mesh, int tet) {
+  TetCorners corners;
+  for (int i = 0; i < 4; ++i) corners.col(i) = mesh.nodes_m.col(mesh.tets(i, tet));
+  return corners;
+}
+
 std::vector<ElementCrossing> element_crossings(const TetMesh& mesh, const Eigen::Vector3d& from_m,
                                                const Eigen::Vector3d& to_m) {
   std::vector<ElementCrossing> crossings;
   for (int tet = 0; tet < mesh.tet_count(); ++tet) {
-    const Corners corners = corners_of(mesh, tet);
+    const TetCorners corners = corners_of(mesh, tet);
     if (!boxes_meet(corners, from_m, to_m)) continue;
     const ElementCrossing crossing = clip(tet, barycentric(corners, from_m), barycentric(corners, to_m));
     if ((crossing.to - crossing.from) * (to_m - from_m).norm() < kTouched * longest_edge_m(corners)) continue;

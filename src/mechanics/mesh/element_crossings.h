@@ -9,6 +9,9 @@
 
 namespace soft_robot_lab {
 
+using TetCorners = Eigen::Matrix<double, 3, 4>;
+TetCorners corners_of(const TetMesh& mesh, int tet);
+
 // A straight line's way through an element, in shares of the line.
 struct ElementCrossing {
   int tet;

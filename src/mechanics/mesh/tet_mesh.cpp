@@ -142,7 +142,8 @@ void check_size(const TetMesh& mesh) {
   const double size_m = (mesh.nodes_m.rowwise().maxCoeff() - mesh.nodes_m.rowwise().minCoeff()).maxCoeff();
   if (size_m >= kSmallest_m) return;
   std::ostringstream text;
-  text << "it is " << size_m << " m large, out of range [1e-09, 2e+06] m: its numbers are metres, unless a `scale` "
+  text << "it is " << size_m << " m large, out of range [" << kSmallest_m
+       << ", 2e+06] m: its numbers are metres, unless a `scale` "
        << "beside it says how many metres one is";
   refuse(text.str());
 }

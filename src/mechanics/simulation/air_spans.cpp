@@ -38,17 +38,9 @@ Inside inside(const TetMesh& mesh, const Eigen::Vector3d& from_m, const Eigen::V
   return found;
 }
 
-using Corners = Eigen::Matrix<double, 3, 4>;
-
-Corners corners_of(const TetMesh& mesh, int tet, const Eigen::Matrix3Xd& positions_m) {
-  Corners corners;
-  for (int i = 0; i < 4; ++i) corners.col(i) = positions_m.col(mesh.tets(i, tet));
-  return corners;
-}
-
 // Of a regular element of its volume.
 double edge_m(const TetMesh& mesh, int tet) {
-  const Corners corners = corners_of(mesh, tet, mesh.nodes_m);
+  const TetCorners corners = corners_of(mesh, tet);
   return std::cbrt(std::sqrt(2.0) * std::abs((corners.rightCols<3>().colwise() - corners.col(0)).determinant()));
 }
 
@@ -59,8 +51,8 @@ struct Deepest {
 
 Eigen::Vector3d at_rest(const TetMesh& mesh, const TetMesh& present, int tet, const Eigen::Vector3d& at_m) {
   Eigen::Matrix4d now;
-  now << corners_of(mesh, tet, present.nodes_m), Eigen::RowVector4d::Ones();
-  return corners_of(mesh, tet, mesh.nodes_m) * now.partialPivLu().solve(at_m.homogeneous());
+  now << corners_of(present, tet), Eigen::RowVector4d::Ones();
+  return corners_of(mesh, tet) * now.partialPivLu().solve(at_m.homogeneous());
 }
 
 Deepest deepest_place(const TetMesh& mesh, const TetMesh& present, const std::vector<ElementCrossing>& crossings,

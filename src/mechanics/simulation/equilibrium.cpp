@@ -15,7 +15,6 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kFallAhead = 0.25;  // of the way: just where stability is lost next to nothing drives the shape away
-constexpr double kSameShape = 0.01;  // of the body's size: a way that leads on, not away
 
 void report_unfinished(double done, SolveReport& report) {
   report.converged = false;
@@ -102,7 +101,7 @@ bool Walk::lose_stability(double share) {
     return false;
   }
   const Snap snap = snap_between(stable.positions_m, parts_.state.positions_m, done_, nudge.other_side, parts_.body);
-  if (nudge.unstable && snap.moved_m > kSameShape * parts_.body.size_m()) snaps_.push_back(snap);
+  if (nudge.unstable && snap.moved_m > kLeastSnap * parts_.body.size_m()) snaps_.push_back(snap);
   advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
   return true;
 }

@@ -14,6 +14,8 @@ void tell_end(const NewtonReport& newton, const Body& body, SolveReport& report)
 // That nodes did not move by the laws of mechanics: inverted elements and those around them were laid out anew.
 void tell_untangled(int elements, SolveReport& report);
 
+inline constexpr double kLeastSnap = 0.01;  // of the body's size: a shorter way leads on, not away
+
 // A loss of stability on the way to a rest state.
 struct Snap {
   double share = 0.0;  // of the way, where it was lost

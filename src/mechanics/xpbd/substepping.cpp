@@ -15,8 +15,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kNoSnap = 0.01;  // of the body's size: a way that is no snap
-constexpr int kMostSaddles = 4;   // on the way to one rest state
+constexpr int kMostSaddles = 4;  // on the way to one rest state
 
 // Of the last substep; null without any.
 std::shared_ptr<const StrainTarget> dashpots_of(const SimulationParts& parts, double substep_s,
@@ -296,7 +295,7 @@ void leave_saddle(SimulationParts& parts, const Past& start, const Eigen::Matrix
   state.element_forces_n = parts.workspace.xpbd->forces_of(parts.unknowns());
   seek_rest(parts, start, report);
   const Snap snap = snap_between(saddle_m, state.positions_m, 1.0, nudge.other_side, parts.body);
-  if (report.converged && snap.moved_m > kNoSnap * parts.body.size_m()) note_snap(snap, report);
+  if (report.converged && snap.moved_m > kLeastSnap * parts.body.size_m()) note_snap(snap, report);
 }
 
 }  // namespace

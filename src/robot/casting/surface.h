@@ -15,8 +15,8 @@ struct Surface {
   Eigen::Matrix3Xd normals;       // unit; zero where a triangle has no area
   Eigen::Matrix3Xd true_normals;  // at the triangles' centres, of the geometry that they follow, where that is known
   Eigen::VectorXd areas_m2;
-  Eigen::VectorXd
-      sags_m;  // how far a triangle may stand off the round face that it follows; empty: true normals say it
+  // How far a triangle may stand off the round face that it follows; empty: true normals say it.
+  Eigen::VectorXd sags_m;
   Eigen::Matrix3Xi neighbours;           // across the edges 01, 12, 20
   std::vector<int> shell;                // of each triangle: which connected part of the surface it belongs to
   std::vector<double> shell_volumes_m3;  // signed: negative for a cavity that is closed all round

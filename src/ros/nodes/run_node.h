@@ -49,8 +49,7 @@ inline void write_letters_as_they_are() {
 }
 
 // Runs `run` after ROS has been set up; what it throws is written to the log, and gives the exit status 2, unless the
-// node was asked to end. `about` is
-// what --help prints: what the node does, and its parameters.
+// node was asked to end. `about` is what --help prints: what the node does, and its parameters.
 template <class Run>
 int run_node(int argc, char** argv, const std::string& name, const std::string& about, Run run) {
   const auto begin = std::chrono::steady_clock::now();

@@ -86,6 +86,31 @@ TEST(RestPath, AnObstacleThatIsTooSmallForItsContactPointsIsNamed) {
   }
 }
 
+// A ball pressed into a short bar, which slips off to a side: in one stage that was the other side than in small ones.
+TEST(RestPath, AnObstacleThatMovesFarLeadsWhereItLeadsInPieces) {
+  const auto bar_beside_ball = [](double share) {
+    Body body(box_mesh({-0.01, -0.01, -0.06}, {0.01, 0.01, 0}, {1, 1, 3}), kSilicone);
+    body.fix_nodes({-1, -1, -1e-6}, {1, 1, 1}, {true, true, true});
+    body.set_gravity({0, 0, -9.81});
+    const Sphere ball{{0.0253, 0, -0.0409}, 0.0139};
+    body.set_obstacles({{"ball", ball, {{}, {1.0, {-0.0127 * share, 0, 0}, kZero}}, 0.0}});
+    return with_marker(std::move(body), {0, 0, -0.06});
+  };
+  Simulation at_once = bar_beside_ball(1.0);
+  ASSERT_TRUE(at_once.solve_equilibrium().converged);
+  SimulationState state = bar_beside_ball(0.0).state();
+  Eigen::Vector3d in_pieces_m;
+  for (int i = 1; i <= 20; ++i) {
+    Simulation piece = bar_beside_ball(0.05 * i);
+    state.contact.time_s = 0.0;
+    piece.set_state(state);
+    ASSERT_TRUE(piece.solve_equilibrium().converged) << i;
+    state = piece.state();
+    in_pieces_m = piece.marker_position(0);
+  }
+  EXPECT_LT((at_once.marker_position(0) - in_pieces_m).norm(), 1e-4);
+}
+
 // The edge of a box is a line that no contact point needs to meet.
 TEST(RestPath, ASharpEdgeBetweenContactPointsIsNamed) {
   for (const int cells : {1, 3}) {

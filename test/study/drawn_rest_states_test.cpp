@@ -39,6 +39,12 @@ TEST_P(DrawnRestStates, AreThoseThatTimeLeadsToOrSayWhyNot) {
   EXPECT_GE(expect_right(seeds), kScenesEach - 3) << "most have nothing to say";
 }
 
+// What rubs rested 0.7 to 1.7 mm from there where it came in one stage.
+TEST(DrawnScenes, ThatRubRestWhereASlowWayLeads) { EXPECT_EQ(expect_right({41, 54, 394}), 3); }
+
+// A bar that slipped past a ball, 4.9 mm away, and one past the edge of a box, 6.2 mm, without a word.
+TEST(DrawnScenes, ThatSlipPastAnObstacleSaySo) { expect_right({155, 252}); }
+
 INSTANTIATE_TEST_SUITE_P(Seeds, DrawnRestStates, testing::Range(0, 4));
 
 TEST(DrawnScenes, AreTheSameForTheSameSeed) {

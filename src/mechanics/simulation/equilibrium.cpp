@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "actuator_warnings.h"
 #include "descent.h"
@@ -15,6 +16,10 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kFallAhead = 0.25;  // of the way: just where stability is lost next to nothing drives the shape away
+constexpr double kFollows = 1.1;     // times the way of what moves: a node that follows it
+constexpr double kFrictionStages = 20;  // of a way that rubs: where it ends depends on it
+constexpr double kSameLever = 1.25;     // times as far in half the way: not a jump, but a lever
+constexpr double kSmallWay = 1e-3;      // of the body's size: no jump
 
 void report_unfinished(double done, SolveReport& report) {
   report.converged = false;
@@ -40,7 +45,12 @@ class Walk {
     return !options_.only_through_stable && path_.changes_in_stages() &&
            0.5 * (share - done_) * constants::kSmallestStage >= 1.0;
   }
+  bool slow_down();
+  bool way_counts(const SimulationState& from) const;
+  bool jumped(double share, const Eigen::Matrix3Xd& from_m);
   RestFound try_stage(double share);
+  Nudge softest_way();
+  void note_snap_from(const SimulationState& stable, const Nudge& nudge);
   bool fall_to(double share);
   bool lose_stability(double share);
   bool go_on_from(double share, RestFound found, double& stage);
@@ -51,6 +61,8 @@ class Walk {
   SolveReport& report_;
   RestPath path_;
   double done_ = 0.0;
+  double longest_ = 1.0;  // stage
+  double follows_ = kFollows, lever_before_ = 0.0;
   int iterations_before_ = 0;  // the stage that goes on
   Eigen::Matrix3Xd before_m_;  // where the stage before began
   std::vector<Snap> snaps_;
@@ -62,54 +74,100 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   iterations_before_ = report_.iterations;
 }
 
+// Loads come slowly from here on, and what rubs on obstacles goes in small stages, but for commands. False where that
+// is so already.
+bool Walk::slow_down() {
+  const bool rubs = parts_.state.contact.anchors_m.cols() > 0 && !parts_.body.obstacles().empty() &&
+                    !path_.changes_commands() && parts_.workspace.newton.contact().free().count() == 0;
+  const bool shorter = rubs && longest_ == 1.0;
+  if (rubs) longest_ = 1.0 / kFrictionStages;
+  return path_.bring_loads_slowly() || shorter;
+}
+
+// Whether a rest state may be another one at the end of a slower way: past an obstacle, or where it rubs on one.
+bool Walk::way_counts(const SimulationState& from) const {
+  const ContactState& contact = parts_.state.contact;
+  const bool touches = contact.pressures_pa.size() > 0 && contact.pressures_pa.maxCoeff() > 0.0;
+  const double way_m = (parts_.state.positions_m - from.positions_m).colwise().norm().maxCoeff();
+  return touches && !parts_.body.obstacles().empty() && way_m > kSmallWay * parts_.body.size_m();
+}
+
+// Whether a node went further than what moves takes it along. A jump is as far in half the stage, a lever half as far.
+bool Walk::jumped(double share, const Eigen::Matrix3Xd& from_m) {
+  const double way_m = (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
+  const double lever = way_m / (path_.largest_way_m(done_, share) + kSmallWay * parts_.body.size_m());
+  if (lever <= follows_) return false;
+  if (lever < kSameLever * lever_before_) follows_ = kSameLever * lever;
+  lever_before_ = lever;
+  return lever > follows_;
+}
+
 // By Newton, through stable shapes alone where the stage can still be cut. Where that leads through an unstable
-// shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything.
+// shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything. Skin that is
+// pressed by what moves may be unstable on the way to a stable shape; there no node may jump.
 RestFound Walk::try_stage(double share) {
-  Eigen::Matrix3Xd from_m = parts_.state.positions_m;
+  SimulationState from = parts_.state;
   path_.go_to(share);
-  const bool strict = options_.only_through_stable || cuttable(share);
-  const RestFound found = relax(parts_, report_, {options_.tolerance, strict});
-  if (found == RestFound::stable) advance_to(share, std::move(from_m));
+  const bool cut_can_help = cuttable(share), pressed = cut_can_help && !path_.changes_loads();
+  const bool strict = options_.only_through_stable || (cut_can_help && !pressed);
+  RestFound found = relax(parts_, report_, {options_.tolerance, strict});
+  if (pressed && found == RestFound::none && !held_by_friction_alone(parts_)) found = relax_from_below(parts_, report_);
+  if (found != RestFound::stable) return found;
+  if (pressed && jumped(share, from.positions_m)) {
+    parts_.state = std::move(from);
+    return RestFound::saddle;  // it went over one
+  }
+  advance_to(share, std::move(from.positions_m));
   return found;
+}
+
+// Which way the last stable shape gives way. What friction alone holds has no energy that could say.
+Nudge Walk::softest_way() {
+  path_.go_to(done_);
+  if (held_by_friction_alone(parts_) || parts_.workspace.newton.contact().free().count() > 0) return {};
+  return nudge_off(parts_, parts_.state.positions_m - before_m_);
+}
+
+void Walk::note_snap_from(const SimulationState& stable, const Nudge& nudge) {
+  const Snap snap = snap_between(stable.positions_m, parts_.state.positions_m, done_, nudge.other_side, parts_.body);
+  if (nudge.unstable && snap.moved_m > kLeastSnap * parts_.body.size_m()) snaps_.push_back(snap);
 }
 
 // Down to a stable shape; the state stays where there is none.
 bool Walk::fall_to(double share) {
-  const SimulationState start = parts_.state;
+  const SimulationState stable = parts_.state;
+  const Nudge nudge = softest_way();
   path_.go_to(share);
   const bool rubs = held_by_friction_alone(parts_);
-  if ((!rubs && relax_from_below(parts_, report_) == RestFound::stable) || descend(parts_, report_)) {
-    advance_to(share, Eigen::Matrix3Xd(start.positions_m));
-    return true;
+  if ((rubs || relax_from_below(parts_, report_) != RestFound::stable) && !descend(parts_, report_)) {
+    parts_.state = stable;
+    return false;
   }
-  parts_.state = start;
-  return false;
+  note_snap_from(stable, nudge);
+  advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
+  return true;
 }
 
 // Where the smallest stage leads to no stable shape nearby: what follows is a motion in time that inertia does not
 // drive, from the last stable shape and a small way off it.
 bool Walk::lose_stability(double share) {
   const SimulationState stable = parts_.state;
-  path_.go_to(done_);
-  const bool pushed = !held_by_friction_alone(parts_) && parts_.workspace.newton.contact().free().count() == 0;
-  Nudge nudge;
-  if (pushed) nudge = nudge_off(parts_, stable.positions_m - before_m_);
+  const Nudge nudge = softest_way();
   path_.go_to(share);
   if (nudge.motion_m.cols() > 0) parts_.state.positions_m += nudge.motion_m;
   if (!descend(parts_, report_)) {
     parts_.state = stable;
     return false;
   }
-  const Snap snap = snap_between(stable.positions_m, parts_.state.positions_m, done_, nudge.other_side, parts_.body);
-  if (nudge.unstable && snap.moved_m > kLeastSnap * parts_.body.size_m()) snaps_.push_back(snap);
+  note_snap_from(stable, nudge);
   advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
   return true;
 }
 
 // After a stage that found no stable rest state; false where there is no way on.
 bool Walk::go_on_from(double share, RestFound found, double& stage) {
-  // A saddle was reached by what came at once: it is to come slowly, so that it chooses the side.
-  if (found == RestFound::saddle && done_ == 0.0 && path_.bring_loads_slowly()) {
+  // What comes at once leads to no stable shape: it is to come slowly, so that it chooses the side.
+  if (done_ == 0.0 && (found == RestFound::saddle || !path_.changes_loads()) && slow_down()) {
     stage = 1.0;
     return true;
   }
@@ -119,21 +177,38 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
     return true;
   }
   stage = 1.0;
-  if (path_.loads_come_slowly()) return lose_stability(path_.stage_end(done_, std::min(1.0, done_ + kFallAhead)));
+  if (path_.loads_come_slowly()) {
+    // Pressed skin, or one that rubs: no stability is lost.
+    const bool stiff = (path_.something_moves() || longest_ < 1.0) && !softest_way().unstable;
+    if (stiff && fall_to(share)) return true;
+    const double ahead = path_.stage_end(done_, std::min(1.0, done_ + kFallAhead));
+    return lose_stability(ahead) || fall_to(ahead);
+  }
   if (found == RestFound::saddle && !held_by_friction_alone(parts_)) return lose_stability(share) || fall_to(share);
-  // With all that is left a body that touches itself might fold.
+  // With all that is left a body that is pressed might fold, or slip off what presses it.
   const double end = path_.stage_end(done_, 1.0);
-  if (parts_.body.touches_itself() && path_.changes_in_stages() && fall_to(share)) return true;
+  const bool pressed = parts_.body.touches_itself() || path_.something_moves();
+  if (pressed && path_.changes_in_stages() && fall_to(share)) return true;
   return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
 }
 
 double Walk::go() {
   double stage = 1.0;
+  bool first = !options_.only_through_stable;
   const int patience = constants::kEquilibriumBudget * parts_.options.max_iterations;
   while (done_ < 1.0 && report_.iterations - iterations_before_ < patience) {
-    const double from = done_, wanted = std::min(1.0, done_ + stage), share = path_.stage_end(done_, wanted);
+    const double from = done_, wanted = std::min(1.0, done_ + std::min(stage, longest_));
+    const double share = path_.stage_end(done_, wanted);
+    SimulationState start;
+    if (first) start = parts_.state;
     const RestFound found = try_stage(share);
-    if (found == RestFound::stable) {
+    if (found == RestFound::stable && std::exchange(first, false) && way_counts(start)) {
+      std::swap(parts_.state, start);
+      if (slow_down())
+        done_ = 0.0;
+      else
+        std::swap(parts_.state, start);
+    } else if (found == RestFound::stable) {
       if (share == wanted) stage = std::max(stage, 2.0 * (share - from));
     } else if (options_.only_through_stable || !go_on_from(share, found, stage)) {
       break;

@@ -63,6 +63,19 @@ void RestPath::go_to(double share) {
   if (loads_come_slowly()) parts_.workspace.newton.add_loads((1.0 - share) * left_n_);
 }
 
+double RestPath::largest_way_m(double from, double to) const {
+  const double from_s = time_s(from), to_s = time_s(to);
+  Eigen::Matrix3Xd start_m = parts_.body.mesh().nodes_m, end_m = start_m;
+  parts_.body.place_held_nodes(from_s, start_m);
+  parts_.body.place_held_nodes(to_s, end_m);
+  double largest_m = (end_m - start_m).colwise().norm().maxCoeff();
+  for (const Obstacle& obstacle : parts_.body.obstacles()) {
+    const Eigen::Vector3d at_m = center_m(obstacle.shape);
+    largest_m = std::max(largest_m, (pose_at(obstacle, to_s) * at_m - pose_at(obstacle, from_s) * at_m).norm());
+  }
+  return largest_m;
+}
+
 double RestPath::stage_end(double from, double to) const {
   if (start_s_ == end_s_) return to;
   const double step = end_s_ - start_s_, from_s = time_s(from);

@@ -24,8 +24,14 @@ class RestPath {
   // a body in its rest shape. False where it does already, and where nothing holds the body or an obstacle.
   bool bring_loads_slowly();
   bool loads_come_slowly() const { return left_n_.cols() > 0; }
-  // Whether a part of the way changes less: commands, or loads that come slowly.
-  bool changes_in_stages() const { return loads_come_slowly() || commands_ != parts_.state.commands(); }
+  bool changes_commands() const { return commands_ != parts_.state.commands(); }
+  bool changes_loads() const { return loads_come_slowly() || changes_commands(); }
+  // Whether a part of the way changes less.
+  bool changes_in_stages() const { return changes_loads() || something_moves(); }
+  // An obstacle or a hold.
+  bool something_moves() const { return start_s_ != end_s_; }
+  // How far what moves goes in a stage, an obstacle's centre or a held node at most.
+  double largest_way_m(double from, double to) const;
   // The furthest share up to `to` that one stage from the present state at `from` may reach: up to the next pose of a
   // motion, no hold turns by more than 45 degrees, and no obstacle goes into the skin by more than half of itself or of
   // a face.

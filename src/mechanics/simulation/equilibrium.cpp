@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kFallAhead = 0.25;  // of the way: just where stability is lost next to nothing drives the shape away
 constexpr double kFollows = 1.1;     // times the way of what moves: a node that follows it
-constexpr double kFrictionStages = 20;  // of a way that rubs: where it ends depends on it
+constexpr double kObstacleStages = 20;  // past obstacles: where a way ends depends on how it went
+constexpr double kFrictionStages = 80;  // past those that rub
 constexpr double kSameLever = 1.25;     // times as far in half the way: not a jump, but a lever
 constexpr double kSmallWay = 1e-3;      // of the body's size: no jump
 
@@ -74,13 +75,13 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   iterations_before_ = report_.iterations;
 }
 
-// Loads come slowly from here on, and what rubs on obstacles goes in small stages, but for commands. False where that
-// is so already.
+// Loads come slowly from here on, and past obstacles all but commands goes in small stages. False where that is so
+// already.
 bool Walk::slow_down() {
-  const bool rubs = parts_.state.contact.anchors_m.cols() > 0 && !parts_.body.obstacles().empty() &&
-                    !path_.changes_commands() && parts_.workspace.newton.contact().free().count() == 0;
-  const bool shorter = rubs && longest_ == 1.0;
-  if (rubs) longest_ = 1.0 / kFrictionStages;
+  const bool past_obstacles = !parts_.body.obstacles().empty() && !path_.changes_commands() &&
+                              parts_.workspace.newton.contact().free().count() == 0;
+  const bool shorter = past_obstacles && longest_ == 1.0;
+  if (past_obstacles) longest_ = 1.0 / (parts_.state.contact.anchors_m.cols() > 0 ? kFrictionStages : kObstacleStages);
   return path_.bring_loads_slowly() || shorter;
 }
 

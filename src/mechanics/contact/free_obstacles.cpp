@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gap.h"
+#include "mechanics/body/gap.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "contact_points.h"
-#include "gap.h"
+#include "mechanics/body/gap.h"
 #include "rigid_contact.h"
 #include "settings/point_text.h"
 #include "mechanics/mesh/skin.h"

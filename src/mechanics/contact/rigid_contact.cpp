@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "gap.h"
+#include "mechanics/body/gap.h"
 
 namespace soft_robot_lab {
 namespace {

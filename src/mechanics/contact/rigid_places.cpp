@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "free_obstacles.h"
-#include "gap.h"
+#include "mechanics/body/gap.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -14,7 +14,7 @@
 #include <Eigen/Core>
 
 #include "mechanics/contact/skin_contact.h"
-#include "multiplier_problem.h"
+#include "mechanics/complementarity/multiplier_problem.h"
 
 namespace soft_robot_lab {
 

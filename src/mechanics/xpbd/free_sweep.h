@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "mechanics/contact/free_obstacles.h"
-#include "mechanics/simulation/free_stepping.h"
+#include "mechanics/state/free_stepping.h"
 #include "soft_robot_lab/mechanics/obstacle.h"
 
 namespace soft_robot_lab {

@@ -33,7 +33,7 @@
 
 #include "contact_sweep.h"
 #include "element_step.h"
-#include "mechanics/newton/multiplier_problem.h"
+#include "mechanics/complementarity/multiplier_problem.h"
 #include "mechanics/newton/newton_solver.h"
 #include "substep_hysteresis.h"
 #include "soft_robot_lab/mechanics/body.h"

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "contact_bodies.h"
-#include "mechanics/contact/gap.h"
+#include "mechanics/body/gap.h"
 #include "mechanics/contact/rigid_places.h"
 
 namespace soft_robot_lab {

@@ -2,7 +2,7 @@
 // How an equilibrium answers to numbers of the scene.
 #pragma once
 
-#include "mechanics/simulation/simulation_parts.h"
+#include "simulation_parts.h"
 #include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {

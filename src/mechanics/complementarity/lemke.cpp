@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-#include "mechanics/newton/multiplier_problem.h"
+#include "multiplier_problem.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -10,10 +10,10 @@
 
 #include <Eigen/Geometry>
 
-#include "mechanics/contact/gap.h"
+#include "gap.h"
 #include "mechanics/contact/overlap.h"
 #include "settings/point_text.h"
-#include "load_weights.h"
+#include "mechanics/mesh/load_weights.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -2,7 +2,7 @@
 // Time steps and rest states by xpbd.
 #pragma once
 
-#include "mechanics/simulation/simulation_parts.h"
+#include "simulation_parts.h"
 
 namespace soft_robot_lab {
 

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "mechanics/linear_algebra/anderson_mixing.h"
-#include "mechanics/simulation/descent.h"
-#include "mechanics/simulation/solve_ending.h"
+#include "descent.h"
+#include "solve_ending.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {

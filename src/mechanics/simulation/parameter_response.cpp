@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "mechanics/simulation/rest.h"
+#include "rest.h"
 
 namespace soft_robot_lab {
 namespace {

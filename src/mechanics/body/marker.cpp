@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-#include "shape_functions.h"
+#include "mechanics/mesh/shape_functions.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "require.h"
+#include "settings/require.h"
 
 namespace soft_robot_lab {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mechanics/elements/element_kernels.h"
+#include "element_kernels.h"
 
 namespace soft_robot_lab {
 

@@ -11,7 +11,7 @@
 
 #include <memory>
 
-#include "mechanics/simulation/backward_difference.h"
+#include "mechanics/state/backward_difference.h"
 #include "mechanics/newton/newton_solver.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/simulation_state.h"

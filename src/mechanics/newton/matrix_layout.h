@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "mechanics/simulation/driven_constraint.h"
+#include "mechanics/state/driven_constraint.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/constraint.h"
 

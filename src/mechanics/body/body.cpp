@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "gap.h"
-#include "mechanics/contact/overlap.h"
+#include "overlap.h"
 #include "settings/point_text.h"
 #include "mechanics/mesh/load_weights.h"
 

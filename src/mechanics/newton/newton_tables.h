@@ -23,12 +23,6 @@
 
 namespace soft_robot_lab {
 
-// A contact, and its constraints among all.
-struct SharedLength {
-  const FrictionContact* contact;
-  int first, second;
-};
-
 struct NewtonTables {
   // Body and constraints outlive this.
   NewtonTables(const Body& body, std::vector<DrivenConstraint> constraints, std::vector<SharedLength> shared = {});

@@ -34,4 +34,10 @@ struct DrivenConstraint {
   }
 };
 
+// A contact, and its constraints among all.
+struct SharedLength {
+  const FrictionContact* contact;
+  int first, second;
+};
+
 }  // namespace soft_robot_lab

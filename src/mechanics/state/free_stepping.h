@@ -4,12 +4,24 @@
 #pragma once
 
 #include <memory>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "backward_difference.h"
-#include "mechanics/newton/free_border.h"
+#include "mechanics/body/free_obstacles.h"
 #include "soft_robot_lab/mechanics/simulation_state.h"
 
 namespace soft_robot_lab {
+
+// What inertia refers to within one time step:  mass (c - predicted) per_s2, and the same of turns, with the inertia
+// where the step is expected to end.
+struct FreeInertia {
+  double per_s2 = 0.0;
+  FreePoses start;
+  Eigen::Matrix3Xd predicted_m, predicted_rad;  // centres; turns since the start
+  std::vector<Eigen::Matrix3d> kg_m2;
+};
 
 class FreeStep {
  public:

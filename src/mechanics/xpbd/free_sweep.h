@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "mechanics/contact/free_obstacles.h"
+#include "mechanics/body/free_obstacles.h"
 #include "mechanics/state/free_stepping.h"
 #include "soft_robot_lab/mechanics/obstacle.h"
 

@@ -5,8 +5,9 @@
 #include <stdexcept>
 
 #include "contact_points.h"
-#include "mechanics/body/gap.h"
-#include "rigid_contact.h"
+#include "free_obstacles.h"
+#include "gap.h"
+#include "rigid_places.h"
 #include "settings/point_text.h"
 #include "mechanics/mesh/skin.h"
 #include "soft_robot_lab/mechanics/embedding.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kRounding = 0.01;          // of a face's size
 constexpr double kRoundingOfBodies = 1e-4;  // of the size of all
+constexpr double kOverlap = 0.01;           // of a free obstacle's size: so deep may it be in another one
 
 // The skin, at its contact points and nodes.
 void refuse_skin_inside(const Body& body, const ContactPoints& points, const Obstacle& obstacle) {
@@ -48,6 +50,34 @@ void refuse_swallowed(const Body& body, const Obstacle& obstacle) {
   if (MeshLocator(body.mesh()).locate(middle_m).distance_m > 0.0) return;
   throw std::invalid_argument("obstacle '" + obstacle.name + "': its middle, " + point_text(middle_m) +
                               ", is inside the body at the start; must be outside");
+}
+
+void refuse_inside(const Obstacle& own, const PlacedShape& one, const Obstacle& others, const PlacedShape& other) {
+  if (spheres_apart_m(one, other) > 0.0) return;
+  const double apart_m = soft_robot_lab::apart_m(one, other);
+  if (apart_m >= -kOverlap * size_m(own.shape)) return;
+  std::ostringstream text;
+  text << "obstacle '" << own.name << "' is " << -apart_m << " m inside obstacle '" << others.name
+       << "' at the start; must be outside";
+  throw std::invalid_argument(text.str());
+}
+
+// Of each two obstacles of which one is free.
+void refuse_free_inside(const std::vector<Obstacle>& obstacles) {
+  const FreeObstacles free(obstacles, Eigen::Vector3d::Zero());
+  const auto placed = [&](int index) -> PlacedShape {
+    const Obstacle& obstacle = obstacles[static_cast<std::size_t>(index)];
+    const int of_free = free.index_of(index);
+    return {obstacle.shape, of_free >= 0 ? free.pose(of_free, free.at_start()) : pose_at(obstacle, 0.0)};
+  };
+  const auto count = static_cast<int>(obstacles.size());
+  for (int one = 0; one < count; ++one) {
+    for (int other = 0; other < count && free.index_of(one) >= 0; ++other) {
+      if (other == one || (other < one && free.index_of(other) >= 0)) continue;
+      refuse_inside(obstacles[static_cast<std::size_t>(one)], placed(one), obstacles[static_cast<std::size_t>(other)],
+                    placed(other));
+    }
+  }
 }
 
 // The deepest node of one body in another one.
@@ -97,8 +127,7 @@ void refuse_overlap(const Body& body, const std::vector<Obstacle>& obstacles) {
     refuse_skin_inside(body, points, obstacle);
     refuse_swallowed(body, obstacle);
   }
-  const FreeObstacles free(obstacles, Eigen::Vector3d::Zero());
-  RigidContact(obstacles, free).refuse_overlap();
+  refuse_free_inside(obstacles);
 }
 
 }  // namespace soft_robot_lab

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mechanics/body/gap.h"
+#include "gap.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "free_obstacles.h"
-#include "mechanics/body/gap.h"
+#include "gap.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/mechanics/solve_report.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace soft_robot_lab {
 
 const char* name_of(SolveStage stage) {
@@ -60,6 +63,17 @@ void enter(SolveStage stage, int count, std::vector<SolvePathStage>& path) {
     ++path.back().count;
   } else {
     path.push_back({SolveStage::more, 1});
+  }
+}
+
+void add_warning(const SolveWarning& warning, std::vector<SolveWarning>& all) {
+  const auto same = std::find_if(all.begin(), all.end(), [&](const SolveWarning& other) {
+    return other.kind == warning.kind && other.actuator == warning.actuator;
+  });
+  if (same == all.end()) {
+    all.push_back(warning);
+  } else if (std::abs(warning.size) > std::abs(same->size)) {
+    *same = warning;
   }
 }
 

@@ -29,7 +29,7 @@ inline constexpr double kStillAtRest = 2e-3;  // residual beyond which a state h
 inline constexpr double kNeutral = 1e-7;
 inline constexpr int kRefinements = 4;  // of a derivative, whose matrix is softened by ties; each brings 1e-2
 
-// --- Multipliers and slip (newton/multiplier_problem.h)
+// --- Multipliers and slip (complementarity/multiplier_problem.h)
 
 inline constexpr double kSlack = 1e-9;    // of a bound that is met, relative
 inline constexpr double kOnBound = 1e-4;  // a contact this close to its bound, relative, slips
@@ -82,7 +82,7 @@ inline constexpr double kMostLeft = 1.0;            // residual of a step that c
 inline constexpr int kContactPasses = 4;            // over all that touches, in a sweep
 inline constexpr double kRecovery = 0.01;           // of sqrt(E / density): so fast deep skin comes out of other skin
 
-// --- XPBD towards rest (xpbd/substepping.cpp): steps of sweeps without inertia, which Anderson's mixing joins
+// --- XPBD towards rest (simulation/substepping.cpp): steps of sweeps without inertia, which Anderson's mixing joins
 
 inline constexpr int kRestSteps = 3000;  // in which it must come to rest
 inline constexpr int kRestSweeps = 20;   // of a step

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mechanics/elements/batches.h"
+#include "mechanics/linear_algebra/batches.h"
 
 #include <cstdint>
 #include <memory>

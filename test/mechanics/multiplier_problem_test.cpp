@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mechanics/newton/multiplier_problem.h"
+#include "mechanics/complementarity/multiplier_problem.h"
 
 #include <random>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mechanics/xpbd/step_warp.h"
+#include "mechanics/newton/step_warp.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <variant>
 
-#include "gap.h"
+#include "mechanics/body/gap.h"
 #include "mechanics/mesh/shape_functions.h"
 #include "present_faces.h"
 #include "settings/point_text.h"

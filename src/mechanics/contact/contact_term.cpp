@@ -5,7 +5,7 @@
 #include <cmath>
 #include <variant>
 
-#include "gap.h"
+#include "mechanics/body/gap.h"
 
 namespace soft_robot_lab {
 namespace {

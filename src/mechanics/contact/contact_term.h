@@ -19,9 +19,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "contact_points.h"
+#include "mechanics/body/contact_points.h"
 #include "contact_touch.h"
-#include "free_obstacles.h"
+#include "mechanics/body/free_obstacles.h"
 #include "normal_law.h"
 #include "rigid_contact.h"
 #include "skin_contact.h"

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "gap.h"
+#include "mechanics/body/gap.h"
 #include "swept_obstacles.h"
 
 namespace soft_robot_lab {

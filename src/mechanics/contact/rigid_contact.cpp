@@ -3,16 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 
-#include "gap.h"
+#include "mechanics/body/gap.h"
 
 namespace soft_robot_lab {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kOverlap = 0.01;     // of an obstacle's size: so deep may it be at the start
 constexpr double kDifference = 1e-6;  // of an obstacle's size: a way over which derivatives are taken
 
 // How the material moved, since the step began, past a place that an arm reaches all the while: with a turn the sum of
@@ -351,23 +348,6 @@ std::vector<ContactReading> RigidContact::readings(const ContactState& state) co
   }
   for (ContactReading& reading : all) finish(reading);
   return all;
-}
-
-void RigidContact::refuse_overlap() const {
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const Pair& pair = pairs_[i];
-    if (!begins(i)) continue;
-    const PlacedShape one = placed(pair.obstacle, free_.at_start(), 0.0),
-                      other = placed(pair.other, free_.at_start(), 0.0);
-    if (spheres_apart_m(one, other) > 0.0) continue;
-    const double apart_m = soft_robot_lab::apart_m(one, other);
-    if (apart_m >= -kOverlap * pair.size_m) continue;
-    std::ostringstream text;
-    text << "obstacle '" << obstacles_[static_cast<std::size_t>(pair.obstacle)].name << "' is " << -apart_m
-         << " m inside obstacle '" << obstacles_[static_cast<std::size_t>(pair.other)].name
-         << "' at the start; must be outside";
-    throw std::invalid_argument(text.str());
-  }
 }
 
 }  // namespace soft_robot_lab

@@ -10,10 +10,10 @@
 
 #include <Eigen/Core>
 
-#include "free_obstacles.h"
+#include "mechanics/body/free_obstacles.h"
 #include "friction_law.h"
 #include "normal_law.h"
-#include "rigid_places.h"
+#include "mechanics/body/rigid_places.h"
 #include "soft_robot_lab/mechanics/obstacle.h"
 
 namespace soft_robot_lab {
@@ -79,8 +79,6 @@ class RigidContact {
   int other_free_of(Eigen::Index pair) const { return pairs_[static_cast<std::size_t>(pair)].other_free; }
   NormalLaw law_of(Eigen::Index pair) const { return law(pairs_[static_cast<std::size_t>(pair)]); }
   double friction_of(Eigen::Index pair) const { return pairs_[static_cast<std::size_t>(pair)].friction; }
-  // Throws std::invalid_argument where a free obstacle is inside another one at the start: which, how deep.
-  void refuse_overlap() const;
 
  private:
   struct Pair {

@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "contact_points.h"
+#include "mechanics/body/contact_points.h"
 #include "contact_touch.h"
 #include "normal_law.h"
 #include "skin_pairs.h"

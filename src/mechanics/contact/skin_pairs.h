@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 
 #include "closest_place.h"
-#include "contact_points.h"
+#include "mechanics/body/contact_points.h"
 #include "present_faces.h"
 #include "soft_robot_lab/mechanics/body.h"
 

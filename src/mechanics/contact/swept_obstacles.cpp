@@ -5,7 +5,7 @@
 #include <limits>
 #include <variant>
 
-#include "gap.h"
+#include "mechanics/body/gap.h"
 
 namespace soft_robot_lab {
 namespace {

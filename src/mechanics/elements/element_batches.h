@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "batches.h"
+#include "mechanics/linear_algebra/batches.h"
 #include "mechanics/material/material_law.h"
 #include "soft_robot_lab/mechanics/body.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "mechanics/material/material_law.h"
-#include "batches.h"
+#include "mechanics/linear_algebra/batches.h"
 
 namespace soft_robot_lab {
 

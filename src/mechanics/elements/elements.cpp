@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "mechanics/material/rivlin_kernels.h"
+#include "rivlin_kernels.h"
 
 namespace soft_robot_lab {
 namespace {

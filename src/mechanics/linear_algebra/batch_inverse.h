@@ -2,7 +2,7 @@
 // Inverses of four small dense symmetric matrices at once, one per lane, without pivoting; lower triangle by columns.
 #pragma once
 
-#include "mechanics/elements/batches.h"
+#include "batches.h"
 
 namespace soft_robot_lab {
 

@@ -3,7 +3,7 @@
 // size.
 #pragma once
 
-#include "mechanics/elements/batches.h"
+#include "batches.h"
 
 namespace soft_robot_lab {
 

@@ -14,7 +14,7 @@
 #include <variant>
 #include <vector>
 
-#include "mechanics/elements/batches.h"
+#include "mechanics/linear_algebra/batches.h"
 #include "soft_robot_lab/mechanics/material.h"
 
 namespace soft_robot_lab {

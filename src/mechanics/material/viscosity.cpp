@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "soft_robot_lab/mechanics/viscosity.h"
 
-#include "mechanics/simulation/require.h"
+#include "settings/require.h"
 
 namespace soft_robot_lab {
 

@@ -12,18 +12,10 @@
 
 #include <Eigen/Core>
 
-#include "mechanics/contact/free_obstacles.h"
+#include "mechanics/body/free_obstacles.h"
+#include "mechanics/state/free_stepping.h"
 
 namespace soft_robot_lab {
-
-// What inertia refers to within one time step:  mass (c - predicted) per_s2, and the same of turns, with the inertia
-// where the step is expected to end.
-struct FreeInertia {
-  double per_s2 = 0.0;
-  FreePoses start;
-  Eigen::Matrix3Xd predicted_m, predicted_rad;  // centres; turns since the start
-  std::vector<Eigen::Matrix3d> kg_m2;
-};
 
 // Energy of inertia and gravity; adds its gradient.
 double add_free_gradient(const FreeObstacles& free, const FreePoses& at, const FreeInertia* inertia,

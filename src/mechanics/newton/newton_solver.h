@@ -20,12 +20,13 @@
 #include "mechanics/linear_algebra/anderson_mixing.h"
 #include "mechanics/linear_algebra/block_cholesky.h"
 #include "mechanics/linear_algebra/block_matrix.h"
-#include "mechanics/simulation/driven_constraint.h"
-#include "mechanics/simulation/interrupt.h"
+#include "mechanics/state/driven_constraint.h"
+#include "mechanics/state/interrupt.h"
+#include "mechanics/state/newton_state.h"
 #include "mechanics/elements/elements.h"
 #include "contact_matrix.h"
 #include "free_border.h"
-#include "multiplier_problem.h"
+#include "mechanics/complementarity/multiplier_problem.h"
 #include "newton_tables.h"
 #include "skin_border.h"
 #include "soft_robot_lab/mechanics/body.h"
@@ -33,32 +34,6 @@
 #include "mechanics/elements/strain_springs.h"
 
 namespace soft_robot_lab {
-
-// Of nodes, over 3*node + axis.
-inline Eigen::Map<const Eigen::VectorXd> as_vector(const Eigen::Matrix3Xd& columns) {
-  return {columns.data(), columns.size()};
-}
-
-// The unknowns, and what the actuators do meanwhile.
-struct NewtonState {
-  Eigen::Matrix3Xd positions_m;            // 3 x nodes
-  Eigen::VectorXd element_multipliers_pa;  // p
-  Eigen::VectorXd constraint_multipliers;  // y
-  Eigen::VectorXd slips_m = {};            // q, one per contact, since the step began
-  SharedDrives drives = nullptr;           // needed where there are constraints
-  ContactState contact = {};               // its pressures, forces and poses are unknowns, the rest stays
-  std::shared_ptr<const FreeInertia> free_inertia = nullptr;  // of free obstacles; null at rest
-};
-
-// Where a NewtonSolver's matrix was last made. With it a saved state goes on to the last bit as if it had never
-// stopped.
-struct Linearisation {
-  std::shared_ptr<const NewtonState> at;
-  double inertia_per_s2 = 0.0;
-  std::shared_ptr<const StrainTarget> strain_target;
-  std::shared_ptr<const ContactPattern> contact_pattern;  // null where it has no skin on skin
-  SkinColumns skin_columns;                               // that the factor was asked for since
-};
 
 // minimise  inertia_per_s2 / 2 |x - predicted|^2_M  +  energy(x)  +  energy of the pull
 struct NewtonTask {

@@ -14,20 +14,14 @@
 #include "mechanics/linear_algebra/block_cholesky.h"
 #include "mechanics/linear_algebra/block_matrix.h"
 #include "mechanics/elements/clique_adder.h"
-#include "mechanics/simulation/driven_constraint.h"
+#include "mechanics/state/driven_constraint.h"
 #include "mechanics/elements/elements.h"
 #include "mechanics/elements/node_turns.h"
-#include "mechanics/linear_algebra/matrix_layout.h"
+#include "matrix_layout.h"
 #include "soft_robot_lab/mechanics/body.h"
-#include "mechanics/xpbd/step_warp.h"
+#include "step_warp.h"
 
 namespace soft_robot_lab {
-
-// A contact, and its constraints among all.
-struct SharedLength {
-  const FrictionContact* contact;
-  int first, second;
-};
 
 struct NewtonTables {
   // Body and constraints outlive this.

@@ -14,7 +14,8 @@
 #include <Eigen/Core>
 
 #include "mechanics/contact/skin_contact.h"
-#include "multiplier_problem.h"
+#include "mechanics/state/newton_state.h"
+#include "mechanics/complementarity/multiplier_problem.h"
 
 namespace soft_robot_lab {
 
@@ -28,8 +29,6 @@ struct SkinColumn {
   SkinGradient gradient;   // zero along held axes, turned back to where the factor was made
   Eigen::VectorXd solved;  // A^-1 of it
 };
-
-using SkinColumns = std::vector<std::shared_ptr<const SkinColumn>>;
 
 // Of the same point on the same face, and nearly the same: null where there is none.
 std::shared_ptr<const SkinColumn> find_column(const SkinColumns& columns, const SkinGradient& gradient);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "held_out.h"
-#include "mechanics/simulation/require.h"
+#include "settings/require.h"
 #include "settings/cpu_time.h"
 
 namespace soft_robot_lab {

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "mechanics/elements/batches.h"
+#include "mechanics/linear_algebra/batches.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "mechanics/elements/batches.h"
+#include "mechanics/linear_algebra/batches.h"
 
 namespace soft_robot_lab {
 

@@ -8,7 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "mechanics/newton/multiplier_problem.h"
+#include "mechanics/complementarity/multiplier_problem.h"
 
 namespace soft_robot_lab {
 namespace {

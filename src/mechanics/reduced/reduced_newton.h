@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "mechanics/simulation/interrupt.h"
+#include "mechanics/state/interrupt.h"
 #include "reduced_model.h"
 
 namespace soft_robot_lab {

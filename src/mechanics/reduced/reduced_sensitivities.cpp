@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 
-#include "mechanics/newton/multiplier_problem.h"
+#include "mechanics/complementarity/multiplier_problem.h"
 #include "reduced_newton.h"
 
 namespace soft_robot_lab {

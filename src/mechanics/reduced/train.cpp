@@ -7,7 +7,7 @@
 #include <Eigen/LU>
 
 #include "mechanics/elements/elements.h"
-#include "mechanics/newton/multiplier_problem.h"
+#include "mechanics/complementarity/multiplier_problem.h"
 #include "mechanics/simulation/workspace.h"
 #include "pod.h"
 #include "point_cubature.h"

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "mechanics/contact/contact_term.h"
-#include "mechanics/simulation/require.h"
+#include "settings/require.h"
 #include "reduced_constraints.h"
 
 namespace soft_robot_lab {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "free_stepping.h"
+#include "mechanics/state/free_stepping.h"
 #include "simulation_parts.h"
 
 namespace soft_robot_lab {

@@ -8,7 +8,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-#include "mechanics/contact/contact_points.h"
+#include "mechanics/body/contact_points.h"
 
 namespace soft_robot_lab {
 namespace {

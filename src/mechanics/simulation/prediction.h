@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "backward_difference.h"
+#include "mechanics/state/backward_difference.h"
 #include "mechanics/newton/newton_solver.h"
 #include "soft_robot_lab/mechanics/simulation_state.h"
 

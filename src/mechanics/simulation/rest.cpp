@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rest.h"
-#include "free_stepping.h"
+#include "mechanics/state/free_stepping.h"
 #include "mechanics/solver_constants.h"
 
 #include <algorithm>

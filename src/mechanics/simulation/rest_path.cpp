@@ -6,7 +6,7 @@
 
 #include "free_motion.h"
 #include "mechanics/contact/fast_obstacles.h"
-#include "mechanics/contact/gap.h"
+#include "mechanics/body/gap.h"
 #include "soft_robot_lab/mechanics/body.h"
 
 namespace soft_robot_lab {

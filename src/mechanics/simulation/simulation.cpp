@@ -8,11 +8,11 @@
 #include "equilibrium.h"
 #include "limit_hint.h"
 #include "mechanics/contact/coarse_contact.h"
-#include "mechanics/newton/parameter_response.h"
+#include "parameter_response.h"
 #include "rest.h"
 #include "simulation_parts.h"
 #include "state_check.h"
-#include "mechanics/xpbd/substepping.h"
+#include "substepping.h"
 #include "time_stepping.h"
 
 namespace soft_robot_lab {

@@ -108,15 +108,4 @@ void report_fast_obstacle(const ObstacleCuts& cuts, double most, const Body& bod
   add_warning(warning, report.warnings);
 }
 
-void add_warning(const SolveWarning& warning, std::vector<SolveWarning>& all) {
-  const auto same = std::find_if(all.begin(), all.end(), [&](const SolveWarning& other) {
-    return other.kind == warning.kind && other.actuator == warning.actuator;
-  });
-  if (same == all.end()) {
-    all.push_back(warning);
-  } else if (std::abs(warning.size) > std::abs(same->size)) {
-    *same = warning;
-  }
-}
-
 }  // namespace soft_robot_lab

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "require.h"
+#include "settings/require.h"
 
 namespace soft_robot_lab {
 namespace {

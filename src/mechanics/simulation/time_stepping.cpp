@@ -6,14 +6,14 @@
 #include <optional>
 #include <vector>
 
-#include "backward_difference.h"
-#include "free_stepping.h"
+#include "mechanics/state/backward_difference.h"
+#include "mechanics/state/free_stepping.h"
 #include "prediction.h"
 #include "rest.h"
 #include "solve_ending.h"
 #include "mechanics/contact/fast_obstacles.h"
 #include "mechanics/newton/untangle.h"
-#include "mechanics/elements/viscous_step.h"
+#include "viscous_step.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {

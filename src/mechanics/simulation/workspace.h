@@ -8,7 +8,7 @@
 #include "air_spans.h"
 #include "mechanics/xpbd/xpbd_solver.h"
 #include "mechanics/newton/newton_solver.h"
-#include "interrupt.h"
+#include "mechanics/state/interrupt.h"
 #include "soft_robot_lab/mechanics/model.h"
 
 namespace soft_robot_lab {

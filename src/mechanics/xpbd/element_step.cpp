@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "mechanics/linear_algebra/batch_inverse.h"
-#include "mechanics/material/rivlin_kernels.h"
+#include "mechanics/elements/rivlin_kernels.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {

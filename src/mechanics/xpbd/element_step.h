@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mechanics/elements/element_batches.h"
-#include "mechanics/newton/newton_solver.h"
+#include "mechanics/state/newton_state.h"
 
 namespace soft_robot_lab {
 

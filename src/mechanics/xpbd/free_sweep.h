@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
-#include "mechanics/contact/free_obstacles.h"
-#include "mechanics/simulation/free_stepping.h"
+#include "mechanics/body/free_obstacles.h"
+#include "mechanics/state/free_stepping.h"
 #include "soft_robot_lab/mechanics/obstacle.h"
 
 namespace soft_robot_lab {

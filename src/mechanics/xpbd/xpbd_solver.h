@@ -33,8 +33,10 @@
 
 #include "contact_sweep.h"
 #include "element_step.h"
-#include "mechanics/newton/multiplier_problem.h"
-#include "mechanics/newton/newton_solver.h"
+#include "mechanics/complementarity/multiplier_problem.h"
+#include "mechanics/contact/contact_term.h"
+#include "mechanics/state/interrupt.h"
+#include "mechanics/state/newton_state.h"
 #include "substep_hysteresis.h"
 #include "soft_robot_lab/mechanics/body.h"
 #include "soft_robot_lab/mechanics/constraint.h"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "mechanics/simulation/require.h"
+#include "settings/require.h"
 #include "robot/scene/scene_motion.h"
 #include "settings/limits.h"
 #include "settings/words.h"

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "mechanics/simulation/require.h"
+#include "settings/require.h"
 #include "npz.h"
 #include "robot/scene/reduction.h"
 #include "settings/csv_cells.h"

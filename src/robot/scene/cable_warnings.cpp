@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "mechanics/mesh/cable_path.h"
-#include "mechanics/mesh/held.h"
+#include "mechanics/body/held.h"
 #include "mechanics/mesh/skin.h"
 #include "scene_warning.h"
 #include "settings/point_text.h"

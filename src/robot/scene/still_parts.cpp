@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "still_parts.h"
 
-#include "mechanics/mesh/held.h"
+#include "mechanics/body/held.h"
 #include "scene_warning.h"
 
 namespace soft_robot_lab {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "contact_bodies.h"
-#include "mechanics/contact/gap.h"
+#include "mechanics/body/gap.h"
 #include "mechanics/contact/rigid_contact.h"
 
 namespace soft_robot_lab {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Gaps to rigid shapes, against closed forms and central differences.
-#include "mechanics/contact/gap.h"
-#include "mechanics/contact/rigid_places.h"
+#include "mechanics/body/gap.h"
+#include "mechanics/body/rigid_places.h"
 
 #include <cmath>
 #include <optional>

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "contact_bodies.h"
-#include "mechanics/contact/gap.h"
-#include "mechanics/contact/rigid_places.h"
+#include "mechanics/body/gap.h"
+#include "mechanics/body/rigid_places.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "cable_route.h"
-#include "mechanics/mesh/held.h"
+#include "mechanics/body/held.h"
 #include "settings/point_text.h"
 #include "settings/read_points.h"
 

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "cable_route.h"
-#include "mechanics/contact/gap.h"
+#include "mechanics/body/gap.h"
 #include "settings/point_text.h"
 
 namespace soft_robot_lab {

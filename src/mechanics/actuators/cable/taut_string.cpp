@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "mechanics/contact/gap.h"
+#include "mechanics/body/gap.h"
 
 namespace soft_robot_lab {
 namespace {

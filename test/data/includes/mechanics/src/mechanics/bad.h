@@ -1,0 +1,1 @@
+#include "mechanics/body/gap.h"

@@ -1,0 +1,1 @@
+#include "mechanics/contact/rigid_contact.h"

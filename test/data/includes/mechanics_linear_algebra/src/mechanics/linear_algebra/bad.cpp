@@ -1,0 +1,1 @@
+#include "mechanics/complementarity/multiplier_problem.h"

@@ -1,0 +1,1 @@
+#include "mechanics/elements/rivlin_kernels.h"

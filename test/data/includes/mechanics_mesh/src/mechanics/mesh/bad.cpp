@@ -1,0 +1,1 @@
+#include "soft_robot_lab/mechanics/obstacle.h"

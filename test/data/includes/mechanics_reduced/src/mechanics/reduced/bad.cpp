@@ -1,0 +1,1 @@
+#include "mechanics/xpbd/xpbd_solver.h"

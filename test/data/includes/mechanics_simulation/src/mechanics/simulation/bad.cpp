@@ -1,0 +1,1 @@
+#include "mechanics/reduced/reduced_model.h"

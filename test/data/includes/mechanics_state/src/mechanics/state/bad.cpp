@@ -1,0 +1,1 @@
+#include "mechanics/newton/free_border.h"

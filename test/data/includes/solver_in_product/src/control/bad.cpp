@@ -1,0 +1,1 @@
+#include "mechanics/newton/newton_solver.h"

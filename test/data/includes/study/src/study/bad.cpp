@@ -1,0 +1,1 @@
+#include "study/charts/node_costs.h"

@@ -1,0 +1,1 @@
+#include "study/rig/lab_settings.h"

@@ -1,0 +1,1 @@
+#include "study/charts/speed_claims.h"

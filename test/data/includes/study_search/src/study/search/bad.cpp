@@ -1,0 +1,1 @@
+#include "study/robust/random_robots.h"

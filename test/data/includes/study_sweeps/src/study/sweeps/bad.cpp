@@ -1,0 +1,1 @@
+#include "study/workspace/workspace_run.h"

@@ -12,6 +12,24 @@
 
 namespace soft_robot_lab {
 
+namespace {
+
+// The file's method gives way, and what only that knows.
+YamlNode with_method(const YamlNode& stated, const std::string& method) {
+  if (method.empty()) return stated;
+  Overrides own;
+  own.set({"solver", "method"}, method);
+  if (method != "newton") own.set({"solver", "integrator"}, "implicit_euler");
+  const YamlNode settings = own.over(stated);
+  const YamlNode solver = settings.child("solver");
+  for (const char* key : {"substeps", "iterations", "tolerance_m", "audit_every_s", "modes"})
+    solver.optional_child(key);
+  if (solver.has("commands") && method != "reduced") Overrides ranges(solver.child("commands"));  // counts as read
+  return settings;
+}
+
+}  // namespace
+
 YamlNode with_overrides(const YamlNode& scene, const Overrides& overrides) {
   const YamlNode settings = with_includes(scene);
   return overrides.empty() ? settings : overrides.over(settings);
@@ -44,7 +62,7 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
 }
 
 Scene load_scene(const YamlNode& node, const SceneOptions& options) {
-  const YamlNode stated = with_overrides(node, options.overrides);
+  const YamlNode stated = with_method(with_overrides(node, options.overrides), options.method);
   read_parameters(stated);
   refuse_megapascals(stated);
   refuse_unknown_reduced(stated, options);
@@ -53,10 +71,11 @@ Scene load_scene(const YamlNode& node, const SceneOptions& options) {
   const YamlNode settings = chosen ? overrides_of(*fidelity->choice).over(stated) : stated;
   Scene scene = build_scene(settings, read_mesh(settings, options), options);
   read_casting_settings(settings);
-  const std::optional<ReducedRequest> request = read_reduced(settings, scene);
+  const std::optional<ReducedRequest> request = read_reduced(settings, scene, options.reduced);
   settings.require_all_read();
   if (request && options.on_warnings) options.on_warnings(scene.warnings);
   if (request) scene.reduction = reduce(settings, scene, *request, options);
+  scene.untrained = request && !scene.reduction;
   scene.file = node.source();
   scene.fidelity = std::move(fidelity);
   return scene;

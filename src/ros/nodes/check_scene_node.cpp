@@ -19,6 +19,7 @@ struct Arguments {
 int check(const Arguments& arguments) {
   SceneOptions options;
   options.actuator_factory = actuators_from_plugins();
+  options.reduced = ReducedUse::by_newton;
   const Scene scene = load_scene(arguments.scene, options);
   if (!arguments.rig.empty())
     require_same_commands(*scene.simulation, arguments.scene, load_rig(arguments.rig), arguments.rig);

@@ -12,24 +12,6 @@
 
 namespace soft_robot_lab {
 
-namespace {
-
-// The file's method gives way, and what only that knows.
-YamlNode with_method(const YamlNode& stated, const std::string& method) {
-  if (method.empty()) return stated;
-  Overrides own;
-  own.set({"solver", "method"}, method);
-  if (method != "newton") own.set({"solver", "integrator"}, "implicit_euler");
-  const YamlNode settings = own.over(stated);
-  const YamlNode solver = settings.child("solver");
-  for (const char* key : {"substeps", "iterations", "tolerance_m", "audit_every_s", "modes"})
-    solver.optional_child(key);
-  if (solver.has("commands") && method != "reduced") Overrides ranges(solver.child("commands"));  // counts as read
-  return settings;
-}
-
-}  // namespace
-
 YamlNode with_overrides(const YamlNode& scene, const Overrides& overrides) {
   const YamlNode settings = with_includes(scene);
   return overrides.empty() ? settings : overrides.over(settings);

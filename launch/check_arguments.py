@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME] [load=SCENE]: for launch files, before any node starts. Prints
-ROBOT where all is well. Ends with an error where there is no such robot, file or kind of cameras, and names the nearest,
+"""check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME] [solver=NAME] [load=SCENE]: for launch files, before any node starts.
+Prints ROBOT where all is well. Ends with an error where there is no such robot, file, kind of cameras or solver, and names the nearest,
 and where the scene to be loaded or another file is wrong: once nodes run, roslaunch ends with status 0 whatever they end with."""
 import difflib
 import os
@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 CAMERAS = ('none', 'rendered')
+SOLVERS = ('newton', 'xpbd', 'reduced')  # or empty: the scene's own
 READ = {'rig': '--rig', 'camera_setup': '--cameras', 'balls': '--balls', 'tracker': '--tracker'}  # by check_scene_node
 ROBOTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'config', 'robots')
 
@@ -45,7 +46,9 @@ for word in sys.argv[2:]:
     given[name] = value
     if name == 'cameras' and value not in CAMERAS:
         refuse(name, value, CAMERAS)
-    if name not in ('cameras', 'load') and value:
+    if name == 'solver' and value and value not in SOLVERS:
+        refuse(name, value, SOLVERS)
+    if name not in ('cameras', 'solver', 'load') and value:
         check_file(name, value, robot)
 if 'load' in given:
     check_scene(given)

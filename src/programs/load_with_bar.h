@@ -35,7 +35,7 @@ inline void print_new_warnings(const std::string& program, const Scene& scene,
 inline Scene load_with_bar(const std::string& program, const std::string& file, SceneOptions options) {
   std::optional<ProgressBar> bar;
   Scene said;
-  options.knows_reduced = true;
+  options.reduced = ReducedUse::trained;
   options.progress = [&](double fraction, const std::string& what) {
     if (!bar) bar.emplace(program);
     bar->show(fraction, what);

@@ -194,7 +194,21 @@ std::map<std::string, double> gauge_pressures_pa(const Simulation& simulation) {
   return pressures_pa;
 }
 
-void apply_command(const ActuatorCommand& command, Simulation& simulation) {
+namespace {
+
+double command_of(const Simulation& simulation, int actuator) {
+  return simulation.state().drives[static_cast<size_t>(actuator)].command;
+}
+double command_of(const SceneMotion& motion, int actuator) {
+  return motion.drives()[static_cast<size_t>(actuator)].command;
+}
+
+int index_of(const Simulation& simulation, const std::string& name) { return simulation.actuator_index(name); }
+int index_of(SceneMotion& motion, const std::string& name) { return motion.simulation().actuator_index(name); }
+
+// All of them or none.
+template <class Moved>
+void apply_to(Moved& moved, const ActuatorCommand& command) {
   if (command.names.size() != command.values.size()) {
     throw std::invalid_argument("values: " + std::to_string(command.values.size()) + " values for " +
                                 std::to_string(command.names.size()) + " names; they must be as many");
@@ -204,16 +218,21 @@ void apply_command(const ActuatorCommand& command, Simulation& simulation) {
   std::vector<std::pair<std::string, double>> replaced;
   try {
     for (size_t i = 0; i < command.names.size(); ++i) {
-      const double old = simulation.state().drives[simulation.actuator_index(command.names[i])].command;
-      simulation.set_command(command.names[i], command.values[i]);
+      const double old = command_of(moved, index_of(moved, command.names[i]));
+      moved.set_command(command.names[i], command.values[i]);
       replaced.emplace_back(command.names[i], old);
     }
   } catch (const std::invalid_argument&) {
     std::reverse(replaced.begin(), replaced.end());
-    for (const auto& [name, value] : replaced) simulation.set_command(name, value);
+    for (const auto& [name, value] : replaced) moved.set_command(name, value);
     throw;
   }
 }
+
+}  // namespace
+
+void apply_command(const ActuatorCommand& command, Simulation& simulation) { apply_to(simulation, command); }
+void apply_command(const ActuatorCommand& command, SceneMotion& motion) { apply_to(motion, command); }
 
 Eigen::Vector3d position_of(const MarkerObservations& markers, const std::string& name) {
   const auto found = std::find(markers.names.begin(), markers.names.end(), name);

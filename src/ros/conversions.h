@@ -14,6 +14,7 @@
 #include <sensor_msgs/JointState.h>
 
 #include "messages.h"
+#include "robot/scene/scene_motion.h"
 #include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
@@ -47,6 +48,7 @@ std::map<std::string, double> gauge_pressures_pa(const Simulation& simulation);
 
 // Sets all commands of the message, or none: throws std::invalid_argument naming actuator, value and allowed range.
 void apply_command(const ActuatorCommand& command, Simulation& simulation);
+void apply_command(const ActuatorCommand& command, SceneMotion& motion);
 
 // The position of a named marker; throws std::invalid_argument listing the known names.
 Eigen::Vector3d position_of(const MarkerObservations& markers, const std::string& name);

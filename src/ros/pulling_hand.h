@@ -27,6 +27,7 @@ class PullingHand {
 
   void let_go(Simulation& simulation);
   void let_go_if_silent(double now_s, Simulation& simulation);
+  bool holds() const { return hold_.has_value(); }
   void forget() { hold_.reset(); }  // the simulation is another one
 
  private:

@@ -15,6 +15,7 @@ namespace {
 std::vector<TrackedMarker> markers_of(const std::string& scene_path) {
   SceneOptions options;
   options.actuator_factory = actuators_from_plugins();
+  options.reduced = ReducedUse::by_newton;
   const Scene scene = load_scene(scene_path, options);
   std::vector<TrackedMarker> markers;
   for (const Marker& marker : scene.simulation->markers()) markers.push_back({marker.name(), marker.rest_position_m()});

@@ -13,6 +13,8 @@
 namespace soft_robot_lab {
 namespace {
 
+constexpr double kNarrower = 0.6;  // times each range, where the one before was too wide
+constexpr int kNarrowings = 3;
 constexpr int kHeldOutEquilibria = 20;
 constexpr double kHeldOutTransient_s = 6.0;
 constexpr double kMostLeft = 0.1;  // of equilibria, to the full model: those just where the body begins to buckle
@@ -38,13 +40,19 @@ bool meets(const ReducedChoice& choice, double tolerance_m) {
        << " m in equilibria and " << best.transient.rms_m << " m in motion, "
        << best.equilibria.unsolved + best.transient.unsolved
        << " states unsolved; allow more, list narrower commands, or choose method newton";
-  throw std::invalid_argument(text.str());
+  throw ToleranceNotMet(text.str());
 }
 
-}  // namespace
+CommandBox narrower(const Model& model, CommandBox box) {
+  for (std::size_t i = 0; i < box.min.size(); ++i) {
+    const double rest = model.actuators()[i]->limits().rest;
+    for (double* end : {&box.min[i], &box.max[i]}) *end = rest + kNarrower * (*end - rest);
+  }
+  return box;
+}
 
-ReducedChoice choose_modes(const std::shared_ptr<const Model>& model, const ReducedRequest& request,
-                           const TrainingProgress& progress) {
+ReducedChoice choose_in_box(const std::shared_ptr<const Model>& model, const ReducedRequest& request,
+                            const TrainingProgress& progress) {
   require(request.tolerance_m > 0.0, "tolerance_m", request.tolerance_m, "> 0");
   const double start_s = cpu_time_s();
   ReducedTraining training;
@@ -67,6 +75,21 @@ ReducedChoice choose_modes(const std::shared_ptr<const Model>& model, const Redu
     if (choice.model->energy.modes() < modes) break;  // all that the states span
   }
   refuse(best, request.tolerance_m);
+}
+
+}  // namespace
+
+ReducedChoice choose_modes(const std::shared_ptr<const Model>& model, const ReducedRequest& request,
+                           const TrainingProgress& progress) {
+  ReducedRequest asked = request;
+  for (int left = request.may_narrow ? kNarrowings : 0; left > 0; --left) {
+    try {
+      return choose_in_box(model, asked, progress);
+    } catch (const ToleranceNotMet&) {
+      asked.box = narrower(*model, asked.box);
+    }
+  }
+  return choose_in_box(model, asked, progress);
 }
 
 }  // namespace soft_robot_lab

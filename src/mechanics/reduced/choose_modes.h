@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <stdexcept>
 
 #include "reduced_model.h"
 #include "training_set.h"
@@ -10,6 +11,7 @@ namespace soft_robot_lab {
 
 struct ReducedRequest {
   CommandBox box;               // holds every actuator's rest command
+  bool may_narrow = false;      // towards the rest commands, where no model of all of it meets the tolerance
   double tolerance_m = 1e-4;    // > 0, of `largest_rms_m` of the outcome
   int modes = 0;                // [1, 40]; 0: the fewest that meet the tolerance
   double audit_every_s = 10.0;  // > 0, of motion: for whoever moves the model
@@ -25,8 +27,14 @@ struct ReducedChoice {
   double largest_rms_m() const { return equilibria.rms_m > transient.rms_m ? equilibria.rms_m : transient.rms_m; }
 };
 
+// No model of the box, or of the narrowest one that was tried, meets the tolerance.
+class ToleranceNotMet : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
 // Trains, and judges on 20 equilibria and 6 s of motion that training did not use. Deterministic but for cpu_s. Throws
-// std::invalid_argument as train(), and where the tolerance is not met, with the error of the best.
+// std::invalid_argument as train(), and ToleranceNotMet, with the error of the best.
 ReducedChoice choose_modes(const std::shared_ptr<const Model>& model, const ReducedRequest& request,
                            const TrainingProgress& progress);
 

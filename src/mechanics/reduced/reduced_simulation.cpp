@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "snapshots.h"
 #include "mechanics/elements/elements.h"
 #include "mechanics/simulation/workspace.h"
 #include "mechanics/solver_constants.h"
@@ -180,6 +181,17 @@ SimulationState full_state(const ReducedModel& model, const ReducedState& state,
   }
   base.rest_residual.reset();
   return base;
+}
+
+ReducedState nearest_state(const ReducedModel& model, const SimulationState& full) {
+  ReducedState state;
+  state.time_s = full.time_s;
+  state.at = projected(model, snapshot_of(full, model.full->body(), 0.0));
+  state.velocity = model.basis.modes.transpose() *
+                   masses_of_axes_kg(model.full->body()).cwiseProduct(full.velocities_m_s.reshaped());
+  state.previous_velocity = state.velocity;
+  state.drives = full.drives;
+  return state;
 }
 
 void ReducedSimulation::come_to_rest() {

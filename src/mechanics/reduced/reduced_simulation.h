@@ -90,4 +90,7 @@ class ReducedSimulation {
 // The full model in a reduced state; what a reduced state does not know stays as in `base`.
 SimulationState full_state(const ReducedModel& model, const ReducedState& state, SimulationState base);
 
+// The reduced state nearest to one of the full model, by mass; skin pushes nothing in it.
+ReducedState nearest_state(const ReducedModel& model, const SimulationState& full);
+
 }  // namespace soft_robot_lab

@@ -6,6 +6,9 @@
 #include <random>
 #include <stdexcept>
 
+#include "mechanics/elements/elements.h"
+#include "mechanics/simulation/workspace.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -21,10 +24,20 @@ double radical_inverse(std::size_t i, int base) {
 }  // namespace
 
 Snapshot snapshot_of(const Simulation& simulation, double inertia_per_s2) {
-  const SimulationState& state = simulation.state();
-  const Eigen::Matrix3Xd moved = state.positions_m - simulation.body().mesh().nodes_m;
+  return snapshot_of(simulation.state(), simulation.body(), inertia_per_s2);
+}
+
+Snapshot snapshot_of(const SimulationState& state, const Body& body, double inertia_per_s2) {
+  const Eigen::Matrix3Xd moved = state.positions_m - body.mesh().nodes_m;
   return {Eigen::Map<const Eigen::VectorXd>(moved.data(), moved.size()), state.element_multipliers_pa,
           state.constraint_multipliers, state.drives, inertia_per_s2};
+}
+
+ReducedUnknowns projected(const ReducedModel& model, const Snapshot& at) {
+  const Eigen::VectorXd masses_kg = masses_of_axes_kg(model.full->body());
+  return {model.basis.modes.transpose() * masses_kg.cwiseProduct(at.displacement_m),
+          model.basis.pressures.transpose() * element_volumes_m3(*model.full).cwiseProduct(at.multipliers_pa),
+          at.constraint_multipliers, Eigen::VectorXd::Zero(model.skin.places())};
 }
 
 std::vector<double> commands_in(const CommandBox& box, std::size_t i) {
@@ -48,6 +61,10 @@ Eigen::VectorXd masses_of_axes_kg(const Body& body) {
   const Eigen::RowVectorXd masses = body.node_masses_kg().transpose();
   const Eigen::Matrix3Xd all = masses.replicate<3, 1>();
   return Eigen::Map<const Eigen::VectorXd>(all.data(), all.size());
+}
+
+const Eigen::VectorXd& element_volumes_m3(const Model& model) {
+  return model.tables().newton->elements->rest_volumes_m3();
 }
 
 }  // namespace soft_robot_lab

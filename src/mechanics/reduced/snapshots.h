@@ -22,6 +22,11 @@ struct Snapshot {
 
 Snapshot snapshot_of(const Simulation& simulation, double inertia_per_s2);
 
+Snapshot snapshot_of(const SimulationState& state, const Body& body, double inertia_per_s2);
+
+// The model's unknowns nearest to a snapshot, by mass and by volume; skin pushes nothing.
+ReducedUnknowns projected(const ReducedModel& model, const Snapshot& at);
+
 // Commands number `i` of a sequence that fills the box evenly (Halton 1960).
 std::vector<double> commands_in(const CommandBox& box, std::size_t i);
 
@@ -53,5 +58,6 @@ void run_transient(const CommandBox& box, double duration_s, unsigned seed, Simu
 
 // Of the coordinates 3*node + axis.
 Eigen::VectorXd masses_of_axes_kg(const Body& body);
+const Eigen::VectorXd& element_volumes_m3(const Model& model);
 
 }  // namespace soft_robot_lab

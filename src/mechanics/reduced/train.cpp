@@ -19,10 +19,6 @@ namespace {
 
 constexpr std::size_t kCubatureStates = 100;
 
-const Eigen::VectorXd& element_volumes_m3(const Model& model) {
-  return model.tables().newton->elements->rest_volumes_m3();
-}
-
 // A third as many pressures as modes: more of them lock, fewer leave the volume free.
 ReducedBasis basis_of(const std::vector<Snapshot>& snapshots, const Model& model, int modes) {
   const auto count = static_cast<Eigen::Index>(snapshots.size());
@@ -39,14 +35,6 @@ ReducedBasis basis_of(const std::vector<Snapshot>& snapshots, const Model& model
   return basis;
 }
 
-// A snapshot in the model's modes.
-ReducedUnknowns projected(const ReducedModel& model, const Snapshot& at, const Eigen::VectorXd& masses_kg,
-                          const Eigen::VectorXd& volumes_m3) {
-  return {model.basis.modes.transpose() * masses_kg.cwiseProduct(at.displacement_m),
-          model.basis.pressures.transpose() * volumes_m3.cwiseProduct(at.multipliers_pa), at.constraint_multipliers,
-          Eigen::VectorXd()};
-}
-
 KnownRests rests_of(const std::vector<Snapshot>& snapshots, const ReducedModel& model) {
   std::vector<const Snapshot*> rests;
   for (const Snapshot& snapshot : snapshots)
@@ -56,11 +44,10 @@ KnownRests rests_of(const std::vector<Snapshot>& snapshots, const ReducedModel& 
   KnownRests all{Eigen::MatrixXd(actuators, count), Eigen::MatrixXd(model.energy.modes(), count),
                  Eigen::MatrixXd(model.energy.pressures(), count),
                  Eigen::MatrixXd(static_cast<Eigen::Index>(model.constraints.count()), count)};
-  const Eigen::VectorXd masses_kg = masses_of_axes_kg(model.full->body());
   for (Eigen::Index i = 0; i < count; ++i) {
     const Snapshot& at = *rests[static_cast<std::size_t>(i)];
     for (Eigen::Index a = 0; a < actuators; ++a) all.commands(a, i) = at.drives[static_cast<std::size_t>(a)].command;
-    const ReducedUnknowns unknowns = projected(model, at, masses_kg, element_volumes_m3(*model.full));
+    const ReducedUnknowns unknowns = projected(model, at);
     all.q.col(i) = unknowns.q;
     all.pressures.col(i) = unknowns.pressures;
     all.multipliers.col(i) = unknowns.multipliers;
@@ -69,9 +56,8 @@ KnownRests rests_of(const std::vector<Snapshot>& snapshots, const ReducedModel& 
 }
 
 // How each point moves the body, rms in m, in the first Newton step at a snapshot's projection.
-Eigen::MatrixXd point_motions(const ReducedModel& model, const Snapshot& at, const Eigen::VectorXd& masses_kg,
-                              const Eigen::VectorXd& volumes_m3) {
-  const ReducedUnknowns unknowns = projected(model, at, masses_kg, volumes_m3);
+Eigen::MatrixXd point_motions(const ReducedModel& model, const Snapshot& at) {
+  const ReducedUnknowns unknowns = projected(model, at);
   const ReducedConstraints::Values constraints = model.constraints.at(unknowns.q, unknowns.multipliers, at.drives);
   const Eigen::MatrixXd inner = reduced_matrix(model, unknowns, constraints, at.inertia_per_s2);
   const Eigen::Index n = unknowns.q.size();
@@ -80,14 +66,12 @@ Eigen::MatrixXd point_motions(const ReducedModel& model, const Snapshot& at, con
 }
 
 void choose_points(const std::vector<Snapshot>& snapshots, double tolerance_m, ReducedModel& model) {
-  const Eigen::VectorXd masses_kg = masses_of_axes_kg(model.full->body());
-  const Eigen::VectorXd& volumes_m3 = element_volumes_m3(*model.full);
   const std::size_t states = std::min(kCubatureStates, snapshots.size());
   const Eigen::Index n = model.energy.modes();
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(states) * n, static_cast<Eigen::Index>(model.energy.points().size()));
   for (std::size_t i = 0; i < states; ++i)
     rows.middleRows(static_cast<Eigen::Index>(i) * n, n) =
-        point_motions(model, snapshots[i * snapshots.size() / states], masses_kg, volumes_m3);
+        point_motions(model, snapshots[i * snapshots.size() / states]);
   model.keep_points(sparse_weights(rows, tolerance_m * std::sqrt(static_cast<double>(states))));
 }
 

@@ -23,16 +23,17 @@ struct SceneReduction {
 // Where the scene asks for a reduced model that this program does not know, or together with `fidelity`.
 void refuse_unknown_reduced(const YamlNode& scene, const SceneOptions& options);
 
-// None with another method.
-std::optional<ReducedRequest> read_reduced(const YamlNode& settings, const Scene& scene);
+// None with another method, or where newton takes its place.
+std::optional<ReducedRequest> read_reduced(const YamlNode& settings, const Scene& scene, ReducedUse use);
 
+// Null where none is kept and none is to be trained.
 std::shared_ptr<const SceneReduction> reduce(const YamlNode& settings, const Scene& scene,
                                              const ReducedRequest& request, const SceneOptions& options);
 
 // Kept by content beside the meshes: modes, weights and errors. The polynomials are worked out anew.
 std::string reduction_key(const YamlNode& settings, const Body& body);
 std::optional<ReducedChoice> find_reduction(const std::string& key, const std::shared_ptr<const Model>& model,
-                                            const ReducedRequest& request, const SceneOptions& options);
+                                            const SceneOptions& options);
 void keep_reduction(const std::string& key, const ReducedChoice& choice, const SceneOptions& options);
 
 // `reduced` of result.json.

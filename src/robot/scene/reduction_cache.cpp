@@ -14,7 +14,7 @@ namespace {
 using Kept = nlohmann::json;
 
 // Part of every key: raise it when another model would be trained for the same scene.
-constexpr const char* kVersion = "soft_robot_lab reduced 3";
+constexpr const char* kVersion = "soft_robot_lab reduced 4";
 constexpr const char* kEnding = ".reduced.cbor";
 
 ContentCache cache_of(const SceneOptions& options) { return ContentCache(cache_folder(mesher_options(options))); }
@@ -55,10 +55,14 @@ ReducedError error_from(const Kept& json) {
   return {json.at(0).get<int>(), json.at(1).get<int>(), json.at(2).get<double>(), json.at(3).get<double>()};
 }
 
-ReducedChoice choice_from(const Kept& json, const std::shared_ptr<const Model>& model, const CommandBox& box) {
+ReducedChoice choice_from(const Kept& json, const std::shared_ptr<const Model>& model) {
   const TetMesh& mesh = model->body().mesh();
   const ReducedBasis basis{matrix_from(json.at("modes"), 3 * mesh.node_count()),
                            matrix_from(json.at("pressures"), mesh.tet_count())};
+  const CommandBox box{json.at("box").at(0).get<std::vector<double>>(),
+                       json.at("box").at(1).get<std::vector<double>>()};
+  if (box.min.size() != model->actuators().size() || box.max.size() != box.min.size())
+    throw std::invalid_argument("a kept reduced model is of other actuators");
   auto reduced = std::make_shared<ReducedModel>(model, box, basis);
   reduced->keep_points(
       matrix_from(json.at("point_factors"), static_cast<Eigen::Index>(reduced->energy.points().size())));
@@ -92,11 +96,11 @@ std::string reduction_key(const YamlNode& settings, const Body& body) {
 }
 
 std::optional<ReducedChoice> find_reduction(const std::string& key, const std::shared_ptr<const Model>& model,
-                                            const ReducedRequest& request, const SceneOptions& options) {
+                                            const SceneOptions& options) {
   const std::string path = cache_of(options).find(key, kEnding);
   if (path.empty()) return std::nullopt;
   try {
-    return choice_from(Kept::from_cbor(read_regular_file(path, kLargestMesh_bytes)), model, request.box);
+    return choice_from(Kept::from_cbor(read_regular_file(path, kLargestMesh_bytes)), model);
   } catch (const Kept::exception&) {
     return std::nullopt;  // of another version
   } catch (const std::invalid_argument&) {
@@ -106,7 +110,8 @@ std::optional<ReducedChoice> find_reduction(const std::string& key, const std::s
 
 void keep_reduction(const std::string& key, const ReducedChoice& choice, const SceneOptions& options) {
   const ReducedModel& model = *choice.model;
-  const Kept json = {{"modes", matrix_json(model.basis.modes)},
+  const Kept json = {{"box", {model.box.min, model.box.max}},
+                     {"modes", matrix_json(model.basis.modes)},
                      {"pressures", matrix_json(model.basis.pressures)},
                      {"point_factors", matrix_json(model.point_factors)},
                      {"rests", kept_rests(model.rests)},

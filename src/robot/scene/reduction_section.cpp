@@ -9,16 +9,23 @@ bool asks_for_reduced(const YamlNode& scene) {
   return solver && solver->text_or("method", "newton") == "reduced";
 }
 
-// A range of each actuator, and of nothing else.
+CommandLimits read_range(const YamlNode& item, CommandLimits limits) {
+  const Eigen::VectorXd range = item.as_numbers();
+  if (range.size() != 2) item.fail("must be a list of two numbers, the least and the largest command");
+  limits.min = range[0];
+  limits.max = range[1];
+  return limits;
+}
+
+// Of actuators that it does not name all that they can do.
 CommandBox read_command_box(const YamlNode& solver, const Simulation& simulation) {
   CommandBox box;
-  const YamlNode node = solver.child("commands");
+  const std::optional<YamlNode> node = solver.optional_child("commands");
   for (const auto& actuator : simulation.actuators()) {
-    const YamlNode item = node.child(actuator->name());
-    const Eigen::VectorXd range = item.as_numbers();
-    if (range.size() != 2) item.fail("must be a list of two numbers, the least and the largest command");
-    box.min.push_back(range[0]);
-    box.max.push_back(range[1]);
+    const std::optional<YamlNode> item = node ? node->optional_child(actuator->name()) : std::nullopt;
+    const CommandLimits range = item ? read_range(*item, actuator->limits()) : actuator->limits();
+    box.min.push_back(range.min);
+    box.max.push_back(range.max);
   }
   return box;
 }
@@ -32,22 +39,25 @@ void refuse_other_questions(const YamlNode& settings, const RunSettings& run) {
 }  // namespace
 
 void refuse_unknown_reduced(const YamlNode& scene, const SceneOptions& options) {
-  if (!asks_for_reduced(scene)) return;
+  if (!asks_for_reduced(scene) || options.reduced == ReducedUse::by_newton) return;
   const YamlNode method = scene.child("solver").child("method");
-  if (!options.knows_reduced)
-    method.fail("reduced is for the programs simulate, rollouts and optimise; must be newton or xpbd here");
+  if (options.reduced == ReducedUse::refused)
+    method.fail(
+        "reduced is for sessions and the programs simulate, rollouts and optimise; must be newton or xpbd here");
   if (scene.has("fidelity")) method.fail("reduced is not chosen by fidelity; leave out one of the two");
 }
 
-std::optional<ReducedRequest> read_reduced(const YamlNode& settings, const Scene& scene) {
+std::optional<ReducedRequest> read_reduced(const YamlNode& settings, const Scene& scene, ReducedUse use) {
   if (!asks_for_reduced(settings)) return std::nullopt;
   const YamlNode solver = settings.child("solver");
-  refuse_other_questions(settings, scene.run);
   ReducedRequest request;
   request.tolerance_m = solver.number_or("tolerance_m", request.tolerance_m, AllowedRange::positive());
   request.audit_every_s = solver.number_or("audit_every_s", request.audit_every_s, AllowedRange::positive());
   if (solver.has("modes")) request.modes = solver.integer("modes", 1, 40);
   request.box = read_command_box(solver, *scene.simulation);
+  request.may_narrow = !solver.has("commands");
+  if (use == ReducedUse::by_newton) return std::nullopt;
+  if (use == ReducedUse::trained) refuse_other_questions(settings, scene.run);
   return request;
 }
 
@@ -55,8 +65,9 @@ std::shared_ptr<const SceneReduction> reduce(const YamlNode& settings, const Sce
                                              const ReducedRequest& request, const SceneOptions& options) {
   const std::shared_ptr<const Model>& model = scene.simulation->model();
   const std::string key = reduction_key(settings, model->body());
-  if (std::optional<ReducedChoice> known = find_reduction(key, model, request, options))
+  if (std::optional<ReducedChoice> known = find_reduction(key, model, options))
     return std::make_shared<SceneReduction>(SceneReduction{std::move(*known), request, true});
+  if (options.reduced == ReducedUse::if_kept) return nullptr;
   SceneReduction made{
       in_section(settings.child("solver"), [&] { return choose_modes(model, request, options.progress); }), request,
       false};

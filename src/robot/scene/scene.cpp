@@ -44,7 +44,7 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
 }
 
 Scene load_scene(const YamlNode& node, const SceneOptions& options) {
-  const YamlNode stated = with_overrides(node, options.overrides);
+  const YamlNode stated = with_method(with_overrides(node, options.overrides), options.method);
   read_parameters(stated);
   refuse_megapascals(stated);
   refuse_unknown_reduced(stated, options);
@@ -53,10 +53,11 @@ Scene load_scene(const YamlNode& node, const SceneOptions& options) {
   const YamlNode settings = chosen ? overrides_of(*fidelity->choice).over(stated) : stated;
   Scene scene = build_scene(settings, read_mesh(settings, options), options);
   read_casting_settings(settings);
-  const std::optional<ReducedRequest> request = read_reduced(settings, scene);
+  const std::optional<ReducedRequest> request = read_reduced(settings, scene, options.reduced);
   settings.require_all_read();
   if (request && options.on_warnings) options.on_warnings(scene.warnings);
   if (request) scene.reduction = reduce(settings, scene, *request, options);
+  scene.untrained = request && !scene.reduction;
   scene.file = node.source();
   scene.fidelity = std::move(fidelity);
   return scene;

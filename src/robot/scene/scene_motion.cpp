@@ -47,6 +47,60 @@ void SceneMotion::reset() {
   audits_.limit_m = reduction_->choice.trusted_m();
 }
 
+SceneMotion::Place SceneMotion::place() {
+  show();
+  return {simulation_.state(), fast_ ? std::optional(fast_->state()) : std::nullopt};
+}
+
+void SceneMotion::go_to(const Place& place) {
+  reset();
+  simulation_.set_state(place.full);
+  audited_s_ = place.full.time_s;
+  if (place.reduced)
+    fast_->set_state(*place.reduced);
+  else
+    fast_.reset();
+}
+
+void SceneMotion::to_newton(const std::string& why) {
+  if (fast_) leave(why);
+}
+
+bool SceneMotion::to_reduced(std::shared_ptr<const SceneReduction> trained) {
+  reduction_ = std::move(trained);
+  fast_markers_.emplace(*reduction_->choice.model);
+  audit_.emplace(*reduction_->choice.model, simulation_.model());
+  audits_.limit_m = reduction_->choice.trusted_m();
+  return to_reduced();
+}
+
+// What an audit has refused is asked again only where the robot rests.
+bool SceneMotion::trusted_at_rest(const ReducedState& state) {
+  constexpr double still_m_s = 1e-3;
+  if (simulation_.state().velocities_m_s.colwise().norm().maxCoeff() > still_m_s) return false;
+  const AuditResult found = audit_->at_rest(state);
+  return found.found && found.estimate_m <= audits_.limit_m;
+}
+
+bool SceneMotion::to_reduced() {
+  if (!left()) return reduced();
+  const ReducedModel& model = *reduction_->choice.model;
+  const SimulationState& from = simulation_.state();
+  for (std::size_t i = 0; i < from.drives.size(); ++i)
+    for (const double command : {from.drives[i].command, from.drives[i].actuated_command})
+      if (command < model.box.min[i] || command > model.box.max[i]) return false;
+  const ReducedState nearest = nearest_state(model, from);
+  const Eigen::Matrix3Xd jump_m = fast_markers_->places_m(nearest.at.q) - markers_m();
+  if (jump_m.cols() > 0 && jump_m.colwise().norm().maxCoeff() > audits_.limit_m) return false;
+  if (audits_.failed && !trusted_at_rest(nearest)) return false;
+  fast_.emplace(reduction_->choice.model);
+  fast_->set_state(nearest);
+  audited_s_ = nearest.time_s;
+  audits_.failed = false;
+  corrected_.reset();
+  return true;
+}
+
 void SceneMotion::set_command(const std::string& actuator, double command) {
   if (fast_) {
     const auto i = static_cast<std::size_t>(simulation_.actuator_index(actuator));

@@ -27,12 +27,28 @@ class SceneMotion {
 
   void reset();  // as it was made: the rest shape, and the reduced model where there is one
 
+  // A state of all that moves, to come back to.
+  struct Place {
+    SimulationState full;
+    std::optional<ReducedState> reduced;
+  };
+  Place place();
+  void go_to(const Place& place);
+
+  // For what the reduced model does not know; a warning says why. Nothing where newton moves the robot already.
+  void to_newton(const std::string& why);
+  // To the reduced model, or to this one, from a state that it can take: within its commands, and with no marker
+  // farther off than it is trusted to. False where it cannot yet.
+  bool to_reduced();
+  bool to_reduced(std::shared_ptr<const SceneReduction> trained);
+
   void set_command(const std::string& actuator, double command);  // throws as Simulation does
   SolveReport step();
   SolveReport solve_equilibrium();
 
-  bool reduced() const { return fast_.has_value(); }  // still
-  bool left() const { return reduction_ && !fast_; }  // a reduced model, for newton
+  bool reduced() const { return fast_.has_value(); }                    // still
+  bool left() const { return reduction_ && !fast_; }                    // a reduced model, for newton
+  const SceneReduction* reduction() const { return reduction_.get(); }  // null where there is none
   double time_s() const;
   Eigen::Matrix3Xd markers_m();  // 3 x markers
   const DriveStates& drives() const;
@@ -48,6 +64,7 @@ class SceneMotion {
   // Nothing where there is no reduced model, or it failed and was left.
   std::optional<SolveReport> by_reduced(ReducedReport (ReducedSimulation::*move)(), const std::string& failure);
   std::string audit(bool at_rest);  // empty, or why it failed
+  bool trusted_at_rest(const ReducedState& state);
   void leave(const std::string& why);
   void warn(const std::string& text);
   SolveReport finish(SolveReport report);  // with the warnings

@@ -20,6 +20,19 @@ Integrator integrator_named(const std::string& name) {
 
 }  // namespace
 
+YamlNode with_method(const YamlNode& stated, const std::string& method) {
+  if (method.empty()) return stated;
+  Overrides own;
+  own.set({"solver", "method"}, method);
+  if (method != "newton") own.set({"solver", "integrator"}, "implicit_euler");
+  const YamlNode settings = own.over(stated);
+  const YamlNode solver = settings.child("solver");
+  for (const char* key : {"substeps", "iterations", "tolerance_m", "audit_every_s", "modes"})
+    solver.optional_child(key);
+  if (solver.has("commands") && method != "reduced") Overrides ranges(solver.child("commands"));  // counts as read
+  return settings;
+}
+
 SolverOptions read_solver(const YamlNode& scene) {
   SolverOptions options;
   const std::optional<YamlNode> node = scene.optional_child("solver");

@@ -29,6 +29,7 @@ int check(const Arguments& arguments) {
   read_files(arguments);
   SceneOptions options;
   options.actuator_factory = actuators_from_plugins();
+  options.reduced = ReducedUse::by_newton;
   const Scene scene = load_scene(arguments.scene, options);
   if (!arguments.rig.empty())
     require_same_commands(*scene.simulation, arguments.scene, load_rig(arguments.rig), arguments.rig);

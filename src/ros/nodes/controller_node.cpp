@@ -143,6 +143,7 @@ class ControllerNode {
 
 ControllerNode::ControllerNode() {
   scene_options_.actuator_factory = actuators_from_plugins();
+  scene_options_.reduced = ReducedUse::by_newton;
   scene_options_.interrupt = [] { return !ros::ok(); };
   const ros::NodeHandle parameters("~");
   read_parameter(parameters, "ramp_s", ramp_s_);

@@ -35,6 +35,8 @@
 #include "ros/simulation_publisher.h"
 #include "ros/surface_marker.h"
 #include "ros/topics.h"
+#include "robot/scene/background_training.h"
+#include "robot/scene/scene_motion.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 
 namespace soft_robot_lab {
@@ -43,7 +45,8 @@ namespace {
 constexpr const char* kAbout = R"(Simulates a scene in real time, or as fast as possible, behind the topics that a rig
 has too.
 
-Parameters: ~scene (path), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
+Parameters: ~scene (path), ~solver (newton, xpbd or reduced; empty: the scene's own; a reduced model that is not kept
+is trained while newton moves the robot, and then takes over), ~real_time_factor (1: real time, 0: as fast as possible), ~start_at_rest (hang under
 gravity before the first step), ~surface_rate_hz (how often the skin is published while it moves; cameras need it as
 often as they film), ~skin_opacity (1: opaque; 0: opaque where that hides no chamber or cable), ~publish_clock (false
 beside a rig: time is then the wall's), ~rig (path: the rig that takes the same commands, which a scene has to suit),
@@ -61,15 +64,19 @@ struct RunningScene {
       : path(loaded.file),
         warnings(std::move(loaded.warnings)),
         fidelity(std::move(loaded.fidelity)),
+        untrained(loaded.untrained),
         simulation(std::move(loaded.simulation)),
+        motion(*simulation, std::move(loaded.reduction)),
         surface(simulation->body().mesh(), skin_opacity > 0.0 ? skin_opacity : fitting_opacity(*simulation)) {}
 
   std::string path;
   std::vector<SolveWarning> warnings;
   std::optional<FidelityReport> fidelity;
+  bool untrained;  // its reduced model is to be trained
   std::unique_ptr<Simulation> simulation;
+  SceneMotion motion;  // of the simulation, by a reduced model where there is one
   SurfaceMarker surface;
-  SimulationState start;
+  SceneMotion::Place start;
 };
 
 // Asks for the end of what is solved, as long as it lives.
@@ -124,6 +131,8 @@ class SimulatorNode {
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool stop(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool load(LoadScene::Request& request, LoadScene::Response& response);
+  void use_reduced();
+  void diagnose_solver(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void report_what_lasts(const std::string& what, diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void publish_frames();
@@ -145,6 +154,8 @@ class SimulatorNode {
   std::string last_refusal_;
   RealTimeFactor real_time_factor_;
   PublishLimit publish_limit_{options_.max_publish_rate_hz};
+  BackgroundTraining training_;
+  double reduced_asked_s_ = 0.0;  // of the machine's time: when the reduced model was last asked to take over
 
   ros::NodeHandle node_;
   SimulationPublisher publisher_{options_.surface_rate_hz, options_.publish_clock};
@@ -165,6 +176,8 @@ class SimulatorNode {
 SimulatorNode::SimulatorNode(const SimulatorOptions& options) : options_(options) {
   scene_options_.actuator_factory = actuators_from_plugins();
   scene_options_.interrupt = [] { return !ros::ok(); };
+  scene_options_.method = options_.solver;
+  scene_options_.reduced = ReducedUse::if_kept;
   publish_frames();
   serve();
   auto first = prepare(options_.scene);
@@ -232,10 +245,10 @@ std::string SimulatorNode::settle(RunningScene& scene) const {
   std::string failure;
   scene.simulation->set_interrupt([this, before = stops_.load()] { return stops_ != before || !ros::ok(); });
   if (options_.start_at_rest) {
-    const SolveReport report = scene.simulation->solve_equilibrium();
+    const SolveReport report = scene.motion.solve_equilibrium();
     if (!report.converged) failure = scene.path + ": does not start at rest: " + report.message;
   }
-  scene.start = scene.simulation->state();
+  scene.start = scene.motion.place();
   scene.simulation->set_interrupt([this] { return ends_ || !ros::ok(); });
   return failure;
 }
@@ -247,7 +260,9 @@ void SimulatorNode::start(std::unique_ptr<RunningScene> scene) {
   {
     const std::lock_guard lock(mutex_);
     ranges = actuator_ranges(*scene->simulation, session_time());
+    training_.stop();
     scene_ = std::move(scene);
+    if (scene_->untrained) training_.start(scene_->path, scene_options_);
     hand_.forget();
     publisher_.show(*scene_->simulation, session_time());
   }
@@ -282,23 +297,37 @@ double SimulatorNode::step() {
   const std::lock_guard lock(mutex_);
   since_s_ = machine_time_s();
   hand_.let_go_if_silent(machine_time_s(), *scene_->simulation);
-  last_report_ = hand_.step(*scene_->simulation);
+  use_reduced();
+  last_report_ = hand_.holds() ? hand_.step(*scene_->simulation) : scene_->motion.step();
   if (last_report_.interrupted && (ends_ || !ros::ok())) return 0.0;
   if (!last_report_.converged) ++unconverged_steps_;
   for (const SolveWarning& warning : last_report_.warnings) add_warning(warning, warnings_);
   const double time_step_s = scene_->simulation->options().time_step_s;
   session_s_ = options_.publish_clock ? session_s_ + time_step_s : ros::Time::now().toSec();
   real_time_factor_.update(session_s_);
-  if (publish_limit_.due(session_s_, machine_time_s()))
+  if (publish_limit_.due(session_s_, machine_time_s())) {
+    scene_->motion.show();
     publisher_.publish(*scene_->simulation, scene_->surface, session_time());
+  }
   return time_step_s;
+}
+
+// Once it is trained, or knows the state again that it had left.
+void SimulatorNode::use_reduced() {
+  constexpr double every_s = 0.5;
+  if (hand_.holds() || scene_->motion.reduced() || machine_time_s() < reduced_asked_s_ + every_s) return;
+  reduced_asked_s_ = machine_time_s();
+  if (std::shared_ptr<const SceneReduction> trained = training_.take())
+    scene_->motion.to_reduced(std::move(trained));
+  else
+    scene_->motion.to_reduced();
 }
 
 void SimulatorNode::on_command(const ActuatorCommand& command) {
   const std::lock_guard lock(mutex_);
   try {
     require_in_limits<ActuatorCommand>(command);
-    apply_command(command, *scene_->simulation);
+    apply_command(command, scene_->motion);
   } catch (const std::invalid_argument& error) {
     ++refused_commands_;
     last_refusal_ = log_text(error.what());
@@ -322,6 +351,7 @@ void SimulatorNode::on_pull(const SkinPull& pull) {
   const std::lock_guard lock(mutex_);
   try {
     require_in_limits<SkinPull>(pull);
+    scene_->motion.to_newton("a hand pulls at the skin");
     hand_.take(in_robot_base(pull), machine_time_s(), *scene_->simulation);
   } catch (const std::invalid_argument& error) {
     ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::simulator_pull, log_text(error.what()).c_str());
@@ -336,8 +366,7 @@ bool SimulatorNode::reset(std_srvs::Trigger::Request& /*request*/, std_srvs::Tri
     return true;
   }
   hand_.let_go(*scene_->simulation);
-  scene_->simulation->reset();
-  scene_->simulation->set_state(scene_->start);
+  scene_->motion.go_to(scene_->start);
   response.success = true;
   response.message = "at the start of " + scene_->path;
   return true;
@@ -352,9 +381,9 @@ bool SimulatorNode::stop(std_srvs::Trigger::Request& /*request*/, std_srvs::Trig
   response.message = scene_ ? "the drives stay where they are" : "the scene does not wait until it rests";
   if (!scene_) return true;
   hand_.let_go(*scene_->simulation);
-  Simulation& simulation = *scene_->simulation;
-  for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
-    simulation.set_command(simulation.actuators()[i]->name(), simulation.state().drives[i].actuated_command);
+  const DriveStates drives = scene_->motion.drives();
+  for (std::size_t i = 0; i < drives.size(); ++i)
+    scene_->motion.set_command(scene_->simulation->actuators()[i]->name(), drives[i].actuated_command);
   return true;
 }
 
@@ -380,6 +409,18 @@ void SimulatorNode::report_what_lasts(const std::string& what,
                  what + " for " + std::to_string(lasts_s) + " s; Stop ends it");
 }
 
+void SimulatorNode::diagnose_solver(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  const SceneMotion& motion = scene_->motion;
+  const bool xpbd = scene_->simulation->options().method == SolverOptions::Method::xpbd;
+  status.add("solver", motion.reduced() ? "reduced" : xpbd ? "xpbd" : "newton");
+  const std::string training = training_.status();
+  if (!training.empty()) status.add("reduced model", training);
+  if (!motion.reduction()) return;
+  status.add("modes", motion.reduction()->choice.model->energy.modes());
+  status.add("audited error [m]", motion.audits().largest_estimate_m);
+  status.add("trusted error [m]", motion.audits().limit_m);
+}
+
 void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const std::unique_lock lock(mutex_, std::chrono::milliseconds(500));
   if (!lock || !scene_) return report_what_lasts(lock ? "loading" : "solving", status);
@@ -388,6 +429,8 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
     status.summary(Status::WARN, "steps that did not converge: " + last_report_.message);
   } else if (!warnings_.empty()) {
     status.summary(Status::WARN, warnings_.front().text);
+  } else if (training_.failed()) {
+    status.summary(Status::WARN, training_.status());
   } else {
     status.summary(Status::OK, "runs");
   }
@@ -396,6 +439,7 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("nodes", scene_->simulation->body().mesh().node_count());
   status.add("expected error", scene_->fidelity ? expected_error_text(*scene_->fidelity) : "not asked for");
   status.add("steps not converged in the last second", unconverged_steps_);
+  diagnose_solver(status);
   status.add("iterations", last_report_.iterations);
   status.add("residual", last_report_.residual);
   status.add("inverted elements", last_report_.inverted_elements);

@@ -17,6 +17,7 @@ namespace soft_robot_lab {
 
 struct SimulatorOptions {
   std::string scene;
+  std::string solver;             // newton, xpbd or reduced; empty: the scene's own
   double real_time_factor = 1.0;  // [0, 1000]; 0: as fast as possible
   bool start_at_rest = true;
   double surface_rate_hz = 15.0;  // (0, 1000]
@@ -33,6 +34,8 @@ struct SimulatorOptions {
     require_in_range("skin_opacity", skin_opacity, {0.0, 1.0});
     require_in_range("max_publish_rate_hz", max_publish_rate_hz, {1.0, 1.0e5});
     require_in_range("max_pull_n", max_pull_n, {0.0, 1000.0});
+    if (!solver.empty() && solver != "newton" && solver != "xpbd" && solver != "reduced")
+      throw std::invalid_argument("solver: '" + solver + "' is none of newton, xpbd, reduced; empty: the scene's own");
     if (position_m.size() != 3 ||
         !std::all_of(position_m.begin(), position_m.end(), [](double x) { return std::abs(x) <= 1e3; }))
       throw std::invalid_argument("position_m: must be three numbers [m] in [-1000, 1000]");
@@ -48,6 +51,7 @@ inline SimulatorOptions read_options(const ros::NodeHandle& node) {
   SimulatorOptions options;
   if (!read_parameter(node, "scene", options.scene))
     throw std::invalid_argument("scene: missing; give the path of a scene");
+  read_parameter(node, "solver", options.solver);
   read_parameter(node, "real_time_factor", options.real_time_factor);
   read_parameter(node, "start_at_rest", options.start_at_rest);
   read_parameter(node, "surface_rate_hz", options.surface_rate_hz);

@@ -85,10 +85,26 @@ std::optional<double> Lamps::value_of(const std::string& key, double now_s) cons
   return std::nullopt;
 }
 
+std::string Lamps::text_value(const std::string& key) const {
+  for (const auto& value : heard_.at(simulation).status.values)
+    if (value.key == key) return value.value;
+  return "";
+}
+
 Lamp Lamps::squeezed(double least) {
   const Lamp::Level level = least <= 0.0 ? Lamp::Level::error : least < 0.2 ? Lamp::Level::warn : Lamp::Level::ok;
   return {"det F", level, text_of(least, "%.2f"),
           "least volume of the silicone over that at rest, element by element: below 0 the mesh is turned over"};
+}
+
+// Of a reduced model; who moves the robot meanwhile stands beside it.
+Lamp Lamps::audited(double error_m, double now_s) const {
+  const double trusted_m = value_of("trusted error [m]", now_s).value_or(0.0);
+  const bool moves = text_value("solver") == "reduced";
+  const std::string value = moves ? text_of(1e3 * error_m, "%.2f mm") : "newton";
+  return {"Reduced", moves ? Lamp::Level::ok : Lamp::Level::warn, value,
+          "largest error of the reduced model that an audit estimated; it is left for newton beyond " +
+              text_of(1e3 * trusted_m, "%.2f mm")};
 }
 
 Lamp Lamps::contact(double force_n) {
@@ -133,6 +149,7 @@ std::vector<Lamp> Lamps::lamps(double now_s) const {
   std::vector<Lamp> lamps = {lamp_of("Simulation", simulation, now_s), speed(now_s)};
   if (heard_.count(motors) > 0) lamps.push_back(lamp_of("Link", motors, now_s));
   if (gap_at_s_ >= 0.0) lamps.push_back(gap(now_s));
+  if (const auto error_m = value_of("audited error [m]", now_s)) lamps.push_back(audited(*error_m, now_s));
   if (const auto least = value_of("least det F", now_s)) lamps.push_back(squeezed(*least));
   if (const auto force_n = value_of("contact force [N]", now_s)) lamps.push_back(contact(*force_n));
   if (heard_.count(session_watch) > 0) lamps.push_back(lamp_of("Session", session_watch, now_s));

@@ -43,6 +43,8 @@ class Lamps {
   };
   Lamp lamp_of(const std::string& name, const std::string& task, double now_s) const;
   std::optional<double> value_of(const std::string& key, double now_s) const;
+  std::string text_value(const std::string& key) const;  // likewise, empty where it has none
+  Lamp audited(double error_m, double now_s) const;
   static Lamp squeezed(double least);
   static Lamp contact(double force_n);
   Lamp speed(double now_s) const;

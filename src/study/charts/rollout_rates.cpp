@@ -75,7 +75,7 @@ std::vector<RolloutRate> run_rollouts(const ExperimentContext& context, const Ro
   for (const RolloutRung& rung : problem.rungs) {
     context.report(1.0, problem.title + ": " + rung.name);
     SceneOptions options = context.scene_options(rung.overrides);
-    options.knows_reduced = true;
+    options.reduced = ReducedUse::trained;
     const Scene scene = load_scene(problem.scene, options);
     const RolloutPlan plan = plan_of(problem, rung, *scene.simulation->model());
     for (const int threads : problem.threads) rates.push_back(run_batch(scene, rung, plan, threads));

@@ -20,12 +20,12 @@ cables: [{name: left, points_m: [[0, -0.007, 0], [0.1, -0.007, 0]], via_points: 
   }
 
   // `text` follows the include.
-  Scene load(const std::string& text, bool knows_reduced = true) const {
+  Scene load(const std::string& text, ReducedUse reduced = ReducedUse::trained) const {
     SceneOptions options;
     options.mesher = SOFT_ROBOT_LAB_MESHER;
     options.cache_folder = path("cache");
     options.actuator_factory = make_actuator;
-    options.knows_reduced = knows_reduced;
+    options.reduced = reduced;
     return load_scene(write("scene.yaml", "include: coarse.yaml\n" + text), options);
   }
 };

@@ -2,12 +2,16 @@
 // Scenes with solver.method reduced, on a coarse bar with one cable, which bends it to one side.
 #include <algorithm>
 #include <cmath>
+#include <chrono>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "robot/scene/background_training.h"
 #include "robot/scene/scene_motion.h"
 #include "block_beside.h"
 #include "cabled_bar.h"
@@ -33,8 +37,8 @@ class ReducedScene : public testing::Test {
   static void SetUpTestSuite() { folder_ = new CabledBar; }
   static void TearDownTestSuite() { delete folder_; }
 
-  static Scene load(const std::string& solver, const std::string& rest, bool knows_reduced = true) {
-    return folder_->load("solver: {time_step_s: 0.05, " + solver + "}\n" + rest, knows_reduced);
+  static Scene load(const std::string& solver, const std::string& rest, ReducedUse use = ReducedUse::trained) {
+    return folder_->load("solver: {time_step_s: 0.05, " + solver + "}\n" + rest, use);
   }
 
   static Outcome run(const std::string& solver, const std::string& rest) {
@@ -45,9 +49,9 @@ class ReducedScene : public testing::Test {
     return outcome;
   }
 
-  static std::string refusal(const std::string& solver, const std::string& rest, bool knows_reduced = true) {
+  static std::string refusal(const std::string& solver, const std::string& rest, ReducedUse use = ReducedUse::trained) {
     try {
-      load(solver, rest, knows_reduced);
+      load(solver, rest, use);
     } catch (const SettingsError& error) {
       return error.what();
     }
@@ -195,6 +199,130 @@ TEST_F(ReducedScene, AFailedAuditInMotionLeavesItToNewton) {
   EXPECT_EQ(motion.step().path.front().stage, SolveStage::newton);
 }
 
+// Over to newton and back, on the way from one command to another.
+TEST_F(ReducedScene, HandsARobotThatMovesOverAndBackWithoutAJump) {
+  Scene scene = load(kReduced, kMotion), whole = load("method: newton", kMotion);
+  SceneMotion motion(scene), newton(whole);
+  double apart_m = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    for (SceneMotion* one : {&motion, &newton}) one->set_command("left", i < 30 ? 0.93 : 0.97);
+    if (i == 10 || i == 32) {
+      const Eigen::Matrix3Xd before_m = motion.markers_m();
+      motion.to_newton("tried");
+      EXPECT_FALSE(motion.reduced());
+      EXPECT_LT((motion.markers_m() - before_m).norm(), 1e-12);
+    }
+    if (i == 20 || i == 40) {
+      const Eigen::Matrix3Xd before_m = motion.markers_m();
+      ASSERT_TRUE(motion.to_reduced());
+      EXPECT_TRUE(motion.reduced());
+      EXPECT_LT((motion.markers_m() - before_m).norm(), motion.audits().limit_m);
+    }
+    ASSERT_TRUE(motion.step().converged);
+    ASSERT_TRUE(newton.step().converged);
+    apart_m = std::max(apart_m, (motion.markers_m() - newton.markers_m()).norm());
+  }
+  EXPECT_LT(apart_m, 2.0 * motion.audits().limit_m);
+  EXPECT_NEAR(motion.time_s(), newton.time_s(), 1e-9);
+}
+
+TEST_F(ReducedScene, TakesNoStateThatItWasNotTrainedFor) {
+  Scene scene = load(kReduced, kMotion);
+  SceneMotion motion(scene);
+  motion.set_command("left", 0.85);
+  for (int i = 0; i < 20; ++i) motion.step();
+  EXPECT_FALSE(motion.to_reduced());
+  motion.set_command("left", 0.95);
+  for (int i = 0; i < 40; ++i) motion.step();
+  EXPECT_TRUE(motion.to_reduced());
+}
+
+TEST_F(ReducedScene, ComesBackToAPlaceToTheLastBit) {
+  Scene scene = load(kReduced, kMotion);
+  SceneMotion motion(scene);
+  motion.set_command("left", 0.95);
+  ASSERT_TRUE(motion.solve_equilibrium().converged);
+  const SceneMotion::Place start = motion.place();
+  const auto ends_m = [&] {
+    motion.set_command("left", 0.92);
+    for (int i = 0; i < 10; ++i) motion.step();
+    return motion.markers_m();
+  };
+  const Eigen::Matrix3Xd first_m = ends_m();
+  motion.to_newton("tried");
+  motion.go_to(start);
+  EXPECT_TRUE(motion.reduced());
+  EXPECT_EQ(ends_m(), first_m);
+}
+
+TEST_F(ReducedScene, IsTrainedBesideWhatRuns) {
+  const std::string other = "method: reduced, tolerance_m: 2.1e-4, commands: {left: [0.9, 1]}";
+  const Scene scene = load(other, kMotion, ReducedUse::if_kept);
+  EXPECT_TRUE(scene.untrained);
+  EXPECT_FALSE(scene.reduction);
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.cache_folder = folder_->path("cache");
+  options.actuator_factory = make_actuator;
+  BackgroundTraining training;
+  training.start(scene.file, options);
+  EXPECT_NE(training.status().find("training"), std::string::npos) << training.status();
+  std::shared_ptr<const SceneReduction> trained;
+  while (!(trained = training.take()) && !training.failed()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_TRUE(trained) << training.status();
+  EXPECT_EQ(training.status(), "");
+  SceneMotion motion(*scene.simulation, nullptr);
+  EXPECT_FALSE(motion.to_reduced());
+  EXPECT_TRUE(motion.to_reduced(trained));
+  EXPECT_TRUE(load(other, kMotion, ReducedUse::if_kept).reduction);
+}
+
+TEST_F(ReducedScene, TrainingThatFailsSaysWhyAndTrainingThatIsStoppedEnds) {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.cache_folder = folder_->path("cache");
+  options.actuator_factory = make_actuator;
+  options.method = "reduced";
+  const std::string scene = folder_->write("rubs.yaml",
+                                           "include: coarse.yaml\ncables: {left: {model: friction, "
+                                           "friction_coefficient: 0.1}}\nsolver: {substeps: 3}\n");
+  BackgroundTraining training;
+  training.start(scene, options);
+  while (!training.failed()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_NE(training.status().find("not trained: "), std::string::npos) << training.status();
+  EXPECT_NE(training.status().find("'left'"), std::string::npos) << training.status();
+  EXPECT_FALSE(training.take());
+  options.overrides.set({"cables", "left", "model"}, "sliding");
+  training.start(scene, options);
+  training.stop();
+  EXPECT_EQ(training.status(), "");
+  EXPECT_FALSE(training.take());
+}
+
+// A session's method in place of the file's, with what stands there for another one.
+TEST_F(ReducedScene, AnotherMethodThanTheFilesLeavesItsKeysAlone) {
+  SceneOptions options;
+  options.mesher = SOFT_ROBOT_LAB_MESHER;
+  options.cache_folder = folder_->path("cache");
+  options.actuator_factory = make_actuator;
+  const std::string scene = folder_->write(
+      "methods.yaml",
+      "include: coarse.yaml\nsolver: {method: reduced, tolerance_m: 2.0e-4, commands: {left: [0.9, 1]}}\n");
+  options.method = "xpbd";
+  EXPECT_EQ(load_scene(scene, options).simulation->options().method, SolverOptions::Method::xpbd);
+  options.method = "newton";
+  EXPECT_EQ(load_scene(scene, options).simulation->options().method, SolverOptions::Method::newton);
+  options.method.clear();
+  options.reduced = ReducedUse::by_newton;
+  EXPECT_EQ(load_scene(scene, options).simulation->options().method, SolverOptions::Method::newton);
+  options.method = "reduced";
+  options.reduced = ReducedUse::trained;
+  const std::string damped = folder_->write("second_order.yaml",
+                                            "include: coarse.yaml\nsolver: {integrator: bdf2, substeps: 7, "
+                                            "commands: {left: [0.9, 1]}}\n");
+  EXPECT_TRUE(load_scene(damped, options).reduction);
+}
+
 TEST_F(ReducedScene, RefusesWhatItDoesNotKnow) {
   const struct {
     std::string solver, rest, words;
@@ -221,7 +349,8 @@ TEST_F(ReducedScene, RefusesWhatItDoesNotKnow) {
     const std::string words = refusal(one.solver, one.rest);
     EXPECT_NE(words.find(one.words), std::string::npos) << one.solver << one.rest << words;
   }
-  EXPECT_NE(refusal(kReduced, kMotion, false).find("programs simulate, rollouts and optimise"), std::string::npos);
+  EXPECT_NE(refusal(kReduced, kMotion, ReducedUse::refused).find("sessions and the programs simulate"),
+            std::string::npos);
 }
 
 // A hollow cuboid that a regulator would fill.
@@ -229,7 +358,7 @@ TEST_F(ReducedScene, RefusesARegulatedChamberByItsName) {
   SceneOptions options;
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
-  options.knows_reduced = true;
+  options.reduced = ReducedUse::trained;
   const std::string scene = "include: " SOFT_ROBOT_LAB_SOURCE
                             "/config/robots/hollow_cuboid/robot.yaml\nbody: {element_size_m: 0.02}\n"
                             "chambers: {main: {command: gauge_pressure}}\n"

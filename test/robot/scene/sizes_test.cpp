@@ -306,7 +306,7 @@ TEST(Sizes, WarningsComeBeforeAMeshIsJudgedOrAModelTrained) {
         std::string("fidelity: {tolerance_m: 1, max_nodes: 300}\n")}) {
     SceneOptions options = with_mesher();
     std::vector<SolveWarning> seen;
-    options.knows_reduced = true;
+    options.reduced = ReducedUse::trained;
     options.on_warnings = [&](const auto& warnings) { seen = warnings; };
     options.interrupt = [&] { return !seen.empty(); };
     try {

@@ -46,16 +46,22 @@ struct Scene {
   RunSettings run;
   std::vector<SolveWarning> warnings;      // of odd sizes and cables; run_scene reports them with its own
   std::optional<FidelityReport> fidelity;  // where the scene or its options ask for it
-  // With solver.method reduced: run_scene moves the simulation by it. Null otherwise.
+  // With solver.method reduced: run_scene moves the simulation by it. Null otherwise, and where none is kept.
   std::shared_ptr<const SceneReduction> reduction;
+  bool untrained = false;  // with ReducedUse::if_kept, where none is
 };
+
+// What happens with solver.method reduced: refused, newton in its place (by which it is trained, and which goes on
+// where it ends), the model that is kept, if one is, or one that is trained now where none is kept.
+enum class ReducedUse { refused, by_newton, if_kept, trained };
 
 struct SceneOptions {
   std::string mesher;  // empty: the mesher's own defaults (design/mesher.h), also for the folder
   std::string cache_folder;
   double meshing_limit_s = 120.0;
   ActuatorFactory actuator_factory;
-  bool knows_reduced = false;  // runs the scene by run_scene; otherwise method reduced is refused
+  ReducedUse reduced = ReducedUse::refused;
+  std::string method;  // newton, xpbd or reduced, in place of the file's; keys of other methods then count for nothing
   std::function<void(double, const std::string&)> progress;  // of training, and of judging a mesh, 0 to 1; may be empty
   // Before a model is trained or a mesh is judged, with what is odd about the scene as it is read; may be empty.
   std::function<void(const std::vector<SolveWarning>&)> on_warnings = {};

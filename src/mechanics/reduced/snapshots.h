@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "reduced_model.h"
+#include "reduced_newton.h"
 #include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {

@@ -20,6 +20,7 @@ constexpr double kFollows = 1.1;     // times the way of what moves: a node that
 constexpr double kObstacleStages = 20;  // past obstacles: where a way ends depends on how it went
 constexpr double kFrictionStages = 80;  // past those that rub
 constexpr double kSameLever = 1.25;     // times as far in half the way: not a jump, but a lever
+constexpr double kLeap = 2.0;           // times as far as the small stage before: past an edge, or to a side
 constexpr double kSmallWay = 1e-3;      // of the body's size: no jump
 
 void report_unfinished(double done, SolveReport& report) {
@@ -51,7 +52,8 @@ class Walk {
   bool jumped(double share, const Eigen::Matrix3Xd& from_m);
   RestFound try_stage(double share);
   Nudge softest_way();
-  void note_snap_from(const SimulationState& stable, const Nudge& nudge);
+  bool leapt(double share, const Eigen::Matrix3Xd& from_m) const;
+  void note_snap_from(const SimulationState& stable, const Nudge& nudge, double share);
   bool fall_to(double share);
   bool lose_stability(double share);
   bool go_on_from(double share, RestFound found, double& stage);
@@ -62,7 +64,8 @@ class Walk {
   SolveReport& report_;
   RestPath path_;
   double done_ = 0.0;
-  double longest_ = 1.0;  // stage
+  double longest_ = 1.0;       // stage
+  double way_before_m_ = 0.0;  // of the stage before, for all of the way
   double follows_ = kFollows, lever_before_ = 0.0;
   int iterations_before_ = 0;  // the stage that goes on
   Eigen::Matrix3Xd before_m_;  // where the stage before began
@@ -70,6 +73,8 @@ class Walk {
 };
 
 void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
+  const double way_m = (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
+  way_before_m_ = share > done_ ? way_m / (share - done_) : 0.0;
   done_ = share;
   before_m_ = std::move(from_m);
   iterations_before_ = report_.iterations;
@@ -103,6 +108,13 @@ bool Walk::jumped(double share, const Eigen::Matrix3Xd& from_m) {
   return lever > follows_;
 }
 
+// Whether a small stage past obstacles led further than the one before lets expect.
+bool Walk::leapt(double share, const Eigen::Matrix3Xd& from_m) const {
+  const double way_m = (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
+  return longest_ < 1.0 && way_before_m_ > 0.0 && way_m > kLeastSnap * parts_.body.size_m() &&
+         way_m > kLeap * way_before_m_ * (share - done_);
+}
+
 // By Newton, through stable shapes alone where the stage can still be cut. Where that leads through an unstable
 // shape, as where a body buckles, it hardly ever converges: the stage is cut before it costs anything. Skin that is
 // pressed by what moves may be unstable on the way to a stable shape; there no node may jump.
@@ -114,7 +126,7 @@ RestFound Walk::try_stage(double share) {
   RestFound found = relax(parts_, report_, {options_.tolerance, strict});
   if (pressed && found == RestFound::none && !held_by_friction_alone(parts_)) found = relax_from_below(parts_, report_);
   if (found != RestFound::stable) return found;
-  if (pressed && jumped(share, from.positions_m)) {
+  if ((pressed && jumped(share, from.positions_m)) || leapt(share, from.positions_m)) {
     parts_.state = std::move(from);
     return RestFound::saddle;  // it went over one
   }
@@ -129,9 +141,10 @@ Nudge Walk::softest_way() {
   return nudge_off(parts_, parts_.state.positions_m - before_m_);
 }
 
-void Walk::note_snap_from(const SimulationState& stable, const Nudge& nudge) {
+void Walk::note_snap_from(const SimulationState& stable, const Nudge& nudge, double share) {
   const Snap snap = snap_between(stable.positions_m, parts_.state.positions_m, done_, nudge.other_side, parts_.body);
-  if (nudge.unstable && snap.moved_m > kLeastSnap * parts_.body.size_m()) snaps_.push_back(snap);
+  if ((nudge.unstable || leapt(share, stable.positions_m)) && snap.moved_m > kLeastSnap * parts_.body.size_m())
+    snaps_.push_back(snap);
 }
 
 // Down to a stable shape; the state stays where there is none.
@@ -144,7 +157,7 @@ bool Walk::fall_to(double share) {
     parts_.state = stable;
     return false;
   }
-  note_snap_from(stable, nudge);
+  note_snap_from(stable, nudge, share);
   advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
   return true;
 }
@@ -160,7 +173,7 @@ bool Walk::lose_stability(double share) {
     parts_.state = stable;
     return false;
   }
-  note_snap_from(stable, nudge);
+  note_snap_from(stable, nudge, share);
   advance_to(share, Eigen::Matrix3Xd(stable.positions_m));
   return true;
 }

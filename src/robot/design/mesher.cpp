@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Part of every cache key: raise it when mesh_robot makes something else of the same request.
-constexpr const char* kMesherVersion = "soft_robot_lab mesh 6";
+constexpr const char* kMesherVersion = "soft_robot_lab mesh 7";
 constexpr const char* kEnding = ".msh";
 
 void check_size(const std::string& key, double value) {

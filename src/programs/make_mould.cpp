@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // make_mould ROBOT.yaml --output FOLDER [--allow two_part,lid]: the mould that a robot is cast in, as STL and 3MF.
 #include <iostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,14 @@ void print(const Mould& mould, const std::string& folder) {
             << " g of part B; what to do is in " << folder << "/instructions.html\n";
 }
 
+Mould mould_of(const CastRobotFile& file, const std::string& path) {
+  try {
+    return make_mould(file);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(path + ": " + error.what());
+  }
+}
+
 int make(const Arguments& arguments) {
   require_mould_folder(arguments.output);
   SceneOptions options;
@@ -49,7 +58,7 @@ int make(const Arguments& arguments) {
   CastRobotFile file = load_cast_surface(arguments.robot, options);
   for (const std::string& what : arguments.allow)
     (what == "lid" ? file.settings.mould.allow_lid : file.settings.mould.allow_two_part) = true;
-  const Mould mould = make_mould(file);
+  const Mould mould = mould_of(file, arguments.robot);
   for (const std::string& fault : mould.faults) std::cerr << "make_mould: " << fault << "\n";
   if (!mould.faults.empty()) return kNotGood;
   write_mould(mould, robot_name(arguments.robot), arguments.output);

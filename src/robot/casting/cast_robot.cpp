@@ -129,7 +129,10 @@ CastRobotFile load_cast_surface(const std::string& path, const SceneOptions& opt
   const YamlNode settings = with_overrides(YamlNode::load_file(path), options.overrides);
   const YamlNode section = settings.child("body");
   refuse_unknown_blocks(settings);
-  if (!section.has("solid")) section.fail("has no solid, whose surface could be judged alone");
+  if (!section.has("solid"))
+    section.fail(
+        "has no solid: a mesh has no surface but its elements' facets. check_casting takes one without "
+        "--surface-alone; a mould needs shapes, or `solid: {step: FILE.step}` from the program that drew the body");
   CastRobotFile file = read_blocks(settings, options);
   if (settings.has("bodies") || !solids_with_material(*file.solid).empty()) refuse_several(section);
   if (section.has("material")) take_material(read_material(section.child("material")), file.robot);

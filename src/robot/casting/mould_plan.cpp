@@ -43,10 +43,16 @@ void forget_names(Solid& solid) {
   for (Solid& part : solid.parts) forget_names(part);
 }
 
+[[noreturn]] void refuse_facets(const std::string& key, const std::string& what) {
+  throw std::invalid_argument(key + ": a mould is cut from a block with the robot's own curved sides, and " + what +
+                              " has flat facets alone; export the body as STEP from the program that drew it, and give "
+                              "it by `solid: {step: FILE.step}`, or describe it by shapes. check_casting takes facets");
+}
+
 Solid robot_solid(const CastRobotFile& file) {
-  if (!file.solid) throw std::invalid_argument("body.mesh: a mould needs body.solid");
+  if (!file.solid) refuse_facets("body.mesh", "a mesh");
   Solid solid = *file.solid;
-  if (holds_stl(solid)) throw std::invalid_argument("body.solid.stl: a mould needs shapes or STEP");
+  if (holds_stl(solid)) refuse_facets("body.solid: stl", "an STL file");
   forget_names(solid);
   return solid;
 }

@@ -483,6 +483,22 @@ TEST(MakeMould, NeedsNothingHeldAndMakesTheMouldOfASleeve) {
   EXPECT_EQ(outcome.exit_status, 0) << outcome.err;
 }
 
+TEST(MakeMould, SaysWhyFacetsHaveNoMouldAndWhatHas) {
+  const SceneFolder folder;
+  const std::string arguments = " --output " + folder.path("mould");
+  const std::string stl = SOFT_ROBOT_LAB_SOURCE "/test/data/hollow_box.stl";
+  for (const std::string& body :
+       {"solid: {stl: " + stl + "}", "solid: {translate: {solid: {stl: " + stl + "}, by_m: [0, 0, 1]}}",
+        std::string("mesh: body.vtk")}) {
+    const Outcome outcome = run(folder, folder.write("facets.yaml", "body: {" + body + ", scale: 0.001}") + arguments);
+    EXPECT_EQ(outcome.exit_status, 2) << outcome.err;
+    EXPECT_NE(outcome.err.find("facets.yaml"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("facets"), std::string::npos) << "why: " << outcome.err;
+    EXPECT_NE(outcome.err.find("`solid: {step: FILE.step}`"), std::string::npos) << "what to do: " << outcome.err;
+  }
+  EXPECT_FALSE(fs::exists(folder.path("mould")));
+}
+
 TEST(MakeMould, EndsWithOneWhereNoMouldCanBeMadeAndWithTwoForABadFile) {
   const SceneFolder folder;
   const std::string output = " --output " + folder.path("mould");

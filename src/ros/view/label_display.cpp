@@ -25,6 +25,7 @@
 #include <rviz/validate_floats.h>
 #include <rviz/view_manager.h>
 
+#include "hear_topic.h"
 #include "ros/overlay_names.h"
 #include "skin_display.h"
 
@@ -129,15 +130,8 @@ void LabelDisplay::setTopic(const QString& topic, const QString& /*datatype*/) {
 
 void LabelDisplay::subscribe() {
   subscriber_.shutdown();
-  if (!isEnabled() || topic_->getTopicStd().empty()) return;
-  try {
-    subscriber_ = update_nh_.subscribe<visualization_msgs::MarkerArray>(
-        topic_->getTopicStd(), 2,
-        boost::function<void(const visualization_msgs::MarkerArray::ConstPtr&)>([this](const auto& m) { take(*m); }));
-    setStatus(rviz::StatusProperty::Ok, "Topic", "OK");
-  } catch (const ros::Exception& error) {
-    setStatus(rviz::StatusProperty::Error, "Topic", error.what());
-  }
+  subscriber_ = hear_topic<visualization_msgs::MarkerArray>(*this, update_nh_, topic_->getTopicStd(),
+                                                            [this](const auto& m) { take(m); });
 }
 
 void LabelDisplay::take(const visualization_msgs::MarkerArray& array) {

@@ -22,6 +22,8 @@
 #include <rviz/view_controller.h>
 #include <rviz/view_manager.h>
 
+#include "hear_topic.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -119,16 +121,8 @@ const SkinDisplay* find_skin(rviz::DisplayContext& context, const std::string& t
 }
 
 void SkinDisplay::subscribe() {
-  subscriber_.shutdown();
-  if (!isEnabled() || topic_->getTopicStd().empty()) return;
-  try {
-    subscriber_ = update_nh_.subscribe<visualization_msgs::Marker>(
-        topic_->getTopicStd(), 2,
-        boost::function<void(const visualization_msgs::Marker::ConstPtr&)>([this](const auto& m) { take(*m); }));
-    setStatus(rviz::StatusProperty::Ok, "Topic", "OK");
-  } catch (const ros::Exception& error) {
-    setStatus(rviz::StatusProperty::Error, "Topic", error.what());
-  }
+  subscriber_.shutdown();  // or what is latched would not come again
+  subscriber_ = hear_topic<visualization_msgs::Marker>(*this, update_nh_, topic(), [this](const auto& m) { take(m); });
 }
 
 void SkinDisplay::take(const visualization_msgs::Marker& marker) {

@@ -61,11 +61,14 @@ void paint_aim(const LabelPicture::Aim& aim, QPainter& painter) {
   }
 }
 
+constexpr double kTop_px = 10.0, kGap_px = 8.0;
+
+// In the middle of the window.
 void paint_scale(const LabelPicture& picture, const QSize& window_px, QPainter& painter) {
   if (picture.scale.size() < 2) return;
   const QFontMetricsF metrics(painter.font());
   const double height_px = 0.6 * metrics.height(), width_px = std::min(180.0, 0.4 * window_px.width());
-  const QRectF bar(0.5 * (window_px.width() - width_px), 10.0 + 0.5 * (metrics.height() - height_px), width_px,
+  const QRectF bar(0.5 * (window_px.width() - width_px), kTop_px + 0.5 * (metrics.height() - height_px), width_px,
                    height_px);
   QLinearGradient gradient(bar.topLeft(), bar.topRight());
   for (std::size_t i = 0; i < picture.scale.size(); ++i)
@@ -74,10 +77,18 @@ void paint_scale(const LabelPicture& picture, const QSize& window_px, QPainter& 
   painter.setBrush(gradient);
   painter.drawRoundedRect(bar, 3.0, 3.0);
   painter.setPen(kInk);
-  const QRectF line(0.0, 10.0, bar.left() - 8.0, metrics.height());
+  const QRectF line(0.0, kTop_px, bar.left() - kGap_px, metrics.height());
   painter.drawText(line, Qt::AlignRight | Qt::AlignVCenter, "tension  0");
-  painter.drawText(QRectF(bar.right() + 8.0, 10.0, window_px.width() - bar.right(), metrics.height()),
+  painter.drawText(QRectF(bar.right() + kGap_px, kTop_px, window_px.width() - bar.right(), metrics.height()),
                    Qt::AlignLeft | Qt::AlignVCenter, picture.scale_end);
+}
+
+// Below the scale, as a narrow window has no room beside it.
+void paint_caption(const LabelPicture& picture, const QSize& window_px, QPainter& painter) {
+  const QFontMetricsF metrics(painter.font());
+  const double top_px = picture.scale.size() < 2 ? kTop_px : kTop_px + metrics.height() + 0.5 * kGap_px;
+  painter.setPen(kInk);
+  painter.drawText(QRectF(0.0, top_px, window_px.width(), metrics.height()), Qt::AlignCenter, picture.caption);
 }
 
 bool are_near(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - b).cwiseAbs().maxCoeff() < 0.3; }
@@ -105,8 +116,7 @@ QImage LabelPainter::paint(const LabelPicture& picture, const CoveredCells& body
   painter.setFont(font);
   for (const LabelPicture::Aim& aim : picture.aims) paint_aim(aim, painter);
   paint_scale(picture, window_px, painter);
-  painter.setPen(kInk);
-  painter.drawText(QPointF(12.0, 10.0 + QFontMetricsF(font).ascent()), picture.caption);
+  paint_caption(picture, window_px, painter);
   paint_texts(picture, body, window_px, painter);
   return image;
 }

@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME] [load=SCENE]: for launch files, before any node starts. Prints
 ROBOT where all is well. Ends with an error where there is no such robot, file or kind of cameras, and names the nearest,
-and where the scene to be loaded is wrong: once nodes run, roslaunch ends with status 0 whatever they end with."""
+and where the scene to be loaded or another file is wrong: once nodes run, roslaunch ends with status 0 whatever they end with."""
 import difflib
 import os
 import subprocess
 import sys
 
 CAMERAS = ('none', 'rendered')
+READ = {'rig': '--rig', 'camera_setup': '--cameras', 'balls': '--balls', 'tracker': '--tracker'}  # by check_scene_node
 ROBOTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'config', 'robots')
 
 
@@ -28,11 +29,14 @@ def check_file(argument, path, robot):
     sys.exit(f'{argument}: there is no file {path}')
 
 
-def check_scene(scene, rig):
-    """With the rig, where there is one, which has to take its commands."""
-    command = ['rosrun', 'soft_robot_lab', 'check_scene_node', scene] + (['--rig', rig] if os.path.exists(rig) else [])
+def check_scene(given):
+    """With the other files of the session, where there are any: a rig has to take the scene's commands."""
+    command = ['rosrun', 'soft_robot_lab', 'check_scene_node', given['load']]
+    for name, option in READ.items():
+        if given.get(name):
+            command += [option, given[name]]
     if subprocess.run(command, stdin=subprocess.DEVNULL, stdout=sys.stderr).returncode:
-        sys.exit(f'scene: {scene} cannot be run')
+        sys.exit(f"scene: {given['load']} cannot be run so")
 
 
 robot, given = sys.argv[1], {}
@@ -44,5 +48,5 @@ for word in sys.argv[2:]:
     if name not in ('cameras', 'load') and value:
         check_file(name, value, robot)
 if 'load' in given:
-    check_scene(given['load'], given.get('rig', ''))
+    check_scene(given)
 print(robot, end='')

@@ -29,9 +29,11 @@ QVector<QPointF> points_of(const History::Points& points, double now_s) {
 PlotView::PlotView(QWidget* parent) : QWidget(parent), title_(new QComboBox(this)), plot_(new QwtPlot(this)) {
   connect(title_, QOverload<const QString&>::of(&QComboBox::textActivated), this,
           [this](const QString& title) { wanted_ = title; });
+  title_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  title_->setMinimumContentsLength(16);
   title_->setToolTip("What is plotted, over the last 20 s of the session");
   plot_->setAxisScale(QwtPlot::xBottom, -History::kept_s, 0.0, 5.0);
-  plot_->setMinimumHeight(90);
+  plot_->setMinimumHeight(150);
   plot_->setCanvasBackground(Qt::white);
   plot_->insertLegend(new QwtLegend, QwtPlot::RightLegend);
   QFont small = font();
@@ -39,8 +41,6 @@ PlotView::PlotView(QWidget* parent) : QWidget(parent), title_(new QComboBox(this
   for (const int axis : {QwtPlot::xBottom, QwtPlot::yLeft}) plot_->setAxisFont(axis, small);
   auto* column = new QVBoxLayout(this);
   column->setContentsMargins(0, 0, 0, 0);
-  column->setSpacing(2);
-  column->addWidget(title_);
   column->addWidget(plot_);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The panel's plot of the last seconds: one quantity, chosen above it.
+// The panel's plot of the last seconds: one quantity.
 #pragma once
 
 #include <map>
@@ -20,6 +20,9 @@ class PlotView : public QWidget {
   explicit PlotView(QWidget* parent);
 
   void show_history(const History& history);
+
+  // What chooses the quantity, for a place above the plot.
+  QWidget* title() { return title_; }
 
  private:
   void offer(const History& history);

@@ -6,7 +6,9 @@
 #include <ctime>
 
 #include <QAbstractItemView>
+#include <QCoreApplication>
 #include <QDir>
+#include <QEvent>
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QGridLayout>
@@ -44,6 +46,16 @@ void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int colum
   grid->setContentsMargins(0, 0, 0, 0);
 }
 
+// Whether the rviz file in a window's title, "NAME[*] - RViz", is one of this package that rviz was started with.
+bool shows_own_view(const QString& title) {
+  const QDir views(QString::fromStdString(ros::package::getPath("soft_robot_lab") + "/config/rviz"));
+  const QStringList words = QCoreApplication::arguments();
+  return std::any_of(words.begin(), words.end(), [&](const QString& word) {
+    const QFileInfo file(word);
+    return file.isFile() && file.dir().canonicalPath() == views.canonicalPath() && title.startsWith(file.fileName());
+  });
+}
+
 }  // namespace
 
 SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
@@ -74,7 +86,7 @@ SessionPanel::SessionPanel(QWidget* parent) : rviz::Panel(parent) {
 QPushButton* SessionPanel::button(const QString& text, const QString& hint, const std::function<void()>& press) {
   auto* made = new QPushButton(text, this);
   made->setToolTip(hint);
-  made->setMinimumWidth(0);
+  made->setMinimumWidth(made->fontMetrics().horizontalAdvance(text) + 16);  // narrower than the style's own
   connect(made, &QPushButton::clicked, this, press);
   return made;
 }
@@ -148,7 +160,7 @@ QWidget* SessionPanel::make_buttons() {
   zero_ = button("&Zero", "The robot hangs at rest: here is zero for the motors", [this] { link_->zero(); });
   clear_ = button("&Clear", "The motors may move again", [this] { link_->clear(); });
   calibrate_ = button("C&alibrate", "Finds where the cameras stand: first without balls", [this] { calibrate(); });
-  add_grid(new QGridLayout(box), {optimise_, execute_, stop_, reset_, record_, zero_, clear_, calibrate_}, 4);
+  add_grid(new QGridLayout(box), {optimise_, execute_, stop_, reset_, record_, zero_, clear_, calibrate_}, 5);
   return box;
 }
 
@@ -164,13 +176,11 @@ QWidget* SessionPanel::make_poses() {
   save_ = button("Save ...", "Writes that pose into a policy file, for play_policy_node and simulate",
                  [this] { save_pose(); });
   forget_ = button("For&get", "Removes that pose", [this] { forget_pose(); });
+  pose_->setMinimumContentsLength(6);
+  pose_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   auto* grid = new QGridLayout(box);
-  grid->addWidget(pose_, 0, 0, 1, 4);
-  grid->addWidget(store_, 1, 0);
-  grid->addWidget(play_, 1, 1);
-  grid->addWidget(save_, 1, 2);
-  grid->addWidget(forget_, 1, 3);
-  grid->setContentsMargins(0, 0, 0, 0);
+  add_grid(grid, {pose_, store_, play_, save_, forget_}, 5);
+  grid->setColumnStretch(0, 1);
   return box;
 }
 
@@ -184,6 +194,9 @@ QWidget* SessionPanel::make_views() {
       [this](const ReachableTip& tip) { reach(tip); }, tabs);
   tabs->addTab(plot_, "P&lot");
   tabs->addTab(workspace_, "&Workspace");
+  QWidget* title = plot_->title();
+  tabs->setCornerWidget(title);
+  connect(tabs, &QTabWidget::currentChanged, title, [=] { title->setVisible(tabs->currentWidget() == plot_); });
   return tabs;
 }
 
@@ -192,6 +205,7 @@ void SessionPanel::onInitialize() {
   left_out_ = std::make_unique<LeftOutOfPicks>(
       *vis_manager_, std::vector<std::string>{topics::controller_ghost, topics::controller_preview, topics::overlay,
                                               topics::panel_tips, topics::design_casting});
+  window()->installEventFilter(this);
   timer_.start(refresh_period_ms);
 }
 
@@ -229,6 +243,13 @@ void SessionPanel::refresh() {
   refresh_buttons();
   refresh_lamps();
   for (const CallOutcome& outcome : link_->take_outcomes()) report(outcome);
+}
+
+// The panel has moved the camera of a view that belongs to the package, so rviz shall not ask to save that.
+bool SessionPanel::eventFilter(QObject* window, QEvent* event) {
+  auto* whole = qobject_cast<QWidget*>(window);
+  if (event->type() == QEvent::Close && whole && shows_own_view(whole->windowTitle())) whole->setWindowModified(false);
+  return rviz::Panel::eventFilter(window, event);
 }
 
 // rviz would draw on into the window that it closes now, which Mesa's drawing by software seldom survives.

@@ -32,6 +32,7 @@ class SessionPanel : public rviz::Panel {
   void onInitialize() override;
   void load(const rviz::Config& config) override;
   void save(rviz::Config config) const override;
+  bool eventFilter(QObject* window, QEvent* event) override;
 
  private:
   QWidget* make_chooser();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "policy_request.h"
 
+#include <iomanip>
 #include <sstream>
 #include <stdexcept>
 
@@ -37,14 +38,20 @@ ActuatorBounds bounds_of(const ActuatorLimits& asked) {
   return bounds;
 }
 
+std::string mm_text(const Eigen::Vector3d& at_m) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2) << "[" << 1e3 * at_m.x() << ", " << 1e3 * at_m.y() << ", "
+       << 1e3 * at_m.z() << "] mm";
+  return text.str();
+}
+
 std::string outcome(const OptimisationSummary& summary, const Pose& pose) {
   if (!summary.usable || summary.target_reached || summary.stop_reason != "converged") return summary.stop_reason;
   std::ostringstream text;
   text.precision(4);
   text << summary.stop_reason << "; out of reach by " << 1e3 * summary.final_distance_m << " mm, nearest:";
   for (Eigen::Index k = 0; k < summary.markers_m.cols(); ++k)
-    text << " " << pose.goals[static_cast<size_t>(k)].marker << " at [" << 1e3 * summary.markers_m.col(k).transpose()
-         << "] mm";
+    text << " " << pose.goals[static_cast<size_t>(k)].marker << " at " << mm_text(summary.markers_m.col(k));
   for (const std::string& limit : summary.active_limits) text << "; " << limit;
   return text.str();
 }

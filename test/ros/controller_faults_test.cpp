@@ -4,6 +4,7 @@
 #include <csignal>
 #include <future>
 #include <memory>
+#include <regex>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -205,7 +206,9 @@ TEST_F(Controller, TellsWhatIsNearestToATargetOutOfReach) {
   EXPECT_TRUE(response.success) << response.message;
   EXPECT_FALSE(response.summary.target_reached);
   EXPECT_NE(response.message.find("out of reach by "), std::string::npos) << response.message;
-  EXPECT_NE(response.message.find("nearest: tip at ["), std::string::npos) << response.message;
+  EXPECT_TRUE(std::regex_search(
+      response.message, std::regex("nearest: tip at \\[-?\\d+\\.\\d\\d, -?\\d+\\.\\d\\d, -?\\d+\\.\\d\\d\\] mm")))
+      << response.message;
 }
 
 TEST_F(Controller, RefusesACorrectionWithoutAGoalThatItKnows) {

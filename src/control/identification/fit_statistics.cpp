@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <optional>
+#include <iterator>
 #include <sstream>
 
 #include <Eigen/Eigenvalues>
@@ -71,30 +71,85 @@ void warn_of_pairs(const std::vector<FitNumber>& numbers, FitResult& result) {
   }
 }
 
-constexpr double kLate = 0.5;    // of a hold, from where drives and swings are over
-constexpr double kCreeps = 0.5;  // times what the model may miss
+constexpr double kLate = 0.5;               // of a hold, from where drives and swings are over
+constexpr double kLateInShort = 1.0 / 3.0;  // of one with few windows
+constexpr int kParts = 4;                   // of what is late
+constexpr double kCreeps = 0.5;             // times what the model may miss
+constexpr double kSurely = 3.0;             // standard errors
+constexpr double kMostKept = 0.95;          // of a drift, from part to part: beyond it creep looks steady
+constexpr int kMany = 20;                   // drifts
 
-// How far a marker moves from the third to the last quarter of a hold, beyond the noise; none where it was seen too
-// seldom.
-std::optional<double> late_drift_m(const MeasuredPose& pose, const std::string& name) {
-  Eigen::Vector3d sums[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  double variances_m2[2] = {0.0, 0.0};
-  int counts[2] = {0, 0};
-  for (const MarkersAt& at : pose.seen) {
-    if (at.time_s < kLate * pose.held_s) continue;
-    const int part = at.time_s < 0.5 * (1.0 + kLate) * pose.held_s ? 0 : 1;
-    for (const MeasuredMarker& marker : at.markers) {
-      if (marker.name != name) continue;
-      sums[part] += marker.position_m;
-      variances_m2[part] += marker.covariance_m2.trace();
-      ++counts[part];
+// Mean places of a marker in the late parts of a hold, and their variances.
+struct LatePlaces {
+  Eigen::Vector3d sums_m[kParts];
+  double variances_m2[kParts] = {};  // of the sums
+  int counts[kParts] = {};
+
+  LatePlaces(const MeasuredPose& pose, const std::string& name, double from) {
+    for (Eigen::Vector3d& sum_m : sums_m) sum_m.setZero();
+    if (!(pose.held_s > 0.0)) return;
+    for (const MarkersAt& at : pose.seen) {
+      const double late = (at.time_s / pose.held_s - from) / (1.0 - from);
+      if (late < 0.0) continue;
+      const int part = std::min(kParts - 1, static_cast<int>(kParts * late));
+      for (const MeasuredMarker& marker : at.markers) {
+        if (marker.name != name) continue;
+        sums_m[part] += marker.position_m;
+        variances_m2[part] += marker.covariance_m2.trace();
+        ++counts[part];
+      }
     }
   }
-  if (counts[0] == 0 || counts[1] == 0) return std::nullopt;
-  const double noise_m =
-      std::sqrt(variances_m2[0] / (counts[0] * counts[0]) + variances_m2[1] / (counts[1] * counts[1]));
-  return std::max(0.0, (sums[1] / counts[1] - sums[0] / counts[0]).norm() - 2.0 * noise_m);
-}
+  bool whole() const { return std::find(std::begin(counts), std::end(counts), 0) == std::end(counts); }
+  // To the next part but one.
+  Eigen::Vector3d drift_m(int from) const { return sums_m[from + 2] / counts[from + 2] - sums_m[from] / counts[from]; }
+  double drift_variance_m2(int from) const {
+    return variances_m2[from] / (counts[from] * counts[from]) +
+           variances_m2[from + 2] / (counts[from + 2] * counts[from + 2]);
+  }
+};
+
+// Drifts of all markers in all holds: from the first late part to the third, and from the second to the fourth. They
+// share no measurement, so noise makes neither their cosine nor their product.
+struct LateDrifts {
+  int count = 0;
+  double cosines = 0.0;  // sums of all
+  double products_m2 = 0.0, squared_products_m4 = 0.0;
+  double first_m2 = 0.0;  // squares of the first less their noise
+
+  explicit LateDrifts(const std::vector<MeasuredPose>& poses) {
+    for (const MeasuredPose& pose : poses)
+      for (const MeasuredMarker& marker : pose.markers) {
+        LatePlaces places(pose, marker.name, kLate);
+        if (!places.whole()) places = LatePlaces(pose, marker.name, kLateInShort);
+        if (places.whole()) add(places);
+      }
+  }
+
+  void add(const LatePlaces& places) {
+    const Eigen::Vector3d first_m = places.drift_m(0), second_m = places.drift_m(1);
+    const double product_m2 = first_m.dot(second_m);
+    ++count;
+    cosines += first_m.normalized().dot(second_m.normalized());
+    products_m2 += product_m2;
+    squared_products_m4 += product_m2 * product_m2;
+    first_m2 += first_m.squaredNorm() - places.drift_variance_m2(0);
+  }
+
+  // By their directions, where a few holds drift far; by their sizes too, where many drift little. A cosine of noise
+  // has a variance of a third.
+  bool more_than_noise() const {
+    return products_m2 > 0.0 && (cosines > kSurely * std::sqrt(count / 3.0) ||
+                                 (count >= kMany && products_m2 > kSurely * std::sqrt(squared_products_m4)));
+  }
+
+  // By how much markers still move after a hold, if they go on to slow down as in it [m].
+  double still_to_come_m() const {
+    if (!more_than_noise()) return 0.0;
+    const double kept = products_m2 / std::max(first_m2, products_m2 / kMostKept);  // from part to part
+    return std::sqrt(products_m2 / count) * std::pow(kept, 2.5) / (1.0 - kept * kept);
+  }
+};
 
 }  // namespace
 
@@ -192,16 +247,11 @@ std::set<std::string> unidentified(const FitResult& result) {
 }
 
 void warn_of_creep(const std::vector<MeasuredPose>& poses, const FitRequest& request, FitResult& result) {
-  std::vector<double> drifts_m;
-  for (const MeasuredPose& pose : poses)
-    for (const MeasuredMarker& marker : pose.markers)
-      if (const std::optional<double> drift_m = late_drift_m(pose, marker.name)) drifts_m.push_back(*drift_m);
-  if (drifts_m.empty()) return;
-  const double usual_m = median(std::move(drifts_m));
-  if (usual_m <= kCreeps * request.model_error_m) return;
-  result.warnings.push_back("markers still move by " + short_text(1e3 * usual_m) +
-                            " mm, the median of all, late in a hold: the robot creeps, and intervals may exclude the "
-                            "truth; hold longer, or fit creep");
+  const double still_m = LateDrifts(poses).still_to_come_m();
+  if (still_m <= kCreeps * request.model_error_m) return;
+  result.warnings.push_back(
+      "by their drift late in the holds markers would still move by " + short_text(1e3 * still_m) +
+      " mm or more: the robot creeps, and intervals may exclude the truth; hold longer, or fit creep");
 }
 
 // As far as `outlier_deviations` times the median of all is nothing special.

@@ -4,6 +4,7 @@
 
 #include "control/identification/creep_model.h"
 #include "control/identification/drive_play.h"
+#include "control/identification/fit_statistics.h"
 #include "control/identification/simulated_now.h"
 #include "fitted_bar.h"
 
@@ -130,6 +131,52 @@ TEST(FitCreep, AsksForLongerHoldsOfASlowRelaxation) {
   EXPECT_TRUE(
       warns(result, "no command was held for more than 6 s: intervals may exclude the truth; hold longer, for "))
       << summary(result);
+}
+
+// Many holds make intervals narrow, and what creeps makes all of them wrong alike.
+TEST(FitCreep, WarnsOfManyHoldsThatAreTooShort) {
+  Holds many;
+  for (int i = 0; i < 24; ++i)
+    many.emplace_back(0.88 + 0.005 * ((7 * i) % 24), i % 3 == 0 ? 1.1 : 1.05 - 0.005 * ((5 * i) % 24));
+  FitRequest without = request();
+  without.parameters.pop_back();
+  without.model_error_m = 1e-4;
+  for (const double relaxation_s : {2.5, 5.0, 10.0}) {
+    const FitResult result =
+        fit_model(kScene, options_with(kBar), watch(creeping_bar(0.25, relaxation_s), many), without);
+    EXPECT_TRUE(warns(result, "the robot creeps")) << relaxation_s << " s\n" << summary(result);
+  }
+  const FitResult quick = fit_model(kScene, options_with(kBar), watch(creeping_bar(0.25, 0.5), many), without);
+  EXPECT_FALSE(warns(quick, "the robot creeps")) << summary(quick);
+}
+
+// Whatever the tracker says of its noise.
+TEST(FitCreep, TakesNoNoiseForCreep) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0.0, 2e-4);
+  for (const double stated_m : {2e-5, 2e-4, 2e-3})
+    for (const int hold_count : {1, 3, 24}) {
+      int warnings = 0;
+      for (int trial = 0; trial < 100; ++trial) {
+        std::vector<MeasuredPose> poses(static_cast<std::size_t>(hold_count));
+        for (MeasuredPose& pose : poses) {
+          const auto seen = [&] {
+            std::vector<MeasuredMarker> markers;
+            for (const char* name : {"middle", "tip"})
+              markers.push_back({name, Eigen::Vector3d::NullaryExpr([&](int) { return normal(random); }),
+                                 stated_m * stated_m * Eigen::Matrix3d::Identity()});
+            return markers;
+          };
+          pose.held_s = 6.0;
+          for (int i = 0; i < 12; ++i) pose.seen.push_back({0.25 + 0.5 * i, seen()});
+          pose.markers = seen();
+        }
+        FitResult result;
+        warn_of_creep(poses, request(), result);
+        warnings += static_cast<int>(result.warnings.size());
+      }
+      EXPECT_LE(warnings, 1) << hold_count << " holds, stated noise " << stated_m << " m";
+    }
 }
 
 TEST(FitCreep, SaysWhereNothingCreeps) {

@@ -7,6 +7,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr size_t kDrawnPoints = 1000, kDrawnMarks = 150;  // of a curve: more cannot be distinguished
+constexpr size_t kMostNumbered = 20;                      // bars, each over its number
 const char* const kAxes = "xyz";
 
 // Means over spans of time, so that noise does not hide the curve.
@@ -124,6 +125,7 @@ Plot rest_plot(const std::vector<RestGap>& gaps) {
   plot.y.min = 0.0;
   Series series{"", {}, {}, SeriesStyle::bars};
   for (size_t i = 0; i < gaps.size(); ++i) {
+    if (gaps.size() <= kMostNumbered) plot.x.ticks.emplace_back(double(i + 1), std::to_string(i + 1));
     if (!gaps[i].known) continue;
     series.x.push_back(double(i + 1));
     series.y.push_back(1e3 * gaps[i].all_m);

@@ -4,16 +4,19 @@
 #include "ros/panel/plain_text.h"
 
 #include <string>
+#include <utility>
 
 #include <QApplication>
 #include <QComboBox>
 #include <QImage>
+#include <QKeyEvent>
 #include <QTextDocument>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "ros/panel/actuator_editor.h"
+#include "ros/panel/number_box.h"
 #include "ros/panel/plot_view.h"
 
 namespace soft_robot_lab {
@@ -76,6 +79,30 @@ TEST(PanelSlider, IsFilledFromRestToWhereItStands) {
   EXPECT_GT(more_right, 100);
   const auto [none_left, none_right] = filled_beside_rest(30.0 / 80.0);
   EXPECT_LT(none_left + none_right, 5);
+}
+
+// Qt takes a comma for a separator of thousands where the locale's point is one, and the other way round in others.
+TEST(PanelNumber, TakesACommaForAPointInEveryLocale) {
+  for (const QLocale::Language language : {QLocale::C, QLocale::English, QLocale::German}) {
+    QLocale::setDefault(language == QLocale::C ? QLocale::c() : QLocale(language));
+    for (const auto& [typed, shown] :
+         {std::pair("12,5", "x 12.5"), std::pair("12.5", "x 12.5"), std::pair("1,2,5", "x 1.2"),
+          std::pair("-0,5", "x -0.5"), std::pair("1234,5", "x 1234.5")}) {
+      NumberBox box(nullptr);
+      box.setDecimals(1);
+      box.setRange(-9999.0, 9999.0);
+      box.setPrefix("x ");
+      box.selectAll();
+      for (const char* key = typed; *key; ++key) {
+        const QString text(*key);
+        QKeyEvent press(QEvent::KeyPress, 0, Qt::NoModifier, text);
+        QApplication::sendEvent(&box, &press);
+      }
+      box.interpretText();
+      EXPECT_EQ(box.text(), shown) << typed << " in " << QLocale::languageToString(language).toStdString();
+    }
+  }
+  QLocale::setDefault(QLocale::c());
 }
 
 TEST(PanelPlot, KeepsWhatWasChosenThoughAnotherRobotBeginsWithout) {

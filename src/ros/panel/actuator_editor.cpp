@@ -25,17 +25,13 @@ QString title_of(const ActuatorRow& row, int number) {
 }  // namespace
 
 ActuatorEditor::ActuatorEditor(const ActuatorRow& row, int number, const Edit& edit, QWidget* parent)
-    : QWidget(parent),
-      slider_(new RestSlider(this)),
-      number_(new QDoubleSpinBox(this)),
-      measured_(plain_label("", this)) {
+    : QWidget(parent), slider_(new RestSlider(this)), number_(new NumberBox(this)), measured_(plain_label("", this)) {
   slider_->setRange(0, row.positions() - 1);
   slider_->set_rest(row.position_of(row.rest));
   slider_->setPageStep(row.positions() / 10);
   number_->setDecimals(row.decimals);
   number_->setRange(row.min, row.max);
   number_->setSingleStep(row.step);
-  number_->setKeyboardTracking(false);  // a number counts when it is typed to its end
   if (!row.unit.empty()) number_->setSuffix(QString(" ") + row.unit.c_str());
   measured_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
   measured_->setToolTip("As reached within the drive's speed, and what it measures");

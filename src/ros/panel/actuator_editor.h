@@ -4,11 +4,11 @@
 
 #include <functional>
 
-#include <QDoubleSpinBox>
 #include <QLabel>
 #include <QWidget>
 
 #include "actuator_values.h"
+#include "number_box.h"
 #include "rest_slider.h"
 
 namespace soft_robot_lab {
@@ -26,7 +26,7 @@ class ActuatorEditor : public QWidget {
   void lay_out(const ActuatorRow& row, int number, const Edit& edit);
 
   RestSlider* slider_;
-  QDoubleSpinBox* number_;
+  NumberBox* number_;
   QLabel* measured_;
 };
 

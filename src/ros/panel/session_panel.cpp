@@ -130,12 +130,11 @@ QWidget* SessionPanel::make_target() {
   grid->addWidget(marker_, 0, 0);
   grid->addWidget(method_, 0, 1, 1, 2);
   for (int axis = 0; axis < 3; ++axis) {
-    target_mm_[axis] = new QDoubleSpinBox(box);
+    target_mm_[axis] = new NumberBox(box);
     target_mm_[axis]->setDecimals(1);
     target_mm_[axis]->setRange(-9999.0, 9999.0);
     target_mm_[axis]->setPrefix(QString("xyz"[axis]) + " ");
     target_mm_[axis]->setMinimumWidth(0);
-    target_mm_[axis]->setKeyboardTracking(false);  // a number counts when it is typed to its end
     connect(target_mm_[axis], qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this] { show_target(); });
     grid->addWidget(target_mm_[axis], 1, axis);
   }

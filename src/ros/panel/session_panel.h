@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <QComboBox>
-#include <QDoubleSpinBox>
 #include <QLabel>
 #include <QPushButton>
 #include <QScrollArea>
@@ -17,6 +16,7 @@
 
 #include "actuator_editor.h"
 #include "left_out_of_picks.h"
+#include "number_box.h"
 #include "panel_link.h"
 #include "plot_view.h"
 #include "poses.h"
@@ -95,7 +95,7 @@ class SessionPanel : public rviz::Panel {
   std::optional<Eigen::Vector3d> wanted_;  // a tip that was chosen while something else is under way
   int undrawn_ = 0;                        // refreshes since the plot was drawn
   QComboBox *scene_ = nullptr, *marker_ = nullptr, *method_ = nullptr, *pose_ = nullptr;
-  QDoubleSpinBox* target_mm_[3] = {};
+  NumberBox* target_mm_[3] = {};
   QPushButton *optimise_ = nullptr, *execute_ = nullptr, *stop_ = nullptr, *reset_ = nullptr;
   QPushButton *zero_ = nullptr, *clear_ = nullptr, *calibrate_ = nullptr, *record_ = nullptr;
   QPushButton *store_ = nullptr, *play_ = nullptr, *save_ = nullptr, *forget_ = nullptr;

@@ -159,7 +159,7 @@ QWidget* SessionPanel::make_buttons() {
   zero_ = button("&Zero", "The robot hangs at rest: here is zero for the motors", [this] { link_->zero(); });
   clear_ = button("&Clear", "The motors may move again", [this] { link_->clear(); });
   calibrate_ = button("C&alibrate", "Finds where the cameras stand: first without balls", [this] { calibrate(); });
-  add_grid(new QGridLayout(box), {optimise_, execute_, stop_, reset_, record_, zero_, clear_, calibrate_}, 5);
+  add_grid(new QGridLayout(box), {optimise_, execute_, stop_, reset_, record_, calibrate_, zero_, clear_}, 5);
   return box;
 }
 
@@ -168,7 +168,8 @@ QWidget* SessionPanel::make_poses() {
   pose_ = new QComboBox(box);
   pose_->setEditable(true);
   pose_->setInsertPolicy(QComboBox::NoInsert);
-  pose_->lineEdit()->setPlaceholderText("name of a pose");
+  pose_->lineEdit()->setPlaceholderText("pose");
+  pose_->setToolTip("The name of a pose of this robot: one that is kept, or a new one to store");
   store_ = button("S&tore", "Keeps the values above under that name, for this robot", [this] { store_pose(); });
   play_ = button("Pla&y", "Moves the robot to that pose, within a second where its drives are as fast",
                  [this] { play_pose(); });

@@ -1,12 +1,13 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# install_test.sh BUILD PREFIX: installs into a temporary folder, from where programs, launch files, messages and plugins are
-# found, and programs read the config that lies there.
+# install_test.sh BUILD PREFIX: installs into a temporary folder, whose name has a space and a letter beyond ASCII, from where
+# programs, launch files, messages and plugins are found, programs read the config that lies there, and a session runs.
 set -euo pipefail
 build=$1 prefix=$2
-root=$(mktemp -d)
-trap 'rm -rf "$root"' EXIT
-DESTDIR=$root cmake --install "$build" --strip >"$root/log" || { tail "$root/log"; exit 1; }
+top=$(mktemp -d) session=
+trap '[[ -z $session ]] || kill -INT "$session" && wait "$session" || true; rm -rf "$top"' EXIT
+root="$top/größe 1"
+DESTDIR=$root cmake --install "$build" --strip >"$top/log" || { tail "$top/log"; exit 1; }
 here=$root$prefix
 package=$here/share/soft_robot_lab
 fail() { echo "installed: $*" >&2; exit 1; }
@@ -35,3 +36,20 @@ says SCENE rosrun soft_robot_lab simulate --help || fail "simulate does not star
 echo "colour: green" >"$package/config/experiments/cantilever.yaml"
 said=$(rosrun soft_robot_lab experiment cantilever 2>&1) && fail "experiment read other settings"
 grep -qF "$package/config/experiments/cantilever.yaml" <<<"$said" || fail "experiment says: $said"
+port=$("$here/lib/soft_robot_lab/free_port.py")
+export ROS_MASTER_URI=http://127.0.0.1:$port HOME="$root/home"
+mkdir "$HOME"
+set -m
+roslaunch -p "$port" soft_robot_lab session.launch robot:=hanging_bar cameras:=rendered rviz:=false record:=true bag_folder:="$root/bags" \
+  >"$top/log" 2>&1 &
+session=$!
+set +m
+for ((i = 0; i < 120; ++i)); do
+  kill -0 "$session" 2>/dev/null || break
+  ! timeout 2 rostopic echo -n 1 /tracker/markers >/dev/null 2>&1 || break
+done
+timeout 5 rostopic echo -n 1 /tracker/markers >/dev/null 2>&1 || { tail -n 20 "$top/log"; fail "a session tracks nothing"; }
+kill -INT "$session"
+wait "$session" || fail "roslaunch ended with status $?"
+session=
+rosbag info "$root"/bags/*.bag >"$top/log" || fail "no whole bag"

@@ -46,8 +46,10 @@ void PullTool::onInitialize() {
 
 void PullTool::advertise() { pulls_ = node_.advertise<SkinPull>(topic_->getStdString(), 10); }
 
-void PullTool::activate() { setStatus("Drag the skin with the left button: a spring pulls it to the mouse."); }
+void PullTool::activate() { say_what_to_do(); }
 void PullTool::deactivate() { let_go(); }
+
+void PullTool::say_what_to_do() { setStatus("Drag the skin with the left button: a spring pulls it to the mouse."); }
 
 void PullTool::update(float /*wall_dt*/, float /*ros_dt*/) {
   if (!hold_m_ || !hand_m_) return;
@@ -60,6 +62,7 @@ int PullTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
     take_hold(event);
   } else if (event.leftUp()) {
     let_go();
+    say_what_to_do();
   } else if (hold_m_ && event.left()) {
     drag(event);
   } else if (event.panel->getViewController()) {

@@ -37,6 +37,7 @@ class PullTool : public rviz::Tool {
   void take_hold(rviz::ViewportMouseEvent& event);
   void drag(rviz::ViewportMouseEvent& event);
   void let_go();
+  void say_what_to_do();  // in the line below the window
   void send(const Ogre::Vector3& hand_m, float stiffness_n_m);
   Ogre::Vector3 held_m() const;
   void show();

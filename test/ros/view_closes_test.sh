@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# view_closes_test.sh: Ctrl+Q ends `view.sh`. rviz does not ask first whether to save a view of this package, whose camera the
-# panel has set.
+# view_closes_test.sh: Ctrl+Q ends `view.sh` after its camera was turned. rviz does not ask first whether to write that into a view
+# of this package.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/../../launch/environment.sh"
@@ -13,11 +13,17 @@ xvfb-run -a -s "-screen 0 1280x800x24" bash -c '
   view=$!
   trap "kill -INT $view 2>/dev/null; wait $view 2>/dev/null" EXIT
   find_window() { xdotool search --onlyvisible --name "RViz" 2>/dev/null | head -n 1; }
-  for ((i = 0; i < 120; ++i)); do # whose title has a star once the camera is set
-    [[ -n $(find_window) && $(xdotool getwindowname "$(find_window)") == *\** ]] && break
+  for ((i = 0; i < 120; ++i)); do
+    [[ -z $(find_window) ]] || break
     kill -0 $view || { cat "$ROS_HOME/said"; exit 1; }
     sleep 0.5
   done
+  changed() { [[ $(xdotool getwindowname "$(find_window)") == *\** ]]; }
+  for ((i = 0; i < 20; ++i)); do # the camera is turned
+    xdotool windowfocus "$(find_window)" key m mousemove 900 400 mousedown 1 sleep 0.2 mousemove 950 420 sleep 0.2 mouseup 1 sleep 0.5
+    ! changed || break
+  done
+  changed || { echo "the view did not change" >&2; exit 1; }
   xdotool windowfocus "$(find_window)" key ctrl+q
   for ((i = 0; i < 60; ++i)); do
     kill -0 $view 2>/dev/null || exit 0

@@ -18,12 +18,12 @@ using Damage = std::function<std::string(const std::string& good, std::mt19937& 
 
 const std::string& one_of(const Words& words, std::mt19937& random) { return words[random() % words.size()]; }
 
-// A bar of linear elements, quick to mesh and to solve.
+// A bar of linear elements, quick to mesh and to solve. A mesh file has its own size of elements.
 std::string bar(const std::string& shape, const std::string& more = "") {
-  return "body: {" + shape +
-         ", element: linear, element_size_m: 0.03, material: {poissons_ratio: 0.3}, fixed: [{box: {min_m: [-9, -9, "
-         "-9], "
-         "max_m: [9, 9, 1.0e-6]}}]}\ngravity_m_s2: [0, 0, -9.81]\n" +
+  const std::string size = shape.rfind("mesh:", 0) == 0 ? "" : ", element_size_m: 0.03";
+  return "body: {" + shape + ", element: linear" + size +
+         ", material: {poissons_ratio: 0.3}, fixed: [{box: {min_m: [-9, -9, -9], max_m: [9, 9, 1.0e-6]}}]}\n"
+         "gravity_m_s2: [0, 0, -9.81]\n" +
          more;
 }
 
@@ -67,10 +67,36 @@ const std::string kMsh =
     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 0.04 0 0\n3 0 0.05 0\n4 0 0 0.06\n5 0.03 0.03 0.03\n"
     "$EndNodes\n$Elements\n2\n1 4 2 1 1 1 2 3 4\n2 4 2 1 1 2 3 4 5\n$EndElements\n";
 
+const std::string kVtk51 =
+    "# vtk DataFile Version 5.1\na bar\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n0 0 0\n0.04 0 0\n0 0.05 "
+    "0\n0 0 0.06\n0.03 0.03 0.03\nCELLS 3 8\nOFFSETS vtktypeint64\n0 4 8\nCONNECTIVITY vtktypeint64\n0 1 2 3 1 2 3 4\n"
+    "CELL_TYPES 2\n10\n10\n";
+const std::string kMsh41 =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 0.04 0.05 0.06 0 0\n$EndEntities\n$Nodes\n1 5 1 "
+    "5\n3 1 0 5\n1\n2\n3\n4\n5\n0 0 0\n0.04 0 0\n0 0.05 0\n0 0 0.06\n0.03 0.03 0.03\n$EndNodes\n$Elements\n1 2 1 2\n3 "
+    "1 "
+    "4 2\n1 1 2 3 4\n2 2 3 4 5\n$EndElements\n";
+
+const std::vector<std::vector<std::size_t>> kSides = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+
+std::string binary_stl() {
+  const float corners[4][3] = {{0.0f, 0.0f, 0.0f}, {0.04f, 0.0f, 0.0f}, {0.0f, 0.05f, 0.0f}, {0.0f, 0.0f, 0.06f}};
+  std::string text(80, ' ');
+  const auto add = [&](const void* bytes, std::size_t count) { text.append(static_cast<const char*>(bytes), count); };
+  const auto count = static_cast<std::uint32_t>(kSides.size());
+  add(&count, 4);
+  for (const auto& side : kSides) {
+    text.append(12, '\0');  // its normal
+    for (const std::size_t corner : side) add(corners[corner], 12);
+    text.append(2, '\0');
+  }
+  return text;
+}
+
 std::string tetrahedron_stl() {
   const Words corners = {"0 0 0", "0.04 0 0", "0 0.05 0", "0 0 0.06"};
   std::string text = "solid a\n";
-  for (const auto& side : std::vector<std::vector<std::size_t>>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}) {
+  for (const auto& side : kSides) {
     text += "facet normal 0 0 0\nouter loop\n";
     for (const std::size_t corner : side) text += "vertex " + corners[corner] + "\n";
     text += "endloop\nendfacet\n";
@@ -110,13 +136,16 @@ const std::vector<std::pair<std::string, Damage>> kDamages = {{"cut off", cut_of
 
 void add_meshes(std::mt19937& random, std::vector<BadScene>& all) {
   const std::vector<std::pair<std::string, std::string>> good = {
-      {"part.vtk", kVtk}, {"part.msh", kMsh}, {"part.stl", tetrahedron_stl()}};
-  for (const auto& [file, text] : good)
+      {"part.vtk", kVtk},         {"part.msh", kMsh},        {"part.stl", tetrahedron_stl()},
+      {"version_51.vtk", kVtk51}, {"format_41.msh", kMsh41}, {"binary.stl", binary_stl()}};
+  for (const auto& [file, text] : good) {
+    const bool surface = file.find(".stl") != std::string::npos;
+    const std::string scene = bar(surface ? "solid: {stl: " + file + "}" : "mesh: " + file);
+    all.push_back({file + " as it should be", scene, {{file, text}}, "", true});
     for (const auto& [damage, apply] : kDamages)
-      for (int i = 0; i < 8; ++i) {
-        const std::string shape = file == "part.stl" ? "solid: {stl: part.stl}" : "mesh: " + file;
-        all.push_back({file + ": " + damage + ", " + std::to_string(i), bar(shape), {{file, apply(text, random)}}, ""});
-      }
+      for (int i = 0; i < 8; ++i)
+        all.push_back({file + ": " + damage + ", " + std::to_string(i), scene, {{file, apply(text, random)}}, ""});
+  }
 }
 
 std::string with_a_bad_length(const std::string& good, std::mt19937& random) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -80,19 +81,23 @@ class MotorNode {
  private:
   static constexpr double state_period_s = 0.02;
   static constexpr double poll_period_s = 0.002;
+  static constexpr double longest_start_s = 2.0;
   static constexpr double longest_operation_s = 2.0;
   static constexpr double longest_report_s = 0.2;  // of states that come each 20 ms
 
   void update() {
     driver_.update(now_s());
     const std::string& failure = driver_.link_failure();
-    if (failure == logged_failure_) return;
+    if (logged_failure_ == failure || (!failure.empty() && starts())) return;
     logged_failure_ = failure;
     if (failure.empty())
       ROS_INFO("linked to %s", driver_.rig().device.c_str());
     else
       ROS_WARN("no link: %s", log_text(failure).c_str());
   }
+
+  // An emulated board starts beside this node: until then nothing is wrong.
+  bool starts() const { return !logged_failure_ && now_s() - started_s_ < longest_start_s; }
 
   void on_command(const ActuatorCommand& command) {
     try {
@@ -173,7 +178,8 @@ class MotorNode {
   }
 
   MotorDriver driver_;
-  std::string logged_failure_;
+  const double started_s_ = now_s();
+  std::optional<std::string> logged_failure_;  // empty: a link; none: nothing was said yet
   ros::NodeHandle node_;
   ros::Publisher state_;
   ros::Subscriber commands_;

@@ -179,6 +179,25 @@ TEST(FitCreep, TakesNoNoiseForCreep) {
     }
 }
 
+<<<<<<< HEAD
+=======
+TEST(FitCreep, SaysWhereHoldsAreTooShortToSeeIt) {
+  MeasuredPose pose;
+  pose.held_s = 3.5;
+  for (const double time_s : {0.55, 1.65, 2.75})
+    pose.seen.push_back({time_s, {{"tip", {0, 0, 0}, Eigen::Matrix3d::Identity()}}});
+  pose.markers = pose.seen.back().markers;
+  FitResult result;
+  warn_of_creep({pose, pose}, request(), result);
+  EXPECT_TRUE(warns(result, "most commands were held for 3.5 s at most")) << "of frames at 5 Hz";
+  EXPECT_TRUE(warns(result, "hold longer, or fit creep"));
+  pose.held_s = 0.0;
+  FitResult unknown;
+  warn_of_creep({pose}, request(), unknown);
+  EXPECT_TRUE(unknown.warnings.empty()) << "it is not known how long";
+}
+
+>>>>>>> field2
 TEST(FitCreep, SaysWhereNothingCreeps) {
   const std::vector<MeasuredPose> poses = watch(options_with(kBar + "solver: {time_step_s: 0.1}\n"), {kHolds[0]});
   const FitResult result = fit_model(kScene, options_with(kBar), poses, request());

@@ -179,8 +179,6 @@ TEST(FitCreep, TakesNoNoiseForCreep) {
     }
 }
 
-<<<<<<< HEAD
-=======
 TEST(FitCreep, SaysWhereHoldsAreTooShortToSeeIt) {
   MeasuredPose pose;
   pose.held_s = 3.5;
@@ -197,7 +195,6 @@ TEST(FitCreep, SaysWhereHoldsAreTooShortToSeeIt) {
   EXPECT_TRUE(unknown.warnings.empty()) << "it is not known how long";
 }
 
->>>>>>> field2
 TEST(FitCreep, SaysWhereNothingCreeps) {
   const std::vector<MeasuredPose> poses = watch(options_with(kBar + "solver: {time_step_s: 0.1}\n"), {kHolds[0]});
   const FitResult result = fit_model(kScene, options_with(kBar), poses, request());

@@ -1,12 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-<<<<<<< HEAD
-"""check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME] [solver=NAME] [load=SCENE]: for launch files, before any node starts.
-Prints ROBOT where all is well. Ends with an error where there is no such robot, file, kind of cameras or solver, and names the nearest,
-=======
-"""check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME] [load=SCENE]: for launch files, before any node starts. Prints
-ROBOT where all is well. Ends with an error where there is no such robot, file or kind of cameras, and names the nearest,
->>>>>>> field2
+"""check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME] [solver=NAME] [load=SCENE]: for launch files, before any
+node starts. Prints ROBOT where all is well. Ends with an error where there is no such robot, file, solver or kind of
+cameras, and names the nearest,
 and where the scene to be loaded or another file is wrong: once nodes run, roslaunch ends with status 0 whatever they end with."""
 import difflib
 import os
@@ -14,10 +10,7 @@ import subprocess
 import sys
 
 CAMERAS = ('none', 'rendered')
-<<<<<<< HEAD
 SOLVERS = ('newton', 'xpbd', 'reduced')  # or empty: the scene's own
-=======
->>>>>>> field2
 READ = {'rig': '--rig', 'camera_setup': '--cameras', 'balls': '--balls', 'tracker': '--tracker'}  # by check_scene_node
 ROBOTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'config', 'robots')
 

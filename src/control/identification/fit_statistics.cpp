@@ -112,14 +112,9 @@ struct LatePlaces {
 // Drifts of all markers in all holds: from the first late part to the third, and from the second to the fourth. They
 // share no measurement, so noise makes neither their cosine nor their product.
 struct LateDrifts {
-<<<<<<< HEAD
-  int count = 0;
-  double cosines = 0.0;  // sums of all
-=======
   int count = 0, unjudged_count = 0;
   double unjudged_s = 0.0;  // the longest hold that too little was seen of
   double cosines = 0.0;     // sums of all
->>>>>>> field2
   double products_m2 = 0.0, squared_products_m4 = 0.0;
   double first_m2 = 0.0;  // squares of the first less their noise
 
@@ -128,12 +123,6 @@ struct LateDrifts {
       for (const MeasuredMarker& marker : pose.markers) {
         LatePlaces places(pose, marker.name, kLate);
         if (!places.whole()) places = LatePlaces(pose, marker.name, kLateInShort);
-<<<<<<< HEAD
-        if (places.whole()) add(places);
-      }
-  }
-
-=======
         if (places.whole())
           add(places);
         else if (pose.held_s > 0.0)
@@ -146,7 +135,6 @@ struct LateDrifts {
     ++unjudged_count;
   }
 
->>>>>>> field2
   void add(const LatePlaces& places) {
     const Eigen::Vector3d first_m = places.drift_m(0), second_m = places.drift_m(1);
     const double product_m2 = first_m.dot(second_m);
@@ -268,13 +256,6 @@ std::set<std::string> unidentified(const FitResult& result) {
 }
 
 void warn_of_creep(const std::vector<MeasuredPose>& poses, const FitRequest& request, FitResult& result) {
-<<<<<<< HEAD
-  const double still_m = LateDrifts(poses).still_to_come_m();
-  if (still_m <= kCreeps * request.model_error_m) return;
-  result.warnings.push_back(
-      "by their drift late in the holds markers would still move by " + short_text(1e3 * still_m) +
-      " mm or more: the robot creeps, and intervals may exclude the truth; hold longer, or fit creep");
-=======
   const LateDrifts drifts(poses);
   const double still_m = drifts.still_to_come_m();
   const std::string remedy = "intervals may exclude the truth; hold longer, or fit creep";
@@ -284,7 +265,6 @@ void warn_of_creep(const std::vector<MeasuredPose>& poses, const FitRequest& req
   if (still_m > kCreeps * request.model_error_m)
     result.warnings.push_back("by their drift late in the holds markers would still move by " +
                               short_text(1e3 * still_m) + " mm or more: the robot creeps, and " + remedy);
->>>>>>> field2
 }
 
 // As far as `outlier_deviations` times the median of all is nothing special.

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <soft_robot_lab/ActuatorCommand.h>
@@ -44,6 +45,14 @@ class RobotSession : public testing::Test {
     const ros::NodeHandle parameters("~");
     robot_ = parameters.param<std::string>("robot", "");
     emulated_ = parameters.param<bool>("emulated", false);
+    solver_ = parameters.param<std::string>("solver", "");
+    subscribers_.push_back(node_.subscribe<diagnostic_msgs::DiagnosticArray>(
+        "/diagnostics", 100,
+        boost::function<void(const diagnostic_msgs::DiagnosticArray::ConstPtr&)>([this](const auto& m) {
+          for (const auto& status : m->status)
+            for (const auto& value : status.values)
+              if (status.name == "simulator: simulation") diagnosis_[value.key] = value.value;
+        })));
     commands_ = node_.advertise<ActuatorCommand>(topics::actuator_command, 10);
     hear_last(topics::simulator_markers, simulated_);
     hear_last(topics::simulator_actuators, actuators_);
@@ -95,6 +104,12 @@ class RobotSession : public testing::Test {
     return false;
   }
 
+  // A reduced model is trained first.
+  bool moves_by_its_solver() const {
+    const auto solver = diagnosis_.find("solver");
+    return solver_.empty() || (solver != diagnosis_.end() && solver->second == solver_);
+  }
+
   // Of the motor that pulls, full steps.
   double target_steps() const {
     for (std::size_t i = 0; i < motors_.names.size(); ++i)
@@ -108,8 +123,9 @@ class RobotSession : public testing::Test {
     return 0.0;
   }
 
-  std::string robot_;
+  std::string robot_, solver_;
   bool emulated_ = false;
+  std::map<std::string, std::string> diagnosis_;  // the simulator's last
   MarkerObservations simulated_, tracked_, real_;
   ActuatorState actuators_;
   MotorState motors_;
@@ -122,6 +138,7 @@ class RobotSession : public testing::Test {
 
 TEST_F(RobotSession, MovesAsOneCommandSays) {
   expect_ready();
+  ASSERT_TRUE(spin_until([this] { return moves_by_its_solver(); }, 120.0)) << diagnosis_["reduced model"];
   if (move().seen > 0) {
     EXPECT_TRUE(spin_until([this] { return seen() >= move().seen; }, 40.0)) << seen();
   }
@@ -141,6 +158,11 @@ TEST_F(RobotSession, MovesAsOneCommandSays) {
   if (volume_before_m3 > 0.0) {
     EXPECT_TRUE(spin_until([&] { return volume_m3() > 1.01 * volume_before_m3; }, 40.0))
         << volume_m3() / volume_before_m3;
+  }
+  diagnosis_.clear();
+  EXPECT_TRUE(spin_until([this] { return moves_by_its_solver(); }, 20.0)) << diagnosis_["solver"];
+  if (solver_ == "reduced") {
+    EXPECT_LE(std::stod(diagnosis_["audited error [m]"]), std::stod(diagnosis_["trusted error [m]"]));
   }
   if (!emulated_) return;
   EXPECT_TRUE(spin_until([&] { return gone_m(real_, real_m) > move().at_least_m; }, 60.0)) << gone_m(real_, real_m);

@@ -52,7 +52,7 @@ class Walk {
   bool jumped(double share, const Eigen::Matrix3Xd& from_m);
   RestFound try_stage(double share);
   Nudge softest_way();
-  bool leapt(double share, const Eigen::Matrix3Xd& from_m) const;
+  bool leapt(double share, const Eigen::Matrix3Xd& from_m);
   void note_snap_from(const SimulationState& stable, const Nudge& nudge, double share);
   bool fall_to(double share);
   bool lose_stability(double share);
@@ -64,8 +64,8 @@ class Walk {
   SolveReport& report_;
   RestPath path_;
   double done_ = 0.0;
-  double longest_ = 1.0;       // stage
-  double way_before_m_ = 0.0;  // of the stage before, for all of the way
+  double longest_ = 1.0;                                 // stage
+  double way_before_m_ = 0.0, way_before_that_m_ = 0.0;  // of the two stages before, as for all of the way
   double follows_ = kFollows, lever_before_ = 0.0;
   int iterations_before_ = 0;  // the stage that goes on
   Eigen::Matrix3Xd before_m_;  // where the stage before began
@@ -74,7 +74,7 @@ class Walk {
 
 void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   const double way_m = (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
-  way_before_m_ = share > done_ ? way_m / (share - done_) : 0.0;
+  way_before_that_m_ = std::exchange(way_before_m_, share > done_ ? way_m / (share - done_) : 0.0);
   done_ = share;
   before_m_ = std::move(from_m);
   iterations_before_ = report_.iterations;
@@ -108,11 +108,14 @@ bool Walk::jumped(double share, const Eigen::Matrix3Xd& from_m) {
   return lever > follows_;
 }
 
-// Whether a small stage past obstacles led further than the one before lets expect.
-bool Walk::leapt(double share, const Eigen::Matrix3Xd& from_m) const {
+// Whether a small stage past obstacles led further than those before let expect, and than what moves. Where a body is
+// first touched it moves faster too.
+bool Walk::leapt(double share, const Eigen::Matrix3Xd& from_m) {
+  const bool steady = way_before_that_m_ > 0.0 && way_before_m_ < kLeap * way_before_that_m_;
+  if (longest_ == 1.0 || !steady) return false;
   const double way_m = (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
-  return longest_ < 1.0 && way_before_m_ > 0.0 && way_m > kLeastSnap * parts_.body.size_m() &&
-         way_m > kLeap * way_before_m_ * (share - done_);
+  const double expected_m = std::max(way_before_m_ * (share - done_), path_.largest_way_m(done_, share));
+  return way_m > kLeap * expected_m && way_m > kLeastSnap * parts_.body.size_m();
 }
 
 // By Newton, through stable shapes alone where the stage can still be cut. Where that leads through an unstable

@@ -79,6 +79,30 @@ TEST(Lamps, ShowHowSqueezedTheSiliconeIsAndWhatItTouches) {
   EXPECT_EQ(lamps.lamps(Lamps::silence_s + 1.0).size(), 2u);
 }
 
+TEST(Lamps, ShowHowARobotIsReduced) {
+  Lamps lamps;
+  auto heard = diagnosis("simulator: simulation", 0, "runs", "1");
+  const auto shown = [&](const std::vector<std::pair<std::string, std::string>>& said) {
+    heard.status[0].values.resize(1 + said.size());
+    for (std::size_t i = 0; i < said.size(); ++i) {
+      heard.status[0].values[i + 1].key = said[i].first;
+      heard.status[0].values[i + 1].value = said[i].second;
+    }
+    lamps.add(heard, 0.0);
+    return lamps.lamps(0.5);
+  };
+  EXPECT_EQ(shown({{"solver", "newton"}}).size(), 2u);
+  EXPECT_EQ(shown({{"reduced model", "training: 40 %, snapshots"}})[2].value, "40 %");
+  EXPECT_EQ(shown({{"reduced model", "not trained: friction"}})[2].level, Level::warn);
+  const auto moved_by = [&](const std::string& solver) {
+    return shown({{"solver", solver}, {"audited error [m]", "0.00012"}, {"trusted error [m]", "0.0004"}})[2];
+  };
+  EXPECT_EQ(moved_by("reduced").value, "0.12 mm");
+  EXPECT_EQ(moved_by("reduced").level, Level::ok);
+  EXPECT_EQ(moved_by("newton").value, "newton");
+  EXPECT_EQ(moved_by("newton").level, Level::warn);
+}
+
 TEST(History, KeepsTheLastSecondsOfATipThatMoves) {
   History history;
   MarkerObservations markers;

@@ -351,8 +351,9 @@ void SimulatorNode::on_pull(const SkinPull& pull) {
   const std::lock_guard lock(mutex_);
   try {
     require_in_limits<SkinPull>(pull);
-    scene_->motion.to_newton("a hand pulls at the skin");
+    scene_->motion.show();
     hand_.take(in_robot_base(pull), machine_time_s(), *scene_->simulation);
+    if (hand_.holds()) scene_->motion.to_newton("a hand pulls at the skin");
   } catch (const std::invalid_argument& error) {
     ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::simulator_pull, log_text(error.what()).c_str());
   }

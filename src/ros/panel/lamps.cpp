@@ -78,17 +78,16 @@ Lamp Lamps::lamp_of(const std::string& name, const std::string& task, double now
 }
 
 // Of the simulation's diagnosis; nothing where that has no such value.
-std::optional<double> Lamps::value_of(const std::string& key, double now_s) const {
+std::optional<std::string> Lamps::text_of_key(const std::string& key, double now_s) const {
   if (lamp_of("", simulation, now_s).level == Lamp::Level::unknown) return std::nullopt;
   for (const auto& value : heard_.at(simulation).status.values)
-    if (value.key == key) return parse_number<double>(value.value);
+    if (value.key == key) return value.value;
   return std::nullopt;
 }
 
-std::string Lamps::text_value(const std::string& key) const {
-  for (const auto& value : heard_.at(simulation).status.values)
-    if (value.key == key) return value.value;
-  return "";
+std::optional<double> Lamps::value_of(const std::string& key, double now_s) const {
+  const std::optional<std::string> text = text_of_key(key, now_s);
+  return text ? parse_number<double>(*text) : std::nullopt;
 }
 
 Lamp Lamps::squeezed(double least) {
@@ -100,11 +99,19 @@ Lamp Lamps::squeezed(double least) {
 // Of a reduced model; who moves the robot meanwhile stands beside it.
 Lamp Lamps::audited(double error_m, double now_s) const {
   const double trusted_m = value_of("trusted error [m]", now_s).value_or(0.0);
-  const bool moves = text_value("solver") == "reduced";
+  const bool moves = text_of_key("solver", now_s) == "reduced";
   const std::string value = moves ? text_of(1e3 * error_m, "%.2f mm") : "newton";
   return {"Reduced", moves ? Lamp::Level::ok : Lamp::Level::warn, value,
           "largest error of the reduced model that an audit estimated; it is left for newton beyond " +
               text_of(1e3 * trusted_m, "%.2f mm")};
+}
+
+// "training: 40 %, ..." or "not trained: ...".
+Lamp Lamps::training(const std::string& status) {
+  const std::size_t begin = status.find(": "), end = status.find(" %");
+  const bool fails = status.rfind("not trained", 0) == 0 || begin == std::string::npos || end == std::string::npos;
+  return {"Reduced", fails ? Lamp::Level::warn : Lamp::Level::ok,
+          fails ? "newton" : status.substr(begin + 2, end - begin), status};
 }
 
 Lamp Lamps::contact(double force_n) {
@@ -149,6 +156,7 @@ std::vector<Lamp> Lamps::lamps(double now_s) const {
   std::vector<Lamp> lamps = {lamp_of("Simulation", simulation, now_s), speed(now_s)};
   if (heard_.count(motors) > 0) lamps.push_back(lamp_of("Link", motors, now_s));
   if (gap_at_s_ >= 0.0) lamps.push_back(gap(now_s));
+  if (const auto status = text_of_key("reduced model", now_s)) lamps.push_back(training(*status));
   if (const auto error_m = value_of("audited error [m]", now_s)) lamps.push_back(audited(*error_m, now_s));
   if (const auto least = value_of("least det F", now_s)) lamps.push_back(squeezed(*least));
   if (const auto force_n = value_of("contact force [N]", now_s)) lamps.push_back(contact(*force_n));

@@ -43,7 +43,8 @@ class Lamps {
   };
   Lamp lamp_of(const std::string& name, const std::string& task, double now_s) const;
   std::optional<double> value_of(const std::string& key, double now_s) const;
-  std::string text_value(const std::string& key) const;  // likewise, empty where it has none
+  std::optional<std::string> text_of_key(const std::string& key, double now_s) const;
+  static Lamp training(const std::string& status);
   Lamp audited(double error_m, double now_s) const;
   static Lamp squeezed(double least);
   static Lamp contact(double force_n);

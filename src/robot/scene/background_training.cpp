@@ -10,6 +10,7 @@ namespace soft_robot_lab {
 void BackgroundTraining::start(const std::string& scene, const SceneOptions& options) {
   stop();
   ends_ = false;
+  say("training: 0 %, begins");
   thread_ = std::thread([this, scene, options] { train(scene, options); });
 }
 
@@ -51,7 +52,6 @@ void BackgroundTraining::train(const std::string& scene, SceneOptions options) {
     if (ends_) throw std::runtime_error("stopped");
     say("training: " + std::to_string(std::lround(100.0 * share)) + " %, " + what);
   };
-  options.progress(0.0, "begins");
   try {
     std::shared_ptr<const SceneReduction> trained = load_scene(scene, options).reduction;
     const std::lock_guard lock(mutex_);

@@ -323,11 +323,22 @@ TEST_F(ReducedScene, AnotherMethodThanTheFilesLeavesItsKeysAlone) {
   EXPECT_TRUE(load_scene(damped, options).reduction);
 }
 
+TEST_F(ReducedScene, WithoutRangesOfCommandsTrainsForAsMuchAsMeetsTheTolerance) {
+  const auto box_of = [](const std::string& tolerance_m) {
+    return load("method: reduced, tolerance_m: " + tolerance_m, kMotion).reduction->choice.model->box;
+  };
+  const CommandBox wide = box_of("0.02"), narrow = box_of("2.0e-5");
+  EXPECT_EQ(wide.min[0], 0.5);
+  EXPECT_EQ(wide.max[0], 1.5);
+  EXPECT_GT(narrow.min[0], 0.5);
+  EXPECT_LT(narrow.min[0], 0.9);
+  EXPECT_EQ(load("method: reduced, tolerance_m: 2.0e-5", kMotion).reduction->choice.model->box.min, narrow.min);
+}
+
 TEST_F(ReducedScene, RefusesWhatItDoesNotKnow) {
   const struct {
     std::string solver, rest, words;
   } cases[] = {
-      {"method: reduced", kMotion, "commands"},
       {"method: reduced, commands: {right: [0.9, 1]}", kMotion, "left"},
       {"method: reduced, commands: {left: [0.9]}", kMotion, "two numbers"},
       {"method: reduced, commands: {left: [0.9, 0.95]}", kMotion, "rest command 1"},

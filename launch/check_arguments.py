@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """check_arguments.py ROBOT [WORD=PATH...] [cameras=NAME] [solver=NAME] [load=SCENE]: for launch files, before any
 node starts. Prints ROBOT where all is well. Ends with an error where there is no such robot, file, solver or kind of
-cameras, and names the nearest,
-and where the scene to be loaded or another file is wrong: once nodes run, roslaunch ends with status 0 whatever they end with."""
+cameras, and names the nearest, and where the scene to be loaded or another file is wrong: once nodes run, roslaunch ends
+with status 0 whatever they end with."""
 import difflib
 import os
 import subprocess

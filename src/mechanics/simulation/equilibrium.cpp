@@ -47,6 +47,10 @@ class Walk {
     return !options_.only_through_stable && path_.changes_in_stages() &&
            0.5 * (share - done_) * constants::kSmallestStage >= 1.0;
   }
+  // Of the node that went furthest.
+  double way_from_m(const Eigen::Matrix3Xd& from_m) const {
+    return (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
+  }
   bool slow_down();
   bool way_counts(const SimulationState& from) const;
   bool jumped(double share, const Eigen::Matrix3Xd& from_m);
@@ -73,7 +77,7 @@ class Walk {
 };
 
 void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
-  const double way_m = (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
+  const double way_m = way_from_m(from_m);
   way_before_that_m_ = std::exchange(way_before_m_, share > done_ ? way_m / (share - done_) : 0.0);
   done_ = share;
   before_m_ = std::move(from_m);
@@ -94,13 +98,13 @@ bool Walk::slow_down() {
 bool Walk::way_counts(const SimulationState& from) const {
   const ContactState& contact = parts_.state.contact;
   const bool touches = contact.pressures_pa.size() > 0 && contact.pressures_pa.maxCoeff() > 0.0;
-  const double way_m = (parts_.state.positions_m - from.positions_m).colwise().norm().maxCoeff();
+  const double way_m = way_from_m(from.positions_m);
   return touches && !parts_.body.obstacles().empty() && way_m > kSmallWay * parts_.body.size_m();
 }
 
 // Whether a node went further than what moves takes it along. A jump is as far in half the stage, a lever half as far.
 bool Walk::jumped(double share, const Eigen::Matrix3Xd& from_m) {
-  const double way_m = (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
+  const double way_m = way_from_m(from_m);
   const double lever = way_m / (path_.largest_way_m(done_, share) + kSmallWay * parts_.body.size_m());
   if (lever <= follows_) return false;
   if (lever < kSameLever * lever_before_) follows_ = kSameLever * lever;
@@ -113,7 +117,7 @@ bool Walk::jumped(double share, const Eigen::Matrix3Xd& from_m) {
 bool Walk::leapt(double share, const Eigen::Matrix3Xd& from_m) {
   const bool steady = way_before_that_m_ > 0.0 && way_before_m_ < kLeap * way_before_that_m_;
   if (longest_ == 1.0 || !steady) return false;
-  const double way_m = (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
+  const double way_m = way_from_m(from_m);
   const double expected_m = std::max(way_before_m_ * (share - done_), path_.largest_way_m(done_, share));
   return way_m > kLeap * expected_m && way_m > kLeastSnap * parts_.body.size_m();
 }

@@ -30,10 +30,13 @@ SolveReport report_of(const ReducedReport& reduced, Clock::time_point start) {
 SceneMotion::SceneMotion(Simulation& simulation, std::shared_ptr<const SceneReduction> reduction)
     : simulation_(simulation), reduction_(std::move(reduction)) {
   if (!reduction_) return;
-  fast_.emplace(reduction_->choice.model);
+  judge_by_reduction();
+  reset();
+}
+
+void SceneMotion::judge_by_reduction() {
   fast_markers_.emplace(*reduction_->choice.model);
   audit_.emplace(*reduction_->choice.model, simulation_.model());
-  reset();
 }
 
 void SceneMotion::reset() {
@@ -68,8 +71,7 @@ void SceneMotion::to_newton(const std::string& why) {
 
 bool SceneMotion::to_reduced(std::shared_ptr<const SceneReduction> trained) {
   reduction_ = std::move(trained);
-  fast_markers_.emplace(*reduction_->choice.model);
-  audit_.emplace(*reduction_->choice.model, simulation_.model());
+  judge_by_reduction();
   audits_.limit_m = reduction_->choice.trusted_m();
   return to_reduced();
 }

@@ -63,6 +63,7 @@ class SceneMotion {
  private:
   // Nothing where there is no reduced model, or it failed and was left.
   std::optional<SolveReport> by_reduced(ReducedReport (ReducedSimulation::*move)(), const std::string& failure);
+  void judge_by_reduction();        // its markers and audits
   std::string audit(bool at_rest);  // empty, or why it failed
   bool trusted_at_rest(const ReducedState& state);
   void leave(const std::string& why);

@@ -51,8 +51,8 @@ struct Scene {
   bool untrained = false;  // with ReducedUse::if_kept, where none is
 };
 
-// What happens with solver.method reduced: refused, newton in its place (by which it is trained, and which goes on
-// where it ends), the model that is kept, if one is, or one that is trained now where none is kept.
+// What happens with solver.method reduced: refused; newton in its place, which trains it and goes on where it ends;
+// the model that is kept, if one is; or one that is trained now where none is kept.
 enum class ReducedUse { refused, by_newton, if_kept, trained };
 
 struct SceneOptions {

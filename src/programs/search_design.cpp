@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // search_design SEARCH.yaml --output FOLDER: finds designs of a robot that can be cast and do better.
-#include <csignal>
 #include <iostream>
 #include <string>
 #include <thread>
 
 #include "progress_bar.h"
 #include "settings/command_line.h"
+#include "settings/interrupted.h"
 #include "settings/limits.h"
 #include "study/search/design_report.h"
 
 namespace {
 
 using namespace soft_robot_lab;
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
   std::string search, output;
@@ -40,8 +37,7 @@ void declare(CommandLine& app, Arguments& arguments) {
 int search(const Arguments& arguments) {
   const SearchSettings settings = read_search(arguments.search);
   Journal journal(arguments.output);
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  heed_interrupts();
   ProgressBar bar("search_design");
   std::size_t shown = 0;
   DesignEvaluator evaluator(
@@ -50,7 +46,7 @@ int search(const Arguments& arguments) {
         if (done != std::exchange(shown, done))
           bar.show(static_cast<double>(done) / settings.designs,
                    std::to_string(done) + " of " + std::to_string(settings.designs) + " designs");
-        return interrupted == 0;
+        return !interrupted();
       },
       [](const std::string& what) { std::cerr << "search_design: warning: " << what << "\n"; });
   const bool ended = search_designs(settings, evaluator);

@@ -2,13 +2,13 @@
 // study STUDY.yaml --output FOLDER: runs a program over many values of a scene's numbers, here or on many machines.
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <iostream>
 #include <string>
 #include <thread>
 
 #include "progress_bar.h"
 #include "settings/command_line.h"
+#include "settings/interrupted.h"
 #include "settings/limits.h"
 #include "study/sweeps/hosts.h"
 #include "study/sweeps/slurm.h"
@@ -18,9 +18,6 @@
 namespace {
 
 using namespace soft_robot_lab;
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
 
 struct Arguments {
   std::string study, output, hosts, mpi, worker, array_job;
@@ -89,7 +86,7 @@ class Progress {
   bool show(const StudyProgress& now) {
     const double fraction = now.tasks > 0 ? static_cast<double>(now.done) / static_cast<double>(now.tasks) : 1.0;
     const int percent = static_cast<int>(100.0 * fraction);
-    if (percent == percent_ && now.elapsed_s < shown_s_ + 1.0) return interrupted == 0;
+    if (percent == percent_ && now.elapsed_s < shown_s_ + 1.0) return !interrupted();
     if (percent != percent_ || now.done != done_) {
       bar_.show(fraction, std::to_string(now.done) + " of " + std::to_string(now.tasks) + " tasks, " +
                               std::to_string(now.failed + now.not_good) + " not good" + time_left(now));
@@ -97,7 +94,7 @@ class Progress {
     percent_ = percent;
     done_ = now.done;
     shown_s_ = now.elapsed_s;
-    return interrupted == 0;
+    return !interrupted();
   }
 
  private:
@@ -123,7 +120,7 @@ int finish(const Arguments& arguments, const StudySettings& study, const Results
   std::cout << study_summary(study, table);
   write_study_report(study, table, arguments.output);
   std::cout << arguments.output << "/report.html\n";
-  if (interrupted != 0) std::cerr << "study: stopped; the same command goes on from here\n";
+  if (interrupted()) std::cerr << "study: stopped; the same command goes on from here\n";
   return table.all_good() ? kGood : kNotGood;
 }
 
@@ -138,8 +135,7 @@ int run_study(const Arguments& arguments) {
   Journal journal(arguments.output);
   journal.set_tasks(study, tasks);
   if (arguments.retry_failed) journal.forget_failures(tasks);
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  heed_interrupts();
   run(arguments, study, tasks, journal, version);
   return finish(arguments, study, results_table(study, tasks, journal));
 }

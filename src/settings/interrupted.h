@@ -4,7 +4,8 @@
 
 namespace soft_robot_lab {
 
-// From now on the first of them makes interrupted() true, in every thread; a second one ends the program at once.
+// From now on the first of them makes interrupted() true, in every thread; one that comes more than 0.3 s later ends
+// the program at once.
 void heed_interrupts();
 bool interrupted();
 

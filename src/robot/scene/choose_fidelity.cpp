@@ -84,6 +84,7 @@ class Ladder {
       last_nodes_ = rung.mesh.node_count();
       show_progress(options_, static_cast<double>(last_nodes_) / request_.max_nodes, judging(rung.mesh));
       if (!judged(scene, rung)) continue;
+      read_for_others(scene);
       scene.require_all_read();
       return rung;
     }

@@ -39,20 +39,25 @@ Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& op
   return scene;
 }
 
+void read_for_others(const YamlNode& scene) {
+  read_casting_settings(scene);
+  read_parameters(scene);
+}
+
 Scene load_scene(const std::string& path, const SceneOptions& options) {
   return load_scene(YamlNode::load_file(path), options);
 }
 
 Scene load_scene(const YamlNode& node, const SceneOptions& options) {
   const YamlNode stated = with_method(with_overrides(node, options.overrides), options.method);
-  read_parameters(stated);
+  read_for_others(stated);  // a wrong key there is said before anything is meshed
   refuse_megapascals(stated);
   refuse_unknown_reduced(stated, options);
   std::optional<FidelityReport> fidelity = settle_fidelity(stated, options);
   const bool chosen = fidelity && fidelity->choice;
   const YamlNode settings = chosen ? overrides_of(*fidelity->choice).over(stated) : stated;
   Scene scene = build_scene(settings, read_mesh(settings, options), options);
-  read_casting_settings(settings);
+  read_for_others(settings);
   const std::optional<ReducedRequest> request = read_reduced(settings, scene, options.reduced);
   settings.require_all_read();
   if (request && options.on_warnings) options.on_warnings(scene.warnings);

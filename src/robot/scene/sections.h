@@ -46,6 +46,8 @@ void read_contact(const YamlNode& scene, Body& body);         // `contact`
 YamlNode with_method(const YamlNode& stated, const std::string& method);
 SolverOptions read_solver(const YamlNode& scene);                           // `solver`
 RunSettings read_run(const YamlNode& scene, const Simulation& simulation);  // `run`
+// What other programs go by: `casting` and `parameters`. A scene with them is checked, and counts as read.
+void read_for_others(const YamlNode& scene);
 
 // A file named in the scene: relative names start at the folder of the file that states them.
 std::string beside(const YamlNode& node, const std::string& file);

@@ -279,6 +279,7 @@ TEST_F(Fidelity, RefusesWhatItCannotAnswer) {
       {bar + wish + "markers: []\n", "the scene needs at least one"},
       {bar + "fidelity: {tolerance_m: 0.02, tolerence: 1}\n", "unknown key 'tolerence'"},
       {bar + "fidelity: {tolerance_m: 0.02}\nbodi: 1\n", "unknown key 'bodi'"},
+      {bar + wish + "casting: {min_thikness_m: 1}\n", "unknown key 'min_thikness_m'"},
       {bar + wish + "loads: [{box: {min_m: [5, 5, 5], max_m: [6, 6, 6]}, force_n: [0, 1, 0]}]\n",
        "no part of a boundary face, and no edge of one, lies in the box"},
   };
@@ -287,6 +288,15 @@ TEST_F(Fidelity, RefusesWhatItCannotAnswer) {
     const std::string message = refusal(text);
     EXPECT_NE(message.find(words), std::string::npos) << message;
   }
+}
+
+TEST_F(Fidelity, BearsSectionsOfOtherPrograms) {
+  const Scene scene = load(R"(include: bar.yaml
+fidelity: {tolerance_m: 0.02}
+casting: {min_thickness_m: 0.004}
+parameters: {stiffness: {range: [1.0e+5, 2.0e+5], factors: {body.material.youngs_modulus_pa: 1}}}
+)");
+  EXPECT_TRUE(scene.fidelity->met);
 }
 
 TEST_F(Fidelity, LeavesTheRestOfTheSolverToTheScene) {

@@ -95,9 +95,9 @@ class Simulation {
   ActuatorReading actuator_state(int actuator) const;
   // One for each obstacle, also where it does not touch; then one for each that a free obstacle touches or may touch.
   std::vector<ContactReading> contacts() const;
-  // A warning for each actuator whose path runs through silicone where it runs through air at rest. Equilibria have
-  // them in their report; time steps do not.
-  std::vector<SolveWarning> cables_in_silicone() const;
+  // What passes through silicone where the scene models no contact: a warning for each actuator whose path runs through
+  // air at rest, and one for skin. Equilibria have them in their report; time steps do not.
+  std::vector<SolveWarning> unmodelled_contact() const;
   std::vector<Eigen::Isometry3d> obstacle_poses() const;  // from each shape as stated to where it stands
 
  private:

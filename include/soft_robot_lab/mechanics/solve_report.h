@@ -20,6 +20,7 @@ namespace soft_robot_lab {
 //   snapped              by how much a node moved where the way to a rest state became unstable
 //   negative_volume      of a chamber                      coarse_contact        depth between contact points
 //   cable_in_silicone    depth below the skin of a cable that is in the air at rest
+//   skin_in_silicone     depth of skin in other silicone, where the scene lists no contact
 struct SolveWarning {
   std::string kind;
   double size = 0.0;

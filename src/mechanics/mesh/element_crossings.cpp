@@ -63,6 +63,11 @@ TetCorners corners_of(const TetMesh& mesh, int tet) {
   return corners;
 }
 
+double edge_m(const TetMesh& mesh, int tet) {
+  const TetCorners corners = corners_of(mesh, tet);
+  return std::cbrt(std::sqrt(2.0) * std::abs((corners.rightCols<3>().colwise() - corners.col(0)).determinant()));
+}
+
 std::vector<ElementCrossing> element_crossings(const TetMesh& mesh, const Eigen::Vector3d& from_m,
                                                const Eigen::Vector3d& to_m) {
   std::vector<ElementCrossing> crossings;

@@ -11,6 +11,7 @@ namespace soft_robot_lab {
 
 using TetCorners = Eigen::Matrix<double, 3, 4>;
 TetCorners corners_of(const TetMesh& mesh, int tet);
+double edge_m(const TetMesh& mesh, int tet);  // of a regular element of its volume
 
 // A straight line's way through an element, in shares of the line.
 struct ElementCrossing {

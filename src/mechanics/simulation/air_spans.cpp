@@ -38,12 +38,6 @@ Inside inside(const TetMesh& mesh, const Eigen::Vector3d& from_m, const Eigen::V
   return found;
 }
 
-// Of a regular element of its volume.
-double edge_m(const TetMesh& mesh, int tet) {
-  const TetCorners corners = corners_of(mesh, tet);
-  return std::cbrt(std::sqrt(2.0) * std::abs((corners.rightCols<3>().colwise() - corners.col(0)).determinant()));
-}
-
 struct Deepest {
   double depth_m = 0.0, edge_m = 0.0;
   Eigen::Vector3d rest_m = Eigen::Vector3d::Zero();

@@ -124,7 +124,7 @@ SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
     }
   });
   if (report.converged)
-    for (const SolveWarning& warning : cables_in_silicone()) add_warning(warning, report.warnings);
+    for (const SolveWarning& warning : unmodelled_contact()) add_warning(warning, report.warnings);
   return report;
 }
 
@@ -222,10 +222,14 @@ std::vector<ContactReading> Simulation::contacts() const {
   return parts_->workspace.newton.contact().readings(parts_->state.positions_m, parts_->state.contact);
 }
 
-std::vector<SolveWarning> Simulation::cables_in_silicone() const {
+std::vector<SolveWarning> Simulation::unmodelled_contact() const {
   std::vector<std::vector<Eigen::Vector3d>> paths_m;
   for (std::size_t i = 0; i < actuators().size(); ++i) paths_m.push_back(parts_->reading_of(i).path_m);
-  return parts_->model->tables().air_spans.in_silicone(body().mesh(), parts_->state.positions_m, paths_m);
+  const SolverTables& tables = parts_->model->tables();
+  const Eigen::Matrix3Xd& positions_m = parts_->state.positions_m;
+  std::vector<SolveWarning> warnings = tables.air_spans.in_silicone(body().mesh(), positions_m, paths_m);
+  if (const auto skin = tables.skin_overlap.deepest(body().mesh(), positions_m)) warnings.push_back(*skin);
+  return warnings;
 }
 
 std::vector<Eigen::Isometry3d> Simulation::obstacle_poses() const {

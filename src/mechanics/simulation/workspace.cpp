@@ -29,7 +29,8 @@ std::vector<SharedLength> shared_lengths_of(const Actuators& actuators) {
 
 SolverTables::SolverTables(const Body& body, const Actuators& actuators, SolverOptions::Method method)
     : newton(std::make_shared<const NewtonTables>(body, constraints_of(actuators), shared_lengths_of(actuators))),
-      air_spans(body, actuators) {
+      air_spans(body, actuators),
+      skin_overlap(body) {
   if (method == SolverOptions::Method::xpbd)
     xpbd = std::make_shared<const XpbdTables>(body, constraints_of(actuators), shared_lengths_of(actuators));
 }

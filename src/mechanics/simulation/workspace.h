@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "air_spans.h"
+#include "skin_overlap.h"
 #include "mechanics/xpbd/xpbd_solver.h"
 #include "mechanics/newton/newton_solver.h"
 #include "mechanics/state/interrupt.h"
@@ -21,6 +22,7 @@ struct SolverTables {
   std::shared_ptr<const NewtonTables> newton;
   std::shared_ptr<const XpbdTables> xpbd;  // where it is the method
   AirSpans air_spans;
+  SkinOverlap skin_overlap;
 };
 
 struct Workspace {

@@ -158,7 +158,7 @@ void end(SceneMotion& motion, RunReport& report) {
   motion.show();
   report.audits = motion.audits();
   report.left_reduced = motion.left();
-  for (const SolveWarning& warning : motion.simulation().cables_in_silicone())
+  for (const SolveWarning& warning : motion.simulation().unmodelled_contact())
     add_warning(warning, report.solve.warnings);
   if (!motion.reduced()) return;
   report.solve.inverted_elements = motion.inverted_elements();

@@ -426,6 +426,7 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   const std::unique_lock lock(mutex_, std::chrono::milliseconds(500));
   if (!lock || !scene_) return report_what_lasts(lock ? "loading" : "solving", status);
   using Status = diagnostic_msgs::DiagnosticStatus;
+  for (const SolveWarning& warning : scene_->simulation->unmodelled_contact()) add_warning(warning, warnings_);
   if (unconverged_steps_ > 0) {
     status.summary(Status::WARN, "steps that did not converge: " + last_report_.message);
   } else if (!warnings_.empty()) {

@@ -53,7 +53,7 @@ TEST(AirSpan, ThatTheBodyBendsIntoIsNamedWithItsDepthAndPlace) {
   EXPECT_LT(warnings[0].size, 0.005) << "the beam's half thickness";
   EXPECT_NEAR(warnings[0].rest_position_m->z(), 0.01 - warnings[0].size, 0.001);
   EXPECT_NEAR(warnings[0].rest_position_m->x(), 0.03, 0.02) << "where it bends most, between the posts";
-  EXPECT_EQ(bent.cables_in_silicone().size(), 1u);
+  EXPECT_EQ(bent.unmodelled_contact().size(), 1u);
 }
 
 TEST(AirSpan, ThatStaysInTheAirIsNot) {

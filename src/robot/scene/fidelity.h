@@ -71,6 +71,15 @@ TimeError estimate_time_error(const YamlNode& settings, const TetMesh& mesh, con
 TimeError choose_time_step(const YamlNode& settings, const TetMesh& mesh, const SceneOptions& options,
                            double tolerance_m);
 
+// What contact of skin with skin would change, at the rest states that a scene is judged at. Nothing where no skin is
+// in other silicone there, or the scene lists such contact.
+struct ContactEffect {
+  double moved_m = 0.0;  // of the marker that moves most
+  std::string marker;
+};
+ContactEffect contact_effect(const YamlNode& settings, const SceneOptions& options);
+Overrides self_contact();
+
 // Kept by content beside the meshes.
 std::optional<FidelityReport> find_fidelity(const std::string& key, const SceneOptions& options);
 void keep_fidelity(const std::string& key, const FidelityReport& report, const SceneOptions& options);

@@ -24,6 +24,7 @@ std::string text_of(const FidelityChoice& choice) {
   if (choice.in_time)
     text << ", integrator: " << name_of(choice.in_time->integrator) << ", time_step_s: " << choice.in_time->time_step_s;
   text << "}\n";
+  if (choice.self_contact) text << "contact: {self: true}\n";
   return text.str();
 }
 
@@ -44,6 +45,7 @@ FidelityChoice choice_from_json(const nlohmann::ordered_json& json) {
   if (json.contains("element_size_m")) choice.element_size_m = json.at("element_size_m").get<double>();
   if (json.contains("integrator"))
     choice.in_time = {integrator_of(json.at("integrator")), json.at("time_step_s").get<double>()};
+  choice.self_contact = json.value("self_contact", false);
   return choice;
 }
 
@@ -80,6 +82,8 @@ std::string expected_error_text(const FidelityReport& report) {
   if (report.tolerance_m > 0.0)
     text +=
         (report.met ? ", within the tolerance of " : ", beyond the tolerance of ") + millimetres(report.tolerance_m);
+  if (report.left_out_contact_m > 0.0)
+    text += "; and " + millimetres(report.left_out_contact_m) + " by contact of skin with skin, which is left out";
   return text;
 }
 
@@ -110,6 +114,7 @@ nlohmann::ordered_json fidelity_json(const FidelityReport& report) {
     json["trouble"] = report.trouble;
   }
   json["left_out"] = report.left_out;
+  if (report.left_out_contact_m > 0.0) json["left_out_contact_m"] = report.left_out_contact_m;
   return json;
 }
 
@@ -124,6 +129,7 @@ nlohmann::ordered_json kept_json(const FidelityReport& report) {
     chosen["integrator"] = name_of(in_time->integrator);
     chosen["time_step_s"] = in_time->time_step_s;
   }
+  if (report.choice->self_contact) chosen["self_contact"] = true;
   return json;
 }
 
@@ -144,6 +150,7 @@ FidelityReport fidelity_from_json(const nlohmann::ordered_json& json) {
     json.at("time_error_m").get_to(report.time_error_m);
   }
   json.at("left_out").get_to(report.left_out);
+  report.left_out_contact_m = json.value("left_out_contact_m", 0.0);
   json.at("cpu_s").get_to(report.cpu_s);
   return report;
 }

@@ -290,6 +290,28 @@ TEST_F(Fidelity, RefusesWhatItCannotAnswer) {
   }
 }
 
+// Spinebot's vertebrae come into one another here; with contact its tip rests 2.6 mm from there.
+TEST_F(Fidelity, StatesWhatContactOfSkinWouldChangeAndSwitchesItOn) {
+  const std::string pulled = "include: " + kConfig +
+                             "robots/spinebot/robot.yaml\nrun: {commands: [{time_s: 0, left: 0.8, right: 1.1}]}\n";
+  const Scene judged = load(pulled, true);
+  EXPECT_NEAR(judged.fidelity->left_out_contact_m, 0.0026, 0.0002);
+  EXPECT_NE(expected_error_text(*judged.fidelity).find(" mm by contact of skin with skin, which is left out"),
+            std::string::npos);
+
+  const std::string wish = "fidelity: {tolerance_m: 0.002}\n";
+  const Scene chosen = load(pulled + wish);
+  EXPECT_TRUE(chosen.fidelity->choice->self_contact);
+  EXPECT_TRUE(chosen.simulation->body().touches_itself());
+  EXPECT_TRUE(chosen.fidelity->met);
+  EXPECT_TRUE(load(pulled + wish).fidelity->choice->self_contact) << "from the cache";
+
+  const Scene refused = load(pulled + wish + "contact: {self: false}\n");
+  EXPECT_FALSE(refused.simulation->body().touches_itself());
+  EXPECT_FALSE(refused.fidelity->met);
+  EXPECT_NEAR(refused.fidelity->left_out_contact_m, 0.0026, 0.0002);
+}
+
 TEST_F(Fidelity, BearsSectionsOfOtherPrograms) {
   const Scene scene = load(R"(include: bar.yaml
 fidelity: {tolerance_m: 0.02}

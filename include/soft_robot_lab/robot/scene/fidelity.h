@@ -19,6 +19,7 @@ struct TimeStepChoice {
 struct FidelityChoice {
   std::optional<double> element_size_m;   // none where the scene names a mesh
   std::optional<TimeStepChoice> in_time;  // none at rest
+  bool self_contact = false;              // switched on: without it the markers would be off by more than the tolerance
 };
 
 struct FidelityReport {
@@ -33,6 +34,7 @@ struct FidelityReport {
   double mesh_error_m = 0.0;
   double time_error_m = 0.0;
   std::string trouble;
+  double left_out_contact_m = 0.0;  // how far contact of skin with skin would move a marker, where it is left out
 
   std::vector<std::string> reasons;   // of the choice, for a reader
   std::vector<std::string> left_out;  // what the model does without, for a reader

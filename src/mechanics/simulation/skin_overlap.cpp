@@ -26,7 +26,7 @@ std::vector<std::vector<int>> columns_of_nodes(const Eigen::MatrixXi& nodes, int
 
 bool holds(const Eigen::MatrixXi& nodes, int column, int node) { return (nodes.col(column).array() == node).any(); }
 
-// Corners as a tetrahedron; none where it is turned inside out, of which other warnings tell.
+// Corners as a tetrahedron; none where it is turned inside out, which `inverted_elements` names.
 bool is_inside(const TetCorners& corners, const Eigen::Vector3d& point_m) {
   const Eigen::Matrix3d edges = corners.rightCols<3>().colwise() - corners.col(0);
   if (!(edges.determinant() > 0.0)) return false;
@@ -92,7 +92,7 @@ std::vector<SkinOverlap::Inside> SkinOverlap::nodes_inside(const TetMesh& presen
     const TetCorners corners = corners_of(present, tet);
     const Eigen::Array3d least = corners.rowwise().minCoeff(), most = corners.rowwise().maxCoeff();
     auto at = std::lower_bound(nodes.begin(), nodes.end(), least[axis],
-                               [&](int node, double place_m) { return along(node) < place_m; });
+                               [&](int node, double from_m) { return along(node) < from_m; });
     for (; at != nodes.end() && along(*at) <= most[axis]; ++at) {
       const Eigen::Vector3d point_m = present.nodes_m.col(*at);
       if ((point_m.array() < least).any() || (point_m.array() > most).any()) continue;

@@ -292,8 +292,8 @@ TEST_F(Fidelity, RefusesWhatItCannotAnswer) {
 
 // Spinebot's vertebrae come into one another here; with contact its tip rests 2.6 mm from there.
 TEST_F(Fidelity, StatesWhatContactOfSkinWouldChangeAndSwitchesItOn) {
-  const std::string pulled = "include: " + kConfig +
-                             "robots/spinebot/robot.yaml\nrun: {commands: [{time_s: 0, left: 0.8, right: 1.1}]}\n";
+  const std::string pulled =
+      "include: " + kConfig + "robots/spinebot/robot.yaml\nrun: {commands: [{time_s: 0, left: 0.8, right: 1.1}]}\n";
   const Scene judged = load(pulled, true);
   EXPECT_NEAR(judged.fidelity->left_out_contact_m, 0.0026, 0.0002);
   EXPECT_NE(expected_error_text(*judged.fidelity).find(" mm by contact of skin with skin, which is left out"),

@@ -201,7 +201,7 @@ Nudge nudge_off(SimulationParts& parts, const Eigen::Matrix3Xd& way_m) {
   return nudge;
 }
 
-bool descend(SimulationParts& parts, SolveReport& report) {
+bool descend(SimulationParts& parts, SolveReport& report, const Ballooning& ballooning) {
   const Material& material = parts.body.material();
   const double wave_s = parts.body.size_m() * std::sqrt(material.density_kg_m3 / material.youngs_modulus_pa);
   const int limit = report.iterations + constants::kTransientBudget * parts.options.max_iterations;
@@ -228,6 +228,10 @@ bool descend(SimulationParts& parts, SolveReport& report) {
     if (way_m.norm() > kSlidAway * parts.body.size_m()) {
       report.message = sliding(parts, way_m);
       if (!report.message.empty()) return false;
+    }
+    if (std::string text = ballooning.found(parts); !text.empty()) {
+      report.message = std::move(text);
+      return false;
     }
     const bool slow = !convex || moved_m < kSlow * parts.body.size_m();
     if (slow && h > long_s) {

@@ -2,6 +2,7 @@
 // To a rest state at fixed commands, from the present state.
 #pragma once
 
+#include "ballooning.h"
 #include "simulation_parts.h"
 
 namespace soft_robot_lab {
@@ -24,8 +25,8 @@ bool held_by_friction_alone(const SimulationParts& parts);
 // Down the energy in steps that inertia keeps short, longer and longer (pseudo-transient continuation, Kelley & Keyes
 // 1998), until inertia has no say and Newton alone converges: finds its way through buckling, where a rest state that
 // Newton would run to is a saddle. Where it fails the state is the furthest it came. A body that slides away beyond
-// what friction holds ends it, with a message that names the obstacles.
-bool descend(SimulationParts& parts, SolveReport& report);
+// what friction holds ends it, with a message that names the obstacles; a chamber that balloons too.
+bool descend(SimulationParts& parts, SolveReport& report, const Ballooning& ballooning);
 
 // A small way along what the present rest state resists least, to the side that `way_m` has led to; where that has led
 // to neither, to a side that a fixed rule chooses. Cut where it would go into obstacles or other skin. 3 x nodes; empty

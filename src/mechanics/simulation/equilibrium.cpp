@@ -72,6 +72,7 @@ class Walk {
   double way_before_m_ = 0.0, way_before_that_m_ = 0.0;  // of the two stages before, as for all of the way
   double follows_ = kFollows, lever_before_ = 0.0;
   int iterations_before_ = 0;  // the stage that goes on
+  bool balloons_ = false;      // a chamber: there is no way on
   Eigen::Matrix3Xd before_m_;  // where the stage before began
   std::vector<Snap> snaps_;
 };
@@ -156,11 +157,14 @@ void Walk::note_snap_from(const SimulationState& stable, const Nudge& nudge, dou
 
 // Down to a stable shape; the state stays where there is none.
 bool Walk::fall_to(double share) {
+  if (balloons_) return false;
   const SimulationState stable = parts_.state;
+  const Ballooning ballooning(parts_);
   const Nudge nudge = softest_way();
   path_.go_to(share);
   const bool rubs = held_by_friction_alone(parts_);
-  if ((rubs || relax_from_below(parts_, report_) != RestFound::stable) && !descend(parts_, report_)) {
+  if ((rubs || relax_from_below(parts_, report_) != RestFound::stable) && !descend(parts_, report_, ballooning)) {
+    balloons_ = !ballooning.found(parts_).empty();
     parts_.state = stable;
     return false;
   }
@@ -172,11 +176,14 @@ bool Walk::fall_to(double share) {
 // Where the smallest stage leads to no stable shape nearby: what follows is a motion in time that inertia does not
 // drive, from the last stable shape and a small way off it.
 bool Walk::lose_stability(double share) {
+  if (balloons_) return false;
   const SimulationState stable = parts_.state;
+  const Ballooning ballooning(parts_);
   const Nudge nudge = softest_way();
   path_.go_to(share);
   if (nudge.motion_m.cols() > 0) parts_.state.positions_m += nudge.motion_m;
-  if (!descend(parts_, report_)) {
+  if (!descend(parts_, report_, ballooning)) {
+    balloons_ = !ballooning.found(parts_).empty();
     parts_.state = stable;
     return false;
   }

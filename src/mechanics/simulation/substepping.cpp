@@ -290,7 +290,7 @@ void leave_saddle(SimulationParts& parts, const Past& start, const Eigen::Matrix
   report.converged = false;
   if (nudge.motion_m.cols() == 0) return;
   state.positions_m += nudge.motion_m;
-  if (!descend(parts, report)) return;
+  if (!descend(parts, report, Ballooning(parts))) return;
   state.linearisation.reset();
   state.element_forces_n = parts.workspace.xpbd->forces_of(parts.unknowns());
   seek_rest(parts, start, report);

@@ -18,11 +18,12 @@ namespace {
 
 constexpr double kP0 = 101000.0;
 
-Simulation inflatable(Body body) {
+Simulation inflatable(Body body, const std::string& keys = "") {
   std::vector<std::unique_ptr<Actuator>> actuators;
   actuators.push_back(std::make_unique<Chamber>());
-  actuators[0]->initialise(YamlNode::parse("{name: air, surface: cavity, initial_pressure_pa: 101000}", "test"), body,
-                           MeshLocator(body.mesh()));
+  actuators[0]->initialise(
+      YamlNode::parse("{name: air, surface: cavity, initial_pressure_pa: 101000" + keys + "}", "test"), body,
+      MeshLocator(body.mesh()));
   return Simulation(std::move(body), std::move(actuators), {}, {});
 }
 
@@ -51,6 +52,12 @@ std::function<Eigen::Vector3d(const Eigen::Vector3d&)> rounded(int dimensions) {
   };
 }
 
+// Of an incompressible sphere whose outer radius is `ratio` times the inner one.
+double sphere_pressure_pa(double stretch, double ratio) {
+  const double a = stretch, b = std::cbrt(1.0 + (a * a * a - 1.0) / (ratio * ratio * ratio));
+  return 264200.0 / 6.0 * ((4.0 / b + std::pow(b, -4)) - (4.0 / a + std::pow(a, -4)));
+}
+
 const std::vector<double> kAcross = mirrored({0.005, 0.010, 0.013, 0.020});
 
 // Inner radius 10 mm, outer 20 mm. Fills in as much gas as reaches each stretch of the table, which must then be found
@@ -75,9 +82,34 @@ TEST(ChamberReference, ThickSphereSwells) {
   EXPECT_NEAR(*sphere.actuator_state(0).initial_volume_m3, 4.0 / 3.0 * M_PI * 1e-6, 0.005 * 4.19e-6);
   expect_table(sphere, "r3_sphere", 3);
   // The closed form of the incompressible sphere, at the last stretch that is asked for.
-  const double a = 1.3, b = std::cbrt(1.0 + (a * a * a - 1.0) / 8.0);
-  const double p = 264200.0 / 6.0 * ((4.0 / b + std::pow(b, -4)) - (4.0 / a + std::pow(a, -4)));
+  const double a = 1.3, p = sphere_pressure_pa(a, 2.0);
   EXPECT_NEAR(*inflate(sphere, (1.0 + p / kP0) * a * a * a).gauge_pressure_pa, p, 0.01 * p);
+}
+
+// A thin sphere holds no more than its closed form has at most; beyond that it balloons, and stays as it was.
+TEST(ChamberReference, ThinSphereBalloonsAboveTheMostThatItHolds) {
+  const std::vector<double> across = mirrored({0.0034, 0.0067, 0.010, 0.012});
+  const Eigen::Vector3d corner = Eigen::Vector3d::Constant(0.010);
+  Body body(hollow_mesh({{across, across, across}, -corner, corner, true, rounded(3)}), {264200.0, 0.499, 1070.0});
+  hold_symmetry_planes(body, 3);
+  double most_pa = 0.0;
+  for (double stretch = 1.0; stretch < 3.0; stretch += 0.001)
+    most_pa = std::max(most_pa, sphere_pressure_pa(stretch, 1.2));
+  Simulation sphere = inflatable(std::move(body), ", command: gauge_pressure, max_gauge_pressure_pa: 100000");
+  sphere.set_command("air", 0.95 * most_pa);
+  ASSERT_TRUE(sphere.solve_equilibrium().converged);
+  const double times = *sphere.actuator_state(0).volume_m3 / *sphere.actuator_state(0).initial_volume_m3;
+  EXPECT_NEAR(sphere_pressure_pa(std::cbrt(times), 1.2), 0.95 * most_pa, 0.01 * most_pa);
+
+  const Eigen::Matrix3Xd before_m = sphere.state().positions_m;
+  sphere.set_command("air", 1.3 * most_pa);
+  const SolveReport report = sphere.solve_equilibrium();
+  EXPECT_FALSE(report.converged);
+  const std::string words = "chamber 'air' has no rest state above ";
+  ASSERT_NE(report.message.find(words), std::string::npos) << report.message;
+  const double held_pa = std::stod(report.message.substr(report.message.find(words) + words.size()));
+  EXPECT_NEAR(held_pa, most_pa, 0.02 * most_pa);
+  EXPECT_EQ(sphere.state().positions_m, before_m);
 }
 
 // Its ends are capped, and kept in their planes.

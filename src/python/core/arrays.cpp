@@ -99,6 +99,27 @@ py::dict contact_dict(const ContactReading& reading) {
   return all;
 }
 
+py::list actuator_names(const Model& model) {
+  py::list all;
+  for (const auto& actuator : model.actuators()) all.append(actuator->name());
+  return all;
+}
+
+py::list marker_names(const Model& model) {
+  py::list all;
+  for (const Marker& marker : model.markers()) all.append(marker.name());
+  return all;
+}
+
+py::dict command_limits(const Model& model) {
+  py::dict all;
+  for (const auto& actuator : model.actuators()) {
+    const CommandLimits& limits = actuator->limits();
+    all[py::str(actuator->name())] = py::make_tuple(limits.rest, limits.min, limits.max, limits.unit);
+  }
+  return all;
+}
+
 py::list warning_list(const std::vector<SolveWarning>& warnings) {
   py::list all;
   for (const SolveWarning& warning : warnings) {

@@ -12,6 +12,7 @@
 #include <pybind11/pybind11.h>
 
 #include "soft_robot_lab/mechanics/actuator.h"
+#include "soft_robot_lab/mechanics/model.h"
 #include "soft_robot_lab/mechanics/obstacle.h"
 #include "soft_robot_lab/mechanics/solve_report.h"
 
@@ -38,6 +39,9 @@ std::vector<double> numbers_of(const pybind11::handle& array, std::size_t count,
 // With the keys of result.json; what does not apply to an actuator is left out.
 pybind11::dict reading_dict(const ActuatorReading& reading);
 pybind11::dict contact_dict(const ContactReading& reading);
+pybind11::list actuator_names(const Model& model);
+pybind11::list marker_names(const Model& model);
+pybind11::dict command_limits(const Model& model);  // of each actuator (rest, min, max, unit)
 pybind11::list warning_list(const std::vector<SolveWarning>& warnings);
 
 }  // namespace soft_robot_lab

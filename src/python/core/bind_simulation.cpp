@@ -48,25 +48,6 @@ py::array_t<double> commands_array(PythonSimulation& simulation, double DriveSta
   return numbers_array(all);
 }
 
-py::list names(const PythonSimulation& simulation, bool of_actuators) {
-  py::list all;
-  if (of_actuators) {
-    for (const auto& actuator : simulation.model().actuators()) all.append(actuator->name());
-  } else {
-    for (const Marker& marker : simulation.model().markers()) all.append(marker.name());
-  }
-  return all;
-}
-
-py::dict limits(const PythonSimulation& simulation) {
-  py::dict all;
-  for (const auto& actuator : simulation.model().actuators()) {
-    const CommandLimits& limits = actuator->limits();
-    all[py::str(actuator->name())] = py::make_tuple(limits.rest, limits.min, limits.max, limits.unit);
-  }
-  return all;
-}
-
 py::dict markers(PythonSimulation& simulation) {
   const Eigen::Matrix3Xd markers_m = simulation.markers_m();
   py::dict all;
@@ -107,9 +88,9 @@ py::array_t<int> indices_view(const py::object& self, const Eigen::MatrixXi& col
   return array_view<int>({columns.cols(), columns.rows()}, columns.data(), self);
 }
 
-using Class = py::class_<PythonSimulation, std::shared_ptr<PythonSimulation>>;
+using SimulationClass = py::class_<PythonSimulation, std::shared_ptr<PythonSimulation>>;
 
-void bind_moves(Class& simulation) {
+void bind_moves(SimulationClass& simulation) {
   simulation
       .def("set", &set, py::arg("commands") = py::none(),
            "set($self, commands=None, **named)\n--\n\n"
@@ -140,7 +121,7 @@ void bind_moves(Class& simulation) {
                     "A State, a copy. Setting one that does not fit raises ValueError, and changes nothing.");
 }
 
-void bind_readings(Class& simulation) {
+void bind_readings(SimulationClass& simulation) {
   simulation.def("markers", &markers, "markers($self)\n--\n\ndict of (3,) arrays, metres in robot_base, by marker.")
       .def_property_readonly(
           "markers_m", [](PythonSimulation& self) { return points_array(self.markers_m()); },
@@ -166,7 +147,7 @@ void bind_readings(Class& simulation) {
            "contacts($self)\n--\n\nList of dicts, one for each pair that touches: between, force_n, ...");
 }
 
-void bind_skin(Class& simulation) {
+void bind_skin(SimulationClass& simulation) {
   simulation
       .def_property_readonly(
           "nodes_m", &nodes_view,
@@ -193,16 +174,17 @@ void bind_skin(Class& simulation) {
           "(elements, 4 or 10) node indices of the tetrahedra, in Gmsh's order.");
 }
 
-void bind_names(Class& simulation) {
+void bind_names(SimulationClass& simulation) {
   simulation
       .def_property_readonly(
-          "actuator_names", [](const PythonSimulation& self) { return names(self, true); },
+          "actuator_names", [](const PythonSimulation& self) { return actuator_names(self.model()); },
           "List of str, in the order of commands.")
       .def_property_readonly(
-          "marker_names", [](const PythonSimulation& self) { return names(self, false); },
+          "marker_names", [](const PythonSimulation& self) { return marker_names(self.model()); },
           "List of str, in the order of markers_m.")
-      .def_property_readonly("limits", &limits,
-                             "dict by actuator of tuples (rest, least, largest, unit) of its command.")
+      .def_property_readonly(
+          "limits", [](const PythonSimulation& self) { return command_limits(self.model()); },
+          "dict by actuator of tuples (rest, least, largest, unit) of its command.")
       .def_property_readonly(
           "time_step_s", [](const PythonSimulation& self) { return self.model().options().time_step_s; },
           "Seconds of one step().")
@@ -223,7 +205,7 @@ Scene load_for_python(Guarded& guard, const FilePath& path, const std::optional<
 }
 
 void bind_simulation(py::module_& module) {
-  Class simulation(
+  SimulationClass simulation(
       module, "Simulation",
       "A scene or robot file that is moved through time or to rest. One thread at a time may use it: another one gets\n"
       "a RuntimeError. After a fork the child makes its own. Ctrl-C ends every solve with KeyboardInterrupt, and the\n"

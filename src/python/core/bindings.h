@@ -10,6 +10,7 @@
 
 #include "guard.h"
 #include "made.h"
+#include "python_batch.h"
 #include "python_simulation.h"
 #include "python_state.h"
 #include "soft_robot_lab/robot/scene/scene.h"
@@ -23,6 +24,7 @@ Scene load_for_python(Guarded& guard, const std::filesystem::path& path, const s
 void bind_reports(pybind11::module_& module);
 void bind_state(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);
+void bind_batch(pybind11::module_& module);
 
 }  // namespace soft_robot_lab
 
@@ -33,6 +35,8 @@ class type_caster<soft_robot_lab::SolveReport> : public soft_robot_lab::MadeCast
 template <>
 class type_caster<soft_robot_lab::PythonSimulation::Run>
     : public soft_robot_lab::MadeCaster<soft_robot_lab::PythonSimulation::Run> {};
+template <>
+class type_caster<soft_robot_lab::PythonBatch> : public soft_robot_lab::MadeCaster<soft_robot_lab::PythonBatch> {};
 template <>
 class type_caster<soft_robot_lab::PythonState> : public soft_robot_lab::MadeCaster<soft_robot_lab::PythonState> {};
 template <>

@@ -15,4 +15,5 @@ PYBIND11_MODULE(_core, module) {
   bind_reports(module);
   bind_state(module);
   bind_simulation(module);
+  bind_batch(module);
 }

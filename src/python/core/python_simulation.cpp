@@ -6,7 +6,6 @@
 
 #include <dlfcn.h>
 
-#include "robot/scene/reduction.h"
 #include "settings/find_program.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 
@@ -90,18 +89,7 @@ PythonState PythonSimulation::state() {
 
 void PythonSimulation::set_state(const PythonState& state) {
   const Use use(*this);
-  SceneMotion::Place to = state.place;
-  if (state.model != scene_.simulation->model()) to.full.linearisation = nullptr;
-  if (to.reduced && !motion_->reduction())
-    throw std::invalid_argument("state: of a reduced model, which this simulation has not");
-  if (to.reduced) require_fits(*to.reduced, motion_->reduction()->choice.model);
-  const SceneMotion::Place before = motion_->place();
-  try {
-    motion_->go_to(to);
-  } catch (...) {
-    motion_->go_to(before);
-    throw;
-  }
+  go_to_or_stay(*motion_, state);
   keep_nodes_true();
 }
 

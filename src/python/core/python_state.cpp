@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "robot/scene/reduction.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -188,6 +190,15 @@ bool finite(const ReducedState& state) {
          state.previous_velocity.allFinite() && state.previous_step_s >= 0.0 && state.previous_step_s <= 1.0;
 }
 
+void require_fits(const ReducedState& state, const std::shared_ptr<const ReducedModel>& model) {
+  if (!same_sizes(state, ReducedSimulation(model).state()))
+    throw std::invalid_argument("state: its sizes are not those of this reduced model");
+  if (!finite(state)) throw std::invalid_argument("state: of the reduced model not finite");
+  for (std::size_t i = 0; i < state.drives.size(); ++i)
+    if (state.drives[i].command < model->box.min[i] || state.drives[i].command > model->box.max[i])
+      throw std::invalid_argument("state: a command beyond those that this reduced model was trained for");
+}
+
 }  // namespace
 
 std::string state_bytes(const PythonState& state) {
@@ -204,13 +215,19 @@ PythonState state_of(const std::string& bytes) {
   return state;
 }
 
-void require_fits(const ReducedState& state, const std::shared_ptr<const ReducedModel>& model) {
-  if (!same_sizes(state, ReducedSimulation(model).state()))
-    throw std::invalid_argument("state: its sizes are not those of this reduced model");
-  if (!finite(state)) throw std::invalid_argument("state: of the reduced model not finite");
-  for (std::size_t i = 0; i < state.drives.size(); ++i)
-    if (state.drives[i].command < model->box.min[i] || state.drives[i].command > model->box.max[i])
-      throw std::invalid_argument("state: a command beyond those that this reduced model was trained for");
+void go_to_or_stay(SceneMotion& motion, const PythonState& state) {
+  SceneMotion::Place to = state.place;
+  if (state.model != motion.simulation().model()) to.full.linearisation = nullptr;
+  if (to.reduced && !motion.reduction())
+    throw std::invalid_argument("state: of a reduced model, which this simulation has not");
+  if (to.reduced) require_fits(*to.reduced, motion.reduction()->choice.model);
+  const SceneMotion::Place before = motion.place();
+  try {
+    motion.go_to(to);
+  } catch (...) {
+    motion.go_to(before);
+    throw;
+  }
 }
 
 }  // namespace soft_robot_lab

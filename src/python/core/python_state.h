@@ -22,8 +22,7 @@ struct PythonState {
 std::string state_bytes(const PythonState& state);
 PythonState state_of(const std::string& bytes);
 
-// Throws std::invalid_argument where the reduced part is of other sizes than those of `model`, out of its commands or
-// not finite.
-void require_fits(const ReducedState& state, const std::shared_ptr<const ReducedModel>& model);
+// Throws std::invalid_argument for a state that does not fit, and leaves the motion where it was then.
+void go_to_or_stay(SceneMotion& motion, const PythonState& state);
 
 }  // namespace soft_robot_lab

@@ -10,9 +10,9 @@
     session = soft_robot_lab.Session.start('spinebot')  # needs ROS
     session.move(right=0.9)
 """
-from ._core import RunResult, SettingsError, Simulation, SolveReport, State
+from ._core import Batch, BatchReport, RunResult, SettingsError, Simulation, SolveReport, State
 
-__all__ = ['RunResult', 'SettingsError', 'Simulation', 'SolveReport', 'State']
+__all__ = ['Batch', 'BatchReport', 'RunResult', 'SettingsError', 'Simulation', 'SolveReport', 'State']
 _OF_SESSIONS = ['Recording', 'Session', 'SessionError']
 
 
@@ -28,6 +28,6 @@ def __dir__():
     return sorted(set(globals()) | set(_OF_SESSIONS))
 
 
-for _one in (RunResult, SettingsError, Simulation, SolveReport, State):
+for _one in (Batch, BatchReport, RunResult, SettingsError, Simulation, SolveReport, State):
     _one.__module__ = __name__
 del _one

@@ -25,11 +25,12 @@ bool same(const PythonState& a, const PythonState& b) { return state_bytes(a) ==
 }  // namespace
 
 void bind_state(py::module_& module) {
-  py::class_<PythonState>(
-      module, "State",
-      "All of a simulation that changes, to come back to. It can be compared (to the last bit), copied and\n"
-      "pickled. Restored within a process it goes on to the last bit as if it had never stopped; unpickled it\n"
-      "goes on to within the solver's tolerance, as the pickle does not hold the solver's factor.")
+  py::class_<PythonState>(module, "State",
+                          "All of a simulation that changes, to come back to. It can be compared to the last bit, "
+                          "copied and pickled. Restored\n"
+                          "within a process it goes on to the last bit as if it had never stopped. From a pickle, and "
+                          "with xpbd and reduced\n"
+                          "models, it goes on to within the solver's tolerance.")
       .def(
           "copy", [](const PythonState& state) { return state; }, "copy($self)\n--\n\nA State of its own.")
       .def_property_readonly(

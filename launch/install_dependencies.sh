@@ -17,6 +17,7 @@ packages=(
   python3-std-srvs python3-std-msgs python3-rosgraph-msgs python3-tf2-msgs python3-geometry-msgs python3-visualization-msgs python3-diagnostic-msgs rosout rosbash
   rviz librviz-dev libqwt-qt5-dev libinteractive-markers-dev xdotool xvfb xauth imagemagick libgl1-mesa-dri gnuplot-nox
   libeigen3-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libgmsh-dev libceres-dev libpagmo-dev libopenblas-serial-dev libmetis-dev
+  pybind11-dev python3-dev
   libsqlite3-dev libboost-dev libopenmpi-dev openmpi-bin
   libbullet-dev libopencv-dev libpcl-dev libembree-dev lib3mf-dev
   libmessage-filters-dev ros-sensor-msgs libsensor-msgs-dev python3-sensor-msgs

@@ -1,11 +1,33 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A session of soft_robot_lab from Python: move a robot, find policies, play them, and have what it did as NumPy arrays.
+"""Soft robots from Python: simulated here without ROS, and in running sessions.
 
-    from soft_robot_lab import Session
-    session = Session.start('spinebot')
+    import soft_robot_lab
+    simulation = soft_robot_lab.Simulation('robot.yaml')
+    simulation.set(left=0.9)
+    simulation.settle()
+    print(simulation.markers()['tip'])
+
+    session = soft_robot_lab.Session.start('spinebot')  # needs ROS
     session.move(right=0.9)
-    print(session.markers()['tip'])
 """
-from .session import Recording, Session, SessionError
+from ._core import Batch, BatchReport, RunResult, SettingsError, Simulation, SolveReport, State
 
-__all__ = ['Recording', 'Session', 'SessionError']
+__all__ = ['Batch', 'BatchReport', 'RunResult', 'SettingsError', 'Simulation', 'SolveReport', 'State']
+_OF_SESSIONS = ['Recording', 'Session', 'SessionError']
+
+
+def __getattr__(name):
+    """A client of sessions needs ROS's Python, which nothing else here does."""
+    if name not in _OF_SESSIONS:
+        raise AttributeError('module %r has no attribute %r' % (__name__, name))
+    from . import session
+    return getattr(session, name)
+
+
+def __dir__():
+    return sorted(set(globals()) | set(_OF_SESSIONS))
+
+
+for _one in (Batch, BatchReport, RunResult, SettingsError, Simulation, SolveReport, State):
+    _one.__module__ = __name__
+del _one

@@ -14,19 +14,6 @@
 namespace soft_robot_lab {
 namespace {
 
-// "cables.left.points_m[3][0]" is cables, left, points_m, [3], [0].
-std::vector<std::string> steps_of(const std::string& path) {
-  std::vector<std::string> steps(1);
-  for (const char c : path) {
-    if (c == '.' || c == '[') steps.emplace_back();
-    if (c != '.') steps.back() += c;
-  }
-  for (const std::string& step : steps)
-    if (step.empty() || (step.front() == '[') != (step.back() == ']'))
-      throw std::invalid_argument("'" + path + "' is no path as cables.left.points_m[3][0]");
-  return steps;
-}
-
 std::string path_of(const std::vector<std::string>& steps) {
   std::string path;
   for (const std::string& step : steps) path += (path.empty() || step.front() == '[' ? "" : ".") + step;
@@ -85,7 +72,7 @@ std::string what_is_there(const YamlNode& node) {
 
 Place place_of(const YamlNode& scene, const std::string& path) {
   Place place{scene, {}};
-  for (const std::string& step : steps_of(path)) {
+  for (const std::string& step : path_steps(path)) {
     if (go(place, step)) continue;
     const std::string where = place.steps.empty() ? "the file" : "'" + path_of(place.steps) + "'";
     throw std::invalid_argument("there is no '" + path + "' in " + scene.source() + ": no '" + step + "' in " + where +
@@ -125,6 +112,18 @@ ParameterValues spread(const std::vector<NamedParameter>& known, const std::stri
 }
 
 }  // namespace
+
+std::vector<std::string> path_steps(const std::string& path) {
+  std::vector<std::string> steps(1);
+  for (const char c : path) {
+    if (c == '.' || c == '[') steps.emplace_back();
+    if (c != '.') steps.back() += c;
+  }
+  for (const std::string& step : steps)
+    if (step.empty() || (step.front() == '[') != (step.back() == ']'))
+      throw std::invalid_argument("'" + path + "' is no path as cables.left.points_m[3][0]");
+  return steps;
+}
 
 YamlNode load_settings(const std::string& path) { return with_includes(YamlNode::load_file(path)); }
 

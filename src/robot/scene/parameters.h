@@ -23,6 +23,9 @@ struct NamedParameter {
   double min = 0.0, max = 0.0;                          // min < max
 };
 
+// "cables.left.points_m[3][0]" is cables, left, points_m, [3], [0]. Throws std::invalid_argument.
+std::vector<std::string> path_steps(const std::string& path);
+
 // A file with what it includes. Throws SettingsError.
 YamlNode load_settings(const std::string& path);
 

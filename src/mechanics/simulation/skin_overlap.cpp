@@ -51,12 +51,9 @@ Eigen::Matrix3Xd normals_of_faces(const TetMesh& mesh) {  // unit vectors
 }
 
 std::string way_out(const TetMesh& mesh, int body, int other) {
-  if (body == other)
-    return mesh.bodies.size() == 1 ? "`contact.self: true` keeps it out"
-                                   : "list ['" + mesh.bodies[static_cast<std::size_t>(body)] + "', '" +
-                                         mesh.bodies[static_cast<std::size_t>(body)] + "'] in `contact.bodies`";
-  return "list ['" + mesh.bodies[static_cast<std::size_t>(body)] + "', '" +
-         mesh.bodies[static_cast<std::size_t>(other)] + "'] in `contact.bodies`";
+  if (mesh.bodies.size() == 1) return "`contact.self: true` keeps it out";
+  const auto name = [&](int of) { return "'" + mesh.bodies[static_cast<std::size_t>(of)] + "'"; };
+  return "list [" + name(body) + ", " + name(other) + "] in `contact.bodies`";
 }
 
 }  // namespace

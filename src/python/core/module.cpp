@@ -11,10 +11,11 @@ PYBIND11_MODULE(_core, module) {
   py::options options;
   options.disable_function_signatures();
   module.doc() = "Simulations of soft robots, without ROS. Lengths in metres, in the frame robot_base; SI units.";
-  py::register_exception<SettingsError>(module, "SettingsError", PyExc_ValueError)
-      .attr("__doc__") = "What a file got wrong: file, line, key, value and allowed range.";
+  py::register_exception<SettingsError>(module, "SettingsError", PyExc_ValueError).attr("__doc__") =
+      "What a file got wrong: file, line, key, value and allowed range.";
   bind_reports(module);
   bind_state(module);
   bind_simulation(module);
   bind_batch(module);
+  bind_functions(module);
 }

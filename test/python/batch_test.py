@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Batches: the numbers of one simulation, to the last bit for any number of threads."""
 import pickle
-import signal
-import subprocess
-import sys
 import unittest
 
 import numpy
@@ -101,25 +98,6 @@ class Batches(unittest.TestCase):
         refused(TypeError, '__init__ was not called', soft_robot_lab.Batch.step, soft_robot_lab.Batch.__new__(soft_robot_lab.Batch))
         fine = soft_robot_lab.Simulation(BAR, {'body.element_size_m': 0.01})
         refused(ValueError, 'sizes', batch.set_state, 0, fine.state)
-
-    def test_ctrl_c_ends_a_long_call(self):
-        code = '''
-import soft_robot_lab
-batch = soft_robot_lab.Batch(%r, 4, threads=2, overrides={'body.element_size_m': 0.005})
-batch.commands = [[0.7, 1.0]] * 4
-print('begins', flush=True)
-try:
-    while True:
-        batch.step(1000000)
-except KeyboardInterrupt:
-    print('interrupted')
-batch.reset()
-print(batch.step().converged.all())
-''' % BAR
-        process = subprocess.Popen([sys.executable, '-B', '-c', code], stdout=subprocess.PIPE, text=True)
-        self.assertEqual(process.stdout.readline(), 'begins\n')
-        process.send_signal(signal.SIGINT)
-        self.assertEqual(process.communicate()[0], 'interrupted\nTrue\n')
 
 
 if __name__ == '__main__':

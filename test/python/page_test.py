@@ -80,7 +80,9 @@ def stub_class(kind):
             members[node.target.id] = ''
         elif isinstance(node, ast.FunctionDef):
             name = kind.name if node.name == '__init__' else node.name
-            members[name] = '' if node.decorator_list else stub_signature(node, True)
+            decorators = [ast.unparse(decorator) for decorator in node.decorator_list]
+            static = decorators == ['staticmethod']
+            members[name] = '' if decorators and not static else stub_signature(node, not static)
     return members
 
 

@@ -6,6 +6,7 @@ import subprocess
 
 SOURCE = os.environ['SOFT_ROBOT_LAB_SOURCE']
 SIMULATE = os.environ['SOFT_ROBOT_LAB_SIMULATE']
+PROGRAMS = os.path.dirname(SIMULATE)
 BAR = os.path.join(SOURCE, 'test', 'data', 'scenes', 'cable_bar.yaml')
 
 

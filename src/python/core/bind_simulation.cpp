@@ -201,7 +201,11 @@ Scene load_for_python(Guarded& guard, const FilePath& path, const std::optional<
   if (overrides) options.overrides = python_overrides(path, *overrides);
   options.method = method.value_or("");
   options.interrupt = [&guard] { return guard.watch().asked(); };
-  return guard.freely([&] { return load_scene(path.string(), options); });
+  // Training asks nothing but this.
+  options.progress = [&guard](double, const std::string&) {
+    if (guard.watch().asked()) throw std::runtime_error("interrupted");
+  };
+  return guard.beside([&] { return load_scene(path.string(), options); });
 }
 
 void bind_simulation(py::module_& module) {

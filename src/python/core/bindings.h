@@ -25,6 +25,7 @@ void bind_reports(pybind11::module_& module);
 void bind_state(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);
 void bind_batch(pybind11::module_& module);
+void bind_functions(pybind11::module_& module);
 
 }  // namespace soft_robot_lab
 

@@ -8,8 +8,6 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr std::chrono::milliseconds kBetweenAsking{20};
-
 unsigned forks = 0;  // of which this process is the child
 
 unsigned count_forks() {

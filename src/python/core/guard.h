@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <future>
 #include <thread>
 #include <type_traits>
 
@@ -14,6 +15,8 @@ namespace soft_robot_lab {
 // Asks Python's handlers of signals while a solve runs without the interpreter's lock.
 class SignalWatch {
  public:
+  static constexpr std::chrono::milliseconds kBetweenAsking{20};
+
   void begin();  // with the lock held, by the thread that solves
   // From any thread, without the lock: whether a handler threw, as that of Ctrl-C does.
   bool asked();
@@ -47,6 +50,16 @@ class Guarded {
   };
 
   SignalWatch& watch() { return watch_; }
+
+  // Work in a thread of its own, for what asks watch() from other threads than the one that began it.
+  template <class Work>
+  auto beside(Work work) {
+    return freely([&] {
+      std::future<std::invoke_result_t<Work>> result = std::async(std::launch::async, work);
+      while (result.wait_for(SignalWatch::kBetweenAsking) != std::future_status::ready) watch_.asked();
+      return result.get();
+    });
+  }
 
   // Work without the interpreter's lock, which Ctrl-C ends where it asks watch().
   template <class Work>

@@ -17,4 +17,5 @@ PYBIND11_MODULE(_core, module) {
   bind_state(module);
   bind_simulation(module);
   bind_batch(module);
+  bind_functions(module);
 }

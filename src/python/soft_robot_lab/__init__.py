@@ -10,9 +10,12 @@
     session = soft_robot_lab.Session.start('spinebot')  # needs ROS
     session.move(right=0.9)
 """
-from ._core import Batch, BatchReport, RunResult, SettingsError, Simulation, SolveReport, State
+from ._core import (Batch, BatchReport, RunResult, SettingsError, Simulation, SolveReport, State, check_casting, fit, make_mould,
+                    optimise)
+from .mesh import Mesh
 
-__all__ = ['Batch', 'BatchReport', 'RunResult', 'SettingsError', 'Simulation', 'SolveReport', 'State']
+__all__ = ['Batch', 'BatchReport', 'Mesh', 'RunResult', 'SettingsError', 'Simulation', 'SolveReport', 'State', 'check_casting', 'fit',
+           'make_mould', 'optimise']
 _OF_SESSIONS = ['Recording', 'Session', 'SessionError']
 
 
@@ -28,6 +31,6 @@ def __dir__():
     return sorted(set(globals()) | set(_OF_SESSIONS))
 
 
-for _one in (Batch, BatchReport, RunResult, SettingsError, Simulation, SolveReport, State):
+for _one in (Batch, BatchReport, Mesh, RunResult, SettingsError, Simulation, SolveReport, State):
     _one.__module__ = __name__
 del _one

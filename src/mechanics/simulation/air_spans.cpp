@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <sstream>
 
 #include <Eigen/LU>
@@ -96,24 +95,19 @@ AirSpans::AirSpans(const Body& body, const std::vector<std::unique_ptr<const Act
   }
 }
 
-std::vector<SolveWarning> AirSpans::in_silicone(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m,
+std::vector<SolveWarning> AirSpans::in_silicone(const TetMesh& mesh, const TetMesh& present,
                                                 const std::vector<std::vector<Eigen::Vector3d>>& paths_m) const {
   std::vector<SolveWarning> warnings;
-  std::optional<TetMesh> present;
   for (std::size_t a = 0; a < routes_.size(); ++a) {
     const Route& route = routes_[a];
     if (route.spans.empty() || paths_m[a].size() != route.point_count) continue;
-    if (!present) {
-      present = mesh;
-      present->nodes_m = positions_m;
-    }
     for (const Span& span : route.spans) {
       const Eigen::Vector3d &from_m = paths_m[a][span.first], &to_m = paths_m[a][span.first + 1];
       const double length_m = (to_m - from_m).norm();
-      const Inside found = inside(*present, from_m, to_m);
+      const Inside found = inside(present, from_m, to_m);
       const double more_m = found.length_m - span.inside_m * std::max(1.0, length_m / span.length_m);
       if (more_m <= kOfSpan * length_m) continue;
-      const Deepest deepest = deepest_place(mesh, *present, found.crossings, from_m, to_m);
+      const Deepest deepest = deepest_place(mesh, present, found.crossings, from_m, to_m);
       if (more_m <= kOfEdge * deepest.edge_m || deepest.depth_m <= kDepthOfEdge * deepest.edge_m) continue;
       add_warning(warning_of(route.name, span.first, more_m, deepest), warnings);
     }

@@ -22,8 +22,8 @@ class AirSpans {
   // A warning `cable_in_silicone` for each actuator of which a span is longer in silicone than at rest: by more than a
   // tenth of the span and a quarter of an element's edge, beyond what the span has stretched, and deeper below the skin
   // than a twentieth of that edge. Its size is that depth [m]. A path that has found another way around obstacles since
-  // is not looked at. `paths_m`: of all actuators, where the nodes are now.
-  std::vector<SolveWarning> in_silicone(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m,
+  // is not looked at. `present`: the mesh with its nodes where they are now; `paths_m`: of all actuators there.
+  std::vector<SolveWarning> in_silicone(const TetMesh& mesh, const TetMesh& present,
                                         const std::vector<std::vector<Eigen::Vector3d>>& paths_m) const;
 
  private:

@@ -226,9 +226,10 @@ std::vector<SolveWarning> Simulation::unmodelled_contact() const {
   std::vector<std::vector<Eigen::Vector3d>> paths_m;
   for (std::size_t i = 0; i < actuators().size(); ++i) paths_m.push_back(parts_->reading_of(i).path_m);
   const SolverTables& tables = parts_->model->tables();
-  const Eigen::Matrix3Xd& positions_m = parts_->state.positions_m;
-  std::vector<SolveWarning> warnings = tables.air_spans.in_silicone(body().mesh(), positions_m, paths_m);
-  if (const auto skin = tables.skin_overlap.deepest(body().mesh(), positions_m)) warnings.push_back(*skin);
+  TetMesh present = body().mesh();
+  present.nodes_m = parts_->state.positions_m;
+  std::vector<SolveWarning> warnings = tables.air_spans.in_silicone(body().mesh(), present, paths_m);
+  if (const auto skin = tables.skin_overlap.deepest(body(), present)) warnings.push_back(*skin);
   return warnings;
 }
 

@@ -56,19 +56,26 @@ std::string way_out(const TetMesh& mesh, int body, int other) {
   return "list [" + name(body) + ", " + name(other) + "] in `contact.bodies`";
 }
 
+bool all_touch(const TouchingPairs& touching, int bodies) {
+  for (int body = 0; body < bodies; ++body)
+    for (int other = 0; other <= body; ++other)
+      if (touching(body, other) < 0) return false;
+  return true;
+}
+
 }  // namespace
 
 SkinOverlap::SkinOverlap(const Body& body)
     : touching_(body),
-      body_of_node_(bodies_of_nodes(body.mesh())),
       tets_of_node_(columns_of_nodes(body.mesh().tets, body.mesh().node_count())),
       faces_of_node_(columns_of_nodes(body.mesh().faces, body.mesh().node_count())) {
+  if (all_touch(touching_, static_cast<int>(body.mesh().bodies.size()))) return;
   for (int node = 0; node < body.mesh().node_count(); ++node)
     if (!faces_of_node_[static_cast<std::size_t>(node)].empty()) skin_nodes_.push_back(node);
 }
 
-bool SkinOverlap::may_touch(const TetMesh& mesh, const Inside& inside) const {
-  return touching_(body_of_node_[static_cast<std::size_t>(inside.node)], mesh.body_of(inside.tet)) >= 0;
+bool SkinOverlap::may_touch(const Body& body, const Inside& inside) const {
+  return touching_(body.body_of_node(inside.node), body.mesh().body_of(inside.tet)) >= 0;
 }
 
 bool SkinOverlap::neighbours(const TetMesh& mesh, const Inside& inside) const {
@@ -79,7 +86,7 @@ bool SkinOverlap::neighbours(const TetMesh& mesh, const Inside& inside) const {
 }
 
 // Along the longest axis the nodes of an element's box stand side by side.
-std::vector<SkinOverlap::Inside> SkinOverlap::nodes_inside(const TetMesh& present) const {
+std::vector<SkinOverlap::Inside> SkinOverlap::nodes_inside(const Body& body, const TetMesh& present) const {
   const int axis = longest_axis(present.nodes_m);
   const auto along = [&](int node) { return present.nodes_m(axis, node); };
   std::vector<int> nodes = skin_nodes_;
@@ -94,7 +101,7 @@ std::vector<SkinOverlap::Inside> SkinOverlap::nodes_inside(const TetMesh& presen
       const Eigen::Vector3d point_m = present.nodes_m.col(*at);
       if ((point_m.array() < least).any() || (point_m.array() > most).any()) continue;
       const Inside inside{*at, tet};
-      if (is_inside(corners, point_m) && !may_touch(present, inside) && !neighbours(present, inside))
+      if (is_inside(corners, point_m) && !may_touch(body, inside) && !neighbours(present, inside))
         found.push_back(inside);
     }
   }
@@ -116,10 +123,10 @@ double SkinOverlap::depth_m(const TetMesh& present, const Eigen::Matrix3Xd& face
   return above.empty() ? 0.0 : nearest_on_skin(present, above, point_m).distance_m;
 }
 
-std::optional<SolveWarning> SkinOverlap::deepest(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m) const {
-  TetMesh present = mesh;
-  present.nodes_m = positions_m;
-  const std::vector<Inside> found = nodes_inside(present);
+std::optional<SolveWarning> SkinOverlap::deepest(const Body& body, const TetMesh& present) const {
+  if (skin_nodes_.empty()) return std::nullopt;
+  const TetMesh& mesh = body.mesh();
+  const std::vector<Inside> found = nodes_inside(body, present);
   if (found.empty()) return std::nullopt;
   const Eigen::Matrix3Xd face_normals = normals_of_faces(present);
   SolveWarning warning;
@@ -133,7 +140,7 @@ std::optional<SolveWarning> SkinOverlap::deepest(const TetMesh& mesh, const Eige
     std::ostringstream text;
     text << "skin at rest position " << point_text(*warning.rest_position_m) << " is " << depth
          << " m inside silicone that it may pass through: "
-         << way_out(mesh, body_of_node_[static_cast<std::size_t>(inside.node)], mesh.body_of(inside.tet));
+         << way_out(mesh, body.body_of_node(inside.node), mesh.body_of(inside.tet));
     warning.text = text.str();
   }
   if (warning.size == 0.0) return std::nullopt;

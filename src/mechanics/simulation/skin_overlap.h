@@ -19,21 +19,20 @@ class SkinOverlap {
 
   // A warning `skin_in_silicone` where nodes of the skin are inside elements that share no node with theirs, of a body
   // with which contact is not modelled, and deeper below its skin than a twentieth of an element's edge. Its size is
-  // the largest such depth [m]. `positions_m`: 3 x nodes.
-  std::optional<SolveWarning> deepest(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m) const;
+  // the largest such depth [m]. `present`: the body's mesh with its nodes where they are now.
+  std::optional<SolveWarning> deepest(const Body& body, const TetMesh& present) const;
 
  private:
   struct Inside {
     int node, tet;
   };
-  std::vector<Inside> nodes_inside(const TetMesh& present) const;
-  bool may_touch(const TetMesh& mesh, const Inside& inside) const;
+  std::vector<Inside> nodes_inside(const Body& body, const TetMesh& present) const;
+  bool may_touch(const Body& body, const Inside& inside) const;
   bool neighbours(const TetMesh& mesh, const Inside& inside) const;
   double depth_m(const TetMesh& present, const Eigen::Matrix3Xd& face_normals, int node) const;
 
   TouchingPairs touching_;
-  std::vector<int> body_of_node_;
-  std::vector<int> skin_nodes_;
+  std::vector<int> skin_nodes_;  // none where contact keeps all skin out
   std::vector<std::vector<int>> tets_of_node_, faces_of_node_;
 };
 

@@ -25,16 +25,9 @@ using OptionalDict = std::optional<py::dict>;
 
 py::object from_json(const std::string& text) { return py::module_::import("json").attr("loads")(text); }
 
-SceneOptions options_for(Guarded& guard, const File& path, const OptionalDict& overrides) {
-  SceneOptions options = python_scene_options();
-  if (overrides) options.overrides = python_overrides(path, *overrides);
-  options.interrupt = [&guard] { return guard.watch().asked(); };
-  return options;
-}
-
 py::object check_casting_of(const File& path, const OptionalDict& overrides, bool surface_alone) {
   Guarded guard;
-  const SceneOptions options = options_for(guard, path, overrides);
+  const SceneOptions options = options_for_python(guard, path, overrides);
   return from_json(guard.beside([&] {
     const auto load = surface_alone ? load_cast_surface : load_cast_robot_in_use;
     const CastRobotFile file = load(path, options);
@@ -62,7 +55,7 @@ std::string made_mould(const File& path, const SceneOptions& options, const File
 py::object make_mould_of(const File& path, const File& output, const std::vector<std::string>& allow,
                          const OptionalDict& overrides) {
   Guarded guard;
-  const SceneOptions options = options_for(guard, path, overrides);
+  const SceneOptions options = options_for_python(guard, path, overrides);
   return from_json(guard.beside([&] { return made_mould(path, options, output, allow); }));
 }
 
@@ -221,7 +214,7 @@ py::dict fit(const File& path, const py::iterable& poses, const std::vector<std:
   if (!(sigma_m > 0.0) || !(sigma_m < 1.0))
     throw std::invalid_argument("sigma_m: " + std::to_string(sigma_m) + " is out of range (0, 1)");
   if (output) require_writable(*output);
-  const SceneOptions options = options_for(guard, path, overrides);
+  const SceneOptions options = options_for_python(guard, path, overrides);
   std::vector<MeasuredPose> measured;
   for (const py::handle& pose : poses) measured.push_back(measured_pose(pose, sigma_m));
   FitRequest request;

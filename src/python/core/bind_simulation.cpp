@@ -195,12 +195,17 @@ void bind_names(SimulationClass& simulation) {
 
 }  // namespace
 
-Scene load_for_python(Guarded& guard, const FilePath& path, const std::optional<py::dict>& overrides,
-                      const std::optional<std::string>& method) {
+SceneOptions options_for_python(Guarded& guard, const FilePath& path, const std::optional<py::dict>& overrides) {
   SceneOptions options = python_scene_options();
   if (overrides) options.overrides = python_overrides(path, *overrides);
-  options.method = method.value_or("");
   options.interrupt = [&guard] { return guard.watch().asked(); };
+  return options;
+}
+
+Scene load_for_python(Guarded& guard, const FilePath& path, const std::optional<py::dict>& overrides,
+                      const std::optional<std::string>& method) {
+  SceneOptions options = options_for_python(guard, path, overrides);
+  options.method = method.value_or("");
   // Training asks nothing but this.
   options.progress = [&guard](double, const std::string&) {
     if (guard.watch().asked()) throw std::runtime_error("interrupted");

@@ -17,6 +17,10 @@
 
 namespace soft_robot_lab {
 
+// With Ctrl-C heeded. Throws as python_overrides.
+SceneOptions options_for_python(Guarded& guard, const std::filesystem::path& path,
+                                const std::optional<pybind11::dict>& overrides);
+
 // With Ctrl-C heeded. Throws as load_scene, and std::invalid_argument as python_overrides.
 Scene load_for_python(Guarded& guard, const std::filesystem::path& path, const std::optional<pybind11::dict>& overrides,
                       const std::optional<std::string>& method);

@@ -11,26 +11,6 @@
 #include "settings/require.h"
 
 namespace soft_robot_lab {
-namespace {
-
-void add(SolveReport&& step, SolveReport& all) {
-  if (all.steps == 0 && all.iterations == 0) {
-    all = std::move(step);
-    return;
-  }
-  all.converged = all.converged && step.converged;
-  all.interrupted = all.interrupted || step.interrupted;
-  all.iterations += step.iterations;
-  all.steps += step.steps;
-  all.residual = std::max(all.residual, step.residual);
-  all.wall_s += step.wall_s;
-  all.inverted_elements = step.inverted_elements;
-  for (const SolvePathStage& stage : step.path) enter(stage.stage, stage.count, all.path);
-  for (const SolveWarning& warning : step.warnings) add_warning(warning, all.warnings);
-  if (!step.message.empty()) all.message = std::move(step.message);
-}
-
-}  // namespace
 
 PythonBatch::PythonBatch(Scene scene, int worlds, int threads) : scene_(std::move(scene)), threads_(threads) {
   require(worlds >= 1 && worlds <= limits::kCount, "worlds", worlds, "[1, 1000000]");
@@ -91,7 +71,8 @@ std::vector<SolveReport> PythonBatch::step(int steps) {
   std::vector<SolveReport> reports(worlds_.size());
   freely([&] {
     each([&](std::size_t i) {
-      for (int k = 0; k < steps && !reports[i].interrupted; ++k) add(worlds_[i].motion->step(), reports[i]);
+      reports[i].converged = true;
+      for (int k = 0; k < steps && !reports[i].interrupted; ++k) add_report(worlds_[i].motion->step(), reports[i]);
     });
   });
   return reports;

@@ -32,11 +32,6 @@ SceneOptions python_scene_options() {
   return options;
 }
 
-void require_commands(const Model& model, const NamedCommands& commands) {
-  for (const auto& [name, command] : commands)
-    model.actuators()[static_cast<std::size_t>(model.actuator_index(name))]->require_in_limits(command);
-}
-
 PythonSimulation::PythonSimulation(Scene scene)
     : scene_(std::move(scene)), motion_(std::make_unique<SceneMotion>(scene_)) {
   scene_.simulation->set_interrupt([this] { return watch().asked(); });

@@ -21,9 +21,6 @@ SceneOptions python_scene_options();
 // A command for each named actuator.
 using NamedCommands = std::vector<std::pair<std::string, double>>;
 
-// Throws std::invalid_argument for an unknown name, and a value that its actuator refuses.
-void require_commands(const Model& model, const NamedCommands& commands);
-
 // Positions that arrays of Python look at. They stay where they are, also when nobody but an array keeps them.
 struct ShownNodes {
   Eigen::Matrix3Xd positions_m;

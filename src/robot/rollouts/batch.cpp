@@ -15,13 +15,12 @@
 namespace soft_robot_lab {
 namespace {
 
-void require_commands(const RolloutCommands& commands, const Model& model) {
+void require_rollout(const RolloutCommands& commands, const Model& model) {
   double before_s = 0.0;
   for (const TimedCommands& timed : commands) {
     require(timed.time_s >= before_s, "time_s", timed.time_s, ("[" + format_number(before_s) + ", inf)").c_str());
     before_s = timed.time_s;
-    for (const auto& [name, value] : timed.commands)
-      model.actuators()[static_cast<std::size_t>(model.actuator_index(name))]->require_in_limits(value);
+    require_commands(model, timed.commands);
   }
 }
 
@@ -96,7 +95,7 @@ void RolloutBatch::require_valid(const RolloutPlan& plan, int threads) const {
   require(plan.duration_s > 0.0 && plan.duration_s <= longest_s, "duration_s", plan.duration_s,
           ("(0, " + format_number(longest_s) + "]").c_str());
   require(plan.record_every_s >= 0.0, "record_every_s", plan.record_every_s, "[0, inf]");
-  for (const RolloutCommands& commands : plan.rollouts) require_commands(commands, *model_);
+  for (const RolloutCommands& commands : plan.rollouts) require_rollout(commands, *model_);
 }
 
 std::vector<RunReport> RolloutBatch::run(const RolloutPlan& plan, int threads, const Progress& progress,

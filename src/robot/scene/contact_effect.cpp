@@ -2,6 +2,8 @@
 #include <algorithm>
 
 #include "fidelity.h"
+#include "mechanics/reduced/snapshots.h"
+#include "scene_motion.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -11,19 +13,12 @@ bool skin_overlaps(const std::vector<SolveWarning>& warnings) {
                      [](const SolveWarning& warning) { return warning.kind == "skin_in_silicone"; });
 }
 
-// Empty where it found no rest state.
-std::vector<Eigen::Vector3d> rest_markers_m(Simulation& simulation, const std::vector<double>& commands,
-                                            std::vector<SolveWarning>* warnings) {
-  for (std::size_t i = 0; i < commands.size(); ++i)
-    simulation.set_command(simulation.actuators()[i]->name(), commands[i]);
-  const SolveReport report = simulation.solve_equilibrium();
-  if (!report.converged) return {};
-  if (warnings) *warnings = report.warnings;
-  std::vector<Eigen::Vector3d> markers_m;
-  for (std::size_t i = 0; i < simulation.markers().size(); ++i)
-    markers_m.push_back(simulation.marker_position(static_cast<int>(i)));
-  return markers_m;
+SolveReport settle(Simulation& simulation, const std::vector<double>& commands) {
+  command(commands, simulation);
+  return simulation.solve_equilibrium();
 }
+
+Eigen::Matrix3Xd markers_m(Simulation& simulation) { return SceneMotion(simulation, nullptr).markers_m(); }
 
 }  // namespace
 
@@ -36,15 +31,15 @@ ContactEffect contact_effect(const YamlNode& settings, const SceneOptions& optio
   if (without.simulation->body().touches_itself()) return effect;
   std::optional<Scene> with;
   for (const std::vector<double>& commands : judged_commands(*without.simulation, without.run)) {
-    std::vector<SolveWarning> warnings;
-    const auto free_m = rest_markers_m(*without.simulation, commands, &warnings);
-    if (free_m.empty() || (!with && !skin_overlaps(warnings))) continue;
+    const SolveReport report = settle(*without.simulation, commands);
+    if (!report.converged || (!with && !skin_overlaps(report.warnings))) continue;
     if (!with) with = build_scene(self_contact().over(settings), mesh, options);
-    const auto kept_out_m = rest_markers_m(*with->simulation, commands, nullptr);
-    for (std::size_t i = 0; i < kept_out_m.size(); ++i) {
-      const double moved_m = (free_m[i] - kept_out_m[i]).norm();
-      if (moved_m > effect.moved_m) effect = {moved_m, without.simulation->markers()[i].name()};
-    }
+    if (!settle(*with->simulation, commands).converged) continue;
+    Eigen::Index marker = 0;
+    const double moved_m =
+        (markers_m(*without.simulation) - markers_m(*with->simulation)).colwise().norm().maxCoeff(&marker);
+    if (moved_m > effect.moved_m)
+      effect = {moved_m, without.simulation->markers()[static_cast<std::size_t>(marker)].name()};
   }
   return effect;
 }

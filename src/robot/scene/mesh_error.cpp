@@ -5,6 +5,7 @@
 
 #include "fidelity.h"
 #include "mechanics/mesh/subdivide.h"
+#include "mechanics/reduced/snapshots.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -18,10 +19,6 @@ constexpr int kFineIterations = 8;
 
 YamlNode with_little_effort(const YamlNode& settings) {
   return Overrides().set({"solver", "max_iterations"}, kFineIterations).over(settings);
-}
-
-void command(Simulation& simulation, const std::vector<double>& commands) {
-  for (size_t i = 0; i < commands.size(); ++i) simulation.set_command(simulation.actuators()[i]->name(), commands[i]);
 }
 
 std::vector<int> surface_nodes(const TetMesh& mesh) {
@@ -42,7 +39,7 @@ std::vector<SimulationState> rest_states(Scene& scene, std::string& trouble) {
   std::vector<SimulationState> states;
   Simulation& simulation = *scene.simulation;
   for (const std::vector<double>& commands : judged_commands(simulation, scene.run)) {
-    command(simulation, commands);
+    command(commands, simulation);
     const SolveReport report = simulation.solve_equilibrium();
     if (!report.converged) {
       trouble = "rest state " + std::to_string(states.size() + 1) + " was not found: " + report.message;

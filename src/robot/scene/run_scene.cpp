@@ -13,20 +13,6 @@
 namespace soft_robot_lab {
 namespace {
 
-void add(const SolveReport& part, SolveReport& total) {
-  total.converged = total.converged && part.converged;
-  total.interrupted = total.interrupted || part.interrupted;
-  total.iterations += part.iterations;
-  total.steps += part.steps;
-  total.rejected_steps += part.rejected_steps;
-  total.residual = std::max(total.residual, part.residual);
-  total.wall_s += part.wall_s;
-  total.inverted_elements = part.inverted_elements;
-  for (const SolvePathStage& stage : part.path) enter(stage.stage, stage.count, total.path);
-  for (const SolveWarning& warning : part.warnings) add_warning(warning, total.warnings);
-  if (!part.message.empty()) total.message = part.message;
-}
-
 void command(SceneMotion& motion, const TimedCommands& timed) {
   for (const auto& [actuator, value] : timed.commands) motion.set_command(actuator, value);
 }
@@ -49,10 +35,10 @@ SolveReport solve_in_order(SceneMotion& motion, const std::vector<TimedCommands>
                            const RunProgress& progress) {
   SolveReport total;
   total.converged = true;
-  if (commands.empty()) add(motion.solve_equilibrium(), total);
+  if (commands.empty()) add_report(motion.solve_equilibrium(), total);
   for (size_t i = 0; i < commands.size() && total.converged; ++i) {
     command(motion, commands[i]);
-    add(motion.solve_equilibrium(), total);
+    add_report(motion.solve_equilibrium(), total);
     if (!total.converged) total.message = "run.commands[" + std::to_string(i) + "]: " + total.message;
     const auto done = static_cast<double>(i + 1), all = static_cast<double>(commands.size());
     if (total.converged && ends_early(progress, done, all, "commands", total)) break;
@@ -107,7 +93,7 @@ SolveReport solve_in_time(SceneMotion& motion, const RunSettings& run, double st
     for (; next != run.commands.end() && next->time_s <= now_s + close_s; ++next) command(motion, *next);
     const SolveReport step = motion.step();
     const bool first_failure = total.converged && !step.converged;
-    add(step, total);
+    add_report(step, total);
     if (first_failure) {
       std::ostringstream text;
       text << "step " << i + 1 << " of " << step_count << ", at " << now_s << " s: " << step.message;

@@ -218,4 +218,23 @@ void SceneMotion::show() {
   simulation_.set_state(to);
 }
 
+void add_report(const SolveReport& part, SolveReport& total) {
+  total.converged = total.converged && part.converged;
+  total.interrupted = total.interrupted || part.interrupted;
+  total.iterations += part.iterations;
+  total.steps += part.steps;
+  total.rejected_steps += part.rejected_steps;
+  total.residual = std::max(total.residual, part.residual);
+  total.wall_s += part.wall_s;
+  total.inverted_elements = part.inverted_elements;
+  for (const SolvePathStage& stage : part.path) enter(stage.stage, stage.count, total.path);
+  for (const SolveWarning& warning : part.warnings) add_warning(warning, total.warnings);
+  if (!part.message.empty()) total.message = part.message;
+}
+
+void require_commands(const Model& model, const std::vector<std::pair<std::string, double>>& commands) {
+  for (const auto& [name, command] : commands)
+    model.actuators()[static_cast<std::size_t>(model.actuator_index(name))]->require_in_limits(command);
+}
+
 }  // namespace soft_robot_lab

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -80,6 +81,13 @@ class SceneMotion {
   RunAudits audits_;
   std::vector<SolveWarning> warnings_;
 };
+
+// What several solves came to: all converged, sums, the largest residual, the last message. `total` starts as
+// converged.
+void add_report(const SolveReport& part, SolveReport& total);
+
+// Throws std::invalid_argument for an unknown actuator, and a value that it refuses.
+void require_commands(const Model& model, const std::vector<std::pair<std::string, double>>& commands);
 
 // Steps until the duration of the run has passed, giving commands when their time comes. The simulation keeps the last
 // state.

@@ -59,6 +59,8 @@ inline constexpr double kLargestChange = 0.5;  // of the velocity, over itself: 
 
 // --- Rest and sleep (simulation/rest.cpp), times the body's size
 
+// How far from rest a body may be that is called at rest; what is soft is farther than its residual lets expect.
+inline constexpr double kAtRest = 1e-5;
 inline constexpr double kStill = 1e-7;  // the largest motion of a node on which nothing is seen to move
 // The largest speed of what sleeps, in sizes a second. It knows no step, as in a short one everything moves little.
 inline constexpr double kSleepingSpeed_per_s = 1e-4;

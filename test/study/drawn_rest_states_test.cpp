@@ -45,6 +45,12 @@ TEST(DrawnScenes, ThatRubRestWhereASlowWayLeads) { EXPECT_EQ(expect_right({41, 5
 // A bar that slipped past a ball, 4.9 mm away, and one past the edge of a box, 6.2 mm, without a word.
 TEST(DrawnScenes, ThatSlipPastAnObstacleSaySo) { expect_right({155, 252}); }
 
+// In steps of 0.1 s time led 0.11 and 0.12 mm away from there, in shorter ones it does not.
+TEST(DrawnScenes, AreJudgedInShortStepsWhereLongOnesMislead) { EXPECT_EQ(expect_right({174, 321}), 2); }
+
+// A bar that falls over is free to swing aside: at a residual of 1e-6 it was 0.3 mm off, and slept 0.2 mm off.
+TEST(DrawnScenes, ThatAreSoftAreAtRest) { EXPECT_EQ(expect_right({124}), 1); }
+
 // Two that a box pushes past their ends rested 3.7 and 11 mm away, one that slips off a ball 2.6 mm.
 TEST(DrawnScenes, ThatArePushedAsideRestWhereASlowWayLeads) { EXPECT_EQ(expect_right({33, 117, 312}), 3); }
 

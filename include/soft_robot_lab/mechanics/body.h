@@ -122,7 +122,7 @@ class Body {
   const Eigen::Vector3d& gravity_m_s2() const { return gravity_m_s2_; }
   Eigen::Matrix3Xd external_forces_n() const;  // gravity and dead loads, 3 x nodes
   const Eigen::Matrix3Xd& dead_loads_n() const { return dead_loads_n_; }
-  double size_m() const;  // diagonal of the rest bounding box
+  double size_m() const { return size_m_; }  // diagonal of the rest bounding box
 
  private:
   Eigen::VectorXd areas_m2(const Eigen::AlignedBox3d& box, std::optional<int> only_body) const;
@@ -131,6 +131,7 @@ class Body {
   Eigen::VectorXd edge_lengths_m(const Eigen::AlignedBox3d& box, std::optional<int> only_body) const;
 
   TetMesh mesh_;
+  double size_m_ = 0.0;
   std::vector<Material> of_regions_;
   Material material_;
   Viscosity viscosity_;

@@ -18,6 +18,7 @@ namespace soft_robot_lab {
 //   fast_obstacle        way in a time step that is cut as often as may be: it may have passed through something
 //   free_motion          0: nothing resists a rigid motion of the body, which `text` names
 //   snapped              by how much a node moved where the way to a rest state became unstable
+//   soft_rest            by how much a node may be off a rest state at which little holds the body
 //   negative_volume      of a chamber                      coarse_contact        depth between contact points
 //   cable_in_silicone    depth below the skin of a cable that is in the air at rest
 //   skin_in_silicone     depth of skin in other silicone, where the scene lists no contact

@@ -55,6 +55,7 @@ Body::Body(TetMesh mesh, std::vector<Material> of_regions)
   check_mesh(mesh_);
   complete_boundary(mesh_);
   body_of_node_ = bodies_of_nodes(mesh_);
+  size_m_ = (mesh_.nodes_m.rowwise().maxCoeff() - mesh_.nodes_m.rowwise().minCoeff()).norm();
   fixed_ = FixedAxes::Constant(3, mesh_.node_count(), false);
   dead_loads_n_ = Eigen::Matrix3Xd::Zero(3, mesh_.node_count());
   node_masses_kg_ = own_weights_kg_ = hung_weights_kg_ = Eigen::VectorXd::Zero(mesh_.node_count());
@@ -274,12 +275,6 @@ int Body::fixed_node_count() const {
 
 Eigen::Matrix3Xd Body::external_forces_n() const {
   return dead_loads_n_ + gravity_m_s2_ * (own_weights_kg_ + hung_weights_kg_).transpose();
-}
-
-double Body::size_m() const {
-  Eigen::AlignedBox3d box;
-  for (int node = 0; node < mesh_.node_count(); ++node) box.extend(mesh_.nodes_m.col(node));
-  return box.diagonal().norm();
 }
 
 }  // namespace soft_robot_lab

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "newton_solver.h"
 #include "damped_bulk.h"
+#include "mechanics/contact/swept_obstacles.h"
 #include "mechanics/solver_constants.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include <Eigen/LU>
 
@@ -30,6 +32,9 @@ bool may_reuse(const NewtonTask& task, double residual) { return task.reuse_fact
 // Iterations of a time step after which a point of skin keeps the face that it meets: over a corner it might change it
 // in each, and the step would have no end.
 constexpr int kFreeToChange = 8;
+
+constexpr int kCloser = 6;            // steps
+constexpr double kDifference = 1e-6;  // of the body's size: a way over which a stiffness is measured
 
 std::vector<ContactTouch> on_skin(const ContactSums& contact) {
   std::vector<ContactTouch> found;
@@ -359,6 +364,43 @@ NewtonReport NewtonSolver::solve(const NewtonTask& task, NewtonState& state) {
 double NewtonSolver::rest_residual(const NewtonState& state) const {
   const Evaluation here = evaluate(NewtonTask{}, state);
   return here.finite ? here.relative_residual : 1.0;
+}
+
+double NewtonSolver::come_closer(const NewtonTask& task, double most_m, NewtonState& state) {
+  NewtonState at = state;
+  double first_m = 0.0, before_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kCloser; ++i) {
+    if (!has_factor_at(at, 0.0, nullptr) && !linearise(at, 0.0, nullptr, false)) break;
+    const Evaluation here = evaluate(task, at);
+    Step step;
+    if (!here.finite || !find_step(at, here, step)) break;
+    const double left_m = step.motion_m.colwise().norm().maxCoeff();
+    if (i == 0) first_m = left_m;
+    if (left_m <= most_m && here.relative_residual <= task.tolerance) {
+      state = std::move(at);
+      return left_m;
+    }
+    if (left_m > 0.5 * before_m ||
+        part_before_obstacles(body_, contact_, at.positions_m, step.motion_m, at.contact) < 1.0)
+      break;
+    before_m = left_m;
+    at = full_step(at, step);
+  }
+  return first_m;
+}
+
+double NewtonSolver::creep_left_m(const NewtonState& state, const Eigen::Matrix3Xd& velocities_m_s) const {
+  const double speed_m_s = velocities_m_s.colwise().norm().maxCoeff();
+  if (speed_m_s == 0.0) return 0.0;
+  const Eigen::Matrix3Xd along = velocities_m_s / speed_m_s;
+  const auto force_n = [&](double way_m) {
+    NewtonState there = state;
+    there.positions_m += way_m * along;
+    return residual_n(there).cwiseProduct(along).sum();
+  };
+  const double small_m = kDifference * body_.size_m();
+  const double stiffness_n_m = (force_n(small_m) - force_n(-small_m)) / (2.0 * small_m);
+  return std::abs(force_n(0.0) / stiffness_n_m);
 }
 
 double NewtonSolver::worst_violation(const NewtonState& state) const {

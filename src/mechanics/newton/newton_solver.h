@@ -167,6 +167,13 @@ class NewtonSolver {
   // Of a state without motion: its residual, and whether it is a minimum of the energy. The second factorises.
   double rest_residual(const NewtonState& state) const;
   bool stable_at_rest(const NewtonState& state);
+  // On from a rest state, as what is soft is far from it at a small residual: until the next step moves no node by more
+  // than `most_m`. Full steps, each shorter than half of the one before (Deuflhard 2011, natural monotonicity), as
+  // their energy is lost in rounding. Where one is not, the state stays. What is left to go; zero where there is no
+  // step.
+  double come_closer(const NewtonTask& task, double most_m, NewtonState& state);
+  // The same without a factor, of a body that creeps to rest: by its residual and its stiffness along the motion.
+  double creep_left_m(const NewtonState& state, const Eigen::Matrix3Xd& velocities_m_s) const;
   // The same, but for what nothing resists: a motion whose stiffness is zero but for rounding is not unstable.
   bool minimum_at_rest(const NewtonState& state);
   // By subspace iteration with the factor there (Bathe 1971).
@@ -286,6 +293,7 @@ class NewtonSolver {
   bool find_multipliers(const NewtonState& state, const Evaluation& here, const Eigen::VectorXd& motion,
                         Step& step) const;
   bool any_in_matrix(const std::vector<ContactTouch>& touches) const;
+  NewtonState full_step(const NewtonState& state, const Step& step) const;
   NewtonState mix(const NewtonState& state, const Evaluation& here, const Step& step, AndersonMixing& mixing) const;
   bool may_try_old_factor(const NewtonTask& task, const Evaluation& here);
   bool try_old_factor(const NewtonTask& task, NewtonState& state, Evaluation& here, AndersonMixing& mixing);

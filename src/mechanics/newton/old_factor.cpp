@@ -48,6 +48,18 @@ bool other_set(const std::vector<ContactTouch>& start, const Eigen::VectorXd& pr
 
 }  // namespace
 
+NewtonState NewtonSolver::full_step(const NewtonState& state, const Step& step) const {
+  ContactState contact = free_border_.empty() ? state.contact : after(state, step, 1.0);
+  contact.pressures_pa = step.contact_pressures_pa;
+  return {state.positions_m + step.motion_m,
+          step.element_multipliers_pa,
+          step.constraint_multipliers,
+          step.slips_m,
+          state.drives,
+          std::move(contact),
+          state.free_inertia};
+}
+
 // The step of an old factor, corrected by what the last such steps have taught. All unknowns and residuals as one
 // vector; the residuals as the convergence test takes them.
 NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, const Step& step,
@@ -58,13 +70,7 @@ NewtonState NewtonSolver::mix(const NewtonState& state, const Evaluation& here, 
   if (other) mixing.clear();
   if (other || friction_contact_count() > 0 ||
       contact_.free().count() > 0)  // what presses, sticks and slips changes at once; no model of it is linear
-    return {state.positions_m + step.motion_m,
-            step.element_multipliers_pa,
-            step.constraint_multipliers,
-            step.slips_m,
-            state.drives,
-            std::move(contact),
-            state.free_inertia};
+    return full_step(state, step);
   // Of skin that is a constraint, only what presses; which of it does is the same meanwhile.
   const std::vector<Eigen::Index> pressing =
       skin_in_border_ ? pressed(step.contact_start.touches, contact.pressures_pa) : all_of(contact.pressures_pa);

@@ -94,10 +94,32 @@ bool is_minimum(SimulationParts& parts, const NewtonState& found) {
 
 namespace {
 
+// On to where what is soft rests too, with a warning where there is none nearby.
+void come_closer(SimulationParts& parts, const NewtonTask& task, NewtonState& found, SolveReport& report) {
+  const auto of_it = [](const SolveWarning& warning) { return warning.kind == "soft_rest"; };
+  report.warnings.erase(std::remove_if(report.warnings.begin(), report.warnings.end(), of_it), report.warnings.end());
+  const bool rough = task.tolerance > parts.options.tolerance;
+  if (rough || parts.workspace.newton.contact().free().count() > 0) return;
+  const double most_m = constants::kAtRest * parts.body.size_m();
+  const double left_m = parts.workspace.newton.come_closer(task, most_m, found);
+  if (left_m <= most_m) return;
+  SolveWarning warning;
+  warning.kind = "soft_rest";
+  warning.size = left_m;
+  warning.unit = "m";
+  std::ostringstream text;
+  text << "little holds the body at this rest state: at a residual of " << task.tolerance << " a node may still be "
+       << left_m << " m off";
+  warning.text = text.str();
+  add_warning(warning, report.warnings);
+}
+
 // Whether Newton's method ended at a stable rest state, which then becomes the state.
-RestFound judge(SimulationParts& parts, const NewtonReport& newton, NewtonState&& found) {
+RestFound judge(SimulationParts& parts, const NewtonTask& task, const NewtonReport& newton, NewtonState&& found,
+                SolveReport& report) {
   if (!newton.converged) return RestFound::none;
   if (!is_minimum(parts, found)) return RestFound::saddle;
+  come_closer(parts, task, found, report);
   parts.accept(std::move(found));
   return RestFound::stable;
 }
@@ -165,13 +187,14 @@ RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOp
   task.tolerance = std::max(task.tolerance, options.tolerance);
   task.only_through_stable = options.only_through_stable;
   const NewtonReport newton = parts.solve(task, unknown, report);
-  return judge(parts, newton, std::move(unknown));
+  return judge(parts, task, newton, std::move(unknown), report);
 }
 
 RestFound relax_from_below(SimulationParts& parts, SolveReport& report) {
   NewtonState unknown = parts.unknowns();
-  const NewtonReport newton = parts.solve_from_below(rest_task(parts), unknown, report);
-  return judge(parts, newton, std::move(unknown));
+  const NewtonTask task = rest_task(parts);
+  const NewtonReport newton = parts.solve_from_below(task, unknown, report);
+  return judge(parts, task, newton, std::move(unknown), report);
 }
 
 Nudge nudge_off(SimulationParts& parts, const Eigen::Matrix3Xd& way_m) {

@@ -92,6 +92,8 @@ void fall_asleep_where_still(SimulationParts& parts, double h, const SolveReport
   double residual = parts.workspace.newton.rest_residual(still);
   if (residual > parts.options.tolerance && settle_by_friction(parts, still))
     residual = parts.workspace.newton.rest_residual(parts.unknowns_at_step(parts.options.time_step_s));
+  const double left_m = parts.workspace.newton.creep_left_m(still, state.velocities_m_s);
+  if (!(left_m <= constants::kAtRest * parts.body.size_m())) return;
   if (residual > parts.options.tolerance || !parts.workspace.newton.stable_at_rest(still)) return;
   state.rest_residual = residual;
   state.velocities_m_s.setZero();

@@ -329,6 +329,11 @@ class _Common:
         return dict(worlds.task, limits={name: tuple(map(float, ends)) for name, ends in zip(names, worlds.ranges)})
 
     @property
+    def robots(self):
+        """int: how many robots are drawn; 1 without a randomisation."""
+        return len(self._open().plants)
+
+    @property
     def batch(self):
         """The Batch that it moves, to look at."""
         return self._open().batch

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """learn.py TASK.yaml POLICY.npz: trains a small network to reach for targets, on robots that are drawn, and tries it on others.
 
-First it imitates: where a robot rests under drawn commands, these commands are what `optimise` would answer to a target at that place. Then a
-population of networks around it tries itself in the VectorEnvironment, and moves to where rewards are (evolution strategies: Salimans et al. 2017).
-Beside it stands `optimise` by gauss_newton, whose commands do not see what the robot does. NumPy alone; equal for equal --seed and threads of
-BLAS."""
+First it imitates: where a robot rests under drawn commands, these commands are what `optimise` on that robot answers to a target at that
+place. Then a population of networks around it tries itself in the VectorEnvironment, and moves to where rewards are (evolution strategies,
+Salimans et al. 2017). Beside it stands `optimise` by gauss_newton on the robot as its file has it, whose commands do not see what the drawn
+robot does. It needs NumPy alone, and repeats itself for an equal --seed where BLAS has one thread."""
 import argparse
 import time
 
@@ -20,28 +20,25 @@ def episode_steps(environment):
 
 
 def wander(environment, rounds, draw):
-    """Episodes that go to drawn commands and stay there. By robot: observations on the way and at the end, (..., inputs), and its number."""
-    ways, ends = {}, {}
+    """Episodes that go to drawn commands and stay there. Of each robot the observations on the way, and those at the end."""
+    ways, ends, steps = {}, {}, episode_steps(environment)
     change = environment.settings['largest_change']
     for _ in range(rounds):
         seen, info = environment.reset(seed=int(draw.integers(1 << 31)))
-        wish, passed = draw.uniform(-1, 1, environment.action_space.shape), [seen]
-        for _ in range(episode_steps(environment)):
-            seen, _, _, ended, now = environment.step((wish - seen[:, -wish.shape[1]:]) / (2 * change))
-            seen = now['final_obs'] if ended.any() else seen
+        wish, passed, running = draw.uniform(-1, 1, environment.action_space.shape), [], numpy.ones(environment.num_envs, dtype=bool)
+        for step in range(steps):
             passed.append(seen)
-            if ended.any():
-                break
-        for world, plant in enumerate(info['plant']):
-            if (now['final_info'] if ended.any() else now)['converged'][world] and len(passed) > episode_steps(environment):
-                ways.setdefault(plant, []).extend(one[world] for one in passed[:-1])
-                ends.setdefault(plant, []).append(seen[world])
-    return [(numpy.array(ways[plant]), numpy.array(ends[plant]), plant) for plant in sorted(ends)]
+            seen, _, _, ended, now = environment.step((wish - seen[:, -wish.shape[1]:]) / (2 * change))
+            running &= ~ended | (step == steps - 1)
+        for world in numpy.flatnonzero(running & now['final_info']['converged']):
+            ways.setdefault(info['plant'][world], []).extend(one[world] for one in passed)
+            ends.setdefault(info['plant'][world], []).append(now['final_obs'][world])
+    return [(numpy.array(ways[plant]), numpy.array(ends[plant])) for plant in sorted(ends)]
 
 
 def first_policy(environment, wandered, hidden, draw):
     names, settings = environment.batch.actuator_names, environment.settings
-    inputs = numpy.concatenate([ways for ways, _, _ in wandered])
+    inputs = numpy.concatenate([ways for ways, _ in wandered])
     marker = environment.batch.marker_names.index(settings['marker'])
     markers = 3 * len(environment.batch.marker_names)
     inputs[:, markers:markers + 3] = inputs[:, 3 * marker:3 * marker + 3]
@@ -85,29 +82,11 @@ def pairs(policy, wandered, count, pace, draw):
     markers, actuators, at = 3 * len(policy.markers), len(policy.actuators), 3 * policy.marker
     observations, wishes = [], []
     for robot in draw.integers(len(wandered), size=count // 64):
-        ways, ends, _ = wandered[robot]
+        ways, ends = wandered[robot]
         start, end = ways[draw.integers(len(ways), size=64)], ends[draw.integers(len(ends), size=64)]
         start[:, markers:markers + 3] = end[:, at:at + 3]
         observations.append(start)
         wishes.append((end - start)[:, -actuators:] * pace / (2 * policy.largest_change))
-    return numpy.concatenate(observations), numpy.concatenate(wishes)
-
-
-def corrections(environment, policy, wandered, episodes, pace, draw):
-    """What the policy comes to see on its own ways, and what it should have done there (DAgger: Ross et al. 2011)."""
-    markers, actuators, at = 3 * len(policy.markers), len(policy.actuators), 3 * policy.marker
-    observations, wishes = [], []
-    for _ in range(episodes):
-        robots = draw.integers(len(wandered), size=environment.num_envs)
-        ends = numpy.array([wandered[robot][1][draw.integers(len(wandered[robot][1]))] for robot in robots])
-        plants = numpy.array([wandered[robot][2] for robot in robots])
-        seen, _ = environment.reset(seed=int(draw.integers(1 << 31)), options={'plant': plants, 'target_m': ends[:, at:at + 3]})
-        running = numpy.ones(environment.num_envs, dtype=bool)
-        for _ in range(episode_steps(environment)):
-            observations.append(seen[running])
-            wishes.append((ends - seen)[running, -actuators:] * pace / (2 * policy.largest_change))
-            seen, _, _, ended, _ = environment.step(policy.actions(seen))
-            running &= ~ended
     return numpy.concatenate(observations), numpy.concatenate(wishes)
 
 
@@ -130,20 +109,16 @@ def slopes_of(parameters, observations, wishes, policy):
     return gradients, (miss ** 2).mean()
 
 
-def imitate(policy, wandered, corrected, rounds, pace, draw):
+def imitate(policy, wandered, rounds, pace, draw):
     """Least squares of actions that go `pace` of the way to the commands of optimise in each step."""
     parameters = [numpy.array(array) for layer in policy.layers for array in layer]
     adam, losses = Adam([array.shape for array in parameters], 3e-3), []
     for count in range(rounds):
         observations, wishes = pairs(policy, wandered, 512, pace, draw)
-        if corrected:
-            some, right = corrected[draw.integers(len(corrected))]
-            rows = draw.integers(len(some), size=512)
-            observations, wishes = numpy.concatenate([observations, some[rows]]), numpy.concatenate([wishes, right[rows]])
         gradients, loss = slopes_of(parameters, observations, wishes, policy)
         adam.step(parameters, gradients, 1.0 - count / rounds)
         losses.append(loss)
-    return with_layers(policy, list(zip(parameters[::2], parameters[1::2]))), float(numpy.mean(losses[-rounds // 10:]))
+    return with_layers(policy, list(zip(parameters[::2], parameters[1::2]))), float(numpy.mean(losses[-max(1, rounds // 10):]))
 
 
 def tried(environment, layers, policy, seeds):
@@ -179,16 +154,15 @@ def evolve(environment, policy, generations, networks, draw):
 
 
 def train(environment, effort=1.0, networks=16, hidden=(32, 32), pace=0.3, seed=1):
-    """`environment`: a VectorEnvironment; `effort` multiplies all rounds. Returns a LearnedPolicy, and a dict of numbers about its training."""
+    """`environment`: a VectorEnvironment whose actions are changes; `effort` multiplies all rounds; `networks` of a generation share its worlds.
+    Returns a LearnedPolicy, and a dict of numbers about its training."""
+    if environment.settings['task'] != 'reach' or environment.settings['observation'] != 'markers' or environment.settings['action'] != 'change':
+        raise ValueError('the task must be to reach, by markers alone, and actions changes of the commands')
     draw = numpy.random.default_rng(seed)
     times_s = [time.process_time()]
     wandered = wander(environment, max(1, round(30 * effort)), draw)
     times_s.append(time.process_time())
-    policy, corrected = first_policy(environment, wandered, hidden, draw), []
-    for again in range(5):
-        policy, loss = imitate(policy, wandered, corrected, max(1, round(3000 * effort)), pace, draw)
-        if again < 4:
-            corrected.append(corrections(environment, policy, wandered, max(1, round(4 * effort)), pace, draw))
+    policy, loss = imitate(first_policy(environment, wandered, hidden, draw), wandered, max(1, round(6000 * effort)), pace, draw)
     times_s.append(time.process_time())
     policy, rewards = evolve(environment, policy, max(1, round(200 * effort)), networks, draw)
     times_s.append(time.process_time())
@@ -252,7 +226,7 @@ def main():
     policy, about = train(environment, arguments.effort, seed=arguments.seed)
     policy.save(arguments.policy)
     print('trained in %.0f s, %.0f CPU-s (of which %.0f wandering, %.0f imitating, %.0f evolving); rewards of a step from %.3f to %.3f' % (
-        time.monotonic() - begin_s, time.process_time() - cpu_s, *about['cpu_s'], about['rewards'][0], about['rewards'][-1]), flush=True)
+        time.monotonic() - begin_s, time.process_time() - cpu_s, *about['cpu_s'], numpy.mean(about['rewards'][:10]), numpy.mean(about['rewards'][-10:])), flush=True)
     others = soft_robot_lab.VectorEnvironment(arguments.task, arguments.worlds, arguments.threads, {
         'seed': arguments.seed + 1, 'targets.reachable': arguments.targets,
         'randomisation.seed': arguments.seed + 1, 'randomisation.samples': arguments.robots})

@@ -101,8 +101,62 @@ class LearnedPolicy:
             parts.append(part.ravel())
         now = numpy.clip(parts[2], low, high)
         parts[2] = (2.0 * now - (low + high)) / (high - low)
-        change = self.actions(numpy.concatenate(parts)[None])[0] * self.largest_change * (high - low)
-        return numpy.clip(now + change, low, high)
+        most = self.largest_change * (high - low)
+        following = numpy.clip(now + self.actions(numpy.concatenate(parts)[None])[0] * most, low, high)
+        last = numpy.array(commands, dtype=float)
+        return numpy.clip(following, last - most, last + most)  # from beyond the limits it comes back as slowly
+
+
+class LearnedLoop:
+    """A LearnedPolicy on markers that come when they come: commands for each frame that shows all markers, at most control_rate_hz. It ends
+    with a reason, and then gives no more commands, so that drives hold."""
+
+    def __init__(self, policy, target_m, commands, within_m=1.5e-3, hold_s=1.0, lost_after_s=1.0, error_growth_m=0.02, longest_s=60.0):
+        """`commands`: (actuators,) as the robot has them. It has reached the target when the marker was within `within_m` for `hold_s`; tracking
+        is lost after `lost_after_s` without all markers; the error grows where it is `error_growth_m` above its least so far."""
+        for name, value in (('within_m', within_m), ('hold_s', hold_s), ('lost_after_s', lost_after_s), ('error_growth_m', error_growth_m),
+                            ('longest_s', longest_s)):
+            if not 0 < value < numpy.inf:
+                raise ValueError('%s: %r is out of range (0, inf)' % (name, value))
+        self.policy, self.target_m = policy, numpy.array(target_m, dtype=float)
+        if self.target_m.shape != (3,) or not numpy.isfinite(self.target_m).all():
+            raise ValueError('target_m: of shape %s, must be (3,), all finite' % (self.target_m.shape,))
+        self.sent = numpy.array(commands, dtype=float)
+        self.within_m, self.hold_s, self.lost_after_s, self.error_growth_m, self.longest_s = within_m, hold_s, lost_after_s, error_growth_m, longest_s
+        self.end, self.distance_m = '', None
+        self._begin_s = self._seen_s = self._sent_s = self._near_s = None
+        self._least_m = numpy.inf
+
+    def wait(self, time_s):
+        """Call it where no frame came."""
+        self._begin_s = time_s if self._begin_s is None else self._begin_s
+        if not self.end and time_s - (self._begin_s if self._seen_s is None else self._seen_s) > self.lost_after_s:
+            self.end = 'tracking is lost'
+
+    def see(self, time_s, markers):
+        """`markers` is {name: (3,)}, of the time `time_s`. Returns (actuators,) commands to be sent, or None for none."""
+        self.wait(time_s)
+        if self.end or not all(name in markers and numpy.isfinite(markers[name]).all() for name in self.policy.markers):
+            return None
+        if self._sent_s is not None and time_s - self._sent_s < (1.0 - 1e-3) / self.policy.control_rate_hz:
+            return None
+        self._seen_s = self._sent_s = time_s
+        markers_m = numpy.array([markers[name] for name in self.policy.markers])
+        self._judge(time_s, float(numpy.linalg.norm(markers_m[self.policy.marker] - self.target_m)))
+        if self.end:
+            return None
+        self.sent = self.policy.commands(markers_m, self.target_m, self.sent)
+        return self.sent
+
+    def _judge(self, time_s, distance_m):
+        self.distance_m, self._least_m = distance_m, min(self._least_m, distance_m)
+        self._near_s = (time_s if self._near_s is None else self._near_s) if distance_m <= self.within_m else None
+        if self._near_s is not None and time_s - self._near_s >= self.hold_s:
+            self.end = 'reached'
+        elif distance_m > self._least_m + self.error_growth_m:
+            self.end = 'the error grows'
+        elif time_s - self._begin_s > self.longest_s:
+            self.end = 'time is up'
 
 
 def inputs(observations, policy):

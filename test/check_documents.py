@@ -44,6 +44,8 @@ SECTIONS = {
     'Policy': {'config': [], 'strict': ['control/policy.cpp']},
     'Study': {'config': ['studies'], 'strict': ['study/sweeps/study_file.cpp']},
     'Randomisation': {'config': ['robots/*/random.yaml'], 'strict': ['study/robust/randomisation_file.cpp']},
+    'Learning task': {'config': ['tasks'], 'strict': ['python/core/bind_learning_task.cpp'],
+                      'no_keys': {'_draw_robots', '_read_learning_task', 'overrides', 'reshape'}},  # Python's
     'Search': {'config': ['searches'], 'strict': ['study/search/search_file.cpp']},
     'Experiments': {'config': ['experiments'], 'loose': ['study', 'control/configuration_table.cpp', 'programs/bullet_peer.cpp']},
 }
@@ -56,7 +58,7 @@ COLUMNS = {'law', 'nu', 'tip_uy_m', 'beta', 'V_over_V0', 'P_gauge_Pa', 't_s', 'f
            'ux_m', 'uy_m', 'uz_m'}
 # Below these keys stand names of the user's, or keys that another section describes.
 NAMES_BELOW = {'colours', 'marker_colours', 'overrides', 'backlash_steps', 'meshes', 'where', 'values', 'changes',
-               'set_up', 'methods', 'betas', 'commands', 'sensor', 'depth', 'solver', 'parameters'}
+               'set_up', 'methods', 'betas', 'commands', 'sensor', 'depth', 'solver', 'parameters', 'limits'}
 
 READS = r'(?:child|sequence|number|integer|boolean|text|choice|vector3|has|optional_child|optional_sequence|' \
         r'(?:number|integer|boolean|text|choice|vector3)_or)'

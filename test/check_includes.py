@@ -56,7 +56,7 @@ ALLOWED = {  # a row names only rows above it, so no circle can be written
     "study/charts": f"study session/report control/identification {ROBOT}",
     "study/rig": f"study study/experiments {PRODUCT}",
     "ros": PRODUCT,
-    "python/core": f"control control/identification {ROBOT}",
+    "python/core": f"study/robust control control/identification {ROBOT}",
     "programs": f"study study/sweeps study/workspace study/robust study/search study/experiments study/charts study/rig"
                 f" ros mechanics/linear_algebra {PRODUCT}",
 }

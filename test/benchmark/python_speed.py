@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """python_speed.py SCENE [WORLDS THREADS DURATION_S]: what a step costs through the Python module, beside the solver's own time,
-and for a batch as the program rollouts counts it: seconds of the robots over seconds of CPU. Best of five."""
+and for a batch as the program rollouts counts it: seconds of the robots over seconds of CPU. Best of five.
+python_speed.py --task TASK WORLDS THREADS: control steps of a VectorEnvironment in a second of CPU, with drawn actions and resets."""
 import resource
 import sys
 import time
@@ -44,7 +45,23 @@ def of_batch(scene, worlds, threads, duration_s):
     print('%d worlds, %d threads: %.0f times real time a core, %.0f in all' % ((worlds, threads) + max(rates)))
 
 
-if len(sys.argv) > 2:
+def of_task(task, worlds, threads):
+    environment = soft_robot_lab.VectorEnvironment(task, worlds, threads)
+    draw = numpy.random.default_rng(1)
+    environment.reset(seed=1)
+    rates, returns = [], []
+    for _ in range(5):
+        begin_s, cpu_begin_s, total = time.monotonic(), cpu_s(), 0.0
+        for step in range(200):
+            total += environment.step(draw.uniform(-1, 1, environment.action_space.shape))[1].mean()
+        rates.append((worlds * 200 / (cpu_s() - cpu_begin_s), worlds * 200 / (time.monotonic() - begin_s)))
+        returns.append(total / 200)
+    print('%d worlds, %d threads: %.0f steps a CPU-second, %.0f a second; mean reward %.4f' % ((worlds, threads) + max(rates) + (returns[0],)))
+
+
+if sys.argv[1] == '--task':
+    of_task(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
+elif len(sys.argv) > 2:
     of_batch(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4]))
 else:
     of_one(sys.argv[1])

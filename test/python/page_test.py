@@ -18,18 +18,23 @@ def signature_text(parameters):
 
 def signature_of(function):
     """Without the object itself, which inspect leaves out where the function is compiled."""
-    parameters = inspect.signature(function).parameters
-    return signature_text([str(one) for name, one in parameters.items() if name != 'self'])
+    signature = inspect.signature(function)
+    return str(signature.replace(parameters=[one for name, one in signature.parameters.items() if name != 'self']))
+
+
+def is_ours(kind, name):
+    """Environments have members of Gymnasium's too, where that is installed."""
+    return any(name in vars(base) and base.__module__.startswith('soft_robot_lab') for base in kind.__mro__)
 
 
 def members_of(kind):
-    """By name: the signature, or an empty text for a property. What Python may make is listed by its class's name."""
+    """By name: the signature, or an empty text for what is not called. What Python may make is listed by its class's name."""
     members = {}
     if signature_of(kind.__init__) != '(*args, **kwargs)':
         members[kind.__name__] = signature_of(kind.__init__)
     for name, member in inspect.getmembers(kind):
-        if not name.startswith('_'):
-            members[name] = '' if isinstance(member, property) else signature_of(member)
+        if not name.startswith('_') and is_ours(kind, name):
+            members[name] = signature_of(member) if callable(member) else ''
     return members
 
 
@@ -66,8 +71,8 @@ def stub_signature(function, bound):
     defaults = [ast.unparse(default) for default in arguments.defaults]
     first = len(given) - len(defaults)
     words = given[:first] + ['%s=%s' % pair for pair in zip(given[first:], defaults)]
-    if arguments.vararg:
-        words.append('*' + arguments.vararg.arg)
+    if arguments.vararg or arguments.kwonlyargs:
+        words.append('*' + (arguments.vararg.arg if arguments.vararg else ''))
     for argument, default in zip(arguments.kwonlyargs, arguments.kw_defaults):
         words.append(argument.arg if default is None else '%s=%s' % (argument.arg, ast.unparse(default)))
     return signature_text(words + (['**' + arguments.kwarg.arg] if arguments.kwarg else []))
@@ -86,14 +91,22 @@ def stub_class(kind):
     return members
 
 
+def with_inherited(kinds):
+    """Members of bases that the stub has under a name of their own, which no page lists."""
+    for node, members in kinds.values():
+        for base in node.bases:
+            members.update({name: one for name, one in kinds[base.id][1].items() if name not in members})
+    return {name: members for name, (_, members) in kinds.items() if not name.startswith('_')}
+
+
 def stub_members(text):
-    found = {'': {}}
+    functions, kinds = {}, {}
     for node in ast.parse(text).body:
         if isinstance(node, ast.ClassDef) and not any(base.id.endswith('Error') for base in node.bases):
-            found[node.name] = stub_class(node)
+            kinds[node.name] = node, stub_class(node)
         elif isinstance(node, ast.FunctionDef):
-            found[''][node.name] = stub_signature(node, False)
-    return found
+            functions[node.name] = stub_signature(node, False)
+    return dict(with_inherited(kinds), **{'': functions})
 
 
 def text_of(*names):

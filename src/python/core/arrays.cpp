@@ -99,6 +99,19 @@ py::dict contact_dict(const ContactReading& reading) {
   return all;
 }
 
+py::dict readings_dict(const std::vector<ActuatorReading>& readings) {
+  py::dict all;
+  for (const ActuatorReading& reading : readings) all[py::str(reading.name)] = reading_dict(reading);
+  return all;
+}
+
+py::list contacts_list(const std::vector<ContactReading>& contacts) {
+  py::list all;
+  for (const ContactReading& reading : contacts)
+    if (reading.normal_force_n != 0.0) all.append(contact_dict(reading));
+  return all;
+}
+
 py::list actuator_names(const Model& model) {
   py::list all;
   for (const auto& actuator : model.actuators()) all.append(actuator->name());

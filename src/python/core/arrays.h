@@ -38,6 +38,8 @@ std::vector<double> numbers_of(const pybind11::handle& array, std::size_t count,
 
 // With the keys of result.json; what does not apply to an actuator is left out.
 pybind11::dict reading_dict(const ActuatorReading& reading);
+pybind11::dict readings_dict(const std::vector<ActuatorReading>& readings);  // by actuator
+pybind11::list contacts_list(const std::vector<ContactReading>& contacts);   // of those that push
 pybind11::dict contact_dict(const ContactReading& reading);
 pybind11::list actuator_names(const Model& model);
 pybind11::list marker_names(const Model& model);

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <atomic>
+#include <exception>
+#include <future>
 #include <thread>
+#include <variant>
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -8,6 +12,8 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "python_batch.h"
+#include "settings/limits.h"
+#include "settings/require.h"
 
 namespace soft_robot_lab {
 namespace py = pybind11;
@@ -17,13 +23,52 @@ struct Reports {
   std::vector<SolveReport> of;
 };
 
+// None, changes of the one model, or changes of each.
+using Changes = std::optional<std::variant<py::dict, std::vector<py::dict>>>;
+
+std::vector<std::optional<py::dict>> changes_of_each(const Changes& overrides) {
+  if (!overrides) return {std::nullopt};
+  if (const auto* one = std::get_if<py::dict>(&*overrides)) return {*one};
+  const auto& each = std::get<std::vector<py::dict>>(*overrides);
+  if (each.empty()) throw std::invalid_argument("overrides: must have at least one dict");
+  return {each.begin(), each.end()};
+}
+
+// In several threads, in which scenes are meshed and reduced models trained. Throws what the first of the scenes threw.
+std::vector<Scene> load_all(const std::string& path, const std::vector<SceneOptions>& options, int threads) {
+  std::vector<Scene> scenes(options.size());
+  std::vector<std::exception_ptr> thrown(options.size());
+  std::atomic<std::size_t> next{0};
+  std::atomic<bool> failed{false};
+  const auto take = [&] {
+    for (std::size_t i = next++; i < options.size() && !failed; i = next++) try {
+        scenes[i] = load_scene(path, options[i]);
+      } catch (...) {
+        thrown[i] = std::current_exception();
+        failed = true;
+      }
+  };
+  std::vector<std::future<void>> others;
+  for (std::size_t i = 1; i < std::min(static_cast<std::size_t>(threads), options.size()); ++i)
+    others.push_back(std::async(std::launch::async, take));
+  take();
+  for (std::future<void>& other : others) other.wait();
+  for (const std::exception_ptr& one : thrown)
+    if (one) std::rethrow_exception(one);
+  return scenes;
+}
+
 std::shared_ptr<PythonBatch> load_batch(const std::filesystem::path& path, int worlds, std::optional<int> threads,
-                                        const std::optional<py::dict>& overrides,
-                                        const std::optional<std::string>& method) {
+                                        const Changes& overrides, const std::optional<std::string>& method) {
   Guarded loading;
-  Scene scene = load_for_python(loading, path, overrides, method);
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  return std::make_shared<PythonBatch>(std::move(scene), worlds, threads.value_or(cores));
+  require(threads.value_or(1) >= 1 && threads.value_or(1) <= limits::kThreads, "threads", threads.value_or(1),
+          "[1, 1000]");
+  std::vector<SceneOptions> options;
+  for (const auto& changes : changes_of_each(overrides))
+    options.push_back(options_for_python(loading, path, changes, method));
+  std::vector<Scene> scenes = loading.beside([&] { return load_all(path.string(), options, threads.value_or(cores)); });
+  return std::make_shared<PythonBatch>(std::move(scenes), worlds, threads.value_or(cores));
 }
 
 template <class Number, class Member>
@@ -31,6 +76,10 @@ py::array_t<Number> of_each(const Reports& reports, Member member) {
   py::array_t<Number> all(static_cast<py::ssize_t>(reports.of.size()));
   for (std::size_t i = 0; i < reports.of.size(); ++i) all.mutable_data()[i] = reports.of[i].*member;
   return all;
+}
+
+py::array_t<int> whole_numbers(const std::vector<int>& numbers) {
+  return py::array_t<int>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
 }
 
 // worlds x rows x columns, from a matrix of each world, whose columns lie one after the other in memory.
@@ -82,13 +131,22 @@ void bind_batch_moves(BatchClass& batch) {
           "step", [](PythonBatch& self, int steps) { return Reports{self.step(steps)}; }, py::arg("steps") = 1,
           "step($self, steps=1)\n--\n\nSo many time steps of each world. Returns a BatchReport.")
       .def(
-          "settle", [](PythonBatch& self) { return Reports{self.settle()}; },
-          "settle($self)\n--\n\nEach world to its rest state. Returns a BatchReport.")
-      .def(
-          "reset", [](PythonBatch& self, const py::object& worlds) { self.reset(worlds_of(self, worlds)); },
+          "settle",
+          [](PythonBatch& self, const py::object& worlds) { return Reports{self.settle(worlds_of(self, worlds))}; },
           py::arg("worlds") = py::none(),
-          "reset($self, worlds=None)\n--\n\n"
-          "Worlds to the rest shape: all, those whose numbers are given, or those whose truth value is.")
+          "settle($self, worlds=None)\n--\n\n"
+          "Each world to its rest state, or each of these as of reset(). Returns a BatchReport of them.")
+      .def(
+          "reset",
+          [](PythonBatch& self, const py::object& worlds, const std::optional<std::vector<int>>& models) {
+            const std::vector<int> of = worlds_of(self, worlds);
+            self.reset(of, models.value_or(std::vector<int>()));
+          },
+          py::arg("worlds") = py::none(), py::arg("models") = py::none(),
+          "reset($self, worlds=None, models=None)\n--\n\n"
+          "Worlds to the rest shape: all, those whose numbers are given, or those whose truth value is. `models` has "
+          "a\n"
+          "number for each of them: of which of `overrides` it is from now on. IndexError for a number out of range.")
       .def("get_state", &PythonBatch::state, py::arg("world"),
            "get_state($self, world)\n--\n\nA State of one world, as Simulation.state.")
       .def("set_state", &PythonBatch::set_state, py::arg("world"), py::arg("state"),
@@ -100,7 +158,13 @@ void bind_batch_moves(BatchClass& batch) {
             for (Eigen::MatrixXd& one : all) one.transposeInPlace();
             return stacked(all);
           },
-          "sensitivities($self)\n--\n\n(worlds, 3 * markers, actuators), as Simulation.sensitivities.");
+          "sensitivities($self)\n--\n\n(worlds, 3 * markers, actuators), as Simulation.sensitivities.")
+      .def(
+          "readings", [](PythonBatch& self, int world) { return readings_dict(self.readings(world)); },
+          py::arg("world"), "readings($self, world)\n--\n\nOf one world, as Simulation.readings.")
+      .def(
+          "contacts", [](PythonBatch& self, int world) { return contacts_list(self.contacts(world)); },
+          py::arg("world"), "contacts($self, world)\n--\n\nOf one world, as Simulation.contacts.");
 }
 
 void bind_batch_readings(BatchClass& batch) {
@@ -120,6 +184,9 @@ void bind_batch_readings(BatchClass& batch) {
           "(worlds, markers, 3) metres in robot_base.")
       .def_property_readonly(
           "time_s", [](PythonBatch& self) { return numbers_array(self.time_s()); }, "(worlds,) seconds.")
+      .def_property_readonly(
+          "models", [](PythonBatch& self) { return whole_numbers(self.scene_numbers()); },
+          "(worlds,) int: of which of `overrides` each world is.")
       .def_property_readonly("worlds", &PythonBatch::worlds, "int")
       .def_property_readonly("threads", &PythonBatch::threads, "int")
       .def_property_readonly(
@@ -144,10 +211,13 @@ void bind_batch(py::module_& module) {
       module, "Batch",
       "Many worlds of one scene, moved by several threads while Python's lock is free. Their numbers are those of one\n"
       "thread to the last bit. Where Ctrl-C ends a call, each world stands before its last solve or after it.");
-  batch.def(py::init(&load_batch), py::arg("path"), py::arg("worlds"), py::arg("threads") = py::none(),
-            py::arg("overrides") = py::none(), py::arg("method") = py::none(),
-            "__init__($self, path, worlds, threads=None, overrides=None, method=None)\n--\n\n"
-            "`threads` is the number of cores where it is not given; the rest is as of Simulation.");
+  batch.def(
+      py::init(&load_batch), py::arg("path"), py::arg("worlds"), py::arg("threads") = py::none(),
+      py::arg("overrides") = py::none(), py::arg("method") = py::none(),
+      "__init__($self, path, worlds, threads=None, overrides=None, method=None)\n--\n\n"
+      "`threads` is the number of cores where it is not given; the rest is as of Simulation. `overrides` may be a\n"
+      "list of dicts: then world i begins as number i of them, and after the last comes the first again. They\n"
+      "have to agree in actuators, markers and time step.");
   bind_batch_moves(batch);
   bind_batch_readings(batch);
 }

@@ -57,23 +57,10 @@ py::dict markers(PythonSimulation& simulation) {
   return all;
 }
 
-py::dict readings(PythonSimulation& simulation) {
-  py::dict all;
-  for (const ActuatorReading& reading : simulation.readings()) all[py::str(reading.name)] = reading_dict(reading);
-  return all;
-}
-
 py::dict of_each(PythonSimulation& simulation, std::optional<double> ActuatorReading::*number) {
   py::dict all;
   for (const ActuatorReading& reading : simulation.readings())
     if (reading.*number) all[py::str(reading.name)] = *(reading.*number);
-  return all;
-}
-
-py::list contacts(PythonSimulation& simulation) {
-  py::list all;
-  for (const ContactReading& reading : simulation.contacts())
-    if (reading.normal_force_n != 0.0) all.append(contact_dict(reading));
   return all;
 }
 
@@ -134,17 +121,19 @@ void bind_readings(SimulationClass& simulation) {
           "(actuators,) commands as the drives have reached them.")
       .def_property_readonly("time_s", &PythonSimulation::time_s, "Seconds since the rest shape.")
       .def_property_readonly("reduced", &PythonSimulation::reduced, "Whether a reduced model moves it.")
-      .def("readings", &readings,
-           "readings($self)\n--\n\ndict by actuator of dicts, with the keys of result.json: tension_n, "
-           "gauge_pressure_pa, ...")
+      .def(
+          "readings", [](PythonSimulation& self) { return readings_dict(self.readings()); },
+          "readings($self)\n--\n\ndict by actuator of dicts, with the keys of result.json: tension_n, "
+          "gauge_pressure_pa, ...")
       .def(
           "tensions_n", [](PythonSimulation& self) { return of_each(self, &ActuatorReading::tension_n); },
           "tensions_n($self)\n--\n\ndict by cable: newtons.")
       .def(
           "pressures_pa", [](PythonSimulation& self) { return of_each(self, &ActuatorReading::gauge_pressure_pa); },
           "pressures_pa($self)\n--\n\ndict by chamber: pascals above the surrounding air.")
-      .def("contacts", &contacts,
-           "contacts($self)\n--\n\nList of dicts, one for each pair that touches: between, force_n, ...");
+      .def(
+          "contacts", [](PythonSimulation& self) { return contacts_list(self.contacts()); },
+          "contacts($self)\n--\n\nList of dicts, one for each pair that touches: between, force_n, ...");
 }
 
 void bind_skin(SimulationClass& simulation) {
@@ -202,14 +191,20 @@ SceneOptions options_for_python(Guarded& guard, const FilePath& path, const std:
   return options;
 }
 
-Scene load_for_python(Guarded& guard, const FilePath& path, const std::optional<py::dict>& overrides,
-                      const std::optional<std::string>& method) {
+SceneOptions options_for_python(Guarded& guard, const FilePath& path, const std::optional<py::dict>& overrides,
+                                const std::optional<std::string>& method) {
   SceneOptions options = options_for_python(guard, path, overrides);
   options.method = method.value_or("");
   // Training asks nothing but this.
   options.progress = [&guard](double, const std::string&) {
     if (guard.watch().asked()) throw std::runtime_error("interrupted");
   };
+  return options;
+}
+
+Scene load_for_python(Guarded& guard, const FilePath& path, const std::optional<py::dict>& overrides,
+                      const std::optional<std::string>& method) {
+  const SceneOptions options = options_for_python(guard, path, overrides, method);
   return guard.beside([&] { return load_scene(path.string(), options); });
 }
 

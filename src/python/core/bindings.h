@@ -21,6 +21,11 @@ namespace soft_robot_lab {
 SceneOptions options_for_python(Guarded& guard, const std::filesystem::path& path,
                                 const std::optional<pybind11::dict>& overrides);
 
+// The same for a scene that is moved by `method`.
+SceneOptions options_for_python(Guarded& guard, const std::filesystem::path& path,
+                                const std::optional<pybind11::dict>& overrides,
+                                const std::optional<std::string>& method);
+
 // With Ctrl-C heeded. Throws as load_scene, and std::invalid_argument as python_overrides.
 Scene load_for_python(Guarded& guard, const std::filesystem::path& path, const std::optional<pybind11::dict>& overrides,
                       const std::optional<std::string>& method);
@@ -30,6 +35,7 @@ void bind_state(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);
 void bind_batch(pybind11::module_& module);
 void bind_functions(pybind11::module_& module);
+void bind_learning_task(pybind11::module_& module);
 
 }  // namespace soft_robot_lab
 

@@ -18,4 +18,5 @@ PYBIND11_MODULE(_core, module) {
   bind_simulation(module);
   bind_batch(module);
   bind_functions(module);
+  bind_learning_task(module);
 }

@@ -32,6 +32,14 @@ SceneOptions python_scene_options() {
   return options;
 }
 
+std::vector<ActuatorReading> shown_readings(SceneMotion& motion) {
+  motion.show();
+  std::vector<ActuatorReading> all;
+  for (std::size_t i = 0; i < motion.simulation().actuators().size(); ++i)
+    all.push_back(motion.simulation().actuator_state(static_cast<int>(i)));
+  return all;
+}
+
 PythonSimulation::PythonSimulation(Scene scene)
     : scene_(std::move(scene)), motion_(std::make_unique<SceneMotion>(scene_)) {
   scene_.simulation->set_interrupt([this] { return watch().asked(); });
@@ -120,11 +128,7 @@ bool PythonSimulation::reduced() {
 
 std::vector<ActuatorReading> PythonSimulation::readings() {
   const Use use(*this);
-  const Simulation& simulation = shown().simulation();
-  std::vector<ActuatorReading> all;
-  for (std::size_t i = 0; i < simulation.actuators().size(); ++i)
-    all.push_back(simulation.actuator_state(static_cast<int>(i)));
-  return all;
+  return shown_readings(*motion_);
 }
 
 std::vector<ContactReading> PythonSimulation::contacts() {

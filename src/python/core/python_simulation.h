@@ -18,6 +18,9 @@ namespace soft_robot_lab {
 // How Python loads a scene: by the package's own mesher, with its built-in actuators and a trained reduced model.
 SceneOptions python_scene_options();
 
+// Of the present state, also of a reduced model.
+std::vector<ActuatorReading> shown_readings(SceneMotion& motion);
+
 // A command for each named actuator.
 using NamedCommands = std::vector<std::pair<std::string, double>>;
 

@@ -12,10 +12,12 @@
 """
 from ._core import (Batch, BatchReport, RunResult, SettingsError, Simulation, SolveReport, State, check_casting, fit, make_mould,
                     optimise)
+from .environment import Environment, VectorEnvironment
+from .learned_policy import LearnedPolicy
 from .mesh import Mesh
 
-__all__ = ['Batch', 'BatchReport', 'Mesh', 'RunResult', 'SettingsError', 'Simulation', 'SolveReport', 'State', 'check_casting', 'fit',
-           'make_mould', 'optimise']
+__all__ = ['Batch', 'BatchReport', 'Environment', 'LearnedPolicy', 'Mesh', 'RunResult', 'SettingsError', 'Simulation', 'SolveReport',
+           'State', 'VectorEnvironment', 'check_casting', 'fit', 'make_mould', 'optimise']
 _OF_SESSIONS = ['Recording', 'Session', 'SessionError']
 
 
@@ -31,6 +33,7 @@ def __dir__():
     return sorted(set(globals()) | set(_OF_SESSIONS))
 
 
-for _one in (Batch, BatchReport, Mesh, RunResult, SettingsError, Simulation, SolveReport, State):
+for _one in (Batch, BatchReport, Environment, LearnedPolicy, Mesh, RunResult, SettingsError, Simulation, SolveReport, State,
+             VectorEnvironment):
     _one.__module__ = __name__
 del _one

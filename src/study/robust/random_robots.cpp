@@ -72,11 +72,16 @@ std::vector<std::string> names_of(const Randomisation& random) {
   return names;
 }
 
-std::vector<RandomRobot> draw_robots(const Randomisation& random, const SceneOptions& options, int skip) {
+std::vector<std::vector<double>> values_of(const Randomisation& random, int skip) {
   StudySettings all = all_of(random, random.study.samples);
   all.seed += skip;
+  return sample(all);
+}
+
+std::vector<RandomRobot> draw_robots(const Randomisation& random, const SceneOptions& options, int skip) {
   std::vector<RandomRobot> robots;
-  for (const std::vector<double>& values : sample(all)) robots.push_back(make_robot(random, options, values));
+  for (const std::vector<double>& values : values_of(random, skip))
+    robots.push_back(make_robot(random, options, values));
   return robots;
 }
 

@@ -30,4 +30,7 @@ std::vector<RandomRobot> draw_robots(const Randomisation& randomisation, const S
 // The names of values.
 std::vector<std::string> names_of(const Randomisation& randomisation);
 
+// The values of each robot, without the robots.
+std::vector<std::vector<double>> values_of(const Randomisation& randomisation, int skip = 0);
+
 }  // namespace soft_robot_lab

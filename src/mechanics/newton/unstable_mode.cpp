@@ -87,9 +87,9 @@ bool NewtonSolver::stable_under(const MultiplierProblem& problem, const Eigen::V
 
 bool NewtonSolver::stable_at_rest(const NewtonState& state) {
   if (!has_factor_at(state, 0.0, nullptr) && !linearise(state, 0.0, nullptr, false)) return false;
-  const bool stable = constraint_count() > 0 ? stable_under(problem_at(state, solve_exactly(border_).motions_m),
-                                                            state.constraint_multipliers)
-                                             : factor().negative_pivots() == 0;
+  const bool stable = factor().negative_pivots() == 0 ||
+                      (constraint_count() > 0 &&
+                       stable_under(problem_at(state, solve_exactly(border_).motions_m), state.constraint_multipliers));
   return stable && free_border_.stable();
 }
 

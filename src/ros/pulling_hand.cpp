@@ -53,7 +53,7 @@ Eigen::Matrix3d PullingHand::measured_yield_m_n(Simulation& simulation) const {
   constexpr double probe_n = 1e-3;
   const SimulationState before = simulation.state();
   const auto position_m = [&](const Eigen::Vector3d& force_n) {
-    simulation.pull(*hold_, force_n);
+    simulation.pull({{*hold_, force_n}});
     simulation.step();
     const Eigen::Vector3d moved_m = hold_->at(simulation.state().positions_m);
     simulation.set_state(before);
@@ -63,7 +63,7 @@ Eigen::Matrix3d PullingHand::measured_yield_m_n(Simulation& simulation) const {
   Eigen::Matrix3d yield_m_n;
   for (int axis = 0; axis < 3; ++axis)
     yield_m_n.col(axis) = (position_m(probe_n * Eigen::Vector3d::Unit(axis)) - free_m) / probe_n;
-  simulation.pull(*hold_, Eigen::Vector3d::Zero());
+  simulation.pull({});
   return yield_m_n;
 }
 
@@ -74,7 +74,7 @@ Eigen::Vector3d PullingHand::asked_n(const Eigen::Vector3d& position_m) const {
 void PullingHand::pull(const Eigen::Vector3d& force_n, Simulation& simulation) {
   acting_n_ = force_n;
   if (acting_n_.norm() > largest_n_) acting_n_ *= largest_n_ / acting_n_.norm();
-  simulation.pull(*hold_, acting_n_);
+  simulation.pull({{*hold_, acting_n_}});
 }
 
 // Broyden's method: what a try moved the place by corrects what a force is taken to move it by.
@@ -101,7 +101,7 @@ SolveReport PullingHand::step(Simulation& simulation) {
 }
 
 void PullingHand::let_go(Simulation& simulation) {
-  if (hold_) simulation.pull(*hold_, Eigen::Vector3d::Zero());
+  if (hold_) simulation.pull({});
   hold_.reset();
 }
 

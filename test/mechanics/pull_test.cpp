@@ -34,13 +34,13 @@ TEST(Pull, ActsAsTheSameDeadLoadAndIsGoneAfterwards) {
   loaded.add_force(end_of(loaded), kForce_n);
   Simulation expected = simulation_of(std::move(loaded));
   Simulation pulled = simulation_of(held_bar());
-  pulled.pull(end_of(pulled.body()), kForce_n);
+  pulled.pull({{end_of(pulled.body()), kForce_n}});
   ASSERT_TRUE(expected.solve_equilibrium().converged);
   ASSERT_TRUE(pulled.solve_equilibrium().converged);
   EXPECT_EQ(pulled.state().positions_m, expected.state().positions_m);
   const Eigen::Matrix3Xd& rest_m = pulled.body().mesh().nodes_m;
   EXPECT_GT((pulled.state().positions_m - rest_m).norm(), 1e-3);
-  pulled.pull(end_of(pulled.body()), Eigen::Vector3d::Zero());
+  pulled.pull({});
   ASSERT_TRUE(pulled.solve_equilibrium().converged);
   EXPECT_LT((pulled.state().positions_m - rest_m).colwise().norm().maxCoeff(), 1e-7);
 }
@@ -50,7 +50,7 @@ TEST(Pull, WakesABodyThatSleeps) {
     Simulation simulation = simulation_of(held_bar(), method);
     for (int i = 0; i < 3; ++i) simulation.step();
     const Eigen::Matrix3Xd still_m = simulation.state().positions_m;
-    simulation.pull(end_of(simulation.body()), kForce_n);
+    simulation.pull({{end_of(simulation.body()), kForce_n}});
     for (int i = 0; i < 10; ++i) simulation.step();
     const Eigen::Vector3d moved_m = end_of(simulation.body()).at(simulation.state().positions_m - still_m);
     EXPECT_GT(moved_m.dot(kForce_n.normalized()), 1e-4);
@@ -59,9 +59,9 @@ TEST(Pull, WakesABodyThatSleeps) {
 
 TEST(Pull, ReplacesThePullBefore) {
   Simulation twice = simulation_of(held_bar()), once = simulation_of(held_bar());
-  twice.pull(end_of(twice.body()), 5.0 * kForce_n);
+  twice.pull({{end_of(twice.body()), 5.0 * kForce_n}});
   for (Simulation* each : {&twice, &once}) {
-    each->pull(end_of(each->body()), kForce_n);
+    each->pull({{end_of(each->body()), kForce_n}});
     ASSERT_TRUE(each->solve_equilibrium().converged);
   }
   EXPECT_EQ(twice.state().positions_m, once.state().positions_m);
@@ -71,9 +71,9 @@ TEST(Pull, RefusesWhatIsNotFiniteOrNotAccountedFor) {
   Simulation simulation = simulation_of(held_bar());
   const EmbeddedPoint end = end_of(simulation.body());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(simulation.pull(end, Eigen::Vector3d(nan, 0, 0)), std::invalid_argument);
+  EXPECT_THROW(simulation.pull({{end, Eigen::Vector3d(nan, 0, 0)}}), std::invalid_argument);
   simulation.keep_energy_ledger();
-  EXPECT_THROW(simulation.pull(end, kForce_n), std::invalid_argument);
+  EXPECT_THROW(simulation.pull({{end, kForce_n}}), std::invalid_argument);
 }
 
 TEST(Pull, TakesHoldOfThePlaceThatIsThereNow) {

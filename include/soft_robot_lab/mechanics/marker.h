@@ -22,7 +22,12 @@ class Marker {
   // How the marker moves when the nodes move by `motion_m` (3 x nodes): the derivative of `position`.
   Eigen::Vector3d velocity(const Eigen::Matrix3Xd& positions_m, const Eigen::Matrix3Xd& motion_m) const;
 
+  // Adds the forces on the nodes [N], 3 x nodes, that do the work of a force at the marker: `velocity` transposed.
+  void add_force(const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3d& force_n, Eigen::Matrix3Xd& forces_n) const;
+
  private:
+  Eigen::Matrix3d gradient_of(const Eigen::Matrix3Xd& field_m) const;  // by rest place, at the root
+
   std::string name_;
   Eigen::Vector3d rest_position_m_;
   EmbeddedPoint root_;

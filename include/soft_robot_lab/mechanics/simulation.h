@@ -26,6 +26,12 @@ struct ModelParameter {
   std::vector<int> actuators;  // empty: the body's density_kg_m3, or youngs_modulus_pa, with which all moduli grow
 };
 
+// A force that acts at a point of the body and keeps its direction.
+struct PointLoad {
+  EmbeddedPoint at;
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+};
+
 class Simulation {
  public:
   // A model of its own; throws as Model's constructor.
@@ -65,14 +71,20 @@ class Simulation {
   // not stable.
   Eigen::MatrixXd parameter_sensitivities(const std::vector<ModelParameter>& parameters, Eigen::MatrixXd& slipped_m);
 
+  // d node / d force at a marker [m/N], commands held: 3*nodes x 3*markers, of held axes zero; in motion as if the
+  // present state were an equilibrium. By reciprocity (Betti) its transpose says how forces at nodes move markers;
+  // where friction slips, which has no energy, that is an approximation. Throws std::runtime_error where it is not
+  // stable.
+  Eigen::MatrixXd marker_compliances();
+
   // Keeps account of energy from the present state on; costs a pass over the body in every step. Not with method xpbd.
   void keep_energy_ledger();
   const EnergyLedger* energy_ledger() const;  // null where none is kept
 
-  // Pulls at a point of the body as a hand would: a force [N] that keeps its direction, in place of the pull before;
-  // zero lets go. It is no part of the state: reset and set_state leave it. Throws std::invalid_argument where it is
-  // not finite, and while an energy ledger is kept, which knows no such work.
-  void pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n);
+  // Pulls and pushes at points of the body as hands would, in place of the loads before; none lets go. They are no part
+  // of the state: reset and set_state leave them. Throws std::invalid_argument where one is not finite or names a node
+  // that there is not, and while an energy ledger is kept, which knows no such work.
+  void pull(const std::vector<PointLoad>& loads);
 
   void reset();  // rest shape, rest commands, time zero
   const SimulationState& state() const;

@@ -41,30 +41,43 @@ Marker::Marker(std::string name, const Eigen::Vector3d& rest_position_m, const T
   gradients_ = jacobian.inverse().transpose() * shape.gradients;
 }
 
+Eigen::Matrix3d Marker::gradient_of(const Eigen::Matrix3Xd& field_m) const {
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+  for (std::size_t a = 0; a < root_.nodes.size(); ++a)
+    gradient += field_m.col(root_.nodes[a]) * gradients_.col(static_cast<Eigen::Index>(a)).transpose();
+  return gradient;
+}
+
 Eigen::Vector3d Marker::position(const Eigen::Matrix3Xd& positions_m) const {
   const Eigen::Vector3d root = root_.at(positions_m);
   if (stalk_m_.isZero(0.0)) return root;
-  Eigen::Matrix3d f = Eigen::Matrix3d::Zero();
-  for (std::size_t a = 0; a < root_.nodes.size(); ++a)
-    f += positions_m.col(root_.nodes[a]) * gradients_.col(static_cast<Eigen::Index>(a)).transpose();
-  return root + polar(f).rotation * stalk_m_;
+  return root + polar(gradient_of(positions_m)).rotation * stalk_m_;
 }
 
 Eigen::Vector3d Marker::velocity(const Eigen::Matrix3Xd& positions_m, const Eigen::Matrix3Xd& motion_m) const {
   const Eigen::Vector3d root = root_.at(motion_m);
   if (stalk_m_.isZero(0.0)) return root;
-  Eigen::Matrix3d f = Eigen::Matrix3d::Zero(), df = Eigen::Matrix3d::Zero();
-  for (std::size_t a = 0; a < root_.nodes.size(); ++a) {
-    const auto gradient = gradients_.col(static_cast<Eigen::Index>(a)).transpose();
-    f += positions_m.col(root_.nodes[a]) * gradient;
-    df += motion_m.col(root_.nodes[a]) * gradient;
-  }
+  const Eigen::Matrix3d df = gradient_of(motion_m);
   // dR = R [w]x with (tr(S) I - S) w = axial(R^T dF - dF^T R).
-  const Polar parts = polar(f);
+  const Polar parts = polar(gradient_of(positions_m));
   const Eigen::Matrix3d skew = parts.rotation.transpose() * df - df.transpose() * parts.rotation;
   const Eigen::Vector3d axial(skew(2, 1), skew(0, 2), skew(1, 0));
   const Eigen::Matrix3d stiffness = parts.stretch.trace() * Eigen::Matrix3d::Identity() - parts.stretch;
   return root + parts.rotation * stiffness.partialPivLu().solve(axial).cross(stalk_m_);
+}
+
+void Marker::add_force(const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3d& force_n,
+                       Eigen::Matrix3Xd& forces_n) const {
+  for (std::size_t a = 0; a < root_.nodes.size(); ++a) forces_n.col(root_.nodes[a]) += root_.weights[a] * force_n;
+  if (stalk_m_.isZero(0.0)) return;
+  const Polar parts = polar(gradient_of(positions_m));
+  const Eigen::Matrix3d stiffness = parts.stretch.trace() * Eigen::Matrix3d::Identity() - parts.stretch;
+  const Eigen::Vector3d moment_nm = stalk_m_.cross(parts.rotation.transpose() * force_n);
+  const Eigen::Vector3d turn = stiffness.partialPivLu().solve(moment_nm);
+  Eigen::Matrix3d cross;
+  cross << 0.0, -turn.z(), turn.y(), turn.z(), 0.0, -turn.x(), -turn.y(), turn.x(), 0.0;
+  for (std::size_t a = 0; a < root_.nodes.size(); ++a)
+    forces_n.col(root_.nodes[a]) += parts.rotation * cross * gradients_.col(static_cast<Eigen::Index>(a));
 }
 
 }  // namespace soft_robot_lab

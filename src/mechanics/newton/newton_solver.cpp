@@ -68,9 +68,8 @@ NewtonSolver::NewtonSolver(std::shared_ptr<const NewtonTables> tables)
       elements_(tables_->elements),
       springs_(elements_.batches(), elements_.slots()) {}
 
-void NewtonSolver::pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n) {
-  pulled_n_ = tables_->loads_n;
-  for (std::size_t k = 0; k < at.nodes.size(); ++k) pulled_n_.col(at.nodes[k]) += at.weights[k] * force_n;
+void NewtonSolver::pull(const Eigen::Matrix3Xd& forces_n) {
+  pulled_n_ = tables_->loads_n + forces_n;
   loads_n_ = pulled_n_;
 }
 

@@ -159,7 +159,7 @@ class NewtonSolver {
   double potential_rise_j(const NewtonTask& task, const NewtonState& from, const NewtonState& to);
   const Eigen::Matrix3Xd& loads_n() const { return loads_n_; }
   // Besides the body's own loads, in place of what pulled before.
-  void pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n);
+  void pull(const Eigen::Matrix3Xd& forces_n);
   double constraint_value(int constraint, const Eigen::Matrix3Xd& positions_m, const SharedDrives& drives) const {
     return constraints_[static_cast<std::size_t>(constraint)].value(positions_m, drives);
   }

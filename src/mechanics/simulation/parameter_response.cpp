@@ -75,4 +75,25 @@ Eigen::MatrixXd parameter_motions(SimulationParts& parts, const std::vector<Mode
   return response.motions_m;
 }
 
+Eigen::MatrixXd marker_load_motions(SimulationParts& parts) {
+  NewtonSolver& solver = parts.workspace.newton;
+  const NewtonState state = parts.unknowns_at_step();
+  const auto columns = 3 * static_cast<Eigen::Index>(parts.markers.size());
+  NewtonDrive drive{Eigen::MatrixXd::Zero(state.positions_m.size(), columns),
+                    Eigen::MatrixXd::Zero(solver.constraint_count(), columns),
+                    Eigen::MatrixXd::Zero(solver.constraint_count(), columns),
+                    {}};
+  drive.free_forces.setZero(6 * solver.contact().free().count(), columns);
+  Eigen::Matrix3Xd forces_n(3, state.positions_m.cols());
+  for (Eigen::Index column = 0; column < columns; ++column) {
+    forces_n.setZero();
+    parts.markers[static_cast<std::size_t>(column / 3)].add_force(
+        state.positions_m, Eigen::Vector3d::Unit(static_cast<int>(column % 3)), forces_n);
+    drive.forces_n.col(column) = -parts.body.fixed().array().select(0.0, forces_n.array()).matrix().reshaped();
+  }
+  const NewtonResponse response = solver.respond(state, drive);
+  if (!response.stable) throw std::runtime_error("no compliance: the present state is not a stable equilibrium");
+  return response.motions_m;
+}
+
 }  // namespace soft_robot_lab

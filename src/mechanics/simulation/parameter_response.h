@@ -11,4 +11,7 @@ namespace soft_robot_lab {
 Eigen::MatrixXd parameter_motions(SimulationParts& parts, const std::vector<ModelParameter>& parameters,
                                   Eigen::MatrixXd& slipped_m);
 
+// d node / d force at a marker at the present equilibrium, as Simulation::marker_compliances.
+Eigen::MatrixXd marker_load_motions(SimulationParts& parts);
+
 }  // namespace soft_robot_lab

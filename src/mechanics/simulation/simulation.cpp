@@ -165,10 +165,26 @@ Eigen::MatrixXd Simulation::parameter_sensitivities(const std::vector<ModelParam
   return result;
 }
 
-void Simulation::pull(const EmbeddedPoint& at, const Eigen::Vector3d& force_n) {
-  if (!force_n.allFinite()) throw std::invalid_argument("pull: the force is not finite");
+Eigen::MatrixXd Simulation::marker_compliances() {
+  SimulationParts& p = *parts_;
+  Eigen::MatrixXd result = marker_load_motions(p);
+  take_along_linearisation();
+  return result;
+}
+
+void Simulation::pull(const std::vector<PointLoad>& loads) {
   if (parts_->energy) throw std::invalid_argument("pull: the energy ledger does not know its work");
-  parts_->workspace.newton.pull(at, force_n);
+  Eigen::Matrix3Xd forces_n = Eigen::Matrix3Xd::Zero(3, parts_->state.positions_m.cols());
+  for (const PointLoad& load : loads) {
+    if (!load.force_n.allFinite()) throw std::invalid_argument("pull: the force is not finite");
+    for (std::size_t k = 0; k < load.at.nodes.size(); ++k) {
+      if (load.at.nodes[k] < 0 || load.at.nodes[k] >= forces_n.cols())
+        throw std::invalid_argument("pull: node " + std::to_string(load.at.nodes[k]) + " is out of range [0, " +
+                                    std::to_string(forces_n.cols()) + ")");
+      forces_n.col(load.at.nodes[k]) += load.at.weights[k] * load.force_n;
+    }
+  }
+  parts_->workspace.newton.pull(forces_n);
   if (parts_->workspace.xpbd) parts_->workspace.xpbd->take_loads(parts_->workspace.newton.loads_n());
   parts_->state.rest_residual.reset();
 }

@@ -13,7 +13,7 @@ BODY = "mechanics/mesh mechanics/material mechanics/body mechanics/state"
 TERMS = f"mechanics mechanics/linear_algebra mechanics/complementarity {BODY} mechanics/elements mechanics/contact settings"
 MODEL = f"{BODY} mechanics/simulation"  # what other parts know of mechanics: no term and no solver
 ROBOT = f"robot/casting robot/design robot/scene robot/rollouts {MODEL} mechanics/actuators mechanics/reduced geometry settings"
-PRODUCT = f"session session/report control control/identification {HARDWARE} {PERCEPTION} {ROBOT}"
+PRODUCT = f"session session/report control control/identification control/estimation {HARDWARE} {PERCEPTION} {ROBOT}"
 ALLOWED = {  # a row names only rows above it, so no circle can be written
     "settings": "",
     "geometry": "",
@@ -45,7 +45,8 @@ ALLOWED = {  # a row names only rows above it, so no circle can be written
     "hardware/plant": f"hardware/motor perception/render robot/scene {MODEL} settings",
     "control": f"{MODEL} mechanics/reduced settings",
     "control/identification": f"control robot/scene {MODEL} settings",
-    "session": f"control control/identification {MODEL} settings",
+    "control/estimation": f"control control/identification {MODEL} settings",
+    "session": f"control control/identification control/estimation {MODEL} settings",
     "session/report": f"geometry perception/render robot/design {MODEL} settings",
     "study": f"session/report robot/scene {MODEL} settings",
     "study/sweeps": "session/report robot/scene robot/design settings",

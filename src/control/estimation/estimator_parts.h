@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How LoadEstimator comes to its estimate: what was seen in standard deviations, loads that the model is solved under,
+// and hypotheses weighed.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "load_search.h"
+#include "soft_robot_lab/control/estimation/load_estimator.h"
+
+namespace soft_robot_lab {
+
+// What is known of a marker's offset: measured less modelled.
+struct Offset {
+  Eigen::Vector3d offset_m, modelled_m;
+  Eigen::Matrix3d covariance_m2;
+};
+
+struct Seen {
+  std::vector<int> markers;
+  std::vector<Eigen::Vector3d> positions_m;
+  std::vector<Eigen::Matrix3d> covariances_m2;
+  Eigen::Index coordinates() const { return 3 * static_cast<Eigen::Index>(markers.size()); }
+};
+
+// How seen coordinates move where the model stands without loads.
+struct Changes {
+  Eigen::MatrixXd by_modulus;   // coordinates x 1, for all moduli doubled by the tangent
+  Eigen::MatrixXd by_commands;  // coordinates x actuators, for the whole range of each command
+  std::vector<double> ranges;   // of each command, in its unit
+};
+
+struct Solution {
+  std::vector<PlacedLoad> loads;
+  double log_probability = 0.0;  // of gap and forces, up to a constant
+  double chi2 = 0.0;
+  LinearisedLoads linear;  // its gap is that of the loads' absence
+  SimulationState state;
+};
+
+struct Hypothesis {
+  LoadKind kind;
+  double log_evidence;
+  double chi2;
+  Eigen::VectorXd numbers{};  // of one that is linear
+  int actuator = -1;
+  std::optional<Solution> solution{};
+};
+
+// Beyond it chi^2 of so many coordinates lies by this chance.
+double largest_chi2(int coordinates, double chance);
+
+struct LoadEstimator::Parts {
+  Parts(Simulation& simulation, const LoadEstimationOptions& chosen);
+
+  LoadPrior prior() const;
+  Seen check(const std::vector<MeasuredMarker>& measured) const;
+  Eigen::VectorXd gap_m(const Seen& seen) const;
+  // How far markers have moved since offsets were taken: 0 not at all, 1 by options.pose_change_m or more.
+  double pose_change(const Seen& seen) const;
+  Changes changes(const Seen& seen);
+  Eigen::MatrixXd whitening(const Seen& seen, const Changes& changes, const Eigen::VectorXd& moved_m) const;
+  LinearisedLoads linearise(const Seen& seen, const Eigen::MatrixXd& whitening, const std::vector<LoadPlace>& places,
+                            const std::vector<PlacedLoad>& loads);
+  std::optional<Solution> solve(const Seen& seen, const Eigen::MatrixXd& whitening,
+                                const std::vector<LoadPlace>& places, const std::vector<PlacedLoad>& loads);
+  std::vector<PlacedLoad> better(const Solution& at, const std::vector<LoadPlace>& places,
+                                 const Eigen::VectorXd& left_out, bool anywhere) const;
+  std::optional<Solution> approach(const Seen& seen, const Eigen::MatrixXd& whitening, const LinearisedLoads& unloaded,
+                                   const std::vector<LoadPlace>& places, const std::vector<std::size_t>& where);
+  std::optional<Solution> follow(const Seen& seen, const Eigen::MatrixXd& whitening, const LinearisedLoads& unloaded,
+                                 const std::vector<LoadPlace>& places, const std::vector<std::size_t>& where);
+  double log_evidence(const Solution& solution, const std::vector<LoadPlace>& places) const;
+  void add_loads(const Seen& seen, const Eigen::MatrixXd& whitening, const LinearisedLoads& unloaded,
+                 std::vector<Hypothesis>& all);
+  void add_changes(const Seen& seen, const Changes& changes, const Eigen::MatrixXd& whitening,
+                   const LinearisedLoads& unloaded, std::vector<Hypothesis>& all) const;
+  EstimatedLoad describe(const Solution& solution, std::size_t load, const std::vector<LoadPlace>& places) const;
+  void conclude(const Seen& seen, const Changes& changes, const std::vector<Hypothesis>& all, LoadEstimate& result);
+
+  Simulation& model;
+  LoadEstimationOptions options;
+  std::vector<LoadPlace> skin, hooks;
+  std::map<int, Offset> offsets;
+  SimulationState untouched, estimated;
+};
+
+}  // namespace soft_robot_lab

@@ -129,6 +129,12 @@ void check_fit_rig(const Json& result) {
   EXPECT_LT(result["unseen_gap_m"][1].get<double>(), 0.15e-3);
 }
 
+void check_twin(const Json& result) {
+  EXPECT_LT(result["place_median_m"].get<double>(), 0.006);
+  EXPECT_LT(result["weight_median_ratio"].get<double>(), 0.1);
+  EXPECT_LT(result["false_alarms"].get<double>(), 0.1 * result["looks_untouched"].get<double>());
+}
+
 void check_design(const Json& result) {
   EXPECT_EQ(result["designs"], 200);
   EXPECT_GT(result["ratio"].get<double>(), 1.2);
@@ -154,6 +160,7 @@ void check_numbers(const std::string& name, const Json& result) {
   if (name == "demoulding") check_demoulding(result);
   if (name == "grasp") check_grasp(result);
   if (name == "fit_rig") check_fit_rig(result);
+  if (name == "twin") check_twin(result);
   if (name == "design_spinebot") check_design(result);
 }
 

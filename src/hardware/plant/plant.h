@@ -49,6 +49,10 @@ class Plant {
   // std::invalid_argument naming actuator, value and allowed range, and nothing moves then.
   void advance(double duration_s, const std::vector<std::string>& names, const std::vector<double>& values);
 
+  // What acts on the robot from outside, in place of what acted before, as Simulation::pull.
+  void load(const std::vector<PointLoad>& loads) { simulation_->pull(loads); }
+  Simulation& pushed() { return *simulation_; }  // for a hand that looks for its place on the skin first
+
   const Simulation& simulation() const { return *simulation_; }
   const SimulationState& previous() const { return previous_; }  // a time step before the present one
   const SimulationState& present() const { return simulation_->state(); }

@@ -99,6 +99,10 @@ void EmulatedLab::wait(double duration_s) {
 
 void EmulatedLab::go(const std::vector<std::string>& names, const std::vector<double>& commands) {
   command(names, commands);
+  settle();
+}
+
+void EmulatedLab::settle() {
   MarkerPlaces before_m = plant_.markers_m();
   for (const double limit_s = time_s() + kLimit_s; time_s() < limit_s;) {
     wait(kLook_s);

@@ -51,6 +51,12 @@ class EmulatedLab {
   // does, std::runtime_error where it does not rest within a minute or a motor faults.
   void go(const std::vector<std::string>& names, const std::vector<double>& commands);
 
+  // Lets time pass until motors and robot rest. Throws std::runtime_error as go() does.
+  void settle();
+
+  // Someone pushes the robot, in place of who did before, as Plant::load.
+  void load(const std::vector<PointLoad>& loads) { plant_.load(loads); }
+
   // Commands the motors, and no more.
   void command(const std::vector<std::string>& names, const std::vector<double>& commands);
 

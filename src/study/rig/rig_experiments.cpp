@@ -7,6 +7,7 @@
 #include "fit_rig_experiment.h"
 #include "gap_experiments.h"
 #include "pull_experiment.h"
+#include "twin_experiment.h"
 
 namespace soft_robot_lab {
 
@@ -20,6 +21,8 @@ std::vector<Experiment> rig_experiments() {
       {"6.4.1", "Hammerbot on the emulated rig beside its simulation", run_hammerbot_gap_experiment},
       {"6.4.2", "Spinebot on the emulated rig beside its simulation", run_spinebot_gap_experiment},
       {"6.4.3", "Bubblebot on an emulated rig of syringes beside its simulation", run_bubblebot_gap_experiment},
+      {"twin", "emulated robots are pushed and hung with weights: what their fitted models make of it by markers",
+       run_twin_experiment},
       {"air_policy", "Bubblebot reaches for places by three syringes: policies of the model on the emulated rig",
        run_air_policy_experiment},
       {"7.3.3", "Spinebot and the source's ball: policy, replay on the emulated rig, closed loop",

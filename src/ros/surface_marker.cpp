@@ -153,8 +153,14 @@ visualization_msgs::Marker preview_of(visualization_msgs::Marker surface) {
   return tinted(std::move(surface), "preview", {0.45, 0.70, 0.85}, 0.40f);
 }
 
+visualization_msgs::Marker twin_skin_of(visualization_msgs::Marker surface) {
+  return tinted(std::move(surface), "twin", {0.75, 0.45, 0.85}, 0.45f);
+}
+
 visualization_msgs::Marker no_ghost() { return no_skin("ghost"); }
 
 visualization_msgs::Marker no_preview() { return no_skin("preview"); }
+
+visualization_msgs::Marker no_twin_skin() { return no_skin("twin"); }
 
 }  // namespace soft_robot_lab

@@ -52,11 +52,13 @@ class SurfaceMarker {
 double fitting_opacity(const Simulation& robot);
 
 // The skin of a robot that is not there yet: one colour, translucent.
-visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface);    // where a policy leads
-visualization_msgs::Marker preview_of(visualization_msgs::Marker surface);  // where the present commands lead
+visualization_msgs::Marker ghost_of(visualization_msgs::Marker surface);      // where a policy leads
+visualization_msgs::Marker preview_of(visualization_msgs::Marker surface);    // where the present commands lead
+visualization_msgs::Marker twin_skin_of(visualization_msgs::Marker surface);  // under the loads that the twin has found
 // Takes away what a marker of this name shows.
 visualization_msgs::Marker no_skin(const std::string& ns);
 visualization_msgs::Marker no_ghost();
 visualization_msgs::Marker no_preview();
+visualization_msgs::Marker no_twin_skin();
 
 }  // namespace soft_robot_lab

@@ -33,9 +33,15 @@ constexpr char overlay[] = "overlay";
 constexpr char overlay_labels[] = "overlay/labels";  // its texts, for a display that lays them out
 constexpr char overlay_image[] = "overlay/image";    // what a camera sees, with the simulated robot over it
 constexpr char reality_gap[] = "reality_gap";        // tracked less simulated markers
+constexpr char twin_loads[] = "twin/loads";          // TwinLoads: what acts on the robot from outside
+constexpr char twin_markers[] = "twin/markers";      // all markers as the twin has them
+constexpr char twin_surface[] = "twin/surface";      // latched: the skin under the estimated loads
+constexpr char twin_arrows[] = "twin/arrows";        // visualization_msgs/MarkerArray: the loads
+constexpr char twin_untouched[] = "twin/untouched";  // std_srvs/Trigger: nothing touches the robot now
 constexpr char motor_state[] = "motor/state";
 constexpr char rig_shafts[] = "rig/shafts";        // of an emulated rig: the truth
 constexpr char plant_markers[] = "plant/markers";  // of the robot that it moves: the truth
+constexpr char plant_pull[] = "plant/pull";        // SkinPull: someone pushes it
 constexpr char plant_surface[] = "plant/surface";
 
 constexpr char session_recording[] = "session/recording";  // std_msgs/Bool, latched

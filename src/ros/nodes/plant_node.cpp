@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,10 +15,12 @@
 #include "hardware/plant/real_time_plant.h"
 #include "hardware/plant/same_commands.h"
 #include "ros/actuator_plugins.h"
+#include "ros/frames.h"
 #include "ros/latched_publisher.h"
 #include "ros/conversions.h"
 #include "ros/log_text.h"
 #include "ros/message_limits.h"
+#include "ros/pulling_hand.h"
 #include "ros/surface_marker.h"
 #include "ros/topics.h"
 #include "settings/require_in_range.h"
@@ -30,7 +33,8 @@ model, whose cables the rig's shafts pull. What it publishes is the truth, for r
 reports, not for controller or tracker.
 
 Parameters: ~plant (path: how it differs from the model), ~rig (path: whose shafts move it; absent: not checked),
-~surface_rate_hz (how often its skin is published while it moves; cameras need it as often as they film).)";
+~surface_rate_hz (how often its skin is published while it moves; cameras need it as often as they film), ~max_pull_n
+(the most that plant/pull pushes it by).)";
 
 SceneOptions scene_options() {
   SceneOptions options;
@@ -54,10 +58,15 @@ class PlantNode {
       require_same_commands(plant_.simulation(), text_parameter(parameters, "plant"), load_rig(rig), rig);
     read_parameter(parameters, "surface_rate_hz", surface_rate_hz_);
     require_in_range("surface_rate_hz", surface_rate_hz_, {0.0, 1000.0, true});
+    double max_pull_n = 10.0;
+    read_parameter(parameters, "max_pull_n", max_pull_n);
+    require_in_range("max_pull_n", max_pull_n, {0.0, 100.0, true});
+    hand_ = std::make_unique<PullingHand>(max_pull_n);
     markers_publisher_ = node_.advertise<MarkerObservations>(topics::plant_markers, 10);
     surface_publisher_ = advertise_latched<visualization_msgs::Marker>(topics::plant_surface,
                                                                        [this](const auto&) { surface_.forget(); });
     shafts_subscriber_ = node_.subscribe(topics::rig_shafts, 1000, &PlantNode::on_shafts, this);
+    pull_subscriber_ = node_.subscribe(topics::plant_pull, 10, &PlantNode::on_pull, this);
     diagnostics_.setHardwareID("emulated");
     diagnostics_.add("plant", this, &PlantNode::diagnose);
     diagnostics_timer_ =
@@ -68,6 +77,7 @@ class PlantNode {
     constexpr double poll_s = 0.005;
     while (ros::ok()) {
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(poll_s));
+      hand_->let_go_if_silent(ros::WallTime::now().toSec(), plant_.pushed());
       const double before_s = plant_.present().time_s;
       advance(ros::Time::now().toSec());
       if (plant_.present().time_s > before_s) publish(ros::Time::now());
@@ -77,6 +87,21 @@ class PlantNode {
  private:
   void on_shafts(const ShaftState& shafts) {
     if (is_in_limits<ShaftState>(shafts)) late_.add(shafts.header.stamp.toSec(), shafts.names, shafts.values);
+  }
+
+  // As the simulator is pulled, by a force alone.
+  void on_pull(const SkinPull& pull) {
+    try {
+      require_in_limits<SkinPull>(pull);
+      if (pull.header.frame_id != robot_frame())
+        throw std::invalid_argument("header.frame_id: '" + pull.header.frame_id + "' is not " + robot_frame());
+      if (pull.stiffness_n_m != 0.0)
+        throw std::invalid_argument("stiffness_n_m: " + std::to_string(pull.stiffness_n_m) +
+                                    " is not 0: only a force pushes the robot of an emulated rig");
+      hand_->take(pull, ros::WallTime::now().toSec(), plant_.pushed());
+    } catch (const std::invalid_argument& error) {
+      ROS_WARN_THROTTLE(1.0, "%s refused: %s", topics::plant_pull, log_text(error.what()).c_str());
+    }
   }
 
   // A shaft that turned beyond what the robot's cables allow stays where it was.
@@ -127,7 +152,8 @@ class PlantNode {
   std::string refusal_;           // since then
   ros::NodeHandle node_;
   ros::Publisher markers_publisher_, surface_publisher_;
-  ros::Subscriber shafts_subscriber_;
+  std::unique_ptr<PullingHand> hand_;
+  ros::Subscriber shafts_subscriber_, pull_subscriber_;
   diagnostic_updater::Updater diagnostics_;
   ros::SteadyTimer diagnostics_timer_;
 };

@@ -23,8 +23,8 @@ MarkerObservations estimated_markers(const LoadEstimate& estimate, const ros::Ti
 // "pushed by 43 mN at (1, -8, -60) mm, +-6 mN".
 std::string describe(const LoadEstimate& estimate);
 
-// Of each load an arrow that ends where it acts, its size in words, and an ellipsoid of one standard deviation of that place. Takes away
-// what earlier ones showed.
+// Of each load an arrow that ends where it acts, its size in words, and an ellipsoid of one standard deviation of that
+// place. Takes away what earlier ones showed.
 visualization_msgs::MarkerArray load_arrows(const LoadEstimate& estimate, double size_m, const ros::Time& stamp);
 
 }  // namespace soft_robot_lab

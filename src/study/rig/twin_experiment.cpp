@@ -356,10 +356,11 @@ std::string words(const Score& all) {
   text << "Of " << all.pushes << " pushes " << all.observable << " have a place that can be known; these are found "
        << 1e3 * share_of(all.place_errors_m, 0.5) << " mm off in the median and within "
        << 1e3 * share_of(all.place_errors_m, 0.9) << " mm in nine of ten, their force within "
-       << 1e3 * share_of(all.force_n, 0.5) << " mN. " << all.missed << " pushes were taken for something else. Of "
-       << all.pairs << " pairs of pushes " << all.pairs_seen << " were seen as two. Weights are "
-       << 1e2 * share_of(all.weight_ratio, 0.5) << " % off in the median. Of " << all.looks
-       << " looks at an untouched robot " << all.false_alarms << " raised a false alarm.";
+       << 1e3 * share_of(all.force_n, 0.5) << " mN. " << all.missed
+       << " pushes were not seen, or taken for something else. Of " << all.pairs << " pairs of pushes "
+       << all.pairs_seen << " were seen as two. Weights are " << 1e2 * share_of(all.weight_ratio, 0.5)
+       << " % off in the median. Of " << all.looks << " looks at an untouched robot " << all.false_alarms
+       << " raised a false alarm.";
   return text.str();
 }
 

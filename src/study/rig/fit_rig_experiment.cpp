@@ -5,9 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "control/configuration_table.h"
 #include "control/identification/creep_model.h"
-#include "lab_settings.h"
+#include "recorder.h"
 #include "robot/scene/parameters.h"
 #include "soft_robot_lab/control/identification/fit_model.h"
 
@@ -17,9 +16,7 @@ namespace {
 struct FitRigSettings {
   LabFiles files;
   std::vector<Configuration> configurations, unseen;
-  double held_s = 0.0;
-  std::vector<double> film_at_s = {};  // since the command, rising
-  Overrides known = {};                // what is measured otherwise
+  RecordingSettings recording = {};
   FitRequest request = {};
 };
 
@@ -27,72 +24,13 @@ FitRigSettings read_fit_rig_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("fit_rig"));
   FitRigSettings settings{read_lab_files(node, context), read_configurations(node),
                           read_configurations(node.child("unseen"))};
-  settings.held_s = node.number("held_s", AllowedRange::positive());
-  for (const YamlNode& time : node.sequence("film_at_s"))
-    settings.film_at_s.push_back(time.as_number({0.0, settings.held_s}));
-  settings.known = Overrides(node.child("overrides"));
+  settings.recording = read_recording_settings(node);
   settings.request.model_error_m = node.number("model_error_m", AllowedRange::not_negative());
   for (const YamlNode& name : node.sequence("parameters"))
     settings.request.parameters.push_back({name.as_text(), {}, {}, {}});
   node.require_all_read();
   return settings;
 }
-
-// The lab goes through configurations; the model only shows which marker is which.
-class Recorder {
- public:
-  Recorder(const FitRigSettings& settings, const ExperimentContext& context)
-      : settings_(settings),
-        model_(load_scene(settings.files.robot, context.scene_options(settings.known))),
-        lab_(settings.files.lab, context.scene_options()) {
-    lab_.calibrate(settings.files.balls);
-  }
-
-  MeasuredPose hold(const Configuration& configuration) {
-    Simulation& model = *model_.simulation;
-    std::vector<std::string> names;
-    for (const auto& actuator : model.actuators()) names.push_back(actuator->name());
-    for (std::size_t i = 0; i < names.size(); ++i) model.set_command(names[i], configuration.commands.at(i));
-    if (const SolveReport rest = model.solve_equilibrium(); !rest.converged)
-      throw std::runtime_error("the model finds no rest: " + rest.message);
-    const double start_s = lab_.time_s();
-    lab_.command(names, configuration.commands);
-    MeasuredPose pose;
-    for (std::size_t i = 0; i < names.size(); ++i)
-      pose.commands[names[i]] = rounded(names[i], configuration.commands[i]);
-    for (const double at_s : settings_.film_at_s) {
-      lab_.wait(std::max(0.0, start_s + at_s - lab_.time_s()));
-      pose.seen.push_back(film(start_s));
-    }
-    lab_.wait(std::max(0.0, start_s + settings_.held_s - lab_.time_s()));
-    pose.held_s = lab_.time_s() - start_s;
-    pose.rest_from_s = settings_.film_at_s.back();
-    pose.markers = pose.seen.back().markers;
-    return pose;
-  }
-
-  const Plant& plant() const { return lab_.plant(); }
-
- private:
-  MarkersAt film(double start_s) {
-    const double from_s = lab_.time_s();
-    MarkersAt seen;
-    seen.markers = lab_.observe(marker_places(*model_.simulation));
-    seen.time_s = 0.5 * (from_s + lab_.time_s()) - start_s;
-    return seen;
-  }
-
-  // As the drives stand, which are whole steps.
-  double rounded(const std::string& name, double command) const {
-    for (const MotorSettings& motor : settings_.files.lab.rig.motors)
-      if (motor.name == name) return value_of(motor, std::round(steps_of(motor, command)));
-    throw std::invalid_argument("the rig has no motor named '" + name + "'");
-  }
-
-  const FitRigSettings& settings_;
-  Scene model_;
-  EmulatedLab lab_;
-};
 
 // What plant.yaml hides, by the names of fitted values.
 std::map<std::string, double> hidden(const FitRigSettings& settings, const Simulation& plant) {
@@ -123,17 +61,6 @@ Table table_of(const FitResult& fit, const std::map<std::string, double>& hidden
   return table;
 }
 
-std::vector<MeasuredPose> record(Recorder& recorder, const std::vector<Configuration>& configurations,
-                                 const ExperimentContext& context, double from, double to) {
-  std::vector<MeasuredPose> poses;
-  for (const Configuration& configuration : configurations) {
-    const double fraction = static_cast<double>(poses.size()) / static_cast<double>(configurations.size());
-    context.report(from + fraction * (to - from), configuration.name);
-    poses.push_back(recorder.hold(configuration));
-  }
-  return poses;
-}
-
 // Of the unseen poses, which the model goes through in time as the robot did, after all poses before them: where cables
 // rub, it counts how it came there.
 double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& context,
@@ -162,9 +89,9 @@ double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& con
 ExperimentResult run_fit_rig_experiment(const ExperimentContext& context) {
   FitRigSettings settings = read_fit_rig_settings(context);
   context.report(0.0, "calibrating the cameras");
-  Recorder recorder(settings, context);
-  const std::vector<MeasuredPose> poses = record(recorder, settings.configurations, context, 0.0, 0.4);
-  const std::vector<MeasuredPose> unseen = record(recorder, settings.unseen, context, 0.4, 0.5);
+  Recorder recorder(settings.files, settings.recording, context);
+  const std::vector<MeasuredPose> poses = recorder.record(settings.configurations, context, 0.0, 0.4);
+  const std::vector<MeasuredPose> unseen = recorder.record(settings.unseen, context, 0.4, 0.5);
   const Simulation& robot = recorder.plant().simulation();
   FitRequest request = settings.request;
   request.mass_kg = robot.body().node_masses_kg().sum();
@@ -172,8 +99,8 @@ ExperimentResult run_fit_rig_experiment(const ExperimentContext& context) {
     context.report(std::min(0.95, 0.5 + 0.01 * iteration), "rms gap " + std::to_string(1e3 * rms_gap_m) + " mm");
     return true;
   };
-  const FitResult fit = fit_model(settings.files.robot, context.scene_options(settings.known), poses, request);
-  const double before_m = unseen_gap_m(settings, context, poses, unseen, {}, settings.known);
+  const FitResult fit = fit_model(settings.files.robot, context.scene_options(settings.recording.known), poses, request);
+  const double before_m = unseen_gap_m(settings, context, poses, unseen, {}, settings.recording.known);
   const double after_m = unseen_gap_m(settings, context, poses, unseen, fit, fit.overrides);
 
   const std::map<std::string, double> truth = hidden(settings, robot);

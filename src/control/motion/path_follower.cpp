@@ -11,6 +11,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kRemembered_s = 5.0;  // no frame is later
+constexpr double kSameTime_s = 1.0e-6;
 
 }  // namespace
 
@@ -41,7 +42,7 @@ FollowStep PathFollower::stop(PathEnd end, const std::string& reason) {
 }
 
 PathFollower::Sent PathFollower::sent_at(double time_s) const {
-  const auto after = std::upper_bound(sent_.begin(), sent_.end(), time_s,
+  const auto after = std::upper_bound(sent_.begin(), sent_.end(), time_s + kSameTime_s,
                                       [](double time, const Sent& sent) { return time < sent.time_s; });
   return after == sent_.begin() ? sent_.front() : *(after - 1);
 }
@@ -50,8 +51,11 @@ void PathFollower::take_up(const MarkerSight& seen) {
   if (sent_.empty() || !seen.position_m.allFinite() || !std::isfinite(seen.stamp_s)) return;
   const Sent through = sent_at(seen.stamp_s - options_.drive_lag_s);
   const Sent then = sent_at(seen.stamp_s);
-  // A path that waits has no motion between its frames.
-  const double path_s = then.path_s + std::min(seen.stamp_s - then.time_s, std::max(0.0, path_s_ - then.path_s));
+  // Since then the path has gone on, unless it waits for the marker.
+  const double gone_s = seen.stamp_s - then.time_s;
+  const bool newest = then.time_s == sent_.back().time_s;
+  const double path_s =
+      then.path_s + (newest ? (last_.holding ? 0.0 : gone_s) : std::min(gone_s, path_s_ - then.path_s));
   const Eigen::Vector3d expected_m = plan_.predicted_at(path_s) + plan_.jacobian_at(path_s) * through.correction;
   disturbance_m_ += options_.gain * (seen.position_m - expected_m - disturbance_m_);
   missed_m_ = (seen.position_m - plan_.target_at(path_s)).norm();

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLeastPiece_s = 1.0e-3;
 constexpr double kSearch_m = 1.0e-5;
+constexpr double kTurn = 0.25;  // of the play; smaller turns back are left out
 
 Eigen::Index index_of(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
@@ -181,7 +182,7 @@ double PathPlan::largest_unreachable_m() const {
 
 double PathPlan::predicted_rms_m() const {
   double squares_m2 = 0.0;
-  for (const PathSample& sample : samples) squares_m2 += (sample.predicted_m - sample.target_m).squaredNorm();
+  for (const PathSample& sample : samples) squares_m2 += (sample.predicted_m - sample.aim_m).squaredNorm();
   return std::sqrt(squares_m2 / static_cast<double>(samples.size()));
 }
 
@@ -211,7 +212,7 @@ PathPlan plan_motion(Simulation& model, const PathTask& task, std::vector<PathDr
     sample.commands = found.commands;
     sample.jacobian = straight(found.commands, true).marker_jacobian;
     straight.keep(found.commands);
-    sample.predicted_m = model.marker_position(model.marker_index(task.marker));
+    sample.predicted_m = sample.aim_m = model.marker_position(model.marker_index(task.marker));
     sample.unreachable_m = (sample.predicted_m - sample.target_m).norm();
     sample.time_s = k;  // until it is timed
     plan.samples.push_back(sample);
@@ -282,7 +283,7 @@ double learn(PathPlan& plan, const MarkerTrack& seen, const LearnOptions& option
   std::vector<Eigen::VectorXd> corrections;
   double squares_m2 = 0.0;
   for (const PathSample& sample : plan.samples) {
-    const Eigen::Vector3d error_m = sample.target_m - seen.at(sample.time_s + options.lag_s);
+    const Eigen::Vector3d error_m = sample.aim_m - seen.at(sample.time_s + options.lag_s);
     squares_m2 += error_m.squaredNorm();
     corrections.push_back(options.gain * damped_inverse(sample.jacobian, error_m, options.damping_m));
   }
@@ -319,8 +320,8 @@ Eigen::VectorXd PlayInverse::go(const Eigen::VectorXd& wanted) {
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     const Eigen::Index at = index_of(i);
     const double back = paying_out_[i] ? extreme_[at] - wanted[at] : wanted[at] - extreme_[at];
-    if (back > 0.1 * drives_[i].play) paying_out_[i] = !paying_out_[i];
-    if (back < 0.0 || back > 0.1 * drives_[i].play) extreme_[at] = wanted[at];
+    if (back > kTurn * drives_[i].play) paying_out_[i] = !paying_out_[i];
+    if (back < 0.0 || back > kTurn * drives_[i].play) extreme_[at] = wanted[at];
     // Short of a turn the cable stays where it is; so does the drive, which its play would not let follow.
     turned[at] = std::clamp(extreme_[at] + (paying_out_[i] ? drives_[i].play : 0.0), drives_[i].min, drives_[i].max);
   }

@@ -84,26 +84,37 @@ double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& con
   return std::sqrt(squares_m2 / count);
 }
 
-}  // namespace
-
-ExperimentResult run_fit_rig_experiment(const ExperimentContext& context) {
-  FitRigSettings settings = read_fit_rig_settings(context);
-  context.report(0.0, "calibrating the cameras");
-  Recorder recorder(settings.files, settings.recording, context);
-  const std::vector<MeasuredPose> poses = recorder.record(settings.configurations, context, 0.0, 0.4);
-  const std::vector<MeasuredPose> unseen = recorder.record(settings.unseen, context, 0.4, 0.5);
-  const Simulation& robot = recorder.plant().simulation();
+FitResult fit_to(const FitRigSettings& settings, const Recorder& recorder, const std::vector<MeasuredPose>& poses,
+                 const ExperimentContext& context) {
   FitRequest request = settings.request;
-  request.mass_kg = robot.body().node_masses_kg().sum();
+  request.mass_kg = recorder.plant().simulation().body().node_masses_kg().sum();
   request.progress = [&](int iteration, double rms_gap_m) {
     context.report(std::min(0.95, 0.5 + 0.01 * iteration), "rms gap " + std::to_string(1e3 * rms_gap_m) + " mm");
     return true;
   };
-  const FitResult fit = fit_model(settings.files.robot, context.scene_options(settings.recording.known), poses, request);
+  return fit_model(settings.files.robot, context.scene_options(settings.recording.known), poses, request);
+}
+
+}  // namespace
+
+FitResult fit_emulated_rig(const ExperimentContext& context) {
+  const FitRigSettings settings = read_fit_rig_settings(context);
+  Recorder recorder(settings.files, settings.recording, context);
+  const std::vector<MeasuredPose> poses = recorder.record(settings.configurations, context, 0.0, 0.4);
+  return fit_to(settings, recorder, poses, context);
+}
+
+ExperimentResult run_fit_rig_experiment(const ExperimentContext& context) {
+  const FitRigSettings settings = read_fit_rig_settings(context);
+  context.report(0.0, "calibrating the cameras");
+  Recorder recorder(settings.files, settings.recording, context);
+  const std::vector<MeasuredPose> poses = recorder.record(settings.configurations, context, 0.0, 0.4);
+  const std::vector<MeasuredPose> unseen = recorder.record(settings.unseen, context, 0.4, 0.5);
+  const FitResult fit = fit_to(settings, recorder, poses, context);
   const double before_m = unseen_gap_m(settings, context, poses, unseen, {}, settings.recording.known);
   const double after_m = unseen_gap_m(settings, context, poses, unseen, fit, fit.overrides);
 
-  const std::map<std::string, double> truth = hidden(settings, robot);
+  const std::map<std::string, double> truth = hidden(settings, recorder.plant().simulation());
   ExperimentResult result;
   result.title = "Spinebot: the model fitted to one recording of the emulated rig";
   result.converged = fit.converged && recorder.plant().failed_steps() == 0;

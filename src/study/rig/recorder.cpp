@@ -35,8 +35,7 @@ MeasuredPose Recorder::hold(const Configuration& configuration) {
   const double start_s = lab_.time_s();
   lab_.command(names, configuration.commands);
   MeasuredPose pose;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    pose.commands[names[i]] = rounded(names[i], configuration.commands[i]);
+  for (std::size_t i = 0; i < names.size(); ++i) pose.commands[names[i]] = rounded(names[i], configuration.commands[i]);
   for (const double at_s : settings_.film_at_s) {
     lab_.wait(std::max(0.0, start_s + at_s - lab_.time_s()));
     pose.seen.push_back(film(start_s));

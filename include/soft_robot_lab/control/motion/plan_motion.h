@@ -19,8 +19,9 @@ struct PathSample {
   double way_m = 0.0;        // along the curve
   Eigen::VectorXd commands;  // by actuator: what the cables shall have, without the drives' play
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero(), predicted_m = Eigen::Vector3d::Zero();  // robot_base
-  Eigen::MatrixXd jacobian;    // 3 x actuators [m per command], of rest states
-  double unreachable_m = 0.0;  // distance of the nearest rest state from the target
+  Eigen::Vector3d aim_m = Eigen::Vector3d::Zero();  // the nearest rest state to the target
+  Eigen::MatrixXd jacobian;                         // 3 x actuators [m per command], of rest states
+  double unreachable_m = 0.0;                       // distance of the nearest rest state from the target
 };
 
 struct PathDrive {
@@ -46,7 +47,7 @@ struct PathPlan {
   Eigen::Vector3d predicted_at(double time_s) const;        // linear
   const Eigen::MatrixXd& jacobian_at(double time_s) const;  // of the nearest sample
   double largest_unreachable_m() const;
-  double predicted_rms_m() const;  // of predicted_m from target_m
+  double predicted_rms_m() const;  // of predicted_m from aim_m
 };
 
 // From the model's present rest state, which it leaves at the last sample's. The drives' limits and rates are the
@@ -77,7 +78,8 @@ struct LearnOptions {
   void validate() const;    // throws std::invalid_argument: field, value, allowed range
 };
 
-// Corrects the plan's commands by where the marker was, within the drives' limits. The rms of the errors before.
+// Corrects the plan's commands by where the marker was, within the drives' limits. The rms of its distances from aim_m
+// before.
 double learn(PathPlan& plan, const MarkerTrack& seen, const LearnOptions& options);
 
 // Rounds of learning on the model in time; keeps the best of them, and predicted_m of it. Throws as play_in_time.
@@ -90,7 +92,7 @@ Eigen::VectorXd damped_inverse(const Eigen::MatrixXd& jacobian, const Eigen::Vec
 class PlayInverse {
  public:
   explicit PlayInverse(const std::vector<PathDrive>& drives);  // the last motion was a pull
-  // Turns that are smaller than a tenth of the play are no turns. Within the limits.
+  // Turns that are smaller than a quarter of the play are no turns. Within the limits.
   Eigen::VectorXd go(const Eigen::VectorXd& wanted);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "soft_robot_lab/control/motion/path_follower.h"
+#include "path_follower.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr double kSameTime_s = 1.0e-6;
 
 void FollowOptions::validate() const {
   if (!(gain > 0.0 && gain <= 1.0)) refuse("gain: ", gain, " is not in (0, 1]");
-  if (!(damping_m > 0.0 && std::isfinite(damping_m))) refuse("damping_m: ", damping_m, " is not in (0, inf)");
+  if (!(damping > 0.0 && damping <= 1.0)) refuse("damping: ", damping, " is not in (0, 1]");
   if (!(drive_lag_s >= 0.0 && drive_lag_s <= 1.0)) refuse("drive_lag_s: ", drive_lag_s, " is not in [0, 1]");
   if (!(lead_s >= 0.0 && lead_s <= 1.0)) refuse("lead_s: ", lead_s, " is not in [0, 1]");
   if (!(hold_after_s > 0.0 && std::isfinite(hold_after_s)))
@@ -28,7 +28,10 @@ void FollowOptions::validate() const {
 }
 
 PathFollower::PathFollower(PathPlan plan, const FollowOptions& options)
-    : plan_(std::move(plan)), options_(options), play_(plan_.drives) {
+    : plan_(std::move(plan)),
+      options_(options),
+      damping_m_(options.damping * plan_.largest_jacobian_m()),
+      play_(plan_.drives) {
   options.validate();
   if (!plan_.complete) refuse("the plan is not complete: ", plan_.message);
   wanted_ = plan_.samples.front().commands;
@@ -47,7 +50,7 @@ PathFollower::Sent PathFollower::sent_at(double time_s) const {
   return after == sent_.begin() ? sent_.front() : *(after - 1);
 }
 
-void PathFollower::take_up(const MarkerSight& seen) {
+void PathFollower::take_up(const StampedMarker& seen) {
   if (sent_.empty() || !seen.position_m.allFinite() || !std::isfinite(seen.stamp_s)) return;
   const Sent through = sent_at(seen.stamp_s - options_.drive_lag_s);
   const Sent then = sent_at(seen.stamp_s);
@@ -72,7 +75,7 @@ bool PathFollower::is_lost(double time_s, FollowStep& step) {
 Eigen::VectorXd PathFollower::wanted_commands(double path_s, double passed_s) {
   Eigen::VectorXd wanted = plan_.commands_at(path_s + options_.lead_s);
   if (options_.feedback)
-    wanted -= damped_inverse(plan_.jacobian_at(path_s + options_.lead_s), disturbance_m_, options_.damping_m);
+    wanted -= damped_inverse(plan_.jacobian_at(path_s + options_.lead_s), disturbance_m_, damping_m_);
   for (std::size_t i = 0; i < plan_.drives.size(); ++i) {
     const PathDrive& drive = plan_.drives[i];
     double& one = wanted[static_cast<Eigen::Index>(i)];
@@ -82,7 +85,7 @@ Eigen::VectorXd PathFollower::wanted_commands(double path_s, double passed_s) {
   return wanted;
 }
 
-FollowStep PathFollower::next(double time_s, const std::optional<MarkerSight>& seen, const std::string& fault) {
+FollowStep PathFollower::next(double time_s, const std::optional<StampedMarker>& seen, const std::string& fault) {
   if (last_.end != PathEnd::none) return last_;
   if (!start_s_) start_s_ = time_s;
   const double passed_s = time_s - last_s_.value_or(time_s);

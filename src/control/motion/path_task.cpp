@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "soft_robot_lab/control/motion/path_task.h"
+#include "soft_robot_lab/control/motion/plan_motion.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "control/refuse.h"
 #include "settings/limits.h"
+#include "soft_robot_lab/settings/yaml_node.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 constexpr int kPieces = 720;       // of a circle or a figure eight: its chords miss it by less than 1e-5 of its size
 constexpr int kSplinePieces = 40;  // between two points of a spline
 constexpr double kApart_m = 1.0e-9;
-constexpr int kMostSamples = 10000;
 
 using PlanePoints = std::vector<Eigen::Vector2d>;  // across and up [m]
 
@@ -93,14 +93,14 @@ Eigen::Vector3d direction(const YamlNode& plane, const std::string& key) {
 }
 
 Curve in_space(const YamlNode& plane, const PlanePoints& points_m) {
-  const Eigen::Vector3d centre_m = plane.vector3("centre_m");
-  if (!(centre_m.cwiseAbs().maxCoeff() <= limits::kPlace_m))
-    plane.child("centre_m").fail("each number must be in [-1000, 1000] m");
+  const Eigen::Vector3d center_m = plane.vector3("center_m");
+  if (!(center_m.cwiseAbs().maxCoeff() <= limits::kPlace_m))
+    plane.child("center_m").fail("each number must be in [-1000, 1000] m");
   const Eigen::Vector3d across = direction(plane, "across"), up = direction(plane, "up");
   if (!(std::abs(across.dot(up)) < 1.0e-6)) plane.fail("across and up are not at right angles");
   std::vector<Eigen::Vector3d> places_m;
   for (const Eigen::Vector2d& point_m : points_m)
-    places_m.push_back(centre_m + point_m.x() * across + point_m.y() * up);
+    places_m.push_back(center_m + point_m.x() * across + point_m.y() * up);
   return Curve(places_m);
 }
 
@@ -125,7 +125,7 @@ PathTask read_path_task(const YamlNode& node) {
   task.curve = in_space(node.child("plane"), read_curve(node.child("curve")));
   task.tolerance_m = node.number("tolerance_m", length());
   task.duration_s = node.number("duration_s", {0.0, limits::kTime_s});
-  task.samples = node.integer_or("samples", task.samples, 2, kMostSamples);
+  task.samples = node.integer_or("samples", task.samples, 2, limits::kSamples);
   if (const auto bounds = node.optional_child("limits")) task.bounds = read_bounds(*bounds);
   node.require_all_read();
   return task;

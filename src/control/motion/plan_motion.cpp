@@ -111,7 +111,7 @@ void require_path(const PathTask& task) {
   if (!(task.curve.length_m() > 0.0)) refuse("curve: empty");
   if (!(task.tolerance_m > 0.0)) refuse("tolerance_m: ", task.tolerance_m, " is not in (0, inf)");
   if (!(task.duration_s >= 0.0)) refuse("duration_s: ", task.duration_s, " is not in [0, inf)");
-  if (task.samples < 2) refuse("samples: ", task.samples, " is not in [2, 10000]");
+  if (task.samples < 2) refuse("samples: ", task.samples, " is not in [2, 50000]");
 }
 
 std::size_t piece_at(const PathPlan& plan, double time_s, double& share) {
@@ -177,6 +177,12 @@ const Eigen::MatrixXd& PathPlan::jacobian_at(double time_s) const {
 double PathPlan::largest_unreachable_m() const {
   double most_m = 0.0;
   for (const PathSample& sample : samples) most_m = std::max(most_m, sample.unreachable_m);
+  return most_m;
+}
+
+double PathPlan::largest_jacobian_m() const {
+  double most_m = 0.0;
+  for (const PathSample& sample : samples) most_m = std::max(most_m, sample.jacobian.norm());
   return most_m;
 }
 
@@ -268,7 +274,7 @@ MarkerTrack play_in_time(Simulation& model, const PathPlan& plan) {
 
 void LearnOptions::validate() const {
   if (!(gain > 0.0 && gain <= 1.0)) refuse("gain: ", gain, " is not in (0, 1]");
-  if (!(damping_m > 0.0 && std::isfinite(damping_m))) refuse("damping_m: ", damping_m, " is not in (0, inf)");
+  if (!(damping > 0.0 && damping <= 1.0)) refuse("damping: ", damping, " is not in (0, 1]");
   if (!(lag_s >= 0.0 && std::isfinite(lag_s))) refuse("lag_s: ", lag_s, " is not in [0, inf)");
   if (smoothing < 0 || smoothing > 1000) refuse("smoothing: ", smoothing, " is not in [0, 1000]");
 }
@@ -281,11 +287,12 @@ Eigen::VectorXd damped_inverse(const Eigen::MatrixXd& jacobian, const Eigen::Vec
 double learn(PathPlan& plan, const MarkerTrack& seen, const LearnOptions& options) {
   options.validate();
   std::vector<Eigen::VectorXd> corrections;
+  const double damping_m = options.damping * plan.largest_jacobian_m();
   double squares_m2 = 0.0;
   for (const PathSample& sample : plan.samples) {
     const Eigen::Vector3d error_m = sample.aim_m - seen.at(sample.time_s + options.lag_s);
     squares_m2 += error_m.squaredNorm();
-    corrections.push_back(options.gain * damped_inverse(sample.jacobian, error_m, options.damping_m));
+    corrections.push_back(options.gain * damped_inverse(sample.jacobian, error_m, damping_m));
   }
   smooth(corrections, options.smoothing);
   for (std::size_t k = 0; k < plan.samples.size(); ++k)

@@ -41,11 +41,11 @@ class Run {
 
  private:
   void look(double time_s) {
-    const std::optional<Eigen::Vector3d> place_m = see();
-    if (!place_m) return;
+    const std::optional<Eigen::Vector3d> position_m = see();
+    if (!position_m) return;
     record_.seen.time_s.push_back(time_s);
-    record_.seen.position_m.push_back(*place_m);
-    on_their_way_.push({time_s, *place_m});
+    record_.seen.position_m.push_back(*position_m);
+    on_their_way_.push({time_s, *position_m});
   }
 
   std::optional<Eigen::Vector3d> see() {
@@ -60,8 +60,8 @@ class Run {
     return eyes_.base_from_measured * marker->second;
   }
 
-  std::optional<MarkerSight> arrived(double time_s) {
-    std::optional<MarkerSight> newest;
+  std::optional<StampedMarker> arrived(double time_s) {
+    std::optional<StampedMarker> newest;
     while (!on_their_way_.empty() && on_their_way_.front().stamp_s + eyes_.delay_s <= time_s) {
       newest = on_their_way_.front();
       on_their_way_.pop();
@@ -89,7 +89,7 @@ class Run {
   const PathEyes& eyes_;
   std::mt19937_64 random_;
   std::vector<std::string> names_;
-  std::queue<MarkerSight> on_their_way_;
+  std::queue<StampedMarker> on_their_way_;
   double start_s_ = 0.0, plant_start_s_ = 0.0;
   PathRecord record_;
 };

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "emulated_lab.h"
-#include "soft_robot_lab/control/motion/path_follower.h"
+#include "control/motion/path_follower.h"
 
 namespace soft_robot_lab {
 

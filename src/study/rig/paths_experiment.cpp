@@ -21,6 +21,7 @@ namespace {
 struct NamedPath {
   std::string name;
   PathTask task;
+  bool fastest = true;  // as well, as fast as the drives turn
 };
 
 struct RobotPaths {
@@ -37,6 +38,7 @@ struct PathsSettings {
   PathEyes eyes;
   FollowOptions follow;
   LearnOptions learn;
+  double reserve = 0.2;  // of the drives' speed, left to corrections
   int rounds = 3, model_rounds = 3, rest_states = 16;
   std::vector<RobotPaths> robots;
 };
@@ -49,7 +51,8 @@ RobotPaths read_robot(const YamlNode& node, double frame_rate_hz, const Experime
   if (const auto plays = node.optional_child("backlash_m"))
     for (const std::string& name : plays->keys()) robot.backlash_m[name] = plays->number(name, {0.0, 0.1});
   for (const YamlNode& path : node.sequence("paths"))
-    robot.paths.push_back({path.text("name"), load_path_task(context.config_folder + "/" + path.text("task"))});
+    robot.paths.push_back({path.text("name"), load_path_task(context.config_folder + "/" + path.text("task")),
+                           path.boolean_or("fastest", true)});
   return robot;
 }
 
@@ -62,6 +65,8 @@ PathsSettings read_paths_settings(const ExperimentContext& context) {
   settings.follow.gain = node.number("gain", {0.0, 1.0, true, false});
   settings.follow.drive_lag_s = settings.follow.lead_s = node.number("drive_lag_s", {0.0, 1.0});
   settings.learn.gain = node.number("learning_gain", {0.0, 1.0, true, false});
+  settings.learn.smoothing = node.integer("learning_smoothing", 0, 1000);
+  settings.reserve = node.number("reserve", {0.0, 0.9});
   settings.rounds = node.integer("rounds", 1, 100);
   settings.model_rounds = node.integer("model_rounds", 0, 100);
   settings.rest_states = node.integer("rest_states", 1, 1000);
@@ -173,7 +178,10 @@ class RobotRun {
     context_.report(0.5, outcome.robot + ", " + outcome.name + ": planning");
     outcome.plan = plan_motion(model, path.task, drives_);
     if (!outcome.plan.complete) throw std::runtime_error(outcome.name + ": " + outcome.plan.message);
+    const std::vector<PathDrive> full = outcome.plan.drives;
+    for (PathDrive& drive : outcome.plan.drives) drive.max_rate_per_s *= 1.0 - settings_.reserve;
     retime(outcome.plan, duration_s);
+    outcome.plan.drives = full;
     outcome.reached = outcome.plan.largest_unreachable_m() <= path.task.tolerance_m;
     const PathPlan today = rest_state_plan(model, outcome.plan, settings_.rest_states);
     LearnOptions on_model;
@@ -195,6 +203,7 @@ class RobotRun {
   PathRecord once(const PathOutcome& outcome, const PathPlan& plan, bool feedback, const std::string& way) {
     FollowOptions options = settings_.follow;
     options.feedback = feedback;
+    options.lead_s += 0.5 / eyes_.frame_rate_hz;  // a command stands for a frame
     PathRecord record = run_path(*lab_, plan, options, eyes_, rest_);
     aim_at(outcome.plan, record);
     std::ostringstream words;
@@ -276,9 +285,9 @@ nlohmann::ordered_json numbers_of(const PathOutcome& outcome) {
 // The two axes along which the curve is longest.
 std::array<int, 2> seen_axes(const std::vector<Eigen::Vector3d>& places_m) {
   Eigen::Vector3d least = places_m.front(), most = places_m.front();
-  for (const Eigen::Vector3d& place_m : places_m) {
-    least = least.cwiseMin(place_m);
-    most = most.cwiseMax(place_m);
+  for (const Eigen::Vector3d& position_m : places_m) {
+    least = least.cwiseMin(position_m);
+    most = most.cwiseMax(position_m);
   }
   Eigen::Index hidden = 0;
   (most - least).minCoeff(&hidden);
@@ -288,9 +297,9 @@ std::array<int, 2> seen_axes(const std::vector<Eigen::Vector3d>& places_m) {
 Series series_of(const std::string& label, const std::vector<Eigen::Vector3d>& places_m, std::array<int, 2> axes,
                  SeriesStyle style) {
   Series series{label, {}, {}, style};
-  for (const Eigen::Vector3d& place_m : places_m) {
-    series.x.push_back(1e3 * place_m[axes[0]]);
-    series.y.push_back(1e3 * place_m[axes[1]]);
+  for (const Eigen::Vector3d& position_m : places_m) {
+    series.x.push_back(1e3 * position_m[axes[0]]);
+    series.y.push_back(1e3 * position_m[axes[1]]);
   }
   return series;
 }
@@ -368,8 +377,10 @@ ExperimentResult run_paths_experiment(const ExperimentContext& context) {
                   {}};
   for (const RobotPaths& robot : settings.robots) {
     RobotRun runs(robot, settings, context);
-    for (const NamedPath& path : robot.paths)
-      for (const double duration_s : {path.task.duration_s, 0.0}) add(runs.run(path, duration_s), result);
+    for (const NamedPath& path : robot.paths) {
+      add(runs.run(path, path.task.duration_s), result);
+      if (path.fastest) add(runs.run(path, 0.0), result);
+    }
     if (runs.failed_steps() == 0) continue;
     result.converged = false;
     result.message = robot.name + ": steps of plant failed";

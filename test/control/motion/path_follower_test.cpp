@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "soft_robot_lab/control/motion/path_follower.h"
+#include "control/motion/path_follower.h"
 
 #include <cmath>
 #include <deque>
@@ -48,9 +48,9 @@ class Robot {
     return plan_.samples.front().jacobian * (commands - plan_.samples.front().commands) + off_m_;
   }
 
-  std::optional<MarkerSight> sight(double time_s) {
+  std::optional<StampedMarker> sight(double time_s) {
     frames_.push_back({time_s, marker(time_s)});
-    std::optional<MarkerSight> newest;
+    std::optional<StampedMarker> newest;
     while (!frames_.empty() && frames_.front().stamp_s + delay_s_ <= time_s + 1e-9) {
       newest = frames_.front();
       frames_.pop_front();
@@ -63,7 +63,7 @@ class Robot {
   Eigen::Vector3d off_m_;
   double lag_s_, delay_s_;
   std::vector<std::pair<double, Eigen::VectorXd>> sent_;
-  std::deque<MarkerSight> frames_;
+  std::deque<StampedMarker> frames_;
 };
 
 double error_after_m(double from_s, double delay_s, double gain, bool feedback = true) {
@@ -71,7 +71,7 @@ double error_after_m(double from_s, double delay_s, double gain, bool feedback =
   FollowOptions options;
   options.gain = gain;
   options.feedback = feedback;
-  options.damping_m = 1e-3;
+  options.damping = 0.01;
   options.drive_lag_s = options.lead_s = kPeriod_s;
   options.hold_after_s = 1.0;
   PathFollower follower(plan, options);
@@ -103,8 +103,8 @@ TEST(PathFollower, HoldsThenStopsWhereTheMarkerIsLost) {
   Eigen::VectorXd held;
   for (int i = 0; ended_s < 0.0 && i < 1000; ++i) {
     const double time_s = i * kPeriod_s;
-    std::optional<MarkerSight> sight;
-    if (time_s < 2.0) sight = MarkerSight{time_s, plan.target_at(time_s)};
+    std::optional<StampedMarker> sight;
+    if (time_s < 2.0) sight = StampedMarker{time_s, plan.target_at(time_s)};
     step = follower.next(time_s, sight, "");
     if (step.holding && held_from_s < 0.0) {
       held_from_s = time_s;
@@ -117,7 +117,7 @@ TEST(PathFollower, HoldsThenStopsWhereTheMarkerIsLost) {
   EXPECT_EQ(step.end, PathEnd::marker_lost);
   EXPECT_NE(step.reason.find("tip"), std::string::npos);
   EXPECT_EQ(step.commands, held);
-  EXPECT_EQ(follower.next(20.0, MarkerSight{20.0, plan.target_at(2.0)}, "").end, PathEnd::marker_lost);
+  EXPECT_EQ(follower.next(20.0, StampedMarker{20.0, plan.target_at(2.0)}, "").end, PathEnd::marker_lost);
 }
 
 TEST(PathFollower, GoesOnWhereItHeldWhenTheMarkerIsBack) {
@@ -127,8 +127,8 @@ TEST(PathFollower, GoesOnWhereItHeldWhenTheMarkerIsBack) {
   int periods = 0;
   for (; step.end == PathEnd::none && periods < 1000; ++periods) {
     const double time_s = periods * kPeriod_s;
-    std::optional<MarkerSight> sight;
-    if (time_s < 2.0 || time_s > 3.5) sight = MarkerSight{time_s, plan.target_at(step.path_s + kPeriod_s)};
+    std::optional<StampedMarker> sight;
+    if (time_s < 2.0 || time_s > 3.5) sight = StampedMarker{time_s, plan.target_at(step.path_s + kPeriod_s)};
     const Eigen::VectorXd before = step.commands;
     step = follower.next(time_s, sight, "");
     if (before.size() > 0) {
@@ -143,7 +143,7 @@ TEST(PathFollower, AFaultStopsItWithItsReason) {
   const PathPlan plan = straight();
   PathFollower follower(plan, {});
   const FollowStep before = follower.next(0.0, std::nullopt, "");
-  const FollowStep step = follower.next(0.1, MarkerSight{0.05, plan.target_at(0.05)}, "left: stalled");
+  const FollowStep step = follower.next(0.1, StampedMarker{0.05, plan.target_at(0.05)}, "left: stalled");
   EXPECT_EQ(step.end, PathEnd::fault);
   EXPECT_NE(step.reason.find("left: stalled"), std::string::npos);
   EXPECT_EQ(step.commands, before.commands);
@@ -157,7 +157,7 @@ TEST(PathFollower, NeverCommandsBeyondLimitsNorRates) {
   Eigen::VectorXd before = plan.samples.front().commands;
   for (int i = 0; i < 200; ++i) {
     const double time_s = i * kPeriod_s;
-    const FollowStep step = follower.next(time_s, MarkerSight{time_s, {i % 60 < 30 ? 0.5 : -0.5, 0, 0.3}}, "");
+    const FollowStep step = follower.next(time_s, StampedMarker{time_s, {i % 60 < 30 ? 0.5 : -0.5, 0, 0.3}}, "");
     EXPECT_GE(step.commands.minCoeff(), 0.95);
     EXPECT_LE(step.commands.maxCoeff(), 1.15);
     EXPECT_LE((step.commands - before).cwiseAbs().maxCoeff(), 1.0 * kPeriod_s + 1e-12);
@@ -171,7 +171,7 @@ TEST(PathFollower, StopsWhereTheMarkerIsFarFromItsPath) {
   options.largest_error_m = 0.01;
   PathFollower follower(plan, options);
   follower.next(0.0, std::nullopt, "");
-  const FollowStep step = follower.next(0.1, MarkerSight{0.05, {0.05, 0, 0}}, "");
+  const FollowStep step = follower.next(0.1, StampedMarker{0.05, {0.05, 0, 0}}, "");
   EXPECT_EQ(step.end, PathEnd::error_too_large);
   EXPECT_NE(step.reason.find("mm"), std::string::npos);
 }
@@ -180,7 +180,7 @@ TEST(PathFollower, SightsThatAreNoNumbersCountAsNone) {
   const PathPlan plan = straight();
   PathFollower follower(plan, {});
   follower.next(0.0, std::nullopt, "");
-  const FollowStep step = follower.next(0.1, MarkerSight{0.05, {std::nan(""), 0, 0}}, "");
+  const FollowStep step = follower.next(0.1, StampedMarker{0.05, {std::nan(""), 0, 0}}, "");
   EXPECT_TRUE(step.commands.allFinite());
   EXPECT_TRUE(follower.disturbance_m().isZero(0.0));
 }

@@ -116,7 +116,7 @@ TEST(PlanMotion, LearningOnAnotherRobotLessensItsErrors) {
   LearnOptions options;
   options.gain = 0.8;
   options.smoothing = 0;
-  options.damping_m = 0.002;
+  options.damping = 0.02;
   MarkerTrack track = play_in_time(other, plan);
   const double before_m = rms_m(plan, track);
   for (int round = 0; round < 3; ++round) {

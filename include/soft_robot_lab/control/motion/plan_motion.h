@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A curve that a marker shall follow in time, the file that names it (config/README.md, "Path"), and commands for it.
 // Commands in time with which a marker follows a curve: rest states along it, each from the one before, so that a
 // cable's friction counts as on the way; then times that the drives can keep; then, where it is asked for, corrections
 // by the model's own motion in time, which has creep, inertia and the drives' speed.
@@ -9,10 +10,39 @@
 
 #include <Eigen/Core>
 
-#include "path_task.h"
+#include "soft_robot_lab/control/find_policy.h"
 #include "soft_robot_lab/mechanics/simulation.h"
 
 namespace soft_robot_lab {
+
+// A chain of straight pieces by the way along it. Lengths in m, places in robot_base.
+class Curve {
+ public:
+  Curve() = default;
+  // Throws std::invalid_argument: fewer than two points, one that is not finite, or one within 1e-9 m of the one
+  // before.
+  explicit Curve(std::vector<Eigen::Vector3d> points_m);
+
+  double length_m() const { return ways_m_.empty() ? 0.0 : ways_m_.back(); }
+  Eigen::Vector3d at(double way_m) const;  // beyond its ends: these
+
+ private:
+  std::vector<Eigen::Vector3d> points_m_;
+  std::vector<double> ways_m_;
+};
+
+struct PathTask {
+  std::string marker;
+  Curve curve;
+  double tolerance_m = 5.0e-4;  // > 0; by so much may the marker miss the curve
+  double duration_s = 20.0;     // >= 0; 0: as fast as the drives turn
+  int samples = 96;             // [2, 50000], of commands along the curve, its ends among them
+  std::vector<ActuatorBounds> bounds = {};
+};
+
+// Throws SettingsError: file, line, key, value, allowed range.
+PathTask load_path_task(const std::string& file);
+PathTask parse_path_task(const std::string& text, const std::string& source_name);
 
 struct PathSample {
   double time_s = 0.0;       // since the start of the path, rising
@@ -47,7 +77,8 @@ struct PathPlan {
   Eigen::Vector3d predicted_at(double time_s) const;        // linear
   const Eigen::MatrixXd& jacobian_at(double time_s) const;  // of the nearest sample
   double largest_unreachable_m() const;
-  double predicted_rms_m() const;  // of predicted_m from aim_m
+  double largest_jacobian_m() const;  // norm over the samples
+  double predicted_rms_m() const;     // of predicted_m from aim_m
 };
 
 // From the model's present rest state, which it leaves at the last sample's. The drives' limits and rates are the
@@ -71,11 +102,11 @@ struct MarkerTrack {
 MarkerTrack play_in_time(Simulation& model, const PathPlan& plan);
 
 struct LearnOptions {
-  double gain = 0.7;        // (0, 1], of an error that is corrected in one round
-  double damping_m = 0.01;  // > 0, per unit of command or as commands need: errors that would take more are left
-  double lag_s = 0.0;       // >= 0, from a command to the marker
-  int smoothing = 2;        // [0, 1000], passes of a binomial filter over the corrections
-  void validate() const;    // throws std::invalid_argument: field, value, allowed range
+  double gain = 0.7;      // (0, 1], of an error that is corrected in one round
+  double damping = 0.05;  // (0, 1], of the largest Jacobian: errors that ask for larger commands are left
+  double lag_s = 0.0;     // >= 0, from a command to the marker
+  int smoothing = 2;      // [0, 1000], passes of a binomial filter over the corrections
+  void validate() const;  // throws std::invalid_argument: field, value, allowed range
 };
 
 // Corrects the plan's commands by where the marker was, within the drives' limits. The rms of its distances from aim_m

@@ -9,14 +9,14 @@
 #include <optional>
 #include <string>
 
-#include "plan_motion.h"
+#include "soft_robot_lab/control/motion/plan_motion.h"
 
 namespace soft_robot_lab {
 
 struct FollowOptions {
   bool feedback = true;           // without it the plan is played, and sights are not asked for
   double gain = 0.3;              // (0, 1], of a disturbance's change that is taken up by one frame
-  double damping_m = 0.01;        // > 0, as LearnOptions'
+  double damping = 0.05;          // (0, 1], as LearnOptions'
   double drive_lag_s = 0.03;      // >= 0, from a command to the marker
   double lead_s = 0.0;            // >= 0, by which commands are ahead of the plan
   double hold_after_s = 0.3;      // > 0: no sight for so long, and the robot is held where it is on the path
@@ -25,7 +25,7 @@ struct FollowOptions {
   void validate() const;          // throws std::invalid_argument: field, value, allowed range
 };
 
-struct MarkerSight {
+struct StampedMarker {
   double stamp_s = 0.0;                                  // when the frame was taken, by the clock of next()
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // robot_base
 };
@@ -48,7 +48,7 @@ class PathFollower {
 
   // `time_s` rises from call to call. `seen`: a sight that has come since the last call. `fault`: what is wrong with
   // the drives, empty for nothing. After an end it gives the same end again.
-  FollowStep next(double time_s, const std::optional<MarkerSight>& seen, const std::string& fault);
+  FollowStep next(double time_s, const std::optional<StampedMarker>& seen, const std::string& fault);
 
   const Eigen::Vector3d& disturbance_m() const { return disturbance_m_; }
 
@@ -58,7 +58,7 @@ class PathFollower {
     Eigen::VectorXd correction;
   };
 
-  void take_up(const MarkerSight& seen);
+  void take_up(const StampedMarker& seen);
   Sent sent_at(double time_s) const;
   FollowStep stop(PathEnd end, const std::string& reason);
   bool is_lost(double time_s, FollowStep& step);
@@ -66,6 +66,7 @@ class PathFollower {
 
   PathPlan plan_;
   FollowOptions options_;
+  double damping_m_;
   PlayInverse play_;
   std::deque<Sent> sent_;
   std::optional<double> start_s_, last_s_, last_sight_s_;

@@ -44,7 +44,8 @@ SECTIONS = {
     'Policy': {'config': [], 'strict': ['control/policy.cpp']},
     'Study': {'config': ['studies'], 'strict': ['study/sweeps/study_file.cpp']},
     'Randomisation': {'config': ['robots/*/random.yaml'], 'strict': ['study/robust/randomisation_file.cpp']},
-    'Learning task': {'config': ['tasks'], 'strict': ['python/core/bind_learning_task.cpp'],
+    'Path': {'config': ['tasks/paths'], 'strict': ['control/motion/path_task.cpp'], 'no_keys': {'path'}},
+    'Learning task': {'config': ['tasks'], 'but': ['tasks/paths'], 'strict': ['python/core/bind_learning_task.cpp'],
                       'no_keys': {'_draw_robots', '_read_learning_task', 'overrides', 'reshape'}},  # Python's
     'Search': {'config': ['searches'], 'strict': ['study/search/search_file.cpp']},
     'Experiments': {'config': ['experiments'], 'loose': ['study', 'control/configuration_table.cpp', 'programs/bullet_peer.cpp']},

@@ -13,7 +13,8 @@ BODY = "mechanics/mesh mechanics/material mechanics/body mechanics/state"
 TERMS = f"mechanics mechanics/linear_algebra mechanics/complementarity {BODY} mechanics/elements mechanics/contact settings"
 MODEL = f"{BODY} mechanics/simulation"  # what other parts know of mechanics: no term and no solver
 ROBOT = f"robot/casting robot/design robot/scene robot/rollouts {MODEL} mechanics/actuators mechanics/reduced geometry settings"
-PRODUCT = f"session session/report control control/identification control/estimation {HARDWARE} {PERCEPTION} {ROBOT}"
+PRODUCT = (f"session session/report control control/motion control/identification control/estimation {HARDWARE} {PERCEPTION}"
+           f" {ROBOT}")
 ALLOWED = {  # a row names only rows above it, so no circle can be written
     "settings": "",
     "geometry": "",
@@ -44,6 +45,7 @@ ALLOWED = {  # a row names only rows above it, so no circle can be written
     "hardware/testbench": "hardware/motor settings",
     "hardware/plant": f"hardware/motor perception/render robot/scene {MODEL} settings",
     "control": f"{MODEL} mechanics/reduced settings",
+    "control/motion": f"control {MODEL} settings",
     "control/identification": f"control robot/scene {MODEL} settings",
     "control/estimation": f"control control/identification {MODEL} settings",
     "session": f"control control/identification control/estimation {MODEL} settings",

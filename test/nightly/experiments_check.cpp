@@ -135,6 +135,16 @@ void check_twin(const Json& result) {
   EXPECT_LT(result["false_alarms"].get<double>(), 0.1 * result["looks_untouched"].get<double>());
 }
 
+void check_paths(const Json& result) {
+  ASSERT_EQ(result["paths"].size(), 10u);  // five paths at two speeds
+  for (const Json& path : result["paths"]) {
+    for (const std::string way : {"open_loop_rms_m", "feedback_rms_m", "learnt_rms_m"})
+      EXPECT_GT(path[way].get<double>(), 0.0) << path["name"];
+    EXPECT_GE(path["duration_s"].get<double>(), 0.999 * path["fastest_s"].get<double>()) << path["name"];
+    EXPECT_LT(path["learnt_rms_m"].get<double>(), 0.8e-3 + path["nearest_rms_m"].get<double>()) << path["name"];
+  }
+}
+
 void check_design(const Json& result) {
   EXPECT_EQ(result["designs"], 200);
   EXPECT_GT(result["ratio"].get<double>(), 1.2);
@@ -161,6 +171,7 @@ void check_numbers(const std::string& name, const Json& result) {
   if (name == "grasp") check_grasp(result);
   if (name == "fit_rig") check_fit_rig(result);
   if (name == "twin") check_twin(result);
+  if (name == "paths") check_paths(result);
   if (name == "design_spinebot") check_design(result);
 }
 

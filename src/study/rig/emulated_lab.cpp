@@ -135,16 +135,32 @@ void EmulatedLab::calibrate(const BallPlacement& placement) {
     believed_[found.pose.name] = found.pose.world_from_camera;
 }
 
-std::vector<MeasuredMarker> EmulatedLab::observe(const MarkerPlaces& expected_m) {
-  Tracker tracker(settings_.tracker, tracked(plant_.simulation()));
+std::unique_ptr<Tracker> EmulatedLab::new_tracker(const MarkerPlaces& expected_m) const {
+  auto tracker = std::make_unique<Tracker>(settings_.tracker, tracked(plant_.simulation()));
   for (const RigCamera& camera : settings_.cameras.cameras)
-    tracker.set_camera({camera.pose.name, camera.model, believed_.at(camera.pose.name)});
+    tracker->set_camera({camera.pose.name, camera.model, believed_.at(camera.pose.name)});
   std::vector<Eigen::Vector3d> expected;
   for (const Marker& marker : plant_.simulation().markers()) expected.push_back(expected_m.at(marker.name()));
-  tracker.set_simulated(expected);
+  tracker->set_simulated(expected);
+  return tracker;
+}
+
+void EmulatedLab::start_tracking(const MarkerPlaces& expected_m) { tracker_ = new_tracker(expected_m); }
+
+MeasuredMarkers EmulatedLab::track() {
+  if (!tracker_) throw std::logic_error("track: start_tracking comes first");
+  MeasuredMarkers seen_m;
+  const Capture capture = recorder_.take(plant_.previous(), plant_.present(), time_s());
+  for (const MarkerObservation& marker : tracker_->update(capture.frames).markers)
+    if (marker.source == MarkerSource::seen) seen_m[marker.name] = marker.position_m;
+  return seen_m;
+}
+
+std::vector<MeasuredMarker> EmulatedLab::observe(const MarkerPlaces& expected_m) {
+  const std::unique_ptr<Tracker> tracker = new_tracker(expected_m);
   std::map<std::string, std::vector<MarkerObservation>> seen;
   for (int i = 0; i < settings_.frames; ++i)
-    for (MarkerObservation& marker : tracker.update(take(recorder_).frames).markers)
+    for (MarkerObservation& marker : tracker->update(take(recorder_).frames).markers)
       if (marker.source == MarkerSource::seen) seen[marker.name].push_back(std::move(marker));
   std::vector<MeasuredMarker> means;
   for (const auto& [name, sights] : seen) means.push_back(mean_of(name, sights));

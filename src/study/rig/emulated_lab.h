@@ -22,6 +22,7 @@
 namespace soft_robot_lab {
 
 class EmulatedSession;
+class Tracker;
 
 struct EmulatedLabSettings {
   RigSettings rig;
@@ -69,12 +70,18 @@ class EmulatedLab {
   std::vector<MeasuredMarker> observe(const MarkerPlaces& expected_m);
   MeasuredMarkers measure(const MarkerPlaces& expected_m);  // the positions alone
 
+  // Markers of the moving robot, a frame at a time: of what the cameras see now, those that the tracker sees. It starts
+  // anew where markers are as in `expected_m`.
+  void start_tracking(const MarkerPlaces& expected_m);
+  MeasuredMarkers track();
+
   const Plant& plant() const { return plant_; }
   double time_s() const;
 
  private:
   void pass(double duration_s);
   Capture take(FrameRecorder& film);
+  std::unique_ptr<Tracker> new_tracker(const MarkerPlaces& expected_m) const;
 
   EmulatedLabSettings settings_;
   Plant plant_;
@@ -82,6 +89,7 @@ class EmulatedLab {
   std::map<std::string, Eigen::Isometry3d> believed_;  // world_from_camera by name
   FrameRecorder recorder_;
   std::unique_ptr<EmulatedSession> session_;
+  std::unique_ptr<Tracker> tracker_;
 };
 
 MarkerPlaces marker_places(const Simulation& simulation);

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "control/identification/creep_model.h"
-#include "hold_recorder.h"
+#include "recorder.h"
 #include "robot/scene/parameters.h"
 #include "soft_robot_lab/control/identification/fit_model.h"
 
@@ -14,13 +14,20 @@ namespace soft_robot_lab {
 namespace {
 
 struct FitRigSettings {
-  FitRecording recording;
-  std::vector<Configuration> unseen;
+  LabFiles files;
+  std::vector<Configuration> configurations, unseen;
+  RecordingSettings recording = {};
+  FitRequest request = {};
 };
 
 FitRigSettings read_fit_rig_settings(const ExperimentContext& context) {
   const YamlNode node = YamlNode::load_file(context.settings_file("fit_rig"));
-  FitRigSettings settings{read_fit_recording(node, context), read_configurations(node.child("unseen"))};
+  FitRigSettings settings{read_lab_files(node, context), read_configurations(node),
+                          read_configurations(node.child("unseen"))};
+  settings.recording = read_recording_settings(node);
+  settings.request.model_error_m = node.number("model_error_m", AllowedRange::not_negative());
+  for (const YamlNode& name : node.sequence("parameters"))
+    settings.request.parameters.push_back({name.as_text(), {}, {}, {}});
   node.require_all_read();
   return settings;
 }
@@ -30,8 +37,8 @@ std::map<std::string, double> hidden(const FitRigSettings& settings, const Simul
   std::map<std::string, double> values = {{"youngs_modulus_pa", plant.body().material().youngs_modulus_pa},
                                           {"creep.stiffness_ratio", plant.body().viscosity().hysteresis_ratio},
                                           {"creep.relaxation_time_s", plant.body().viscosity().relaxation_time_s}};
-  const PlantSettings& file = settings.recording.files.lab.plant;
-  for (const MotorSettings& motor : settings.recording.files.lab.rig.motors) {
+  const PlantSettings& file = settings.files.lab.plant;
+  for (const MotorSettings& motor : settings.files.lab.rig.motors) {
     for (const std::string key : {"friction_coefficient", "compliance_m_n", "length_offset_m"}) {
       const bool one_each = key == "length_offset_m";
       values[one_each ? key + "." + motor.name : key] = number_at(file.robot, "cables." + motor.name + "." + key);
@@ -62,8 +69,8 @@ double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& con
   std::vector<MeasuredPose> all = poses;
   all.insert(all.end(), unseen.begin(), unseen.end());
   const SceneOptions options = context.scene_options(overrides);
-  const std::vector<SimulatedHold> holds = simulate_holds(settings.recording.files.robot, options, all, fit.backlash_m);
-  const Scene loaded = load_scene(settings.recording.files.robot, options);
+  const std::vector<SimulatedHold> holds = simulate_holds(settings.files.robot, options, all, fit.backlash_m);
+  const Scene loaded = load_scene(settings.files.robot, options);
   double squares_m2 = 0.0;
   int count = 0;
   for (std::size_t p = poses.size(); p < all.size(); ++p) {
@@ -77,30 +84,40 @@ double unseen_gap_m(const FitRigSettings& settings, const ExperimentContext& con
   return std::sqrt(squares_m2 / count);
 }
 
-}  // namespace
-
-ExperimentResult run_fit_rig_experiment(const ExperimentContext& context) {
-  FitRigSettings settings = read_fit_rig_settings(context);
-  context.report(0.0, "calibrating the cameras");
-  HoldRecorder recorder(settings.recording, context);
-  const std::vector<MeasuredPose> poses = recorder.hold_all(settings.recording.configurations, context, 0.0, 0.4);
-  const std::vector<MeasuredPose> unseen = recorder.hold_all(settings.unseen, context, 0.4, 0.5);
-  const Simulation& robot = recorder.lab().plant().simulation();
-  FitRequest request = settings.recording.request;
-  request.mass_kg = robot.body().node_masses_kg().sum();
+FitResult fit_to(const FitRigSettings& settings, const Recorder& recorder, const std::vector<MeasuredPose>& poses,
+                 const ExperimentContext& context) {
+  FitRequest request = settings.request;
+  request.mass_kg = recorder.plant().simulation().body().node_masses_kg().sum();
   request.progress = [&](int iteration, double rms_gap_m) {
     context.report(std::min(0.95, 0.5 + 0.01 * iteration), "rms gap " + std::to_string(1e3 * rms_gap_m) + " mm");
     return true;
   };
-  const FitResult fit =
-      fit_model(settings.recording.files.robot, context.scene_options(settings.recording.known), poses, request);
+  return fit_model(settings.files.robot, context.scene_options(settings.recording.known), poses, request);
+}
+
+}  // namespace
+
+FitResult fit_emulated_rig(const ExperimentContext& context) {
+  const FitRigSettings settings = read_fit_rig_settings(context);
+  Recorder recorder(settings.files, settings.recording, context);
+  const std::vector<MeasuredPose> poses = recorder.record(settings.configurations, context, 0.0, 0.4);
+  return fit_to(settings, recorder, poses, context);
+}
+
+ExperimentResult run_fit_rig_experiment(const ExperimentContext& context) {
+  const FitRigSettings settings = read_fit_rig_settings(context);
+  context.report(0.0, "calibrating the cameras");
+  Recorder recorder(settings.files, settings.recording, context);
+  const std::vector<MeasuredPose> poses = recorder.record(settings.configurations, context, 0.0, 0.4);
+  const std::vector<MeasuredPose> unseen = recorder.record(settings.unseen, context, 0.4, 0.5);
+  const FitResult fit = fit_to(settings, recorder, poses, context);
   const double before_m = unseen_gap_m(settings, context, poses, unseen, {}, settings.recording.known);
   const double after_m = unseen_gap_m(settings, context, poses, unseen, fit, fit.overrides);
 
-  const std::map<std::string, double> truth = hidden(settings, robot);
+  const std::map<std::string, double> truth = hidden(settings, recorder.plant().simulation());
   ExperimentResult result;
   result.title = "Spinebot: the model fitted to one recording of the emulated rig";
-  result.converged = fit.converged && recorder.lab().plant().failed_steps() == 0;
+  result.converged = fit.converged && recorder.plant().failed_steps() == 0;
   result.message = fit.converged ? "" : fit.message;
   result.table = table_of(fit, truth);
   for (const FittedValue& value : fit.values)
@@ -110,7 +127,7 @@ ExperimentResult run_fit_rig_experiment(const ExperimentContext& context) {
   result.numbers["unseen_gap_m"] = {before_m, after_m};
   result.numbers["warnings"] = fit.warnings;
   result.numbers["cpu_s"] = fit.cpu_s;
-  write_fitted_scene(fit, settings.recording.files.robot, context.output_folder + "/fitted.yaml");
+  write_fitted_scene(fit, settings.files.robot, context.output_folder + "/fitted.yaml");
   result.we_differ = "The robot on the emulated rig is our own model with other numbers and another mesh.";
   std::ostringstream words;
   words.precision(3);

@@ -6,6 +6,7 @@
 #include "fault_experiment.h"
 #include "fit_rig_experiment.h"
 #include "gap_experiments.h"
+#include "paths_experiment.h"
 #include "pull_experiment.h"
 #include "twin_experiment.h"
 
@@ -18,6 +19,8 @@ std::vector<Experiment> rig_experiments() {
        run_fault_experiment},
       {"fit_rig", "Spinebot's model fitted to one recording of the emulated rig: are its hidden numbers found?",
        run_fit_rig_experiment},
+      {"paths", "tips draw curves on the emulated rig: rest states, plans in time, feedback, learning",
+       run_paths_experiment},
       {"6.4.1", "Hammerbot on the emulated rig beside its simulation", run_hammerbot_gap_experiment},
       {"6.4.2", "Spinebot on the emulated rig beside its simulation", run_spinebot_gap_experiment},
       {"6.4.3", "Bubblebot on an emulated rig of syringes beside its simulation", run_bubblebot_gap_experiment},

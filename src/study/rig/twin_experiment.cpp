@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "control/estimation/skin_places.h"
-#include "hold_recorder.h"
+#include "recorder.h"
 #include "soft_robot_lab/control/estimation/load_estimator.h"
 
 namespace soft_robot_lab {
@@ -21,11 +21,20 @@ constexpr double kPlaceSpacing_m = 0.003;
 constexpr double kPushFriction = 0.3;  // pushes lie within such a cone around the inward normal
 constexpr double kGravity_m_s2 = 9.81;
 
+// Of one robot.
+struct TwinRobot {
+  std::string name;
+  LabFiles files;
+  std::vector<Configuration> configurations;
+  RecordingSettings recording = {};
+  FitRequest request = {};
+};
+
 struct TwinSettings {
   int pushes = 0, pairs = 0, weights = 0;  // for each robot
   double wait_s = 0.0;                     // before a look
   AllowedRange force_n, mass_kg;
-  std::vector<std::pair<std::string, FitRecording>> robots;
+  std::vector<TwinRobot> robots;
 };
 
 AllowedRange read_range(const YamlNode& node) {
@@ -44,8 +53,14 @@ TwinSettings read_twin_settings(const ExperimentContext& context) {
   settings.wait_s = node.number("wait_s", AllowedRange::positive());
   settings.force_n = read_range(node.child("force_n"));
   settings.mass_kg = read_range(node.child("mass_kg"));
-  for (const YamlNode& robot : node.sequence("robots"))
-    settings.robots.emplace_back(robot.text("name"), read_fit_recording(robot, context));
+  for (const YamlNode& robot : node.sequence("robots")) {
+    settings.robots.push_back({robot.text("name"), read_lab_files(robot, context), read_configurations(robot)});
+    TwinRobot& read = settings.robots.back();
+    read.recording = read_recording_settings(robot);
+    read.request.model_error_m = robot.number("model_error_m", AllowedRange::not_negative());
+    for (const YamlNode& name : robot.sequence("parameters"))
+      read.request.parameters.push_back({name.as_text(), {}, {}, {}});
+  }
   node.require_all_read();
   return settings;
 }
@@ -87,16 +102,17 @@ class Random {
 // A robot on the rig, its twin, and both at random commands.
 class TwinBench {
  public:
-  TwinBench(std::string name, const FitRecording& recording, const TwinSettings& settings,
-            const ExperimentContext& context, double from, double to)
-      : name_(std::move(name)), recording_(recording), settings_(settings), recorder_(recording, context) {
-    const std::vector<MeasuredPose> poses = recorder_.hold_all(recording.configurations, context, from, to);
-    context.report(to, name_ + ": fit");
-    FitRequest request = recording.request;
+  // Keeps references to robot and settings.
+  TwinBench(const TwinRobot& twin, const TwinSettings& settings, const ExperimentContext& context, double from,
+            double to)
+      : twin_(twin), settings_(settings), recorder_(twin.files, twin.recording, context) {
+    const std::vector<MeasuredPose> poses = recorder_.record(twin.configurations, context, from, to);
+    context.report(to, twin.name + ": fit");
+    FitRequest request = twin.request;
     request.mass_kg = robot().body().node_masses_kg().sum();
-    fit_ = fit_model(recording.files.robot, context.scene_options(recording.known), poses, request);
-    write_fitted_scene(fit_, recording.files.robot, context.output_folder + "/" + name_ + ".yaml");
-    model_ = load_scene(recording.files.robot, context.scene_options(fit_.overrides)).simulation;
+    fit_ = fit_model(twin.files.robot, context.scene_options(twin.recording.known), poses, request);
+    write_fitted_scene(fit_, twin.files.robot, context.output_folder + "/" + twin.name + ".yaml");
+    model_ = load_scene(twin.files.robot, context.scene_options(fit_.overrides)).simulation;
     estimator_ = std::make_unique<LoadEstimator>(*model_, LoadEstimationOptions{});
     places_ = skin_places(robot().body(), kPlaceSpacing_m);
     for (const SkinPlace& place : places_) areas_m2_.push_back(place.area_m2);
@@ -109,7 +125,7 @@ class TwinBench {
 
   Trial run(LoadKind kind) {
     Trial trial;
-    trial.robot = name_;
+    trial.robot = twin_.name;
     trial.kind = kind;
     std::vector<std::string> names;
     for (std::size_t i = 0; i < model_->actuators().size(); ++i) {
@@ -137,18 +153,18 @@ class TwinBench {
   }
 
   double cpu_s() const { return cpu_s_; }
-  double time_s() const { return recorder_.lab().time_s(); }
+  double time_s() const { return recorder_.time_s(); }
   const FitResult& fit() const { return fit_; }
-  int failed_steps() const { return recorder_.lab().plant().failed_steps(); }
+  int failed_steps() const { return recorder_.plant().failed_steps(); }
 
  private:
   EmulatedLab& lab() { return recorder_.lab(); }
-  const Simulation& robot() const { return recorder_.lab().plant().simulation(); }
+  const Simulation& robot() const { return recorder_.plant().simulation(); }
 
   // Between the least and most of the configurations that were fitted.
   AllowedRange commanded(std::size_t actuator) const {
     AllowedRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    for (const Configuration& one : recording_.configurations) {
+    for (const Configuration& one : twin_.configurations) {
       range.min = std::min(range.min, one.commands.at(actuator));
       range.max = std::max(range.max, one.commands.at(actuator));
     }
@@ -167,7 +183,7 @@ class TwinBench {
       for (std::size_t i = 0; i < names.size(); ++i)
         model_->set_command(names[i], recorder_.rounded(names[i], commands[i]));
       if (const SolveReport rest = model_->solve_equilibrium(); !rest.converged)
-        throw std::runtime_error(name_ + ": the fitted model finds no rest: " + rest.message);
+        throw std::runtime_error(twin_.name + ": the fitted model finds no rest: " + rest.message);
     });
   }
 
@@ -175,7 +191,7 @@ class TwinBench {
   // Errors of frames that stay are in the offsets, so a mean of frames is surer than one.
   std::vector<MeasuredMarker> look() {
     std::vector<MeasuredMarker> seen = lab().observe(lab().plant().markers_m());
-    const double frames = recording_.files.lab.frames;
+    const double frames = twin_.files.lab.frames;
     const Eigen::Isometry3d base_from_measured = fit_.measured_from_base.inverse();
     for (MeasuredMarker& marker : seen) {
       marker.position_m = base_from_measured * marker.position_m;
@@ -219,10 +235,9 @@ class TwinBench {
     return std::sqrt(sum_m2 / static_cast<double>(model_skin_.size()));
   }
 
-  std::string name_;
-  const FitRecording& recording_;
+  const TwinRobot& twin_;
   const TwinSettings& settings_;
-  HoldRecorder recorder_;
+  Recorder recorder_;
   FitResult fit_;
   std::unique_ptr<Simulation> model_;
   std::unique_ptr<LoadEstimator> estimator_;
@@ -388,9 +403,9 @@ ExperimentResult run_twin_experiment(const ExperimentContext& context) {
   double cpu_s = 0.0, time_s = 0.0;
   const double share = 1.0 / static_cast<double>(settings.robots.size());
   for (std::size_t r = 0; r < settings.robots.size(); ++r) {
-    const auto& [name, recording] = settings.robots[r];
+    const std::string& name = settings.robots[r].name;
     const double from = share * static_cast<double>(r);
-    TwinBench bench(name, recording, settings, context, from, from + 0.2 * share);
+    TwinBench bench(settings.robots[r], settings, context, from, from + 0.2 * share);
     const double cpu_before_s = bench.cpu_s(), time_before_s = bench.time_s();
     Score score;
     const int count = settings.pushes + settings.pairs + settings.weights;

@@ -83,6 +83,34 @@ TEST_F(RigExperiments, DrawsShapesWhoseMarkersAreHidden) {
   for (const Plot& plot : result.plots) plot.validate();
 }
 
+// Coarse, short, and with markers that need no cameras.
+TEST_F(RigExperiments, DrawsAPathBetterWithFeedback) {
+  for (const std::string part : {"cameras", "materials"})
+    fs::copy(std::string(SOFT_ROBOT_LAB_SOURCE "/config/") + part, folder_ / part, fs::copy_options::recursive);
+  std::ofstream(folder_ / "robots" / "hammerbot" / "stiffer.yaml")
+      << "robot: {include: robot.yaml, body: {element_size_m: 0.03, material: {stiffness_ratio: 1.3}}, cables: {left: "
+         "{pull_speed_m_s: 0, length_offset_m: 0.0005}, right: {pull_speed_m_s: 0}}}\n";
+  std::ofstream(folder_ / "line.yaml")
+      << "{marker: tip, plane: {center_m: [0, 0, -0.0985], across: [1, 0, 0], up: [0, 0, 1]}, "
+         "curve: {polyline_m: [[-0.003, 0], [0.003, 0.0005]]}, tolerance_m: 0.0005, duration_s: 4, samples: 12}\n";
+  const ExperimentResult result = run(
+      "paths",
+      "{frame_rate_hz: 28, delay_s: 0.08, noise_m: 2.0e-5, gain: 0.2, drive_lag_s: 0.05, learning_gain: 0.5, "
+      "learning_smoothing: 1, reserve: 0.2, rounds: 1, model_rounds: 1, rest_states: 3, robots: [{name: Hammerbot, "
+      "robot: robots/hammerbot/robot.yaml, plant: robots/hammerbot/stiffer.yaml, rig: robots/hammerbot/motors.yaml, "
+      "cameras: cameras/box.yaml, tracker: robots/hammerbot/tracker.yaml, balls: robots/hammerbot/balls.yaml, "
+      "frames: 1, fitted: false, overrides: {body: {element_size_m: 0.03}}, "
+      "paths: [{name: line, task: line.yaml, fastest: false}]}]}");
+  EXPECT_TRUE(result.converged) << result.message;
+  ASSERT_EQ(result.numbers["paths"].size(), 1u);
+  const auto& path = result.numbers["paths"][0];
+  EXPECT_LT(path["unreachable_m"].get<double>(), 3e-4);
+  EXPECT_GT(path["open_loop_rms_m"].get<double>(), 2e-4);
+  EXPECT_LT(path["feedback_rms_m"].get<double>(), 0.7 * path["open_loop_rms_m"].get<double>());
+  EXPECT_LT(path["learnt_rms_m"].get<double>(), path["feedback_rms_m"].get<double>());
+  for (const Plot& plot : result.plots) plot.validate();
+}
+
 TEST_F(RigExperiments, CountsWhatFaultsDo) {
   const ExperimentResult result = run(
       "rig_faults",

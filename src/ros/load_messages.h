@@ -9,7 +9,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "messages.h"
-#include "soft_robot_lab/control/estimation/load_estimator.h"
+#include "control/estimation/load_estimator.h"
 
 namespace soft_robot_lab {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "load_search.h"
-#include "soft_robot_lab/control/estimation/load_estimator.h"
+#include "load_estimator.h"
 
 namespace soft_robot_lab {
 

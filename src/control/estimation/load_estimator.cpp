@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "soft_robot_lab/control/estimation/load_estimator.h"
+#include "load_estimator.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,7 @@
 
 #include "control/estimation/skin_places.h"
 #include "recorder.h"
-#include "soft_robot_lab/control/estimation/load_estimator.h"
+#include "control/estimation/load_estimator.h"
 
 namespace soft_robot_lab {
 namespace {

@@ -63,7 +63,7 @@ TEST(DrivePoints, PullAsAForceTowardsThePulley) {
     Simulation expected = bar_with("");
     const EmbeddedPoint plug =
         MeshLocator(expected.body().mesh()).embed_disc({0.095, 0, 0}, Eigen::Vector3d(0.095, 0, 0) - kPulley_m, 0.003);
-    expected.pull(plug, tension_n * (kPulley_m - path_m[2]).normalized());
+    expected.pull({{plug, tension_n * (kPulley_m - path_m[2]).normalized()}});
     ASSERT_TRUE(expected.solve_equilibrium().converged);
     EXPECT_LT((pulled.state().positions_m - expected.state().positions_m).colwise().norm().maxCoeff(), 1e-7);
     EXPECT_LT(total_n(pulled).norm(), 1e-6) << "drive and pulleys stand on the clamp";

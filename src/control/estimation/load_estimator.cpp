@@ -70,10 +70,10 @@ LoadEstimator::Parts::Parts(Simulation& simulation, const LoadEstimationOptions&
     : model(simulation), options(chosen) {
   options.validate();
   if (model.markers().empty()) refuse("loads cannot be estimated: the scene has no markers");
-  std::vector<SkinPlace> all = skin_places(model.body(), options.place_spacing_m);
+  std::vector<PushPlace> all = push_places(model.body(), options.place_spacing_m);
   double area_m2 = 0.0;
-  for (const SkinPlace& place : all) area_m2 += place.area_m2;
-  for (SkinPlace& place : all) skin.push_back({place.at, place.area_m2 / area_m2, place, -1});
+  for (const PushPlace& place : all) area_m2 += place.area_m2;
+  for (PushPlace& place : all) skin.push_back({place.at, place.area_m2 / area_m2, place, -1});
   const MeshLocator locator(model.body().mesh());
   for (const Marker& marker : model.markers())
     hooks.push_back({locator.embed(marker.rest_position_m()),

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "skin_places.h"
+#include "push_places.h"
 
 namespace soft_robot_lab {
 
@@ -15,7 +15,7 @@ namespace soft_robot_lab {
 struct LoadPlace {
   EmbeddedPoint at;
   double share = 0.0;               // of all places together, 1
-  std::optional<SkinPlace> skin{};  // absent: a weight
+  std::optional<PushPlace> skin{};  // absent: a weight
   int marker = -1;                  // of a weight
 };
 

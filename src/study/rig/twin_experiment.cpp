@@ -9,7 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "control/estimation/skin_places.h"
+#include "control/estimation/push_places.h"
 #include "recorder.h"
 #include "control/estimation/load_estimator.h"
 
@@ -114,10 +114,10 @@ class TwinBench {
     write_fitted_scene(fit_, twin.files.robot, context.output_folder + "/" + twin.name + ".yaml");
     model_ = load_scene(twin.files.robot, context.scene_options(fit_.overrides)).simulation;
     estimator_ = std::make_unique<LoadEstimator>(*model_, LoadEstimationOptions{});
-    places_ = skin_places(robot().body(), kPlaceSpacing_m);
-    for (const SkinPlace& place : places_) areas_m2_.push_back(place.area_m2);
+    places_ = push_places(robot().body(), kPlaceSpacing_m);
+    for (const PushPlace& place : places_) areas_m2_.push_back(place.area_m2);
     const MeshLocator locator(robot().body().mesh());
-    for (const SkinPlace& place : skin_places(model_->body(), 4.0 * kPlaceSpacing_m)) {
+    for (const PushPlace& place : push_places(model_->body(), 4.0 * kPlaceSpacing_m)) {
       model_skin_.push_back(place.at);
       robot_skin_.push_back(locator.embed(place.at.at(model_->body().mesh().nodes_m)));
     }
@@ -202,7 +202,7 @@ class TwinBench {
   }
 
   TrueLoad random_push() {
-    const SkinPlace& place = places_[random_.one_of(areas_m2_)];
+    const PushPlace& place = places_[random_.one_of(areas_m2_)];
     const TetMesh& mesh = robot().body().mesh();
     const Eigen::Vector3d rest_normal = normal_at(mesh, mesh.nodes_m, place),
                           normal = normal_at(mesh, robot().state().positions_m, place);
@@ -241,7 +241,7 @@ class TwinBench {
   FitResult fit_;
   std::unique_ptr<Simulation> model_;
   std::unique_ptr<LoadEstimator> estimator_;
-  std::vector<SkinPlace> places_;  // of the robot
+  std::vector<PushPlace> places_;  // of the robot
   std::vector<double> areas_m2_;
   std::vector<EmbeddedPoint> model_skin_, robot_skin_;  // the same places
   Random random_;

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "control/estimation/push_cone.h"
-#include "control/estimation/skin_places.h"
+#include "control/estimation/push_places.h"
 #include "settings/overrides_from.h"
 #include "soft_robot_lab/mechanics/actuators/factory.h"
 #include "soft_robot_lab/robot/scene/scene.h"
@@ -134,10 +134,10 @@ TEST(MarkerCompliances, SayHowAForceMovesMarkers) {
   }
 }
 
-TEST(SkinPlaces, StandForTheWholeSkinThatIsFree) {
+TEST(PushPlaces, StandForTheWholeSkinThatIsFree) {
   const auto simulation = bar();
   double area_m2 = 0.0;
-  for (const SkinPlace& place : skin_places(simulation->body(), 0.004)) {
+  for (const PushPlace& place : push_places(simulation->body(), 0.004)) {
     area_m2 += place.area_m2;
     const Eigen::Vector3d at_m = place.at.at(simulation->body().mesh().nodes_m);
     EXPECT_LT(at_m.z(), -1e-4) << "the clamped face cannot be pushed";

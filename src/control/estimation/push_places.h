@@ -11,7 +11,7 @@
 
 namespace soft_robot_lab {
 
-struct SkinPlace {
+struct PushPlace {
   Eigen::Index face = 0;
   double r = 0.0, s = 0.0;  // weights of the face's corners 1 and 2
   EmbeddedPoint at;
@@ -20,9 +20,9 @@ struct SkinPlace {
 
 // Faces cut into equal triangles, none of whose edges is longer than spacing_m at rest; their centres. Closed cavities
 // and faces that are held whole are left out.
-std::vector<SkinPlace> skin_places(const Body& body, double spacing_m);
+std::vector<PushPlace> push_places(const Body& body, double spacing_m);
 
 // Outward unit normal where the nodes are at `positions_m`.
-Eigen::Vector3d normal_at(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m, const SkinPlace& place);
+Eigen::Vector3d normal_at(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m, const PushPlace& place);
 
 }  // namespace soft_robot_lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "skin_places.h"
+#include "push_places.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,8 +55,8 @@ bool held_whole(const Body& body, Eigen::Index face) {
   return held;
 }
 
-SkinPlace place_on(const TetMesh& mesh, Eigen::Index face, double r, double s, double area_m2) {
-  SkinPlace place{face, r, s, {}, area_m2};
+PushPlace place_on(const TetMesh& mesh, Eigen::Index face, double r, double s, double area_m2) {
+  PushPlace place{face, r, s, {}, area_m2};
   const FaceShape shape = face_shape(mesh.faces.rows(), r, s);
   for (Eigen::Index i = 0; i < mesh.faces.rows(); ++i) {
     place.at.nodes.push_back(mesh.faces(i, face));
@@ -67,10 +67,10 @@ SkinPlace place_on(const TetMesh& mesh, Eigen::Index face, double r, double s, d
 
 }  // namespace
 
-std::vector<SkinPlace> skin_places(const Body& body, double spacing_m) {
+std::vector<PushPlace> push_places(const Body& body, double spacing_m) {
   const TetMesh& mesh = body.mesh();
   const std::vector<bool> cavity = in_cavity(mesh);
-  std::vector<SkinPlace> places;
+  std::vector<PushPlace> places;
   for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face) {
     if (cavity[static_cast<std::size_t>(face)] || held_whole(body, face)) continue;
     const Eigen::Matrix3d c = corners_of(mesh, face);
@@ -90,7 +90,7 @@ std::vector<SkinPlace> skin_places(const Body& body, double spacing_m) {
   return places;
 }
 
-Eigen::Vector3d normal_at(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m, const SkinPlace& place) {
+Eigen::Vector3d normal_at(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m, const PushPlace& place) {
   const FaceShape shape = face_shape(mesh.faces.rows(), place.r, place.s);
   Eigen::Vector3d along_r = Eigen::Vector3d::Zero(), along_s = Eigen::Vector3d::Zero();
   for (Eigen::Index i = 0; i < mesh.faces.rows(); ++i) {

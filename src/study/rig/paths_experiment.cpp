@@ -10,7 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "control/identification/drive_play.h"
+#include "control/configuration_table.h"
 #include "fit_rig_experiment.h"
 #include "lab_settings.h"
 #include "path_run.h"
@@ -32,6 +32,8 @@ struct RobotPaths {
   std::map<std::string, double> backlash_m = {};
   double frame_rate_hz = 28.0;
   std::vector<NamedPath> paths = {};
+  std::vector<Configuration> configurations = {};  // of `returns`
+  std::vector<std::string> come_back = {};
 };
 
 struct PathsSettings {
@@ -50,6 +52,11 @@ RobotPaths read_robot(const YamlNode& node, double frame_rate_hz, const Experime
   if (const auto changes = node.optional_child("overrides")) robot.overrides = Overrides(*changes);
   if (const auto plays = node.optional_child("backlash_m"))
     for (const std::string& name : plays->keys()) robot.backlash_m[name] = plays->number(name, {0.0, 0.1});
+  if (node.has("returns")) {
+    const YamlNode table = YamlNode::load_file(context.settings_file(node.text("returns")));
+    robot.configurations = read_configurations(table);
+    for (const YamlNode& name : table.sequence("come_back")) robot.come_back.push_back(name.as_text());
+  }
   for (const YamlNode& path : node.sequence("paths"))
     robot.paths.push_back({path.text("name"), load_path_task(context.config_folder + "/" + path.text("task")),
                            path.boolean_or("fastest", true)});
@@ -195,6 +202,31 @@ class RobotRun {
     context_.report(0.55, words.str());
     play(today, outcome);
     return outcome;
+  }
+
+  // The largest rms of all markers from where they were in the first of the configurations that ask for the same.
+  double return_error_m(bool without_play) {
+    std::vector<std::string> names;
+    for (const PathDrive& drive : drives_) names.push_back(drive.actuator);
+    lab_->go(names, rest_);
+    PlayInverse inverse(drives_);
+    inverse.go(Eigen::Map<const Eigen::VectorXd>(rest_.data(), static_cast<Eigen::Index>(rest_.size())));
+    std::optional<MarkerPlaces> first_m;
+    double most_m = 0.0;
+    for (const Configuration& one : robot_.configurations) {
+      context_.report(0.9, robot_.name + " comes back: " + one.name);
+      const Eigen::Map<const Eigen::VectorXd> wanted(one.commands.data(),
+                                                     static_cast<Eigen::Index>(one.commands.size()));
+      const Eigen::VectorXd turned = inverse.go(wanted);
+      lab_->go(names, without_play ? std::vector<double>(turned.data(), turned.data() + turned.size()) : one.commands);
+      if (std::find(robot_.come_back.begin(), robot_.come_back.end(), one.name) == robot_.come_back.end()) continue;
+      const MarkerPlaces now_m = lab_->plant().markers_m();
+      if (!first_m) first_m = now_m;
+      double squares_m2 = 0.0;
+      for (const auto& [name, position_m] : now_m) squares_m2 += (position_m - first_m->at(name)).squaredNorm();
+      most_m = std::max(most_m, std::sqrt(squares_m2 / static_cast<double>(now_m.size())));
+    }
+    return most_m;
   }
 
   int failed_steps() const { return lab_->plant().failed_steps(); }
@@ -381,6 +413,10 @@ ExperimentResult run_paths_experiment(const ExperimentContext& context) {
       add(runs.run(path, path.task.duration_s), result);
       if (path.fastest) add(runs.run(path, 0.0), result);
     }
+    if (!robot.configurations.empty()) {
+      result.numbers["return_error_today_m"] = runs.return_error_m(false);
+      result.numbers["return_error_m"] = runs.return_error_m(true);
+    }
     if (runs.failed_steps() == 0) continue;
     result.converged = false;
     result.message = robot.name + ": steps of plant failed";
@@ -394,6 +430,10 @@ ExperimentResult run_paths_experiment(const ExperimentContext& context) {
           << 1e3 * path["feedback_rms_m"].get<double>() << " mm, learnt " << 1e3 * path["learnt_rms_m"].get<double>()
           << " mm. ";
   }
+  if (result.numbers.contains("return_error_m"))
+    words << "Configurations that ask for the same come back within "
+          << 1e3 * result.numbers["return_error_today_m"].get<double>() << " mm, with the drives' play inverted within "
+          << 1e3 * result.numbers["return_error_m"].get<double>() << " mm.";
   result.we_find = words.str();
   return result;
 }

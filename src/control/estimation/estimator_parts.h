@@ -13,12 +13,12 @@
 namespace soft_robot_lab {
 
 // What is known of a marker's offset: measured less modelled.
-struct Offset {
+struct MarkerOffset {
   Eigen::Vector3d offset_m, modelled_m;
   Eigen::Matrix3d covariance_m2;
 };
 
-struct Seen {
+struct SeenCoordinates {
   std::vector<int> markers;
   std::vector<Eigen::Vector3d> positions_m;
   std::vector<Eigen::Matrix3d> covariances_m2;
@@ -26,13 +26,13 @@ struct Seen {
 };
 
 // How seen coordinates move where the model stands without loads.
-struct Changes {
+struct UnloadedChanges {
   Eigen::MatrixXd by_modulus;   // coordinates x 1, for all moduli doubled by the tangent
   Eigen::MatrixXd by_commands;  // coordinates x actuators, for the whole range of each command
   std::vector<double> ranges;   // of each command, in its unit
 };
 
-struct Solution {
+struct LoadSolution {
   std::vector<PlacedLoad> loads;
   double log_probability = 0.0;  // of gap and forces, up to a constant
   double chi2 = 0.0;
@@ -40,13 +40,13 @@ struct Solution {
   SimulationState state;
 };
 
-struct Hypothesis {
+struct LoadHypothesis {
   LoadKind kind;
   double log_evidence;
   double chi2;
   Eigen::VectorXd numbers{};  // of one that is linear
   int actuator = -1;
-  std::optional<Solution> solution{};
+  std::optional<LoadSolution> solution{};
 };
 
 // Beyond it chi^2 of so many coordinates lies by this chance.
@@ -56,34 +56,38 @@ struct LoadEstimator::Parts {
   Parts(Simulation& simulation, const LoadEstimationOptions& chosen);
 
   LoadPrior prior() const;
-  Seen check(const std::vector<MeasuredMarker>& measured) const;
-  Eigen::VectorXd gap_m(const Seen& seen) const;
+  SeenCoordinates check(const std::vector<MeasuredMarker>& measured) const;
+  Eigen::VectorXd gap_m(const SeenCoordinates& seen) const;
   // How far markers have moved since offsets were taken: 0 not at all, 1 by options.pose_change_m or more.
-  double pose_change(const Seen& seen) const;
-  Changes changes(const Seen& seen);
-  Eigen::MatrixXd whitening(const Seen& seen, const Changes& changes, const Eigen::VectorXd& moved_m) const;
-  LinearisedLoads linearise(const Seen& seen, const Eigen::MatrixXd& whitening, const std::vector<LoadPlace>& places,
-                            const std::vector<PlacedLoad>& loads);
-  std::optional<Solution> solve(const Seen& seen, const Eigen::MatrixXd& whitening,
-                                const std::vector<LoadPlace>& places, const std::vector<PlacedLoad>& loads);
-  std::vector<PlacedLoad> better(const Solution& at, const std::vector<LoadPlace>& places,
+  double pose_change(const SeenCoordinates& seen) const;
+  UnloadedChanges changes(const SeenCoordinates& seen);
+  Eigen::MatrixXd whitening(const SeenCoordinates& seen, const UnloadedChanges& changes,
+                            const Eigen::VectorXd& moved_m) const;
+  LinearisedLoads linearise(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening,
+                            const std::vector<LoadPlace>& places, const std::vector<PlacedLoad>& loads);
+  std::optional<LoadSolution> solve(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening,
+                                    const std::vector<LoadPlace>& places, const std::vector<PlacedLoad>& loads);
+  std::vector<PlacedLoad> better(const LoadSolution& at, const std::vector<LoadPlace>& places,
                                  const Eigen::VectorXd& left_out, bool anywhere) const;
-  std::optional<Solution> approach(const Seen& seen, const Eigen::MatrixXd& whitening, const LinearisedLoads& unloaded,
-                                   const std::vector<LoadPlace>& places, const std::vector<std::size_t>& where);
-  std::optional<Solution> follow(const Seen& seen, const Eigen::MatrixXd& whitening, const LinearisedLoads& unloaded,
-                                 const std::vector<LoadPlace>& places, const std::vector<std::size_t>& where);
-  double log_evidence(const Solution& solution, const std::vector<LoadPlace>& places) const;
-  void add_loads(const Seen& seen, const Eigen::MatrixXd& whitening, const LinearisedLoads& unloaded,
-                 std::vector<Hypothesis>& all);
-  void add_changes(const Seen& seen, const Changes& changes, const Eigen::MatrixXd& whitening,
-                   const LinearisedLoads& unloaded, std::vector<Hypothesis>& all) const;
-  EstimatedLoad describe(const Solution& solution, std::size_t load, const std::vector<LoadPlace>& places) const;
-  void conclude(const Seen& seen, const Changes& changes, const std::vector<Hypothesis>& all, LoadEstimate& result);
+  std::optional<LoadSolution> approach(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening,
+                                       const LinearisedLoads& unloaded, const std::vector<LoadPlace>& places,
+                                       const std::vector<std::size_t>& where);
+  std::optional<LoadSolution> follow(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening,
+                                     const LinearisedLoads& unloaded, const std::vector<LoadPlace>& places,
+                                     const std::vector<std::size_t>& where);
+  double log_evidence(const LoadSolution& solution, const std::vector<LoadPlace>& places) const;
+  void add_loads(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening, const LinearisedLoads& unloaded,
+                 std::vector<LoadHypothesis>& all);
+  void add_changes(const SeenCoordinates& seen, const UnloadedChanges& changes, const Eigen::MatrixXd& whitening,
+                   const LinearisedLoads& unloaded, std::vector<LoadHypothesis>& all) const;
+  EstimatedLoad describe(const LoadSolution& solution, std::size_t load, const std::vector<LoadPlace>& places) const;
+  void conclude(const SeenCoordinates& seen, const UnloadedChanges& changes, const std::vector<LoadHypothesis>& all,
+                LoadEstimate& result);
 
   Simulation& model;
   LoadEstimationOptions options;
   std::vector<LoadPlace> skin, hooks;
-  std::map<int, Offset> offsets;
+  std::map<int, MarkerOffset> offsets;
   SimulationState untouched, estimated;
 };
 

@@ -92,8 +92,8 @@ LoadPrior LoadEstimator::Parts::prior() const {
           {options.least_force_n, std::sqrt(options.least_force_n * options.most_force_n), options.most_force_n}};
 }
 
-Seen LoadEstimator::Parts::check(const std::vector<MeasuredMarker>& measured) const {
-  Seen seen;
+SeenCoordinates LoadEstimator::Parts::check(const std::vector<MeasuredMarker>& measured) const {
+  SeenCoordinates seen;
   std::set<std::string> names;
   for (const MeasuredMarker& marker : measured) {
     const int index = model.marker_index(marker.name);
@@ -111,7 +111,7 @@ Seen LoadEstimator::Parts::check(const std::vector<MeasuredMarker>& measured) co
   return seen;
 }
 
-Eigen::VectorXd LoadEstimator::Parts::gap_m(const Seen& seen) const {
+Eigen::VectorXd LoadEstimator::Parts::gap_m(const SeenCoordinates& seen) const {
   Eigen::VectorXd gap(seen.coordinates());
   for (std::size_t i = 0; i < seen.markers.size(); ++i) {
     const auto offset = offsets.find(seen.markers[i]);
@@ -122,7 +122,7 @@ Eigen::VectorXd LoadEstimator::Parts::gap_m(const Seen& seen) const {
   return gap;
 }
 
-double LoadEstimator::Parts::pose_change(const Seen& seen) const {
+double LoadEstimator::Parts::pose_change(const SeenCoordinates& seen) const {
   double most = 0.0;
   for (const int marker : seen.markers) {
     const auto offset = offsets.find(marker);
@@ -133,7 +133,7 @@ double LoadEstimator::Parts::pose_change(const Seen& seen) const {
   return most;
 }
 
-Changes LoadEstimator::Parts::changes(const Seen& seen) {
+UnloadedChanges LoadEstimator::Parts::changes(const SeenCoordinates& seen) {
   const auto seen_rows = [&](const Eigen::MatrixXd& of_all) {
     Eigen::MatrixXd rows(seen.coordinates(), of_all.cols());
     for (std::size_t i = 0; i < seen.markers.size(); ++i)
@@ -141,7 +141,7 @@ Changes LoadEstimator::Parts::changes(const Seen& seen) {
     return rows;
   };
   Eigen::MatrixXd slipped_m;
-  Changes result;
+  UnloadedChanges result;
   result.by_modulus = model.body().material().youngs_modulus_pa *
                       seen_rows(model.parameter_sensitivities({{"youngs_modulus_pa", {}}}, slipped_m));
   result.by_commands = seen_rows(model.marker_sensitivities());
@@ -154,7 +154,7 @@ Changes LoadEstimator::Parts::changes(const Seen& seen) {
 }
 
 // `moved_m`: how far loads are taken to have moved the coordinates. The model stands where the robot does without them.
-Eigen::MatrixXd LoadEstimator::Parts::whitening(const Seen& seen, const Changes& changes,
+Eigen::MatrixXd LoadEstimator::Parts::whitening(const SeenCoordinates& seen, const UnloadedChanges& changes,
                                                 const Eigen::VectorXd& moved_m) const {
   // A wrong compliance moves all markers by the same share of their way.
   Eigen::MatrixXd variance_m2 = options.compliance_error * options.compliance_error * moved_m * moved_m.transpose();
@@ -178,16 +178,17 @@ Eigen::MatrixXd LoadEstimator::Parts::whitening(const Seen& seen, const Changes&
   return variance_m2.llt().matrixL().solve(Eigen::MatrixXd::Identity(variance_m2.rows(), variance_m2.cols()));
 }
 
-void LoadEstimator::Parts::conclude(const Seen& seen, const Changes& changes, const std::vector<Hypothesis>& all,
-                                    LoadEstimate& result) {
-  for (const Hypothesis& each : all) {
+void LoadEstimator::Parts::conclude(const SeenCoordinates& seen, const UnloadedChanges& changes,
+                                    const std::vector<LoadHypothesis>& all, LoadEstimate& result) {
+  for (const LoadHypothesis& each : all) {
     const auto [known, added] = result.log_evidence.emplace(each.kind, each.log_evidence);
     if (!added) known->second = std::max(known->second, each.log_evidence);
   }
-  const Hypothesis& best = *std::max_element(
-      all.begin(), all.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.log_evidence < b.log_evidence; });
+  const LoadHypothesis& best = *std::max_element(
+      all.begin(), all.end(),
+      [](const LoadHypothesis& a, const LoadHypothesis& b) { return a.log_evidence < b.log_evidence; });
   double others = 0.0;
-  for (const Hypothesis& each : all) others += std::exp(each.log_evidence - best.log_evidence);
+  for (const LoadHypothesis& each : all) others += std::exp(each.log_evidence - best.log_evidence);
   result.kind = best.kind;
   result.probability = 1.0 / others;
   result.chi2 = best.chi2;
@@ -218,7 +219,7 @@ LoadEstimator::~LoadEstimator() = default;
 
 void LoadEstimator::take_offsets(const std::vector<MeasuredMarker>& measured) {
   Parts& p = *parts_;
-  const Seen seen = p.check(measured);
+  const SeenCoordinates seen = p.check(measured);
   for (std::size_t i = 0; i < seen.markers.size(); ++i) {
     const Eigen::Vector3d modelled_m = p.model.marker_position(seen.markers[i]);
     p.offsets[seen.markers[i]] = {seen.positions_m[i] - modelled_m, modelled_m, seen.covariances_m2[i]};
@@ -227,7 +228,7 @@ void LoadEstimator::take_offsets(const std::vector<MeasuredMarker>& measured) {
 
 LoadEstimate LoadEstimator::estimate(const std::vector<MeasuredMarker>& measured) {
   Parts& p = *parts_;
-  const Seen seen = p.check(measured);
+  const SeenCoordinates seen = p.check(measured);
   LoadEstimate result;
   p.untouched = p.estimated = p.model.state();
   result.coordinates = static_cast<int>(seen.coordinates());
@@ -236,13 +237,13 @@ LoadEstimate LoadEstimator::estimate(const std::vector<MeasuredMarker>& measured
     result.message = "no marker is seen";
   } else {
     const Eigen::VectorXd gap_m = p.gap_m(seen);
-    const Changes changes = p.changes(seen);
+    const UnloadedChanges changes = p.changes(seen);
     const Eigen::VectorXd still_m = Eigen::VectorXd::Zero(gap_m.size());
     result.chi2_unloaded = result.chi2 = (p.whitening(seen, changes, still_m) * gap_m).squaredNorm();
     if (result.chi2_unloaded > largest_chi2(result.coordinates, p.options.false_alarm_rate)) {
       const Eigen::MatrixXd whitening = p.whitening(seen, changes, gap_m);
       const LinearisedLoads unloaded = p.linearise(seen, whitening, {}, {});
-      std::vector<Hypothesis> all;
+      std::vector<LoadHypothesis> all;
       p.add_changes(seen, changes, whitening, unloaded, all);
       p.add_loads(seen, whitening, unloaded, all);
       p.model.pull({});

@@ -27,7 +27,7 @@ constexpr int kMostStages = 6;
 constexpr double kSettled = 0.05;                               // of a log probability
 constexpr double kFrameShift_m = 0.005, kFrameTurn_rad = 0.05;  // standard deviations of a displaced frame
 
-Eigen::VectorXd without(const Solution& at, std::size_t load, const std::vector<LoadPlace>& places) {
+Eigen::VectorXd without(const LoadSolution& at, std::size_t load, const std::vector<LoadPlace>& places) {
   Eigen::VectorXd gap = at.linear.gap;
   for (std::size_t i = 0; i < at.loads.size(); ++i)
     if (i != load) gap -= at.linear.compliance_at(places[at.loads[i].place].at).transpose() * at.loads[i].force_n;
@@ -36,7 +36,7 @@ Eigen::VectorXd without(const Solution& at, std::size_t load, const std::vector<
 
 }  // namespace
 
-LinearisedLoads LoadEstimator::Parts::linearise(const Seen& seen, const Eigen::MatrixXd& whitening,
+LinearisedLoads LoadEstimator::Parts::linearise(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening,
                                                 const std::vector<LoadPlace>& places,
                                                 const std::vector<PlacedLoad>& loads) {
   const Eigen::MatrixXd all = model.marker_compliances();
@@ -50,14 +50,14 @@ LinearisedLoads LoadEstimator::Parts::linearise(const Seen& seen, const Eigen::M
   return linear;
 }
 
-std::optional<Solution> LoadEstimator::Parts::solve(const Seen& seen, const Eigen::MatrixXd& whitening,
-                                                    const std::vector<LoadPlace>& places,
-                                                    const std::vector<PlacedLoad>& loads) {
+std::optional<LoadSolution> LoadEstimator::Parts::solve(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening,
+                                                        const std::vector<LoadPlace>& places,
+                                                        const std::vector<PlacedLoad>& loads) {
   std::vector<PointLoad> forces;
   for (const PlacedLoad& load : loads) forces.push_back({places[load.place].at, load.force_n});
   model.pull(forces);
   if (!model.solve_equilibrium().converged) return std::nullopt;
-  Solution solution;
+  LoadSolution solution;
   solution.loads = loads;
   const Eigen::VectorXd gap = whitening * gap_m(seen);
   solution.chi2 = gap.squaredNorm();
@@ -71,9 +71,9 @@ std::optional<Solution> LoadEstimator::Parts::solve(const Seen& seen, const Eige
 
 // The loads that the linearisation at a solution finds best for its gap less `left_out`: one after the other, given the
 // others, each anywhere or where it is.
-std::vector<PlacedLoad> LoadEstimator::Parts::better(const Solution& at, const std::vector<LoadPlace>& places,
+std::vector<PlacedLoad> LoadEstimator::Parts::better(const LoadSolution& at, const std::vector<LoadPlace>& places,
                                                      const Eigen::VectorXd& left_out, bool anywhere) const {
-  Solution changed{at.loads, 0.0, 0.0, at.linear, {}};
+  LoadSolution changed{at.loads, 0.0, 0.0, at.linear, {}};
   changed.linear.gap -= left_out;
   const int sweeps = at.loads.size() > 1 ? 3 : 1;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
@@ -96,16 +96,17 @@ std::vector<PlacedLoad> LoadEstimator::Parts::better(const Solution& at, const s
 
 // Towards loads at these places in stages, so that the robot bends little in each, as it answers very differently once
 // it is bent. Each stage takes away a share of the gap.
-std::optional<Solution> LoadEstimator::Parts::approach(const Seen& seen, const Eigen::MatrixXd& whitening,
-                                                       const LinearisedLoads& unloaded,
-                                                       const std::vector<LoadPlace>& places,
-                                                       const std::vector<std::size_t>& where) {
+std::optional<LoadSolution> LoadEstimator::Parts::approach(const SeenCoordinates& seen,
+                                                           const Eigen::MatrixXd& whitening,
+                                                           const LinearisedLoads& unloaded,
+                                                           const std::vector<LoadPlace>& places,
+                                                           const std::vector<std::size_t>& where) {
   model.pull({});
   model.set_state(untouched);
   const double farthest_m = gap_m(seen).reshaped(3, seen.coordinates() / 3).colwise().norm().maxCoeff();
   const int stages =
       std::clamp(static_cast<int>(std::ceil(farthest_m / (kStage * model.body().size_m()))), 1, kMostStages);
-  std::optional<Solution> here(Solution{{}, 0.0, 0.0, unloaded, untouched});
+  std::optional<LoadSolution> here(LoadSolution{{}, 0.0, 0.0, unloaded, untouched});
   for (const std::size_t place : where) here->loads.push_back({place, Eigen::Vector3d::Zero()});
   for (int stage = 1; stage <= stages && here; ++stage) {
     const double left = 1.0 - static_cast<double>(stage) / stages;
@@ -121,16 +122,16 @@ std::optional<Solution> LoadEstimator::Parts::approach(const Seen& seen, const E
 
 // Gauss-Newton from these places: solve under the loads, linearise there, look for better ones. A step that makes it
 // worse is halved.
-std::optional<Solution> LoadEstimator::Parts::follow(const Seen& seen, const Eigen::MatrixXd& whitening,
-                                                     const LinearisedLoads& unloaded,
-                                                     const std::vector<LoadPlace>& places,
-                                                     const std::vector<std::size_t>& where) {
-  std::optional<Solution> best = approach(seen, whitening, unloaded, places, where);
+std::optional<LoadSolution> LoadEstimator::Parts::follow(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening,
+                                                         const LinearisedLoads& unloaded,
+                                                         const std::vector<LoadPlace>& places,
+                                                         const std::vector<std::size_t>& where) {
+  std::optional<LoadSolution> best = approach(seen, whitening, unloaded, places, where);
   if (!best) return best;
   const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(best->linear.gap.size());
   std::vector<PlacedLoad> loads = better(*best, places, nothing, true);
   for (int i = 0; i < kMostSolves; ++i) {
-    std::optional<Solution> here;
+    std::optional<LoadSolution> here;
     try {
       here = solve(seen, whitening, places, loads);
     } catch (const std::runtime_error&) {  // not stable under these loads
@@ -155,7 +156,7 @@ std::optional<Solution> LoadEstimator::Parts::follow(const Seen& seen, const Eig
   return best;
 }
 
-double LoadEstimator::Parts::log_evidence(const Solution& solution, const std::vector<LoadPlace>& places) const {
+double LoadEstimator::Parts::log_evidence(const LoadSolution& solution, const std::vector<LoadPlace>& places) const {
   // Each place is weighed given the others; forces together.
   double log_evidence = solution.log_probability;
   Eigen::MatrixXd compliance(0, solution.linear.gap.size());
@@ -182,39 +183,41 @@ double LoadEstimator::Parts::log_evidence(const Solution& solution, const std::v
          information.llt().matrixLLT().diagonal().array().log().sum();
 }
 
-void LoadEstimator::Parts::add_loads(const Seen& seen, const Eigen::MatrixXd& whitening,
-                                     const LinearisedLoads& unloaded, std::vector<Hypothesis>& all) {
+void LoadEstimator::Parts::add_loads(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening,
+                                     const LinearisedLoads& unloaded, std::vector<LoadHypothesis>& all) {
   const double size_m = model.body().size_m();
   const auto best_of = [&](const std::vector<LoadPlace>& places, std::size_t starts, LoadKind kind) {
     const std::vector<PlaceFit> fits = fit_places(unloaded, unloaded.gap, places, prior());
-    std::optional<Solution> best;
+    std::optional<LoadSolution> best;
     for (const std::size_t start : best_apart(fits, places, model.body().mesh(), kApart * size_m, starts)) {
-      std::optional<Solution> here = follow(seen, whitening, unloaded, places, {start});
+      std::optional<LoadSolution> here = follow(seen, whitening, unloaded, places, {start});
       if (here && (!best || here->log_probability > best->log_probability)) best = std::move(here);
     }
     if (best) all.push_back({kind, log_evidence(*best, places), best->chi2, {}, -1, best});
     return best;
   };
   if (!prior().down.isZero(0.0)) best_of(hooks, 2, LoadKind::weight);
-  const std::optional<Solution> one = best_of(skin, kStarts, LoadKind::push);
+  const std::optional<LoadSolution> one = best_of(skin, kStarts, LoadKind::push);
   const double most = largest_chi2(static_cast<int>(seen.coordinates()), kWorthASecond);
-  if (!one || std::any_of(all.begin(), all.end(), [&](const Hypothesis& each) { return each.chi2 <= most; })) return;
-  std::optional<Solution> two;
+  if (!one || std::any_of(all.begin(), all.end(), [&](const LoadHypothesis& each) { return each.chi2 <= most; }))
+    return;
+  std::optional<LoadSolution> two;
   for (const LinearisedLoads* linear : {&unloaded, &one->linear}) {
     const std::vector<PlaceFit> fits = fit_places(*linear, linear->gap, skin, prior());
     const std::vector<std::size_t> firsts = best_apart(fits, skin, model.body().mesh(), kFirstsApart * size_m, kFirsts);
     const std::vector<std::size_t> pair =
         best_pair(*linear, skin, firsts, std::max<std::size_t>(1, skin.size() / kSeconds), prior());
     if (pair.empty()) continue;
-    std::optional<Solution> here = follow(seen, whitening, unloaded, skin, pair);
+    std::optional<LoadSolution> here = follow(seen, whitening, unloaded, skin, pair);
     if (here && (!two || here->log_probability > two->log_probability)) two = std::move(here);
   }
   if (two) all.push_back({LoadKind::two_pushes, log_evidence(*two, skin) + kLogOddsOfTwo, two->chi2, {}, -1, two});
 }
 
 // What is no load, each linear in its numbers: gap = columns * numbers, numbers of unit deviation.
-void LoadEstimator::Parts::add_changes(const Seen& seen, const Changes& changes, const Eigen::MatrixXd& whitening,
-                                       const LinearisedLoads& unloaded, std::vector<Hypothesis>& all) const {
+void LoadEstimator::Parts::add_changes(const SeenCoordinates& seen, const UnloadedChanges& changes,
+                                       const Eigen::MatrixXd& whitening, const LinearisedLoads& unloaded,
+                                       std::vector<LoadHypothesis>& all) const {
   const auto add = [&](LoadKind kind, const Eigen::MatrixXd& columns, int actuator) {
     const Eigen::MatrixXd white = whitening * columns;
     const Eigen::MatrixXd information =
@@ -242,7 +245,7 @@ void LoadEstimator::Parts::add_changes(const Seen& seen, const Changes& changes,
   add(LoadKind::frame, rigid, -1);
 }
 
-EstimatedLoad LoadEstimator::Parts::describe(const Solution& solution, std::size_t load,
+EstimatedLoad LoadEstimator::Parts::describe(const LoadSolution& solution, std::size_t load,
                                              const std::vector<LoadPlace>& places) const {
   const std::vector<PlaceFit> fits = fit_places(solution.linear, without(solution, load, places), places, prior());
   const std::vector<double> probabilities = place_probabilities(fits, places);

@@ -24,7 +24,7 @@ class TwinSession : public testing::Test {
   TwinSession() {
     SceneOptions options;
     options.actuator_factory = make_actuator;
-    robot_ = load_scene(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/scenes/marked_bar.yaml", options).simulation;
+    robot_ = load_scene(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/scenes/pushed_bar.yaml", options).simulation;
     if (!robot_->solve_equilibrium().converged) throw std::runtime_error("the bar finds no rest");
     markers_ = node_.advertise<MarkerObservations>(topics::tracker_markers, 10);
     loads_ = node_.subscribe<TwinLoads>(topics::twin_loads, 10, [this](const TwinLoads::ConstPtr& m) { heard_ = *m; });

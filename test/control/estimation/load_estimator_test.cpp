@@ -26,7 +26,7 @@ std::unique_ptr<Simulation> bar(const std::string& overrides = "") {
   options.mesher = SOFT_ROBOT_LAB_MESHER;
   options.actuator_factory = make_actuator;
   options.overrides = overrides_from(overrides);
-  return load_scene(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/scenes/marked_bar.yaml", options).simulation;
+  return load_scene(std::string(SOFT_ROBOT_LAB_SOURCE) + "/test/data/scenes/pushed_bar.yaml", options).simulation;
 }
 
 const std::string kFiner = "body: {element_size_m: 0.01}";

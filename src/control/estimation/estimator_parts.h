@@ -61,7 +61,8 @@ struct LoadEstimator::Parts {
   // How far markers have moved since offsets were taken: 0 not at all, 1 by options.pose_change_m or more.
   double pose_change(const SeenCoordinates& seen) const;
   UnloadedChanges changes(const SeenCoordinates& seen);
-  Eigen::MatrixXd whitening(const SeenCoordinates& seen, const UnloadedChanges& changes,
+  // `changes` may be absent where the pose has not changed.
+  Eigen::MatrixXd whitening(const SeenCoordinates& seen, const std::optional<UnloadedChanges>& changes,
                             const Eigen::VectorXd& moved_m) const;
   LinearisedLoads linearise(const SeenCoordinates& seen, const Eigen::MatrixXd& whitening,
                             const std::vector<LoadPlace>& places, const std::vector<PlacedLoad>& loads);

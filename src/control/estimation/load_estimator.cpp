@@ -17,6 +17,7 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kUnexplained = 1.0e-6;  // chance of a chi^2 so large where the estimate is right
+
 }  // namespace
 
 void LoadEstimationOptions::validate() const {
@@ -154,7 +155,8 @@ UnloadedChanges LoadEstimator::Parts::changes(const SeenCoordinates& seen) {
 }
 
 // `moved_m`: how far loads are taken to have moved the coordinates. The model stands where the robot does without them.
-Eigen::MatrixXd LoadEstimator::Parts::whitening(const SeenCoordinates& seen, const UnloadedChanges& changes,
+Eigen::MatrixXd LoadEstimator::Parts::whitening(const SeenCoordinates& seen,
+                                                const std::optional<UnloadedChanges>& changes,
                                                 const Eigen::VectorXd& moved_m) const {
   // A wrong compliance moves all markers by the same share of their way.
   Eigen::MatrixXd variance_m2 = options.compliance_error * options.compliance_error * moved_m * moved_m.transpose();
@@ -173,8 +175,9 @@ Eigen::MatrixXd LoadEstimator::Parts::whitening(const SeenCoordinates& seen, con
     }
     variance_m2.block<3, 3>(row, row) += of_marker_m2 + std::max(error_m2, 1e-16) * Eigen::Matrix3d::Identity();
   }
-  variance_m2 += square(changed * options.modulus_error) * changes.by_modulus * changes.by_modulus.transpose() +
-                 square(changed * options.command_error) * changes.by_commands * changes.by_commands.transpose();
+  if (changed > 0.0)
+    variance_m2 += square(changed * options.modulus_error) * changes->by_modulus * changes->by_modulus.transpose() +
+                   square(changed * options.command_error) * changes->by_commands * changes->by_commands.transpose();
   return variance_m2.llt().matrixL().solve(Eigen::MatrixXd::Identity(variance_m2.rows(), variance_m2.cols()));
 }
 
@@ -237,18 +240,20 @@ LoadEstimate LoadEstimator::estimate(const std::vector<MeasuredMarker>& measured
     result.message = "no marker is seen";
   } else {
     const Eigen::VectorXd gap_m = p.gap_m(seen);
-    const UnloadedChanges changes = p.changes(seen);
+    std::optional<UnloadedChanges> changes;  // solved for where they are needed
+    if (p.pose_change(seen) > 0.0) changes = p.changes(seen);
     const Eigen::VectorXd still_m = Eigen::VectorXd::Zero(gap_m.size());
     result.chi2_unloaded = result.chi2 = (p.whitening(seen, changes, still_m) * gap_m).squaredNorm();
     if (result.chi2_unloaded > largest_chi2(result.coordinates, p.options.false_alarm_rate)) {
       const Eigen::MatrixXd whitening = p.whitening(seen, changes, gap_m);
+      if (!changes) changes = p.changes(seen);
       const LinearisedLoads unloaded = p.linearise(seen, whitening, {}, {});
       std::vector<LoadHypothesis> all;
-      p.add_changes(seen, changes, whitening, unloaded, all);
+      p.add_changes(seen, *changes, whitening, unloaded, all);
       p.add_loads(seen, whitening, unloaded, all);
       p.model.pull({});
       p.model.set_state(p.untouched);
-      p.conclude(seen, changes, all, result);
+      p.conclude(seen, *changes, all, result);
     }
   }
   for (std::size_t i = 0; i < p.model.markers().size(); ++i) {

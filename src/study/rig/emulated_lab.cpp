@@ -55,6 +55,17 @@ double farthest_m(const MarkerPlaces& one, const MarkerPlaces& other) {
   return most_m;
 }
 
+double rms_m(const MarkerPlaces& places, const MarkerPlaces& others) {
+  double sum_m2 = 0.0, count = 0.0;
+  for (const auto& [name, position_m] : places) {
+    const auto other = others.find(name);
+    if (other == others.end()) continue;
+    sum_m2 += (position_m - other->second).squaredNorm();
+    count += 1.0;
+  }
+  return count > 0.0 ? std::sqrt(sum_m2 / count) : 0.0;
+}
+
 EmulatedLab::EmulatedLab(const EmulatedLabSettings& settings, const SceneOptions& options)
     : settings_(settings),
       plant_(settings.plant, options),

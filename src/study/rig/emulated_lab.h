@@ -37,6 +37,8 @@ struct EmulatedLabSettings {
 using MarkerPlaces = std::map<std::string, Eigen::Vector3d>;  // robot_base
 // The most that a marker of `one` is away from its place in `other`, which must have it.
 double farthest_m(const MarkerPlaces& one, const MarkerPlaces& other);
+// Root mean square distance of the markers that both have; of none 0.
+double rms_m(const MarkerPlaces& places, const MarkerPlaces& others);
 
 class EmulatedLab {
  public:

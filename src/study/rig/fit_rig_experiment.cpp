@@ -25,9 +25,7 @@ FitRigSettings read_fit_rig_settings(const ExperimentContext& context) {
   FitRigSettings settings{read_lab_files(node, context), read_configurations(node),
                           read_configurations(node.child("unseen"))};
   settings.recording = read_recording_settings(node);
-  settings.request.model_error_m = node.number("model_error_m", AllowedRange::not_negative());
-  for (const YamlNode& name : node.sequence("parameters"))
-    settings.request.parameters.push_back({name.as_text(), {}, {}, {}});
+  settings.request = read_fit_request(node);
   node.require_all_read();
   return settings;
 }

@@ -29,18 +29,6 @@ struct GapRecord {
   const MarkerPlaces& truth() const { return rest.true_m; }
 };
 
-// Root mean square distance of the markers that both have; of none 0.
-double rms_m(const MarkerPlaces& places, const MarkerPlaces& others) {
-  double sum_m2 = 0.0, count = 0.0;
-  for (const auto& [name, position_m] : places) {
-    const auto other = others.find(name);
-    if (other == others.end()) continue;
-    sum_m2 += (position_m - other->second).squaredNorm();
-    count += 1.0;
-  }
-  return count > 0.0 ? std::sqrt(sum_m2 / count) : 0.0;
-}
-
 double rms(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value * value;

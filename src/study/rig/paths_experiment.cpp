@@ -222,9 +222,7 @@ class RobotRun {
       if (std::find(robot_.come_back.begin(), robot_.come_back.end(), one.name) == robot_.come_back.end()) continue;
       const MarkerPlaces now_m = lab_->plant().markers_m();
       if (!first_m) first_m = now_m;
-      double squares_m2 = 0.0;
-      for (const auto& [name, position_m] : now_m) squares_m2 += (position_m - first_m->at(name)).squaredNorm();
-      most_m = std::max(most_m, std::sqrt(squares_m2 / static_cast<double>(now_m.size())));
+      most_m = std::max(most_m, rms_m(now_m, *first_m));
     }
     return most_m;
   }

@@ -17,6 +17,13 @@ RecordingSettings read_recording_settings(const YamlNode& node) {
   return settings;
 }
 
+FitRequest read_fit_request(const YamlNode& node) {
+  FitRequest request;
+  request.model_error_m = node.number("model_error_m", AllowedRange::not_negative());
+  for (const YamlNode& name : node.sequence("parameters")) request.parameters.push_back({name.as_text(), {}, {}, {}});
+  return request;
+}
+
 Recorder::Recorder(const LabFiles& files, const RecordingSettings& settings, const ExperimentContext& context)
     : files_(files),
       settings_(settings),

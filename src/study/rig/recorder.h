@@ -16,9 +16,13 @@ struct RecordingSettings {
 };
 
 // held_s: 7                # how long a command is held
-// film_at_s: [2, 6.5]      # optional
+// film_at_s: [2, 6.5]      # at least one
 // overrides: {...}         # over the robot's file
 RecordingSettings read_recording_settings(const YamlNode& node);
+
+// model_error_m: 2.0e-5    # as in FitRequest
+// parameters: [youngs_modulus_pa, ...]
+FitRequest read_fit_request(const YamlNode& node);
 
 // The model only shows which marker is which.
 class Recorder {

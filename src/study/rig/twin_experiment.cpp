@@ -9,9 +9,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "control/estimation/load_estimator.h"
 #include "control/estimation/push_places.h"
 #include "recorder.h"
-#include "control/estimation/load_estimator.h"
+#include "settings/quantile.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -57,9 +58,7 @@ TwinSettings read_twin_settings(const ExperimentContext& context) {
     settings.robots.push_back({robot.text("name"), read_lab_files(robot, context), read_configurations(robot)});
     TwinRobot& read = settings.robots.back();
     read.recording = read_recording_settings(robot);
-    read.request.model_error_m = robot.number("model_error_m", AllowedRange::not_negative());
-    for (const YamlNode& name : robot.sequence("parameters"))
-      read.request.parameters.push_back({name.as_text(), {}, {}, {}});
+    read.request = read_fit_request(robot);
   }
   node.require_all_read();
   return settings;
@@ -248,11 +247,9 @@ class TwinBench {
   double cpu_s_ = 0.0;
 };
 
-// The value that such a share of the values does not exceed; NaN where there are none, which JSON writes as null.
-double share_of(std::vector<double> values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+// NaN where there are none, which JSON writes as null.
+double share_of(const std::vector<double>& values, double share) {
+  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : quantile(values, share);
 }
 
 struct Score {

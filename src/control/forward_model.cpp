@@ -109,8 +109,8 @@ void ForwardModel::settle(const Eigen::VectorXd& commands, bool trial) {
     from[i] = simulation_.state().drives[static_cast<size_t>(actuators_[static_cast<size_t>(i)])].command;
   double stages = std::ceil(std::max(1.0, kStagesOfRange * distance(from, commands)));
   if (!(stages <= 2.0 * kStagesOfRange)) stages = 1.0;  // beyond the limits, to be refused
-  EquilibriumOptions options;
-  if (trial && distance(from, commands) > kShortTrial) options = {kRoughTolerance, true};
+  EquilibriumOptions options{0.0, false, false};        // nobody reads warnings of trials
+  if (trial && distance(from, commands) > kShortTrial) options = {kRoughTolerance, true, false};
   for (double stage = 1.0; stage <= stages; ++stage) {
     const Eigen::VectorXd there =
         stage == stages ? commands : Eigen::VectorXd(from + stage / stages * (commands - from));

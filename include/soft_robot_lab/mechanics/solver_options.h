@@ -34,6 +34,7 @@ struct SolverOptions {
 struct EquilibriumOptions {
   double tolerance = 0.0;            // of the residual, where it is above SolverOptions::tolerance
   bool only_through_stable = false;  // give up, unconverged, where the body would buckle on the way
+  bool warns_of_left_out = true;     // of skin and cables in other silicone, where the scene knows no contact there
 };
 
 }  // namespace soft_robot_lab

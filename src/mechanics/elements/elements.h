@@ -59,6 +59,12 @@ class Elements {
   void add_hessian(const Eigen::Matrix3Xd& positions, const Eigen::VectorXd& multipliers, bool convex,
                    BlockMatrix& matrix);
 
+  // With those of another add_hessian, or with none yet.
+  void exchange_volume_gradients(Batches& other) {
+    if (other.empty()) other.resize(volume_gradients_.size());
+    volume_gradients_.swap(other);
+  }
+
   // Adds lambda c grad(V0 Jbar): what condensation of the multipliers adds to the gradient where c = Jbar - 1 - p /
   // lambda.
   void add_mismatch_forces(const Eigen::VectorXd& mismatch, Eigen::Matrix3Xd& forces) const;

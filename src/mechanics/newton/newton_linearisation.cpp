@@ -6,9 +6,16 @@
 #include "newton_solver.h"
 
 namespace soft_robot_lab {
+namespace {
+
+constexpr std::size_t kMostKept = 10;  // as many states as a search starts from
+constexpr double kMostKeptBytes = 1.28e8;
+
+}  // namespace
 
 bool NewtonSolver::linearise(const NewtonState& state, double inertia_per_s2,
                              const std::shared_ptr<const StrainTarget>& strain_target, bool convex, Slip slip) {
+  keep_factor();
   forget_factor();
   turns_.resize(3, 0);
   matrix_.set_zero();
@@ -157,8 +164,57 @@ void NewtonSolver::forget_factor() {
   skin_columns_.clear();
 }
 
+void NewtonSolver::exchange(KeptFactor& other) {
+  std::swap(matrix_, other.matrix);
+  std::swap(factor_, other.factor);
+  elements_.exchange_volume_gradients(other.volume_gradients);
+  border_.swap(other.border);
+  border_solved_.swap(other.border_solved);
+  delassus_.swap(other.delassus);
+  touches_.swap(other.touches);
+  rigid_touches_.swap(other.rigid_touches);
+}
+
+// Of a rest state, where it is all in factor_.
+bool NewtonSolver::may_be_kept() const {
+  return factorised_ && factorised_->inertia_per_s2 == 0.0 && !factorised_->strain_target && !skin_in_matrix_ &&
+         free_border_.empty();
+}
+
+void NewtonSolver::keep_factor() {
+  if (!may_be_kept()) return;
+  auto place = std::find_if(kept_.begin(), kept_.end(), [](const KeptFactor& kept) { return kept.of.expired(); });
+  if (place == kept_.end()) {
+    const double bytes = 8.0 * static_cast<double>(factor_.factor_size());
+    if (kept_.size() < kMostKept && bytes * static_cast<double>(kept_.size() + 1) <= kMostKeptBytes)
+      kept_.push_back({{}, BlockMatrix(tables_->matrix), BlockCholesky(tables_->factor), {}, {}, {}, {}, {}, {}});
+    else if (!kept_.empty())
+      std::rotate(kept_.begin(), kept_.begin() + 1, kept_.end());  // the oldest
+    else
+      return;
+    place = kept_.end() - 1;
+  }
+  exchange(*place);
+  place->of = factorised_;
+}
+
+// In place of another one, which is kept instead.
+bool NewtonSolver::take_up_kept_factor() {
+  const auto asked = std::find_if(kept_.begin(), kept_.end(),
+                                  [this](const KeptFactor& kept) { return kept.of.lock() == linearisation_; });
+  if (asked == kept_.end()) return false;
+  exchange(*asked);
+  asked->of = may_be_kept() ? factorised_ : nullptr;
+  free_border_ = FreeBorder();
+  skin_in_matrix_ = skin_in_border_ = false;
+  turns_.resize(3, 0);
+  factorised_ = linearisation_;
+  skin_columns_ = linearisation_->skin_columns;
+  return true;
+}
+
 bool NewtonSolver::make_factor() {
-  if (linearisation_ == factorised_) return true;
+  if (linearisation_ == factorised_ || take_up_kept_factor()) return true;
   const std::shared_ptr<const Linearisation> asked = linearisation_;
   const bool same = factorised_ && factorised_->at == asked->at;
   if (!same && !linearise(*asked->at, asked->inertia_per_s2, asked->strain_target, false)) return false;

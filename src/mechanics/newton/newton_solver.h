@@ -26,6 +26,7 @@
 #include "mechanics/elements/elements.h"
 #include "contact_matrix.h"
 #include "free_border.h"
+#include "kept_factor.h"
 #include "mechanics/complementarity/multiplier_problem.h"
 #include "newton_tables.h"
 #include "skin_border.h"
@@ -267,6 +268,10 @@ class NewtonSolver {
   bool has_factor_at(const NewtonState& state, double inertia_per_s2,
                      const std::shared_ptr<const StrainTarget>& strain_target);  // and makes it, where it is not yet
   void forget_factor();
+  void exchange(KeptFactor& other);
+  bool may_be_kept() const;
+  void keep_factor();  // before another one is made
+  bool take_up_kept_factor();
   bool stable_under(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
   // A column for each constraint that is active, or for those that slip together: which they are.
   Eigen::MatrixXd active_sums(const MultiplierProblem& problem, const Eigen::VectorXd& multipliers) const;
@@ -348,8 +353,9 @@ class NewtonSolver {
   std::shared_ptr<const ContactPattern> contact_pattern_;  // the last one
   Elements elements_;
   StrainSprings springs_;
-  bool soft_contact_ = false;    // while descending
-  bool skin_in_border_ = false;  // skin on skin is not in the matrix, but a constraint of each step
+  std::vector<KeptFactor> kept_;  // the oldest first
+  bool soft_contact_ = false;     // while descending
+  bool skin_in_border_ = false;   // skin on skin is not in the matrix, but a constraint of each step
 
   // The last linearisation, and that whose factor is in factor_ and whose volume gradients are in elements_: another
   // one after restore().

@@ -123,7 +123,7 @@ SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
       find_equilibrium(*parts_, options, solved);
     }
   });
-  if (report.converged)
+  if (report.converged && options.warns_of_left_out)
     for (const SolveWarning& warning : unmodelled_contact()) add_warning(warning, report.warnings);
   return report;
 }

@@ -298,6 +298,33 @@ TEST_P(EitherIntegrator, RepeatsToTheLastBit) {
   EXPECT_EQ(first.state().time_s, second.state().time_s);
 }
 
+// As a search starts its trials: a solver keeps the factors of some states, and one that comes anew to a state makes
+// it.
+TEST(Equilibrium, FromASavedStateIsTheSameInAnySolverToTheLastBit) {
+  Bar bar;
+  bar.cells = {4, 1, 1};
+  bar.cables = "compliance_m_n: 1.0e-5";
+  Simulation searching = make_bar(bar);
+  std::vector<SimulationState> saved;
+  for (int k = 0; k < 13; ++k) {  // more than it keeps
+    searching.set_command("upper", 1.0 - 0.01 * k);
+    searching.set_command("lower", 1.0 - 0.003 * k);
+    ASSERT_TRUE(searching.solve_equilibrium().converged);
+    saved.push_back(searching.state());
+  }
+  for (const std::size_t from : {12u, 3u, 7u, 3u, 0u, 12u, 11u, 7u}) {
+    searching.set_state(saved[from]);
+    Simulation anew(searching.model());
+    anew.set_state(saved[from]);
+    for (Simulation* simulation : {&searching, &anew}) {
+      simulation->set_command("upper", 0.931 + 0.001 * static_cast<double>(from));
+      ASSERT_TRUE(simulation->solve_equilibrium().converged);
+    }
+    EXPECT_TRUE(searching.state().positions_m == anew.state().positions_m) << from;
+    EXPECT_TRUE(searching.marker_sensitivities() == anew.marker_sensitivities()) << from;
+  }
+}
+
 TEST_P(EitherIntegrator, SurvivesASuddenStrongPull) {
   Bar bar;
   bar.cables = "compliance_m_n: 0";

@@ -15,14 +15,14 @@ namespace {
 constexpr int kScenesEach = 10;
 
 // How many are within 0.1 mm.
-int expect_right(const std::vector<int>& seeds) {
+int expect_right(const std::vector<int>& seeds, DrawnScene (*draw)(std::uint64_t, double) = draw_scene) {
   ExperimentContext context;
   context.mesher = SOFT_ROBOT_LAB_MESHER;
   const std::string file = SOFT_ROBOT_LAB_SOURCE "/config/experiments/rest_states.yaml";
   const DrawnSettings settings = read_drawn_settings(YamlNode::load_file(file).child("drawn"));
   int within = 0;
   for (const int seed : seeds) {
-    const JudgedScene judged = judge_drawn_scene(static_cast<std::uint64_t>(seed), settings, context);
+    const JudgedScene judged = judge_drawn_scene(draw(static_cast<std::uint64_t>(seed), settings.motion_s), settings, context);
     EXPECT_TRUE(judged.right(settings.within_m))
         << judged.name << ": " << 1e3 * judged.apart_m << " mm apart; says '" << judged.said << "' " << judged.failed;
     within += judged.apart_m <= settings.within_m ? 1 : 0;

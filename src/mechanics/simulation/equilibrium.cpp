@@ -8,6 +8,7 @@
 #include "actuator_warnings.h"
 #include "descent.h"
 #include "free_motion.h"
+#include "mechanics/body/gap.h"
 #include "rest_path.h"
 #include "solve_ending.h"
 #include "mechanics/solver_constants.h"
@@ -22,6 +23,10 @@ constexpr double kFrictionStages = 80;  // past those that rub
 constexpr double kSameLever = 1.25;     // times as far in half the way: not a jump, but a lever
 constexpr double kLeap = 2.0;           // times as far as the small stage before: past an edge, or to a side
 constexpr double kSmallWay = 1e-3;      // of the body's size: no jump
+// Commands that pull a body past obstacles: in as many stages, and in ever more until the end stays.
+constexpr int kFewStages = 4, kTimesMore = 4, kMostStages = 256;
+constexpr double kSameEnd = 2e-4;  // of the body's size
+constexpr double kBentWay = 1.5;   // times the straight way of a node past an obstacle: a way that is bent
 
 void report_unfinished(double done, SolveReport& report) {
   report.converged = false;
@@ -35,11 +40,21 @@ void report_unfinished(double done, SolveReport& report) {
 class Walk {
  public:
   Walk(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report)
-      : parts_(parts), options_(options), report_(report), path_(parts), before_m_(parts.state.positions_m) {}
+      : parts_(parts),
+        options_(options),
+        report_(report),
+        path_(parts),
+        iterations_before_(report.iterations),
+        before_m_(parts.state.positions_m) {}
 
+  // In so many stages at least, all loads in step.
+  void go_in_stages(int count);
   // The share of the way that was reached.
   double go();
+  // Where commands move the body past obstacles.
+  bool end_may_depend_on_way(const SimulationState& from) const;
   const std::vector<Snap>& snaps() const { return snaps_; }
+  int stages() const { return stages_; }
 
  private:
   // Whether a shorter stage would change less.
@@ -71,9 +86,11 @@ class Walk {
   double longest_ = 1.0;                                 // stage
   double way_before_m_ = 0.0, way_before_that_m_ = 0.0;  // of the two stages before, as for all of the way
   double follows_ = kFollows, lever_before_ = 0.0;
-  int iterations_before_ = 0;  // the stage that goes on
-  bool balloons_ = false;      // a chamber: there is no way on
-  Eigen::Matrix3Xd before_m_;  // where the stage before began
+  int iterations_before_;       // the stage that goes on
+  int stages_ = 0;              // so far, with those that were begun anew
+  bool may_start_over_ = true;  // once it is known that obstacles are met
+  bool balloons_ = false;       // a chamber: there is no way on
+  Eigen::Matrix3Xd before_m_;   // where the stage before began
   std::vector<Snap> snaps_;
 };
 
@@ -81,6 +98,7 @@ void Walk::advance_to(double share, Eigen::Matrix3Xd&& from_m) {
   const double way_m = way_from_m(from_m);
   way_before_that_m_ = std::exchange(way_before_m_, share > done_ ? way_m / (share - done_) : 0.0);
   done_ = share;
+  ++stages_;
   before_m_ = std::move(from_m);
   iterations_before_ = report_.iterations;
 }
@@ -220,9 +238,38 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
 }
 
+void Walk::go_in_stages(int count) {
+  path_.bring_loads_slowly();
+  longest_ = 1.0 / count;
+  may_start_over_ = false;
+}
+
+// Whether skin that went from one place to another may have met an obstacle that moved meanwhile.
+bool may_have_met(const Obstacle& obstacle, const Eigen::Matrix3Xd& from_m, double from_s, const Eigen::Matrix3Xd& to_m,
+                  double to_s) {
+  const Eigen::Isometry3d start = pose_at(obstacle, from_s), end = pose_at(obstacle, to_s);
+  for (Eigen::Index node = 0; node < from_m.cols(); ++node) {
+    const double way_m = (end.inverse() * to_m.col(node) - start.inverse() * from_m.col(node)).norm();
+    const double gaps_m =
+        gap_to(obstacle.shape, start, from_m.col(node)).gap_m + gap_to(obstacle.shape, end, to_m.col(node)).gap_m;
+    if (gaps_m < kBentWay * way_m) return true;
+  }
+  return false;
+}
+
+bool Walk::end_may_depend_on_way(const SimulationState& from) const {
+  const bool goes = path_.changes_commands() && way_from_m(from.positions_m) > kSmallWay * parts_.body.size_m();
+  if (!goes || parts_.workspace.newton.contact().free().count() > 0) return false;
+  const auto& obstacles = parts_.body.obstacles();
+  return std::any_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
+    return may_have_met(obstacle, from.positions_m, from.contact.time_s, parts_.state.positions_m,
+                        parts_.state.contact.time_s);
+  });
+}
+
 double Walk::go() {
   double stage = 1.0;
-  bool first = !options_.only_through_stable;
+  bool first = may_start_over_ && !options_.only_through_stable;
   const int patience = constants::kEquilibriumBudget * parts_.options.max_iterations;
   while (done_ < 1.0 && report_.iterations - iterations_before_ < patience) {
     const double from = done_, wanted = std::min(1.0, done_ + std::min(stage, longest_));
@@ -259,12 +306,49 @@ void start_from_rest_shape(SimulationParts& parts) {
   parts.begin_step();
 }
 
+struct Reached {
+  double share;  // of the way
+  int stages;
+  std::vector<Snap> snaps;
+  bool may_depend_on_way;  // the end
+};
+
+// From the state as it is; in so many stages at least.
+Reached walk_along(SimulationParts& parts, const EquilibriumOptions& options, int stages, SolveReport& report) {
+  SimulationState start;
+  if (!parts.body.obstacles().empty()) start = parts.state;
+  Walk walk(parts, options, report);
+  if (stages > 1) walk.go_in_stages(stages);
+  const double share = walk.go();
+  const bool may_depend = !options.only_through_stable && share == 1.0 && !parts.body.obstacles().empty() &&
+                          walk.end_may_depend_on_way(start);
+  return {share, walk.stages(), walk.snaps(), may_depend};
+}
+
+// Until the end stays where it is. What friction holds, and on which side of an obstacle a body ends, hangs on the way.
+Reached walk_in_shorter_stages(SimulationParts& parts, const SimulationState& start, const EquilibriumOptions& options,
+                               Reached reached, SolveReport& report) {
+  for (int stages = kFewStages; stages <= kMostStages; stages *= kTimesMore) {
+    const Eigen::Matrix3Xd end_m = parts.state.positions_m;
+    parts.state = start;
+    Reached finer = walk_along(parts, options, stages, report);
+    const double apart_m = (parts.state.positions_m - end_m).colwise().norm().maxCoeff();
+    const bool same = reached.share == 1.0 && finer.share == 1.0 &&
+                      finer.stages > reached.stages + reached.stages / 2 && apart_m <= kSameEnd * parts.body.size_m();
+    reached = std::move(finer);
+    if (same) break;
+  }
+  return reached;
+}
+
 void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   if (parts.workspace.newton.inverted_elements(parts.state.positions_m) > 0) start_from_rest_shape(parts);
-  Walk walk(parts, options, report);
-  const double done = walk.go();
-  if (done < 1.0) report_unfinished(done, report);
-  for (const Snap& snap : walk.snaps()) note_snap(snap, report);
+  SimulationState start;
+  if (!parts.body.obstacles().empty()) start = parts.state;
+  Reached reached = walk_along(parts, options, 1, report);
+  if (reached.may_depend_on_way) reached = walk_in_shorter_stages(parts, start, options, std::move(reached), report);
+  if (reached.share < 1.0) report_unfinished(reached.share, report);
+  for (const Snap& snap : reached.snaps) note_snap(snap, report);
 }
 
 void note_free_motion(const std::string& of, const std::string& free, SolveReport& report) {

@@ -64,13 +64,6 @@ bool let_settle(const DrawnSettings& settings, Simulation& simulation, JudgedSce
   return true;
 }
 
-std::string name_of(std::uint64_t seed, const DrawnScene& scene) {
-  std::ostringstream name;
-  name << "drawn " << seed << ": " << scene.kind;
-  if (scene.friction > 0.0) name << ", friction " << scene.friction;
-  return name.str();
-}
-
 void note_warnings(const SolveReport& report, JudgedScene& judged) {
   for (const SolveWarning& warning : report.warnings) {
     judged.said += (judged.said.empty() ? "" : ", ") + warning.kind;
@@ -97,6 +90,7 @@ DrawnSettings read_drawn_settings(const YamlNode& node) {
   DrawnSettings settings;
   settings.first_seed = static_cast<std::uint64_t>(node.integer("first_seed", 0, 1000000000));
   settings.scenes = node.integer("scenes", 0, 100000);
+  settings.joined_scenes = node.integer("joined_scenes", 0, 100000);
   settings.motion_s = node.number("motion_s", AllowedRange::positive());
   settings.time_step_s = node.number("time_step_s", AllowedRange::positive());
   settings.rayleigh_mass_per_s = node.number("rayleigh_mass_per_s", AllowedRange::not_negative());
@@ -107,11 +101,11 @@ DrawnSettings read_drawn_settings(const YamlNode& node) {
   return settings;
 }
 
-JudgedScene judge_drawn_scene(std::uint64_t seed, const DrawnSettings& settings, const ExperimentContext& context) {
+JudgedScene judge_drawn_scene(const DrawnScene& scene, const DrawnSettings& settings,
+                              const ExperimentContext& context) {
   const double start_s = cpu_time_s();
-  const DrawnScene scene = draw_scene(seed, settings.motion_s);
   JudgedScene judged;
-  judged.name = name_of(seed, scene);
+  judged.name = scene.name;
   const std::unique_ptr<Simulation> at_rest = load(scene, 1.0, {}, context);
   give_commands(scene, 1.0, *at_rest);
   const SolveReport report = at_rest->solve_equilibrium();

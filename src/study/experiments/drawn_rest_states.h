@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 
+#include "drawn_scenes.h"
 #include "study/experiment.h"
 #include "soft_robot_lab/settings/yaml_node.h"
 
@@ -13,7 +14,7 @@ namespace soft_robot_lab {
 
 struct DrawnSettings {
   std::uint64_t first_seed;
-  int scenes;
+  int scenes, joined_scenes;  // of one thing each, and of several at once
   double motion_s, time_step_s, rayleigh_mass_per_s;
   double within_m;                         // between the two rest states
   double still_m, still_for_s, longest_s;  // at rest: no node goes further than this in that time
@@ -35,6 +36,6 @@ struct JudgedScene {
 };
 
 // Where the two are apart, time is asked once more in steps of a fifth: those may be what is wrong.
-JudgedScene judge_drawn_scene(std::uint64_t seed, const DrawnSettings& settings, const ExperimentContext& context);
+JudgedScene judge_drawn_scene(const DrawnScene& scene, const DrawnSettings& settings, const ExperimentContext& context);
 
 }  // namespace soft_robot_lab

@@ -151,10 +151,13 @@ Overrides solver_of(const RestMethod& method, std::size_t i) {
 void judge_drawn_scenes(const DrawnSettings& settings, const ExperimentContext& context, ExperimentResult& result) {
   int right = 0, said = 0;
   double worst_m = 0.0;
-  for (int i = 0; i < settings.scenes; ++i) {
-    context.report(0.5 + 0.5 * i / settings.scenes, "drawn scene " + std::to_string(i));
-    const JudgedScene judged =
-        judge_drawn_scene(settings.first_seed + static_cast<std::uint64_t>(i), settings, context);
+  const int scenes = settings.scenes + settings.joined_scenes;
+  for (int i = 0; i < scenes; ++i) {
+    const bool joined = i >= settings.scenes;
+    const auto seed = settings.first_seed + static_cast<std::uint64_t>(joined ? i - settings.scenes : i);
+    const DrawnScene scene = (joined ? draw_joined_scene : draw_scene)(seed, settings.motion_s);
+    context.report(0.5 + 0.5 * i / scenes, scene.name);
+    const JudgedScene judged = judge_drawn_scene(scene, settings, context);
     const bool apart = judged.apart_m > settings.within_m;
     if (judged.right(settings.within_m)) {
       ++right;
@@ -169,11 +172,11 @@ void judge_drawn_scenes(const DrawnSettings& settings, const ExperimentContext& 
                                    judged.cpu_s, 1e3 * judged.moved_m, 1e6 * judged.apart_m,
                                    judged.failed.empty() ? judged.said : judged.failed});
   }
-  result.numbers["drawn_scenes"] = settings.scenes;
+  result.numbers["drawn_scenes"] = scenes;
   result.numbers["drawn_right"] = right;
   std::ostringstream words;
   words.precision(2);
-  words << " Of " << settings.scenes << " drawn scenes " << right << " rest where a slow motion in time leads, within "
+  words << " Of " << scenes << " drawn scenes " << right << " rest where a slow motion in time leads, within "
         << 1e6 * worst_m << " um, or say why not (" << said << ").";
   result.we_find += words.str();
 }

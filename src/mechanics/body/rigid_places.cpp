@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "free_obstacles.h"
 #include "gap.h"
+#include "mesh_solid.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -65,6 +67,13 @@ Features features(const RoundedBox& box) {
                            {sign[u] * Vector3d::Unit(u), sign[v] * Vector3d::Unit(v)}});
     }
   }
+  return all;
+}
+
+// Enough for planes; of spheres the places are their own.
+Features features(const MeshShape& mesh) {
+  Features all;
+  for (const auto& corner_m : mesh.solid->hull_corners_m().colwise()) all.points.push_back({corner_m, 0.0});
   return all;
 }
 
@@ -199,10 +208,23 @@ double bound(const Cylinder& cylinder) {
   return std::hypot(0.5 * (cylinder.end_m - cylinder.start_m).norm(), cylinder.radius_m);
 }
 double bound(const RoundedBox& box) { return 0.5 * box.size_m.norm(); }
+double bound(const MeshShape& mesh) { return mesh.solid->bounding_radius_m(); }
+
+bool is_mesh(const ObstacleShape& shape) { return std::holds_alternative<MeshShape>(shape); }
 
 }  // namespace
 
+std::string unknown_pair(const ObstacleShape& one, const ObstacleShape& other) {
+  const auto known = [](const ObstacleShape& shape) {
+    return std::holds_alternative<Plane>(shape) || std::holds_alternative<Sphere>(shape);
+  };
+  if ((!is_mesh(one) || known(other)) && (!is_mesh(other) || known(one))) return {};
+  return "a mesh touches planes and spheres alone of other obstacles: where edges of a mesh cross other edges is not "
+         "found";
+}
+
 std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleShape& other) {
+  if (const std::string why = unknown_pair(one, other); !why.empty()) throw std::invalid_argument(why);
   const Features own = features_of(one), theirs = features_of(other);
   std::vector<RigidPlace> all;
   if (std::holds_alternative<Sphere>(other) && !std::holds_alternative<Sphere>(one)) {
@@ -240,9 +262,20 @@ double spheres_apart_m(const PlacedShape& one, const PlacedShape& other) {
   return way_m - bounding_radius_m(one.shape);
 }
 
+// Of all their places: a mesh need not be convex.
+double least_gap_m(const PlacedShape& one, const PlacedShape& other) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const RigidPlace& place : rigid_places(one.shape, other.shape)) {
+    const std::optional<RigidMeeting> met = meet(place, one.shape, one.pose, other.shape, other.pose);
+    if (met) least_m = std::min(least_m, met->gap_m);
+  }
+  return least_m;
+}
+
 // The larger of the distances from a point to both is convex, and half of what they are apart where it is least: found
 // by ellipsoids around that place, each cut through its middle (Shor 1977).
 double apart_m(const PlacedShape& one, const PlacedShape& other) {
+  if (is_mesh(one.shape) || is_mesh(other.shape)) return least_gap_m(one, other);
   Vector3d at_m = one.pose * center_m(one.shape);
   const double reach_m = bounding_radius_m(one.shape) + std::max(0.0, gap_to(other.shape, other.pose, at_m).gap_m);
   Eigen::Matrix3d around_m2 = reach_m * reach_m * Eigen::Matrix3d::Identity();

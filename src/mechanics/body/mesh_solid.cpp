@@ -25,6 +25,7 @@ constexpr double kLeastSlope = 0.5;
 constexpr int kSamples = 4000;         // of the surface, at least
 constexpr double kMeanOff = 0.05;      // steps, by which the surface may be off its triangles,
 constexpr double kFarOff = 0.25;       // and by that on
+constexpr double kGone = 0.75;         // steps: farther than at the corner of a cube
 constexpr double kShareFarOff = 0.05;  // of it
 constexpr double kThinShare = 0.05;    // of the surface behind which it may be thinner, as near sharp edges
 constexpr double kLeastHalf = 1.0;     // steps: half of the thinnest wall that the grid sees
@@ -58,10 +59,14 @@ std::vector<Sample> samples_of(const ClosedSurface& surface) {
   return samples;
 }
 
+// How far the surface is off its triangles, in steps.
 struct Departure {
-  double mean = 0.0, far_share = 0.0;  // in steps; of the surface
+  double mean = 0.0, far_share = 0.0, gone_share = 0.0;  // the latter two of all
 
-  bool allowed() const { return mean <= kMeanOff && far_share <= kShareFarOff; }
+  // Edges that are rounded because a file asks for it may be any share of it.
+  bool allowed(bool asked_for) const {
+    return gone_share <= kShareFarOff && (asked_for || (mean <= kMeanOff && far_share <= kShareFarOff));
+  }
 };
 
 Departure departure(const DistanceGrid& grid, const std::vector<Sample>& samples) {
@@ -72,9 +77,11 @@ Departure departure(const DistanceGrid& grid, const std::vector<Sample>& samples
     all_m2 += sample.area_m2;
     off.mean += sample.area_m2 * steps;
     if (steps > kFarOff) off.far_share += sample.area_m2;
+    if (steps > kGone) off.gone_share += sample.area_m2;
   }
   off.mean /= all_m2;
   off.far_share /= all_m2;
+  off.gone_share /= all_m2;
   return off;
 }
 
@@ -99,19 +106,27 @@ double largest_m(const ClosedSurface& surface) {
   throw std::invalid_argument(text.str());
 }
 
-// By lines from the surface straight in, to where they come out again.
+// From a place on the triangles straight in, to where that comes out again, in steps. The rounded surface may begin
+// farther in; 0: it is not met.
+double way_through(const DistanceGrid& grid, const Sample& sample) {
+  constexpr double kStride = 0.5, kFarthestIn = 2.0;
+  const Vector3d start = grid.to_steps(sample.at_m), way = grid.frame().transpose() * sample.inward;
+  bool inside = false;
+  for (double along = kStride; inside || along <= kFarthestIn;) {
+    const double depth = -grid.spline(grid.within(start + along * way)).value;
+    if (inside && depth <= 0.0) return along;
+    inside = inside || depth > 0.0;
+    along += std::max(depth, kStride);
+  }
+  return 0.0;
+}
+
+// By lines through it.
 double half_thickness_m(const DistanceGrid& grid, const std::vector<Sample>& samples) {
-  constexpr double kStride = 0.5;
   std::vector<std::pair<double, double>> ways;  // with areas
   double all_m2 = 0.0, sum_m2 = 0.0;
   for (const Sample& sample : samples) {
-    const Vector3d start = grid.to_steps(sample.at_m), way = grid.frame().transpose() * sample.inward;
-    double along = kStride, depth = 0.0;
-    for (;; along += std::max(depth, kStride)) {
-      depth = -grid.spline(grid.within(start + along * way)).value;
-      if (depth <= 0.0) break;
-    }
-    ways.emplace_back(along, sample.area_m2);
+    ways.emplace_back(way_through(grid, sample), sample.area_m2);
     all_m2 += sample.area_m2;
   }
   std::sort(ways.begin(), ways.end());
@@ -131,7 +146,7 @@ DistanceGrid grid_for(const ClosedSurface& surface, double rounding_m) {
     if (nodes > static_cast<double>(limits::kDistanceNodes)) refuse_large(step_m, nodes);
     DistanceGrid grid(surface, step_m);
     const Departure off = departure(grid, samples);
-    if (off.allowed() && half_thickness_m(grid, samples) >= kLeastHalf * step_m) return grid;
+    if (off.allowed(rounding_m > 0.0) && half_thickness_m(grid, samples) >= kLeastHalf * step_m) return grid;
     const double finer = DistanceGrid::node_count(surface, 0.5 * step_m);
     if (rounding_m > 0.0 || finer > static_cast<double>(limits::kDistanceNodes)) refuse_thin(step_m, off);
     step_m *= 0.5;

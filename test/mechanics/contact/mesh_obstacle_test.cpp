@@ -182,6 +182,7 @@ TEST(MeshShape, RefusesWhatBoundsNoSolidWithAReason) {
   EXPECT_NE(why_not(box, 1e-5).find("nodes, at most 8000000"), std::string::npos);
   EXPECT_NE(why_not(box, -1.0).find("rounding_m"), std::string::npos);
   EXPECT_EQ(why_not(box_triangles(kZero, {0.1, 0.1, 0.001})), "");
+  EXPECT_EQ(why_not(box_triangles(kZero, {0.014, 0.014, 0.04}), 0.002), "") << "edges are rounded as asked for";
 }
 
 // A thing that comes down from its place by `depth_m` on a block of 40 x 20 x 40 mm with its top at y = 20 mm.
@@ -241,6 +242,50 @@ TEST(MeshObstacle, AnEdgeIsPressedInAsThatOfABox) {
   const Vector3d force_n =
       pressed(coming_down(shape_of(box_triangles(middle_m, size_m), rounding_m), 0.003, 0.3, turn)).force_n;
   EXPECT_LT((force_n - expected_n).norm(), 0.03 * expected_n.norm());  // the spline's edge is no circle
+}
+
+// The block's edge goes into the inner corner of an L, which is two boxes.
+TEST(MeshObstacle, AnInnerCornerHoldsAsTheBoxesOfWhichItIs) {
+  constexpr double kLong = 0.025, kArm = 0.01, kHeight = 0.06, kEnd = 0.02 + 0.0003 + kArm, kIn = 0.0018;
+  Triangles angle = l_triangles(kLong, kArm, kHeight);
+  angle.vertices_m = Eigen::AngleAxisd(M_PI, Vector3d::UnitZ()).toRotationMatrix() * angle.vertices_m;
+  angle.vertices_m.colwise() += Vector3d(kEnd, kEnd, -0.5 * kHeight);
+  const std::vector<ObstaclePose> motion{{0.0}, {1.0, {-kIn, -kIn, 0}}};
+  const auto held = [&](std::vector<Obstacle> obstacles) {
+    Body body = loose_block({4, 2, 4});
+    body.fix_nodes({-1, -1, -1}, {1, 1e-6, 1}, {true, true, true});
+    body.set_obstacles(std::move(obstacles));
+    Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+    const SolveReport report = simulation.solve_equilibrium();
+    EXPECT_TRUE(report.converged) << report.message;
+    Vector3d sum_n = Vector3d::Zero();
+    for (const ContactReading& contact : simulation.contacts()) sum_n += contact.force_n;
+    return sum_n;
+  };
+  const Vector3d across_m(0.5 * kLong, 0.5 * kArm, 0), up_m(0.5 * kArm, 0.5 * kLong, 0), end_m(kEnd, kEnd, 0);
+  const double rounding_m = 0.0005;
+  const Vector3d expected_n =
+      held({{"across", RoundedBox{end_m - across_m, {kLong, kArm, kHeight}, rounding_m}, motion, 0.0},
+            {"up", RoundedBox{end_m - up_m, {kArm, kLong, kHeight}, rounding_m}, motion, 0.0}});
+  const Vector3d force_n = held({{"angle", shape_of(angle, rounding_m), motion, 0.0}});
+  EXPECT_LT(expected_n.maxCoeff(), 1e-3);
+  EXPECT_LT(expected_n.head<2>().maxCoeff(), -2.0);
+  EXPECT_LT((force_n - expected_n).norm(), 0.02 * expected_n.norm())
+      << force_n.transpose() << " / " << expected_n.transpose();
+}
+
+// A needle between the contact points of a large face.
+TEST(MeshObstacle, ASharpThingBetweenContactPointsWarns) {
+  const Triangles needle = box_triangles({0.0017, 0.0302, 0.0021}, {0.0012, 0.02, 0.0012});
+  Body body = loose_block({2, 1, 2});
+  body.fix_nodes({-1, -1, -1}, {1, 1e-6, 1}, {true, true, true});
+  body.set_obstacles({coming_down(shape_of(needle), 0.001)});
+  Simulation simulation(std::move(body), {}, {}, SolverOptions{});
+  const SolveReport report = simulation.solve_equilibrium();
+  const bool warned = std::any_of(report.warnings.begin(), report.warnings.end(), [](const SolveWarning& warning) {
+    return warning.kind == "coarse_contact" && warning.actuator == "thing";
+  });
+  EXPECT_TRUE(warned);
 }
 
 // Steps in time with damping end where the equilibrium is, by both solvers.
@@ -341,6 +386,32 @@ TEST(MeshObstacle, AFreeThingFallsOnAPlateAndLiesByItsWeight) {
   EXPECT_NEAR(simulation.state().contact.free.centers_m(1, 0), -0.05 + above_m, 1e-6);
   const std::vector<ContactReading> contacts = simulation.contacts();
   EXPECT_NEAR(contacts.back().force_n.y(), 0.02 * kGravity, 1e-4);
+}
+
+// It slides down a slope of 30 degrees at mu 0.3, and stays at mu 0.7.
+TEST(MeshObstacle, AFreeThingSlidesAndSticksAsFrictionSays) {
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(-M_PI / 6, Vector3d::UnitZ()).toRotationMatrix();
+  for (const double friction : {0.3, 0.7}) {
+    Triangles angle = lying_angle(0.0);
+    angle.vertices_m = turn * angle.vertices_m;
+    angle.vertices_m.row(0).array() -= 0.5;
+    Obstacle thing = free_thing(angle, 0.02);
+    thing.friction_on = {{"slope", friction}};
+    Body body = pad();
+    body.set_obstacles({thing, {"slope", Plane{{-0.5, -1e-5, 0}, turn.col(1)}, {}, 0.0}});
+    SolverOptions options;
+    options.time_step_s = 0.002;
+    options.integrator = Integrator::tr_bdf2;
+    Simulation simulation(std::move(body), {}, {}, options);
+    const auto along_m = [&] { return turn.col(0).dot(simulation.state().contact.free.centers_m.col(0)); };
+    const double start_m = along_m();
+    for (int i = 0; i < 100; ++i) {
+      const SolveReport report = simulation.step();
+      ASSERT_TRUE(report.converged) << report.message << " in step " << i;
+    }
+    const double way_m = 0.5 * 0.04 * kGravity * (0.5 - 0.3 * std::sqrt(0.75));
+    EXPECT_NEAR(along_m() - start_m, friction < 0.5 ? way_m : 0.0, 0.02 * way_m);
+  }
 }
 
 TEST(MeshObstacle, AFreeMeshAmongOthersIsRefusedByName) {

@@ -196,7 +196,8 @@ std::optional<Gap> DistanceGrid::far(const Vector3d& at) const {
     slope[axis] = 0.5 * (values_[index(more)] - values_[index(less)]);
   }
   const double length = slope.norm();
-  return Gap{value + slope.dot(at - node.cast<double>().matrix()),
+  const Vector3d from_node = at - node.cast<double>().matrix();
+  return Gap{value + (value > 0.0 ? -from_node.norm() : slope.dot(from_node)),
              length > 0.0 ? Vector3d(slope / length) : Vector3d::UnitZ(), Matrix3d::Zero()};
 }
 

@@ -41,7 +41,8 @@ class DistanceGrid {
   // Where the spline is known nearest to a place.
   Eigen::Vector3d within(const Eigen::Vector3d& at) const { return at.cwiseMax(1.0).cwiseMin(last_); }
   SplineValue spline(const Eigen::Vector3d& at) const;  // at a place within
-  // The gap at a place within, in steps, by the nearest node, where that is far from the surface; else none.
+  // The gap at a place within, in steps, by the nearest node, where that is far from the surface; else none. Outside it
+  // is no more than the distance.
   std::optional<Gap> far(const Eigen::Vector3d& at) const;
   Eigen::Vector3d deepest() const;  // the node with the least value
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <optional>
 #include <sstream>
@@ -50,6 +51,11 @@ class ObjText {
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) line.pop_back();
   }
 
+  static std::string digits(double value) {
+    std::array<char, 32> text;
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+  }
+
   void read(const std::string& line) {
     std::istringstream words(line);
     std::string kind;
@@ -70,7 +76,7 @@ class ObjText {
       if (std::abs(*value) > limits::kFilePlace)
         fail(format_number(*value) + " is out of range [" + format_number(-limits::kFilePlace) + ", " +
              format_number(limits::kFilePlace) + "]");
-      corner += " " + word;
+      corner += " " + digits(*value);  // a word of any length may stand for a number, and a face repeats it
     }
     vertices_.push_back(corner);
   }
@@ -79,7 +85,7 @@ class ObjText {
   const std::string& vertex(const std::string& word) const {
     const std::optional<long> number = parse_number<long>(word.substr(0, word.find('/')));
     const auto count = static_cast<long>(vertices_.size());
-    if (!number || *number == 0 || std::abs(*number) > count)
+    if (!number || *number == 0 || *number > count || *number < -count)
       fail("'" + word.substr(0, 40) + "' is none of the " + std::to_string(count) + " vertices so far");
     return vertices_[static_cast<std::size_t>(*number > 0 ? *number - 1 : count + *number)];
   }

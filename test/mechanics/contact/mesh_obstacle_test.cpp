@@ -388,6 +388,28 @@ TEST(MeshObstacle, AFreeThingFallsOnAPlateAndLiesByItsWeight) {
   EXPECT_NEAR(contacts.back().force_n.y(), 0.02 * kGravity, 1e-4);
 }
 
+// It falls by 1 mm on the body, and comes to rest there by both solvers.
+TEST(MeshObstacle, AFreeThingFallsOnTheBodyAndPressesByItsWeight) {
+  for (const auto method : {SolverOptions::Method::newton, SolverOptions::Method::xpbd}) {
+    Body body = pad();
+    body.set_obstacles({free_thing(lying_angle(0.001), 0.02, 0.5)});
+    SolverOptions options;
+    options.time_step_s = 0.005;
+    if (method == SolverOptions::Method::xpbd) options = xpbd(40, 0.005);
+    Simulation simulation(std::move(body), {}, {}, options);
+    Vector3d mean_n = kZero;
+    for (int i = 0; i < 200; ++i) {
+      const SolveReport report = simulation.step();
+      if (method == SolverOptions::Method::newton) {
+        ASSERT_TRUE(report.converged) << report.message << " in step " << i;
+      }
+      if (i >= 160) mean_n += simulation.contacts()[0].force_n / 40.0;
+    }
+    EXPECT_NEAR(-mean_n.y(), 0.02 * kGravity, 0.01 * 0.02 * kGravity);
+    EXPECT_LT(simulation.state().free_velocities.linear_m_s.norm(), 1e-3);
+  }
+}
+
 // It slides down a slope of 30 degrees at mu 0.3, and stays at mu 0.7.
 TEST(MeshObstacle, AFreeThingSlidesAndSticksAsFrictionSays) {
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(-M_PI / 6, Vector3d::UnitZ()).toRotationMatrix();

@@ -42,7 +42,7 @@ inline constexpr int kObstacles = 1000;                    // obstacles
 inline constexpr int kFreeObstacles = 100;                 // obstacles with a `mass_kg`
 inline constexpr int kDistanceNodes = 8000000;             // nodes of the grid of distances of an obstacle's `mesh`
 inline constexpr std::size_t kObstacleTriangles = 300000;  // triangles of an obstacle's `mesh`
-inline constexpr int kHullCorners = 5000;                  // corners of the convex hull of a free obstacle's `mesh`
+inline constexpr int kMeshCorners = 5000;                  // corners of a free obstacle's `mesh` that stand out
 inline constexpr std::size_t kTriangles = 1000000;         // triangles of an STL file, or of a solid's surface
 
 inline constexpr std::size_t kName_characters = 100;       // characters of a name

@@ -15,6 +15,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kAsLarge = 1e-6;         // of a face
+constexpr double kStandsOut = 1e-3;       // sine of an angle between two triangles
 constexpr double kOnePlane = 1.0 - 1e-6;  // cosine of 0.08 degrees between triangles of one face
 
 }  // namespace
@@ -103,6 +104,24 @@ Vector3d ClosedSurface::outward(Eigen::Index triangle, const NearestOnTriangle& 
   if (place.corner >= 0) return of_corners_.col(triangles_(place.corner, triangle));
   if (place.side >= 0) return normals_.col(triangle) + normals_.col(neighbours_(place.side, triangle));
   return normals_.col(triangle);
+}
+
+std::vector<int> ClosedSurface::standing_out() const {
+  std::vector<char> stands(static_cast<std::size_t>(vertices_m_.cols()), 0);
+  for (Eigen::Index t = 0; t < count(); ++t) {
+    for (int side = 0; side < 3; ++side) {
+      const int from = triangles_(side, t), to = triangles_((side + 1) % 3, t), beyond = neighbours_(side, t);
+      for (const int corner : triangles_.col(beyond)) {
+        const Vector3d way_m = vertices_m_.col(corner) - vertices_m_.col(from);
+        if (corner == from || corner == to || normals_.col(t).dot(way_m) > -kStandsOut * way_m.norm()) continue;
+        stands[static_cast<std::size_t>(from)] = stands[static_cast<std::size_t>(to)] = 1;
+      }
+    }
+  }
+  std::vector<int> vertices;
+  for (int vertex = 0; vertex < vertices_m_.cols(); ++vertex)
+    if (stands[static_cast<std::size_t>(vertex)] != 0) vertices.push_back(vertex);
+  return vertices;
 }
 
 std::vector<Vector3d> ClosedSurface::faces_m2() const {

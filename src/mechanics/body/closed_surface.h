@@ -39,6 +39,8 @@ class ClosedSurface {
   const Eigen::Vector3d& centroid_m() const { return centroid_m_; }
   const Eigen::Matrix3d& inertia_m5() const { return inertia_m5_; }  // about the centroid
 
+  std::vector<int> standing_out() const;  // vertices at edges that do, in their order
+
   // Faces of several triangles in one plane, by their areas times their normals.
   std::vector<Eigen::Vector3d> faces_m2() const;
   // The axes of its largest face and, across that, of the next one. They do not depend on the order of triangles, and

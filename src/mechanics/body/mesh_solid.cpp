@@ -8,8 +8,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <LinearMath/btConvexHullComputer.h>
-
 #include "settings/limits.h"
 
 namespace soft_robot_lab {
@@ -164,16 +162,6 @@ bool mostly_flat(const ClosedSurface& surface) {
   return flat_m2 >= 0.5 * all_m2;
 }
 
-Eigen::Matrix3Xd hull_corners_m(const Eigen::Matrix3Xd& vertices_m) {
-  btConvexHullComputer hull;
-  hull.compute(vertices_m.data(), 3 * sizeof(double), static_cast<int>(vertices_m.cols()), 0.0, 0.0);
-  std::vector<int> corners;
-  for (int i = 0; i < hull.original_vertex_index.size(); ++i) corners.push_back(hull.original_vertex_index[i]);
-  std::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  return vertices_m(Eigen::all, corners);
-}
-
 double smooth_step(double from, double to, double at) {
   const double share = std::clamp((at - from) / (to - from), 0.0, 1.0);
   return share * share * (3.0 - 2.0 * share);
@@ -238,11 +226,12 @@ void require_few(const Eigen::Matrix3Xi& triangles) {
 MeshSolid::MeshSolid(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles, double rounding_m)
     : surface_((require_few(triangles), vertices_m), triangles),
       grid_(grid_for(surface_, rounding_m)),
+      tree_(surface_),
       flat_(mostly_flat(surface_)),
       bounding_radius_m_((vertices_m.colwise() - surface_.centroid_m()).colwise().norm().maxCoeff()),
       half_thickness_m_(soft_robot_lab::half_thickness_m(grid_, samples_of(surface_))),
       deepest_m_(grid_.to_metres(grid_.deepest())),
-      hull_corners_m_(soft_robot_lab::hull_corners_m(vertices_m)) {}
+      corners_m_(vertices_m(Eigen::all, surface_.standing_out())) {}
 
 // Beyond the grid by how far that is, and by what is left from there on: no more than the distance.
 Gap MeshSolid::gap(const Vector3d& point_m) const {
@@ -256,6 +245,23 @@ Gap MeshSolid::gap(const Vector3d& point_m) const {
   }
   const Matrix3d& frame = grid_.frame();
   return {grid_.step_m() * gap.gap_m, frame * gap.normal, frame * gap.hessian * frame.transpose() / grid_.step_m()};
+}
+
+Gap MeshSolid::gap_of_ball(const Vector3d& point_m, double radius_m) const {
+  const Gap smooth = gap(point_m);
+  if (radius_m < grid_.step_m() || smooth.gap_m < kNear * grid_.step_m()) return smooth;
+  const NearestTriangle nearest = tree_.nearest(surface_, point_m);
+  const Vector3d normal = (point_m - nearest.place.at_m) / nearest.distance_m;
+  Matrix3d bend = Matrix3d::Zero();
+  if (nearest.place.side >= 0 || nearest.place.corner >= 0)
+    bend = (Matrix3d::Identity() - normal * normal.transpose()) / nearest.distance_m;
+  if (nearest.place.side >= 0) {
+    const Matrix3d corners_m = surface_.corners_m(nearest.triangle);
+    const Vector3d along =
+        (corners_m.col((nearest.place.side + 1) % 3) - corners_m.col(nearest.place.side)).normalized();
+    bend -= along * along.transpose() / nearest.distance_m;
+  }
+  return {nearest.distance_m, normal, bend};
 }
 
 }  // namespace soft_robot_lab

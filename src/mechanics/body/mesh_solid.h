@@ -11,6 +11,7 @@
 #include "closed_surface.h"
 #include "distance_grid.h"
 #include "gap.h"
+#include "triangle_tree.h"
 
 namespace soft_robot_lab {
 
@@ -23,20 +24,24 @@ class MeshSolid {
   const ClosedSurface& surface() const { return surface_; }
   double rounding_m() const { return grid_.step_m(); }
   Gap gap(const Eigen::Vector3d& point_m) const;
+  // For the middle of a ball with this radius: of large ones, of a step and more, the distance to the triangles
+  // themselves, whose edges need no rounding then.
+  Gap gap_of_ball(const Eigen::Vector3d& point_m, double radius_m) const;
 
   bool flat() const { return flat_; }  // mostly of flat faces that are no facets of round ones
-  double bounding_radius_m() const { return bounding_radius_m_; }  // about its centroid
-  double half_thickness_m() const { return half_thickness_m_; }    // but of a twentieth of its surface at least
-  const Eigen::Vector3d& deepest_m() const { return deepest_m_; }  // farthest inside
-  const Eigen::Matrix3Xd& hull_corners_m() const { return hull_corners_m_; }  // with which it meets what is flat
+  double bounding_radius_m() const { return bounding_radius_m_; }   // about its centroid
+  double half_thickness_m() const { return half_thickness_m_; }     // but of a twentieth of its surface at least
+  const Eigen::Vector3d& deepest_m() const { return deepest_m_; }   // farthest inside
+  const Eigen::Matrix3Xd& corners_m() const { return corners_m_; }  // vertices at edges that stand out
 
  private:
   ClosedSurface surface_;
   DistanceGrid grid_;
+  TriangleTree tree_;
   bool flat_;
   double bounding_radius_m_, half_thickness_m_;
   Eigen::Vector3d deepest_m_;
-  Eigen::Matrix3Xd hull_corners_m_;
+  Eigen::Matrix3Xd corners_m_;
 };
 
 }  // namespace soft_robot_lab

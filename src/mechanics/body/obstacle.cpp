@@ -74,11 +74,11 @@ void check(const MeshShape& mesh) {
 }
 
 void require_few_corners(const MeshSolid& solid) {
-  const auto corners = solid.hull_corners_m().cols();
-  if (corners > limits::kHullCorners)
-    throw std::invalid_argument("mesh: its convex hull has " + std::to_string(corners) + " corners, at most " +
-                                std::to_string(limits::kHullCorners) +
-                                " may touch planes; make its mesh coarser, or give it no mass_kg");
+  const auto corners = solid.corners_m().cols();
+  if (corners > limits::kMeshCorners)
+    throw std::invalid_argument("mesh: has " + std::to_string(corners) + " corners that stand out, at most " +
+                                std::to_string(limits::kMeshCorners) +
+                                " may touch others; make its mesh coarser, or give it no mass_kg");
 }
 
 void check_free(const Obstacle& one) {

@@ -59,7 +59,7 @@ void refuse_unknown(const Obstacle& own, const Obstacle& other) {
   const std::string why = unknown_pair(own.shape, other.shape);
   if (why.empty()) return;
   throw std::invalid_argument("obstacle '" + own.name + "' is free and may meet obstacle '" + other.name + "', but " +
-                              why + "; give it no mass_kg, or make the other a plane or a sphere");
+                              why + "; give both no mass_kg, or make one of simpler shapes");
 }
 
 void refuse_inside(const Obstacle& own, const PlacedShape& one, const Obstacle& others, const PlacedShape& other) {

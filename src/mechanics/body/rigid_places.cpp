@@ -18,6 +18,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr int kOnRim = 24;
+constexpr int kOnLine = 24;  // parts of a line
 constexpr double kApart = 2.0 * M_PI / kOnRim;
 constexpr int kHalvings = 50;         // of an arc in which the nearest point of a rim is
 constexpr double kFlat = 1e-3;        // of its radius: a rim whose points are so alike lies flat on the other
@@ -70,15 +71,23 @@ Features features(const RoundedBox& box) {
   return all;
 }
 
-// Enough for planes; of spheres the places are their own.
+// Edges of others meet it wherever they are, so its own are left out.
 Features features(const MeshShape& mesh) {
   Features all;
-  for (const auto& corner_m : mesh.solid->hull_corners_m().colwise()) all.points.push_back({corner_m, 0.0});
+  for (const auto& corner_m : mesh.solid->corners_m().colwise()) all.points.push_back({corner_m, 0.0});
   return all;
 }
 
 Features features_of(const ObstacleShape& shape) {
   return std::visit([](const auto& one) { return features(one); }, shape);
+}
+
+// Of the middle of a ball.
+Gap gap_of_ball(const ObstacleShape& shape, const Isometry3d& pose, const Vector3d& point_m, double radius_m) {
+  const auto* mesh = std::get_if<MeshShape>(&shape);
+  if (mesh == nullptr) return gap_to(shape, pose, point_m);
+  const Gap own = mesh->solid->gap_of_ball(pose.inverse() * point_m, radius_m);
+  return {own.gap_m, pose.linear() * own.normal, pose.linear() * own.hessian * pose.linear().transpose()};
 }
 
 // A radius of a rim, by its angle from one that goes `across`.
@@ -93,6 +102,14 @@ void add_on_shape(const Features& features, bool of_other, std::vector<RigidPlac
     for (int i = 0; i < kOnRim; ++i)
       all.push_back({of_other, BallOnShape{{rim.middle_m + radius_at_m(rim, across, kApart * i), rim.rounding_m}}});
     for (const int valley : {0, 1}) all.push_back({of_other, RimOnShape{rim, valley}});
+  }
+}
+
+void add_on_mesh(const Features& features, bool of_other, std::vector<RigidPlace>& all) {
+  for (const RoundedLine& line : features.lines) {
+    for (int i = 1; i < kOnLine; ++i)
+      all.push_back({of_other, BallOnShape{{line.from_m + (line.to_m - line.from_m) * i / kOnLine, line.radius_m}}});
+    for (const int valley : {0, 1}) all.push_back({of_other, LineOnMesh{line, valley}});
   }
 }
 
@@ -134,7 +151,7 @@ Eigen::Vector2d closest(const Vector3d& own_m, const Vector3d& along, const Vect
 std::optional<RigidMeeting> meet_with(const BallOnShape& place, const Isometry3d& own_pose, const ObstacleShape& shape,
                                       const Isometry3d& pose) {
   const Vector3d middle_m = own_pose * place.ball.position_m;
-  const Gap gap = gap_to(shape, pose, middle_m);
+  const Gap gap = gap_of_ball(shape, pose, middle_m, place.ball.radius_m);
   return RigidMeeting{gap.gap_m - place.ball.radius_m, gap.normal, middle_m - place.ball.radius_m * gap.normal,
                       gap.hessian};
 }
@@ -160,7 +177,7 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const Isometry3d&
   std::array<double, kOnRim> gaps_m;
   for (int i = 0; i < kOnRim; ++i) {
     const Vector3d at_m = rim.middle_m + radius_at_m(rim, across, kApart * i);
-    gaps_m[static_cast<std::size_t>(i)] = gap_to(shape, pose, at_m).gap_m;
+    gaps_m[static_cast<std::size_t>(i)] = gap_of_ball(shape, pose, at_m, rim.rounding_m).gap_m;
   }
   const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.end());
   const int valley = nearest(gaps_m, place.valley);
@@ -173,7 +190,7 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const Isometry3d&
     const Vector3d out_m = radius_at_m(rim, across, angle_rad);
     at_m = rim.middle_m + out_m;
     along_m = rim.outward.cross(out_m);
-    gap = gap_to(shape, pose, at_m);
+    gap = gap_of_ball(shape, pose, at_m, rim.rounding_m);
     curvature_m = along_m.dot(gap.hessian * along_m) - gap.normal.dot(out_m);
     (gap.normal.dot(along_m) > 0.0 ? high_rad : low_rad) = angle_rad;
   }
@@ -183,6 +200,49 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const Isometry3d&
     bend -= turn * turn.transpose() / curvature_m;
   }
   return RigidMeeting{gap.gap_m - rim.rounding_m, gap.normal, at_m - rim.rounding_m * gap.normal, bend};
+}
+
+// Of the places inside a line that are nearer than those beside them the nearest, or the second; -1: there is none.
+int nearest_inside(const std::array<double, kOnLine + 1>& gaps_m, int which) {
+  const auto at = [&](int i) { return gaps_m[static_cast<std::size_t>(i)]; };
+  std::array<int, 2> found{-1, -1};
+  for (int i = 1; i < kOnLine; ++i) {
+    if (at(i) > at(i - 1) || at(i) >= at(i + 1)) continue;
+    if (found[0] < 0 || at(i) < at(found[0]))
+      found = {i, found[0]};
+    else if (found[1] < 0 || at(i) < at(found[1]))
+      found[1] = i;
+  }
+  return found[static_cast<std::size_t>(which)];
+}
+
+std::optional<RigidMeeting> meet_with(const LineOnMesh& place, const Isometry3d& own_pose, const ObstacleShape& shape,
+                                      const Isometry3d& pose) {
+  const RoundedLine line = placed(place.line, own_pose);
+  const Vector3d along_m = line.to_m - line.from_m;
+  std::array<double, kOnLine + 1> gaps_m;
+  for (int i = 0; i <= kOnLine; ++i)
+    gaps_m[static_cast<std::size_t>(i)] =
+        gap_of_ball(shape, pose, line.from_m + along_m * i / kOnLine, line.radius_m).gap_m;
+  const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.end());
+  const int valley = nearest_inside(gaps_m, place.valley);
+  if (valley < 0 || *most - *least < kFlat * along_m.norm()) return std::nullopt;
+  Gap gap;
+  Vector3d at_m;
+  double low = static_cast<double>(valley - 1) / kOnLine, high = static_cast<double>(valley + 1) / kOnLine;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double share = 0.5 * (low + high);
+    at_m = line.from_m + share * along_m;
+    gap = gap_of_ball(shape, pose, at_m, line.radius_m);
+    (gap.normal.dot(along_m) > 0.0 ? high : low) = share;
+  }
+  const double curvature_m = along_m.dot(gap.hessian * along_m);
+  Eigen::Matrix3d bend = gap.hessian;
+  if (curvature_m > 0.0) {
+    const Vector3d turn = gap.hessian * along_m;
+    bend -= turn * turn.transpose() / curvature_m;
+  }
+  return RigidMeeting{gap.gap_m - line.radius_m, gap.normal, at_m - line.radius_m * gap.normal, bend};
 }
 
 std::optional<RigidMeeting> meet_with(const LineOnLine& place, const Isometry3d& own_pose,
@@ -215,12 +275,8 @@ bool is_mesh(const ObstacleShape& shape) { return std::holds_alternative<MeshSha
 }  // namespace
 
 std::string unknown_pair(const ObstacleShape& one, const ObstacleShape& other) {
-  const auto known = [](const ObstacleShape& shape) {
-    return std::holds_alternative<Plane>(shape) || std::holds_alternative<Sphere>(shape);
-  };
-  if ((!is_mesh(one) || known(other)) && (!is_mesh(other) || known(one))) return {};
-  return "a mesh touches planes and spheres alone of other obstacles: where edges of a mesh cross other edges is not "
-         "found";
+  if (!is_mesh(one) || !is_mesh(other)) return {};
+  return "both are meshes, and where edges of two meshes cross is not found";
 }
 
 std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleShape& other) {
@@ -234,6 +290,10 @@ std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleSha
   add_on_shape(own, false, all);
   if (std::holds_alternative<Sphere>(one)) return all;
   add_on_shape(theirs, true, all);
+  if (is_mesh(one) || is_mesh(other)) {
+    add_on_mesh(is_mesh(other) ? own : theirs, is_mesh(one), all);
+    return all;
+  }
   const double deepest_m = kDeepest * std::min(size_m(one), size_m(other));
   for (const RoundedLine& line : own.lines)
     for (const RoundedLine& across : theirs.lines) all.push_back({false, LineOnLine{line, across, deepest_m}});

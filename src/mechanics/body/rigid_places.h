@@ -4,8 +4,10 @@
 //   ball on shape   a sphere, an end of a capsule, a corner of a box or of a mesh, one of 24 points of a cylinder's
 //   edge rim on shape    the two points of a cylinder's edge that are nearest: it rolls on a circle, not on a polygon
 //   line on line    an edge of a box or the axis of a capsule or a cylinder, against another one that it crosses
+//   line on mesh    the two points of such a line that are nearest to a mesh, and 23 points along it
 // The least gap of all is how far apart the shapes are, where they do not overlap by more than their roundings: every
-// pair of sphere, capsule, cylinder and box, and each of them on a plane. A mesh meets spheres and planes.
+// pair of sphere, capsule, cylinder and box, and each of them and a mesh on a plane and on one another, but for two
+// meshes.
 #pragma once
 
 #include <optional>
@@ -44,6 +46,10 @@ struct RimOnShape {
   RoundedRim rim;
   int valley;  // 0: where it is nearest, 1: the next place that is nearer than all beside it
 };
+struct LineOnMesh {
+  RoundedLine line;
+  int valley;  // as of a rim
+};
 struct LineOnLine {
   RoundedLine own, other;
   double deepest_m;  // farther through one another the lines are on far sides of their shapes
@@ -51,7 +57,7 @@ struct LineOnLine {
 
 struct RigidPlace {
   bool of_other;  // the ball or rim is the other shape's
-  std::variant<BallOnShape, RimOnShape, LineOnLine> kind;
+  std::variant<BallOnShape, RimOnShape, LineOnMesh, LineOnLine> kind;
 };
 
 // Why two shapes cannot touch one another here; empty: they can.

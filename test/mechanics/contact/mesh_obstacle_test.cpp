@@ -81,6 +81,22 @@ TEST(MeshGap, IsNoMoreThanTheDistance) {
   }
 }
 
+// A large ball meets the triangles themselves, whose edges need no rounding.
+TEST(MeshGap, OfALargeBallIsTheDistanceToTheTriangles) {
+  constexpr double kStep = 1e-7;
+  for (const Triangles& surface : some_surfaces()) {
+    const MeshShape shape = shape_of(surface);
+    for (const Vector3d& at : places(1000, 0.03)) {
+      const Gap here = shape.solid->gap_of_ball(at, 0.01);
+      if (here.gap_m < 0.001) continue;
+      EXPECT_NEAR(here.gap_m, true_distance_m(surface, at), 1e-12) << at.transpose();
+      const Gap more = shape.solid->gap_of_ball(at + kStep * here.normal, 0.01);
+      EXPECT_NEAR(more.gap_m - here.gap_m, kStep, 1e-3 * kStep) << at.transpose();
+      EXPECT_LT((here.hessian * here.normal).norm(), 1e-9 / here.gap_m) << at.transpose();
+    }
+  }
+}
+
 TEST(MeshGap, HasTheFacesOfABoxAndRoundsItsEdges) {
   const Vector3d size_m(0.02, 0.03, 0.04);
   const MeshShape mesh = shape_of(box_triangles(kZero, size_m));
@@ -436,7 +452,7 @@ TEST(MeshObstacle, AFreeThingSlidesAndSticksAsFrictionSays) {
   }
 }
 
-TEST(MeshObstacle, AFreeMeshAmongOthersIsRefusedByName) {
+TEST(MeshObstacle, AFreeMeshBesideAnotherMeshIsRefusedByName) {
   Obstacle thing = free_thing(lying_angle(0.05), 0.02);
   const auto why = [&](const ObstacleShape& shape) -> std::string {
     Body body = pad();
@@ -449,12 +465,95 @@ TEST(MeshObstacle, AFreeMeshAmongOthersIsRefusedByName) {
   };
   EXPECT_EQ(why(Plane{{0, -1, 0}, {0, 1, 0}}), "");
   EXPECT_EQ(why(Sphere{{0, 0.2, 0}, 0.01}), "");
-  for (const ObstacleShape& shape : {ObstacleShape(RoundedBox{{0, 0.2, 0}, {0.01, 0.01, 0.01}, 0.001}),
-                                     ObstacleShape(Capsule{{0, 0.2, 0}, {0, 0.3, 0}, 0.01}),
-                                     ObstacleShape(shape_of(box_triangles({0, 0.2, 0}, {0.01, 0.01, 0.01})))}) {
-    const std::string said = why(shape);
-    EXPECT_NE(said.find("'thing' is free and may meet obstacle 'other'"), std::string::npos) << said;
+  EXPECT_EQ(why(RoundedBox{{0, 0.2, 0}, {0.01, 0.01, 0.01}, 0.001}), "");
+  EXPECT_NE(why(RoundedBox{{0, 0.054, 0}, {0.01, 0.01, 0.01}, 0.001}).find("inside obstacle 'other' at the start"),
+            std::string::npos);
+  const std::string said = why(shape_of(box_triangles({0, 0.2, 0}, {0.01, 0.01, 0.01})));
+  EXPECT_NE(said.find("'thing' is free and may meet obstacle 'other', but both are meshes"), std::string::npos) << said;
+}
+
+// Along x, with its ridge at y = 0.1.
+Triangles rail(double z_m) {
+  Triangles one = prism({{-0.005, -0.01}, {0.005, -0.01}, {0.0, 0.0}, {-0.0025, -0.005}}, 0.04, {{0, 1, 2, 3}});
+  one.vertices_m = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitY()).toRotationMatrix() * one.vertices_m;
+  one.vertices_m.colwise() += Vector3d(-0.02, 0.1, z_m);
+  return one;
+}
+
+// Across two ridges, of which no corner touches them: its edges do, or its side.
+TEST(MeshObstacle, FreeShapesLieAcrossTheEdgesOfAMesh) {
+  for (const ObstacleShape& shape : {ObstacleShape(RoundedBox{{0, 0.1052, 0}, {0.012, 0.01, 0.06}, 0.001}),
+                                     ObstacleShape(Capsule{{0, 0.1052, -0.03}, {0, 0.1052, 0.03}, 0.005}),
+                                     ObstacleShape(Cylinder{{0, 0.1052, -0.03}, {0, 0.1052, 0.03}, 0.005, 0.0005})}) {
+    Body body = pad();
+    Obstacle bar{"bar", shape, {}, 0.0};
+    bar.mass_kg = 0.03;
+    bar.friction_on = {{"front", 0.5}, {"back", 0.5}};
+    const MeshShape front = shape_of(rail(-0.02)), back = shape_of(rail(0.015));
+    body.set_obstacles({bar, {"front", front, {}, 0.0}, {"back", back, {}, 0.0}});
+    SolverOptions options;
+    options.time_step_s = 0.002;
+    Simulation simulation(std::move(body), {}, {}, options);
+    for (int i = 0; i < 100; ++i) {
+      const SolveReport report = simulation.step();
+      ASSERT_TRUE(report.converged) << report.message << " in step " << i;
+    }
+    const double sunk_m = 0.105 - simulation.state().contact.free.centers_m(1, 0);
+    EXPECT_GT(sunk_m, -1e-5) << shape.index();
+    EXPECT_LT(sunk_m, 1e-5) << shape.index();
+    Vector3d sum_n = kZero;
+    double turn_n = 0.0;
+    for (const ContactReading& contact : simulation.contacts()) {
+      sum_n += contact.force_n;
+      if (contact.on == "bar") turn_n += contact.force_n.y() * contact.center_m.z();
+    }
+    EXPECT_NEAR(sum_n.y(), 0.03 * kGravity, 1e-3 * 0.03 * kGravity) << shape.index();
+    EXPECT_NEAR(turn_n, 0.0, 2e-5) << shape.index();
   }
+}
+
+// A large ball on the flat top of a mesh.
+TEST(MeshObstacle, AFreeBallRollsOffAMeshAsOnAPlane) {
+  constexpr double kRadius = 0.02;
+  const auto rolled = [&](const ObstacleShape& ground) {
+    Body body = pad();
+    Obstacle ball{"ball", Sphere{{0, 0.1 + kRadius + 1e-6, 0}, kRadius}, {}, 0.0};
+    ball.mass_kg = 0.05;
+    ball.velocity_m_s = {0.05, 0, 0};
+    ball.angular_velocity_rad_s = {0, 0, -0.05 / kRadius};
+    ball.friction_on = {{"ground", 0.5}};
+    body.set_obstacles({ball, {"ground", ground, {}, 0.0}});
+    SolverOptions options;
+    options.time_step_s = 0.005;
+    Simulation simulation(std::move(body), {}, {}, options);
+    for (int i = 0; i < 40; ++i) {
+      const SolveReport report = simulation.step();
+      EXPECT_TRUE(report.converged) << report.message << " in step " << i;
+    }
+    EXPECT_NEAR(simulation.contacts().back().force_n.y(), 0.05 * kGravity, 1e-3);
+    return Vector3d(simulation.state().contact.free.centers_m.col(0));
+  };
+  const Vector3d expected_m = rolled(RoundedBox{{0, 0.09, 0}, {0.08, 0.02, 0.06}, 0.001});
+  EXPECT_NEAR(expected_m.x(), 0.01, 1e-5);
+  EXPECT_LT((rolled(shape_of(box_triangles({0, 0.09, 0}, {0.08, 0.02, 0.06}))) - expected_m).norm(), 1e-8);
+}
+
+// The L on a table that is a box.
+TEST(MeshObstacle, AFreeThingLiesOnABoxByItsWeight) {
+  Obstacle thing = free_thing(lying_angle(0.1001), 0.02);
+  thing.friction_on = {{"table", 0.3}};
+  Body body = pad();
+  body.set_obstacles({thing, {"table", RoundedBox{{0, 0.09, 0}, {0.1, 0.02, 0.1}, 0.001}, {}, 0.0}});
+  SolverOptions options;
+  options.time_step_s = 0.005;
+  Simulation simulation(std::move(body), {}, {}, options);
+  const double above_m = center_m(thing.shape).y() - 0.1001;
+  for (int i = 0; i < 60; ++i) {
+    const SolveReport report = simulation.step();
+    ASSERT_TRUE(report.converged) << report.message << " in step " << i;
+  }
+  EXPECT_NEAR(simulation.state().contact.free.centers_m(1, 0), 0.1 + above_m, 1e-6);
+  EXPECT_NEAR(simulation.contacts().back().force_n.y(), 0.02 * kGravity, 1e-4);
 }
 
 // A plate of 1 mm comes down by 60 mm in one step: it does not jump through the block.

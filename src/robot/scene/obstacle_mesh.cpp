@@ -13,9 +13,9 @@
 namespace soft_robot_lab {
 namespace {
 
-// Of STEP: a chord of a full circle is off by 3e-4 of its radius.
-constexpr double kEdgesAcross = 40.0;
-constexpr int kCircleSegments = 120;
+// Of STEP: a chord of a full circle is off by 1e-3 of its radius.
+constexpr double kEdgesAcross = 24.0;
+constexpr int kCircleSegments = 72;
 
 // A kernel's faces have orientations of their own; a file's triangles say which side is inside.
 void require_outward(const std::string& file, OffFile& surface) {

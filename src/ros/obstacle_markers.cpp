@@ -7,6 +7,7 @@
 
 #include "conversions.h"
 #include "frames.h"
+#include "mechanics/body/mesh_solid.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -19,6 +20,7 @@ struct Primitive {
   int type;
   Vector3d center_m, size_m;
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  const MeshSolid* mesh = nullptr;  // of a list of triangles
 };
 using Primitives = std::vector<Primitive>;
 
@@ -52,6 +54,16 @@ Primitives primitives(const Cylinder& cylinder, double /*robot_m*/) {
   return {rod(cylinder.start_m, cylinder.end_m, cylinder.radius_m)};
 }
 Primitives primitives(const RoundedBox& box, double /*robot_m*/) { return {{Shape::CUBE, box.center_m, box.size_m}}; }
+Primitives primitives(const MeshShape& mesh, double /*robot_m*/) {
+  return {{Shape::TRIANGLE_LIST, Vector3d::Zero(), Vector3d::Ones(), Eigen::Quaterniond::Identity(), mesh.solid.get()}};
+}
+
+void add_triangles(const ClosedSurface& surface, Shape& marker) {
+  marker.points.reserve(static_cast<std::size_t>(3 * surface.count()));
+  for (Eigen::Index t = 0; t < surface.count(); ++t)
+    for (const int vertex : surface.triangles().col(t))
+      marker.points.push_back(to_message(Vector3d(surface.vertices_m().col(vertex))));
+}
 
 Shape marker_of(const Primitive& primitive, const Eigen::Isometry3d& pose, bool free) {
   Shape marker;
@@ -66,6 +78,7 @@ Shape marker_of(const Primitive& primitive, const Eigen::Isometry3d& pose, bool 
   marker.color.g = free ? 0.65f : 0.58f;
   marker.color.b = free ? 0.25f : 0.62f;
   marker.color.a = free ? 1.0f : 0.7f;
+  if (primitive.mesh != nullptr) add_triangles(primitive.mesh->surface(), marker);
   return marker;
 }
 

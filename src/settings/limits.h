@@ -34,13 +34,16 @@ inline constexpr int kThreads = 1000;        // threads or workers at a time, on
 inline constexpr int kJobs = 100000;         // jobs of Slurm
 
 // Counts in a scene.
-inline constexpr int kSolids = 1000;                // solids in a `solid`, copies of arrays counted each
-inline constexpr int kSolidCopies = 1000;           // copies of one `array`
-inline constexpr int kSplinePoints = 500;           // points of a `spline_m`
-inline constexpr int kPolygonCorners = 2000;        // corners of a `polygon_m`
-inline constexpr int kObstacles = 1000;             // obstacles
-inline constexpr int kFreeObstacles = 100;          // obstacles with a `mass_kg`
-inline constexpr std::size_t kTriangles = 1000000;  // triangles of an STL file, or of a solid's surface
+inline constexpr int kSolids = 1000;                       // solids in a `solid`, copies of arrays counted each
+inline constexpr int kSolidCopies = 1000;                  // copies of one `array`
+inline constexpr int kSplinePoints = 500;                  // points of a `spline_m`
+inline constexpr int kPolygonCorners = 2000;               // corners of a `polygon_m`
+inline constexpr int kObstacles = 1000;                    // obstacles
+inline constexpr int kFreeObstacles = 100;                 // obstacles with a `mass_kg`
+inline constexpr int kDistanceNodes = 8000000;             // nodes of the grid of distances of an obstacle's `mesh`
+inline constexpr std::size_t kObstacleTriangles = 300000;  // triangles of an obstacle's `mesh`
+inline constexpr int kMeshCorners = 5000;                  // corners of a free obstacle's `mesh` that stand out
+inline constexpr std::size_t kTriangles = 1000000;         // triangles of an STL file, or of a solid's surface
 
 inline constexpr std::size_t kName_characters = 100;       // characters of a name
 inline constexpr std::size_t kRollouts = 1000000;          // rollouts of one run

@@ -48,7 +48,8 @@ const Words kBefore = {"",
                        "$MeshFormat\n",
                        "# vtk DataFile Version 3.0\n",
                        "ISO-10303-21;\n"};
-const Words kEndings = {".msh", ".MSH", ".msh2", ".vtk", ".stl", ".STL", ".step", ".stp", ".geo", ".txt", "", ".py"};
+const Words kEndings = {".msh",  ".MSH", ".msh2", ".vtk", ".stl", ".STL", ".obj",
+                        ".step", ".stp", ".geo",  ".txt", "",     ".py"};
 
 void add_scripts(std::mt19937& random, std::vector<BadScene>& all) {
   for (const std::string& ending : kEndings)

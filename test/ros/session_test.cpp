@@ -507,6 +507,14 @@ TEST_F(Session, PublishesAndDrawsWhatTouches) {
     EXPECT_TRUE(spin_until([&] { return drawn(topics::overlay, ns); })) << ns;
   EXPECT_TRUE(spin_until([&] { return drawn(topics::overlay_labels, "contact_forces"); }));
   EXPECT_TRUE(drawn(topics::simulator_obstacles, "floor"));
+  const auto obstacles = hear<visualization_msgs::MarkerArray>(topics::simulator_obstacles);
+  const auto rock = std::find_if(obstacles->markers.begin(), obstacles->markers.end(),
+                                 [](const auto& shape) { return shape.ns == "rock"; });
+  ASSERT_NE(rock, obstacles->markers.end());
+  EXPECT_EQ(rock->type, visualization_msgs::Marker::TRIANGLE_LIST);
+  EXPECT_EQ(rock->points.size() % 3, 0u);
+  EXPECT_GE(rock->points.size(), 72u) << "outside and hollow";
+  for (const geometry_msgs::Point& at : rock->points) EXPECT_GT(at.x, 0.3);
   request.path = scenes + "cable_bar.yaml";
   EXPECT_TRUE(ask<LoadScene>(topics::simulator_load, request).success);
   EXPECT_FALSE(drawn(topics::simulator_obstacles, "floor"));

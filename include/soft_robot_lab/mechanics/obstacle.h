@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -42,7 +43,20 @@ struct RoundedBox {
   double rounding_m = 0.0;  // (0, half of the least size]
 };
 
-using ObstacleShape = std::variant<Plane, Sphere, Capsule, Cylinder, RoundedBox>;
+class MeshSolid;
+
+// What triangles bound; mesh_shape() makes it. It turns about its centroid.
+struct MeshShape {
+  std::shared_ptr<const MeshSolid> solid;
+};
+
+// Of a closed surface: triangles, 3 indices of vertices each, counter-clockwise from outside. Edges are rounded by
+// rounding_m, >= 0; 0: by a 64th of its size, or less where it has thin walls or fine details. Throws
+// std::invalid_argument, with a place, where the surface is open or faces inward, has walls thinner than two roundings,
+// or is too large for so fine a rounding.
+MeshShape mesh_shape(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles, double rounding_m = 0.0);
+
+using ObstacleShape = std::variant<Plane, Sphere, Capsule, Cylinder, RoundedBox, MeshShape>;
 
 // Where an obstacle stands at a time: turned about its own centre, and moved.
 struct ObstaclePose {

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "gap.h"
+#include "mesh_solid.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -43,6 +45,22 @@ Matrix3d inertia(const RoundedBox& box, double mass_kg) {
   return (mass_kg / 12.0 * (Vector3d::Constant(squares.sum()) - squares)).asDiagonal();
 }
 
+Matrix3d inertia(const MeshShape& mesh, double mass_kg) {
+  return mass_kg / mesh.solid->surface().volume_m3() * mesh.solid->surface().inertia_m5();
+}
+
+double volume(const Plane& /*endless*/) { return std::numeric_limits<double>::infinity(); }
+double volume(const Sphere& sphere) { return 4.0 / 3.0 * M_PI * std::pow(sphere.radius_m, 3); }
+double volume(const Capsule& capsule) {
+  const double length_m = (capsule.end_m - capsule.start_m).norm();
+  return M_PI * std::pow(capsule.radius_m, 2) * (length_m + 4.0 / 3.0 * capsule.radius_m);
+}
+double volume(const Cylinder& cylinder) {
+  return M_PI * std::pow(cylinder.radius_m, 2) * (cylinder.end_m - cylinder.start_m).norm();
+}
+double volume(const RoundedBox& box) { return box.size_m.prod(); }
+double volume(const MeshShape& mesh) { return mesh.solid->surface().volume_m3(); }
+
 double size(const Plane& /*endless*/) { return 1.0; }
 double size(const Sphere& sphere) { return sphere.radius_m; }
 double size(const Capsule& capsule) { return capsule.radius_m; }
@@ -50,6 +68,7 @@ double size(const Cylinder& cylinder) {
   return std::min(cylinder.radius_m, 0.5 * (cylinder.end_m - cylinder.start_m).norm());
 }
 double size(const RoundedBox& box) { return 0.5 * box.size_m.minCoeff(); }
+double size(const MeshShape& mesh) { return mesh.solid->half_thickness_m(); }
 
 Eigen::Quaterniond quaternion(const Eigen::Vector4d& turn) { return Eigen::Quaterniond(turn); }
 
@@ -57,6 +76,10 @@ Eigen::Quaterniond quaternion(const Eigen::Vector4d& turn) { return Eigen::Quate
 
 Matrix3d solid_inertia_kg_m2(const ObstacleShape& shape, double mass_kg) {
   return std::visit([&](const auto& one) { return inertia(one, mass_kg); }, shape);
+}
+
+double volume_m3(const ObstacleShape& shape) {
+  return std::visit([](const auto& one) { return volume(one); }, shape);
 }
 
 double size_m(const ObstacleShape& shape) {

@@ -15,7 +15,9 @@ namespace soft_robot_lab {
 // That of a solid of this shape, evenly filled, about its centre; rounded edges count as sharp.
 Eigen::Matrix3d solid_inertia_kg_m2(const ObstacleShape& shape, double mass_kg);
 
-double size_m(const ObstacleShape& shape);  // half its least extent
+double volume_m3(const ObstacleShape& shape);  // likewise; infinite of a plane
+
+double size_m(const ObstacleShape& shape);  // half its least extent; of a mesh half its thickness
 
 // Axis times angle of the turn that leads from one quaternion (x, y, z, w) to another; and the way back.
 Eigen::Vector3d turned_rad(const Eigen::Vector4d& from, const Eigen::Vector4d& to);

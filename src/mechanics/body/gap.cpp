@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesh_solid.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -88,11 +90,14 @@ Gap gap(const RoundedBox& box, const Vector3d& point) {
   return {depth - box.rounding_m, sign[side] * Vector3d::Unit(side), Matrix3d::Zero()};
 }
 
+Gap gap(const MeshShape& mesh, const Vector3d& point) { return mesh.solid->gap(point); }
+
 Vector3d middle(const Plane& plane) { return plane.point_m; }
 Vector3d middle(const Sphere& sphere) { return sphere.center_m; }
 Vector3d middle(const Capsule& capsule) { return 0.5 * (capsule.start_m + capsule.end_m); }
 Vector3d middle(const Cylinder& cylinder) { return 0.5 * (cylinder.start_m + cylinder.end_m); }
 Vector3d middle(const RoundedBox& box) { return box.center_m; }
+Vector3d middle(const MeshShape& mesh) { return mesh.solid->surface().centroid_m(); }
 
 Eigen::Quaterniond turn(const Vector3d& rotation_rad) {
   const double angle = rotation_rad.norm();
@@ -112,6 +117,12 @@ ObstaclePose between(const ObstaclePose& from, const ObstaclePose& to, double sh
 
 Gap gap_to(const ObstacleShape& shape, const Eigen::Vector3d& point_m) {
   return std::visit([&](const auto& one) { return gap(one, point_m); }, shape);
+}
+
+bool is_flat(const ObstacleShape& shape) {
+  const auto* mesh = std::get_if<MeshShape>(&shape);
+  return mesh != nullptr ? mesh->solid->flat()
+                         : std::holds_alternative<Plane>(shape) || std::holds_alternative<RoundedBox>(shape);
 }
 
 Eigen::Vector3d center_m(const ObstacleShape& shape) {

@@ -4,6 +4,7 @@
 //   plane                everywhere
 //   sphere, capsule      to the centre, or the axis
 //   cylinder, box        to the depth of the rounding near edges; else to the depth where another side is nearer
+//   mesh                 to a quarter of the rounding, and as far outside; farther off it is no more than the distance
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +22,9 @@ struct Gap {
 
 Gap gap_to(const ObstacleShape& shape, const Eigen::Vector3d& point_m);
 
-// What an obstacle turns about. Of a plane its point, else the middle.
+bool is_flat(const ObstacleShape& shape);  // a body stands on it with its foot: planes and boxes, and meshes like these
+
+// What an obstacle turns about. Of a plane its point, of a mesh its centroid, else the middle.
 Eigen::Vector3d center_m(const ObstacleShape& shape);
 
 // The pose of anything that moves so about this centre.

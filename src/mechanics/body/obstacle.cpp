@@ -7,6 +7,9 @@
 
 #include <Eigen/Cholesky>
 
+#include "mesh_solid.h"
+#include "settings/limits.h"
+
 namespace soft_robot_lab {
 namespace {
 
@@ -66,6 +69,18 @@ void check(const RoundedBox& box) {
   require_rounding(box.rounding_m, 0.5 * box.size_m.minCoeff());
 }
 
+void check(const MeshShape& mesh) {
+  if (!mesh.solid) throw std::invalid_argument("mesh: is none; mesh_shape() makes one");
+}
+
+void require_few_corners(const MeshSolid& solid) {
+  const auto corners = solid.corners_m().cols();
+  if (corners > limits::kMeshCorners)
+    throw std::invalid_argument("mesh: has " + std::to_string(corners) + " corners that stand out, at most " +
+                                std::to_string(limits::kMeshCorners) +
+                                " may touch others; make its mesh coarser, or give it no mass_kg");
+}
+
 void check_free(const Obstacle& one) {
   if (!(one.mass_kg >= 0.0) || !std::isfinite(one.mass_kg)) refuse("mass_kg", one.mass_kg, "(0, inf)");
   require_finite("velocity_m_s", one.velocity_m_s);
@@ -79,6 +94,7 @@ void check_free(const Obstacle& one) {
   }
   if (!one.motion.empty()) throw std::invalid_argument("motion: a free obstacle, with mass_kg, moves by itself");
   if (std::holds_alternative<Plane>(one.shape)) throw std::invalid_argument("mass_kg: a plane cannot be free");
+  if (const auto* mesh = std::get_if<MeshShape>(&one.shape)) require_few_corners(*mesh->solid);
   if (!one.inertia_kg_m2) return;
   const Eigen::Matrix3d& inertia = *one.inertia_kg_m2;
   const bool positive = inertia.allFinite() && inertia == inertia.transpose() &&
@@ -87,6 +103,11 @@ void check_free(const Obstacle& one) {
 }
 
 }  // namespace
+
+MeshShape mesh_shape(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles, double rounding_m) {
+  if (!(rounding_m >= 0.0) || !std::isfinite(rounding_m)) refuse("rounding_m", rounding_m, "[0, inf)");
+  return {std::make_shared<const MeshSolid>(vertices_m, triangles, rounding_m)};
+}
 
 void validate_motion(const std::vector<ObstaclePose>& motion) {
   for (std::size_t i = 0; i < motion.size(); ++i) {

@@ -7,6 +7,7 @@
 #include "contact_points.h"
 #include "free_obstacles.h"
 #include "gap.h"
+#include "mesh_solid.h"
 #include "rigid_places.h"
 #include "settings/point_text.h"
 #include "mechanics/mesh/skin.h"
@@ -46,10 +47,19 @@ void refuse_skin_inside(const Body& body, const ContactPoints& points, const Obs
 // A thing so small that no point of the skin is in it.
 void refuse_swallowed(const Body& body, const Obstacle& obstacle) {
   if (std::holds_alternative<Plane>(obstacle.shape)) return;
-  const Eigen::Vector3d middle_m = pose_at(obstacle, 0.0) * center_m(obstacle.shape);
+  const auto* mesh = std::get_if<MeshShape>(&obstacle.shape);
+  const Eigen::Vector3d middle_m =
+      pose_at(obstacle, 0.0) * (mesh != nullptr ? mesh->solid->deepest_m() : center_m(obstacle.shape));
   if (MeshLocator(body.mesh()).locate(middle_m).distance_m > 0.0) return;
   throw std::invalid_argument("obstacle '" + obstacle.name + "': its middle, " + point_text(middle_m) +
                               ", is inside the body at the start; must be outside");
+}
+
+void refuse_unknown(const Obstacle& own, const Obstacle& other) {
+  const std::string why = unknown_pair(own.shape, other.shape);
+  if (why.empty()) return;
+  throw std::invalid_argument("obstacle '" + own.name + "' is free and may meet obstacle '" + other.name + "', but " +
+                              why + "; give both no mass_kg, or make one of simpler shapes");
 }
 
 void refuse_inside(const Obstacle& own, const PlacedShape& one, const Obstacle& others, const PlacedShape& other) {
@@ -74,6 +84,7 @@ void refuse_free_inside(const std::vector<Obstacle>& obstacles) {
   for (int one = 0; one < count; ++one) {
     for (int other = 0; other < count && free.index_of(one) >= 0; ++other) {
       if (other == one || (other < one && free.index_of(other) >= 0)) continue;
+      refuse_unknown(obstacles[static_cast<std::size_t>(one)], obstacles[static_cast<std::size_t>(other)]);
       refuse_inside(obstacles[static_cast<std::size_t>(one)], placed(one), obstacles[static_cast<std::size_t>(other)],
                     placed(other));
     }

@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "free_obstacles.h"
 #include "gap.h"
+#include "mesh_solid.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -16,6 +18,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr int kOnRim = 24;
+constexpr int kOnLine = 24;  // parts of a line
 constexpr double kApart = 2.0 * M_PI / kOnRim;
 constexpr int kHalvings = 50;         // of an arc in which the nearest point of a rim is
 constexpr double kFlat = 1e-3;        // of its radius: a rim whose points are so alike lies flat on the other
@@ -68,8 +71,23 @@ Features features(const RoundedBox& box) {
   return all;
 }
 
+// Edges of others meet it wherever they are, so its own are left out.
+Features features(const MeshShape& mesh) {
+  Features all;
+  for (const auto& corner_m : mesh.solid->corners_m().colwise()) all.points.push_back({corner_m, 0.0});
+  return all;
+}
+
 Features features_of(const ObstacleShape& shape) {
   return std::visit([](const auto& one) { return features(one); }, shape);
+}
+
+// Of the middle of a ball.
+Gap gap_of_ball(const ObstacleShape& shape, const Isometry3d& pose, const Vector3d& point_m, double radius_m) {
+  const auto* mesh = std::get_if<MeshShape>(&shape);
+  if (mesh == nullptr) return gap_to(shape, pose, point_m);
+  const Gap own = mesh->solid->gap_of_ball(pose.inverse() * point_m, radius_m);
+  return {own.gap_m, pose.linear() * own.normal, pose.linear() * own.hessian * pose.linear().transpose()};
 }
 
 // A radius of a rim, by its angle from one that goes `across`.
@@ -84,6 +102,14 @@ void add_on_shape(const Features& features, bool of_other, std::vector<RigidPlac
     for (int i = 0; i < kOnRim; ++i)
       all.push_back({of_other, BallOnShape{{rim.middle_m + radius_at_m(rim, across, kApart * i), rim.rounding_m}}});
     for (const int valley : {0, 1}) all.push_back({of_other, RimOnShape{rim, valley}});
+  }
+}
+
+void add_on_mesh(const Features& features, bool of_other, std::vector<RigidPlace>& all) {
+  for (const RoundedLine& line : features.lines) {
+    for (int i = 1; i < kOnLine; ++i)
+      all.push_back({of_other, BallOnShape{{line.from_m + (line.to_m - line.from_m) * i / kOnLine, line.radius_m}}});
+    for (const int valley : {0, 1}) all.push_back({of_other, LineOnMesh{line, valley}});
   }
 }
 
@@ -125,7 +151,7 @@ Eigen::Vector2d closest(const Vector3d& own_m, const Vector3d& along, const Vect
 std::optional<RigidMeeting> meet_with(const BallOnShape& place, const Isometry3d& own_pose, const ObstacleShape& shape,
                                       const Isometry3d& pose) {
   const Vector3d middle_m = own_pose * place.ball.position_m;
-  const Gap gap = gap_to(shape, pose, middle_m);
+  const Gap gap = gap_of_ball(shape, pose, middle_m, place.ball.radius_m);
   return RigidMeeting{gap.gap_m - place.ball.radius_m, gap.normal, middle_m - place.ball.radius_m * gap.normal,
                       gap.hessian};
 }
@@ -151,7 +177,7 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const Isometry3d&
   std::array<double, kOnRim> gaps_m;
   for (int i = 0; i < kOnRim; ++i) {
     const Vector3d at_m = rim.middle_m + radius_at_m(rim, across, kApart * i);
-    gaps_m[static_cast<std::size_t>(i)] = gap_to(shape, pose, at_m).gap_m;
+    gaps_m[static_cast<std::size_t>(i)] = gap_of_ball(shape, pose, at_m, rim.rounding_m).gap_m;
   }
   const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.end());
   const int valley = nearest(gaps_m, place.valley);
@@ -164,7 +190,7 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const Isometry3d&
     const Vector3d out_m = radius_at_m(rim, across, angle_rad);
     at_m = rim.middle_m + out_m;
     along_m = rim.outward.cross(out_m);
-    gap = gap_to(shape, pose, at_m);
+    gap = gap_of_ball(shape, pose, at_m, rim.rounding_m);
     curvature_m = along_m.dot(gap.hessian * along_m) - gap.normal.dot(out_m);
     (gap.normal.dot(along_m) > 0.0 ? high_rad : low_rad) = angle_rad;
   }
@@ -174,6 +200,49 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const Isometry3d&
     bend -= turn * turn.transpose() / curvature_m;
   }
   return RigidMeeting{gap.gap_m - rim.rounding_m, gap.normal, at_m - rim.rounding_m * gap.normal, bend};
+}
+
+// Of the places inside a line that are nearer than those beside them the nearest, or the second; -1: there is none.
+int nearest_inside(const std::array<double, kOnLine + 1>& gaps_m, int which) {
+  const auto at = [&](int i) { return gaps_m[static_cast<std::size_t>(i)]; };
+  std::array<int, 2> found{-1, -1};
+  for (int i = 1; i < kOnLine; ++i) {
+    if (at(i) > at(i - 1) || at(i) >= at(i + 1)) continue;
+    if (found[0] < 0 || at(i) < at(found[0]))
+      found = {i, found[0]};
+    else if (found[1] < 0 || at(i) < at(found[1]))
+      found[1] = i;
+  }
+  return found[static_cast<std::size_t>(which)];
+}
+
+std::optional<RigidMeeting> meet_with(const LineOnMesh& place, const Isometry3d& own_pose, const ObstacleShape& shape,
+                                      const Isometry3d& pose) {
+  const RoundedLine line = placed(place.line, own_pose);
+  const Vector3d along_m = line.to_m - line.from_m;
+  std::array<double, kOnLine + 1> gaps_m;
+  for (int i = 0; i <= kOnLine; ++i)
+    gaps_m[static_cast<std::size_t>(i)] =
+        gap_of_ball(shape, pose, line.from_m + along_m * i / kOnLine, line.radius_m).gap_m;
+  const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.end());
+  const int valley = nearest_inside(gaps_m, place.valley);
+  if (valley < 0 || *most - *least < kFlat * along_m.norm()) return std::nullopt;
+  Gap gap;
+  Vector3d at_m;
+  double low = static_cast<double>(valley - 1) / kOnLine, high = static_cast<double>(valley + 1) / kOnLine;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double share = 0.5 * (low + high);
+    at_m = line.from_m + share * along_m;
+    gap = gap_of_ball(shape, pose, at_m, line.radius_m);
+    (gap.normal.dot(along_m) > 0.0 ? high : low) = share;
+  }
+  const double curvature_m = along_m.dot(gap.hessian * along_m);
+  Eigen::Matrix3d bend = gap.hessian;
+  if (curvature_m > 0.0) {
+    const Vector3d turn = gap.hessian * along_m;
+    bend -= turn * turn.transpose() / curvature_m;
+  }
+  return RigidMeeting{gap.gap_m - line.radius_m, gap.normal, at_m - line.radius_m * gap.normal, bend};
 }
 
 std::optional<RigidMeeting> meet_with(const LineOnLine& place, const Isometry3d& own_pose,
@@ -199,10 +268,19 @@ double bound(const Cylinder& cylinder) {
   return std::hypot(0.5 * (cylinder.end_m - cylinder.start_m).norm(), cylinder.radius_m);
 }
 double bound(const RoundedBox& box) { return 0.5 * box.size_m.norm(); }
+double bound(const MeshShape& mesh) { return mesh.solid->bounding_radius_m(); }
+
+bool is_mesh(const ObstacleShape& shape) { return std::holds_alternative<MeshShape>(shape); }
 
 }  // namespace
 
+std::string unknown_pair(const ObstacleShape& one, const ObstacleShape& other) {
+  if (!is_mesh(one) || !is_mesh(other)) return {};
+  return "both are meshes, and where edges of two meshes cross is not found";
+}
+
 std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleShape& other) {
+  if (const std::string why = unknown_pair(one, other); !why.empty()) throw std::invalid_argument(why);
   const Features own = features_of(one), theirs = features_of(other);
   std::vector<RigidPlace> all;
   if (std::holds_alternative<Sphere>(other) && !std::holds_alternative<Sphere>(one)) {
@@ -212,6 +290,10 @@ std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleSha
   add_on_shape(own, false, all);
   if (std::holds_alternative<Sphere>(one)) return all;
   add_on_shape(theirs, true, all);
+  if (is_mesh(one) || is_mesh(other)) {
+    add_on_mesh(is_mesh(other) ? own : theirs, is_mesh(one), all);
+    return all;
+  }
   const double deepest_m = kDeepest * std::min(size_m(one), size_m(other));
   for (const RoundedLine& line : own.lines)
     for (const RoundedLine& across : theirs.lines) all.push_back({false, LineOnLine{line, across, deepest_m}});
@@ -240,9 +322,20 @@ double spheres_apart_m(const PlacedShape& one, const PlacedShape& other) {
   return way_m - bounding_radius_m(one.shape);
 }
 
+// Of all their places: a mesh need not be convex.
+double least_gap_m(const PlacedShape& one, const PlacedShape& other) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const RigidPlace& place : rigid_places(one.shape, other.shape)) {
+    const std::optional<RigidMeeting> met = meet(place, one.shape, one.pose, other.shape, other.pose);
+    if (met) least_m = std::min(least_m, met->gap_m);
+  }
+  return least_m;
+}
+
 // The larger of the distances from a point to both is convex, and half of what they are apart where it is least: found
 // by ellipsoids around that place, each cut through its middle (Shor 1977).
 double apart_m(const PlacedShape& one, const PlacedShape& other) {
+  if (is_mesh(one.shape) || is_mesh(other.shape)) return least_gap_m(one, other);
   Vector3d at_m = one.pose * center_m(one.shape);
   const double reach_m = bounding_radius_m(one.shape) + std::max(0.0, gap_to(other.shape, other.pose, at_m).gap_m);
   Eigen::Matrix3d around_m2 = reach_m * reach_m * Eigen::Matrix3d::Identity();

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where two rigid shapes may touch: places of one shape against the whole of the other, and edges of both that cross.
 // Every shape is a core that its surface rounds off by a radius: a point, an axis, a flat disc of a cylinder, a box.
-//   ball on shape   a sphere, an end of a capsule, a corner of a box, one of 24 points of a cylinder's edge
-//   rim on shape    the two points of a cylinder's edge that are nearest: it rolls on a circle, not on a polygon
+//   ball on shape   a sphere, an end of a capsule, a corner of a box or of a mesh, one of 24 points of a cylinder's
+//   edge rim on shape    the two points of a cylinder's edge that are nearest: it rolls on a circle, not on a polygon
 //   line on line    an edge of a box or the axis of a capsule or a cylinder, against another one that it crosses
+//   line on mesh    the two points of such a line that are nearest to a mesh, and 23 points along it
 // The least gap of all is how far apart the shapes are, where they do not overlap by more than their roundings: every
-// pair of sphere, capsule, cylinder and box, and each of them on a plane.
+// pair of sphere, capsule, cylinder and box, and each of them and a mesh on a plane and on one another, but for two
+// meshes.
 #pragma once
 
 #include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -43,6 +46,10 @@ struct RimOnShape {
   RoundedRim rim;
   int valley;  // 0: where it is nearest, 1: the next place that is nearer than all beside it
 };
+struct LineOnMesh {
+  RoundedLine line;
+  int valley;  // as of a rim
+};
 struct LineOnLine {
   RoundedLine own, other;
   double deepest_m;  // farther through one another the lines are on far sides of their shapes
@@ -50,10 +57,13 @@ struct LineOnLine {
 
 struct RigidPlace {
   bool of_other;  // the ball or rim is the other shape's
-  std::variant<BallOnShape, RimOnShape, LineOnLine> kind;
+  std::variant<BallOnShape, RimOnShape, LineOnMesh, LineOnLine> kind;
 };
 
-// All of one shape and another, in an order that never changes.
+// Why two shapes cannot touch one another here; empty: they can.
+std::string unknown_pair(const ObstacleShape& one, const ObstacleShape& other);
+
+// All of one shape and another, in an order that never changes. Throws std::invalid_argument where they cannot.
 std::vector<RigidPlace> rigid_places(const ObstacleShape& one, const ObstacleShape& other);
 
 struct RigidMeeting {

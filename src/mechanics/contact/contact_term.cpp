@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "mechanics/body/gap.h"
 
@@ -120,7 +119,7 @@ void ContactTerm::find_touches(int obstacle, const Eigen::Matrix3Xd& positions_m
   const Obstacle& one = obstacles_[static_cast<std::size_t>(obstacle)];
   const Eigen::Isometry3d pose = pose_of(obstacle, state);
   const int free = free_.index_of(obstacle);
-  const bool flat = std::holds_alternative<Plane>(one.shape) || std::holds_alternative<RoundedBox>(one.shape);
+  const bool flat = is_flat(one.shape);
   for (int face = 0; face < points_.face_count(); ++face) {
     const int first = points_.first_point(face), count = points_.first_point(face + 1) - first;
     const int first_pair = obstacle * points_.count() + first;

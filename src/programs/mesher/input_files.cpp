@@ -28,7 +28,8 @@ InputFiles::~InputFiles() {
 
 std::string InputFiles::copy(const std::string& file, MeshFormat format) {
   if (!has_ending_of(file, format)) throw std::invalid_argument(file + ": its name must end with " + ending_of(format));
-  const std::string copied = folder_ + "/input_" + std::to_string(file_of_.size()) + ending_of(format);
+  const std::string ending = ending_of(format == MeshFormat::obj ? MeshFormat::stl : format);  // of what Gmsh reads
+  const std::string copied = folder_ + "/input_" + std::to_string(file_of_.size()) + ending;
   const std::string bytes = read_regular_file(file, kLargestMesh_bytes);
   try {
     write_file(copied, safe_content(bytes, format));
@@ -40,7 +41,8 @@ std::string InputFiles::copy(const std::string& file, MeshFormat format) {
 }
 
 void InputFiles::copy_into(Solid& solid) {
-  if (solid.kind == Solid::Kind::stl_file) solid.file = copy(solid.file, MeshFormat::stl);
+  if (solid.kind == Solid::Kind::stl_file)
+    solid.file = copy(solid.file, has_ending_of(solid.file, MeshFormat::obj) ? MeshFormat::obj : MeshFormat::stl);
   if (solid.kind == Solid::Kind::step_file) solid.file = copy(solid.file, MeshFormat::step);
   for (Solid& part : solid.parts) copy_into(part);
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -14,7 +13,8 @@
 
 #include <Eigen/Geometry>
 
-#include "orient.h"
+#include "robot/design/off_file.h"
+#include "robot/design/orient.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -165,24 +165,10 @@ Surface make_surface(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi&
 }
 
 Surface read_off(const std::string& path) {
-  std::ifstream file(path);
-  std::string word;
-  long vertices = 0, triangles = 0, unused = 0;
-  if (!(file >> word >> vertices >> triangles >> unused) || word != "OFF" || vertices < 0 || triangles < 0)
-    throw std::invalid_argument(path + ": is no OFF file");
-  Eigen::Matrix3Xd vertices_m(3, vertices), normals(3, triangles);
-  Eigen::Matrix3Xi corners(3, triangles);
-  for (Eigen::Index i = 0; i < vertices_m.size(); ++i) file >> vertices_m(i);
-  for (long t = 0; t < triangles; ++t) {
-    file >> unused >> corners(0, t) >> corners(1, t) >> corners(2, t) >> unused;
-    file >> normals(0, t) >> normals(1, t) >> normals(2, t);
-  }
-  if (!file) throw std::invalid_argument(path + ": ends too early");
-  if (triangles > 0 && (corners.minCoeff() < 0 || corners.maxCoeff() >= vertices))
-    throw std::invalid_argument(path + ": a triangle names a vertex beyond the last");
-  orient(vertices_m, corners);
-  Surface surface = make_surface(vertices_m, corners);
-  if (surface.triangle_count() == triangles) take_true_normals(normals, surface);
+  OffFile off = read_off_file(path);
+  orient(off.vertices_m, off.triangles);
+  Surface surface = make_surface(off.vertices_m, off.triangles);
+  if (surface.triangle_count() == off.triangles.cols()) take_true_normals(off.normals, surface);
   return surface;
 }
 

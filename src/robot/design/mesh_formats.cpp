@@ -9,14 +9,16 @@
 #include <utility>
 #include <vector>
 
+#include "plain_obj.h"
 #include "plain_stl.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr std::array<std::pair<const char*, MeshFormat>, 5> kEndings{{{".msh", MeshFormat::msh},
+constexpr std::array<std::pair<const char*, MeshFormat>, 6> kEndings{{{".msh", MeshFormat::msh},
                                                                       {".vtk", MeshFormat::vtk},
                                                                       {".stl", MeshFormat::stl},
+                                                                      {".obj", MeshFormat::obj},
                                                                       {".step", MeshFormat::step},
                                                                       {".stp", MeshFormat::step}}};
 
@@ -57,6 +59,8 @@ std::string safe_content(const std::string& bytes, MeshFormat format) {
       break;
     case MeshFormat::stl:
       return plain_stl(bytes);
+    case MeshFormat::obj:
+      return plain_obj(bytes);
   }
   return bytes;
 }

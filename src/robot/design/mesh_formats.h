@@ -7,16 +7,16 @@
 
 namespace soft_robot_lab {
 
-enum class MeshFormat { msh, vtk, stl, step };
+enum class MeshFormat { msh, vtk, stl, step, obj };
 
-// .msh, .vtk, .stl, and .step or .stp, in any case.
+// .msh, .vtk, .stl, .obj, and .step or .stp, in any case.
 bool has_ending_of(const std::string& file, MeshFormat format);
 
 // ".msh": what Gmsh knows the format by.
 std::string ending_of(MeshFormat format);
 
-// What may be handed to Gmsh in the file's place: the bytes as they are, or an STL's triangles alone, in the form that
-// Gmsh reads. Throws std::invalid_argument where the content is not of the format.
+// What may be handed to Gmsh in the file's place: the bytes as they are, or the triangles of an STL or OBJ file alone,
+// as STL in the form that Gmsh reads. Throws std::invalid_argument where the content is not of the format.
 std::string safe_content(const std::string& bytes, MeshFormat format);
 
 }  // namespace soft_robot_lab

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "file_solid.h"
 #include "mesh_formats.h"
 #include "settings/limits.h"
 #include "settings/read_points.h"
@@ -229,13 +230,14 @@ void read_fillet(const YamlNode& node, Solid& solid) {
   if ((solid.start_m.array() > solid.end_m.array()).any()) box->fail("min_m lies beyond max_m");
 }
 
-std::string read_file(const YamlNode& node, MeshFormat format) {
+// With the ending of one of these formats.
+std::string read_file(const YamlNode& node, const std::vector<MeshFormat>& formats, const std::string& endings) {
   namespace fs = std::filesystem;
   const fs::path file = fs::absolute(fs::path(node.source()).parent_path() / node.as_text()).lexically_normal();
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) node.fail("there is no file " + file.string());
-  if (!has_ending_of(file, format))
-    node.fail("'" + file.string() + "' must end with " + (format == MeshFormat::stl ? ".stl" : ".step or .stp"));
+  if (std::none_of(formats.begin(), formats.end(), [&](MeshFormat format) { return has_ending_of(file, format); }))
+    node.fail("'" + file.string() + "' must end with " + endings);
   return file.string();
 }
 
@@ -287,11 +289,21 @@ Solid read_solid(const YamlNode& node) {
   solid.material = node.optional_child("material");
   if (solid.material && solid.name.empty()) solid.material->fail("belongs to a solid without a name; give it one");
   if (solid.kind == Kind::step_file || solid.kind == Kind::stl_file) {
-    solid.file = read_file(shape, solid.kind == Kind::stl_file ? MeshFormat::stl : MeshFormat::step);
+    solid.file = solid.kind == Kind::stl_file ? read_file(shape, {MeshFormat::stl, MeshFormat::obj}, ".stl or .obj")
+                                              : read_file(shape, {MeshFormat::step}, ".step or .stp");
   } else {
     readers[static_cast<size_t>(solid.kind)](shape, solid);
   }
   require_few(shape, solid_count(solid), limits::kSolids);
+  return solid;
+}
+
+Solid read_file_solid(const YamlNode& node, const std::string& key) {
+  Solid solid;
+  solid.file =
+      read_file(node.child(key), {MeshFormat::stl, MeshFormat::obj, MeshFormat::step}, ".stl, .obj, .step or .stp");
+  solid.kind = has_ending_of(solid.file, MeshFormat::step) ? Kind::step_file : Kind::stl_file;
+  scale_files_by(read_scale(node), solid);
   return solid;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include "mechanics/body/free_obstacles.h"
 #include "sections.h"
 #include "settings/limits.h"
 #include "settings/read_name.h"
@@ -9,7 +10,7 @@
 namespace soft_robot_lab {
 namespace {
 
-const std::vector<std::string> kShapes{"plane", "sphere", "capsule", "cylinder", "box"};
+const std::vector<std::string> kShapes{"plane", "sphere", "capsule", "cylinder", "box", "mesh"};
 constexpr double kRounding = 0.1;  // of a cylinder's radius, or a box's half least size: where nothing else is stated
 
 double rounding_m(const YamlNode& node, double largest_m) {
@@ -28,11 +29,12 @@ RoundedBox read_rounded_box(const YamlNode& node) {
   return shape;
 }
 
-ObstacleShape read_shape(const YamlNode& item) {
+ObstacleShape read_shape(const YamlNode& item, const MesherOptions& mesher) {
   std::vector<std::string> stated;
   for (const std::string& shape : kShapes)
     if (item.has(shape)) stated.push_back(shape);
   if (stated.size() != 1) item.fail("must have one of " + join(kShapes));
+  if (stated[0] == "mesh") return read_mesh_shape(item, mesher);
   const YamlNode node = item.child(stated[0]);
   if (stated[0] == "plane") return Plane{node.vector3("point_m"), node.vector3("normal")};
   if (stated[0] == "sphere") return Sphere{node.vector3("center_m"), node.number("radius_m")};
@@ -146,15 +148,24 @@ void read_friction(const YamlNode& contact, Surfaces& surfaces) {
   for (const YamlNode& item : node->items()) read_friction_of_pair(item, surfaces);
 }
 
-Obstacle read_obstacle(const YamlNode& item) {
-  Obstacle obstacle{read_name(item), read_shape(item), read_motion(item), 0.0};
-  if (!item.has("mass_kg")) {
+// Stated, or by the volume of a shape whose edges are sharp.
+double read_mass_kg(const YamlNode& item, const ObstacleShape& shape) {
+  if (!item.has("density_kg_m3")) return item.number("mass_kg", AllowedRange::positive());
+  const YamlNode node = item.child("density_kg_m3");
+  if (item.has("mass_kg")) node.fail("must not stand beside mass_kg");
+  if (std::holds_alternative<Plane>(shape)) node.fail("a plane has no volume, and cannot be free");
+  return item.number("density_kg_m3", AllowedRange::positive()) * volume_m3(shape);
+}
+
+Obstacle read_obstacle(const YamlNode& item, const MesherOptions& mesher) {
+  Obstacle obstacle{read_name(item), read_shape(item, mesher), read_motion(item), 0.0};
+  if (!item.has("mass_kg") && !item.has("density_kg_m3")) {
     for (const char* key : {"inertia_kg_m2", "velocity_m_s", "angular_velocity_rad_s"})
-      if (item.has(key)) item.child(key).fail("is for free obstacles; give mass_kg too");
+      if (item.has(key)) item.child(key).fail("is for free obstacles; give mass_kg or density_kg_m3 too");
     return obstacle;
   }
   if (item.has("motion")) item.child("motion").fail("is for obstacles that it moves; one with mass_kg is free");
-  obstacle.mass_kg = item.number("mass_kg", AllowedRange::positive());
+  obstacle.mass_kg = read_mass_kg(item, obstacle.shape);
   if (item.has("inertia_kg_m2")) obstacle.inertia_kg_m2 = item.vector3("inertia_kg_m2").asDiagonal();
   obstacle.velocity_m_s = item.vector3_or("velocity_m_s", Eigen::Vector3d::Zero());
   obstacle.angular_velocity_rad_s = item.vector3_or("angular_velocity_rad_s", Eigen::Vector3d::Zero());
@@ -186,14 +197,14 @@ std::vector<ObstaclePose> read_motion(const YamlNode& item) {
   return motion;
 }
 
-void read_contact(const YamlNode& scene, Body& body) {
+void read_contact(const YamlNode& scene, const MesherOptions& mesher, Body& body) {
   const std::optional<YamlNode> contact = scene.optional_child("contact");
   if (!contact) return;
   Surfaces surfaces;
   surfaces.bodies = body.mesh().bodies;
   surfaces.touching = read_touching(*contact, surfaces);
   const std::vector<YamlNode> items = contact->optional_sequence("obstacles");
-  for (const YamlNode& item : items) surfaces.obstacles.push_back(read_obstacle(item));
+  for (const YamlNode& item : items) surfaces.obstacles.push_back(read_obstacle(item, mesher));
   require_few_obstacles(*contact, surfaces.obstacles);
   read_friction(*contact, surfaces);
   for (std::size_t i = 0; i < items.size(); ++i) {

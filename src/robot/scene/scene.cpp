@@ -20,7 +20,7 @@ YamlNode with_overrides(const YamlNode& scene, const Overrides& overrides) {
 Scene build_scene(const YamlNode& settings, TetMesh mesh, const SceneOptions& options) {
   const SolverOptions solver = read_solver(settings);
   Body body = read_body(settings, std::move(mesh));
-  read_contact(settings, body);
+  read_contact(settings, mesher_options(options), body);
   const MeshLocator locator(body.mesh());
   auto actuators = read_actuators(settings, body, locator, options.actuator_factory);
   auto markers = read_markers(settings, body, locator);

@@ -41,7 +41,8 @@ std::vector<std::unique_ptr<Actuator>> read_actuators(
     const ActuatorFactory& factory);  // `cables`, `chambers`, `actuators`
 std::vector<Marker> read_markers(const YamlNode& scene, const Body& body, const MeshLocator& locator);
 std::vector<ObstaclePose> read_motion(const YamlNode& item);  // `motion` of an obstacle or a held region
-void read_contact(const YamlNode& scene, Body& body);         // `contact`
+void read_contact(const YamlNode& scene, const MesherOptions& mesher, Body& body);  // `contact`
+MeshShape read_mesh_shape(const YamlNode& obstacle, const MesherOptions& mesher);   // its file, scale and position
 // The file's method gives way to this one, and what only that knows; empty: the file's stays.
 YamlNode with_method(const YamlNode& stated, const std::string& method);
 SolverOptions read_solver(const YamlNode& scene);                           // `solver`

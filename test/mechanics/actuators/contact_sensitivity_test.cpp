@@ -3,6 +3,7 @@
 // differences.
 #include <gtest/gtest.h>
 
+#include "mechanics/contact/mesh_shapes.h"
 #include "mechanics/newton/slip_rates.h"
 #include "test_bar.h"
 
@@ -71,6 +72,18 @@ std::vector<Obstacle> pair_of(const ObstacleShape& left, const ObstacleShape& ri
           {"right", right, {{0.0}, {1.0, {-in_m, 0, 0}, Eigen::Vector3d::Zero()}}, friction}};
 }
 
+ObstacleShape mesh_of(const Triangles& surface, double rounding_m = 0.0) {
+  return mesh_shape(surface.vertices_m, surface.triangles, rounding_m);
+}
+
+// With an edge towards the bar.
+ObstacleShape edge_at(double x_m) {
+  Triangles box = box_triangles(Eigen::Vector3d::Zero(), {0.014, 0.014, 0.04});
+  box.vertices_m = Eigen::AngleAxisd(M_PI / 4, Eigen::Vector3d::UnitZ()).toRotationMatrix() * box.vertices_m;
+  box.vertices_m.colwise() += Eigen::Vector3d(x_m, -0.06, 0);
+  return mesh_of(box, 0.002);
+}
+
 ObstacleShape roll_at(double x_m) { return Cylinder{{x_m, -0.06, -1}, {x_m, -0.06, 1}, 0.01, 0.001}; }
 
 // What slipped goes on where the cable is pulled further. The way back has another derivative, as all sticks at first.
@@ -84,6 +97,8 @@ TEST(ContactSensitivity, FollowsWhatSticksAndWhatSlipsOnAsDifferencesDo) {
   for (const auto& [obstacles, all_slips, last_command] :
        {Case{{{"post", Cylinder{{0.017, -0.06, -1}, {0.017, -0.06, 1}, 0.005, 0.0005}, {}, 0.3}}, true},
         Case{{{"ball", Sphere{{0.018, -0.06, 0.003}, 0.006}, {}, 0.1}}, true},
+        Case{{{"ball from a mesh", mesh_of(sphere_triangles({0.018, -0.06, 0.003}, 0.006, 4)), {}, 0.1}}, true},
+        Case{{{"edge from a mesh", edge_at(0.0215), {}, 0.1}}, true},
         Case{pair_of(left, right, 0.0003, 0.3), false, 0.953},  // at 0.95 a point is 1e-6 of command from slipping
         Case{pair_of(roll_at(-0.02), roll_at(0.02), 0.001, 0.6), false}}) {
     SCOPED_TRACE(obstacles[0].name);

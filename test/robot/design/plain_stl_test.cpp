@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "fuzz_obj.h"
 #include "fuzz_stl.h"
 #include "fuzz_rules.h"
 
@@ -86,7 +87,8 @@ TEST(PlainStl, NamesTheLineThatIsNoStl) {
 
 TEST(MeshFormats, RefuseAScriptUnderEveryEnding) {
   for (const char* script : {"SystemCall \"id\";", "Merge \"other.msh\";\n$MeshFormat", "\n$MeshFormat\n", "", "//"})
-    for (const MeshFormat format : {MeshFormat::msh, MeshFormat::vtk, MeshFormat::stl, MeshFormat::step})
+    for (const MeshFormat format :
+         {MeshFormat::msh, MeshFormat::vtk, MeshFormat::stl, MeshFormat::step, MeshFormat::obj})
       EXPECT_NE(refusal(script, format), "accepted") << script << ending_of(format);
   EXPECT_EQ(refusal("$MeshFormat\n2.2 0 8", MeshFormat::msh), "accepted");
   EXPECT_EQ(refusal("\r\nISO-10303-21;", MeshFormat::step), "accepted");
@@ -101,7 +103,26 @@ TEST(MeshFormats, KnowEndingsInAnyCase) {
     EXPECT_FALSE(has_ending_of(name, MeshFormat::stl)) << name;
 }
 
+TEST(PlainObj, IsTheTrianglesOfItsFaces) {
+  EXPECT_EQ(safe_content("v 0 0 0 # first\nv 1 0 0\nv 1 1.5 0\nv 0 1 0.1\nf 1/2/3 -3 3//1 4\n", MeshFormat::obj),
+            "solid body\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1.5 0\nendloop\n"
+            "endfacet\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 1.5 0\nvertex 0 1 0.1\nendloop\n"
+            "endfacet\nendsolid body\n");
+  EXPECT_EQ(refusal("v 0 0 0\nf 1 -2 1\n", MeshFormat::obj),
+            "is no OBJ file: line 2: '-2' is none of the 1 vertices so far");
+  EXPECT_EQ(refusal("v 0 0 0\nf 1 -9223372036854775808 1\n", MeshFormat::obj),
+            "is no OBJ file: line 2: '-9223372036854775808' is none of the 1 vertices so far");
+}
+
+// A number of many digits is repeated by each face.
+TEST(PlainObj, GrowsNoMoreThanItsFaces) {
+  std::string text = "v 0 0 0." + std::string(100000, '0') + "\nv 1 0 0\nv 0 1 0\n";
+  for (int i = 0; i < 1000; ++i) text += "f 1 2 3\n";
+  EXPECT_LT(safe_content(text, MeshFormat::obj).size(), 200000u);
+}
+
 TEST(PlainStl, SurvivesTheFuzzersCorpusAndItsLike) {
+  EXPECT_EQ(run_corpus(SOFT_ROBOT_LAB_SOURCE "/test/data/fuzz/obj", fuzz_obj, 300), 4);
   EXPECT_EQ(run_corpus(SOFT_ROBOT_LAB_SOURCE "/test/data/fuzz/stl", fuzz_stl, 300), 3);
 }
 

@@ -43,6 +43,9 @@ Around read_one(const YamlNode& item, const Body& body) {
     item.fail("obstacle '" + name + "' moves; a cable finds its way around those alone that stand still");
   if (std::holds_alternative<Plane>(obstacle.shape))
     item.fail("obstacle '" + name + "' is a plane, around which nothing leads");
+  if (std::holds_alternative<MeshShape>(obstacle.shape))
+    item.fail("obstacle '" + name + "' is a mesh, on whose hollows a taut cable's way is not known; state a capsule, " +
+              "cylinder, sphere or box there");
   Around around{item, obstacle.shape, name, std::nullopt};
   if (!item.is_scalar() && item.has("by_m")) around.by_m = item.vector3("by_m");
   return around;

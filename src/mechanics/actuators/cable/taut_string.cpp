@@ -32,6 +32,9 @@ struct RadiusOf {
   double operator()(const Capsule& shape) const { return shape.radius_m; }
   double operator()(const Cylinder& shape) const { return shape.radius_m; }  // mostly one is met on its side
   double operator()(const RoundedBox& shape) const { return shape.rounding_m; }
+  double operator()(const MeshShape& /*no cable goes around one*/) const {
+    return std::numeric_limits<double>::infinity();
+  }
 };
 
 double angle_of(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }

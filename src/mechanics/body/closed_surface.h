@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A closed surface of triangles that face out: what it encloses, and how far points are from its triangles.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace soft_robot_lab {
+
+// Where a triangle is nearest to a point: in itself, on one of its sides 01, 12, 20, or at one of its corners.
+struct NearestOnTriangle {
+  Eigen::Vector3d at_m;
+  int side = -1, corner = -1;  // -1: not there
+};
+
+// Ericson 2005, section 5.1.5. Of a triangle with an area.
+NearestOnTriangle nearest_on_triangle(const Eigen::Vector3d& point_m, const Eigen::Matrix3d& corners_m);
+
+class ClosedSurface {
+ public:
+  // Throws std::invalid_argument, with a place, where an edge has not one triangle on either side, or no volume is
+  // enclosed.
+  ClosedSurface(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles);
+
+  const Eigen::Matrix3Xd& vertices_m() const { return vertices_m_; }
+  const Eigen::Matrix3Xi& triangles() const { return triangles_; }
+  Eigen::Index count() const { return triangles_.cols(); }
+  Eigen::Matrix3d corners_m(Eigen::Index triangle) const { return vertices_m_(Eigen::all, triangles_.col(triangle)); }
+  Eigen::Vector3d normal(Eigen::Index triangle) const { return normals_.col(triangle); }  // zero without an area
+  double area_m2(Eigen::Index triangle) const { return areas_m2_[triangle]; }
+  // Of the place on a triangle that is nearest to a point: the point is outside where this points to it (Baerentzen &
+  // Aanaes 2005).
+  Eigen::Vector3d outward(Eigen::Index triangle, const NearestOnTriangle& place) const;
+
+  // Of what it encloses, of density 1.
+  double volume_m3() const { return volume_m3_; }
+  const Eigen::Vector3d& centroid_m() const { return centroid_m_; }
+  const Eigen::Matrix3d& inertia_m5() const { return inertia_m5_; }  // about the centroid
+
+  std::vector<int> standing_out() const;  // vertices at edges that do, in their order
+
+  // Faces of several triangles in one plane, by their areas times their normals.
+  std::vector<Eigen::Vector3d> faces_m2() const;
+  // The axes of its largest face and, across that, of the next one. They do not depend on the order of triangles, and
+  // turn with the surface unless several faces are equally large.
+  Eigen::Matrix3d frame() const;
+
+ private:
+  void join_neighbours();
+  void measure();
+
+  Eigen::Matrix3Xd vertices_m_, normals_, of_corners_;  // the latter: of vertices, by the angles there
+  Eigen::Matrix3Xi triangles_, neighbours_;             // across the sides
+  Eigen::VectorXd areas_m2_;
+  double volume_m3_ = 0.0;
+  Eigen::Vector3d centroid_m_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia_m5_ = Eigen::Matrix3d::Zero();
+};
+
+}  // namespace soft_robot_lab

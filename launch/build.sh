@@ -4,7 +4,7 @@
 # `demonstration`, what demo.sh needs; fast when nothing changed.
 set -euo pipefail
 package=$(cd "$(dirname "$0")/.." && pwd)
-# Of a new folder: Ninja waits for no library before it compiles what links it, and Clang takes half of GCC's time.
+# Of a new folder: Ninja waits for no library before it compiles what links it, and Clang takes less time than GCC.
 ! command -v ninja >/dev/null || export CMAKE_GENERATOR=${CMAKE_GENERATOR-Ninja}
 ! command -v clang++ >/dev/null || export CXX=${CXX-clang++}
 cmake -S "$package" -B "$package/build"

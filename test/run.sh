@@ -15,7 +15,7 @@ case "${1-}" in
 esac
 "$package/launch/install_dependencies.sh" ${all:+--all}
 export CMAKE_GENERATOR=${CMAKE_GENERATOR-Ninja} # of new folders; it waits for no library before it compiles what links it
-compiler=${CXX-clang++} # of new folders too; it takes half of GCC's time
+compiler=${CXX-clang++} # of new folders too; it takes less time than GCC
 
 # The parts without ROS are tested under the sanitisers; with --all also as they are used.
 errors=-DSOFT_ROBOT_LAB_WARNINGS_ARE_ERRORS=${WARNINGS_ARE_ERRORS:-OFF}

@@ -26,6 +26,10 @@ trap 'exit 130' INT TERM
 
 package=$(cd "$launch/.." && pwd)
 output=$package/build/demo
+target=demonstration
+if $keep || [[ -n ${DISPLAY:-} ]]; then
+  target=session # whoever looks at it may use all of the panel
+fi
 mkdir -p "$output"
 
 # stage TITLE LOG COMMAND...: what it prints goes to the log; a terminal shows how far it is, where it says so, and for how long.
@@ -45,13 +49,13 @@ stage() {
 }
 
 unbuilt() { # whether a file or folder changed since the last build
-  [[ ! -e $output/built || -n $(find "$package"/{src,include,launch,msg,srv,config,CMakeLists.txt,package.xml} -newer "$output/built" -print -quit) ]]
+  [[ ! -e $output/built || $(<"$output/built") != "$target" || -n $(find "$package"/{src,include,launch,msg,srv,config,CMakeLists.txt,package.xml} -newer "$output/built" -print -quit) ]]
 }
 
 "$launch/install_dependencies.sh" --check || stage "Installing packages" "$output/install.log" "$launch/install_dependencies.sh"
 if unbuilt; then
-  touch "$output/begun"
-  stage "Building" "$output/build.log" "$launch/build.sh" session
+  echo "$target" >"$output/begun"
+  stage "Building" "$output/build.log" "$launch/build.sh" "$target"
   mv "$output/begun" "$output/built"
 fi
 . "$launch/environment.sh"

@@ -11,7 +11,7 @@ BUILD                 folder of a build, with compile_commands.json
 --jobs N              programs at a time (default 2)
 --clang-tidy PROGRAM  default clang-tidy
 
-Headers are read together, so one name may mean one thing only. Batches of sources are read as they are compiled; GCC's
+Headers are read together, so one name may mean one thing only. Batches of sources are read as they are compiled; the
 precompiled headers are left out. Ends with 0 where nothing is found, 1 where something is, 2 on bad arguments.
 """
 import argparse
@@ -59,7 +59,8 @@ def compiled(tree, build):
         for entry in json.load(file):
             entry["sources"] = sources_of(entry["file"])
             if all(source.startswith(tree.sources) and source.endswith(".cpp") for source in entry["sources"]):
-                entry["command"] = re.sub(r" -Winvalid-pch| -include \S+", "", entry["command"])
+                entry["command"] = re.sub(r" -Winvalid-pch| -Xclang -include(-pch)? -Xclang \S+| -include \S+", "",
+                                          entry["command"])
                 yield entry
 
 

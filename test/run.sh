@@ -15,17 +15,13 @@ case "${1-}" in
 esac
 "$package/launch/install_dependencies.sh" ${all:+--all}
 export CMAKE_GENERATOR=${CMAKE_GENERATOR-Ninja} # of new folders; it waits for no library before it compiles what links it
-# Of new folders too: GCC collects its garbage above 1.5 GB, which saves a tenth of its time. What is sanitised is built by
-# Clang, in two thirds of GCC's time.
-given_flags=${CXXFLAGS-}
-[[ $("${CXX:-c++}" --version) == *clang* ]] ||
-  export CXXFLAGS="$given_flags --param=ggc-min-heapsize=1500000 --param=ggc-min-expand=100"
+compiler=${CXX-clang++} # of new folders too; it takes less time than GCC
 
 # The parts without ROS are tested under the sanitisers; with --all also as they are used.
 errors=-DSOFT_ROBOT_LAB_WARNINGS_ARE_ERRORS=${WARNINGS_ARE_ERRORS:-OFF}
-cmake -S "$package" -B "$package/build" -DSOFT_ROBOT_LAB_CORE_TESTS=${all:-no} "$errors"
+CXX=$compiler cmake -S "$package" -B "$package/build" -DSOFT_ROBOT_LAB_CORE_TESTS=${all:-no} "$errors"
 JOBS=$jobs "$package/launch/build.sh"
-CXX=${CXX-clang++} CXXFLAGS=$given_flags cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON -DSOFT_ROBOT_LAB_STUDY=OFF "$errors"
+CXX=$compiler cmake -S "$package" -B "$package/build/sanitise" -DSOFT_ROBOT_LAB_CORES_ONLY=ON -DSOFT_ROBOT_LAB_SANITISE=ON -DSOFT_ROBOT_LAB_STUDY=OFF "$errors"
 cmake --build "$package/build/sanitise" -j"$jobs"
 # The other BLAS kernels than those this machine takes by itself: their rounding differs, and no test may hang on it.
 grep -q avx512 /proc/cpuinfo && other=Haswell || other=Prescott

@@ -10,8 +10,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr int kStages = 4;              // of a trial that is too far for one
-constexpr std::size_t kRemembered = 8;  // equilibria
+constexpr int kStages = 4;                     // of a trial that is too far for one
+constexpr std::size_t kReducedRemembered = 8;  // equilibria
 
 void require_rest(const ReducedReport& report) {
   if (!report.interrupted.empty()) throw ForwardModelInterrupted();
@@ -113,7 +113,7 @@ bool ReducedForwardModel::start_near(const Eigen::VectorXd& commands) {
 void ReducedForwardModel::remember(const Eigen::VectorXd& commands) {
   const auto same = [&](const Known& known) { return known.commands == commands; };
   if (std::any_of(known_.begin(), known_.end(), same)) return;
-  if (known_.size() == kRemembered) known_.erase(known_.begin());
+  if (known_.size() == kReducedRemembered) known_.erase(known_.begin());
   known_.push_back({commands, simulation_.state()});
 }
 

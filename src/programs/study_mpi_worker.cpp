@@ -38,9 +38,9 @@ class Rank {
     std::thread([this] { work(); }).detach();
     if (rank_ == 0) std::thread([this] { read(); }).detach();
     while (!ended_) {
-      const bool moved = take_message() | take_answer() | take_request();
+      const bool message = take_message(), answer = take_answer(), request = take_request();
       if (rank_ == 0 && input_ended_) end_all();
-      if (!moved) std::this_thread::sleep_for(kRest);
+      if (!message && !answer && !request) std::this_thread::sleep_for(kRest);
     }
   }
 

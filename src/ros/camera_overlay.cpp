@@ -14,7 +14,7 @@
 namespace soft_robot_lab {
 namespace {
 
-const cv::Scalar robot_colour(30, 90, 255), measured_colour(230, 40, 200), error_colour(255, 40, 40);
+const cv::Scalar robot_paint(30, 90, 255), measured_paint(230, 40, 200), error_paint(255, 40, 40);
 constexpr int kFractionBits = 4;  // of drawn coordinates
 
 // Nothing behind the camera.
@@ -25,9 +25,9 @@ std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_m, const Cam
   return model.project(in_camera);
 }
 
-class Drawing {
+class ImageDrawing {
  public:
-  Drawing(const cv::Mat& colour, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot)
+  ImageDrawing(const cv::Mat& colour, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot)
       : image_(colour.clone()), model_(model), camera_from_robot_(camera_from_robot) {}
 
   void robot(const visualization_msgs::Marker& surface) {
@@ -43,11 +43,11 @@ class Drawing {
       if (seen) cv::fillConvexPoly(mask, corners.data(), 3, cv::Scalar(255), cv::LINE_8, kFractionBits);
     }
     cv::Mat tinted;
-    cv::addWeighted(image_, 0.65, cv::Mat(image_.size(), image_.type(), robot_colour), 0.35, 0.0, tinted);
+    cv::addWeighted(image_, 0.65, cv::Mat(image_.size(), image_.type(), robot_paint), 0.35, 0.0, tinted);
     tinted.copyTo(image_, mask);
     std::vector<std::vector<cv::Point>> outlines;
     cv::findContours(mask, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
-    cv::drawContours(image_, outlines, -1, robot_colour, 1, cv::LINE_AA);
+    cv::drawContours(image_, outlines, -1, robot_paint, 1, cv::LINE_AA);
   }
 
   void gap(const RealityGap& gap) {
@@ -57,13 +57,13 @@ class Drawing {
       const Eigen::Vector3d gap_m(gap.gaps[i].x, gap.gaps[i].y, gap.gaps[i].z);
       const auto from = pixel(measured_m - gap_m), to = pixel(measured_m);
       if (!from || !to) continue;
-      cv::line(image_, *from, *to, error_colour, 1, cv::LINE_AA, kFractionBits);
-      cv::circle(image_, *from, 3 << kFractionBits, robot_colour, 1, cv::LINE_AA, kFractionBits);
-      cv::circle(image_, *to, 3 << kFractionBits, measured_colour, 1, cv::LINE_AA, kFractionBits);
+      cv::line(image_, *from, *to, error_paint, 1, cv::LINE_AA, kFractionBits);
+      cv::circle(image_, *from, 3 << kFractionBits, robot_paint, 1, cv::LINE_AA, kFractionBits);
+      cv::circle(image_, *to, 3 << kFractionBits, measured_paint, 1, cv::LINE_AA, kFractionBits);
     }
     char text[64];
     std::snprintf(text, sizeof text, "gap %.2f mm rms", 1e3 * gap.rms_m);
-    cv::putText(image_, text, {8, 18}, cv::FONT_HERSHEY_SIMPLEX, 0.5, error_colour, 1, cv::LINE_AA);
+    cv::putText(image_, text, {8, 18}, cv::FONT_HERSHEY_SIMPLEX, 0.5, error_paint, 1, cv::LINE_AA);
   }
 
   cv::Mat finished() const { return image_; }
@@ -98,7 +98,7 @@ Eigen::AlignedBox2d box_of(const visualization_msgs::Marker& surface, const Came
 
 cv::Mat draw_robot(const cv::Mat& colour, const CameraModel& model, const Eigen::Isometry3d& camera_from_robot,
                    const visualization_msgs::Marker& surface, const std::optional<RealityGap>& gap) {
-  Drawing drawing(colour, model, camera_from_robot);
+  ImageDrawing drawing(colour, model, camera_from_robot);
   drawing.robot(surface);
   if (gap) drawing.gap(*gap);
   return drawing.finished();

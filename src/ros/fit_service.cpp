@@ -14,7 +14,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kept_s = 1800.0;  // of the running session
+constexpr double kSessionKept_s = 1800.0;  // of the running session
 
 std::optional<double> item(const std::vector<double>& list, size_t index, size_t count, const char* field) {
   if (list.empty()) return std::nullopt;
@@ -110,7 +110,7 @@ void FitService::on_markers(const MarkerObservations& markers) {
     ROS_WARN_THROTTLE(10.0, "%s", log_text(error.what()).c_str());
     return;
   }
-  const double from_s = markers.header.stamp.toSec() - kept_s;
+  const double from_s = markers.header.stamp.toSec() - kSessionKept_s;
   // Now and then, as it moves all that is kept.
   if (recording_.measured.front().time_s < from_s - 60.0) keep_last(recording_.measured, from_s);
 }

@@ -3,8 +3,13 @@
 
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
 namespace soft_robot_lab {
+
+inline void require(bool ok, const std::string& what) {
+  if (!ok) throw std::invalid_argument(what);
+}
 
 inline void require(bool ok, const char* field, double value, const char* range) {
   if (ok) return;

@@ -14,13 +14,10 @@
 #include "pose_model.h"
 #include "sight_fit.h"
 #include "settings/cpu_time.h"
+#include "settings/require.h"
 
 namespace soft_robot_lab {
 namespace {
-
-void require(bool ok, const std::string& what) {
-  if (!ok) throw std::invalid_argument(what);
-}
 
 // What is identified by rest states; `unknowns` are where it starts, and then what it found.
 FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene, const SceneOptions& options,

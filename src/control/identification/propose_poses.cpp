@@ -12,16 +12,13 @@
 #include "fit_statistics.h"
 #include "pose_model.h"
 #include "pose_walk.h"
+#include "settings/require.h"
 
 namespace soft_robot_lab {
 namespace {
 
-void require(bool ok, const std::string& what) {
-  if (!ok) throw std::invalid_argument(what);
-}
-
 // Where a walk stands, and what is known there.
-struct Place {
+struct WalkPlace {
   SimulationState state;
   PoseWalk::Past past;
   DrivePlay play;
@@ -62,8 +59,8 @@ class InformationWalk {
     }
   }
 
-  Place place() { return {simulation().state(), walk_->past(), *play_, information_}; }
-  void go_back(const Place& place) {
+  WalkPlace place() { return {simulation().state(), walk_->past(), *play_, information_}; }
+  void go_back(const WalkPlace& place) {
     walk_->go_back(place.state, place.past);
     *play_ = place.play;
     information_ = place.information;
@@ -132,8 +129,8 @@ PoseProposal propose_poses(const std::string& scene, const SceneOptions& options
   PoseProposal proposal;
   for (const auto& actuator : walk.robot().actuators()) proposal.actuators.push_back(actuator->name());
   for (int pose = 0; pose < request.poses; ++pose) {
-    const Place from = walk.place();
-    std::optional<Place> best;
+    const WalkPlace from = walk.place();
+    std::optional<WalkPlace> best;
     double worth = 0.0;
     std::vector<double> there;
     for (int candidate = 0; candidate < request.candidates; ++candidate) {

@@ -19,7 +19,7 @@ constexpr double calm_share = 0.4;         // of the threshold: cameras that dif
 constexpr double calm_memory_windows = 3;  // how far back "used to be" is, before the first difference
 constexpr double clear_ratio = 1.5;        // by which one camera must have gone further than the other, to be named
 constexpr double sigma_floor_m = 0.0003;   // of a sight
-constexpr double outlier_sigmas = 3;
+constexpr double trusted_sigmas = 3;
 // Beliefs of a motion, which only matter where markers do not show it, as a turn about the line that they lie on.
 constexpr double turn_sigma = 0.05, shift_sigma_m = 0.1;
 
@@ -120,7 +120,7 @@ SmallMotion ExtrinsicsMonitor::fit(const std::vector<Difference>& differences) {
       const auto slope = slope_at(difference.position_m - motion.about_m);
       const Eigen::Vector3d miss = difference.value_m - motion.at(difference.position_m);
       const double sigmas = std::sqrt(std::max(0.0, miss.dot(difference.weight * miss)));
-      const double trust = round == 0 || sigmas <= outlier_sigmas ? 1 : outlier_sigmas / sigmas;
+      const double trust = round == 0 || sigmas <= trusted_sigmas ? 1 : trusted_sigmas / sigmas;
       const Eigen::Matrix<double, 6, 3> weighted = trust * slope.transpose() * difference.weight;
       matrix += weighted * slope;
       right += weighted * difference.value_m;

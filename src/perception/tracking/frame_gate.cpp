@@ -9,7 +9,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr double kNever = -std::numeric_limits<double>::infinity();
+constexpr double kBeforeAll = -std::numeric_limits<double>::infinity();
 
 std::string size_text(const cv::Mat& image) { return std::to_string(image.cols) + " x " + std::to_string(image.rows); }
 
@@ -23,7 +23,7 @@ void FrameGate::set_camera(const TrackerCamera& camera) {
     throw std::invalid_argument("camera '" + camera.name + "': its pose is no rotation and finite translation");
   const auto at = known_.find(camera.name);
   if (at == known_.end())
-    known_.emplace(camera.name, Known{camera, kNever});
+    known_.emplace(camera.name, Known{camera, kBeforeAll});
   else
     at->second.camera = camera;
 }
@@ -74,7 +74,7 @@ void FrameGate::report_silence(double time_s, double timeout_s, std::vector<Came
 }
 
 void FrameGate::reset() {
-  for (auto& [name, known] : known_) known.last_stamp_s = kNever;
+  for (auto& [name, known] : known_) known.last_stamp_s = kBeforeAll;
   started_ = false;
 }
 

@@ -12,13 +12,13 @@ namespace soft_robot_lab {
 namespace {
 
 constexpr double kOnSurface = 1e-5;  // kernel units: 1e-8 m
-constexpr size_t kSamples = 25;      // per surface
+constexpr size_t kNameSamples = 25;  // per surface
 
 // Points of a surface: centres of its triangles, put onto the exact surface.
 std::vector<Eigen::Vector3d> sample_points(int surface) {
   std::vector<std::size_t> tags, nodes;
   gmsh::model::mesh::getElementsByType(2, tags, nodes, surface);
-  const size_t count = std::min(kSamples, tags.size());
+  const size_t count = std::min(kNameSamples, tags.size());
   std::vector<Eigen::Vector3d> points;
   for (size_t i = 0; i < count; ++i) {
     const size_t triangle = i * tags.size() / count;

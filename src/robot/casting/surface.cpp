@@ -123,10 +123,10 @@ void take_true_normals(const Eigen::Matrix3Xd& normals, Surface& surface) {
 }  // namespace
 
 bool Surface::is_curved(int triangle) const {
-  constexpr double kFlat = 0.99996, kEdge = 0.87;  // cosines of half a degree and of 30 degrees
+  constexpr double kSmooth = 0.99996, kEdge = 0.87;  // cosines of half a degree and of 30 degrees
   for (const int other : neighbours.col(triangle)) {
     const double cosine = normals.col(triangle).dot(normals.col(other));
-    if (cosine < kFlat && cosine > kEdge) return true;
+    if (cosine < kSmooth && cosine > kEdge) return true;
   }
   return false;
 }

@@ -15,7 +15,7 @@ namespace soft_robot_lab {
 namespace {
 
 // Part of every key of the cache: raise it when another choice or estimate would be made of the same scene.
-constexpr const char* kVersion = "soft_robot_lab fidelity 3";
+constexpr const char* kFidelityVersion = "soft_robot_lab fidelity 3";
 constexpr double kOutlineSize_m = 10.0;  // larger than any robot: a mesh as coarse as the solid allows
 constexpr double kExpectedOrder = 1.5;   // of the mesh error, to guess the next size; a wrong guess costs a rung
 constexpr double kLeastShrinking = 0.8;  // of the size, from rung to rung
@@ -197,7 +197,7 @@ FidelityReport judge(const YamlNode& settings, bool dynamic, const SceneOptions&
 
 std::string content_key(const YamlNode& settings, const std::string& mesh_file) {
   ContentHash hash;
-  hash.add(kVersion);
+  hash.add(kFidelityVersion);
   hash.add(Overrides().over(settings).dump());                     // of a copy: dumping counts as reading
   hash.add(std::filesystem::path(mesh_file).filename().string());  // a hash of the files that the solid names
   return hash.hex();

@@ -32,9 +32,15 @@
 #include <vector>
 
 #include "sections.h"
+#include "robot/design/content_cache.h"
 #include "soft_robot_lab/robot/scene/fidelity.h"
 
 namespace soft_robot_lab {
+
+// Where estimates and reduced models are kept.
+inline ContentCache cache_of(const SceneOptions& options) {
+  return ContentCache(cache_folder(mesher_options(options)));
+}
 
 struct FidelityRequest {
   double tolerance_m = 0.0;  // > 0

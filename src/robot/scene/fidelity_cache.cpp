@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fidelity.h"
 #include "fidelity_json.h"
-#include "robot/design/content_cache.h"
 #include "settings/read_file.h"
 
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kEnding = ".fidelity.json";
-
-ContentCache cache_of(const SceneOptions& options) { return ContentCache(cache_folder(mesher_options(options))); }
+constexpr const char* kFidelityEnding = ".fidelity.json";
 
 }  // namespace
 
 std::optional<FidelityReport> find_fidelity(const std::string& key, const SceneOptions& options) {
-  const std::string path = cache_of(options).find(key, kEnding);
+  const std::string path = cache_of(options).find(key, kFidelityEnding);
   if (path.empty()) return std::nullopt;
   try {
     FidelityReport report =
@@ -27,7 +24,7 @@ std::optional<FidelityReport> find_fidelity(const std::string& key, const SceneO
 }
 
 void keep_fidelity(const std::string& key, const FidelityReport& report, const SceneOptions& options) {
-  cache_of(options).keep_text(kept_json(report).dump(2) + "\n", key, kEnding);
+  cache_of(options).keep_text(kept_json(report).dump(2) + "\n", key, kFidelityEnding);
 }
 
 }  // namespace soft_robot_lab

@@ -4,7 +4,6 @@
 
 #include "fidelity.h"
 #include "reduction.h"
-#include "robot/design/content_cache.h"
 #include "robot/design/content_hash.h"
 #include "settings/read_file.h"
 
@@ -14,10 +13,8 @@ namespace {
 using Kept = nlohmann::json;
 
 // Part of every key: raise it when another model would be trained for the same scene.
-constexpr const char* kVersion = "soft_robot_lab reduced 4";
-constexpr const char* kEnding = ".reduced.cbor";
-
-ContentCache cache_of(const SceneOptions& options) { return ContentCache(cache_folder(mesher_options(options))); }
+constexpr const char* kReductionVersion = "soft_robot_lab reduced 4";
+constexpr const char* kReductionEnding = ".reduced.cbor";
 
 template <class Numbers>
 std::string bytes(const Numbers& numbers) {
@@ -79,7 +76,7 @@ ReducedChoice choice_from(const Kept& json, const std::shared_ptr<const Model>& 
 // the content.
 std::string reduction_key(const YamlNode& settings, const Body& body) {
   ContentHash hash;
-  hash.add(kVersion);
+  hash.add(kReductionVersion);
   const YamlNode copy = Overrides().set({"solver", "audit_every_s"}, 1).over(settings);  // dumping counts as reading
   const std::set<std::string> others{"run", "markers", "parameters", "casting"};
   for (const std::string& section : copy.keys()) {
@@ -97,7 +94,7 @@ std::string reduction_key(const YamlNode& settings, const Body& body) {
 
 std::optional<ReducedChoice> find_reduction(const std::string& key, const std::shared_ptr<const Model>& model,
                                             const SceneOptions& options) {
-  const std::string path = cache_of(options).find(key, kEnding);
+  const std::string path = cache_of(options).find(key, kReductionEnding);
   if (path.empty()) return std::nullopt;
   try {
     return choice_from(Kept::from_cbor(read_regular_file(path, kLargestMesh_bytes)), model);
@@ -122,7 +119,7 @@ void keep_reduction(const std::string& key, const ReducedChoice& choice, const S
                      {"transient", kept_error(choice.transient)},
                      {"cpu_s", choice.cpu_s}};
   const std::vector<std::uint8_t> cbor = Kept::to_cbor(json);
-  cache_of(options).keep_text(std::string(cbor.begin(), cbor.end()), key, kEnding);
+  cache_of(options).keep_text(std::string(cbor.begin(), cbor.end()), key, kReductionEnding);
 }
 
 }  // namespace soft_robot_lab

@@ -30,7 +30,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Films the simulated robot with rendered RGB-D cameras, behind the topics of
+constexpr const char* kCameraAbout = R"(Films the simulated robot with rendered RGB-D cameras, behind the topics of
 realsense2_camera.
 
 Parameters: ~cameras (path of a rig, config/cameras/*.yaml), ~seed (of the sensors' noise), ~balls (path: where the
@@ -52,7 +52,7 @@ struct CameraOptions {
   }
 };
 
-CameraOptions read_options(const ros::NodeHandle& node) {
+CameraOptions read_camera_options(const ros::NodeHandle& node) {
   CameraOptions options;
   if (!read_parameter(node, "cameras", options.cameras))
     throw std::invalid_argument("cameras: missing; give the path of a rig of cameras");
@@ -264,12 +264,12 @@ void CameraNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "cameras", kAbout, [] {
-    CameraNode node(read_options(ros::NodeHandle("~")));
+int camera_node(int argc, char** argv) {
+  return run_node(argc, argv, "cameras", kCameraAbout, [] {
+    CameraNode node(read_camera_options(ros::NodeHandle("~")));
     node.run();
   });
 }
+
+}  // namespace soft_robot_lab

@@ -13,19 +13,19 @@
 namespace soft_robot_lab {
 namespace {
 
-struct Arguments {
+struct SceneArguments {
   std::string scene, rig, cameras, balls, tracker;
 };
 
 // What is read at once comes before the scene, which may have to be meshed.
-void read_files(const Arguments& arguments) {
+void read_files(const SceneArguments& arguments) {
   if (!arguments.cameras.empty()) read_camera_setup(arguments.cameras);
   if (!arguments.balls.empty()) read_ball_placement(arguments.balls);
   if (!arguments.tracker.empty()) load_tracker(arguments.tracker);
 }
 
 // As simulator_node loads it, which then finds the mesh in the cache.
-int check(const Arguments& arguments) {
+int check(const SceneArguments& arguments) {
   read_files(arguments);
   SceneOptions options;
   options.actuator_factory = actuators_from_plugins();
@@ -37,13 +37,11 @@ int check(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
+int check_scene_node(int argc, char** argv) {
   CommandLine app("Says whether a session can run a scene: reads and meshes it, and needs no ROS master.",
                   "check_scene_node");
-  Arguments arguments;
+  SceneArguments arguments;
   app.add_option("SCENE", arguments.scene, "a scene's or robot's file").type_name("FILE").required();
   app.add_option("--rig", arguments.rig, "the rig that has to take its commands").type_name("FILE");
   app.add_option("--cameras", arguments.cameras, "cameras that shall be rendered").type_name("FILE");
@@ -52,3 +50,5 @@ int main(int argc, char** argv) {
   app.footer("Exit status: 0 it can, 2 it cannot; why stands on the standard error.");
   return run_program(app, argc, argv, [&] { return check(arguments); });
 }
+
+}  // namespace soft_robot_lab

@@ -43,7 +43,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Finds policies on a model of its own, and plays and corrects them on whatever
+constexpr const char* kControllerAbout =
+    R"(Finds policies on a model of its own, and plays and corrects them on whatever
 listens to the actuator commands.
 
 Parameters: ~scene (path; absent where the simulator names which scene runs), ~ramp_s (how long an optimised policy
@@ -516,11 +517,9 @@ void ControllerNode::send(const std::vector<std::string>& names, const std::vect
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "controller", kAbout, [] {
+int controller_node(int argc, char** argv) {
+  return run_node(argc, argv, "controller", kControllerAbout, [] {
     // One thread each for an optimisation, an execution, a scene being loaded, and the topics.
     ros::AsyncSpinner spinner(4);
     ControllerNode node;
@@ -528,3 +527,5 @@ int main(int argc, char** argv) {
     ros::waitForShutdown();
   });
 }
+
+}  // namespace soft_robot_lab

@@ -23,7 +23,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr char kAbout[] =
+constexpr char kDesignAbout[] =
     "design_node: the service design/check says whether a robot can be cast in silicone, and design/casting shows "
     "where it cannot.";
 
@@ -109,12 +109,12 @@ class DesignNode {
 };
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "design", kAbout, [] {
+int design_node(int argc, char** argv) {
+  return run_node(argc, argv, "design", kDesignAbout, [] {
     const DesignNode node;
     ros::spin();
   });
 }
+
+}  // namespace soft_robot_lab

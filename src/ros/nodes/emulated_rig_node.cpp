@@ -19,7 +19,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Publishes where the shafts of an emulated rig really are, and passes requests for
+constexpr const char* kEmulatedRigAbout =
+    R"(Publishes where the shafts of an emulated rig really are, and passes requests for
 faults on to it. Where the line to the emulator breaks, it connects again; without one, it fails.
 
 Parameters: ~rig (path), ~control (the emulator's socket), ~plant (path: the backlash that its motors really have;
@@ -107,12 +108,12 @@ class EmulatedRigNode {
 };
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "emulated_rig", kAbout, [] {
+int emulated_rig_node(int argc, char** argv) {
+  return run_node(argc, argv, "emulated_rig", kEmulatedRigAbout, [] {
     EmulatedRigNode node(ros::NodeHandle("~"));
     ros::spin();
   });
 }
+
+}  // namespace soft_robot_lab

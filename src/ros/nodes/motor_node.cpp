@@ -25,7 +25,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Drives the rig's motors by actuators/command.
+constexpr const char* kMotorAbout = R"(Drives the rig's motors by actuators/command.
 
 Parameters: ~rig (path), ~device (instead of the one in the rig's file), ~zero_at_start (the robot hangs at rest
 when the rig gets power: take that for zero).)";
@@ -189,12 +189,12 @@ class MotorNode {
 };
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "motor", kAbout, [] {
+int motor_node(int argc, char** argv) {
+  return run_node(argc, argv, "motor", kMotorAbout, [] {
     const ros::NodeHandle node("~");
     MotorNode(read_rig(node), read_options(node)).run();
   });
 }
+
+}  // namespace soft_robot_lab

@@ -24,7 +24,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Draws markers, cables, target and error for rviz from what the session publishes,
+constexpr const char* kOverlayAbout =
+    R"(Draws markers, cables, target and error for rviz from what the session publishes,
 compares tracked with simulated markers, publishes both as frames, and draws the simulated robot over what a camera sees of it, close up.
 
 Parameters: ~camera (whose image is drawn over, where the tracker believes it; absent: none).)";
@@ -165,11 +166,12 @@ class OverlayNode {
 };
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  return soft_robot_lab::run_node(argc, argv, "overlay", soft_robot_lab::kAbout, [] {
-    soft_robot_lab::OverlayNode node;
+int overlay_node(int argc, char** argv) {
+  return run_node(argc, argv, "overlay", kOverlayAbout, [] {
+    OverlayNode node;
     ros::spin();
   });
 }
+
+}  // namespace soft_robot_lab

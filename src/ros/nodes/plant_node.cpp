@@ -28,7 +28,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Plays the robot that an emulated rig moves: a second simulation, not quite the
+constexpr const char* kPlantAbout = R"(Plays the robot that an emulated rig moves: a second simulation, not quite the
 model, whose cables the rig's shafts pull. What it publishes is the truth, for rendered cameras to see and for
 reports, not for controller or tracker.
 
@@ -159,9 +159,9 @@ class PlantNode {
 };
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "plant", kAbout, [] { PlantNode(ros::NodeHandle("~")).run(); });
+int plant_node(int argc, char** argv) {
+  return run_node(argc, argv, "plant", kPlantAbout, [] { PlantNode(ros::NodeHandle("~")).run(); });
 }
+
+}  // namespace soft_robot_lab

@@ -20,12 +20,12 @@
 namespace soft_robot_lab {
 namespace {
 
-struct Arguments {
+struct PolicyArguments {
   std::string policy;
   ExecutePolicy::Request request;
 };
 
-void declare(CommandLine& app, Arguments& arguments) {
+void declare(CommandLine& app, PolicyArguments& arguments) {
   PolicyPose& goal = arguments.request.goal;
   const auto add_target = [&goal](const std::vector<double>& target_m) {
     goal.targets.push_back(to_message(Eigen::Vector3d(target_m[0], target_m[1], target_m[2])));
@@ -43,7 +43,7 @@ void declare(CommandLine& app, Arguments& arguments) {
   app.footer("Exit status: 0 at rest where it was to go, 1 stopped early, 2 bad file or arguments.");
 }
 
-int play(const Arguments& arguments) {
+int play(const PolicyArguments& arguments) {
   ExecutePolicy::Request request = arguments.request;
   request.policy = to_message(load_policy(arguments.policy));
   request.wait_until_rest = true;
@@ -65,16 +65,16 @@ int play(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
+int play_policy_node(int argc, char** argv) {
   ros::init(argc, argv, "play_policy", ros::init_options::AnonymousName);
   CommandLine app("Plays a policy on the running session and waits for rest.", "play_policy_node");
-  Arguments arguments;
+  PolicyArguments arguments;
   declare(app, arguments);
   return run_program(app, argc, argv, [&] {
     require_master();
     return play(arguments);
   });
 }
+
+}  // namespace soft_robot_lab

@@ -139,10 +139,8 @@ int reach(const std::string& path) {
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
+int reach_target_node(int argc, char** argv) {
   ros::init(argc, argv, "reach_target");
   CommandLine app("Brings a marker of the running session to a target, and reports how it went.", "reach_target_node");
   std::string task;
@@ -153,3 +151,5 @@ int main(int argc, char** argv) {
     return reach(task);
   });
 }
+
+}  // namespace soft_robot_lab

@@ -159,10 +159,8 @@ int run_table(const std::string& experiment, double hold_s) {
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
+int run_table_node(int argc, char** argv) {
   ros::init(argc, argv, "run_table");
   CommandLine app("Drives a session through an experiment's configurations, and prints the gap at each.",
                   "run_table_node");
@@ -178,3 +176,5 @@ int main(int argc, char** argv) {
     return run_table(experiment, hold_s);
   });
 }
+
+}  // namespace soft_robot_lab

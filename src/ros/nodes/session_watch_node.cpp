@@ -18,7 +18,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Watches over a session: says in /diagnostics, as `session`, whether its nodes run
+constexpr const char* kSessionWatchAbout =
+    R"(Watches over a session: says in /diagnostics, as `session`, whether its nodes run
 and its recording grows, or since when not, and whether the disk is nearly full. Its service session/record starts and
 stops a recording of its own, as the panel's Record asks.
 
@@ -157,12 +158,12 @@ class SessionWatchNode {
 };
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "session_watch", kAbout, [] {
+int session_watch_node(int argc, char** argv) {
+  return run_node(argc, argv, "session_watch", kSessionWatchAbout, [] {
     SessionWatchNode node(ros::NodeHandle("~"));
     ros::spin();
   });
 }
+
+}  // namespace soft_robot_lab

@@ -42,7 +42,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Simulates a scene in real time, or as fast as possible, behind the topics that a rig
+constexpr const char* kSimulatorAbout =
+    R"(Simulates a scene in real time, or as fast as possible, behind the topics that a rig
 has too.
 
 Parameters: ~scene (path), ~solver (newton, xpbd or reduced; empty: the scene's own; a reduced model that is not kept
@@ -461,12 +462,12 @@ void SimulatorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "simulator", kAbout, [] {
+int simulator_node(int argc, char** argv) {
+  return run_node(argc, argv, "simulator", kSimulatorAbout, [] {
     SimulatorNode node(read_options(ros::NodeHandle("~")));
     node.run();
   });
 }
+
+}  // namespace soft_robot_lab

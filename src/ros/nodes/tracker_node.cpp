@@ -34,7 +34,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Follows the robot's markers with RGB-D cameras: images in, tracker/markers out. From
+constexpr const char* kTrackerAbout =
+    R"(Follows the robot's markers with RGB-D cameras: images in, tracker/markers out. From
 a session, or from a recording as fast as it can be read (~bag), with the same output.
 
 Parameters: ~cameras (list of names: the topics' first parts), ~tracker (path of the tracker's settings), ~poses
@@ -46,7 +47,7 @@ a bag to write).)";
 using diagnostic_updater::DiagnosticStatusWrapper;
 using sensor_msgs::CameraInfo;
 using sensor_msgs::Image;
-using Status = diagnostic_msgs::DiagnosticStatus;
+using TrackerStatus = diagnostic_msgs::DiagnosticStatus;
 
 constexpr double diagnosis_period_s = 1;
 
@@ -55,7 +56,7 @@ struct NodeOptions {
   std::string balls, bag, output;
 };
 
-NodeOptions read_options(const ros::NodeHandle& node) {
+NodeOptions read_tracker_options(const ros::NodeHandle& node) {
   NodeOptions options;
   TrackingInputOptions& input = options.input;
   read_parameter(node, "cameras", input.tracking.cameras);
@@ -305,17 +306,18 @@ bool TrackerNode::calibrate_cameras(Calibrate::Request& request, Calibrate::Resp
 void TrackerNode::diagnose(DiagnosticStatusWrapper& status) {
   const MarkerTracking* tracking = input_.tracking();
   if (!tracking) {
-    status.summary(Status::WARN, "waits for a scene");
+    status.summary(TrackerStatus::WARN, "waits for a scene");
   } else if (tracking->cameras().empty()) {
-    status.summary(Status::ERROR, "no camera can be used: of none both its pose and its lens are known");
+    status.summary(TrackerStatus::ERROR, "no camera can be used: of none both its pose and its lens are known");
   } else if (!problem_.empty()) {
-    status.summary(Status::WARN, problem_);
+    status.summary(TrackerStatus::WARN, problem_);
   } else if (latencies_s_.empty()) {
-    status.summary(Status::ERROR, "no images could be used in the last second");
+    status.summary(TrackerStatus::ERROR, "no images could be used in the last second");
   } else if (!lost_.empty()) {
-    status.summary(Status::WARN, std::to_string(lost_.size()) + " markers are lost, the first is " + lost_.front());
+    status.summary(TrackerStatus::WARN,
+                   std::to_string(lost_.size()) + " markers are lost, the first is " + lost_.front());
   } else {
-    status.summary(Status::OK, "all markers are followed");
+    status.summary(TrackerStatus::OK, "all markers are followed");
   }
   if (tracking) status.add("frames of cameras not known yet", tracking->unusable_frames());
   if (!latencies_s_.empty()) {
@@ -331,9 +333,9 @@ void TrackerNode::diagnose_camera(const std::string& camera, DiagnosticStatusWra
   if (diagnosis.unpaired()) pair_up(camera);  // as where the clock was set back
   const auto finding = diagnosis.diagnose(diagnosis_period_s, input_.missing(camera));
   using Level = CameraDiagnosis::Level;
-  status.summary(finding.level == Level::ok        ? Status::OK
-                 : finding.level == Level::warning ? Status::WARN
-                                                   : Status::ERROR,
+  status.summary(finding.level == Level::ok        ? TrackerStatus::OK
+                 : finding.level == Level::warning ? TrackerStatus::WARN
+                                                   : TrackerStatus::ERROR,
                  finding.message);
   status.add("frames", diagnosis.all_frames());
   if (finding.level == Level::error) warn_of(camera, finding.message);
@@ -362,11 +364,12 @@ void TrackerNode::diagnose_places(DiagnosticStatusWrapper& status) {
   for (const std::string& camera : options_.input.tracking.cameras)
     if (!tracking || tracking->watch().watched().count(camera) == 0)
       unwatched += (unwatched.empty() ? "" : ", ") + camera;
-  status.summary(Status::OK, unwatched.empty()
-                                 ? "what all cameras see agrees"
-                                 : "not watched, for want of markers that another camera sees too: " + unwatched);
+  status.summary(TrackerStatus::OK,
+                 unwatched.empty() ? "what all cameras see agrees"
+                                   : "not watched, for want of markers that another camera sees too: " + unwatched);
   if (!tracking) return;
-  for (const CameraWarning& warning : tracking->watch().warnings()) status.mergeSummary(Status::WARN, warning.message);
+  for (const CameraWarning& warning : tracking->watch().warnings())
+    status.mergeSummary(TrackerStatus::WARN, warning.message);
 }
 
 void print(const ReplaySummary& summary, const std::string& output) {
@@ -383,12 +386,10 @@ void print(const ReplaySummary& summary, const std::string& output) {
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "tracker", kAbout, [] {
-    const NodeOptions options = read_options(ros::NodeHandle("~"));
+int tracker_node(int argc, char** argv) {
+  return run_node(argc, argv, "tracker", kTrackerAbout, [] {
+    const NodeOptions options = read_tracker_options(ros::NodeHandle("~"));
     if (!options.bag.empty()) {
       print(replay_tracking(options.input, options.bag, options.output), options.output);
       return;
@@ -397,3 +398,5 @@ int main(int argc, char** argv) {
     ros::spin();
   });
 }
+
+}  // namespace soft_robot_lab

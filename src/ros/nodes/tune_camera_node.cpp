@@ -25,7 +25,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(Sets a camera's exposure and gain by white balls in its dark box: films the empty
+constexpr const char* kTuneCameraAbout =
+    R"(Sets a camera's exposure and gain by white balls in its dark box: films the empty
 box, waits until balls hang in it, and then tries settings until the balls are crisp and the box is dark. What was set
 before is set again where it fails. The answer stands in the log and, for realsense2_camera's launch file, in a file.
 
@@ -50,7 +51,7 @@ struct Options {
   }
 };
 
-Options read_options(const ros::NodeHandle& node) {
+Options read_tune_camera_options(const ros::NodeHandle& node) {
   Options options;
   if (!read_parameter(node, "camera", options.camera)) throw std::invalid_argument("camera: missing; give its name");
   read_parameter(node, "output", options.output);
@@ -200,12 +201,10 @@ void write(const std::string& path, const CameraSetting& setting) {
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "tune_camera", kAbout, [] {
-    const Options options = read_options(ros::NodeHandle("~"));
+int tune_camera_node(int argc, char** argv) {
+  return run_node(argc, argv, "tune_camera", kTuneCameraAbout, [] {
+    const Options options = read_tune_camera_options(ros::NodeHandle("~"));
     CameraTuner tuner(options);
     // ROS would close the way to the driver at once, on which the old setting is set again.
     for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { interrupted = true; });
@@ -215,3 +214,5 @@ int main(int argc, char** argv) {
     write(options.output, tuning.setting);
   });
 }
+
+}  // namespace soft_robot_lab

@@ -23,7 +23,8 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout = R"(A window to tune the ranges of a marker's colour by: the image of a running camera
+constexpr const char* kTuneColoursAbout =
+    R"(A window to tune the ranges of a marker's colour by: the image of a running camera
 (or of a bag that is played) beside the mask. Sliders set the range; a click on a marker takes its colour, more clicks
 widen it. Keys: s saves, c forgets the clicks, q ends.
 
@@ -180,9 +181,9 @@ void ColourTuner::save() {
 }
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "tune_colours", kAbout, [] { ColourTuner(ros::NodeHandle("~")).run(); });
+int tune_colours_node(int argc, char** argv) {
+  return run_node(argc, argv, "tune_colours", kTuneColoursAbout, [] { ColourTuner(ros::NodeHandle("~")).run(); });
 }
+
+}  // namespace soft_robot_lab

@@ -25,7 +25,7 @@
 namespace soft_robot_lab {
 namespace {
 
-constexpr const char* kAbout =
+constexpr const char* kTwinAbout =
     R"(Estimates what acts on a resting robot from outside, by its drives and tracked markers, with a model of its own.
 It moves nothing. The first rest is taken for an untouched one; twin/untouched takes the next.
 
@@ -138,12 +138,12 @@ class TwinNode {
 };
 
 }  // namespace
-}  // namespace soft_robot_lab
 
-int main(int argc, char** argv) {
-  using namespace soft_robot_lab;
-  return run_node(argc, argv, "twin", kAbout, [] {
+int twin_node(int argc, char** argv) {
+  return run_node(argc, argv, "twin", kTwinAbout, [] {
     const TwinNode node;
     ros::spin();
   });
 }
+
+}  // namespace soft_robot_lab

@@ -32,7 +32,7 @@
 namespace soft_robot_lab {
 namespace {
 
-using visualization_msgs::Marker;
+using MarkerMessage = visualization_msgs::Marker;
 
 QColor qt_colour(const std_msgs::ColorRGBA& c) {
   return QColor::fromRgbF(std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f));
@@ -135,11 +135,11 @@ void LabelDisplay::subscribe() {
 }
 
 void LabelDisplay::take(const visualization_msgs::MarkerArray& array) {
-  for (const Marker& marker : array.markers) {
+  for (const MarkerMessage& marker : array.markers) {
     const auto key = std::make_pair(marker.ns, marker.id);
-    if (marker.action == Marker::DELETEALL) {
+    if (marker.action == MarkerMessage::DELETEALL) {
       heard_.clear();
-    } else if (marker.action != Marker::ADD) {
+    } else if (marker.action != MarkerMessage::ADD) {
       heard_.erase(key);
     } else if (rviz::validateFloats(marker.points) && rviz::validateFloats(marker.pose.position)) {
       heard_[key] = {marker, marker.lifetime.isZero() ? ros::TIME_MAX : ros::Time::now() + marker.lifetime};
@@ -177,7 +177,7 @@ LabelPicture LabelDisplay::picture(const Projection& seen) const {
   return all;
 }
 
-void LabelDisplay::add(const Marker& marker, const Projection& seen, LabelPicture& picture) const {
+void LabelDisplay::add(const MarkerMessage& marker, const Projection& seen, LabelPicture& picture) const {
   const QString text = QString::fromStdString(marker.text);
   const std::string key = marker.ns + " " + std::to_string(marker.id);
   if (marker.ns == overlay_names::tension_scale) {
@@ -185,7 +185,7 @@ void LabelDisplay::add(const Marker& marker, const Projection& seen, LabelPictur
     picture.scale_end = text;
   } else if (marker.ns == overlay_names::gap) {
     picture.caption = text;
-  } else if (marker.type == Marker::LINE_STRIP && marker.points.size() == 2) {
+  } else if (marker.type == MarkerMessage::LINE_STRIP && marker.points.size() == 2) {
     const auto from = seen.pixel(marker.header, marker.points[0]), to = seen.pixel(marker.header, marker.points[1]);
     if (!from || !to) return;
     picture.aims.push_back({*from, *to});

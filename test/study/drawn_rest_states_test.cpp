@@ -22,7 +22,8 @@ int expect_right(const std::vector<int>& seeds, DrawnScene (*draw)(std::uint64_t
   const DrawnSettings settings = read_drawn_settings(YamlNode::load_file(file).child("drawn"));
   int within = 0;
   for (const int seed : seeds) {
-    const JudgedScene judged = judge_drawn_scene(draw(static_cast<std::uint64_t>(seed), settings.motion_s), settings, context);
+    const JudgedScene judged =
+        judge_drawn_scene(draw(static_cast<std::uint64_t>(seed), settings.motion_s), settings, context);
     EXPECT_TRUE(judged.right(settings.within_m))
         << judged.name << ": " << 1e3 * judged.apart_m << " mm apart; says '" << judged.said << "' " << judged.failed;
     within += judged.apart_m <= settings.within_m ? 1 : 0;
@@ -53,6 +54,11 @@ TEST(DrawnScenes, ThatAreSoftAreAtRest) { EXPECT_EQ(expect_right({124}), 1); }
 
 // Two that a box pushes past their ends rested 3.7 and 11 mm away, one that slips off a ball 2.6 mm.
 TEST(DrawnScenes, ThatArePushedAsideRestWhereASlowWayLeads) { EXPECT_EQ(expect_right({33, 117, 312}), 3); }
+
+// Cables that pull a bar past obstacles in one stage left it 0.24 to 3.4 mm away, where it rubs, and 74 mm, where it
+// buckles past a post.
+TEST(JoinedScenes, RestWhereASlowWayLeads) { EXPECT_EQ(expect_right({12}, draw_joined_scene), 1); }
+TEST(JoinedScenes, ThatTakeLongRestWhereASlowWayLeads) { EXPECT_EQ(expect_right({35, 46, 79}, draw_joined_scene), 3); }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, DrawnRestStates, testing::Range(0, 4));
 

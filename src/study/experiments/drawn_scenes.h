@@ -12,8 +12,9 @@
 namespace soft_robot_lab {
 
 struct DrawnScene {
-  std::string name;              // with its seed, kind and friction
-  std::string kind;              // "post", "ball", "box", "rod", "load", "cable", "cables", "hold"; or several, joined by "+"
+  std::string name;  // with its seed, kind and friction
+  // "post", "ball", "box", "rod", "load", "cable", "cables", "hold"; or several, joined by "+".
+  std::string kind;
   std::string body_and_contact;  // YAML: all but gravity and loads
   Eigen::Vector3d gravity_m_s2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d end_force_n = Eigen::Vector3d::Zero();  // on the face at `end_z_m` and below
@@ -28,8 +29,8 @@ struct DrawnScene {
 // The same seed draws the same scene on every machine. What moves does so evenly from 0 to `motion_s`.
 DrawnScene draw_scene(std::uint64_t seed, double motion_s);
 
-// The same of several things at once: up to two obstacles, two cables, an end load or an end that is held and moved, and
-// gravity along any direction.
+// The same of several things at once: up to two obstacles and cables, an end load or an end that is held and moved,
+// and gravity along any direction.
 DrawnScene draw_joined_scene(std::uint64_t seed, double motion_s);
 
 }  // namespace soft_robot_lab

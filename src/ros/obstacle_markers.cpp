@@ -77,7 +77,7 @@ Shape marker_of(const Primitive& primitive, const Eigen::Isometry3d& pose, bool 
   marker.color.r = free ? 0.90f : 0.55f;
   marker.color.g = free ? 0.65f : 0.58f;
   marker.color.b = free ? 0.25f : 0.62f;
-  marker.color.a = free ? 1.0f : 0.7f;
+  marker.color.a = free || primitive.mesh != nullptr ? 1.0f : 0.7f;  // rviz does not sort a mesh's triangles by depth
   if (primitive.mesh != nullptr) add_triangles(primitive.mesh->surface(), marker);
   return marker;
 }

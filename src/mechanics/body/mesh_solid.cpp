@@ -135,8 +135,8 @@ double half_thickness_m(const DistanceGrid& grid, const std::vector<Sample>& sam
   return 0.5 * ways.back().first * grid.step_m();
 }
 
-// As coarse as the surface allows.
-DistanceGrid grid_for(const ClosedSurface& surface, double rounding_m) {
+// As coarse as the surface allows. Says half of the thickness that it found.
+DistanceGrid grid_for(const ClosedSurface& surface, double rounding_m, double& half_m) {
   const std::vector<Sample> samples = samples_of(surface);
   double step_m = rounding_m > 0.0 ? rounding_m : largest_m(surface) / kSteps;
   for (;;) {
@@ -144,7 +144,10 @@ DistanceGrid grid_for(const ClosedSurface& surface, double rounding_m) {
     if (nodes > static_cast<double>(limits::kDistanceNodes)) refuse_large(step_m, nodes);
     DistanceGrid grid(surface, step_m);
     const Departure off = departure(grid, samples);
-    if (off.allowed(rounding_m > 0.0) && half_thickness_m(grid, samples) >= kLeastHalf * step_m) return grid;
+    if (off.allowed(rounding_m > 0.0)) {
+      half_m = half_thickness_m(grid, samples);
+      if (half_m >= kLeastHalf * step_m) return grid;
+    }
     const double finer = DistanceGrid::node_count(surface, 0.5 * step_m);
     if (rounding_m > 0.0 || finer > static_cast<double>(limits::kDistanceNodes)) refuse_thin(step_m, off);
     step_m *= 0.5;
@@ -225,11 +228,10 @@ void require_few(const Eigen::Matrix3Xi& triangles) {
 
 MeshSolid::MeshSolid(const Eigen::Matrix3Xd& vertices_m, const Eigen::Matrix3Xi& triangles, double rounding_m)
     : surface_((require_few(triangles), vertices_m), triangles),
-      grid_(grid_for(surface_, rounding_m)),
+      grid_(grid_for(surface_, rounding_m, half_thickness_m_)),
       tree_(surface_),
       flat_(mostly_flat(surface_)),
       bounding_radius_m_((vertices_m.colwise() - surface_.centroid_m()).colwise().norm().maxCoeff()),
-      half_thickness_m_(soft_robot_lab::half_thickness_m(grid_, samples_of(surface_))),
       deepest_m_(grid_.to_metres(grid_.deepest())),
       corners_m_(vertices_m(Eigen::all, surface_.standing_out())) {}
 

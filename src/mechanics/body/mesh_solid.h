@@ -36,10 +36,11 @@ class MeshSolid {
 
  private:
   ClosedSurface surface_;
+  double half_thickness_m_ = 0.0;
   DistanceGrid grid_;
   TriangleTree tree_;
   bool flat_;
-  double bounding_radius_m_, half_thickness_m_;
+  double bounding_radius_m_;
   Eigen::Vector3d deepest_m_;
   Eigen::Matrix3Xd corners_m_;
 };

@@ -156,15 +156,15 @@ std::optional<RigidMeeting> meet_with(const BallOnShape& place, const Isometry3d
                       gap.hessian};
 }
 
-// Of the points of a rim that are nearer than those beside them the nearest, or the second; -1: there is none.
-int nearest(const std::array<double, kOnRim>& gaps_m, int which) {
-  const auto at = [&](int i) { return gaps_m[static_cast<std::size_t>((i + kOnRim) % kOnRim)]; };
+// Of the places first <= i < end that are nearer than those beside them the nearest, or the second; -1: there is none.
+template <class GapAt>
+int nearest_valley(int first, int end, const GapAt& gap_m, int which) {
   std::array<int, 2> found{-1, -1};
-  for (int i = 0; i < kOnRim; ++i) {
-    if (at(i) > at(i - 1) || at(i) >= at(i + 1)) continue;
-    if (found[0] < 0 || at(i) < at(found[0]))
+  for (int i = first; i < end; ++i) {
+    if (gap_m(i) > gap_m(i - 1) || gap_m(i) >= gap_m(i + 1)) continue;
+    if (found[0] < 0 || gap_m(i) < gap_m(found[0]))
       found = {i, found[0]};
-    else if (found[1] < 0 || at(i) < at(found[1]))
+    else if (found[1] < 0 || gap_m(i) < gap_m(found[1]))
       found[1] = i;
   }
   return found[static_cast<std::size_t>(which)];
@@ -180,7 +180,8 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const Isometry3d&
     gaps_m[static_cast<std::size_t>(i)] = gap_of_ball(shape, pose, at_m, rim.rounding_m).gap_m;
   }
   const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.end());
-  const int valley = nearest(gaps_m, place.valley);
+  const auto around = [&](int i) { return gaps_m[static_cast<std::size_t>((i + kOnRim) % kOnRim)]; };
+  const int valley = nearest_valley(0, kOnRim, around, place.valley);
   if (valley < 0 || *most - *least < kFlat * rim.radius_m) return std::nullopt;
   Gap gap;
   Vector3d at_m, along_m;
@@ -202,20 +203,6 @@ std::optional<RigidMeeting> meet_with(const RimOnShape& place, const Isometry3d&
   return RigidMeeting{gap.gap_m - rim.rounding_m, gap.normal, at_m - rim.rounding_m * gap.normal, bend};
 }
 
-// Of the places inside a line that are nearer than those beside them the nearest, or the second; -1: there is none.
-int nearest_inside(const std::array<double, kOnLine + 1>& gaps_m, int which) {
-  const auto at = [&](int i) { return gaps_m[static_cast<std::size_t>(i)]; };
-  std::array<int, 2> found{-1, -1};
-  for (int i = 1; i < kOnLine; ++i) {
-    if (at(i) > at(i - 1) || at(i) >= at(i + 1)) continue;
-    if (found[0] < 0 || at(i) < at(found[0]))
-      found = {i, found[0]};
-    else if (found[1] < 0 || at(i) < at(found[1]))
-      found[1] = i;
-  }
-  return found[static_cast<std::size_t>(which)];
-}
-
 std::optional<RigidMeeting> meet_with(const LineOnMesh& place, const Isometry3d& own_pose, const ObstacleShape& shape,
                                       const Isometry3d& pose) {
   const RoundedLine line = placed(place.line, own_pose);
@@ -225,7 +212,8 @@ std::optional<RigidMeeting> meet_with(const LineOnMesh& place, const Isometry3d&
     gaps_m[static_cast<std::size_t>(i)] =
         gap_of_ball(shape, pose, line.from_m + along_m * i / kOnLine, line.radius_m).gap_m;
   const auto [least, most] = std::minmax_element(gaps_m.begin(), gaps_m.end());
-  const int valley = nearest_inside(gaps_m, place.valley);
+  const auto along = [&](int i) { return gaps_m[static_cast<std::size_t>(i)]; };
+  const int valley = nearest_valley(1, kOnLine, along, place.valley);  // its ends are corners
   if (valley < 0 || *most - *least < kFlat * along_m.norm()) return std::nullopt;
   Gap gap;
   Vector3d at_m;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "skin.h"
+#include "nearest_on_triangle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,37 +21,10 @@ constexpr double kSame = 1e-9;      // of the line: crossings at an edge that fa
 constexpr double kBulge = 0.15;     // of a face's box: how far a curved one may reach beyond its nodes
 constexpr double kParallel = 1e-9;  // sine of the angle between a line and a face along which it runs
 
-// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                    const Eigen::Vector3d& c) {
-  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return a;
-  const Eigen::Vector3d bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return a + d1 / (d1 - d3) * ab;
-  const Eigen::Vector3d cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return a + d2 / (d2 - d6) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  return a + (vb * ab + vc * ac) / (va + vb + vc);
-}
-
 Eigen::Matrix3d corners_of(const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3i& nodes) {
   Eigen::Matrix3d corners;
   for (int i = 0; i < 3; ++i) corners.col(i) = positions_m.col(nodes[i]);
   return corners;
-}
-
-Eigen::Vector3d nearest_on_triangle(const Eigen::Matrix3Xd& positions_m, const Eigen::Vector3i& nodes,
-                                    const Eigen::Vector3d& point_m) {
-  const Eigen::Matrix3d corners = corners_of(positions_m, nodes);
-  return nearest_on_triangle(point_m, corners.col(0), corners.col(1), corners.col(2));
 }
 
 // Of a point in the triangle's plane.
@@ -129,7 +103,7 @@ SkinPoint nearest_on_skin(const TetMesh& mesh, const std::vector<Eigen::Index>& 
   SkinPoint nearest{point_m, std::numeric_limits<double>::infinity()};
   for (const Eigen::Index face : faces)
     for_flat_triangles(mesh, face, [&](const Eigen::Vector3i& nodes) {
-      const Eigen::Vector3d candidate = nearest_on_triangle(mesh.nodes_m, nodes, point_m);
+      const Eigen::Vector3d candidate = nearest_on_triangle(point_m, corners_of(mesh.nodes_m, nodes)).at_m;
       const double distance_m = (candidate - point_m).norm();
       if (distance_m < nearest.distance_m) nearest = {candidate, distance_m};
     });
@@ -140,7 +114,7 @@ GripPlace grip_on_skin(const TetMesh& mesh, const Eigen::Matrix3Xd& positions_m,
   GripPlace place{point_m, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity()};
   for (Eigen::Index face = 0; face < mesh.faces.cols(); ++face)
     for_flat_triangles(mesh, face, [&](const Eigen::Vector3i& nodes) {
-      const Eigen::Vector3d at_m = nearest_on_triangle(positions_m, nodes, point_m);
+      const Eigen::Vector3d at_m = nearest_on_triangle(point_m, corners_of(positions_m, nodes)).at_m;
       const double distance_m = (at_m - point_m).norm();
       if (!(distance_m < place.distance_m)) return;
       place.distance_m = distance_m;

@@ -51,8 +51,6 @@ class Walk {
   void go_in_stages(int count);
   // The share of the way that was reached.
   double go();
-  // Where commands move the body past obstacles.
-  bool end_may_depend_on_way(const SimulationState& from) const;
   const std::vector<Snap>& snaps() const { return snaps_; }
   int stages() const { return stages_; }
 
@@ -86,11 +84,10 @@ class Walk {
   double longest_ = 1.0;                                 // stage
   double way_before_m_ = 0.0, way_before_that_m_ = 0.0;  // of the two stages before, as for all of the way
   double follows_ = kFollows, lever_before_ = 0.0;
-  int iterations_before_;       // the stage that goes on
-  int stages_ = 0;              // so far, with those that were begun anew
-  bool may_start_over_ = true;  // once it is known that obstacles are met
-  bool balloons_ = false;       // a chamber: there is no way on
-  Eigen::Matrix3Xd before_m_;   // where the stage before began
+  int iterations_before_;      // the stage that goes on
+  int stages_ = 0;             // so far, with those that were begun anew
+  bool balloons_ = false;      // a chamber: there is no way on
+  Eigen::Matrix3Xd before_m_;  // where the stage before began
   std::vector<Snap> snaps_;
 };
 
@@ -241,35 +238,11 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
 void Walk::go_in_stages(int count) {
   path_.bring_loads_slowly();
   longest_ = 1.0 / count;
-  may_start_over_ = false;
-}
-
-// Whether skin that went from one place to another may have met an obstacle that moved meanwhile.
-bool may_have_met(const Obstacle& obstacle, const Eigen::Matrix3Xd& from_m, double from_s, const Eigen::Matrix3Xd& to_m,
-                  double to_s) {
-  const Eigen::Isometry3d start = pose_at(obstacle, from_s), end = pose_at(obstacle, to_s);
-  for (Eigen::Index node = 0; node < from_m.cols(); ++node) {
-    const double way_m = (end.inverse() * to_m.col(node) - start.inverse() * from_m.col(node)).norm();
-    const double gaps_m =
-        gap_to(obstacle.shape, start, from_m.col(node)).gap_m + gap_to(obstacle.shape, end, to_m.col(node)).gap_m;
-    if (gaps_m < kBentWay * way_m) return true;
-  }
-  return false;
-}
-
-bool Walk::end_may_depend_on_way(const SimulationState& from) const {
-  const bool goes = path_.changes_commands() && way_from_m(from.positions_m) > kSmallWay * parts_.body.size_m();
-  if (!goes || parts_.workspace.newton.contact().free().count() > 0) return false;
-  const auto& obstacles = parts_.body.obstacles();
-  return std::any_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
-    return may_have_met(obstacle, from.positions_m, from.contact.time_s, parts_.state.positions_m,
-                        parts_.state.contact.time_s);
-  });
 }
 
 double Walk::go() {
   double stage = 1.0;
-  bool first = may_start_over_ && !options_.only_through_stable;
+  bool first = longest_ == 1.0 && !options_.only_through_stable;
   const int patience = constants::kEquilibriumBudget * parts_.options.max_iterations;
   while (done_ < 1.0 && report_.iterations - iterations_before_ < patience) {
     const double from = done_, wanted = std::min(1.0, done_ + std::min(stage, longest_));
@@ -306,23 +279,43 @@ void start_from_rest_shape(SimulationParts& parts) {
   parts.begin_step();
 }
 
+// Whether skin that went from one place to another may have met an obstacle that moved meanwhile.
+bool may_have_met(const Obstacle& obstacle, const Eigen::Matrix3Xd& from_m, double from_s, const Eigen::Matrix3Xd& to_m,
+                  double to_s) {
+  const Eigen::Isometry3d start = pose_at(obstacle, from_s), end = pose_at(obstacle, to_s);
+  for (Eigen::Index node = 0; node < from_m.cols(); ++node) {
+    const double way_m = (end.inverse() * to_m.col(node) - start.inverse() * from_m.col(node)).norm();
+    const double gaps_m =
+        gap_to(obstacle.shape, start, from_m.col(node)).gap_m + gap_to(obstacle.shape, end, to_m.col(node)).gap_m;
+    if (gaps_m < kBentWay * way_m) return true;
+  }
+  return false;
+}
+
+// Whether commands moved the body past obstacles, so that its end may depend on the way.
+bool went_past_obstacles(const SimulationParts& parts, const SimulationState& from) {
+  const auto& obstacles = parts.body.obstacles();
+  if (obstacles.empty() || parts.workspace.newton.contact().free().count() > 0) return false;
+  const Eigen::Matrix3Xd& to_m = parts.state.positions_m;
+  const double way_m = (to_m - from.positions_m).colwise().norm().maxCoeff();
+  if (from.actuated_commands() == from.commands() || way_m <= kSmallWay * parts.body.size_m()) return false;
+  return std::any_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
+    return may_have_met(obstacle, from.positions_m, from.contact.time_s, to_m, parts.state.contact.time_s);
+  });
+}
+
 struct Reached {
   double share;  // of the way
   int stages;
   std::vector<Snap> snaps;
-  bool may_depend_on_way;  // the end
 };
 
 // From the state as it is; in so many stages at least.
 Reached walk_along(SimulationParts& parts, const EquilibriumOptions& options, int stages, SolveReport& report) {
-  SimulationState start;
-  if (!parts.body.obstacles().empty()) start = parts.state;
   Walk walk(parts, options, report);
   if (stages > 1) walk.go_in_stages(stages);
   const double share = walk.go();
-  const bool may_depend = !options.only_through_stable && share == 1.0 && !parts.body.obstacles().empty() &&
-                          walk.end_may_depend_on_way(start);
-  return {share, walk.stages(), walk.snaps(), may_depend};
+  return {share, walk.stages(), walk.snaps()};
 }
 
 // Until the end stays where it is. What friction holds, and on which side of an obstacle a body ends, hangs on the way.
@@ -346,7 +339,8 @@ void seek_equilibrium(SimulationParts& parts, const EquilibriumOptions& options,
   SimulationState start;
   if (!parts.body.obstacles().empty()) start = parts.state;
   Reached reached = walk_along(parts, options, 1, report);
-  if (reached.may_depend_on_way) reached = walk_in_shorter_stages(parts, start, options, std::move(reached), report);
+  if (!options.only_through_stable && reached.share == 1.0 && went_past_obstacles(parts, start))
+    reached = walk_in_shorter_stages(parts, start, options, std::move(reached), report);
   if (reached.share < 1.0) report_unfinished(reached.share, report);
   for (const Snap& snap : reached.snaps) note_snap(snap, report);
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mechanics/mesh/nearest_on_triangle.h"
+
 namespace soft_robot_lab {
 
 RayTree::RayTree(const Surface& surface)
@@ -63,18 +65,7 @@ std::optional<Eigen::Vector3d> find_crossing(const RayTree& tree) {
 }
 
 Eigen::Vector3d nearest_point(const Surface& surface, int triangle, const Eigen::Vector3d& point_m) {
-  const Eigen::Vector3d a = surface.corner(triangle, 0), b = surface.corner(triangle, 1),
-                        c = surface.corner(triangle, 2), ab = b - a, ac = c - a;
-  const double d1 = ab.dot(point_m - a), d2 = ac.dot(point_m - a), d3 = ab.dot(point_m - b), d4 = ac.dot(point_m - b),
-               d5 = ab.dot(point_m - c), d6 = ac.dot(point_m - c);
-  if (d1 <= 0 && d2 <= 0) return a;
-  if (d3 >= 0 && d4 <= d3) return b;
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  return a + (vb * ab + vc * ac) / (va + vb + vc);
+  return nearest_on_triangle(point_m, surface.vertices_m(Eigen::all, surface.triangles.col(triangle))).at_m;
 }
 
 }  // namespace soft_robot_lab

@@ -39,7 +39,7 @@ class RayTree {
 // Where an edge of the surface passes through a triangle that it does not touch; nothing where none does.
 std::optional<Eigen::Vector3d> find_crossing(const RayTree& tree);
 
-// The point of a triangle that is nearest to another point. Ericson 2005, section 5.1.5.
+// The point of a triangle that is nearest to another point.
 Eigen::Vector3d nearest_point(const Surface& surface, int triangle, const Eigen::Vector3d& point_m);
 
 }  // namespace soft_robot_lab

@@ -86,14 +86,13 @@ inline constexpr double kRecovery = 0.01;           // of sqrt(E / density): so 
 
 // --- XPBD towards rest (simulation/substepping.cpp): steps of sweeps without inertia, which Anderson's mixing joins
 
-inline constexpr int kRestSteps = 3000;  // in which it must come to rest
-inline constexpr int kRestSweeps = 20;   // of a step
+inline constexpr int kRestSteps = 500;  // in which it must come to rest
+inline constexpr int kRestSweeps = 20;  // of a step
 // Of a sweep: its square is the stiffness of an element over the masses of its nodes. It is halved where a step leads
 // nowhere, and doubled again after some that do.
 inline constexpr double kRestSubstep_s = 2.0, kLeastRestSubstep_s = 0.1;
 inline constexpr int kGoodRestSteps = 15;
 inline constexpr double kMostGrowth = 10.0;    // of the motion in a step
-inline constexpr double kUnseenMotion = 1e-3;  // of the body's size, in a substep: no growth while something is moved
 inline constexpr std::size_t kRestDepth = 10;  // of the mixing
 inline constexpr double kMixedTooFar = 2.0;    // the way of the next step over that before
 inline constexpr int kPullSteps = 30;          // actuators move by a part of their way

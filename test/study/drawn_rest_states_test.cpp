@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kScenesEach = 10;
 
-// How many are within 0.1 mm.
+// How many are within 0.1 mm, by every method.
 int expect_right(const std::vector<int>& seeds, DrawnScene (*draw)(std::uint64_t, double) = draw_scene) {
   ExperimentContext context;
   context.mesher = SOFT_ROBOT_LAB_MESHER;
@@ -22,12 +22,16 @@ int expect_right(const std::vector<int>& seeds, DrawnScene (*draw)(std::uint64_t
   const DrawnSettings settings = read_drawn_settings(YamlNode::load_file(file).child("drawn"));
   int within = 0;
   for (const int seed : seeds) {
-    const JudgedScene judged =
-        judge_drawn_scene(draw(static_cast<std::uint64_t>(seed), settings.motion_s), settings, context);
-    EXPECT_TRUE(judged.right(settings.within_m))
-        << judged.name << ": " << 1e3 * judged.apart_m << " mm apart; says '" << judged.said << "' " << judged.failed;
-    within += judged.apart_m <= settings.within_m ? 1 : 0;
-    testing::Test::RecordProperty(judged.name, std::to_string(1e3 * judged.apart_m) + " mm " + judged.said);
+    const DrawnScene scene = draw(static_cast<std::uint64_t>(seed), settings.motion_s);
+    bool all_within = true;
+    for (const JudgedScene& judged : judge_drawn_scene(scene, settings, context)) {
+      EXPECT_TRUE(judged.right(settings.within_m))
+          << judged.name << ", " << judged.method << ": " << 1e3 * judged.apart_m << " mm apart; says '" << judged.said
+          << "' " << judged.failed;
+      all_within = all_within && judged.apart_m <= settings.within_m;
+      testing::Test::RecordProperty(judged.method, std::to_string(1e3 * judged.apart_m) + " mm " + judged.said);
+    }
+    within += all_within ? 1 : 0;
   }
   return within;
 }
@@ -59,6 +63,12 @@ TEST(DrawnScenes, ThatArePushedAsideRestWhereASlowWayLeads) { EXPECT_EQ(expect_r
 // buckles past a post.
 TEST(JoinedScenes, RestWhereASlowWayLeads) { EXPECT_EQ(expect_right({12}, draw_joined_scene), 1); }
 TEST(JoinedScenes, ThatTakeLongRestWhereASlowWayLeads) { EXPECT_EQ(expect_right({35, 46, 79}, draw_joined_scene), 3); }
+
+// By sweeps two that rub rested 0.13 and 0.55 mm away, one that a rod meets 49 mm, and three did not come to rest.
+TEST(DrawnScenes, RestByXpbdToo) {
+  EXPECT_EQ(expect_right({5, 17, 18, 22, 31}), 5);
+  EXPECT_EQ(expect_right({6}, draw_joined_scene), 1);
+}
 
 INSTANTIATE_TEST_SUITE_P(Seeds, DrawnRestStates, testing::Range(0, 4));
 

@@ -86,13 +86,10 @@ bool judged_by_energy(const SimulationParts& parts, const NewtonState& found) {
                       [](const ContactTouch& touch) { return touch.on_skin() && touch.pressure_pa > 0.0; });
 }
 
-}  // namespace
-
+// Whether a rest state that was found is a minimum of the energy; so is one that cannot be judged by it.
 bool is_minimum(SimulationParts& parts, const NewtonState& found) {
   return !judged_by_energy(parts, found) || parts.workspace.newton.minimum_at_rest(found);
 }
-
-namespace {
 
 // On to where what is soft rests too, with a warning where there is none nearby.
 void come_closer(SimulationParts& parts, const NewtonTask& task, NewtonState& found, SolveReport& report) {

@@ -16,9 +16,6 @@ RestFound relax(SimulationParts& parts, SolveReport& report, const EquilibriumOp
 // The same after a fall down the energy (SimulationParts::solve_from_below).
 RestFound relax_from_below(SimulationParts& parts, SolveReport& report);
 
-// Whether a rest state that was found is a minimum of the energy; so is one that cannot be judged by it.
-bool is_minimum(SimulationParts& parts, const NewtonState& found);
-
 // Whether the body would be free to move as a whole without contact, and contact has friction.
 bool held_by_friction_alone(const SimulationParts& parts);
 

@@ -292,6 +292,14 @@ bool may_have_met(const Obstacle& obstacle, const Eigen::Matrix3Xd& from_m, doub
   return false;
 }
 
+bool may_have_met_obstacles(const SimulationParts& parts, const SimulationState& from) {
+  const auto& obstacles = parts.body.obstacles();
+  return std::any_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
+    return may_have_met(obstacle, from.positions_m, from.contact.time_s, parts.state.positions_m,
+                        parts.state.contact.time_s);
+  });
+}
+
 // Whether commands moved the body past obstacles, so that its end may depend on the way.
 bool went_past_obstacles(const SimulationParts& parts, const SimulationState& from) {
   const auto& obstacles = parts.body.obstacles();
@@ -299,9 +307,7 @@ bool went_past_obstacles(const SimulationParts& parts, const SimulationState& fr
   const Eigen::Matrix3Xd& to_m = parts.state.positions_m;
   const double way_m = (to_m - from.positions_m).colwise().norm().maxCoeff();
   if (from.actuated_commands() == from.commands() || way_m <= kSmallWay * parts.body.size_m()) return false;
-  return std::any_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
-    return may_have_met(obstacle, from.positions_m, from.contact.time_s, to_m, parts.state.contact.time_s);
-  });
+  return may_have_met_obstacles(parts, from);
 }
 
 struct Reached {
@@ -374,6 +380,13 @@ void refuse_impossible_actuators(const SimulationParts& parts, SolveReport& repo
 }
 
 }  // namespace
+
+bool may_have_met(const SimulationParts& parts, const SimulationState& from) {
+  if (may_have_met_obstacles(parts, from)) return true;
+  if (!parts.body.touches_itself()) return false;
+  const SkinContact& skin = parts.workspace.newton.contact().skin();
+  return skin.first_length(from.positions_m, parts.state.positions_m - from.positions_m) < 1.0;
+}
 
 void find_equilibrium(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
   const SimulationState start = parts.state;

@@ -118,7 +118,7 @@ SolveReport Simulation::solve_equilibrium(const EquilibriumOptions& options) {
     parts_->forget_motion();
     parts_->begin_step();
     if (parts_->workspace.xpbd) {
-      settle_in_substeps(*parts_, solved);
+      settle_in_substeps(*parts_, options, solved);
     } else {
       find_equilibrium(*parts_, options, solved);
     }

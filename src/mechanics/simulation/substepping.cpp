@@ -9,13 +9,13 @@
 
 #include "mechanics/linear_algebra/anderson_mixing.h"
 #include "descent.h"
+#include "equilibrium.h"
+#include "rest_path.h"
 #include "solve_ending.h"
 #include "mechanics/solver_constants.h"
 
 namespace soft_robot_lab {
 namespace {
-
-constexpr int kMostSaddles = 4;  // on the way to one rest state
 
 // Of the last substep; null without any.
 std::shared_ptr<const StrainTarget> dashpots_of(const SimulationParts& parts, double substep_s,
@@ -71,12 +71,6 @@ struct Past {
   }
 };
 
-void stand_still(SimulationState& state) {
-  state.velocities_m_s.setZero();
-  state.free_velocities.linear_m_s.setZero();
-  state.free_velocities.angular_rad_s.setZero();
-}
-
 // One time step of xpbd; kept only where it is finite.
 XpbdReport advance_in_substeps(SimulationParts& parts, const XpbdTask& task, const Past& before, SolveReport& report) {
   const auto& made = parts.state.linearisation;
@@ -128,21 +122,12 @@ XpbdTask substepping(const SimulationParts& parts) {
   return task;
 }
 
-// A body that rests is set in motion by what comes to touch it: below that this is no growth.
-double unseen_motion(const SimulationParts& parts, double substep_s) {
-  const Eigen::VectorXd weights = parts.workspace.xpbd->weights_at_rest(substep_s);
-  return weights.head(parts.state.positions_m.size()).norm() * constants::kUnseenMotion * parts.body.size_m() /
-         substep_s;
-}
-
-// What a step towards rest maps to the next one, but for the turns of free obstacles.
+// What a step towards rest maps to the next one.
 Eigen::VectorXd numbers_of(const SimulationState& state) {
   Eigen::VectorXd all(state.positions_m.size() + state.element_forces_n.size() + state.element_multipliers_pa.size() +
-                      state.constraint_multipliers.size() + state.contact.pressures_pa.size() +
-                      state.contact.rigid_forces_n.size() + state.contact.free.centers_m.size());
+                      state.constraint_multipliers.size());
   all << state.positions_m.reshaped(), state.element_forces_n, state.element_multipliers_pa,
-      state.constraint_multipliers, state.contact.pressures_pa, state.contact.rigid_forces_n,
-      state.contact.free.centers_m.reshaped();
+      state.constraint_multipliers;
   return all;
 }
 
@@ -156,11 +141,6 @@ void take_numbers(const Eigen::VectorXd& all, SimulationState& state) {
   take(state.element_forces_n);
   take(state.element_multipliers_pa);
   take(state.constraint_multipliers);
-  take(state.contact.pressures_pa);
-  take(state.contact.rigid_forces_n);
-  take(state.contact.free.centers_m);
-  state.contact.pressures_pa = state.contact.pressures_pa.cwiseMax(0.0);
-  state.contact.rigid_forces_n = state.contact.rigid_forces_n.cwiseMax(0.0);
 }
 
 // How a rest state is sought: long substeps lead there fast, but where an element bends away they lead nowhere.
@@ -233,21 +213,18 @@ void step_in_substeps(SimulationParts& parts, SolveReport& report) {
 
 namespace {
 
-// `start`: what slips does so from there, as nothing of the way is remembered.
+// Of a body that nothing but its commands moves and that touches nothing. `start`: what slips does so from there, as
+// nothing of the way is remembered.
 void seek_rest(SimulationParts& parts, const Past& start, SolveReport& report) {
   const std::vector<double> from = parts.state.actuated_commands(), to = parts.state.commands();
-  const double from_s = parts.state.contact.time_s,
-               until_s = std::max(
-                   {from_s, parts.workspace.newton.contact().end_of_motion_s(), parts.body.end_of_hold_motion_s()});
   XpbdTask task = substepping(parts);
   task.at_rest = true;
   task.substep_count = constants::kRestSweeps;
-  stand_still(parts.state);
+  task.contact = nullptr;
+  task.until_s = parts.state.contact.time_s;
   report.converged = false;
   RestPace pace;
-  // Of the way of what is moved.
-  double reached = from != to || until_s > from_s ? 0.0 : 1.0,
-         next = std::min(1.0, reached + 1.0 / constants::kPullSteps);
+  double reached = from != to ? 0.0 : 1.0, next = std::min(1.0, reached + 1.0 / constants::kPullSteps);
   while (report.steps < constants::kRestSteps) {
     const SimulationState before = parts.state;
     start.begin_slip(parts.state);
@@ -256,11 +233,8 @@ void seek_rest(SimulationParts& parts, const Past& start, SolveReport& report) {
       parts.place_actuators(from, to, reached + fraction * (next - reached));
       return std::make_shared<const DriveStates>(parts.state.drives);
     };
-    move_by_itself(parts, from_s + next * (until_s - from_s), task);
     const XpbdReport done = advance_in_substeps(parts, task, Past(before), report);
-    const double unseen = reached < 1.0 ? unseen_motion(parts, pace.substep_s) : 0.0;
-    const bool grows = done.last_motion > std::max(unseen, constants::kMostGrowth * done.first_motion);
-    if (!done.finite || grows) {
+    if (!done.finite || done.last_motion > constants::kMostGrowth * done.first_motion) {
       parts.state = before;
       report.converged = false;
       if (!pace.slow_down()) break;
@@ -275,45 +249,31 @@ void seek_rest(SimulationParts& parts, const Past& start, SolveReport& report) {
       pace.mix(parts.workspace.xpbd->weights_at_rest(pace.substep_s), before, parts.state);
     }
   }
-  parts.state.linearisation.reset();
-  if (!report.converged)
-    report.message = "not at rest after " + std::to_string(report.steps) + " steps: " + report.message;
 }
 
-// Off a shape that is no minimum of the energy, to which `way_m` has led, and on to rest; a report without convergence
-// where no way leads off it. Sweeps leave a saddle slowly, and Anderson's mixing leads back to it as Newton's method
-// would, so the continuation of `newton` goes down from there.
-void leave_saddle(SimulationParts& parts, const Past& start, const Eigen::Matrix3Xd& way_m, SolveReport& report) {
-  SimulationState& state = parts.state;
-  const Eigen::Matrix3Xd saddle_m = state.positions_m;
-  const Nudge nudge = nudge_off(parts, way_m);
-  report.converged = false;
-  if (nudge.motion_m.cols() == 0) return;
-  state.positions_m += nudge.motion_m;
-  if (!descend(parts, report, Ballooning(parts))) return;
-  state.linearisation.reset();
-  state.element_forces_n = parts.workspace.xpbd->forces_of(parts.unknowns());
-  seek_rest(parts, start, report);
-  const Snap snap = snap_between(saddle_m, state.positions_m, 1.0, nudge.other_side, parts.body);
-  if (report.converged && snap.moved_m > kLeastSnap * parts.body.size_m()) note_snap(snap, report);
+// Whether sweeps found the rest state: a stable one, on a way past nothing that it might have met. Newton's method takes
+// the last bit of the way, as it does for what little holds.
+bool sweeps_find_rest(SimulationParts& parts, SolveReport& report) {
+  if (parts.workspace.newton.contact().free().count() > 0 || RestPath(parts).something_moves()) return false;
+  const SimulationState start = parts.state;
+  seek_rest(parts, Past(start), report);
+  return report.converged && !may_have_met(parts, start) && relax(parts, report) == RestFound::stable;
 }
 
 }  // namespace
 
-void settle_in_substeps(SimulationParts& parts, SolveReport& report) {
-  const SimulationState before = parts.state;
-  const Past start(before);
-  seek_rest(parts, start, report);
-  for (int left = 0; report.converged && !is_minimum(parts, parts.unknowns()); ++left) {
-    if (left == kMostSaddles) {
-      report.converged = false;
-      report.message = "the shape that was found is unstable";
-    } else {
-      leave_saddle(parts, start, parts.state.positions_m - before.positions_m, report);
-      if (!report.converged) report.message = "no stable shape beside an unstable one: " + report.message;
-    }
+void settle_in_substeps(SimulationParts& parts, const EquilibriumOptions& options, SolveReport& report) {
+  const SimulationState start = parts.state;
+  if (!sweeps_find_rest(parts, report)) {
+    parts.state = start;
+    parts.state.linearisation.reset();
+    report.warnings.clear();
+    report.message.clear();
+    report.converged = false;
+    find_equilibrium(parts, options, report);
   }
-  if (!report.converged) parts.state = before;
+  if (report.converged) parts.state.element_forces_n = parts.workspace.xpbd->forces_of(parts.unknowns());
+  parts.state.linearisation.reset();
 }
 
 }  // namespace soft_robot_lab

@@ -17,12 +17,12 @@ Eigen::Vector3d ContactSweep::Point::at(const Eigen::Matrix3Xd& columns) const {
 }
 
 ContactSweep::ContactSweep(const ContactTerm& contact, const Body& body, const Eigen::Matrix3Xd& inverse_masses_per_kg,
-                           double mass_ratio, const Eigen::Matrix3Xd& positions_m, const ContactState& state)
+                           const Eigen::Matrix3Xd& positions_m, const ContactState& state)
     : contact_(contact),
       inverse_masses_(inverse_masses_per_kg),
-      density_kg_m3_(mass_ratio * body.material().density_kg_m3),
+      density_kg_m3_(body.material().density_kg_m3),
       skin_pairs_(static_cast<int>(state.pressures_pa.size())),
-      free_(contact.free(), mass_ratio),
+      free_(contact.free()),
       points_(touching(positions_m, state)) {}
 
 std::vector<ContactSweep::Point> ContactSweep::touching(const Eigen::Matrix3Xd& positions_m,
@@ -167,8 +167,8 @@ void ContactSweep::sweep(Eigen::Matrix3Xd& positions_m) {
   }
 }
 
-double ContactSweep::finish(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd& end_m, bool slips,
-                            ContactState& state, FreeVelocities& velocities) {
+double ContactSweep::finish(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd& end_m, ContactState& state,
+                            FreeVelocities& velocities) {
   double work_j = 0.0;
   state.pressures_pa.setZero();
   state.rigid_forces_n.setZero();
@@ -179,8 +179,7 @@ double ContactSweep::finish(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix
     work_j += point.force_n().dot(point.at(end_m) - point.at(start_m));
     if (point.tie_m_n == 0.0) continue;
     const bool at_limit = point.pull_n.norm() >= (1.0 - 1e-12) * point.friction * point.push_n;
-    if (slips && at_limit) point.slipped_m += off_m(point, end_m) - point.tie_m_n * point.pull_n;
-    if (!slips) point.slipped_m.setZero();
+    if (at_limit) point.slipped_m += off_m(point, end_m) - point.tie_m_n * point.pull_n;
   }
   if (contact_.free().count() == 0) return work_j;
   state.free = free_.place();

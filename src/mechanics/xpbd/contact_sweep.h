@@ -25,9 +25,8 @@ namespace soft_robot_lab {
 class ContactSweep {
  public:
   // Where a step begins: what touches, and how it pushes. All outlive the step.
-  // `mass_ratio`: of the nodes' masses over the body's, which free obstacles get too.
   ContactSweep(const ContactTerm& contact, const Body& body, const Eigen::Matrix3Xd& inverse_masses_per_kg,
-               double mass_ratio, const Eigen::Matrix3Xd& positions_m, const ContactState& state);
+               const Eigen::Matrix3Xd& positions_m, const ContactState& state);
 
   // Where a substep of length h begins: what it pushes the nodes by in that, as it does now; and the way of free
   // obstacles.
@@ -37,9 +36,9 @@ class ContactSweep {
   void find(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd& positions_m, ContactState& state);
   void sweep(Eigen::Matrix3Xd& positions_m);
 
-  // Where a substep ends: puts pressures and free obstacles into the state, and returns the work done on the nodes.
-  // `slips`: what has slipped stays behind; else it is still measured from where it stuck when the step began.
-  double finish(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd& end_m, bool slips, ContactState& state,
+  // Where a substep ends: puts pressures and free obstacles into the state, and returns the work done on the nodes. What
+  // has slipped stays behind.
+  double finish(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd& end_m, ContactState& state,
                 FreeVelocities& velocities);
   const FreeObstacles& free() const { return contact_.free(); }
   std::shared_ptr<const FreeInertia> free_inertia() const { return free_.inertia(); }  // of the substep

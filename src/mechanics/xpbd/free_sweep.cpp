@@ -17,20 +17,20 @@ void FreeSweep::begin(double h, const FreePoses& poses, const FreeVelocities& ve
   way_ = FreeColumns::Zero(3, 2 * free_.count());
   inverse_inertias_.clear();
   for (int i = 0; i < free_.count(); ++i) {
-    inverse_inertias_.push_back(step_->inertia()->kg_m2[static_cast<std::size_t>(i)].inverse() / mass_ratio_);
-    way_.col(2 * i) = h * h / mass_ratio_ * free_.gravity_m_s2();
+    inverse_inertias_.push_back(step_->inertia()->kg_m2[static_cast<std::size_t>(i)].inverse());
+    way_.col(2 * i) = h * h * free_.gravity_m_s2();
   }
 }
 
 void FreeSweep::push(int free, const Eigen::Vector3d& arm_m, const Eigen::Vector3d& force_n) {
-  way_.col(2 * free) += h_ * h_ / (mass_ratio_ * free_.mass_kg(free)) * force_n;
+  way_.col(2 * free) += h_ * h_ / free_.mass_kg(free) * force_n;
   way_.col(2 * free + 1) += h_ * h_ * inverse_inertias_[static_cast<std::size_t>(free)] * arm_m.cross(force_n);
 }
 
 Eigen::Matrix3d FreeSweep::inverse_mass_per_kg(int free, const Eigen::Vector3d& arm_m) const {
   Eigen::Matrix3d across;
   across << 0, -arm_m.z(), arm_m.y(), arm_m.z(), 0, -arm_m.x(), -arm_m.y(), arm_m.x(), 0;
-  return Eigen::Matrix3d::Identity() / (mass_ratio_ * free_.mass_kg(free)) -
+  return Eigen::Matrix3d::Identity() / free_.mass_kg(free) -
          across * inverse_inertias_[static_cast<std::size_t>(free)] * across;
 }
 

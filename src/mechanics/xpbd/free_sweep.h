@@ -18,8 +18,8 @@ namespace soft_robot_lab {
 
 class FreeSweep {
  public:
-  // `free` outlives this. `mass_ratio`: of the masses here over theirs; gravity pulls as it does.
-  FreeSweep(const FreeObstacles& free, double mass_ratio) : free_(free), mass_ratio_(mass_ratio) {}
+  // `free` outlives this.
+  explicit FreeSweep(const FreeObstacles& free) : free_(free) {}
 
   // Where a substep of length h begins: the way by inertia and by gravity.
   void begin(double h, const FreePoses& poses, const FreeVelocities& velocities);
@@ -35,7 +35,6 @@ class FreeSweep {
 
  private:
   const FreeObstacles& free_;
-  double mass_ratio_;
   double h_ = 0.0;
   std::optional<FreeStep> step_;
   std::vector<Eigen::Matrix3d> inverse_inertias_;

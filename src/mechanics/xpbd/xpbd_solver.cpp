@@ -66,9 +66,7 @@ XpbdTables::XpbdTables(const Body& body_in, std::vector<DrivenConstraint> constr
       loads_n(body.external_forces_n()),
       batches(coloured_batches(body, lay_out(body.mesh()), colour_start)),
       moving(inverse_masses(body, body.node_masses_kg())) {
-  const Eigen::VectorXd masses_kg = shear_stiffnesses_n_m(body, batches);
-  resting = inverse_masses(body, masses_kg);
-  resting_ratio = masses_kg.sum() / body.node_masses_kg().sum();
+  resting = inverse_masses(body, shear_stiffnesses_n_m(body, batches));
 }
 
 XpbdSolver::XpbdSolver(std::shared_ptr<const XpbdTables> tables, int thread_count)
@@ -381,8 +379,6 @@ void XpbdSolver::stop(XpbdState& state, bool first, XpbdReport& report) const {
   if (first) report.first_motion = motion;
   report.last_motion = motion;
   state.velocities_m_s.setZero();
-  state.free_velocities.linear_m_s.setZero();
-  state.free_velocities.angular_rad_s.setZero();
 }
 
 XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
@@ -399,8 +395,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   load_multipliers(state.element_forces_n, h);
   contact_.reset();
   if (task.contact)
-    contact_.emplace(*task.contact, body_, masses_->whole, task.at_rest ? tables_->resting_ratio : 1.0,
-                     unknowns.positions_m, unknowns.contact);
+    contact_.emplace(*task.contact, body_, masses_->whole, unknowns.positions_m, unknowns.contact);
   const double from_s = unknowns.contact.time_s;
   for (int substep = 0; substep < task.substep_count; ++substep) {
     const double over = (substep + 1.0) / task.substep_count;
@@ -424,8 +419,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
     // A node that moves so far flies apart with its body, and looks for skin that it touches without end.
     if (!(motion.colwise().norm().maxCoeff() < body_.size_m())) return report;
     if (contact_)
-      account.bring(
-          contact_->finish(before, unknowns.positions_m, !task.at_rest, unknowns.contact, state.free_velocities));
+      account.bring(contact_->finish(before, unknowns.positions_m, unknowns.contact, state.free_velocities));
     add_work(task, motion, unknowns, account);
     if (task.hysteresis) task.hysteresis->follow(unknowns.positions_m, h);
     if (task.at_rest) stop(state, substep == 0, report);

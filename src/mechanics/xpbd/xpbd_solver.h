@@ -51,8 +51,8 @@ struct XpbdTask {
   // What the actuators do in a substep, by the share of the step that is over at its end; empty: what they did before.
   std::function<SharedDrives(double)> drives_at;
   SubstepHysteresis* hysteresis = nullptr;  // null: there is none, or a rest state is sought
-  // A rest state is sought: nothing swings, substeps are no time (substepping.cpp), there is no viscosity, and what
-  // slips does so from where the search began.
+  // A rest state is sought: nothing swings, substeps are no time (substepping.cpp), there is no viscosity and no
+  // contact, and what slips does so from where the search began.
   bool at_rest = false;
   const ContactTerm* contact = nullptr;  // null: nothing touches
   double until_s = 0.0;                  // of the motion of obstacles and holds, from ContactState::time_s on
@@ -103,7 +103,6 @@ struct XpbdTables {
   // Where a rest state is sought any masses do. These are the nodes' stiffness by shear, sum mu w |grad N|^2, times
   // (1 s)^2, so that elements of all shapes and sizes come to their forces in as many substeps.
   InverseMasses resting;
-  double resting_ratio;  // of all mass then over that of the body; free obstacles get it too
 };
 
 // The workspace of one thread, which may take others to its help.

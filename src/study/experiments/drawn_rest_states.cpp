@@ -16,52 +16,64 @@ constexpr double kFiner = 5.0;  // times: the steps in time that judge those tha
 
 std::unique_ptr<Simulation> load(const DrawnScene& scene, double share_of_loads, const Overrides& overrides,
                                  const ExperimentContext& context) {
-  return load_scene(YamlNode::parse(scene.text(share_of_loads), "drawn scene"), context.scene_options(overrides))
-      .simulation;
+  const YamlNode drawn = YamlNode::parse(scene.text(share_of_loads), "drawn scene");
+  if (scene.robot.empty()) return load_scene(drawn, context.scene_options(overrides)).simulation;
+  const Overrides all = Overrides(drawn).lay(overrides);
+  return load_scene(context.config_folder + "/" + scene.robot, context.scene_options(all)).simulation;
 }
 
 void give_commands(const DrawnScene& scene, double share, Simulation& simulation) {
-  for (const auto& [name, value] : scene.commands) simulation.set_command(name, 1.0 + share * (value - 1.0));
+  for (const auto& [name, value] : scene.commands) {
+    const double rest =
+        simulation.actuators()[static_cast<std::size_t>(simulation.actuator_index(name))]->limits().rest;
+    simulation.set_command(name, rest + share * (value - rest));
+  }
 }
 
 double largest_way_m(const Simulation& simulation, const Eigen::Matrix3Xd& from_m) {
   return (simulation.state().positions_m - from_m).colwise().norm().maxCoeff();
 }
 
+// Where a slow, damped motion in time ends.
+struct SlowEnd {
+  std::unique_ptr<Simulation> simulation;
+  bool still = false;
+  std::string failed;
+};
+
 // Steps in which the loads grow with all else; each is made by a simulation of its own.
-std::unique_ptr<Simulation> bring_slowly(const DrawnScene& scene, const DrawnSettings& settings,
-                                         const ExperimentContext& context, JudgedScene& judged) {
+void bring_slowly(const DrawnScene& scene, const DrawnSettings& settings, const ExperimentContext& context,
+                  SlowEnd& end) {
   const Overrides damped = Overrides()
                                .set({"body", "damping", "rayleigh_mass_per_s"}, settings.rayleigh_mass_per_s)
                                .set({"solver", "integrator"}, "implicit_euler")
                                .set({"solver", "time_step_s"}, settings.time_step_s);
   const int steps = std::max(1, static_cast<int>(std::lround(settings.motion_s / settings.time_step_s)));
-  std::unique_ptr<Simulation> simulation;
   for (int i = 1; i <= steps; ++i) {
     const double share = static_cast<double>(i) / steps;
     std::unique_ptr<Simulation> next = load(scene, share, damped, context);
-    if (simulation) next->set_state(simulation->state());
-    simulation = std::move(next);
-    give_commands(scene, share, *simulation);
-    const SolveReport report = simulation->step();
-    if (!report.converged) judged.failed = "in time: " + report.message;
+    if (end.simulation) next->set_state(end.simulation->state());
+    end.simulation = std::move(next);
+    give_commands(scene, share, *end.simulation);
+    const SolveReport report = end.simulation->step();
+    if (!report.converged) end.failed = "in time: " + report.message;
   }
-  return simulation;
 }
 
-// Whether it came to rest.
-bool let_settle(const DrawnSettings& settings, Simulation& simulation, JudgedScene& judged) {
+SlowEnd go_slowly(const DrawnScene& scene, const DrawnSettings& settings, const ExperimentContext& context) {
+  SlowEnd end;
+  bring_slowly(scene, settings, context, end);
+  Simulation& simulation = *end.simulation;
   const int steps = std::max(1, static_cast<int>(std::lround(settings.still_for_s / settings.time_step_s)));
-  for (bool still = false; !still;) {
+  while (!end.still && simulation.state().time_s <= settings.longest_s) {
     const Eigen::Matrix3Xd before_m = simulation.state().positions_m;
     for (int i = 0; i < steps; ++i) {
       const SolveReport report = simulation.step();
-      if (!report.converged) judged.failed = "in time: " + report.message;
+      if (!report.converged) end.failed = "in time: " + report.message;
     }
-    still = largest_way_m(simulation, before_m) < settings.still_m;
-    if (!still && simulation.state().time_s > settings.longest_s) return false;
+    end.still = largest_way_m(simulation, before_m) < settings.still_m;
   }
-  return true;
+  return end;
 }
 
 void note_warnings(const SolveReport& report, JudgedScene& judged) {
@@ -72,16 +84,36 @@ void note_warnings(const SolveReport& report, JudgedScene& judged) {
   }
 }
 
+struct Rest {
+  JudgedScene judged;  // so far
+  Eigen::Matrix3Xd positions_m;
+};
+
+Rest find_rest(const DrawnScene& scene, const std::string& method, const ExperimentContext& context) {
+  Rest rest;
+  rest.judged.name = scene.name;
+  rest.judged.method = method;
+  const double start_s = cpu_time_s();
+  const auto simulation = load(scene, 1.0, Overrides().set({"solver", "method"}, method), context);
+  give_commands(scene, 1.0, *simulation);
+  const SolveReport report = simulation->solve_equilibrium();
+  note_warnings(report, rest.judged);
+  if (!report.converged) rest.judged.failed = "equilibrium: " + report.message;
+  rest.positions_m = simulation->state().positions_m;
+  rest.judged.cpu_s = cpu_time_s() - start_s;
+  return rest;
+}
+
 // How far the nodes end from the equilibrium, in time.
-void let_time_judge(const DrawnScene& scene, const DrawnSettings& settings, const ExperimentContext& context,
-                    const Eigen::Matrix3Xd& rest_m, JudgedScene& judged) {
-  const std::unique_ptr<Simulation> slow = bring_slowly(scene, settings, context, judged);
-  const bool still = let_settle(settings, *slow, judged);
-  judged.apart_m = largest_way_m(*slow, rest_m);
+JudgedScene compare(const Rest& rest, const SlowEnd& slow, const DrawnSettings& settings) {
+  JudgedScene judged = rest.judged;
+  judged.apart_m = largest_way_m(*slow.simulation, rest.positions_m);
+  if (judged.failed.empty()) judged.failed = slow.failed;
   // Contact that trembles by less than what is asked for is no matter.
-  if (!still && judged.apart_m > settings.within_m) judged.failed = "in time: not at rest yet";
-  judged.moved_m = largest_way_m(*slow, slow->body().mesh().nodes_m);
-  judged.rest_after_s = slow->state().time_s;
+  if (!slow.still && judged.apart_m > settings.within_m) judged.failed = "in time: not at rest yet";
+  judged.moved_m = largest_way_m(*slow.simulation, slow.simulation->body().mesh().nodes_m);
+  judged.rest_after_s = slow.simulation->state().time_s;
+  return judged;
 }
 
 }  // namespace
@@ -91,6 +123,9 @@ DrawnSettings read_drawn_settings(const YamlNode& node) {
   settings.first_seed = static_cast<std::uint64_t>(node.integer("first_seed", 0, 1000000000));
   settings.scenes = node.integer("scenes", 0, 100000);
   settings.joined_scenes = node.integer("joined_scenes", 0, 100000);
+  settings.robot_scenes = node.integer("robot_scenes", 0, 100000);
+  for (const YamlNode& robot : node.sequence("robots")) settings.robots.push_back(robot.as_text());
+  for (const YamlNode& method : node.sequence("methods")) settings.methods.push_back(method.as_text());
   settings.motion_s = node.number("motion_s", AllowedRange::positive());
   settings.time_step_s = node.number("time_step_s", AllowedRange::positive());
   settings.rayleigh_mass_per_s = node.number("rayleigh_mass_per_s", AllowedRange::not_negative());
@@ -101,28 +136,25 @@ DrawnSettings read_drawn_settings(const YamlNode& node) {
   return settings;
 }
 
-JudgedScene judge_drawn_scene(const DrawnScene& scene, const DrawnSettings& settings,
-                              const ExperimentContext& context) {
-  const double start_s = cpu_time_s();
-  JudgedScene judged;
-  judged.name = scene.name;
-  const std::unique_ptr<Simulation> at_rest = load(scene, 1.0, {}, context);
-  give_commands(scene, 1.0, *at_rest);
-  const SolveReport report = at_rest->solve_equilibrium();
-  note_warnings(report, judged);
-  if (!report.converged) judged.failed = "equilibrium: " + report.message;
-  const Eigen::Matrix3Xd& rest_m = at_rest->state().positions_m;
-  JudgedScene first = judged;
-  let_time_judge(scene, settings, context, rest_m, first);
-  if (first.right(settings.within_m) || !judged.failed.empty()) {
-    judged = std::move(first);
-  } else {
+std::vector<JudgedScene> judge_drawn_scene(const DrawnScene& scene, const DrawnSettings& settings,
+                                           const ExperimentContext& context) {
+  std::vector<Rest> rests;
+  for (const std::string& method : settings.methods) rests.push_back(find_rest(scene, method, context));
+  const SlowEnd slow = go_slowly(scene, settings, context);
+  std::vector<JudgedScene> all;
+  for (const Rest& rest : rests) all.push_back(compare(rest, slow, settings));
+  const auto doubtful = [&](std::size_t i) {
+    return rests[i].judged.failed.empty() && !all[i].right(settings.within_m);
+  };
+  SlowEnd slower;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!doubtful(i)) continue;
     DrawnSettings finer = settings;
     finer.time_step_s /= kFiner;
-    let_time_judge(scene, finer, context, rest_m, judged);
+    if (!slower.simulation) slower = go_slowly(scene, finer, context);
+    all[i] = compare(rests[i], slower, settings);
   }
-  judged.cpu_s = cpu_time_s() - start_s;
-  return judged;
+  return all;
 }
 
 }  // namespace soft_robot_lab

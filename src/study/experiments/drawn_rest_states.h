@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "drawn_scenes.h"
 #include "study/experiment.h"
@@ -14,7 +15,9 @@ namespace soft_robot_lab {
 
 struct DrawnSettings {
   std::uint64_t first_seed;
-  int scenes, joined_scenes;  // of one thing each, and of several at once
+  int scenes, joined_scenes, robot_scenes;  // of one thing each, of several at once, and of robots
+  std::vector<std::string> robots;          // files below config/
+  std::vector<std::string> methods;         // of the equilibrium: "newton", "xpbd"
   double motion_s, time_step_s, rayleigh_mass_per_s;
   double within_m;                         // between the two rest states
   double still_m, still_for_s, longest_s;  // at rest: no node goes further than this in that time
@@ -25,9 +28,11 @@ DrawnSettings read_drawn_settings(const YamlNode& node);
 
 struct JudgedScene {
   std::string name;      // seed, kind, friction
+  std::string method;    // of the equilibrium
   double apart_m = 0.0;  // the nodes at most
   double moved_m = 0.0;  // from the rest shape, in time
-  double rest_after_s = 0.0, cpu_s = 0.0;
+  double rest_after_s = 0.0;
+  double cpu_s = 0.0;  // of the equilibrium
   std::string said;    // kinds of the equilibrium's warnings
   std::string failed;  // what did not converge or come to rest
   bool open = false;   // the equilibrium names another side of a snap, or contact that the mesh is too coarse for
@@ -35,7 +40,9 @@ struct JudgedScene {
   bool right(double within_m) const { return failed.empty() && (apart_m <= within_m || open); }
 };
 
-// Where the two are apart, time is asked once more in steps of a fifth: those may be what is wrong.
-JudgedScene judge_drawn_scene(const DrawnScene& scene, const DrawnSettings& settings, const ExperimentContext& context);
+// One for each method. Where one is apart from time, time is asked once more in steps of a fifth: those may be what is
+// wrong.
+std::vector<JudgedScene> judge_drawn_scene(const DrawnScene& scene, const DrawnSettings& settings,
+                                           const ExperimentContext& context);
 
 }  // namespace soft_robot_lab

@@ -2,60 +2,22 @@
 #include "drawn_scenes.h"
 
 #include <cmath>
-#include <random>
 #include <sstream>
+
+#include "drawn_parts.h"
 
 namespace soft_robot_lab {
 namespace {
 
+using drawn::Dice;
+using drawn::motion;
+using drawn::shape;
 using Eigen::Vector3d;
-
-// Of std::mt19937_64, whose numbers the standard fixes; its distributions are left to each library.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : random_(seed) {}
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53;
-  }
-  bool chance(double share) { return between(0.0, 1.0) < share; }
-  template <class T>
-  T one_of(const std::vector<T>& all) {
-    return all[static_cast<std::size_t>(between(0.0, static_cast<double>(all.size())))];
-  }
-
- private:
-  std::mt19937_64 random_;
-};
+using drawn::operator<<;
 
 struct Bar {
   double length_m, width_m;
 };
-
-std::ostream& operator<<(std::ostream& out, const Vector3d& v) {
-  return out << '[' << v.x() << ", " << v.y() << ", " << v.z() << ']';
-}
-
-std::string motion(double motion_s, const Vector3d& way_m, const Vector3d& turn_rad) {
-  std::ostringstream text;
-  text.precision(17);
-  text << "motion: [{time_s: 0}, {time_s: " << motion_s << ", translation_m: " << way_m
-       << ", rotation_rad: " << turn_rad << "}]";
-  return text.str();
-}
-
-std::string shape(const std::string& kind, const Vector3d& at_m, double radius_m) {
-  const Vector3d across(0.0, 0.1, 0.0);
-  std::ostringstream text;
-  text.precision(17);
-  if (kind == "ball")
-    text << "sphere: {center_m: " << at_m << ", radius_m: " << radius_m << "}";
-  else if (kind == "box")
-    text << "box: {center_m: " << at_m << ", size_m: " << Vector3d(radius_m * Vector3d(2.0, 4.0, 2.0)) << "}";
-  else
-    text << (kind == "post" ? "cylinder" : "capsule") << ": {start_m: " << Vector3d(at_m - across)
-         << ", end_m: " << Vector3d(at_m + across) << ", radius_m: " << radius_m << "}";
-  return text.str();
-}
 
 void draw_friction(Dice& dice, DrawnScene& scene, std::ostream& text) {
   scene.friction = dice.chance(0.5) ? dice.one_of<double>({0.2, 0.5}) : 0.0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scenes drawn at random, in which a bar that hangs, stands or lies is bent, pushed, twisted and pulled.
+// Scenes drawn at random, in which a bar that hangs, stands or lies is bent, pushed, twisted and pulled. Robots are
+// drawn by drawn_robots.h.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +14,15 @@ namespace soft_robot_lab {
 
 struct DrawnScene {
   std::string name;  // with its seed, kind and friction
-  // "post", "ball", "box", "rod", "load", "cable", "cables", "hold"; or several, joined by "+".
+  // "post", "ball", "box", "rod", "load", "cable", "cables", "hold"; or several, joined by "+"; a robot's file first.
   std::string kind;
+  std::string robot;             // a file below config/, over which the rest is laid; empty: none
   std::string body_and_contact;  // YAML: all but gravity and loads
   Eigen::Vector3d gravity_m_s2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d end_force_n = Eigen::Vector3d::Zero();  // on the face at `end_z_m` and below
   double end_z_m = 0.0;
   double friction = 0.0;                                 // of what it touches
-  std::vector<std::pair<std::string, double>> commands;  // of cables, where the motion ends
+  std::vector<std::pair<std::string, double>> commands;  // where the motion ends
 
   // The scene in YAML with this share of gravity and loads.
   std::string text(double share_of_loads) const;

@@ -9,6 +9,7 @@
 
 #include "control/identification/simulated_now.h"
 #include "drawn_rest_states.h"
+#include "drawn_robots.h"
 #include "soft_robot_lab/robot/scene/scene.h"
 #include "settings/cpu_time.h"
 #include "soft_robot_lab/settings/yaml_node.h"
@@ -147,37 +148,47 @@ Overrides solver_of(const RestMethod& method, std::size_t i) {
   return solver;
 }
 
+DrawnScene draw(int i, const DrawnSettings& settings, const ExperimentContext& context) {
+  const auto seed = [&](int first) { return settings.first_seed + static_cast<std::uint64_t>(i - first); };
+  if (i < settings.scenes) return draw_scene(seed(0), settings.motion_s);
+  const int robots = settings.scenes + settings.joined_scenes;
+  if (i < robots) return draw_joined_scene(seed(settings.scenes), settings.motion_s);
+  return draw_robot_scene(seed(robots), settings.motion_s, settings.robots, context);
+}
+
 // Rows of those whose equilibrium says something or is not where time leads.
 void judge_drawn_scenes(const DrawnSettings& settings, const ExperimentContext& context, ExperimentResult& result) {
-  int right = 0, said = 0;
+  int judgements = 0, right = 0, said = 0;
   double worst_m = 0.0;
-  const int scenes = settings.scenes + settings.joined_scenes;
+  const int scenes = settings.scenes + settings.joined_scenes + settings.robot_scenes;
   for (int i = 0; i < scenes; ++i) {
-    const bool joined = i >= settings.scenes;
-    const auto seed = settings.first_seed + static_cast<std::uint64_t>(joined ? i - settings.scenes : i);
-    const DrawnScene scene = (joined ? draw_joined_scene : draw_scene)(seed, settings.motion_s);
+    const DrawnScene scene = draw(i, settings, context);
     context.report(0.5 + 0.5 * i / scenes, scene.name);
-    const JudgedScene judged = judge_drawn_scene(scene, settings, context);
-    const bool apart = judged.apart_m > settings.within_m;
-    if (judged.right(settings.within_m)) {
-      ++right;
-      said += apart ? 1 : 0;
-      if (!apart) worst_m = std::max(worst_m, judged.apart_m);
-    } else {
-      result.converged = false;
-      result.message += judged.name + ": " + (judged.failed.empty() ? "apart" : judged.failed) + "; ";
+    for (const JudgedScene& judged : judge_drawn_scene(scene, settings, context)) {
+      const bool apart = judged.apart_m > settings.within_m;
+      ++judgements;
+      if (judged.right(settings.within_m)) {
+        ++right;
+        said += apart ? 1 : 0;
+        if (!apart) worst_m = std::max(worst_m, judged.apart_m);
+      } else {
+        result.converged = false;
+        result.message +=
+            judged.name + ", " + judged.method + ": " + (judged.failed.empty() ? "apart" : judged.failed) + "; ";
+      }
+      if (apart || !judged.failed.empty() || !judged.said.empty())
+        result.table.rows.push_back({judged.name, judged.method + ", slowly", 1e3 * settings.time_step_s,
+                                     judged.rest_after_s, judged.cpu_s, 1e3 * judged.moved_m, 1e6 * judged.apart_m,
+                                     judged.failed.empty() ? judged.said : judged.failed});
     }
-    if (apart || !judged.failed.empty() || !judged.said.empty())
-      result.table.rows.push_back({judged.name, "newton, slowly", 1e3 * settings.time_step_s, judged.rest_after_s,
-                                   judged.cpu_s, 1e3 * judged.moved_m, 1e6 * judged.apart_m,
-                                   judged.failed.empty() ? judged.said : judged.failed});
   }
-  result.numbers["drawn_scenes"] = scenes;
+  result.numbers["drawn_scenes"] = judgements;
   result.numbers["drawn_right"] = right;
   std::ostringstream words;
   words.precision(2);
-  words << " Of " << scenes << " drawn scenes " << right << " rest where a slow motion in time leads, within "
-        << 1e6 * worst_m << " um, or say why not (" << said << ").";
+  words << " Of " << judgements << " equilibria of " << scenes << " drawn scenes " << right
+        << " rest where a slow motion in time leads, within " << 1e6 * worst_m << " um, or say why not (" << said
+        << ").";
   result.we_find += words.str();
 }
 

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawn_parts.h"
+
+#include <sstream>
+
+namespace soft_robot_lab::drawn {
+
+using Eigen::Vector3d;
+
+std::ostream& operator<<(std::ostream& out, const Vector3d& v) {
+  return out << '[' << v.x() << ", " << v.y() << ", " << v.z() << ']';
+}
+
+std::string motion(double motion_s, const Vector3d& way_m, const Vector3d& turn_rad) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "motion: [{time_s: 0}, {time_s: " << motion_s << ", translation_m: " << way_m
+       << ", rotation_rad: " << turn_rad << "}]";
+  return text.str();
+}
+
+std::string shape(const std::string& kind, const Vector3d& at_m, double radius_m, const Vector3d& across_m) {
+  std::ostringstream text;
+  text.precision(17);
+  if (kind == "ball")
+    text << "sphere: {center_m: " << at_m << ", radius_m: " << radius_m << "}";
+  else if (kind == "box")
+    text << "box: {center_m: " << at_m << ", size_m: " << Vector3d(radius_m * Vector3d(2.0, 4.0, 2.0)) << "}";
+  else
+    text << (kind == "post" ? "cylinder" : "capsule") << ": {start_m: " << Vector3d(at_m - across_m)
+         << ", end_m: " << Vector3d(at_m + across_m) << ", radius_m: " << radius_m << "}";
+  return text.str();
+}
+
+}  // namespace soft_robot_lab::drawn

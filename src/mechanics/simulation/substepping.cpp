@@ -251,8 +251,8 @@ void seek_rest(SimulationParts& parts, const Past& start, SolveReport& report) {
   }
 }
 
-// Whether sweeps found the rest state: a stable one, on a way past nothing that it might have met. Newton's method takes
-// the last bit of the way, as it does for what little holds.
+// Whether sweeps found the rest state: a stable one, on a way past nothing that it might have met. Newton's method
+// takes the last bit of the way, as it does for what little holds.
 bool sweeps_find_rest(SimulationParts& parts, SolveReport& report) {
   if (parts.workspace.newton.contact().free().count() > 0 || RestPath(parts).something_moves()) return false;
   const SimulationState start = parts.state;

@@ -36,8 +36,8 @@ class ContactSweep {
   void find(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd& positions_m, ContactState& state);
   void sweep(Eigen::Matrix3Xd& positions_m);
 
-  // Where a substep ends: puts pressures and free obstacles into the state, and returns the work done on the nodes. What
-  // has slipped stays behind.
+  // Where a substep ends: puts pressures and free obstacles into the state, and returns the work done on the nodes.
+  // What has slipped stays behind.
   double finish(const Eigen::Matrix3Xd& start_m, const Eigen::Matrix3Xd& end_m, ContactState& state,
                 FreeVelocities& velocities);
   const FreeObstacles& free() const { return contact_.free(); }

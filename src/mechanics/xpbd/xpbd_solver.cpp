@@ -394,8 +394,7 @@ XpbdReport XpbdSolver::advance(const XpbdTask& task, XpbdState& state) {
   take_up(state.kept, h, dashpots ? body_.viscosity().rayleigh_stiffness_s / h : 0.0);
   load_multipliers(state.element_forces_n, h);
   contact_.reset();
-  if (task.contact)
-    contact_.emplace(*task.contact, body_, masses_->whole, unknowns.positions_m, unknowns.contact);
+  if (task.contact) contact_.emplace(*task.contact, body_, masses_->whole, unknowns.positions_m, unknowns.contact);
   const double from_s = unknowns.contact.time_s;
   for (int substep = 0; substep < task.substep_count; ++substep) {
     const double over = (substep + 1.0) / task.substep_count;

@@ -7,6 +7,7 @@ whose nodes stand in the wrong order are turned, pieces whose nodes coincide are
 Overwrites nothing."""
 import argparse
 import errno
+import json
 import os
 import re
 import shutil
@@ -33,7 +34,12 @@ def mesher():
 
 
 def quoted(text):
-    return "'" + text.replace("'", "''") + "'"
+    return json.dumps(text, ensure_ascii=False)  # YAML in double quotes
+
+
+def shown(path):
+    """In one line, whatever a file is called."""
+    return path if path.isprintable() else ascii(path)
 
 
 def convert(source, unit, target):
@@ -78,7 +84,7 @@ body:
   material: {preset: ecoflex_00_50}   # or youngs_modulus_pa, poissons_ratio, density_kg_m3; a mesh file has none
   fixed: [{box: {min_m: %s, max_m: %s}}]   # its %s end
 gravity_m_s2: [0, 0, -9.81]
-''' % (os.path.basename(source), name, number(box[0]), number(box[1]), side)
+''' % (shown(os.path.basename(source)), name, number(box[0]), number(box[1]), side)
     if cavities:
         text += 'chambers:                        # its hollows; beta: amount of gas over that at rest\n'
         text += ''.join('  - {name: %s, surface: %s, max_beta: 2}\n' % (one, one) for one in cavities)
@@ -89,10 +95,14 @@ gravity_m_s2: [0, 0, -9.81]
 
 
 def check_size(points, unit):
+    """Of robots that are cast by hand where another unit makes it one; else ten times as large or small does too."""
     size = float(numpy.ptp(points, axis=0).max())
     for other, scale in reversed(UNITS_M.items()):
         if not SHORTEST_M <= size <= LONGEST_M and SHORTEST_M <= size / UNITS_M[unit] * scale <= LONGEST_M:
             raise ValueError('would be %.3g m long by --unit %s: is it in %s? --unit %s says so' % (size, unit, other, other))
+    if not SHORTEST_M / 10 <= size <= 10 * LONGEST_M:
+        raise ValueError('would be %.3g m long by --unit %s, must be %g to %g m: no unit of --unit makes it a robot; scale it in the program '
+                         'that wrote it' % (size, unit, SHORTEST_M / 10, 10 * LONGEST_M))
 
 
 def arguments():
@@ -109,6 +119,8 @@ def arguments():
             words.append(word)
     given = parser.parse_args(words)
     given.name = given.name or os.path.splitext(os.path.basename(given.mesh))[0]
+    if given.mesh != given.mesh.encode(errors='replace').decode():
+        parser.error('MESH: %s is no name in UTF-8; rename the file' % ascii(given.mesh))
     if not re.fullmatch(r'[A-Za-z][A-Za-z0-9_]*', given.name):
         parser.error("--name: '%s' must begin with a letter, and have only letters, digits and _" % given.name)
     return given

@@ -7,8 +7,10 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <map>
+#include <system_error>
 #include <tuple>
 #include <type_traits>
 
@@ -44,6 +46,37 @@ std::string without_library(const std::string& what) {
   const bool text = what.find("type_error.316", start) == start + library.size();
   return what.substr(0, start) + (text ? "a text is not UTF-8: " : "not the JSON that is expected: ") +
          what.substr(end + 2);
+}
+
+namespace fs = std::filesystem;
+
+bool is_same_file(const std::string& one, const std::string& other) {
+  std::error_code ignored;
+  if (fs::exists(one, ignored) && fs::exists(other, ignored))
+    return fs::equivalent(one, other, ignored) && !fs::is_other(one, ignored);  // /dev/null may be named twice
+  return fs::weakly_canonical(one, ignored) == fs::weakly_canonical(other, ignored);
+}
+
+void list_options(const CLI::App& app, std::vector<const CLI::Option*>& all) {
+  for (const CLI::Option* option : app.get_options()) all.push_back(option);
+  for (const CLI::App* group : app.get_subcommands([](const CLI::App*) { return true; })) list_options(*group, all);
+}
+
+// What is written must be no other file that is named: a result would take the place of its scene. Empty, or the
+// reason.
+std::string written_over(const CLI::App& app) {
+  std::vector<const CLI::Option*> all;
+  list_options(app, all);
+  for (const CLI::Option* written : all) {
+    const std::string name = written->get_name();
+    if (name != "--output" && name != "--result" && name != "--policy" && name != "--page") continue;
+    for (const std::string& file : written->results())
+      for (const CLI::Option* other : all)
+        for (const std::string& word : other != written ? other->results() : std::vector<std::string>{})
+          if (!file.empty() && !word.empty() && is_same_file(file, word))
+            return name + ": " + file + " would be written over " + other->get_name() + "; give it a file of its own";
+  }
+  return "";
 }
 
 struct Largest {
@@ -162,6 +195,7 @@ std::string CommandLine::program() const { return app_->get_name(); }
 std::optional<int> CommandLine::read(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
+    if (const std::string why = written_over(*app_); !why.empty()) return refuse_arguments(*app_, why);
     return std::nullopt;
   } catch (const CLI::CallForHelp&) {
     std::cout << app_->help();

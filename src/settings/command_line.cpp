@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "command_line.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
@@ -25,11 +26,29 @@ namespace {
 
 using Ranges = std::vector<std::tuple<std::string, double, double>>;
 
+void list_options(const CLI::App& app, std::vector<const CLI::Option*>& all) {
+  for (const CLI::Option* option : app.get_options()) all.push_back(option);
+  for (const CLI::App* group : app.get_subcommands([](const CLI::App*) { return true; })) list_options(*group, all);
+}
+
 // An option that there is not, before words that may only look wrong because of it.
 std::string unexpected(const CLI::App& app, const CLI::ExtrasError& error) {
   for (const std::string& word : app.remaining())
     if (word.size() > 1 && word[0] == '-') return "unknown option " + word;
   return error.what();
+}
+
+// What is mistyped matters more than what is missing for it.
+std::optional<std::string> unknown_option(const CLI::App& app, const std::vector<std::string>& words) {
+  std::vector<const CLI::Option*> known;
+  list_options(app, known);
+  for (const std::string& word : words) {
+    const std::string name = word.substr(0, word.find('='));
+    const auto is_it = [&](const CLI::Option* option) { return option->check_name(name); };
+    if (word.rfind("--", 0) == 0 && word.size() > 2 && std::none_of(known.begin(), known.end(), is_it))
+      return "unknown option " + name;
+  }
+  return std::nullopt;
 }
 
 int refuse_arguments(const CLI::App& app, const std::string& why) {
@@ -55,11 +74,6 @@ bool is_same_file(const std::string& one, const std::string& other) {
   if (fs::exists(one, ignored) && fs::exists(other, ignored))
     return fs::equivalent(one, other, ignored) && !fs::is_other(one, ignored);  // /dev/null may be named twice
   return fs::weakly_canonical(one, ignored) == fs::weakly_canonical(other, ignored);
-}
-
-void list_options(const CLI::App& app, std::vector<const CLI::Option*>& all) {
-  for (const CLI::Option* option : app.get_options()) all.push_back(option);
-  for (const CLI::App* group : app.get_subcommands([](const CLI::App*) { return true; })) list_options(*group, all);
 }
 
 // What is written must be no other file that is named: a result would take the place of its scene. Empty, or the
@@ -203,6 +217,8 @@ std::optional<int> CommandLine::read(int argc, char** argv) {
     return kGood;
   } catch (const CLI::ExtrasError& error) {
     return refuse_arguments(*app_, unexpected(*app_, error));
+  } catch (const CLI::RequiredError& error) {
+    return refuse_arguments(*app_, unknown_option(*app_, {argv + 1, argv + argc}).value_or(error.what()));
   } catch (const CLI::ParseError& error) {
     return refuse_arguments(*app_, error.what());
   } catch (const WrongArgument& error) {

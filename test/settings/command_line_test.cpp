@@ -85,6 +85,24 @@ TEST(CommandLine, TakesNumbersWithinTheLimitsOfTheirUnits) {
   EXPECT_EQ(said_of({"--range", "left", "0", "1e13"}), "nothing: --range: 1e13 is not in [-1e+12, 1e+12]");
 }
 
+TEST(CommandLine, NamesAMistypedOptionBeforeWhatIsMissing) {
+  CommandLine line("Does nothing.", "nothing");
+  std::string scene, result;
+  line.add_option("SCENE", scene).required();
+  line.add_group("files", "", 0, 1).add_option("--result", result);
+  const auto said = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "nothing");
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(line.read(static_cast<int>(arguments.size()), arguments.data()), kFailed);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said({"--hepl"}).find("nothing: unknown option --hepl\n"), 0u);
+  EXPECT_EQ(said({"--resul=a.json"}).find("nothing: unknown option --resul\n"), 0u);
+  EXPECT_EQ(said({"--result", "a.json"}).find("nothing: SCENE is required\n"), 0u);
+}
+
 TEST(CommandLine, WritesOverNoFileThatIsNamedBeside) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("command_line_test." + std::to_string(getpid()));

@@ -9,9 +9,12 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
+
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -157,13 +160,9 @@ class VtkReader {
   double text_number() {
     const std::string text = word();
     if (text.empty()) fail("the file ends too early");
-    const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
-    double value = 0;
-    const auto [stop, error] = std::from_chars(text.data() + (plus ? 1 : 0), text.data() + text.size(), value);
-    if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) {
-      fail("'" + text + "' is not a finite number");
-    }
-    return value;
+    const std::optional<double> value = parse_number<double>(text);
+    if (!value || !std::isfinite(*value)) fail("'" + text + "' is not a finite number");
+    return *value;
   }
 
   std::string path_, content_;

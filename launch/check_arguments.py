@@ -41,9 +41,14 @@ def check_scene(given):
         sys.exit(f"scene: {given['load']} cannot be run so")
 
 
+if len(sys.argv) < 2 or sys.argv[1] in ('-h', '--help'):
+    print(__doc__, file=sys.stdout if len(sys.argv) > 1 else sys.stderr)
+    sys.exit(0 if len(sys.argv) > 1 else 2)
 robot, given = sys.argv[1], {}
 for word in sys.argv[2:]:
-    name, value = word.split('=', 1)
+    name, is_given, value = word.partition('=')
+    if not is_given:
+        sys.exit(f"check_arguments.py: '{word}' must be WORD=PATH")
     given[name] = value
     if name == 'cameras' and value not in CAMERAS:
         refuse(name, value, CAMERAS)

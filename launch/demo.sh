@@ -6,10 +6,13 @@
 set -euo pipefail
 launch=$(cd "$(dirname "$0")" && pwd)
 keep=false
-case "${1:-}" in
+. "$launch/usage.sh"
+known_options=--keep
+usage 0 1 "$@"
+case "${1-}" in
   --keep) keep=true ;;
   "") ;;
-  *) echo "usage: demo.sh [--keep]" >&2; exit 2 ;;
+  *) echo "demo.sh: unknown word $1" >&2; exit 2 ;;
 esac
 
 fail() { echo "demo: $*" >&2; exit 1; }

@@ -3,13 +3,16 @@
 """free_port.py [COUNT]: prints a free port, or so many, for servers that will be started: none of those that Linux hands
 out by itself (from 32768 on), or another program may have it by then. Programs that ask at the same time get different
 ones."""
+import argparse
 import os
 import socket
 import sys
 
 FIRST, COUNT = 11400, 20000
 
-wanted = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument('count', metavar='COUNT', nargs='?', type=int, default=1, choices=range(1, 101), help='1 to 100 (1)')
+wanted = parser.parse_args().count
 free = []
 for ahead in range(COUNT):
     port = FIRST + (os.getppid() + ahead) % COUNT

@@ -3,12 +3,11 @@
 # gallery.sh FOLDER [ROBOT...]: a picture FOLDER/ROBOT.png of each robot, moved, as rviz shows it on a hidden screen, and all of them in
 # FOLDER/gallery.png.
 set -euo pipefail
-(($# > 0)) || { echo "usage: gallery.sh FOLDER [ROBOT...]" >&2; exit 2; }
+. "$(dirname "${BASH_SOURCE[0]}")/usage.sh"
+usage 1 100 "$@"
 launch=$(cd "$(dirname "$0")" && pwd)
-mkdir -p "$1"
-output=$(cd "$1" && pwd)
+output=$1
 shift
-. "$launch/own_session.sh"
 declare -A poses=(
   [spinebot]='{names: [left, right], values: [1.1, 0.8]}'
   [hammerbot]='{names: [left, right], values: [0.82, 1.1]}'
@@ -23,6 +22,10 @@ declare -A poses=(
 )
 declare -A scenes=([gripper]=gripper/ball.yaml)
 (($# > 0)) || set -- spinebot hammerbot finger_a1 finger_a2 gripper tentacle bubblebot bubblefinger hollow_cuboid hanging_bar
+for robot in "$@"; do [[ -n ${poses[$robot]-} ]] || { echo "gallery.sh: $robot: none of ${!poses[*]}" >&2; exit 2; }; done
+mkdir -p "$output"
+output=$(cd "$output" && pwd)
+. "$launch/own_session.sh"
 
 # The session's view of the robot alone.
 /usr/bin/python3 - "$launch/../config/rviz/session.rviz" "$folder/gallery.rviz" <<'PYTHON'
@@ -40,7 +43,6 @@ with open(sys.argv[2], 'w') as file:
 PYTHON
 
 for robot in "$@"; do
-  [[ -n ${poses[$robot]-} ]] || { echo "gallery.sh: $robot: none of ${!poses[*]}" >&2; exit 2; }
   scene=$launch/../config/robots/${scenes[$robot]-$robot/robot.yaml}
   roslaunch -p "$master_port" soft_robot_lab session.launch scene:="$scene" rviz:=false >"$folder/log" 2>&1 &
   session=$!

@@ -7,6 +7,7 @@ whose nodes stand in the wrong order are turned, pieces whose nodes coincide are
 Overwrites nothing."""
 import argparse
 import errno
+import json
 import os
 import re
 import shutil
@@ -33,7 +34,12 @@ def mesher():
 
 
 def quoted(text):
-    return "'" + text.replace("'", "''") + "'"
+    return json.dumps(text, ensure_ascii=False)  # YAML in double quotes
+
+
+def shown(path):
+    """In one line, whatever a file is called."""
+    return path if path.isprintable() else ascii(path)
 
 
 def convert(source, unit, target):
@@ -48,9 +54,22 @@ def convert(source, unit, target):
         raise ValueError(done.stderr.decode(errors='replace').strip() or 'the mesher ended with status %d' % done.returncode)
     words = {}
     for line in done.stdout.decode().split('\n'):
-        if line:
-            words.setdefault(line.split()[0], []).extend(line.split()[1:])
+        key, _, rest = line.partition(' ')
+        words.setdefault(key, []).extend([rest] if key == 'hollow' else rest.split())  # whose name is as the file has it
     return words
+
+
+def chamber_names(surfaces):
+    """Of one chamber for each surface, such as a scene takes."""
+    names = []
+    for surface in surfaces:
+        plain = re.sub(r'\W+', '_', surface)[:80].strip('_')
+        plain = plain if plain[:1].isalpha() else ('cavity_' + plain).rstrip('_')
+        name, number = plain, 2
+        while name in names:
+            name, number = '%s_%d' % (plain, number), number + 1
+        names.append(name)
+    return names
 
 
 def nodes(path):
@@ -64,6 +83,7 @@ def nodes(path):
 
 
 def scene(name, source, points, cavities, side):
+    chambers = chamber_names(cavities)
     low, high = points.min(axis=0), points.max(axis=0)
     axis, upper = 'xyz'.index(side[1]), side[0] == '+'
     reach = 0.02 * (high - low)[axis]
@@ -78,21 +98,26 @@ body:
   material: {preset: ecoflex_00_50}   # or youngs_modulus_pa, poissons_ratio, density_kg_m3; a mesh file has none
   fixed: [{box: {min_m: %s, max_m: %s}}]   # its %s end
 gravity_m_s2: [0, 0, -9.81]
-''' % (os.path.basename(source), name, number(box[0]), number(box[1]), side)
+''' % (shown(os.path.basename(source)), name, number(box[0]), number(box[1]), side)
     if cavities:
         text += 'chambers:                        # its hollows; beta: amount of gas over that at rest\n'
-        text += ''.join('  - {name: %s, surface: %s, max_beta: 2}\n' % (one, one) for one in cavities)
+        text += ''.join('  - {name: %s, surface: %s, max_beta: 2}\n' % (one, surface if one == surface else quoted(surface))
+                        for one, surface in zip(chambers, cavities))
     else:
         text += '# cables: [{name: pull, path_m: [[...], [...]], plug_radius_m: 0.002}]   # from the drive to the plug, inside the body\n'
     text += 'markers:\n  - {name: tip, position_m: %s}\n' % number(tip)
-    return text + 'run: {mode: equilibrium%s}\n' % (', commands: [{time_s: 0, %s: 1.2}]' % cavities[0] if cavities else '')
+    return text + 'run: {mode: equilibrium%s}\n' % (', commands: [{time_s: 0, %s: 1.2}]' % chambers[0] if chambers else '')
 
 
 def check_size(points, unit):
+    """Of robots that are cast by hand where another unit makes it one; else ten times as large or small does too."""
     size = float(numpy.ptp(points, axis=0).max())
     for other, scale in reversed(UNITS_M.items()):
         if not SHORTEST_M <= size <= LONGEST_M and SHORTEST_M <= size / UNITS_M[unit] * scale <= LONGEST_M:
             raise ValueError('would be %.3g m long by --unit %s: is it in %s? --unit %s says so' % (size, unit, other, other))
+    if not SHORTEST_M / 10 <= size <= 10 * LONGEST_M:
+        raise ValueError('would be %.3g m long by --unit %s, must be %g to %g m: no unit of --unit makes it a robot; scale it in the program '
+                         'that wrote it' % (size, unit, SHORTEST_M / 10, 10 * LONGEST_M))
 
 
 def arguments():
@@ -109,6 +134,8 @@ def arguments():
             words.append(word)
     given = parser.parse_args(words)
     given.name = given.name or os.path.splitext(os.path.basename(given.mesh))[0]
+    if given.mesh != given.mesh.encode(errors='replace').decode():
+        parser.error('MESH: %s is no name in UTF-8; rename the file' % ascii(given.mesh))
     if not re.fullmatch(r'[A-Za-z][A-Za-z0-9_]*', given.name):
         parser.error("--name: '%s' must begin with a letter, and have only letters, digits and _" % given.name)
     return given
@@ -130,7 +157,7 @@ def make_robot(given):
         for path, target in zip(new, files):
             os.link(path, target)
     size = ' x '.join('%.4g' % (1e3 * size) for size in numpy.ptp(points, axis=0))
-    text = '%s tetrahedra, %s mm, %s' % (words['elements'][0], size, 'hollows: ' + ', '.join(hollows) if hollows else 'no hollow')
+    text = '%s tetrahedra, %s mm, %s' % (words['elements'][0], size, 'hollows: ' + ', '.join(map(shown, hollows)) if hollows else 'no hollow')
     for key, what in (('turned', '%s elements turned'), ('joined', '%s nodes joined that two pieces had each')):
         if words[key] != ['0']:
             text += ', ' + what % words[key][0]

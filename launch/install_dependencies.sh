@@ -3,6 +3,9 @@
 # install_dependencies.sh [--check | --all]: installs the Debian 12 packages that this package is built, run and tested with. Does
 # nothing where all are there; --check only ends with 1 where some are missing; --all takes in what nightly tests use.
 set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/usage.sh"
+known_options="--check --all"
+usage 0 1 "$@"
 if ! getent ahostsv4 localhost >/dev/null; then # as in a bare chroot; roslaunch asks for it whatever ROS_IP says
   echo "localhost does not resolve, so ROS cannot start: add the line '127.0.0.1 localhost' to /etc/hosts" >&2
   exit 1

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # new_robot.sh NAME: writes NAME.yaml here, a finger with three cables whose comments explain each line. Overwrites nothing.
 set -euo pipefail
-(($# == 1)) || { echo "usage: new_robot.sh NAME" >&2; exit 2; }
+. "$(dirname "${BASH_SOURCE[0]}")/usage.sh"
+usage 1 1 "$@"
 name=$1
 [[ $name =~ ^[A-Za-z][A-Za-z0-9_]*$ ]] || { echo "NAME: '$name' must begin with a letter, and have only letters, digits and _" >&2; exit 2; }
 file=$PWD/$name.yaml

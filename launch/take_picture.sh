@@ -3,6 +3,8 @@
 # take_picture.sh OUTPUT.png [VIEW]: what rviz shows of the running session, drawn on a hidden screen. VIEW: `session`,
 # `session_cameras`, whose docked image a full screen would hide, or an rviz file.
 set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/usage.sh"
+usage 1 2 "$@"
 output=$1
 view=${2:-session}
 [[ $view == *.rviz ]] || view=$(cd "$(dirname "$0")/../config/rviz" && pwd)/$view.rviz

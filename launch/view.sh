@@ -3,7 +3,8 @@
 # view.sh ROBOT.yaml: shows a robot or scene in rviz, with sliders. It disturbs no running session: its ROS master is its own.
 # Ctrl-C, or closing the window, ends it.
 set -euo pipefail
-(($# == 1)) || { echo "usage: view.sh ROBOT.yaml" >&2; exit 2; }
+. "$(dirname "${BASH_SOURCE[0]}")/usage.sh"
+usage 1 1 "$@"
 [[ -r $1 ]] || { echo "$1: cannot be read" >&2; exit 2; }
 scene=$(realpath "$1")
 export ROS_IP=127.0.0.1

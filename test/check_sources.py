@@ -105,7 +105,7 @@ LIMIT = re.compile(r'inline constexpr \S+ (k\w+) = ([^;]+); +// (.*)')
 OWN_LIMIT = re.compile(r'constexpr [\w:]+ (k?(?:[Ll]argest|[Mm]ost|[Ff]arthest|[Ll]ongest|[Mm]ax)_?\w*(?:_bytes|_gb|Copies|Rollouts|Depth|depth_m|Nodes|Bytes'
                        r'|Threads|Workers|Slots|Tasks|Samples|Weight|Elements|[Ll]ine|Command)|kMost(?:Steps|Iterations)|kFarthest_m|kFarAway_m)'
                        r' = ([^;,]*)')
-DOORS = ('settings', 'robot', 'control', 'session', 'study', 'perception', 'hardware', 'ros', 'programs')  # below src: what files, requests and others reach
+DOORS = ('settings', 'robot', 'control', 'session', 'study', 'perception', 'hardware', 'ros', 'programs', 'python')  # below src: what files, requests and others reach
 INSIDE = {  # no limits of what comes in
     'src/robot/casting/thickness.cpp': 'points that are looked from', 'src/robot/casting/extraction.cpp': 'rounds', 'src/hardware/motor/wire.h': 'the protocol'}
 # What turns text into numbers, and what bounds them there.

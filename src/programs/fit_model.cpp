@@ -104,6 +104,7 @@ int fit(const Arguments& arguments) {
   const Recording& recording = part.recording;
   const std::string scene = arguments.scene.empty() ? recording.scene : arguments.scene;
   if (scene.empty()) throw std::invalid_argument("the recording names no scene; give --scene");
+  if (fits) require_not_read(arguments.output, scene);
   SceneOptions options;
   options.actuator_factory = make_actuator;
   options.overrides = parameter_overrides(scene, arguments.set);

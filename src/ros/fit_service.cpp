@@ -147,6 +147,7 @@ void FitService::answer(const FitModel::Request& request, FitModel::Response& re
     const Recording& recording = part.recording;
     const std::string scene = request.scene.empty() ? recording.scene : request.scene;
     if (scene.empty()) throw std::invalid_argument("scene: none is given, and the recording does not name one");
+    if (!request.file.empty()) require_not_read(request.file, scene);
     const std::vector<MeasuredPose> poses = measured_poses(recording);
     SceneOptions options = options_;
     options.interrupt = [this] { return cancelled_ || !ros::ok(); };

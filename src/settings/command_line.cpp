@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "command_line.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <map>
+#include <system_error>
 #include <tuple>
 #include <type_traits>
 
@@ -23,11 +26,29 @@ namespace {
 
 using Ranges = std::vector<std::tuple<std::string, double, double>>;
 
+void list_options(const CLI::App& app, std::vector<const CLI::Option*>& all) {
+  for (const CLI::Option* option : app.get_options()) all.push_back(option);
+  for (const CLI::App* group : app.get_subcommands([](const CLI::App*) { return true; })) list_options(*group, all);
+}
+
 // An option that there is not, before words that may only look wrong because of it.
 std::string unexpected(const CLI::App& app, const CLI::ExtrasError& error) {
   for (const std::string& word : app.remaining())
     if (word.size() > 1 && word[0] == '-') return "unknown option " + word;
   return error.what();
+}
+
+// What is mistyped matters more than what is missing for it.
+std::optional<std::string> unknown_option(const CLI::App& app, const std::vector<std::string>& words) {
+  std::vector<const CLI::Option*> known;
+  list_options(app, known);
+  for (const std::string& word : words) {
+    const std::string name = word.substr(0, word.find('='));
+    const auto is_it = [&](const CLI::Option* option) { return option->check_name(name); };
+    if (word.rfind("--", 0) == 0 && word.size() > 2 && std::none_of(known.begin(), known.end(), is_it))
+      return "unknown option " + name;
+  }
+  return std::nullopt;
 }
 
 int refuse_arguments(const CLI::App& app, const std::string& why) {
@@ -44,6 +65,32 @@ std::string without_library(const std::string& what) {
   const bool text = what.find("type_error.316", start) == start + library.size();
   return what.substr(0, start) + (text ? "a text is not UTF-8: " : "not the JSON that is expected: ") +
          what.substr(end + 2);
+}
+
+namespace fs = std::filesystem;
+
+bool is_same_file(const std::string& one, const std::string& other) {
+  std::error_code ignored;
+  if (fs::exists(one, ignored) && fs::exists(other, ignored))
+    return fs::equivalent(one, other, ignored) && !fs::is_other(one, ignored);  // /dev/null may be named twice
+  return fs::weakly_canonical(one, ignored) == fs::weakly_canonical(other, ignored);
+}
+
+// What is written must be no other file that is named: a result would take the place of its scene. Empty, or the
+// reason.
+std::string written_over(const CLI::App& app) {
+  std::vector<const CLI::Option*> all;
+  list_options(app, all);
+  for (const CLI::Option* written : all) {
+    const std::string name = written->get_name();
+    if (name != "--output" && name != "--result" && name != "--policy" && name != "--page") continue;
+    for (const std::string& file : written->results())
+      for (const CLI::Option* other : all)
+        for (const std::string& word : other != written ? other->results() : std::vector<std::string>{})
+          if (!file.empty() && !word.empty() && is_same_file(file, word))
+            return name + ": " + file + " would be written over " + other->get_name() + "; give it a file of its own";
+  }
+  return "";
 }
 
 struct Largest {
@@ -162,6 +209,7 @@ std::string CommandLine::program() const { return app_->get_name(); }
 std::optional<int> CommandLine::read(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
+    if (const std::string why = written_over(*app_); !why.empty()) return refuse_arguments(*app_, why);
     return std::nullopt;
   } catch (const CLI::CallForHelp&) {
     std::cout << app_->help();
@@ -169,6 +217,8 @@ std::optional<int> CommandLine::read(int argc, char** argv) {
     return kGood;
   } catch (const CLI::ExtrasError& error) {
     return refuse_arguments(*app_, unexpected(*app_, error));
+  } catch (const CLI::RequiredError& error) {
+    return refuse_arguments(*app_, unknown_option(*app_, {argv + 1, argv + argc}).value_or(error.what()));
   } catch (const CLI::ParseError& error) {
     return refuse_arguments(*app_, error.what());
   } catch (const WrongArgument& error) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From the text of a settings file to its tree.
+#include <algorithm>
+#include <cstddef>
 #include <sstream>
 #include <unordered_map>
 #include <utility>
@@ -17,6 +19,7 @@ namespace {
 // Aliases may repeat a part of a document without end; no settings file comes near these.
 constexpr int kMaxDepth = limits::kTree_depth;
 constexpr long kMaxNodes = limits::kTree_nodes;  // of the text
+constexpr std::size_t kShownPath = 60;
 constexpr long kMaxBytes = limits::kTree_bytes;  // of the tree, with all that aliases repeat
 
 // Counts what a text holds before anything is kept of it: yaml-cpp takes hundreds of bytes for a node of two.
@@ -89,7 +92,8 @@ YamlNode YamlNode::Data::build(const YAML::Node& yaml, Data place, int depth, lo
   bytes_left -= static_cast<long>(sizeof(Data) + sizeof(Member) + data->source.size() + 2 * data->path.size());
   if (yaml.IsScalar()) bytes_left -= static_cast<long>(yaml.Scalar().size());
   if (depth > kMaxDepth || bytes_left < 0)
-    fail_at(data->source, data->line, data->path, "nested too deep, or too large");
+    fail_at(data->source, data->line, data->path.substr(0, kShownPath) + (data->path.size() > kShownPath ? "..." : ""),
+            "nested too deep, or too large; an alias may stand within its own anchor");
   const auto place_below = [&](const YAML::Mark& mark, const std::string& its_path) {
     Data below;
     below.source = data->source;
@@ -141,6 +145,10 @@ YamlNode YamlNode::parse(const std::string& text, const std::string& source_name
   Data root;
   root.source = source_name;
   long bytes_left = kMaxBytes;
+  if (const std::size_t at = text.find('\0'); at != std::string::npos)
+    fail_at(source_name,
+            static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')) + 1, "",
+            "not YAML: holds a byte of value 0, as no text does");
   try {
     check_size(text, source_name);
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);

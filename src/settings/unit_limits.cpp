@@ -14,14 +14,16 @@ namespace {
 
 using Words = std::string_view;
 
-constexpr std::array<std::pair<Words, double>, 8> kLargest{{{"m", limits::kPlace_m},
-                                                            {"s", limits::kTime_s},
-                                                            {"m_s", limits::kSpeed_m_s},
-                                                            {"m_s2", limits::kAcceleration_m_s2},
-                                                            {"rad", limits::kAngle_rad},
-                                                            {"deg", limits::kAngle_deg},
-                                                            {"rad_s", limits::kAngularSpeed_rad_s},
-                                                            {"kg", limits::kMass_kg}}};
+constexpr std::array<std::pair<Words, double>, 10> kLargest{{{"m", limits::kPlace_m},
+                                                             {"s", limits::kTime_s},
+                                                             {"m_s", limits::kSpeed_m_s},
+                                                             {"m_s2", limits::kAcceleration_m_s2},
+                                                             {"rad", limits::kAngle_rad},
+                                                             {"deg", limits::kAngle_deg},
+                                                             {"rad_s", limits::kAngularSpeed_rad_s},
+                                                             {"kg", limits::kMass_kg},
+                                                             {"n", limits::kForce_n},
+                                                             {"pa", limits::kPressure_pa}}};
 
 bool is_unit(Words word) {
   constexpr std::array<Words, 24> units{"m",  "s",  "kg",  "pa", "n",  "rad", "deg", "hz",  "px", "ml",  "v",  "a",

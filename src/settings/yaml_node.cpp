@@ -113,12 +113,28 @@ Eigen::Vector3d YamlNode::vector3_or(const std::string& key, const Eigen::Vector
   return optional_child(key) ? vector3(key) : otherwise;
 }
 
+namespace {
+
+// Why a text is no number, and what was rather meant.
+std::string why_no_number(const std::string& text, bool quoted) {
+  const std::string is = "'" + text + "' is not a finite number";
+  if (quoted && parse_number<double>(text)) return is + " but a text in quotes; leave these out";
+  std::string pointed = text;
+  if (const std::size_t comma = pointed.find(','); comma != std::string::npos) pointed[comma] = '.';
+  if (pointed != text && parse_number<double>(pointed)) return is + ": did you mean " + pointed + "?";
+  const std::string first = text.substr(0, text.find(' '));
+  if (first != text && parse_number<double>(first)) return is + ": numbers have no unit; keys say which";
+  return is;
+}
+
+}  // namespace
+
 double YamlNode::as_number(const AllowedRange& range) const {
   const std::string text = as_text();
   const std::optional<double> value = data_->number   ? data_->number
                                       : data_->quoted ? std::nullopt
                                                       : parse_number<double>(text);
-  if (!value || !std::isfinite(*value)) fail("'" + text + "' is not a finite number");
+  if (!value || !std::isfinite(*value)) fail(why_no_number(text, data_->quoted));
   for (const AllowedRange& allowed : {range, range_of_unit(data_->path)})
     if (!allowed.contains(*value)) fail(text + " is out of range " + allowed.to_string());
   return *value;

@@ -171,6 +171,24 @@ void add_archives(std::mt19937& random, std::vector<BadScene>& all) {
     all.push_back({"npz: another shape", scene, {{"a.npz", npz({numbers_array("left", shape, {})})}}, "a.npz"});
 }
 
+std::string with_another_byte(const std::string& good, std::mt19937& random) {
+  const std::string bytes("\0\t\r;,\"'+-=#\xef\xff ", 14);
+  std::string bad = good;
+  for (int i = 0; i < 2; ++i) bad[random() % bad.size()] = bytes[random() % bytes.size()];
+  return bad;
+}
+
+void add_tables(std::mt19937& random, std::vector<BadScene>& all) {
+  const std::string scene =
+      bar(kBox, "cables: [{name: left, path_m: [[0.005, 0, 0], [0.005, 0, 0.05]], plug_radius_m: 0.002}]\n");
+  const std::string good = "rollout,time_s,left\n0,0,1.0\n0,0.05,0.95\n1,0,0.97\n";
+  std::vector<std::pair<std::string, Damage>> damages = kDamages;
+  damages.emplace_back("other separators", with_another_byte);
+  for (const auto& [damage, apply] : damages)
+    for (int i = 0; i < 6; ++i)
+      all.push_back({"csv: " + damage + ", " + std::to_string(i), scene, {{"a.csv", apply(good, random)}}, "a.csv"});
+}
+
 // What a shell, a page, YAML, a path or a terminal would take for more than a name.
 const Words kNames = {"$(touch it_was_run)",
                       "`touch it_was_run`",
@@ -229,7 +247,9 @@ void add_places(std::mt19937& random, std::vector<BadScene>& all) {
   for (int i = 0; i < 12; ++i) {
     const std::string far = std::string(random() % 2 ? "-" : "") + "1.0e" + between(2, 308, random);
     const Words more = {
-        "gravity_m_s2: [0, 0, " + far + "]\n", "markers: [{name: tip, position_m: [0, " + far + ", 0]}]\n",
+        "gravity_m_s2: [0, 0, " + far + "]\n",
+        "loads: [{point_m: [0, 0, 0.06], force_n: [0, 0, " + far + "]}]\n",
+        "markers: [{name: tip, position_m: [0, " + far + ", 0]}]\n",
         "cables: [{name: a, path_m: [[0, 0, 0], [0, 0, " + far + "]]}]\n",
         "contact: {obstacles: [{name: a, sphere: {center_m: [" + far + ", 0, 0], radius_m: 0.1}}]}\n",
         "contact: {obstacles: [{name: a, sphere: {center_m: [0, 0, 1], radius_m: 0.1}, motion: [{time_s: 0}, "
@@ -272,7 +292,8 @@ void add_sizes(std::mt19937& random, std::vector<BadScene>& all) {
 std::vector<BadScene> bad_files(unsigned int seed) {
   std::mt19937 random(seed);
   std::vector<BadScene> all;
-  for (const auto& add : {add_scripts, add_meshes, add_archives, add_names, add_places, add_sizes}) add(random, all);
+  for (const auto& add : {add_scripts, add_meshes, add_archives, add_tables, add_names, add_places, add_sizes})
+    add(random, all);
   return all;
 }
 

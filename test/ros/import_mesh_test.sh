@@ -111,3 +111,23 @@ refused folded "lie on the same side of the face that they share: one is folded 
 refused hexahedra "cell 0 is a hexahedron"
 sed 's/POINTS /POINTS -/' five.vtk >negative.vtk
 refused negative "'-20' is not a number of entries"
+
+odd=$'od "d"\'s\nö #: name.vtk' # written into the request and the robot's file
+cp five.vtk "$odd"
+import "$odd" --unit mm --name odd || fail "a file with an odd name was refused"
+"$simulate" odd.yaml --result odd.json >message 2>&1 || fail "the robot of an odd name does not run"
+cp five.vtk $'latin_\xf6.vtk'
+import $'latin_\xf6.vtk' --unit mm --name latin && fail "a name that is no UTF-8 was accepted"
+grep -q "is no name in UTF-8; rename the file" message || fail "a name that is no UTF-8 was not explained"
+sed -E '/^POINTS/,/^CELLS/{/^[-0-9]/s/[0-9.]+/&e6/g}' five.vtk >large.vtk
+refused large "would be .* m long by --unit mm, must be 0.0005 to 20 m"
+
+# A surface of the file is a chamber of the robot, whatever it is called.
+for surface in "my chamber: #1" "air}, {name: x" größe 5; do
+  rm -f block.msh block.yaml named.msh named.yaml
+  import block.vtk --unit mm || fail "was refused"
+  sed "s/\"cavity\"/\"$surface\"/" block.msh >named_so.msh
+  import named_so.msh --name named || fail "a surface called $surface was refused"
+  [[ $(grep -c "surface:" named.yaml) == 1 ]] || fail "a surface called $surface is several chambers: $(grep surface: named.yaml)"
+  "$simulate" named.yaml --result named.json >message 2>&1 || fail "the robot of $surface does not run"
+done

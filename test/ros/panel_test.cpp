@@ -316,6 +316,18 @@ TEST_F(Elsewhere, SaysWhatCameOfATargetThatIsLetGo) {
   EXPECT_EQ(last("Target")->message, "no rest state");
 }
 
+// As in a window of view.sh, where a grey button would leave its user guessing.
+TEST_F(Elsewhere, SaysWhyNothingCanBeSearchedFor) {
+  ASSERT_TRUE(hears([&] { return !link_.why_not(topics::optimise_policy).empty(); }));
+  EXPECT_NE(link_.why_not(topics::optimise_policy).find("no controller runs here"), std::string::npos);
+  EXPECT_NE(link_.why_not(topics::simulator_load).find("nothing here offers /"), std::string::npos);
+  std::atomic<bool> asked{false};
+  const ros::ServiceServer search = elsewhere_.advertiseService<OptimisePolicy::Request, OptimisePolicy::Response>(
+      topics::optimise_policy, [&](auto&, auto&) { return asked = true; });
+  EXPECT_TRUE(hears([&] { return link_.why_not(topics::optimise_policy).empty(); }));
+  EXPECT_FALSE(asked);
+}
+
 // What a user stops has not failed, and drives that are to hold are none that move alone.
 TEST_F(Elsewhere, OnesOwnStopIsNoFault) {
   std::atomic<bool> stopped{false};

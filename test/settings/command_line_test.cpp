@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "settings/command_line.h"
 
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -9,6 +11,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 namespace soft_robot_lab {
 namespace {
@@ -80,6 +83,59 @@ TEST(CommandLine, TakesNumbersWithinTheLimitsOfTheirUnits) {
   EXPECT_EQ(said_of({"--price", "-inf"}), "nothing: --price: -inf is not in [-1e+12, 1e+12]");
   EXPECT_EQ(said_of({"--count", "1000001"}), "nothing: --count: 1000001 is not in [-1000000, 1000000]");
   EXPECT_EQ(said_of({"--range", "left", "0", "1e13"}), "nothing: --range: 1e13 is not in [-1e+12, 1e+12]");
+}
+
+TEST(CommandLine, NamesAMistypedOptionBeforeWhatIsMissing) {
+  CommandLine line("Does nothing.", "nothing");
+  std::string scene, result;
+  line.add_option("SCENE", scene).required();
+  line.add_group("files", "", 0, 1).add_option("--result", result);
+  const auto said = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "nothing");
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(line.read(static_cast<int>(arguments.size()), arguments.data()), kFailed);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said({"--hepl"}).find("nothing: unknown option --hepl\n"), 0u);
+  EXPECT_EQ(said({"--resul=a.json"}).find("nothing: unknown option --resul\n"), 0u);
+  EXPECT_EQ(said({"--result", "a.json"}).find("nothing: SCENE is required\n"), 0u);
+}
+
+TEST(CommandLine, WritesOverNoFileThatIsNamedBeside) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("command_line_test." + std::to_string(getpid()));
+  fs::create_directories(folder / "below");
+  const std::string scene = folder / "scene.yaml", link = folder / "link.yaml", other = folder / "below/../new.json";
+  std::ofstream(scene) << "body:\n";
+  fs::create_symlink(scene, link);
+  const auto said_of_files = [](std::vector<std::string> words) {
+    CommandLine line("Does nothing.", "nothing");
+    std::string read, result, output;
+    line.add_option("SCENE", read).required();
+    line.add_option("--result", result);
+    line.add_group("files", "", 0, 2).add_option("--output", output);
+    words.insert(words.begin(), "nothing");
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    testing::internal::CaptureStderr();
+    const int status = line.read(static_cast<int>(arguments.size()), arguments.data()).value_or(kGood);
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(status, said.empty() ? kGood : kFailed);
+    return said;
+  };
+  for (const std::string& result : {scene, link, (folder / "./scene.yaml").string()})
+    EXPECT_NE(said_of_files({scene, "--result", result})
+                  .find("nothing: --result: " + result + " would be written over SCENE; give it a file of its own"),
+              std::string::npos)
+        << said_of_files({scene, "--result", result});
+  EXPECT_NE(said_of_files({scene, "--result", folder / "new.json", "--output", other}).find("would be written over"),
+            std::string::npos)
+      << "of two that are not there yet";
+  EXPECT_EQ(said_of_files({scene, "--result", folder / "new.json", "--output", folder / "new.npz"}), "");
+  EXPECT_EQ(said_of_files({scene, "--result", "/dev/null", "--output", "/dev/null"}), "");
+  fs::remove_all(folder);
 }
 
 }  // namespace

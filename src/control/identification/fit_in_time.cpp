@@ -95,7 +95,7 @@ void add_values(const FitParameters& parameters, const SightFit& fit, FitResult&
   const Eigen::VectorXd values = fit.values();
   const Eigen::Index count = values.size() - 2;
   const Eigen::MatrixXd creep = fit.jacobian().rightCols<2>(), others = fit.jacobian().leftCols(count);
-  add_statistics(parameters, values.head(count), beside(others, creep), fit.residuals(), result);
+  add_statistics(parameters, values.head(count), beside(others, creep), fit.residuals(), {}, result);
   const Eigen::MatrixXd alone = beside(creep, others);
   add_by_logarithms(parameters.creep(), values.tail<2>().array().exp(),
                     alone.transpose() * alone / residual_variance(fit.residuals(), values.size()), result);

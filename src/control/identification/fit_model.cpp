@@ -33,15 +33,21 @@ FitResult fit_to_rest(const FitParameters& parameters, const std::string& scene,
                              parameters.backlash_m(values));
       },
       unknowns);
+  const Eigen::Matrix3Xd creep_m = still_to_come_m(poses);
+  Eigen::VectorXd unseen(creep_m.size());
+  Eigen::Index at = 0;
   for (std::size_t p = 0; p < poses.size(); ++p)
-    for (std::size_t m = 0; m < poses[p].markers.size(); ++m)
-      fit.add({{p, static_cast<Eigen::Index>(m)}}, Eigen::VectorXd::Ones(1), poses[p].markers[m].position_m,
-              measured_weight(poses[p].markers[m], request.model_error_m));
+    for (std::size_t m = 0; m < poses[p].markers.size(); ++m) {
+      const Eigen::Matrix3d weight = measured_weight(poses[p].markers[m], request.model_error_m);
+      fit.add({{p, static_cast<Eigen::Index>(m)}}, Eigen::VectorXd::Ones(1), poses[p].markers[m].position_m, weight);
+      unseen.segment<3>(3 * at) = weight * creep_m.col(at);
+      ++at;
+    }
   FitResult result = fit.solve(poses, request);
   const Eigen::VectorXd values = fit.values();
   result.measured_from_base = parameters.measured_from_base(values);
   result.backlash_m = parameters.backlash_m(values);
-  add_statistics(parameters, values, fit.jacobian(), fit.residuals(), result);
+  add_statistics(parameters, values, fit.jacobian(), fit.residuals(), fit.robust_shares().cwiseProduct(unseen), result);
   result.overrides = parameters.overrides(values, unidentified(result));
   return result;
 }

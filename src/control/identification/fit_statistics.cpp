@@ -101,6 +101,11 @@ struct LatePlaces {
     }
   }
   bool whole() const { return std::find(std::begin(counts), std::end(counts), 0) == std::end(counts); }
+  // From the middle of the last part on, if drifts fall to a share of `kept` from part to part.
+  Eigen::Vector3d still_to_come_m(double kept) const {
+    const Eigen::Vector3d first_m = (drift_m(0) + kept * drift_m(1)) / (1.0 + kept * kept);
+    return kept * kept * kept / (1.0 - kept * kept) * first_m;
+  }
   // To the next part but one.
   Eigen::Vector3d drift_m(int from) const { return sums_m[from + 2] / counts[from + 2] - sums_m[from] / counts[from]; }
   double drift_variance_m2(int from) const {
@@ -109,6 +114,11 @@ struct LatePlaces {
   }
 };
 
+LatePlaces late_places(const MeasuredPose& pose, const std::string& name) {
+  LatePlaces places(pose, name, kLate);
+  return places.whole() ? places : LatePlaces(pose, name, kLateInShort);
+}
+
 // Drifts of all markers in all holds: from the first late part to the third, and from the second to the fourth. They
 // share no measurement, so noise makes neither their cosine nor their product.
 struct LateDrifts {
@@ -116,13 +126,13 @@ struct LateDrifts {
   double unjudged_s = 0.0;  // the longest hold that too little was seen of
   double cosines = 0.0;     // sums of all
   double products_m2 = 0.0, squared_products_m4 = 0.0;
-  double first_m2 = 0.0;  // squares of the first less their noise
+  double first_m2 = 0.0;                   // squares of the first less their noise
+  double firsts_m4 = 0.0, mixed_m4 = 0.0;  // of these with themselves, and with the products
 
   explicit LateDrifts(const std::vector<MeasuredPose>& poses) {
     for (const MeasuredPose& pose : poses)
       for (const MeasuredMarker& marker : pose.markers) {
-        LatePlaces places(pose, marker.name, kLate);
-        if (!places.whole()) places = LatePlaces(pose, marker.name, kLateInShort);
+        const LatePlaces places = late_places(pose, marker.name);
         if (places.whole())
           add(places);
         else if (pose.held_s > 0.0)
@@ -142,7 +152,10 @@ struct LateDrifts {
     cosines += first_m.normalized().dot(second_m.normalized());
     products_m2 += product_m2;
     squared_products_m4 += product_m2 * product_m2;
-    first_m2 += first_m.squaredNorm() - places.drift_variance_m2(0);
+    const double square_m2 = first_m.squaredNorm() - places.drift_variance_m2(0);
+    first_m2 += square_m2;
+    firsts_m4 += square_m2 * square_m2;
+    mixed_m4 += square_m2 * product_m2;
   }
 
   // By their directions, where a few holds drift far; by their sizes too, where many drift little. A cosine of noise
@@ -152,10 +165,22 @@ struct LateDrifts {
                                  (count >= kMany && products_m2 > kSurely * std::sqrt(squared_products_m4)));
   }
 
+  // Of a drift, from part to part; 0 where none is seen.
+  double kept() const { return products_m2 > 0.0 ? products_m2 / std::max(first_m2, products_m2 / kMostKept) : 0.0; }
+
+  // As large as it may be by how much markers and holds differ in it.
+  double most_kept() const {
+    const double mean = kept();
+    const double scatter_m4 = squared_products_m4 - 2.0 * mean * mixed_m4 + mean * mean * firsts_m4;
+    return mean > 0.0 ? std::min(kMostKept,
+                                 mean + kOf95Percent * std::sqrt(std::max(0.0, scatter_m4)) / std::max(first_m2, 1e-30))
+                      : 0.0;
+  }
+
   // By how much markers still move after a hold, if they go on to slow down as in it [m].
   double still_to_come_m() const {
     if (!more_than_noise()) return 0.0;
-    const double kept = products_m2 / std::max(first_m2, products_m2 / kMostKept);  // from part to part
+    const double kept = this->kept();
     return std::sqrt(products_m2 / count) * std::pow(kept, 2.5) / (1.0 - kept * kept);
   }
 };
@@ -212,7 +237,7 @@ Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix) {
 // The bounds count as a normal distribution whose 95 % they hold, so that every deviation is finite: where the data
 // identify a parameter, this changes nothing that counts.
 void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian,
-                    const std::vector<double>& residuals, FitResult& result) {
+                    const std::vector<double>& residuals, const Eigen::VectorXd& unseen, FitResult& result) {
   const std::vector<FitNumber>& numbers = parameters.numbers();
   const auto count = static_cast<Eigen::Index>(numbers.size());
   const Eigen::VectorXd widths = bound_widths(numbers);
@@ -223,6 +248,8 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
   const Eigen::MatrixXd information = scaled.transpose() * scaled / variance;
   const Eigen::MatrixXd covariance = (information + Eigen::MatrixXd::Identity(count, count)).inverse();
   const Eigen::VectorXd spread = covariance.diagonal().cwiseSqrt();
+  Eigen::VectorXd variances = covariance.diagonal();
+  if (unseen.size() > 0) variances += (covariance * (scaled.transpose() * unseen) / variance).cwiseAbs2();
 
   result.correlations = spread.cwiseInverse().asDiagonal() * covariance * spread.cwiseInverse().asDiagonal();
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -233,7 +260,7 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
     fitted.value = values[i];
     fitted.min = number.min;
     fitted.max = number.max;
-    fitted.deviation = spread[i] * widths[i];
+    fitted.deviation = std::sqrt(variances[i]) * widths[i];
     fitted.low = std::max(number.min, fitted.value - kOf95Percent * fitted.deviation);
     fitted.high = std::min(number.max, fitted.value + kOf95Percent * fitted.deviation);
     fitted.identifiable = covariance(i, i) < kUnidentified;
@@ -248,6 +275,20 @@ void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& valu
   warn_of_pairs(numbers, result);
 }
 
+Eigen::Matrix3Xd still_to_come_m(const std::vector<MeasuredPose>& poses) {
+  const double kept = LateDrifts(poses).most_kept();
+  Eigen::Index count = 0, at = 0;
+  for (const MeasuredPose& pose : poses) count += static_cast<Eigen::Index>(pose.markers.size());
+  Eigen::Matrix3Xd all_m = Eigen::Matrix3Xd::Zero(3, count);
+  for (const MeasuredPose& pose : poses)
+    for (const MeasuredMarker& marker : pose.markers) {
+      const LatePlaces places = late_places(pose, marker.name);
+      if (places.whole()) all_m.col(at) = places.still_to_come_m(kept);
+      ++at;
+    }
+  return all_m;
+}
+
 std::set<std::string> unidentified(const FitResult& result) {
   std::set<std::string> names;
   for (const FittedValue& value : result.values)
@@ -258,13 +299,16 @@ std::set<std::string> unidentified(const FitResult& result) {
 void warn_of_creep(const std::vector<MeasuredPose>& poses, const FitRequest& request, FitResult& result) {
   const LateDrifts drifts(poses);
   const double still_m = drifts.still_to_come_m();
-  const std::string remedy = "intervals may exclude the truth; hold longer, or fit creep";
+  const std::string remedy = "; hold longer, or fit creep";
   if (drifts.unjudged_count > drifts.count)
-    result.warnings.push_back("most commands were held for " + short_text(drifts.unjudged_s) +
-                              " s at most, and seen too seldom in it to say whether the robot creeps: " + remedy);
+    result.warnings.push_back(
+        "most commands were held for " + short_text(drifts.unjudged_s) +
+        " s at most, and seen too seldom in it to say whether the robot creeps: intervals may exclude the truth" +
+        remedy);
   if (still_m > kCreeps * request.model_error_m)
     result.warnings.push_back("by their drift late in the holds markers would still move by " +
-                              short_text(1e3 * still_m) + " mm or more: the robot creeps, and " + remedy);
+                              short_text(1e3 * still_m) +
+                              " mm or more: the robot creeps, and intervals are wider by that" + remedy);
 }
 
 // As far as `outlier_deviations` times the median of all is nothing special.

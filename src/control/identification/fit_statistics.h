@@ -32,9 +32,14 @@ std::vector<double> pose_gaps_m(const std::vector<MeasuredPose>& poses,
 Eigen::MatrixXd dense(const ceres::CRSMatrix& matrix);
 
 // Fills values, correlations and warnings. Jacobian and residuals at the solution, in standard deviations per `size` of
-// a number.
+// a number. `unseen` is what the residuals may be wrong by, all together, beside their noise; empty for nothing. It
+// widens the deviations by what it would move the values.
 void add_statistics(const FitParameters& parameters, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian,
-                    const std::vector<double>& residuals, FitResult& result);
+                    const std::vector<double>& residuals, const Eigen::VectorXd& unseen, FitResult& result);
+
+// By how much the poses' markers, in their order, would still move after their holds, if they go on to slow down as
+// late in these; 0 of those that were seen too seldom.
+Eigen::Matrix3Xd still_to_come_m(const std::vector<MeasuredPose>& poses);
 
 // Names of values that the data do not identify.
 std::set<std::string> unidentified(const FitResult& result);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "soft_robot_lab/control/identification/fit_model.h"
+#include "robot/scene/sections.h"
 #include "settings/words.h"
 #include "settings/write_file.h"
 
@@ -38,6 +39,13 @@ void require_writable(const std::string& file) {
   if (file.empty() || fs::is_directory(path) || access(checked.c_str(), W_OK) != 0)
     throw std::invalid_argument("file: '" + file +
                                 "' cannot be written; allowed: a file in a folder that exists and may be written to");
+}
+
+void require_not_read(const std::string& file, const std::string& scene) {
+  for (const std::string& read : files_of_scene(scene))
+    if (read == fs::weakly_canonical(file))
+      throw std::invalid_argument("file: '" + file + "' is read for the scene " + scene +
+                                  ", and would include itself; name another");
 }
 
 void require_own_or_new(const std::string& file) {

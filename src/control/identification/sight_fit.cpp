@@ -54,6 +54,23 @@ ceres::Problem::Options problem_options(FitPredictor& predictor) {
   return options;
 }
 
+// Of residuals, with the loss over without it.
+Eigen::VectorXd shares_of(ceres::Problem& problem, const std::vector<double>& robust) {
+  ceres::Problem::EvaluateOptions plainly;
+  plainly.apply_loss_function = false;
+  std::vector<double> plain;
+  problem.Evaluate(plainly, nullptr, &plain, nullptr, nullptr);
+  Eigen::VectorXd shares(static_cast<Eigen::Index>(robust.size()));
+  for (Eigen::Index i = 0; i < shares.size(); i += 3) {
+    const auto norm_of = [i](const std::vector<double>& all) {
+      return Eigen::Map<const Eigen::Vector3d>(&all[static_cast<std::size_t>(i)]).norm();
+    };
+    const double norm = norm_of(plain);
+    shares.segment<3>(i).setConstant(norm > 0.0 ? norm_of(robust) / norm : 1.0);
+  }
+  return shares;
+}
+
 void require_enough(int residuals, int unknowns) {
   if (residuals == 0)
     throw std::invalid_argument(
@@ -103,6 +120,7 @@ FitResult SightFit::solve(const std::vector<MeasuredPose>& poses, const FitReque
   ceres::CRSMatrix sparse;
   problem_.Evaluate({}, nullptr, &residuals_, nullptr, &sparse);
   jacobian_ = dense(sparse);
+  robust_shares_ = shares_of(problem_, residuals_);
   result.after = gap_of(poses, modelled);
   add_configurations(poses, before_m, pose_gaps_m(poses, modelled), request, result);
   return result;

@@ -36,6 +36,8 @@ class SightFit {
   // At the end, in standard deviations by `size`.
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
   const std::vector<double>& residuals() const { return residuals_; }
+  // By how much each residual counts there, in (0, 1]: less where it lies far beyond the others.
+  const Eigen::VectorXd& robust_shares() const { return robust_shares_; }
   Eigen::VectorXd values() const { return predictor_.values(); }
 
  private:
@@ -46,6 +48,7 @@ class SightFit {
   ceres::Problem problem_;
   Eigen::MatrixXd jacobian_;
   std::vector<double> residuals_;
+  Eigen::VectorXd robust_shares_;
 };
 
 }  // namespace soft_robot_lab

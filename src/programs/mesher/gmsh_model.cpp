@@ -15,6 +15,19 @@ namespace {
 
 using Tags = std::vector<std::size_t>;
 
+std::string name_of_type(int type) {
+  static const std::map<int, const char*> names = {{2, "triangles"},
+                                                   {3, "quadrilaterals"},
+                                                   {5, "hexahedra"},
+                                                   {6, "wedges"},
+                                                   {7, "pyramids"},
+                                                   {9, "triangles of 6 nodes"},
+                                                   {12, "hexahedra of 27 nodes"},
+                                                   {17, "hexahedra of 20 nodes"}};
+  const auto found = names.find(type);
+  return found == names.end() ? "elements of type " + std::to_string(type) : found->second;
+}
+
 struct Elements {
   int nodes_each = 0;
   Tags nodes;
@@ -29,8 +42,8 @@ Elements elements_of(int dimension, int entity, const std::map<int, int>& nodes_
   for (size_t i = 0; i < types.size(); ++i) {
     const auto type = nodes_of_type.find(types[i]);
     if (type == nodes_of_type.end()) {
-      throw std::invalid_argument("the mesh holds elements of Gmsh's type " + std::to_string(types[i]) +
-                                  "; only tetrahedra of 4 or 10 nodes can be used");
+      throw std::invalid_argument("the mesh holds " + name_of_type(types[i]) +
+                                  "; only tetrahedra of 4 or 10 nodes can be used; mesh the body anew with these");
     }
     if (all.nodes_each != 0 && all.nodes_each != type->second) {
       throw std::invalid_argument("the mesh mixes elements of " + std::to_string(all.nodes_each) + " and " +

@@ -2,10 +2,15 @@
 #include "import_mesh.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <map>
 #include <numeric>
 #include <set>
+#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -53,24 +58,64 @@ int turn_elements(TetMesh& mesh) {
   return turned;
 }
 
+// Nodes by the cell of a grid that they lie in; its cells are as large as what still counts as one place.
+class NodeGrid {
+ public:
+  NodeGrid(const Eigen::Matrix3Xd& nodes_m, double cell_m) : nodes_m_(nodes_m), cell_m_(cell_m) {
+    for (int node = 0; node < static_cast<int>(nodes_m.cols()); ++node) cells_[cell_of(node)].push_back(node);
+  }
+
+  // Nodes that may lie as near.
+  template <typename Take>
+  void visit_near(int node, const Take& take) const {
+    const Cell middle = cell_of(node);
+    for (std::int64_t i = 0; i < 27; ++i) {
+      const auto found = cells_.find({middle[0] + i % 3 - 1, middle[1] + i / 3 % 3 - 1, middle[2] + i / 9 - 1});
+      if (found == cells_.end()) continue;
+      for (const int other : found->second) take(other);
+    }
+  }
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+  struct Hash {
+    std::size_t operator()(const Cell& cell) const {
+      std::uint64_t hash = 0;
+      for (const std::int64_t part : cell) hash = (hash ^ static_cast<std::uint64_t>(part)) * 0x9e3779b97f4a7c15u;
+      return hash ^ hash >> 32;
+    }
+  };
+
+  Cell cell_of(int node) const {
+    Cell cell;
+    for (int axis = 0; axis < 3; ++axis)
+      cell[static_cast<size_t>(axis)] =
+          static_cast<std::int64_t>(std::floor((nodes_m_(axis, node) - nodes_m_(axis, 0)) / cell_m_));
+    return cell;
+  }
+
+  const Eigen::Matrix3Xd& nodes_m_;
+  double cell_m_;
+  std::unordered_map<Cell, std::vector<int>, Hash> cells_;
+};
+
 // Per node, another of a separate piece that lies at the same place, or itself.
 std::vector<int> partners(const TetMesh& mesh) {
   Sets pieces(mesh.node_count());
   for (int tet = 0; tet < mesh.tet_count(); ++tet)
     for (const int node : mesh.tets.col(tet)) pieces.unite(node, mesh.tets(0, tet));
+  std::vector<int> partner(static_cast<size_t>(mesh.node_count()));
+  std::iota(partner.begin(), partner.end(), 0);
   const double near_m = kSamePlace * (mesh.nodes_m.rowwise().maxCoeff() - mesh.nodes_m.rowwise().minCoeff()).norm();
-  std::vector<int> order(static_cast<size_t>(mesh.node_count())), partner(order.size());
-  std::iota(order.begin(), order.end(), 0);
-  partner = order;
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return mesh.nodes_m(0, a) < mesh.nodes_m(0, b); });
-  for (size_t i = 0; i < order.size(); ++i)
-    for (size_t k = i + 1; k < order.size() && mesh.nodes_m(0, order[k]) - mesh.nodes_m(0, order[i]) <= near_m; ++k) {
-      const auto [low, high] = std::minmax(order[i], order[k]);
-      if (pieces.root(low) == pieces.root(high)) continue;
-      if ((mesh.nodes_m.col(low) - mesh.nodes_m.col(high)).norm() > near_m) continue;
-      int& known = partner[static_cast<size_t>(high)];
-      known = std::min(known, low);
-    }
+  if (!(near_m > 0.0)) return partner;
+  const NodeGrid grid(mesh.nodes_m, near_m);
+  for (int node = 0; node < mesh.node_count(); ++node)
+    grid.visit_near(node, [&](int other) {
+      if (other >= node || pieces.root(other) == pieces.root(node)) return;
+      if ((mesh.nodes_m.col(other) - mesh.nodes_m.col(node)).norm() > near_m) return;
+      int& known = partner[static_cast<size_t>(node)];
+      known = std::min(known, other);
+    });
   return partner;
 }
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
@@ -45,9 +46,19 @@ std::optional<std::size_t> expected_lines(const std::string& announced, bool nod
   return first + second * (nodes && version > 4.05 ? 2 : 1);  // 4.1: tags and places of nodes have lines of their own
 }
 
+// Each section that counts stands once, and ends before another begins.
+void check_order(const std::string& where, const std::string& line, const std::string& section,
+                 std::set<std::string>& seen) {
+  if (counts(section) && line.rfind("$End", 0) != 0)
+    throw std::invalid_argument(where + ": " + line + " begins before " + section + " has ended");
+  if (counts(line) && !seen.insert(line).second)
+    throw std::invalid_argument(where + ": " + line + " stands in the file twice");
+}
+
 void check_text(const std::string& file, const std::string& content, const Format& format) {
   std::istringstream lines(content);
   std::string section, announced;
+  std::set<std::string> seen;
   std::size_t number = 0, begin = 0, found = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
@@ -67,10 +78,13 @@ void check_text(const std::string& file, const std::string& content, const Forma
     if (expected && *expected != found)
       throw std::invalid_argument(file + ":" + std::to_string(begin) + ": " + section + " announces " +
                                   std::to_string(*expected) + " lines, and has " + std::to_string(found));
+    check_order(file + ":" + std::to_string(number), line, section, seen);
     section = line;
     announced.clear();
     begin = found = 0;
   }
+  if (counts(section))
+    throw std::invalid_argument(file + ":" + std::to_string(number) + ": the file ends before " + section + " does");
 }
 
 // Numbers as the file's own machine wrote them.

@@ -9,9 +9,12 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
+
+#include "settings/words.h"
 
 namespace soft_robot_lab {
 namespace {
@@ -35,19 +38,19 @@ struct NumberType {
 };
 
 const std::map<std::string, NumberType>& number_types() {
-  static const std::map<std::string, NumberType> types = {{"float", {Number::real, 4}},
-                                                          {"double", {Number::real, 8}},
-                                                          {"int", {Number::whole, 4}},
-                                                          {"unsigned_int", {Number::whole, 4}},
-                                                          {"long", {Number::whole, 8}},
-                                                          {"unsigned_long", {Number::whole, 8}},
-                                                          {"vtkidtype", {Number::whole, 4}},
-                                                          {"vtktypeint64", {Number::whole, 8}},
-                                                          {"vtktypeint32", {Number::whole, 4}},
-                                                          {"short", {Number::whole, 2}},
-                                                          {"unsigned_short", {Number::whole, 2}},
-                                                          {"char", {Number::whole, 1}},
-                                                          {"unsigned_char", {Number::whole, 1}}};
+  static const std::map<std::string, NumberType> types = {{"FLOAT", {Number::real, 4}},
+                                                          {"DOUBLE", {Number::real, 8}},
+                                                          {"INT", {Number::whole, 4}},
+                                                          {"UNSIGNED_INT", {Number::whole, 4}},
+                                                          {"LONG", {Number::whole, 8}},
+                                                          {"UNSIGNED_LONG", {Number::whole, 8}},
+                                                          {"VTKIDTYPE", {Number::whole, 4}},
+                                                          {"VTKTYPEINT64", {Number::whole, 8}},
+                                                          {"VTKTYPEINT32", {Number::whole, 4}},
+                                                          {"SHORT", {Number::whole, 2}},
+                                                          {"UNSIGNED_SHORT", {Number::whole, 2}},
+                                                          {"CHAR", {Number::whole, 1}},
+                                                          {"UNSIGNED_CHAR", {Number::whole, 1}}};
   return types;
 }
 
@@ -75,6 +78,11 @@ double decode(const char* bytes, NumberType type) {
   return value;
 }
 
+std::string upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+  return text;
+}
+
 class VtkReader {
  public:
   explicit VtkReader(const std::string& path) : path_(path) {
@@ -84,7 +92,7 @@ class VtkReader {
     content_ = content.str();
     if (line().rfind("# vtk DataFile", 0) != 0) fail("not a VTK file: it must start with '# vtk DataFile'");
     line();  // title
-    const std::string format = word();
+    const std::string format = keyword();
     if (format != "ASCII" && format != "BINARY") fail("'" + format + "' is not one of ASCII, BINARY");
     binary_ = format == "BINARY";
   }
@@ -104,9 +112,12 @@ class VtkReader {
     return content_.substr(begin, at_ - begin);
   }
 
-  std::string peek() {
+  // In capitals: VTK takes capitals and small letters for the same.
+  std::string keyword() { return upper(word()); }
+
+  std::string peek_keyword() {
     const size_t before = at_;
-    const std::string found = word();
+    const std::string found = keyword();
     at_ = before;
     return found;
   }
@@ -124,9 +135,7 @@ class VtkReader {
 
   // The numbers that follow the rest of this line.
   std::vector<double> numbers(size_t count, const std::string& type_name) {
-    std::string lower = type_name;
-    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-    const auto type = number_types().find(lower);
+    const auto type = number_types().find(upper(type_name));
     if (type == number_types().end()) fail("numbers of type '" + type_name + "' are not read here");
     if (count > 3 * content_.size()) fail("the file ends too early");
     std::vector<double> values;
@@ -151,12 +160,9 @@ class VtkReader {
   double text_number() {
     const std::string text = word();
     if (text.empty()) fail("the file ends too early");
-    double value = 0;
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) {
-      fail("'" + text + "' is not a finite number");
-    }
-    return value;
+    const std::optional<double> value = parse_number<double>(text);
+    if (!value || !std::isfinite(*value)) fail("'" + text + "' is not a finite number");
+    return *value;
   }
 
   std::string path_, content_;
@@ -196,10 +202,10 @@ void read_old_cells(VtkReader& reader, size_t cells, size_t size, Grid& grid) {
 
 void read_cells(VtkReader& reader, Grid& grid) {
   const size_t first = reader.count(), second = reader.count();
-  if (reader.peek() != "OFFSETS") return read_old_cells(reader, first, second, grid);
+  if (reader.peek_keyword() != "OFFSETS") return read_old_cells(reader, first, second, grid);
   reader.word();
   grid.offsets = reader.numbers(first, reader.word());
-  if (reader.word() != "CONNECTIVITY") reader.fail("expected CONNECTIVITY after OFFSETS");
+  if (reader.keyword() != "CONNECTIVITY") reader.fail("expected CONNECTIVITY after OFFSETS");
   grid.connectivity = reader.numbers(second, reader.word());
 }
 
@@ -220,10 +226,12 @@ void skip_metadata(VtkReader& reader) {
 
 Grid read_grid(VtkReader& reader) {
   Grid grid;
-  if (reader.word() != "DATASET" || reader.word() != "UNSTRUCTURED_GRID") {
-    reader.fail("expected DATASET UNSTRUCTURED_GRID");
+  if (reader.keyword() != "DATASET") reader.fail("expected DATASET UNSTRUCTURED_GRID");
+  if (const std::string kind = reader.keyword(); kind != "UNSTRUCTURED_GRID") {
+    reader.fail("DATASET is '" + kind +
+                "', must be UNSTRUCTURED_GRID: a mesh of tetrahedra, not a surface or an image");
   }
-  for (std::string word = reader.word(); !word.empty(); word = reader.word()) {
+  for (std::string word = reader.keyword(); !word.empty(); word = reader.keyword()) {
     if (word == "POINTS") {
       const size_t count = reader.count();
       grid.points = reader.numbers(3 * count, reader.word());

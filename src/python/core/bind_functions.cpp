@@ -213,7 +213,10 @@ py::dict fit(const File& path, const py::iterable& poses, const std::vector<std:
   Guarded guard;
   if (!(sigma_m > 0.0) || !(sigma_m < 1.0))
     throw std::invalid_argument("sigma_m: " + std::to_string(sigma_m) + " is out of range (0, 1)");
-  if (output) require_writable(*output);
+  if (output) {
+    require_writable(*output);
+    require_not_read(*output, path);
+  }
   const SceneOptions options = options_for_python(guard, path, overrides);
   std::vector<MeasuredPose> measured;
   for (const py::handle& pose : poses) measured.push_back(measured_pose(pose, sigma_m));

@@ -11,6 +11,7 @@
 #include "robot/design/mesh_quality.h"
 #include "robot/design/surface_file.h"
 #include "robot/scene/sections.h"
+#include "settings/limits.h"
 #include "settings/words.h"
 #include "soft_robot_lab/robot/design/solid.h"
 
@@ -102,6 +103,20 @@ CastRobotFile cast_robot_of(const Scene& scene, const std::string& path, const S
   return file;
 }
 
+bool rests_on_something(const YamlNode& settings) {
+  return settings.child("body").has("fixed") || settings.has("contact");
+}
+
+// A casting may be held nowhere: all of it then, as only its shape and mesh are looked at.
+SceneOptions held(const YamlNode& settings, SceneOptions options) {
+  if (rests_on_something(settings)) return options;
+  const Eigen::Vector3d far_m = Eigen::Vector3d::Constant(limits::kPlace_m);
+  Overrides box;
+  box.set({"box", "min_m"}, Eigen::Vector3d(-far_m)).set({"box", "max_m"}, far_m);
+  options.overrides.set({"body", "fixed"}, std::vector<OverrideValue>{box});
+  return options;
+}
+
 // Blocks of a scene that casting does not look into.
 void refuse_unknown_blocks(const YamlNode& settings) {
   const std::vector<std::string> known{"actuators", "bodies",  "body",       "cables",       "casting",
@@ -115,10 +130,13 @@ void refuse_unknown_blocks(const YamlNode& settings) {
 }  // namespace
 
 CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& options) {
-  return cast_robot_of(load_scene(path, options), path, options);
+  const YamlNode settings = with_overrides(YamlNode::load_file(path), options.overrides);
+  return cast_robot_of(load_scene(path, held(settings, options)), path, options);
 }
 
 CastRobotFile load_cast_robot_in_use(const std::string& path, const SceneOptions& options) {
+  const YamlNode settings = with_overrides(YamlNode::load_file(path), options.overrides);
+  if (!rests_on_something(settings)) return load_cast_robot(path, options);
   const Scene scene = load_scene(path, options);
   CastRobotFile file = cast_robot_of(scene, path, options);
   file.robot.moved_bend = tightest_moved_bend(*scene.simulation, RayTree(file.robot.surface), file.robot.sheaths);

@@ -19,10 +19,11 @@ struct CastRobotFile {
 };
 
 // Reads a robot's file as a scene, with its strict keys, and the surface of its body: its solid's, or its mesh's where
-// it has no solid. Throws as load_scene does.
+// it has no solid. Its body needs no `fixed`. Throws as load_scene does.
 CastRobotFile load_cast_robot(const std::string& path, const SceneOptions& options);
 
-// The same with its bends in use, which take rest states: 0.1 to 1.5 s CPU. Only what states a verdict needs them.
+// The same with its bends in use, if anything holds it; they take rest states: 0.1 to 1.5 s CPU. Only what states a
+// verdict needs them.
 CastRobotFile load_cast_robot_in_use(const std::string& path, const SceneOptions& options);
 
 // load_cast_robot without a mesh for simulations, which takes long where a surface is fine: the body's solid, its

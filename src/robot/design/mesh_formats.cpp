@@ -30,7 +30,8 @@ std::string lower(std::string text) {
 void require_start(const std::string& bytes, const std::vector<std::string>& starts, const std::string& what) {
   for (const std::string& start : starts)
     if (bytes.compare(0, start.size(), start) == 0) return;
-  throw std::invalid_argument("is no " + what + " file: it must start with " + starts.front());
+  const std::string is = bytes.compare(0, 5, "<?xml") == 0 || bytes.compare(0, 8, "<VTKFile") == 0 ? "is XML, " : "is ";
+  throw std::invalid_argument(is + "no " + what + " file: it must start with " + starts.front());
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rollout_commands.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <random>
 #include <sstream>
@@ -40,12 +42,20 @@ class CommandTable {
  public:
   CommandTable(const std::string& file, const std::string& header, const Model& model)
       : file_(file), columns_(csv_cells(header)), model_(model) {
-    if (columns_.size() == 1 && header.find(';') != std::string::npos)
-      fail(file + ":1", "its cells are parted by ';', must be by ',', with a point in decimal numbers");
+    for (const char part : {';', '\t'})
+      if (columns_.size() == 1 && header.find(part) != std::string::npos)
+        fail(file + ":1", "its cells are parted by " + std::string(part == ';' ? "';'" : "tabs") +
+                              ", must be by ',', with a point in decimal numbers");
     if (header.rfind("\xff\xfe", 0) == 0 || header.rfind("\xfe\xff", 0) == 0)
       fail(file + ":1", "is text in UTF-16; save it as CSV in UTF-8");
-    for (const std::string& column : columns_)
-      if (column != "rollout" && column != "time_s") model.actuator_index(column);
+    for (const char* needed : {"rollout", "time_s"})
+      if (std::count(columns_.begin(), columns_.end(), needed) == 0)
+        fail(file + ":1", "has no column '" + std::string(needed) + "'");
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (std::count(columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(i), columns_[i]) > 0)
+        fail(file + ":1", "has the column '" + columns_[i] + "' twice");
+      if (columns_[i] != "rollout" && columns_[i] != "time_s") require_known(file + ":1", columns_[i]);
+    }
   }
 
   void add(const std::string& line, std::size_t number, std::vector<RolloutCommands>& all) const {
@@ -75,6 +85,14 @@ class CommandTable {
   }
 
  private:
+  void require_known(const std::string& where, const std::string& actuator) const {
+    try {
+      model_.actuator_index(actuator);
+    } catch (const std::invalid_argument& error) {
+      fail(where, error.what());
+    }
+  }
+
   double number_in(const std::string& where, const std::string& column, const std::string& cell) const {
     const std::optional<double> value = parse_number<double>(cell);
     if (!value || !std::isfinite(*value)) fail(where, column + ": '" + cell + "' is not a finite number");

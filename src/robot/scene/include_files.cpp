@@ -51,6 +51,18 @@ YamlNode resolve(const YamlNode& settings, std::vector<std::string> open_files) 
 
 YamlNode with_includes(const YamlNode& settings) { return resolve(settings, {}); }
 
+std::vector<std::string> files_of_scene(const std::string& path) {
+  std::vector<std::string> files;
+  std::string at = std::filesystem::weakly_canonical(path);
+  while (std::find(files.begin(), files.end(), at) == files.end()) {
+    files.push_back(at);
+    const YamlNode settings = YamlNode::load_file(at);
+    if (settings.is_map() && settings.has("include"))
+      at = std::filesystem::weakly_canonical(beside(settings, settings.text("include")));
+  }
+  return files;
+}
+
 std::string beside(const YamlNode& node, const std::string& file) {
   return std::filesystem::absolute(std::filesystem::path(node.source()).parent_path() / file)
       .lexically_normal()

@@ -16,8 +16,9 @@ namespace {
 constexpr double kShortest_m = 1e-3, kLongest_m = 2.0;  // of a body, along its longest axis
 constexpr double kSoftest_pa = 1e3;                     // a tenth of the softest silicone that is cast
 constexpr double kMostMegapascals = 20.0;               // of what is cast; a larger number was rather meant in kPa
-constexpr double kLongestStalk = 1.0;                   // times the body's size
-constexpr double kLargestGravity_m_s2 = 50.0;           // five times the earth's
+constexpr double kLightest_kg_m3 = 20.0, kHeaviest_kg_m3 = 25e3;  // a light foam, and platinum
+constexpr double kLongestStalk = 1.0;                             // times the body's size
+constexpr double kLargestGravity_m_s2 = 50.0;                     // five times the earth's
 constexpr double kEarth_m_s2 = 9.81;
 constexpr double kLargestStrain = 2.0;  // by what the file loads a body with
 
@@ -50,6 +51,18 @@ std::optional<SolveWarning> odd_material(const YamlNode& node) {
        << ": did you mean " << path << ": " << format_number((megapascals ? 1e6 : 1e3) * stated->as_number())
        << "? A `stiffness_ratio` beside it says that it is meant";
   return scene_warning("implausible_stiffness", text.str(), modulus_pa, "Pa");
+}
+
+std::optional<SolveWarning> odd_density(const YamlNode& node) {
+  const double density_kg_m3 = read_material(node).density_kg_m3;
+  const bool light = density_kg_m3 < kLightest_kg_m3;
+  if ((!light && density_kg_m3 <= kHeaviest_kg_m3) || !node.has("density_kg_m3")) return std::nullopt;
+  const YamlNode stated = node.child("density_kg_m3");
+  std::ostringstream text;
+  text << "density_kg_m3 is " << density_kg_m3 << ", where silicones have 900 to 1500 kg/m3: if it was given in "
+       << (light ? "g/cm3, multiply it by 1000" : "g/m3, divide it by 1000") << ": did you mean " << stated.path()
+       << ": " << format_number((light ? 1e3 : 1e-3) * density_kg_m3) << "?";
+  return scene_warning("implausible_density", text.str(), density_kg_m3, "kg/m3");
 }
 
 std::optional<SolveWarning> odd_gravity(const Body& body) {
@@ -129,7 +142,10 @@ std::vector<SolveWarning> implausible_sizes(const YamlNode& scene, const Body& b
   std::vector<SolveWarning> warnings;
   add(odd_body(scene, body), warnings);
   for (const YamlNode& section : body_sections(scene))
-    for (const YamlNode& material : materials_of(section)) add(odd_material(material), warnings);
+    for (const YamlNode& material : materials_of(section)) {
+      add(odd_material(material), warnings);
+      add(odd_density(material), warnings);
+    }
   add(odd_gravity(body), warnings);
   for (const Marker& marker : markers) check_stalk(marker, body, locator, warnings);
   return warnings;

@@ -53,6 +53,9 @@ void read_for_others(const YamlNode& scene);
 // A file named in the scene: relative names start at the folder of the file that states them.
 std::string beside(const YamlNode& node, const std::string& file);
 
+// A scene's file and those that it includes, in the order of reading, without links. Throws SettingsError.
+std::vector<std::string> files_of_scene(const std::string& path);
+
 // `body` in an item of a list: which body of the mesh it belongs to; none where it may be any.
 std::optional<int> read_owner(const YamlNode& item, const TetMesh& mesh);
 

@@ -188,6 +188,15 @@ bool PanelLink::offers(const std::string& service) const {
   return services_.count(node_.resolveName(service)) > 0;
 }
 
+std::string PanelLink::why_not(const std::string& service) const {
+  if (busy()) return "something else is under way; Stop ends it";
+  if (offers(service)) return "";
+  if (service == topics::optimise_policy || service == topics::execute_policy)
+    return "no controller runs here, as where view.sh shows a robot alone; "
+           "`roslaunch soft_robot_lab session.launch scene:=FILE` has one";
+  return "nothing here offers " + node_.resolveName(service);
+}
+
 std::vector<Lamp> PanelLink::lamps() const { return lamps_.lamps(now_s()); }
 
 std::optional<geometry_msgs::Point> PanelLink::target(const std::string& marker) const {

@@ -50,6 +50,7 @@ class PanelLink {
   std::string target_marker() const { return target_ ? target_->marker : ""; }
 
   bool offers(const std::string& service) const;
+  std::string why_not(const std::string& service) const;  // be asked now, for its user; empty where it can be
   bool busy() const { return calls_.busy(slow_lane); }
   std::vector<CallOutcome> take_outcomes();  // of what was asked, and what else the window should say
 

@@ -46,6 +46,16 @@ void add_grid(QGridLayout* grid, const std::vector<QWidget*>& widgets, int colum
   grid->setContentsMargins(0, 0, 0, 0);
 }
 
+// Where it is not, its hint says why, in the window's status bar too.
+void enable(QPushButton* button, const QString& why_not) {
+  if (!button->property("hint").isValid()) button->setProperty("hint", button->toolTip());
+  const QString hint = button->property("hint").toString() + (why_not.isEmpty() ? "" : ".\nNot now: " + why_not);
+  button->setEnabled(why_not.isEmpty());
+  if (hint == button->toolTip()) return;
+  button->setToolTip(hint);
+  button->setStatusTip(why_not.isEmpty() ? "" : "Not now: " + why_not);
+}
+
 // Whether the rviz file in a window's title, "NAME[*] - RViz", is one of this package that rviz was started with.
 bool shows_own_view(const QString& title) {
   const QDir views(QString::fromStdString(ros::package::getPath("soft_robot_lab") + "/config/rviz"));
@@ -390,9 +400,11 @@ void SessionPanel::show_target() {
 void SessionPanel::refresh_buttons() {
   const bool free = !link_->busy();
   const bool has_pose = pose_->count() > 0;
-  optimise_->setEnabled(free && link_->offers(topics::optimise_policy) && marker_->count() > 0);
-  execute_->setEnabled(free && link_->offers(topics::execute_policy));
-  play_->setEnabled(free && has_pose && link_->offers(topics::execute_policy));
+  const QString no_search = QString::fromStdString(link_->why_not(topics::optimise_policy));
+  const QString no_policy = QString::fromStdString(link_->why_not(topics::execute_policy));
+  enable(optimise_, no_search.isEmpty() && marker_->count() == 0 ? "the robot has no markers" : no_search);
+  enable(execute_, no_policy);
+  enable(play_, no_policy.isEmpty() && !has_pose ? "no pose is kept for this robot" : no_policy);
   for (QPushButton* one : {forget_, save_}) one->setEnabled(has_pose);
   scene_->setEnabled(free && link_->offers(topics::simulator_load));
   store_->setEnabled(!editors_.empty());

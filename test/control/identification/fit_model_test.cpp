@@ -110,6 +110,22 @@ TEST(FitModel, WritesOverNothingThatNoFitWrote) {
   fs::remove_all(folder);
 }
 
+TEST(FitModel, WritesOverNoSceneThatItReads) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("soft_robot_lab_read_" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  std::ofstream(folder / "fitted.yaml") << "include: " << kScene << "\n";
+  std::ofstream(folder / "tuned.yaml") << "include: fitted.yaml\n";
+  std::ofstream(folder / "circle.yaml") << "include: circle.yaml\n";
+  fs::create_symlink(folder / "fitted.yaml", folder / "link.yaml");
+  for (const auto& [file, scene] : std::vector<std::pair<std::string, std::string>>{
+           {"fitted.yaml", "fitted.yaml"}, {"fitted.yaml", "tuned.yaml"}, {"link.yaml", "tuned.yaml"}})
+    EXPECT_THROW(require_not_read(folder / file, folder / scene), std::invalid_argument) << file << " of " << scene;
+  for (const char* scene : {"fitted.yaml", "tuned.yaml", "circle.yaml"})
+    EXPECT_NO_THROW(require_not_read(folder / "new.yaml", folder / scene)) << scene;
+  fs::remove_all(folder);
+}
+
 // Tendons that command tension weigh the robot, so that stiffness and density can both be identified.
 TEST(FitModel, FindsStiffnessAndDensityWhereCablesCommandTensions) {
   const auto with_tensions = [](const std::string& material) {

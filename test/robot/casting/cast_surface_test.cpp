@@ -96,6 +96,21 @@ TEST(CastRobot, MayHaveActuatorsWithoutAnEquilibrium) {
   EXPECT_FALSE(std::isfinite(file.robot.moved_bend.worst_m));
 }
 
+// As a mould of it needs none.
+TEST(CastRobot, NeedsNothingThatHoldsIt) {
+  const SceneFolder folder;
+  const std::string plain =
+      "body: {solid: {box: {size_m: [0.02, 0.02, 0.02], center_m: [0, 0, 0]}}, element_size_m: 0.01, material: "
+      "{youngs_modulus_pa: 100000, poissons_ratio: 0.4}}\n";
+  const CastRobotFile file = load_cast_robot_in_use(folder.write("plain.yaml", plain), options());
+  EXPECT_FALSE(std::isfinite(file.robot.moved_bend.worst_m));
+  EXPECT_GT(file.robot.mesh_qualities.size(), 0);
+  const CastingVerdict verdict = check_casting(file);
+  EXPECT_TRUE(verdict.castable);
+  EXPECT_EQ(verdict.castable,
+            check_casting(load_cast_surface(folder.write("surface.yaml", plain), options())).castable);
+}
+
 TEST(TightestArc, IsACirclesRadius) {
   SheathPath path{"left", {}, 0.001};
   EXPECT_FALSE(std::isfinite(tightest_arc(path, 0.003).worst_m));

@@ -664,6 +664,17 @@ TEST_F(MeshRobot, RefusesDamagedVtk) {
   }
 }
 
+TEST_F(MeshRobot, ReadsVtkNumbersWithASignAndKeywordsInAnyCase) {
+  const fs::path file = write("any.vtk",
+                              "# vtk DataFile Version 3.0\nt\nascii\ndataset Unstructured_Grid\nPoints 4 Double\n"
+                              "+0 0 -0 +1.0e+0 0 0 0 +1 0 0 0 1E+00\ncells 1 5\n4 0 1 2 3\nCell_Types 1\n10\n");
+  expect_relative(volume(convert(file)), 1.0 / 6, 1e-12);
+  EXPECT_THROW(convert(write("sign.vtk",
+                             "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n"
+                             "0 0 0 +-1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n")),
+               std::invalid_argument);
+}
+
 TEST_F(MeshRobot, ConvertsMsh4WithItsNamedSurfaces) {
   const fs::path file = write(
       "four.msh",
@@ -720,6 +731,11 @@ TEST_F(MeshRobot, RefusesMshFilesThatCountWrongly) {
   refused(with(kMsh2, "$Nodes\n5", "$Nodes\n4"), ":9: $Nodes announces 4 lines, and has 5");
   refused(with(kMsh4, "1 2 1 2\n3", "1 1 1 2\n3"), ":23: $Elements announces 2 lines, and has 3");
   refused(with(kMsh4, "1 5 1 5", "1 4 1 5"), ":9: $Nodes announces 9 lines, and has 11");
+  refused(with(kMsh2, "2 4 2 1 1 1 2 3 4\n3 4 2 1 1 2 3 4 5\n$EndElements\n", ""),
+          ":18: the file ends before $Elements does");
+  refused(with(kMsh2, "$EndNodes\n", ""), ":15: $Elements begins before $Nodes has ended");
+  refused(kMsh2 + std::string("$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n"),
+          ":22: $Elements stands in the file twice");
 }
 
 TEST_F(MeshRobot, RefusesBinaryMshFilesThatCountWrongly) {
@@ -753,6 +769,17 @@ TEST_F(MeshRobot, RefusesMeshFilesOfOtherElements) {
   EXPECT_NE(refusal_of_file(write("cube.vtk", head + cube)).find("cube.vtk:18: cell 0 is a hexahedron"),
             std::string::npos);
   EXPECT_NE(refusal_of_file(write("mesh.vtu", "<VTKFile>")).find("mesh.vtu: .vtu is not read here; save it as"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_file(write("xml.vtk", "<?xml version=\"1.0\"?>\n<VTKFile>")).find("is XML, no legacy VTK file"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_file(write("skin.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\n"))
+                .find("skin.vtk:4: DATASET is 'POLYDATA', must be UNSTRUCTURED_GRID"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_file(write("prism.msh",
+                                  "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 "
+                                  "0 1\n5 1 0 1\n6 0 1 1\n$EndNodes\n$Elements\n1\n1 6 2 1 1 1 2 3 4 5 6\n"
+                                  "$EndElements\n"))
+                .find("the mesh holds wedges; only tetrahedra"),
             std::string::npos);
   EXPECT_THROW(convert(write("empty.msh", "")), std::invalid_argument);
   EXPECT_THROW(convert(write("text.msh", "nonsense\n")), std::invalid_argument);

@@ -192,6 +192,11 @@ TEST_F(RolloutsOfABar, NameWhatIsWrongInATable) {
       {"rollout,time_s,left\n0,0,1\n\n0,1,1\n0,0.5,1\n", "bad.csv:5: time_s: 0.5 comes after 1"},
       {"rollout,time_s,left\n0,-1,1\n", "bad.csv:2: time_s: -1 comes after 0"},
       {"rollout;time_s;left\n0;0;1\n", "bad.csv:1: its cells are parted by ';', must be by ','"},
+      {"rollout\ttime_s\tleft\n0\t0\t1\n", "bad.csv:1: its cells are parted by tabs, must be by ','"},
+      {"rollout,time_s,left,left\n0,0,1,0.9\n", "bad.csv:1: has the column 'left' twice"},
+      {"rollout,left\n0,1\n", "bad.csv:1: has no column 'time_s'"},
+      {"time_s,left\n0,1\n", "bad.csv:1: has no column 'rollout'"},
+      {"rollout,time_s,third\n0,0,1\n", "bad.csv:1: "},
       {"\xff\xfer", "bad.csv:1: is text in UTF-16"},
   };
   for (const auto& one : cases) {

@@ -241,6 +241,8 @@ TEST(Scene, RefusesWithPlaceAndReason) {
        "the name has 101 characters, must have [1, 100]"},
       {"markers: [{name: far, position_m: [1.0e9, 0, 0]}]",
        "markers[0].position_m[0]: 1.0e9 is out of range [-1000, 1000]"},
+      {"loads: [{point_m: [0, 0, 0], force_n: [0, 0, 1.0e+300]}]",
+       "force_n[2]: 1.0e+300 is out of range [-1000000000, 1000000000]"},
       {"run: {mode: dynamic, duration_s: 1.0e+19}", "run.duration_s: 1.0e+19 is out of range [-1000000, 1000000]"},
       {"run: {mode: dynamic, duration_s: 1, record_every_s: 1}\nsolver: {time_step_s: 1.0e-17}",
        "run.duration_s: 1 is"},

@@ -125,6 +125,9 @@ TEST(Sizes, ImplausibleOnesAreWarnedOf) {
       {"include: bar.yaml\nbodies: [{name: second, solid: {sphere: {radius_m: 0.01, center_m: [0, 0.1, 0]}}, "
        "material: {youngs_modulus_pa: 800}, fixed: [{box: {min_m: [-1, 0.1, -1], max_m: [1, 1, 1]}}]}]",
        "implausible_stiffness", "did you mean bodies[0].material.youngs_modulus_pa: 800000?"},
+      {"include: bar.yaml\nbody: {material: {density_kg_m3: 1.07}}", "implausible_density",
+       "if it was given in g/cm3, multiply it by 1000: did you mean body.material.density_kg_m3: 1070?"},
+      {"include: bar.yaml\nbody: {material: {density_kg_m3: 99e4}}", "implausible_density", "density_kg_m3: 990?"},
       {"include: bar.yaml\ngravity_m_s2: [0, 0, -981]", "implausible_gravity",
        "gravity_m_s2 is 981 m/s2 long, 100 times the earth's: it is in metres; did you mean [0, 0, -9.81]?"},
       {"include: bar.yaml\ngravity_m_s2: [0, 9810, 0]", "implausible_gravity", "gravity_m_s2 is 9810 m/s2 long"},

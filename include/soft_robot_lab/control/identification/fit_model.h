@@ -78,8 +78,8 @@ struct FittedValue {
   double start = 0.0, value = 0.0;
   double deviation = 0.0;  // standard
   // Of 95 %, within the bounds. The variance is that of the residuals, at least the stated noise, so a model that
-  // misses widens it; residuals count as independent. Where a creeping robot makes them alike, `warnings` ask to hold
-  // longer.
+  // misses widens it; residuals count as independent. What a robot would still creep after its holds, by its markers'
+  // drifts late in them, widens it too where creep is not fitted.
   double low = 0.0, high = 0.0;
   double min = 0.0, max = 0.0;
   bool identifiable = true;  // from the data; otherwise the interval is all that the bounds leave
@@ -127,6 +127,10 @@ ModelGap model_gap(const std::string& scene, const SceneOptions& options, const 
 
 // Throws std::invalid_argument where no file can be written: better known before a fit than after it.
 void require_writable(const std::string& file);
+
+// Throws std::invalid_argument where the file is the scene, or one that it includes: a fitted scene would include
+// itself.
+void require_not_read(const std::string& file, const std::string& scene);
 
 // Throws std::invalid_argument for what is there and no fit wrote: for a name that comes from elsewhere than the user's
 // own command line.

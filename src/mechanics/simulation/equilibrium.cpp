@@ -65,6 +65,7 @@ class Walk {
     return (parts_.state.positions_m - from_m).colwise().norm().maxCoeff();
   }
   bool slow_down();
+  void begin_slowly(const SimulationState& start);
   bool way_counts(const SimulationState& from) const;
   bool jumped(double share, const Eigen::Matrix3Xd& from_m);
   RestFound try_stage(double share);
@@ -235,6 +236,19 @@ bool Walk::go_on_from(double share, RestFound found, double& stage) {
   return fall_to(end) || (!held_by_friction_alone(parts_) && lose_stability(end));
 }
 
+// From the start once more, where that can be slower.
+void Walk::begin_slowly(const SimulationState& start) {
+  SimulationState here = std::exchange(parts_.state, start);
+  if (!slow_down()) {
+    parts_.state = std::move(here);
+    return;
+  }
+  done_ = way_before_m_ = way_before_that_m_ = 0.0;
+  before_m_ = start.positions_m;
+  iterations_before_ = report_.iterations;
+  snaps_.clear();
+}
+
 void Walk::go_in_stages(int count) {
   path_.bring_loads_slowly();
   longest_ = 1.0 / count;
@@ -242,20 +256,16 @@ void Walk::go_in_stages(int count) {
 
 double Walk::go() {
   double stage = 1.0;
-  bool first = longest_ == 1.0 && !options_.only_through_stable;
+  bool fast = longest_ == 1.0 && !options_.only_through_stable;
+  const SimulationState start = fast && !parts_.body.obstacles().empty() ? parts_.state : SimulationState();
   const int patience = constants::kEquilibriumBudget * parts_.options.max_iterations;
   while (done_ < 1.0 && report_.iterations - iterations_before_ < patience) {
     const double from = done_, wanted = std::min(1.0, done_ + std::min(stage, longest_));
     const double share = path_.stage_end(done_, wanted);
-    SimulationState start;
-    if (first) start = parts_.state;
     const RestFound found = try_stage(share);
-    if (found == RestFound::stable && std::exchange(first, false) && way_counts(start)) {
-      std::swap(parts_.state, start);
-      if (slow_down())
-        done_ = 0.0;
-      else
-        std::swap(parts_.state, start);
+    if (found == RestFound::stable && fast && way_counts(start)) {
+      fast = false;
+      begin_slowly(start);
     } else if (found == RestFound::stable) {
       if (share == wanted) stage = std::max(stage, 2.0 * (share - from));
     } else if (options_.only_through_stable || !go_on_from(share, found, stage)) {

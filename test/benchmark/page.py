@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""README.md, from tables and what is stored of them."""
+import re
+
+from sections import FOREWORD, SECTIONS
+
+MOST_LINES = 500
+
+
+def number(value):
+    """With four significant digits, as a reader writes it."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value).replace('|', '\\|')
+    if value == int(value) and abs(value) < 1e6:
+        return str(int(value))
+    text = '%.4g' % value
+    return re.sub(r'e([+-])0*(\d)', lambda found: 'e' + found.group(1).replace('+', '') + found.group(2), text)
+
+
+def rows_text(table, result):
+    shown = [result['columns'].index(name) for name in table.columns or result['columns']]
+    lines = ['| ' + ' | '.join(result['columns'][i] for i in shown) + ' |', '|' + '---|' * len(shown)]
+    return lines + ['| ' + ' | '.join(number(row[i]) for i in shown) + ' |' for row in result['rows']]
+
+
+def measured_text(result, changed):
+    measured = result['measured']
+    commands = measured['commands']
+    text = '`%s`' % commands[0] + (' and %d like it' % (len(commands) - 1) if len(commands) > 1 else '')
+    text += ', %s, commit %s' % (measured['date'], measured['commit'])
+    if measured.get('changed_sources'):
+        text += ' with changes'
+    if 'cpu_s' in measured:
+        text += ', %s CPU-s at a load of %s to %s' % (number(measured['cpu_s']), *sorted(measured['load']))
+    if measured.get('not_rerun'):
+        text += '; kept from then, not measured by this program'
+    if changed:
+        text += '. **Older than its subject**: changed since then: ' + ', '.join('`%s`' % name for name in changed)
+    return '*' + text + '.*' if not changed else text + '.'
+
+
+def table_text(table, result, changed):
+    lines = ['### ' + table.title, ''] if table.title else []
+    lines += [table.text, ''] if table.text else []
+    for name in result['pictures']:
+        lines += ['![%s](../../config/doc/%s)' % (table.title or name, name), '']
+    lines += rows_text(table, result) + ['']
+    for note in result['notes'] if table.notes else []:
+        lines += [note.strip(), '']
+    return lines + [measured_text(result, changed), '']
+
+
+def machines(results):
+    """Of all tables, the most frequent one first."""
+    all_of_them = [result['measured']['machine'] + ', %d cores' % result['measured']['cores']
+                   for result in results.values() if 'machine' in result['measured']]
+    return sorted(set(all_of_them), key=lambda name: (-all_of_them.count(name), name))
+
+
+def text(tables, results, changed):
+    dates = sorted(result['measured']['date'] for result in results.values())
+    lines = ['# Results, and how to repeat them', ''] + FOREWORD.strip().split('\n') + ['']
+    if results:
+        lines += ['Measured from %s to %s on: %s.' % (dates[0], dates[-1], '; '.join(machines(results))), '']
+    missing = [table.name for table in tables if table.name not in results]
+    if missing:
+        lines += ['Not measured yet: ' + ', '.join('`%s`' % name for name in missing) + '.', '']
+    shown = [section for section in SECTIONS if any(table.section == section and table.name in results for table in tables)]
+    lines += ['- [%s](#%s)' % (section, section.lower().replace(' ', '-')) for section in shown] + ['']
+    for section in shown:
+        lines += ['## ' + section, ''] + ([SECTIONS[section], ''] if SECTIONS[section] else [])
+        for table in tables:
+            if table.section == section and table.name in results:
+                lines += table_text(table, results[table.name], changed.get(table.name, []))
+    return '\n'.join(lines).rstrip() + '\n'

@@ -39,15 +39,21 @@ def measured_text(result, changed):
     return '*' + text + '.*' if not changed else text + '.'
 
 
+def item_text(table, result, changed):
+    """One line of a list, of a table that is not shown but for what it finds."""
+    parts = [table.text] + [note.strip() for note in result['notes']] + [measured_text(result, changed)]
+    return ['- **%s**: ' % table.title + ' '.join(' '.join(part.split()) for part in parts)]
+
+
 def table_text(table, result, changed):
-    lines = ['### ' + table.title, ''] if table.title else []
-    lines += [table.text, ''] if table.text else []
+    lines = ['### ' + table.title] if table.title else []
+    lines += [line for line in (table.text, measured_text(result, changed)) if line] + ['']
     for name in result['pictures']:
         lines += ['![%s](../../config/doc/%s)' % (table.title or name, name), '']
     lines += rows_text(table, result) + ['']
-    for note in result['notes'] if table.notes else []:
-        lines += [note.strip(), '']
-    return lines + [measured_text(result, changed), '']
+    if result['notes'] and table.notes:
+        lines += [note.strip() for note in result['notes']] + ['']
+    return lines
 
 
 def machines(results):
@@ -66,10 +72,15 @@ def text(tables, results, changed):
     if missing:
         lines += ['Not measured yet: ' + ', '.join('`%s`' % name for name in missing) + '.', '']
     shown = [section for section in SECTIONS if any(table.section == section and table.name in results for table in tables)]
-    lines += ['- [%s](#%s)' % (section, section.lower().replace(' ', '-')) for section in shown] + ['']
+    lines += [', '.join('[%s](#%s)' % (section, section.lower().replace(' ', '-')) for section in shown) + '.', ''] if shown else []
     for section in shown:
-        lines += ['## ' + section, ''] + ([SECTIONS[section], ''] if SECTIONS[section] else [])
-        for table in tables:
-            if table.section == section and table.name in results:
-                lines += table_text(table, results[table.name], changed.get(table.name, []))
+        lines += ['## ' + section] + ([SECTIONS[section]] if SECTIONS[section] else [])
+        there = [table for table in tables if table.section == section and table.name in results]
+        for only_found, write in ((True, item_text), (False, table_text)):
+            some = [table for table in there if (table.columns == []) == only_found]
+            if some and (only_found or some[0].title) and lines[-1]:
+                lines.append('')
+            for table in some:
+                lines += write(table, results[table.name], changed.get(table.name, []))
+        lines += [''] if lines[-1] else []
     return '\n'.join(lines).rstrip() + '\n'

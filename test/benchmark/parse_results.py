@@ -49,20 +49,21 @@ NUMBER = r'([-\d.e+]+)'
 
 def reduced(texts):
     """Of benchmark_reduced: newton, then blocks of a model each."""
-    text = only(texts)
     speed = r'^%s +' + NUMBER + r' us a step, +' + NUMBER + ' times'
-    step_us, times = re.search(speed % 'newton', text, re.M).groups()
-    rows = [{'model': '`newton`', 'CPU a step [us]': float(step_us), 'times real time': float(times)}]
-    for block in text.split('\nN = ')[1:]:
-        modes, points, training_s = re.search(r'^(\d+), .*?(\d+) points.*trained in ' + NUMBER, block).groups()
-        step_us, times = re.search(speed % 'reduced', block, re.M).groups()
-        row = {'model': '%s modes, %s points' % (modes, points), 'CPU a step [us]': float(step_us), 'times real time': float(times)}
-        for what, title in (('equilibria', 'equilibria'), ('transient', 'motion')):
-            rms, most = re.search(what + r' +rms ' + NUMBER + ' mm, max ' + NUMBER, block).groups()
-            row[title + ', rms [mm]'], row[title + ', largest [mm]'] = float(rms), float(most)
-        states, near = re.search(r'^audits +(\d+) states: (\d+) within', block, re.M).groups()
-        row['audits within a factor of two'], row['training [CPU-s]'] = '%s of %s' % (near, states), float(training_s)
-        rows.append(row)
+    rows = []
+    for robot, text in texts.items():
+        step_us, times = re.search(speed % 'newton', text, re.M).groups()
+        rows.append({'robot': robot, 'model': '`newton`', 'CPU a step [us]': float(step_us), 'times real time': float(times)})
+        for block in text.split('\nN = ')[1:]:
+            modes, points, training_s = re.search(r'^(\d+), .*?(\d+) points.*trained in ' + NUMBER, block).groups()
+            step_us, times = re.search(speed % 'reduced', block, re.M).groups()
+            row = {'robot': robot, 'model': '%s modes, %s points' % (modes, points), 'CPU a step [us]': float(step_us), 'times real time': float(times)}
+            for what, title in (('equilibria', 'equilibria'), ('transient', 'motion')):
+                rms, most = re.search(what + r' +rms ' + NUMBER + ' mm, max ' + NUMBER, block).groups()
+                row[title + ', rms [mm]'], row[title + ', largest [mm]'] = float(rms), float(most)
+            states, near = re.search(r'^audits +(\d+) states: (\d+) within', block, re.M).groups()
+            row['audits within a factor of two'], row['training [CPU-s]'] = '%s of %s' % (near, states), float(training_s)
+            rows.append(row)
     return of_dicts(rows)
 
 

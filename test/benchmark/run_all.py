@@ -53,6 +53,12 @@ def run_command(command, programs, out):
         return file.read()
 
 
+def shown(words):
+    """A command without where its files go."""
+    text = re.sub(r'( --?\w+)? \{out\}\S*| --\w+=\S*\{out\}\S*', '', ' '.join(words))
+    return text.replace('{root}/', '')
+
+
 def measure(table, programs, folder, keep):
     with tempfile.TemporaryDirectory() as out:
         with provenance.Measuring(ROOT) as measured:
@@ -65,7 +71,7 @@ def measure(table, programs, folder, keep):
             pictures[name] = provenance.contents_hash(kept)
         if keep:
             shutil.copytree(out, os.path.join(keep, table.name), dirs_exist_ok=True)
-    commands = [' '.join(command.words).replace('{out}/', '') for command in table.commands]
+    commands = [shown(command.words) for command in table.commands]
     result = {**result, 'pictures': pictures, 'measured': {**measured.provenance, 'commands': commands},
               'subject': provenance.subject(table.subject, ROOT)}
     with open(result_file(folder, table.name), 'w', encoding='utf-8') as file:

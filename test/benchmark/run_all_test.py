@@ -85,6 +85,11 @@ class Page(unittest.TestCase):
         self.assertIn('\n| b [mm] |\n|---|\n| 0.1235 |\n', text)
         self.assertNotIn('It is so', text)
 
+    def test_writes_what_is_found_in_a_line_where_no_column_is_shown(self):
+        text = page.text([small_table(columns=[])], {'small': small_result()}, {})
+        self.assertIn('\n- **Small**: One beside another. It is so. *`one --fast`', text)
+        self.assertNotIn('| a |', text)
+
     def test_names_tables_without_a_result(self):
         self.assertIn('Not measured yet: `small`', page.text([small_table()], {}, {}))
 
@@ -127,6 +132,10 @@ class Checks(unittest.TestCase):
         write(self.folder, 'README.md', page.text([small_table()], self.results, {}))
         self.assertEqual(run_all.faults_of_page(self.results, self.path), ['config/doc/small.png is not the picture of table small'])
 
+    def test_shows_commands_without_where_files_go(self):
+        self.assertEqual(run_all.shown(['experiment', 'one', '--result', '{out}/result.json', '--output', '{out}']), 'experiment one')
+        self.assertEqual(run_all.shown(['test', '--gtest_filter=*A*', '--gtest_output=json:{out}/test.json']), 'test --gtest_filter=*A*')
+
     def test_refuse_a_result_of_no_table(self):
         write(self.folder, 'results/gone.json', '{}')
         self.assertEqual(run_all.faults_of_page(self.results, self.path), ['results/gone.json belongs to no table'])
@@ -157,7 +166,7 @@ class Parsers(unittest.TestCase):
                 '         equilibria  rms 0.2200 mm, max 1.0700 mm, 0 of 20 unsolved\n'
                 '         transient   rms 0.1900 mm, max 0.9800 mm, 0 of 360 unsolved\n'
                 'audits   200 states: 199 within a factor of 2 (2.5 % 0.9)\n')
-        self.assertEqual(parse.reduced({'': text})['rows'][1], ['12 modes, 26 points', 13.0, 1270.0, 0.22, 1.07, 0.19, 0.98, '199 of 200', 3.4])
+        self.assertEqual(parse.reduced({'bar': text})['rows'][1], ['bar', '12 modes, 26 points', 13.0, 1270.0, 0.22, 1.07, 0.19, 0.98, '199 of 200', 3.4])
 
     def test_xpbd(self):
         text = 'xpbd, 100 substeps       2730.00 ms a second, rms   0.1200 mm, max    1.200 mm,   225.0 iterations a frame\n'

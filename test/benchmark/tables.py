@@ -38,9 +38,9 @@ def benchmark(name, section, title, text, pattern, names, counters, subject, uni
     return Table(name, section, title, text, [command], parse.google_benchmark(names, counters, unit, column), subject)
 
 
-def reduced_model(name, robot, title, modes):
-    return Table(name, 'Reduced models', title, '', [Command(['benchmark_reduced', robot, *modes])], parse.reduced,
-                 ['config/robots/%s.yaml' % (robot if '/' in robot else robot + '/robot')])
+def found(name, section, title, text, subject=()):
+    """An experiment of which the page has what it finds, in a line; the rows are stored alone."""
+    return experiment(name, section, title, text, subject, columns=[])
 
 
 def reference_tests(program, only):
@@ -74,11 +74,11 @@ SPEED = [
                'rmsprop_mm': '`rmsprop` [mm]', 'rmsprop_equilibria': 'its equilibria ', 'rmsprop_cpu_s': 'its CPU time [s] ', 'cpu_ratio': 'ratio of CPU times'},
               [robot('spinebot'), 'config/robots/spinebot/tasks/ball.yaml'], 1.0, 'both [s]'),
 ]
+REDUCED_ROBOTS = {'Spinebot': ['spinebot', '12', '20', '30'], 'Spinebot that touches itself': ['spinebot/touching', '20', '30'],
+                  'Hammerbot, which buckles': ['hammerbot', '20', '30'], 'Bubblebot': ['bubblebot', '20']}
 REDUCED = [
-    reduced_model('reduced_spinebot', 'spinebot', 'Spinebot', ['12', '20', '30']),
-    reduced_model('reduced_hammerbot', 'hammerbot', 'Hammerbot, which buckles', ['20', '30']),
-    reduced_model('reduced_bubblebot', 'bubblebot', 'Bubblebot', ['20']),
-    reduced_model('reduced_touching', 'spinebot/touching', 'Spinebot that touches itself', ['20', '30']),
+    Table('reduced', 'Reduced models', '', '', [Command(['benchmark_reduced', *words], label=label) for label, words in REDUCED_ROBOTS.items()], parse.reduced,
+          [robot('spinebot'), 'config/robots/spinebot/touching.yaml', robot('hammerbot'), robot('bubblebot')]),
     Table('rollouts', 'Reduced models', 'Rollouts', 'Spinebot with new random commands again and again, by `newton` and by reduced models of three tolerances; audits as in any run.',
           [Command(['chart_speed_accuracy', '--part', 'rollouts', '--output', '{out}'], '{out}/speed_accuracy.json')],
           parse.chart('rollouts', {'method': 'method', 'threads': 'threads', 'rollouts': 'rollouts', 'rollouts_per_cpu_s': 'rollouts in a CPU-second',
@@ -89,20 +89,20 @@ REDUCED = [
 REST = [
     experiment('rest_states', 'The same rest state by every way', '', 'Bodies come to rest in time, damped by their mass, which leaves rest states alone. Scenes are drawn at random too: '
                'all loads, commands, obstacles and holds go slowly and in step, and all nodes must end where the equilibrium is, or its warnings must say why not.'),
-    experiment('6.3.3', 'The same rest state by every way', 'The order of pulls', 'Two cables pulled one after the other, in both orders, by equilibria and in time.'),
+    found('6.3.3', 'The same rest state by every way', 'The order of pulls', 'Two cables pulled one after the other, in both orders, by equilibria and in time.'),
     Table('xpbd', 'The same rest state by every way', '`xpbd` beside `newton` in motion', 'Spinebot with new random commands; distances of all nodes from fine steps by `tr_bdf2` on the same mesh.',
           [Command(['benchmark_xpbd', 'spinebot', '2', '100', '142', '200'])], parse.xpbd, [robot('spinebot')]),
 ]
 ELEMENTS = [
     experiment('cantilever', 'Elements and materials', 'The cantilever (R1)', 'A bar under its own weight, held at one end, over Poisson\'s ratios: by quadratic and linear elements.',
                ['config/reference/r1_cantilever.csv']),
-    experiment('4.3.2', 'Elements and materials', 'Stiff cables', 'The hanging bar pulled by springs in a row, explicit as the source\'s and implicit, and by sliding cables.'),
-    experiment('via_points', 'Elements and materials', 'Via points of a cable', 'How many points a cable needs that is led through the body.'),
+    found('4.3.2', 'Elements and materials', 'Stiff cables', 'The hanging bar pulled by springs in a row, explicit as the source\'s and implicit, and by sliding cables.'),
+    found('via_points', 'Elements and materials', 'Via points of a cable', 'How many points a cable needs that is led through the body.'),
     experiment('5.3.1', 'Elements and materials', 'Air in the hollow cuboid, compressed', 'On a coarse and a fine mesh, against reference R4.', ['config/reference/r4_chamber.csv']),
-    experiment('5.3.2', 'Elements and materials', 'Air in the hollow cuboid, expanded', 'The same.', ['config/reference/r4_chamber.csv']),
-    experiment('6.3.4', 'Elements and materials', 'Bubblefinger', 'Pumped up, on a coarse and a fine mesh.'),
-    experiment('6.3.5', 'Elements and materials', 'Bubblebot', 'One chamber pumped up, on a coarse and a fine mesh.'),
-    experiment('tentacle', 'Elements and materials', 'A measured tentacle', 'Markers of a real arm with one tendon, against our model at published materials and fitted on every other pose.'),
+    found('5.3.2', 'Elements and materials', 'Air in the hollow cuboid, expanded', 'The same.', ['config/reference/r4_chamber.csv']),
+    found('6.3.4', 'Elements and materials', 'Bubblefinger', 'Pumped up, on a coarse and a fine mesh.'),
+    found('6.3.5', 'Elements and materials', 'Bubblebot', 'One chamber pumped up, on a coarse and a fine mesh.'),
+    found('tentacle', 'Elements and materials', 'A measured tentacle', 'Markers of a real arm with one tendon, against our model at published materials and fitted on every other pose.'),
 ]
 COST = [
     Table('motion', 'Error against CPU time', 'A robot in motion', 'Spinebot with new random commands: distance of all nodes in all frames from fine steps on the same mesh.',
@@ -136,32 +136,32 @@ CONTACT = [
               ['config/robots/spinebot/touching.yaml'], 1.0, 'CPU time [s]'),
     experiment('grasp', 'Gripper', '', 'The gripper closes on a ball, lifts it, and is shaken, at friction about the least that its squeeze needs.', pictures={'grasp.png': 'grasp.png'}),
 ]
-WORKSPACES = [experiment('workspace_' + name, 'Workspaces', name.capitalize(), 'Each command is reached from hanging.') for name in ('spinebot', 'hammerbot')] + [
-    experiment('6.3.1', 'Workspaces', 'Hammerbot, the source\'s configurations', 'In its order, by sliding cables and by springs.'),
-    experiment('6.3.2', 'Workspaces', 'Spinebot, the source\'s configurations', 'The same.'),
+WORKSPACES = [found('workspace_' + name, 'Workspaces', name.capitalize(), 'Each command is reached from hanging.') for name in ('spinebot', 'hammerbot')] + [
+    found('6.3.1', 'Workspaces', 'Hammerbot, the source\'s configurations', 'In its order, by sliding cables and by springs.'),
+    found('6.3.2', 'Workspaces', 'Spinebot, the source\'s configurations', 'The same.'),
 ]
 POLICIES = [
     experiment('7.3.1', 'Finding policies', 'All methods', 'Random targets for Hammerbot\'s tip, reachable or not; `rmsprop` is the source\'s descent.'),
-    experiment('7.3.2', 'Finding policies', 'PID as published', 'On the same targets, beside `rmsprop`.'),
-    experiment('7.3.3', 'Reaching for a ball', 'The source\'s ball', 'Spinebot reaches for a ball where the source has it.'),
-    experiment('ball', 'Reaching for a ball', 'The demonstration\'s ball', 'Out of reach, and a place within reach.'),
-    experiment('air_policy', 'Reaching for a ball', 'Bubblebot', 'By its syringes, each policy from where the one before has left the robot.'),
+    found('7.3.2', 'Finding policies', 'PID as published', 'On the same targets, beside `rmsprop`.'),
+    found('7.3.3', 'Reaching for a ball', 'The source\'s ball', 'Spinebot reaches for a ball where the source has it.'),
+    found('ball', 'Reaching for a ball', 'The demonstration\'s ball', 'Out of reach, and a place within reach.'),
+    found('air_policy', 'Reaching for a ball', 'Bubblebot', 'By its syringes, each policy from where the one before has left the robot.'),
 ]
 LEARNED = [
     Table('learned_policy', 'A learned policy', '', '`learn.py` on robots that `random.yaml` draws, tried on others: drawn targets, markers alone, with noise; distances at the end of an episode, as cameras see it, without noise.',
           [Command(['{root}/src/python/examples/learn.py', 'config/tasks/reach_spinebot.yaml', '{out}/policy.npz', '--threads', '2'])], parse.learned, ['config/tasks/reach_spinebot.yaml']),
 ]
-RIG = [experiment(name, 'Emulated sessions', title, 'The source\'s configurations in its order, filmed by rendered cameras, beside the simulation of the same commands.') for name, title in (
+RIG = [found(name, 'Emulated sessions', title, 'The source\'s configurations in its order, filmed by rendered cameras, beside the simulation of the same commands.') for name, title in (
     ('6.4.1', 'Hammerbot'), ('6.4.2', 'Spinebot'), ('6.4.3', 'Bubblebot'))] + [
-    experiment('paths', 'Emulated sessions', 'Paths', 'Tips follow paths on the emulated rig, as commanded and with what earlier rounds showed.'),
-    experiment('fit', 'Fits', 'Stiffness, friction, compliance and lengths', 'Of Spinebot, from poses in their order; the gap on poses that the fit has not seen.'),
+    found('paths', 'Emulated sessions', 'Paths', 'Tips follow paths on the emulated rig, as commanded and with what earlier rounds showed.'),
+    found('fit', 'Fits', 'Stiffness, friction, compliance and lengths', 'Of Spinebot, from poses in their order; the gap on poses that the fit has not seen.'),
     experiment('fit_rig', 'Fits', 'All that an emulated rig hides', 'One recording of the emulated Spinebot, backlash and creep too.'),
     experiment('twin', 'What pushes a robot', '', 'Emulated robots are pushed at random places of their skin, and carry weights at their markers; a twin that sees markers says where and how much.'),
     experiment('4.3.1', 'Motor rig', 'Time to pull a cable', 'Beside what the lab measured.', pictures={'4.3.1.png': 'pull_time.png'}),
-    experiment('rig_faults', 'Motor rig', 'Faults', 'Random commands over a line that corrupts, loses and doubles bytes, with unpluggings, resets and a power cut.'),
+    found('rig_faults', 'Motor rig', 'Faults', 'Random commands over a line that corrupts, loses and doubles bytes, with unpluggings, resets and a power cut.'),
     experiment('tracking', 'Tracker', 'A moving robot', 'Spinebot goes through its commands; a post hides markers from one of two cameras.'),
-    experiment('3.3.1', 'Tracker', 'Dark stickers', 'Found by contrast alone, as the source does.'),
-    experiment('3.3.2', 'Tracker', 'A red tip', 'Found by colour.'),
+    found('3.3.1', 'Tracker', 'Dark stickers', 'Found by contrast alone, as the source does.'),
+    found('3.3.2', 'Tracker', 'A red tip', 'Found by colour.'),
 ]
 CASTING = [
     Table('casting', 'Casting', 'Verdicts', '`check_casting` on the robots of record.',
@@ -169,6 +169,6 @@ CASTING = [
     Table('moulds', 'Casting', 'Moulds', '`make_mould`, which verifies what it made: how close volumes close, and how far the cavity is off the skin.',
           [Command(['make_mould', robot(name), '--output', '{out}/' + name], '{out}/%s/mould.json' % name, name) for name in MOULDED], parse.moulds, [robot(name) for name in MOULDED]),
     experiment('demoulding', 'Casting', 'Robots drawn out of their moulds', 'Out of rigid moulds with friction; silicone bears the stretch that the table compares with.'),
-    experiment('design_spinebot', 'Casting', 'Search for a design', 'Numbers of castable Spinebot, so that its tip reaches farther.'),
+    found('design_spinebot', 'Casting', 'Search for a design', 'Numbers of castable Spinebot, so that its tip reaches farther.'),
 ]
 TABLES = SPEED + REDUCED + REST + ELEMENTS + COST + STABILITY + CONTACT + WORKSPACES + POLICIES + LEARNED + RIG + CASTING

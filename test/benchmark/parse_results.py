@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import re
+import statistics
 
 
 def table(columns, rows, notes=()):
@@ -20,6 +21,25 @@ def experiment(texts):
     result = json.loads(only(texts))
     failed = '' if result['converged'] else 'Not all of it converged: ' + result['message']
     return of_dicts(result['table'], notes=[result['we_find'], failed])
+
+
+def policies(texts):
+    """Of 7.3.1: each method over all targets, beside the nearest end of any method."""
+    close_mm, best, rows = 0.1, {}, []
+    result = json.loads(only(texts))
+    for row in result['table']:
+        best[row['target']] = min(row['distance [mm]'], best.get(row['target'], float('inf')))
+    for method in dict.fromkeys(row['method'] for row in result['table']):
+        own = [row for row in result['table'] if row['method'] == method]
+        farther = [row['distance [mm]'] - best[row['target']] for row in own]
+        rows.append({'method': method, 'farther than the best, median [mm]': round(statistics.median(farther), 5), 'at most [mm]': round(max(farther), 5),
+                     'targets within %g mm of it' % close_mm: '%d of %d' % (sum(mm <= close_mm for mm in farther), len(own)),
+                     'equilibria': span(own, 'equilibria'), 'CPU time [s]': span(own, 'CPU [s]')})
+    return of_dicts(rows, notes=experiment(texts)['notes'])
+
+
+def span(rows, key):
+    return '%.3g to %.3g' % (min(row[key] for row in rows), max(row[key] for row in rows))
 
 
 def only(texts):

@@ -78,7 +78,7 @@ class Measuring:
 
     def __enter__(self):
         self.begin = datetime.datetime.now(datetime.timezone.utc)
-        self.own_s, self.load = self.children_s(), os.getloadavg()[0]
+        self.own_s, self.load, self.commit = self.children_s(), os.getloadavg()[0], git(self.root, 'rev-parse', '--short=8', 'HEAD')
         return self
 
     @staticmethod
@@ -89,7 +89,7 @@ class Measuring:
     def __exit__(self, *error):
         end = datetime.datetime.now(datetime.timezone.utc)
         self.provenance = {
-            'date': self.begin.strftime('%Y-%m-%d'), 'commit': git(self.root, 'rev-parse', '--short=8', 'HEAD'),
+            'date': self.begin.strftime('%Y-%m-%d'), 'commit': self.commit,
             'changed_sources': bool(git(self.root, 'status', '--porcelain', '--', 'src', 'include', 'config', ':!*.md', ':!config/doc')),
             'machine': processor(), 'cores': os.cpu_count(), 'load': [round(self.load, 1), round(os.getloadavg()[0], 1)],
             'cpu_s': round(self.children_s() - self.own_s, 1), 'wall_s': round((end - self.begin).total_seconds(), 1)}

@@ -152,6 +152,12 @@ class Parsers(unittest.TestCase):
         self.assertEqual(parse.experiment({'': json.dumps(result)}), {
             'columns': ['a', 'b'], 'rows': [[1.5, 'x']], 'notes': ['So.', 'Not all of it converged: c did not']})
 
+    def test_policies_compare_each_method_with_the_best_end_for_a_target(self):
+        rows = [{'target': target, 'method': method, 'distance [mm]': mm, 'equilibria': count, 'CPU [s]': 0.5}
+                for target, method, mm, count in (('1', 'a', 5.0, 7), ('1', 'b', 7.0, 90), ('2', 'a', 3.05, 9), ('2', 'b', 3.0, 100))]
+        found = parse.policies({'': json.dumps({'table': rows, 'we_find': '', 'converged': True})})
+        self.assertEqual(found['rows'], [['a', 0.025, 0.05, '2 of 2', '7 to 9', '0.5 to 0.5'], ['b', 1.0, 2.0, '1 of 2', '90 to 100', '0.5 to 0.5']])
+
     def test_google_benchmark_takes_the_least_and_misses_none(self):
         run = {'run_name': 'Go/bar/iterations:2/repeats:5', 'cpu_time': 2.0, 'nodes': 7.0}
         text = json.dumps({'benchmarks': [{**run, 'aggregate_name': 'mean', 'cpu_time': 3.0}, {**run, 'aggregate_name': 'min'}]})

@@ -27,9 +27,9 @@ class Table:
     notes: bool = True
 
 
-def experiment(name, section, title, text, subject=(), pictures=None, columns=None, notes=True):
+def experiment(name, section, title, text, subject=(), pictures=None, columns=None, notes=True, parser=parse.experiment):
     command = Command(['experiment', name, '--result', '{out}/result.json', '--output', '{out}'], '{out}/result.json')
-    return Table(name, section, title, text, [command], parse.experiment, ['config/experiments/%s.yaml' % name, *subject],
+    return Table(name, section, title, text, [command], parser, ['config/experiments/%s.yaml' % name, *subject],
                  pictures or {}, columns, notes)
 
 
@@ -141,7 +141,8 @@ WORKSPACES = [found('workspace_' + name, 'Workspaces', name.capitalize(), 'Each 
     found('6.3.2', 'Workspaces', 'Spinebot, the source\'s configurations', 'The same.'),
 ]
 POLICIES = [
-    experiment('7.3.1', 'Finding policies', 'All methods', 'Random targets for Hammerbot\'s tip, reachable or not; `rmsprop` is the source\'s descent.'),
+    experiment('7.3.1', 'Finding policies', 'All methods', 'Random targets for Hammerbot\'s tip, reachable or not; `rmsprop` is the source\'s descent.',
+               pictures={'7.3.1_10.png': 'policies_far.png'}, parser=parse.policies),
     found('7.3.2', 'Finding policies', 'PID as published', 'On the same targets, beside `rmsprop`.'),
     found('7.3.3', 'Reaching for a ball', 'The source\'s ball', 'Spinebot reaches for a ball where the source has it.'),
     found('ball', 'Reaching for a ball', 'The demonstration\'s ball', 'Out of reach, and a place within reach.'),
@@ -153,7 +154,8 @@ LEARNED = [
 ]
 RIG = [found(name, 'Emulated sessions', title, 'The source\'s configurations in its order, filmed by rendered cameras, beside the simulation of the same commands.') for name, title in (
     ('6.4.1', 'Hammerbot'), ('6.4.2', 'Spinebot'), ('6.4.3', 'Bubblebot'))] + [
-    found('paths', 'Emulated sessions', 'Paths', 'Tips follow paths on the emulated rig, as commanded and with what earlier rounds showed.'),
+    found('paths', 'Emulated sessions', 'Paths', 'Tips follow paths on the emulated rig, as commanded and with what earlier rounds showed.',
+          ['config/experiments/6.4.%d.yaml' % number for number in (1, 2, 3)]),
     found('fit', 'Fits', 'Stiffness, friction, compliance and lengths', 'Of Spinebot, from poses in their order; the gap on poses that the fit has not seen.'),
     experiment('fit_rig', 'Fits', 'All that an emulated rig hides', 'One recording of the emulated Spinebot, backlash and creep too.'),
     experiment('twin', 'What pushes a robot', '', 'Emulated robots are pushed at random places of their skin, and carry weights at their markers; a twin that sees markers says where and how much.'),

@@ -111,14 +111,15 @@ def references(texts):
 
 
 def stability(texts):
-    """Squares of stability_cells.csv, counted by method and outcome; the default solver's by body too."""
-    counts, outcomes = {}, {}
+    """Squares of stability_cells.csv, counted by body, method and outcome; those of the default solver that failed by name."""
+    counts, outcomes, failed = {}, {}, []
     for cell in csv.DictReader(io.StringIO(only(texts))):
-        key = (cell['body'], cell['method'])
         outcomes[cell['outcome']] = None
-        counts.setdefault(key, {}).setdefault(cell['outcome'], 0)
-        counts[key][cell['outcome']] += 1
-    return of_dicts([{'body': key[0], 'method': key[1], **{word: count.get(word, 0) for word in outcomes}} for key, count in counts.items()])
+        counts.setdefault((cell['body'], cell['method']), []).append(cell['outcome'])
+        if cell['default'] == '1' and cell['outcome'] not in ('survived', 'recovered'):
+            failed.append('%s, %s, %s, %s: %s.' % (cell['body'], cell['method'], cell['case'], cell['outcome'], cell['message']))
+    rows = [{'body': key[0], 'method': key[1], **{word: found.count(word) for word in outcomes}} for key, found in counts.items()]
+    return of_dicts(rows, notes=['Of the default solver: ' + ' '.join(failed)] if failed else [])
 
 
 def casting(texts):

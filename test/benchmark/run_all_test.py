@@ -185,9 +185,11 @@ class Parsers(unittest.TestCase):
         self.assertEqual(found['notes'], ['Tests that failed: A'])
 
     def test_stability(self):
-        text = 'body,method,case,outcome\n"bar","newton","a","survived"\n"bar","newton","b","survived"\n"bar","xpbd","a","too slow"\n'
-        self.assertEqual(parse.stability({'': text})['rows'], [['bar', 'newton', 2, 0], ['bar', 'xpbd', 0, 1]])
-
+        text = ('body,method,case,default,outcome,message\n"bar","newton","a",1,survived,""\n'
+                '"bar","newton","b",1,failed silently,"no rest"\n"bar","xpbd","a",0,too slow,""\n')
+        found = parse.stability({'': text})
+        self.assertEqual(found['rows'], [['bar', 'newton', 1, 1, 0], ['bar', 'xpbd', 0, 0, 1]])
+        self.assertEqual(found['notes'], ['Of the default solver: bar, newton, b, failed silently: no rest.'])
 
     def test_nodes(self):
         series = {'method': 'newton', 'question': 'motion', 'exponent': 1.8, 'meshes': [{'nodes': 9, 'cpu_s': 0.15}, {'nodes': 90, 'cpu_s': 1.5}]}

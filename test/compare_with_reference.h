@@ -20,7 +20,7 @@ inline void expect_near_reference(const std::string& what, double found, double 
 
 inline std::string rounded(double value) {  // as a reader writes it
   std::ostringstream text;
-  text << std::setprecision(4) << value;
+  text << std::setprecision(6) << value;
   return text.str();
 }
 

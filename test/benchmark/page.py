@@ -13,6 +13,8 @@ def number(value):
         return str(value).replace('|', '\\|')
     if value == int(value) and abs(value) < 1e6:
         return str(int(value))
+    if 1e4 <= abs(value) < 1e6:
+        return '%.0f' % value
     text = '%.4g' % value
     return re.sub(r'e([+-])0*(\d)', lambda found: 'e' + found.group(1).replace('+', '') + found.group(2), text)
 
@@ -39,9 +41,13 @@ def measured_text(result, changed):
     return '*' + text + '.*' if not changed else text + '.'
 
 
+def sentences(notes):
+    return [note.strip()[0].upper() + note.strip()[1:] for note in notes if note.strip()]
+
+
 def item_text(table, result, changed):
     """One line of a list, of a table that is not shown but for what it finds."""
-    parts = [table.text] + [note.strip() for note in result['notes']] + [measured_text(result, changed)]
+    parts = [table.text][:bool(table.text)] + sentences(result['notes']) + [measured_text(result, changed)]
     return ['- **%s**: ' % table.title + ' '.join(' '.join(part.split()) for part in parts)]
 
 
@@ -52,7 +58,7 @@ def table_text(table, result, changed):
         lines += ['![%s](../../config/doc/%s)' % (table.title or name, name), '']
     lines += rows_text(table, result) + ['']
     if result['notes'] and table.notes:
-        lines += [note.strip() for note in result['notes']] + ['']
+        lines += sentences(result['notes']) + ['']
     return lines
 
 

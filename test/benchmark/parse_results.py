@@ -39,7 +39,7 @@ def policies(texts):
 
 
 def span(rows, key):
-    return '%.3g to %.3g' % (min(row[key] for row in rows), max(row[key] for row in rows))
+    return '%.4g to %.4g' % (min(row[key] for row in rows), max(row[key] for row in rows))
 
 
 def only(texts):

@@ -56,7 +56,7 @@ def run_command(command, programs, out):
 def shown(words):
     """A command without where its files go."""
     text = re.sub(r'( --?\w+)? \{out\}\S*| --\w+=\S*\{out\}\S*', '', ' '.join(words))
-    return text.replace('{root}/', '')
+    return text.replace('{root}/', '').replace('/bin/cat ', '')
 
 
 def measure(table, programs, folder, keep):

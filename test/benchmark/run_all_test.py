@@ -94,7 +94,8 @@ class Page(unittest.TestCase):
         self.assertIn('Not measured yet: `small`', page.text([small_table()], {}, {}))
 
     def test_writes_numbers_with_four_digits(self):
-        self.assertEqual([page.number(value) for value in (1234567.0, 0.5, 1.23456e-9, 12345, 'a|b')], ['1.235e6', '0.5', '1.235e-9', '12345', 'a\\|b'])
+        self.assertEqual([page.number(value) for value in (1234567.0, 12345.6, 0.5, 1.23456e-9, 12345, 'a|b')],
+                         ['1.235e6', '12346', '0.5', '1.235e-9', '12345', 'a\\|b'])
 
 
 class Checks(unittest.TestCase):

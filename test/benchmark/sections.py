@@ -24,7 +24,7 @@ SECTIONS = {
                       'Distances are of all nodes, at commands and in motion that training did not use; an audit estimates the error of a state.',
     'The same rest state by every way': 'Whatever solver, time step or way leads there, a body must come to rest where its equilibrium is.',
     'Elements and materials': 'Bodies with references from elsewhere (`config/reference/`) or with finer meshes of our own.',
-    'Error against CPU time': 'Each run is one mesh, element and solver; the error is that of the tip or of points along the body, whichever is more.',
+    'Error against CPU time': 'What accuracy costs, and what others\' programs take.',
     'Where methods fail': 'Every method in hard cases: nearly incompressible silicone, long steps, rigid cables, slivers, scrambled nodes, obstacles.\n'
                           '*Survived*: every solve converged to the right place without inverted elements. *Recovered*: the same, but a solve failed on the way, or the start was no shape.\n'
                           '*Failed silently*: it claims to have converged to something else.',
@@ -36,11 +36,11 @@ SECTIONS = {
     'Reaching for a ball': 'Policies of the model, played on an emulated robot that differs from it, then in closed loop.\n'
                            'Distances on the emulated robot are true ones; the controller knows measured ones.',
     'A learned policy': '',
-    'Emulated sessions': 'The emulated rig is our own model with other parameters: its gaps measure the tool chain, not the model of silicone.',
+    'Emulated sessions': 'The emulated rig is our own model with other parameters: its gaps measure the tool chain, not the model of silicone.\n'
+                         'Robots go through the source\'s configurations in its order, filmed by rendered cameras, beside the simulation of the same commands.',
     'Fits': 'Parameters of a robot found again from recordings of markers.',
     'What pushes a robot': '',
     'Motor rig': 'The real firmware on emulated boards.',
     'Tracker': 'Rendered cameras film simulated robots.',
     'Casting': '',
-    'Studies': '',
 }

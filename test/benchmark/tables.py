@@ -105,6 +105,10 @@ ELEMENTS = [
     found('tentacle', 'Elements and materials', 'A measured tentacle', 'Markers of a real arm with one tendon, against our model at published materials and fitted on every other pose.'),
 ]
 COST = [
+    Table('errors', 'Error against CPU time', 'Beside Bullet', 'Each run is one mesh, element and solver; the error is that of the tip or of points along the body, whichever is more. Bullet solves the same linear meshes.',
+          [Command(['chart_speed_accuracy', '--part', 'errors', '--output', '{out}'], '{out}/speed_accuracy.json')], parse.experiment,
+          ['config/experiments/speed_accuracy.yaml', 'config/reference/*.csv'],
+          {name: name for name in ('speed_accuracy_cantilever_0.45.png', 'speed_accuracy_cook_0.49.png', 'speed_accuracy_cable_bar_0.49.png')}),
     Table('motion', 'Error against CPU time', 'A robot in motion', 'Spinebot with new random commands: distance of all nodes in all frames from fine steps on the same mesh.',
           [Command(['chart_speed_accuracy', '--part', 'motion', '--output', '{out}'], '{out}/speed_accuracy.json')],
           parse.chart('motion', {'method': 'method', 'steps_a_frame': 'steps a frame', 'substeps': 'substeps', 'cpu_s_per_simulated_s': 'CPU time of a simulated second [s]',
@@ -152,7 +156,7 @@ LEARNED = [
     Table('learned_policy', 'A learned policy', '', '`learn.py` on robots that `random.yaml` draws, tried on others: drawn targets, markers alone, with noise; distances at the end of an episode, as cameras see it, without noise.',
           [Command(['{root}/src/python/examples/learn.py', 'config/tasks/reach_spinebot.yaml', '{out}/policy.npz', '--threads', '2'])], parse.learned, ['config/tasks/reach_spinebot.yaml']),
 ]
-RIG = [found(name, 'Emulated sessions', title, 'The source\'s configurations in its order, filmed by rendered cameras, beside the simulation of the same commands.') for name, title in (
+RIG = [found(name, 'Emulated sessions', title, '') for name, title in (
     ('6.4.1', 'Hammerbot'), ('6.4.2', 'Spinebot'), ('6.4.3', 'Bubblebot'))] + [
     found('paths', 'Emulated sessions', 'Paths', 'Tips follow paths on the emulated rig, as commanded and with what earlier rounds showed.',
           ['config/experiments/6.4.%d.yaml' % number for number in (1, 2, 3)]),

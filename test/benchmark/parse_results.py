@@ -103,7 +103,7 @@ def references(texts):
                 for what, both in test.items():
                     if isinstance(both, str) and what.count(' | ') == 2:
                         found, reference = map(float, both.split(' of '))
-                        rows.append(what.split(' | ') + [found, reference, round(100.0 * (found / reference - 1.0), 2)])
+                        rows.append(what.split(' | ') + [found, reference, round(100.0 * (found / reference - 1.0), 2) if reference else ''])
     rows = sorted(rows, key=lambda row: [float(word) if re.fullmatch(r'[\d.]+', word) else word
                                          for word in re.split(r'([\d.]+)', row[0] + ' ' + row[2] + ' ' + row[1])])
     return table(['case', 'elements', 'quantity', 'found', 'reference', 'difference [%]'], rows,

@@ -180,9 +180,11 @@ class Parsers(unittest.TestCase):
         self.assertEqual(parse.xpbd({'': text})['rows'], [['xpbd, 100 substeps', 2.73, 0.12, 1.2]])
 
     def test_references_in_the_order_of_their_numbers(self):
-        test = {'name': 'A', 'R10, bar | 5 mm | force [N]': '1.02 of 1', 'R7, bar | 5 mm | force [N]': '2 of 2', 'failures': [{}]}
+        test = {'name': 'A', 'R10, bar | 5 mm | force [N]': '1.02 of 1', 'R7, bar | 5 mm | force [N]': '2 of 2',
+                'R7, bar | 5 mm | way [m]': '1e-9 of 0', 'failures': [{}]}
         found = parse.references({'a': json.dumps({'testsuites': [{'testsuite': [test]}]})})
-        self.assertEqual(found['rows'], [['R7, bar', '5 mm', 'force [N]', 2.0, 2.0, 0.0], ['R10, bar', '5 mm', 'force [N]', 1.02, 1.0, 2.0]])
+        self.assertEqual(found['rows'], [['R7, bar', '5 mm', 'force [N]', 2.0, 2.0, 0.0], ['R7, bar', '5 mm', 'way [m]', 1e-9, 0.0, ''],
+                                         ['R10, bar', '5 mm', 'force [N]', 1.02, 1.0, 2.0]])
         self.assertEqual(found['notes'], ['Tests that failed: A'])
 
     def test_stability(self):

@@ -126,11 +126,14 @@ STABILITY = [
           [robot('spinebot'), robot('hammerbot'), 'config/scenes/cantilever.yaml', robot('hollow_cuboid')]),
 ]
 CONTACT = [
-    Table('contact', 'Contact with obstacles', '', 'Forces, places and times of bodies against rigid obstacles.',
-          [reference_tests('contact_test', '*Reference*:*Hertz*'), reference_tests('friction_test', '*Reference*'), reference_tests('cable_friction_test', '*FindsItsWay*')],
+    Table('contact', 'Contact with obstacles', '', 'Forces, places and times of bodies against rigid obstacles, on the meshes of the ordinary suite.',
+          [reference_tests('contact_test', '*Reference*:*Hertz*-*OnAFineMesh*'), reference_tests('friction_test', '*Reference*'), reference_tests('cable_friction_test', '*FindsItsWay*')],
           parse.references, ['test/mechanics/contact/contact_bodies.h'] + ['config/reference/r%s.csv' % name for name in (
               '7_cylinder_on_block_planestrain', '7_sphere_on_disc', '8_beam_on_post_planestrain', '10_friction_block_planestrain', '11_finger_on_cylinder_planestrain',
               '12_drop', '13_capstan')]),
+    Table('contact_fine', 'Contact with obstacles', 'On finer meshes', 'The same, on meshes of the nightly suite.', [reference_tests('contact_test', '*OnAFineMesh*')], parse.references,
+          ['test/mechanics/contact/contact_bodies.h'] + ['config/reference/r%s.csv' % name for name in (
+              '7_sphere_on_disc', '8_beam_on_post_planestrain', '11_finger_on_cylinder_planestrain')]),
     Table('self_contact', 'Self-contact', 'A slot and a clip that close (R9)', 'Forces between their sides. The clip\'s corners touch first.',
           [reference_tests('self_contact_test', '*Reference*')], parse.references,
           ['test/mechanics/contact/contact_bodies.h', 'config/reference/r9_slot_selfcontact.csv', 'config/reference/r9_clip_selfcontact.csv']),

@@ -48,14 +48,17 @@ def only(texts):
     return next(iter(texts.values()))
 
 
-def google_benchmark(names, counters, unit=1.0, column='CPU time [ms]'):
-    """Rows of --benchmark_format=json: `names` {benchmark: row}, `counters` {counter: column}; the least where repeated."""
+def google_benchmark(names, counters, column='CPU time [ms]', second_ms=None):
+    """Rows of --benchmark_format=json: `names` {benchmark: row}, `counters` {counter: column}; the least where repeated.
+    `second_ms`: of a simulated second, in the unit of its times."""
     def parse(texts):
         rows = []
         for run in json.loads(only(texts))['benchmarks']:
             name = run['run_name'].split('/iterations:')[0].split('/repeats:')[0].split('/min_time:')[0]
             if run.get('aggregate_name', 'min') == 'min' and name in names:
-                row = {'': names[name], column: run['cpu_time'] * unit}
+                row = {'': names[name], column: run['cpu_time']}
+                if second_ms:
+                    row['times real time'] = second_ms / run['cpu_time']
                 row.update({title: run[counter] for counter, title in counters.items() if counter in run})
                 rows.append(row)
         if len(rows) != len(names):

@@ -162,8 +162,8 @@ class Parsers(unittest.TestCase):
     def test_google_benchmark_takes_the_least_and_misses_none(self):
         run = {'run_name': 'Go/bar/iterations:2/repeats:5', 'cpu_time': 2.0, 'nodes': 7.0}
         text = json.dumps({'benchmarks': [{**run, 'aggregate_name': 'mean', 'cpu_time': 3.0}, {**run, 'aggregate_name': 'min'}]})
-        found = parse.google_benchmark({'Go/bar': 'bar'}, {'nodes': 'nodes'})({'': text})
-        self.assertEqual((found['columns'], found['rows']), (['', 'CPU time [ms]', 'nodes'], [['bar', 2.0, 7.0]]))
+        found = parse.google_benchmark({'Go/bar': 'bar'}, {'nodes': 'nodes'}, second_ms=1e3)({'': text})
+        self.assertEqual((found['columns'], found['rows']), (['', 'CPU time [ms]', 'times real time', 'nodes'], [['bar', 2.0, 500.0, 7.0]]))
         self.assertRaises(ValueError, parse.google_benchmark({'Go/other': ''}, {}), {'': text})
 
     def test_reduced(self):

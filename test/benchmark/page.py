@@ -74,14 +74,13 @@ def text(tables, results, changed):
     lines = ['# Results, and how to repeat them', ''] + FOREWORD.strip().split('\n') + ['']
     if results:
         lines += ['Measured from %s to %s on: %s.' % (dates[0], dates[-1], '; '.join(machines(results))), '']
-    missing = [table.name for table in tables if table.name not in results]
-    if missing:
-        lines += ['Not measured yet: ' + ', '.join('`%s`' % name for name in missing) + '.', '']
-    shown = [section for section in SECTIONS if any(table.section == section and table.name in results for table in tables)]
+    shown = [section for section in SECTIONS if any(table.section == section for table in tables)]
     lines += [', '.join('[%s](#%s)' % (section, section.lower().replace(' ', '-')) for section in shown) + '.', ''] if shown else []
     for section in shown:
         lines += ['## ' + section] + ([SECTIONS[section]] if SECTIONS[section] else [])
         there = [table for table in tables if table.section == section and table.name in results]
+        missing = ['`%s`' % table.name for table in tables if table.section == section and table.name not in results]
+        lines += ['Not measured yet: %s.' % ', '.join(missing)] if missing else []
         for only_found, write in ((True, item_text), (False, table_text)):
             some = [table for table in there if (table.columns == []) == only_found]
             if some and (only_found or some[0].title) and lines[-1]:

@@ -152,8 +152,10 @@ def moulds(texts):
 def chart(part, columns):
     """A list of numbers of chart_speed_accuracy's speed_accuracy.json: `columns` {key: title}."""
     def parse(texts):
-        numbers = json.loads(only(texts))[part]
-        rows = numbers if isinstance(numbers, list) else numbers['runs']
+        rows = json.loads(only(texts))[part]
+        absent = [key for key in columns if not any(key in row for row in rows)]
+        if absent:
+            raise ValueError('no row has ' + ', '.join(absent))
         return of_dicts([{title: row.get(key, '') for key, title in columns.items()} for row in rows])
     return parse
 

@@ -194,6 +194,11 @@ class Parsers(unittest.TestCase):
         self.assertEqual(found['rows'], [['bar', 'newton', 1, 1, 0], ['bar', 'xpbd', 0, 0, 1]])
         self.assertEqual(found['notes'], ['Of the default solver: bar, newton, b, failed silently: no rest.'])
 
+    def test_chart(self):
+        text = json.dumps({'motion': [{'method': 'newton', 'rms_mm': 0.5}, {'method': 'reduced', 'rms_mm': 0.25, 'modes': 12}]})
+        self.assertEqual(parse.chart('motion', {'method': 'method', 'modes': 'modes'})({'': text})['rows'], [['newton', ''], ['reduced', 12]])
+        self.assertRaises(ValueError, parse.chart('motion', {'gone': 'gone'}), {'': text})
+
     def test_nodes(self):
         series = {'method': 'newton', 'question': 'motion', 'exponent': 1.8, 'meshes': [{'nodes': 9, 'cpu_s': 0.15}, {'nodes': 90, 'cpu_s': 1.5}]}
         self.assertEqual(parse.nodes({'': json.dumps({'nodes': [series]})})['rows'], [['newton', 'motion', '9, 90', '0.15, 1.5', 1.8]])

@@ -55,7 +55,7 @@ def table_text(table, result, changed):
     lines = ['### ' + table.title] if table.title else []
     lines += [line for line in (table.text, measured_text(result, changed)) if line] + ['']
     for name in result['pictures']:
-        lines += ['![%s](../../config/doc/%s)' % (table.title or name, name), '']
+        lines += ['![%s](../../config/doc/%s)' % (table.title or table.section, name), '']
     lines += rows_text(table, result) + ['']
     if result['notes'] and table.notes:
         lines += sentences(result['notes']) + ['']

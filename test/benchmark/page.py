@@ -48,6 +48,7 @@ def sentences(notes):
 def item_text(table, result, changed):
     """One line of a list, of a table that is not shown but for what it finds."""
     parts = [table.text][:bool(table.text)] + sentences(result['notes']) + [measured_text(result, changed)]
+    parts += ['![%s](../../config/doc/%s)' % (table.title, name) for name in result['pictures']]
     return ['- **%s**: ' % table.title + ' '.join(' '.join(part.split()) for part in parts)]
 
 

@@ -90,12 +90,6 @@ def reduced(texts):
     return of_dicts(rows)
 
 
-def xpbd(texts):
-    pattern = r'^(.*?) +' + NUMBER + r' ms a second, rms +' + NUMBER + r' mm, max +' + NUMBER + ' mm'
-    rows = [[name, float(ms) / 1e3, float(rms), float(most)] for name, ms, rms, most in re.findall(pattern, only(texts), re.M)]
-    return table(['method', 'CPU time of a simulated second [s]', 'rms [mm]', 'largest [mm]'], rows)
-
-
 def references(texts):
     """Of gtest's --gtest_output=json: what expect_near_reference() recorded."""
     rows, failed = [], []

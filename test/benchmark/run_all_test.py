@@ -88,6 +88,8 @@ class Page(unittest.TestCase):
     def test_writes_what_is_found_in_a_line_where_no_column_is_shown(self):
         text = page.text([small_table(columns=[])], {'small': small_result()}, {})
         self.assertIn('\n- **Small**: One beside another. It is so. *`one --fast`', text)
+        result = {**small_result(), 'pictures': {'small.png': 'abc'}}
+        self.assertIn('.* ![Small](../../config/doc/small.png)\n', page.text([small_table(columns=[])], {'small': result}, {}))
         self.assertNotIn('| a |', text)
 
     def test_names_tables_without_a_result(self):
@@ -174,10 +176,6 @@ class Parsers(unittest.TestCase):
                 '         transient   rms 0.1900 mm, max 0.9800 mm, 0 of 360 unsolved\n'
                 'audits   200 states: 199 within a factor of 2 (2.5 % 0.9)\n')
         self.assertEqual(parse.reduced({'bar': text})['rows'][1], ['bar', '12 modes, 26 points', 13.0, 1270.0, 0.22, 1.07, 0.19, 0.98, '199 of 200', 3.4])
-
-    def test_xpbd(self):
-        text = 'xpbd, 100 substeps       2730.00 ms a second, rms   0.1200 mm, max    1.200 mm,   225.0 iterations a frame\n'
-        self.assertEqual(parse.xpbd({'': text})['rows'], [['xpbd, 100 substeps', 2.73, 0.12, 1.2]])
 
     def test_references_in_the_order_of_their_numbers(self):
         test = {'name': 'A', 'R10, bar | 5 mm | force [N]': '1.02 of 1', 'R7, bar | 5 mm | force [N]': '2 of 2',

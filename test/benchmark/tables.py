@@ -90,8 +90,6 @@ REST = [
     experiment('rest_states', 'The same rest state by every way', '', 'Bodies come to rest in time, damped by their mass, which leaves rest states alone. Scenes are drawn at random too: '
                'all loads, commands, obstacles and holds go slowly and in step, and all nodes must end where the equilibrium is, or its warnings must say why not.'),
     found('6.3.3', 'The same rest state by every way', 'The order of pulls', 'Two cables pulled one after the other, in both orders, by equilibria and in time.'),
-    Table('xpbd', 'The same rest state by every way', '`xpbd` beside `newton` in motion', 'Spinebot with new random commands; distances of all nodes from fine steps by `tr_bdf2` on the same mesh.',
-          [Command(['benchmark_xpbd', 'spinebot', '2', '100', '142', '200'])], parse.xpbd, [robot('spinebot')]),
 ]
 ELEMENTS = [
     experiment('cantilever', 'Elements and materials', 'The cantilever (R1)', 'A bar under its own weight, held at one end, over Poisson\'s ratios: by quadratic and linear elements.',
@@ -108,7 +106,7 @@ COST = [
     Table('errors', 'Error against CPU time', 'Beside Bullet', 'Each run is one mesh, element and solver; the error is that of the tip or of points along the body, whichever is more. Bullet solves the same linear meshes.',
           [Command(['chart_speed_accuracy', '--part', 'errors', '--output', '{out}'], '{out}/speed_accuracy.json')], parse.experiment,
           ['config/experiments/speed_accuracy.yaml', 'config/reference/*.csv'],
-          {name: name for name in ('speed_accuracy_cantilever_0.45.png', 'speed_accuracy_cook_0.49.png', 'speed_accuracy_cable_bar_0.49.png')}),
+          {name: name for name in ('speed_accuracy_cantilever_0.45.png', 'speed_accuracy_cook_0.49.png', 'speed_accuracy_cable_bar_0.49.png')}, []),
     Table('motion', 'Error against CPU time', 'A robot in motion', 'Spinebot with new random commands: distance of all nodes in all frames from fine steps on the same mesh.',
           [Command(['chart_speed_accuracy', '--part', 'motion', '--output', '{out}'], '{out}/speed_accuracy.json')],
           parse.chart('motion', {'method': 'method', 'steps_a_frame': 'steps a frame', 'substeps': 'substeps', 'cpu_s_per_simulated_s': 'CPU time of a simulated second [s]',
@@ -164,7 +162,7 @@ RIG = [found(name, 'Emulated sessions', title, '') for name, title in (
     found('paths', 'Emulated sessions', 'Paths', 'Tips follow paths on the emulated rig, as commanded and with what earlier rounds showed.',
           ['config/experiments/6.4.%d.yaml' % number for number in (1, 2, 3)]),
     found('fit', 'Fits', 'Stiffness, friction, compliance and lengths', 'Of Spinebot, from poses in their order; the gap on poses that the fit has not seen.'),
-    experiment('fit_rig', 'Fits', 'All that an emulated rig hides', 'One recording of the emulated Spinebot, backlash and creep too.'),
+    found('fit_rig', 'Fits', 'All that an emulated rig hides', 'One recording of the emulated Spinebot, backlash and creep too.'),
     experiment('twin', 'What pushes a robot', '', 'Emulated robots are pushed at random places of their skin, and carry weights at their markers; a twin that sees markers says where and how much.'),
     found('4.3.1', 'Motor rig', 'Time to pull a cable', 'Beside what the lab measured.'),
     found('rig_faults', 'Motor rig', 'Faults', 'Random commands over a line that corrupts, loses and doubles bytes, with unpluggings, resets and a power cut.'),
